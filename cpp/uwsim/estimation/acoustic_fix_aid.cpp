@@ -16,6 +16,15 @@ class AcousticFixAid final : public Aid {
   int width() const override { return 3; }
   ErrorIndex seen() const override { return kPosition; }
 
+  bool is_credible(const FilterState& state, const double* reading) const override {
+    if (!is_height_judged_) return true;
+    const Eigen::Vector3d fix = Eigen::Vector3d::Map(reading);
+    const double range = fix.norm(), off = std::abs(fix.z() - expected(state).z());
+    const double known = state.covariance(kPosition + 2, kPosition + 2);
+    const double measured = errors_.bearing_std_rad * errors_.bearing_std_rad * range * range;
+    return known > measured || off < kMirrored * range || off * off < kGate * kGate * (known + measured);
+  }
+
   void correct(FilterState& state, const double* reading) const override {
     const Eigen::Vector3d fix = Eigen::Vector3d::Map(reading);
     const double range = fix.norm();
@@ -36,6 +45,7 @@ class AcousticFixAid final : public Aid {
 
   void be_as_in(std::uint64_t version) override {
     if (version <= 2) errors_.range_step_m = 0;
+    if (version <= 3) is_height_judged_ = false;
   }
   void exchange_parameters(StateArchive& archive, std::uint64_t version) override {
     exchange_numbers(archive, lever_);
@@ -45,10 +55,12 @@ class AcousticFixAid final : public Aid {
     if (version < 3) return;
     exchange_not_negative(archive, errors_.range_step_m);
     exchange_not_negative(archive, errors_.period_s);
+    if (version >= 4) archive(is_height_judged_);
   }
 
  private:
-  static constexpr double kKnown = 0.1;  // as a fraction of the range
+  static constexpr double kKnown = 0.1;     // as a fraction of the range
+  static constexpr double kMirrored = 0.1;  // height's error of a mirrored path, at least, as a fraction of the range
 
   Eigen::Vector3d expected(const FilterState& state) const {
     return state.position_m + state.orientation * lever_ - station_;
@@ -71,6 +83,7 @@ class AcousticFixAid final : public Aid {
 
   Eigen::Vector3d lever_, station_;
   FixErrors errors_;
+  bool is_height_judged_ = true;
 };
 
 }  // namespace

@@ -39,6 +39,9 @@ class Aid {
   virtual void begin(FilterState& /*state*/) const {}
   /// Advances errors that do not follow their BiasModel alone.
   virtual void age(FilterState& /*state*/, double /*dt_s*/) const {}
+  /// Returns false for a reading that contradicts something which the state knows better than the instrument, so that
+  /// it is left out whole, and never makes the filter doubt its estimate.
+  virtual bool is_credible(const FilterState& /*state*/, const double* /*reading*/) const { return true; }
   /// Corrects `state` with a reading of shape (width(),), one scalar at a time.
   virtual void correct(FilterState& state, const double* reading) const = 0;
   /// Drops the parameters that saved states of this version lack: a filter restored from one goes on as it was.
@@ -80,7 +83,8 @@ struct FixErrors {
   double period_s = 1;
 };
 /// An aid whose reading is the position relative to a station along east, north and up, (3,) [m], with errors along and
-/// across the line of sight.
+/// across the line of sight. A fix whose height contradicts the depth is not credible: the sound came by the bed or the
+/// surface, and its range and bearing are those of a mirrored station.
 std::unique_ptr<Aid> acoustic_fix_aid(const Eigen::Vector3d& lever_body_m, const Eigen::Vector3d& station_world_m,
                                       const FixErrors& errors);
 /// An aid whose reading is the orientation, a quaternion x, y, z, w that rotates body axes to world axes, (4,), with

@@ -91,6 +91,10 @@ bool NavigationFilter::biases_are_plausible() const {
 void NavigationFilter::correct(const Event& reading) {
   const auto aid = static_cast<std::size_t>(reading.source);
   AidCounts& counts = present_.counts[aid];
+  if (!aids_[aid]->is_credible(present_, reading.values)) {
+    counts.rejected += static_cast<std::uint64_t>(aids_[aid]->width());
+    return;
+  }
   const std::uint64_t doubts = present_.doubts, accepted = counts.accepted, rejected = counts.rejected;
   aids_[aid]->correct(present_, reading.values);
   const std::uint64_t outliers = counts.rejected - rejected, good = counts.accepted - accepted;

@@ -34,7 +34,7 @@ class NavigationFilter {
   /// Version of the bytes that save() returns. Version 2 added the parameters of the filter's instruments, the IMU's
   /// last sample, and all three axes of a compass's hard iron. Version 3 added the waves' pressure at a depth gauge and
   /// the dock.
-  static constexpr std::uint64_t kVersion = 3;
+  static constexpr std::uint64_t kVersion = 4;
 
   /// `imu_body_m`: position of the IMU on the body.
   NavigationFilter(const ImuErrors& imu, const Eigen::Vector3d& imu_body_m, double gravity_m_s2);

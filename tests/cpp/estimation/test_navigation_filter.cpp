@@ -272,6 +272,36 @@ TEST(NavigationFilter, TheOrderOfArrivalDoesNotMatter) {
   EXPECT_THROW(copy.restore(late->save()), InvalidValue);  // it has no aids
 }
 
+/// Sound that came by the bed has the range and the elevation of a mirrored station, fix after fix. The depth knows
+/// better, so that such fixes never make the filter doubt itself; a fix by the direct path is used again at once.
+TEST(NavigationFilter, FixesByTheBedAreLeftOutHoweverOftenTheyRepeat) {
+  const ImuErrors errors{.rate_std = 1e-4,
+                         .force_std = 1e-3,
+                         .period_s = 0.005,
+                         .rate_bias = {1e-5, 0, 0, 0},
+                         .force_bias = {1e-3, 0, 0, 0}};
+  NavigationFilter filter(errors, Eigen::Vector3d::Zero(), kGravity);
+  const double distance = 350, bed = 60;
+  const int fix = filter.add_aid(acoustic_fix_aid({0, 0, 0}, {distance, 0, 0}, {0.1, 0.02}));
+  const int depth = filter.add_aid(depth_aid({0, 0, 0}, 0.02, {0.02, 0, 0, 0}, 0));
+  filter.start(known(1, 0.1, 0.01));
+  const std::array<double, 3> direct{-distance, 0, 0}, by_the_bed{-distance, 0, -2 * bed};
+  for (std::uint64_t k = 1; k <= 12000; ++k) {
+    filter.add_imu(k * kStep_ns, kAtRest.data());
+    const double at_surface = 0;
+    if (k % 10 == 0) filter.add_reading(depth, k * kStep_ns, k * kStep_ns, &at_surface);
+    const bool is_direct = k <= 1000 || k > 11000;
+    if (k % 200 == 0) filter.add_reading(fix, k * kStep_ns, k * kStep_ns, (is_direct ? direct : by_the_bed).data());
+    filter.catch_up();
+  }
+  EXPECT_EQ(filter.state().doubts, 0u);
+  EXPECT_LT(filter.state().position_m.norm(), 1.0);
+  EXPECT_LT(filter.state().velocity_m_s.norm(), 0.1);
+  const AidCounts& counts = filter.state().counts[static_cast<std::size_t>(fix)];
+  EXPECT_EQ(counts.rejected, 3u * 50u);
+  EXPECT_EQ(counts.accepted, 3u * 10u);
+}
+
 TEST(NavigationFilter, AnOutlierIsLeftOutUntilItRepeats) {
   NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
   const int depth = filter.add_aid(depth_aid(Eigen::Vector3d::Zero(), 0.01, {}, 0.1));

@@ -102,6 +102,26 @@ def test_a_fix_that_is_far_off_is_rejected() -> None:
     assert after[1] > before[1] and np.linalg.norm(errors(sim)[:3]) < 1.0
 
 
+def test_fixes_by_the_bed_do_not_move_the_estimate() -> None:
+    """350 m from the station in water 60 m deep, the USBL locks onto the echo by the bed."""
+    sim = Simulator(
+        {
+            "name": "bay", "seed": 1, "description": "a flat bay, its station far away", "water": {"density_kg_m3": 1026},
+            "terrain": {"source": "noise", "size_m": [1000, 1000], "spacing_m": 10, "bed_depth_m": 60},
+            "station": {"position_m": [380.0, 0.0, 0.0], "dock_m": [0.0, 0.0, -2.0]},
+            "vehicles": [{"name": "rov", "model": "remus100", "start": {"position_m": [0.0, 0.0, -3.0]}}],
+        }
+    )  # fmt: skip
+    _ = sim.rov.estimate
+    sim.rov.set_effort(surge=0.6)
+    sim.advance(60.0)
+    fix = sim.rov.sensors["usbl"].read().position_m
+    assert fix[2] < -50.0, "no echo by the bed: this tests nothing"
+    accepted, rejected = sim.rov.estimate.counts["usbl"]
+    assert accepted == 0 and rejected > 60, "the filter, without bottom lock, is left to its own drift"
+    assert np.linalg.norm(errors(sim)[:3]) < 3.0 * np.linalg.norm(sim.rov.estimate.position_std_m)
+
+
 def test_it_survives_an_imu_that_falls_silent() -> None:
     sim = undocked()
     flown(sim, 15.0, look=0.5)

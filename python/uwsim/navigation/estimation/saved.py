@@ -33,7 +33,7 @@ class NavigatorState(State):
     from_ns: the earliest possible stamp of each sensor's next sample.
     """
 
-    version: Literal[1, 2, 3] = 1
+    version: Literal[1, 2, 3, 4] = 1
     figures: WaterState | None = None
     held: HeldState | None = None
     filter: Base64Bytes
