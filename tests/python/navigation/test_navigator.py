@@ -106,7 +106,7 @@ def test_fixes_by_the_bed_do_not_move_the_estimate() -> None:
     """350 m from the station in water 60 m deep, the USBL locks onto the echo by the bed."""
     sim = Simulator(
         {
-            "name": "bay", "seed": 1, "description": "a flat bay, its station far away", "water": {"density_kg_m3": 1026},
+            "name": "bay", "seed": 1, "description": "a bay, its station far away", "water": {"density_kg_m3": 1026},
             "terrain": {"source": "noise", "size_m": [1000, 1000], "spacing_m": 10, "bed_depth_m": 60},
             "station": {"position_m": [380.0, 0.0, 0.0], "dock_m": [0.0, 0.0, -2.0]},
             "vehicles": [{"name": "rov", "model": "remus100", "start": {"position_m": [0.0, 0.0, -3.0]}}],
