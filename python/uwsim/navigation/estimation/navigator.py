@@ -211,12 +211,16 @@ class Navigator(Attached):
         samples = self._imu_stream.take()
         if self._imu.on and len(samples.stamps_ns):
             turn = self._body_from_imu.T
-            rates, forces = samples.readings[:, :3] @ turn, samples.readings[:, 3:6] @ turn
-            self._filter.add_imu(samples.stamps_ns, np.hstack([rates, forces]))
-            stamps_ns = np.concatenate([[self._imu_ns], samples.stamps_ns.astype(np.int64)])
-            for gap in np.flatnonzero(np.diff(stamps_ns) > self._silence_ns):
-                self._step_through_gap(int(stamps_ns[gap]), int(stamps_ns[gap + 1]))
-            self._imu_ns = int(stamps_ns[-1])
+            rates_and_forces = np.empty((len(samples.stamps_ns), 6))
+            rates_and_forces[:, :3] = samples.readings[:, :3] @ turn
+            rates_and_forces[:, 3:] = samples.readings[:, 3:6] @ turn
+            self._filter.add_imu(samples.stamps_ns, rates_and_forces)
+            newest_ns = int(samples.stamps_ns[-1])
+            if newest_ns - self._imu_ns > self._silence_ns:  # otherwise there is no gap among them
+                stamps_ns = np.concatenate([[self._imu_ns], samples.stamps_ns.astype(np.int64)])
+                for gap in np.flatnonzero(np.diff(stamps_ns) > self._silence_ns):
+                    self._step_through_gap(int(stamps_ns[gap]), int(stamps_ns[gap + 1]))
+            self._imu_ns = newest_ns
             self._from_ns[IMU] = self._imu_ns + 1
         self._imu_ns = self._step_through_gap(self._imu_ns, now_ns - round(self._imu.latency_s * 1e9))
 
