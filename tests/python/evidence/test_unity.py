@@ -8,6 +8,7 @@ import pytest
 
 import uwsim
 from command_line import uwsim as command
+from fbx_file import write_blender_fbx
 from uwsim.evidence.unity.project import Project
 from uwsim.evidence.unity.scenario import scenario_from
 from uwsim.evidence.unity.scene import _number, read_scene
@@ -121,6 +122,37 @@ def test_the_scenario_can_be_flown_and_says_what_it_lacks(project: Path, tmp_pat
     assert sim.scene.distance_m(tip) == pytest.approx([0.0], abs=0.1)
     hull = sim.scenario.vehicles[0].model
     assert hull.buoyancy == "neutral" or hull.mass_kg == pytest.approx(6.0 * 998.0, rel=0.01)  # a block of 3 x 2 x 1 m
+
+
+def hill_m(x, y):
+    """The height of hills that fall to the north-east."""
+    return 6.0 * np.cos(x / 15.0) * np.cos(y / 25.0) - 0.02 * x - 0.03 * y
+
+
+@pytest.mark.parametrize("is_instance", [False, True], ids=["of an object", "an instance of the file"])
+def test_hills_from_blender_are_the_bed(is_instance: bool, project: Path, tmp_path: Path) -> None:
+    x, y = np.meshgrid(np.arange(-150.0, 151.0, 2.0), np.arange(-180.0, 181.0, 2.0))
+    number = np.arange(x.size, dtype=np.int32).reshape(x.shape)
+    quads = np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1).reshape(-1, 4)
+    points_m = np.column_stack([x.ravel(), y.ravel(), hill_m(x, y).ravel()])
+    write_blender_fbx(project / "Assets" / "Hills.fbx", "Hills", points_m, quads)
+    guid = "d" * 32
+    (project / "Assets" / "Hills.fbx.meta").write_text(f"guid: {guid}\n")
+    lawn = thing(100, "SolidTerrain", PLANE, "0, y: 55.3, z: 0", scale="40, y: 1, z: 40")
+    hills = INSTANCE.replace("900", "950").replace(GUID, guid).replace("value: 70", "value: 45.3")
+    hills = hills.replace("value: Pair", "value: SolidTerrain")
+    if not is_instance:  # Unity keeps the node's turn and scale in the object
+        half = np.sqrt(0.5)
+        hills = thing(
+            100, "SolidTerrain", f"fileID: {_number('Hills')}, guid: {guid}, type: 3", "0, y: 45.3, z: 0",
+            scale="100, y: 100, z: 100", turn=f"{-half}, y: 0, z: 0, w: {half}",
+        )  # fmt: skip
+    changed(lawn, hills)(project)
+    made = scenario_from(Project(project), project / "Assets/LawnTest.unity", tmp_path / "lake")
+    places = np.array([[0.0, 0.0], [31.0, -22.0], [-44.0, 17.0], [12.5, 41.0], [-55.0, -45.0]])
+    heights = uwsim.Simulator(made.path).world.height_at(places)
+    # Blender's x and y are east and north; between points 2 m apart, the hills bend by 0.05 m at most.
+    np.testing.assert_allclose(heights, hill_m(*places.T) - 30.0, atol=0.06)
 
 
 def changed(old: str, new: str):
