@@ -24,7 +24,8 @@ from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")
 GRID_MAX = 256  # maximum number of points along an edge of the grid
-LOOK_BACK_M, LOOK_UP_M, LOOK_NEAR_M = 34.0, 24.0, 6.0  # the first view of a vehicle, as in map3d/scene.js
+LOOK_BACK_M, LOOK_UP_M, LOOK_NEAR_M = 34.0, 24.0, 6.0  # the first view of a vehicle, as later ones in map3d/scene.js
+LOOK_SHARES = (1.0, 0.6, 0.35)  # of that distance; the nearer ones where something hides the vehicle from all sides
 LOOK_ANGLES_RAD = np.radians([0, 30, -30, 60, -60, 90, -90, 120, -120, 150, -150, 180])
 Mesh = tuple[NDArray[np.float64], NDArray[np.integer]]
 
@@ -34,6 +35,7 @@ class Scene:
 
     def __init__(self, sim: Simulator, sources: list[Source]) -> None:
         self._scenario = sim.scenario
+        self._rays = sim.scene
         self._sources = sources
         self._origin_m = sources[0].origin_m
         self._lock = threading.RLock()  # a mesh may need the terrain
@@ -60,22 +62,16 @@ class Scene:
                 for k, (name, label, make) in enumerate(self._solids())
             ],
             "vehicles": [
-                {"name": s.name, "url": f"/scene/vehicle/{s.name}.glb", "look_rad": look}
+                {"name": s.name, "url": f"/scene/vehicle/{s.name}.glb", "look_m": look}
                 for s, look in zip(self._sources, self._once("looks", self._looks), strict=True)
             ],
             "station_m": (np.asarray(station.position_m) + self._origin_m).tolist(),
             "surface_m": float(self._origin_m[2]),
         }  # fmt: skip
 
-    def _looks(self) -> list[float]:
-        """Return for each vehicle the angle, from behind it, at which the station does not hide it at first."""
-        if self._scenario.station.mesh is None:
-            return [0.0] * len(self._sources)
-        vertices, triangles = station_mesh(self._scenario.station)
-        station = _core.World()
-        station.add_solid("station", np.asarray(vertices, np.float64), np.asarray(triangles, np.uint32))
-        rays = _core.RayScene(station)
-        return [free_look(rays, *start_pose(self._scenario, source.entry)) for source in self._sources]
+    def _looks(self) -> list[list[float]]:
+        """Return for each vehicle the first eye [m] from its start, where nothing stands between them."""
+        return [free_look(self._rays, *start_pose(self._scenario, source.entry)) for source in self._sources]
 
     def _colour(self, name: str) -> list[float] | None:
         """Return the albedo of a mesh, red, green and blue, or None if its material has its kind's."""
@@ -133,19 +129,22 @@ class Scene:
             return made
 
 
-def free_look(rays: _core.RayScene, position_m: Sequence[float], yaw_rad: float) -> float:
-    """Return the angle [rad] nearest to 0, from behind a vehicle, at which nothing hides it from the first view's eye.
+def free_look(rays: _core.RayScene, position_m: Sequence[float], yaw_rad: float) -> list[float]:
+    """Return the eye [m] relative to a vehicle, nearest to behind it and above, from which nothing hides the vehicle.
 
-    What is within LOOK_NEAR_M of the vehicle, such as its dock, is ignored. Return 0 if all angles are blocked.
+    What is within LOOK_NEAR_M of the vehicle, such as its dock, is ignored. Return the eye behind it if none is free.
     """
-    for angle_rad in LOOK_ANGLES_RAD:
-        heading_rad = yaw_rad + np.pi + angle_rad
-        away_m = np.array([LOOK_BACK_M * np.cos(heading_rad), LOOK_BACK_M * np.sin(heading_rad), LOOK_UP_M])
-        length_m = float(np.linalg.norm(away_m))
-        hit = rays.cast((np.asarray(position_m) + away_m)[None], -away_m[None] / length_m, length_m)
-        if not hit.ranges_m[0] < length_m - LOOK_NEAR_M:
-            return float(angle_rad)
-    return 0.0
+    headings_rad = yaw_rad + np.pi + LOOK_ANGLES_RAD
+    up_m = np.full_like(headings_rad, LOOK_UP_M)
+    eyes_m = np.column_stack([LOOK_BACK_M * np.cos(headings_rad), LOOK_BACK_M * np.sin(headings_rad), up_m])
+    length_m = float(np.hypot(LOOK_BACK_M, LOOK_UP_M))
+    for share in LOOK_SHARES:
+        far_m = share * length_m
+        hits = rays.cast(np.asarray(position_m) + share * eyes_m, -eyes_m / length_m, far_m)
+        free = np.flatnonzero(~(hits.ranges_m < far_m - LOOK_NEAR_M))
+        if free.size:
+            return [round(float(each), 3) for each in share * eyes_m[free[0]]]
+    return [round(float(each), 3) for each in eyes_m[0]]
 
 
 def thinned(terrain: Terrain) -> Terrain:

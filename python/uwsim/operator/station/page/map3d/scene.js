@@ -25,7 +25,10 @@ export class SceneView extends Stage {
   /** @type {ReturnType<typeof makeTerrain> | null} */
   #terrain = null;
   #followed = '';
-  #lookAngle = 0; // from behind the vehicle, at which nothing hides it [rad]
+  /** From the vehicle at its start to an eye from which nothing hides it [m].
+   * @type {number[] | null}
+   */
+  #firstLook = null;
   #hasLooked = false; // whether the camera has been aimed at the vehicle's first pose
 
   constructor() {
@@ -59,8 +62,8 @@ export class SceneView extends Stage {
     for (const { url, label, colour } of found.meshes) this.#addScenery(dressed(await glb(url), label, colour));
     for (const { name, url } of found.vehicles) this.vessels.get(name)?.setHull(await glb(url));
     const free = found.vehicles.find(({ name }) => name === this.#followed);
-    this.#lookAngle = free?.look_rad ?? 0;
-    if (this.#hasLooked && this.#lookAngle) this.look(false);
+    this.#firstLook = free?.look_m ?? null;
+    if (this.#hasLooked && this.#firstLook) this.look(false);
     this.redraw();
   }
 
@@ -107,8 +110,8 @@ export class SceneView extends Stage {
     const ahead = vessel ? new Vector3(1, 0, 0).applyQuaternion(vessel.group.quaternion) : new Vector3(0, 1, 0);
     const away = isFromAbove
       ? new Vector3(0, -0.1, 130)
-      : new Vector3(-34 * ahead.x, -34 * ahead.y, 24).applyAxisAngle(new Vector3(0, 0, 1), this.#lookAngle);
-    this.#lookAngle = 0; // at the start alone: in flight, the view is from behind
+      : new Vector3(...(this.#firstLook ?? [-34 * ahead.x, -34 * ahead.y, 24]));
+    this.#firstLook = null; // at the start alone: in flight, the view is from behind
     this.aim(target.clone().add(away), target);
   }
 
