@@ -149,6 +149,22 @@ def nothing_overlaps(page, *selectors: str) -> bool:
     )
 
 
+@pytest.mark.parametrize(("size", "locale"), [((390, 844), "en"), ((844, 390), "de"), ((844, 390), "en")], ids=str)
+def test_on_a_phone_the_chart_s_tools_do_not_lie_over_the_chart(here, page, size, locale):
+    held = here.fly(viewport={"width": size[0], "height": size[1]}, locale=locale, **TOUCH)
+    held.evaluate("station.views.enlarge('chart')")
+    parts = ["#all-stop", "#unfold", "#lease", ".lamps", ".is-large > .chart-tools", ".is-large > canvas"]
+    assert nothing_overlaps(held, *(each for each in parts if held.is_visible(each)))
+    seen, view = box(held, ".is-large > canvas"), box(held, ".view.is-large")
+    assert seen["height"] > 0.8 * view["height"] and seen["width"] == pytest.approx(view["width"])
+    last = held.locator(".chart-tools button").last
+    last.scroll_into_view_if_needed()
+    tools, button = box(held, ".is-large > .chart-tools"), last.bounding_box()
+    assert button["x"] + button["width"] <= tools["x"] + tools["width"] + 1 <= size[0]
+    judge(held, "chart on a phone")
+    held.context.close()
+
+
 @pytest.mark.parametrize("size", [(360, 640), (520, 900), (700, 500), (900, 600), (1024, 400), (1280, 720)], ids=str)
 def test_all_stop_is_reachable_in_windows_of_any_size(page, size):
     page.set_viewport_size({"width": size[0], "height": size[1]})

@@ -14,7 +14,7 @@ const TRACK_MAX = 5000;
 const TRACK_M = 0.1; // between points of a track
 const REPORT_MS = 500;
 const CLICK_PX = 5; // a press that moves less is a click
-const BAR_PX = 42; // of a hand-held screen's folded bar
+const FOOT_PX = 42; // of a hand-held screen, for the note at its lower edge
 const VEHICLE = '#ffd166';
 
 const button = (text, act) => el('button', { type: 'button', onclick: act }, text);
@@ -264,7 +264,7 @@ export class ChartView {
         VEHICLE,
         colours,
       );
-    if (this.#isLarge) drawScale(c, frame, colours, WORDS.north, isHandheld() ? BAR_PX : 0);
+    if (this.#isLarge) drawScale(c, frame, colours, WORDS.north, isHandheld() ? FOOT_PX : 0);
   }
 
   #drawLine(c, points, colour, dashes) {

@@ -121,13 +121,13 @@ export function drawNote(c, frame, { number: index, category, text, position_m }
 
 // The scale, and the arrow to the north, which is up.
 // margin_px: of the upper and lower edge, which other things lie over.
-export function drawScale(c, frame, colours, north, margin_px) {
+export function drawScale(c, frame, colours, north, foot_px = 0) {
   const [width, height] = frame.size;
   const step = STEPS.find((length) => length * (frame.scale / inUnit(1)) > 70) ?? 1000; // in the pilot's unit
   const long = step * (frame.scale / inUnit(1));
   c.fillStyle = colours.ink;
-  c.fillRect(width / 2 - long / 2, height - 18 - margin_px, long, 3);
-  label(c, `${step} ${unitName()}`, width / 2, height - 28 - margin_px, colours);
-  arrow(c, [30, 44 + margin_px], 0, colours.ink, [[0, -16], [8, 12], [0, 6], [-8, 12]]); // prettier-ignore
-  label(c, north, 30, 18 + margin_px, colours);
+  c.fillRect(width / 2 - long / 2, height - 18 - foot_px, long, 3);
+  label(c, `${step} ${unitName()}`, width / 2, height - 28 - foot_px, colours);
+  arrow(c, [30, 44], 0, colours.ink, [[0, -16], [8, 12], [0, 6], [-8, 12]]); // prettier-ignore
+  label(c, north, 30, 18, colours);
 }
