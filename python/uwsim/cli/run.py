@@ -25,6 +25,7 @@ from uwsim.cli.flights import (
     Report,
     Resume,
     TimeLimit,
+    Uncertainty,
     VerifyMap,
     exit_as,
     given,
@@ -115,6 +116,7 @@ def run(
     ] = None,
     raw: Raw = None,
     offsets: Offsets = None,
+    uncertainty: Uncertainty = None,
     report: Report = "full",
     autosave: Autosave = None,
     resume: Resume = False,
@@ -147,7 +149,7 @@ def run(
         _refuse({"--autosave": autosave, "--resume": resume or None}, "--connect", UNSAVED)
         _refuse(simulated, "--connect", "the server has its own, or there is none")
     if raw is None:
-        need("--raw", offsets=offsets)
+        need("--raw", offsets=offsets, uncertainty=uncertainty)
     if not make_map and not resume:
         need("--map", **{name[2:].replace("-", "_"): value for name, value in of_map.items()})
     if close_loops:
@@ -185,8 +187,10 @@ def run(
     else:
         from uwsim.flight.fly import fly
         from uwsim.flight.patch_errors import PatchErrors
+        from uwsim.scoring.tpu import Uncertainties
 
         errors = None if offsets is None else PatchErrors.parse(offsets)
+        known = None if uncertainty is None else Uncertainties.parse(uncertainty)
         topics = tuple(record_topic or ()) or None
         scene: str | Path | Simulator = scenario or "lake"
         with ExitStack() as stack:
@@ -195,7 +199,7 @@ def run(
                 typer.echo(stack.enter_context(autopilot.flying(scene)))
             flown = fly(
                 mission, scene, out, close_loops=close_loops, record=record, record_topics=topics, raw=raw,
-                raw_errors=errors, **asked, **of_simulator, **of_flight,
+                raw_errors=errors, raw_known=known, **asked, **of_simulator, **of_flight,
             )  # fmt: skip
     exit_as(flown, min_coverage)
 

@@ -23,6 +23,7 @@ from uwsim.cli.flights import (
     Resume,
     ScenarioOfFlight,
     TimeLimit,
+    Uncertainty,
     VerifyMap,
     exit_as,
     given,
@@ -78,6 +79,7 @@ def survey(
     record_topic: SurveyTopics = None,
     raw: Raw = None,
     offsets: Offsets = None,
+    uncertainty: Uncertainty = None,
     resume: Resume = False,
 ) -> None:
     """Fly the survey of a scenario, map what is seen, and report.
@@ -90,10 +92,12 @@ def survey(
         min_coverage=min_coverage, report=report, raw=raw,
     )  # fmt: skip
     if raw is None:
-        need("--raw", offsets=offsets)
+        need("--raw", offsets=offsets, uncertainty=uncertainty)
     from uwsim.flight.patch_errors import PatchErrors
+    from uwsim.scoring.tpu import Uncertainties
 
     errors = None if offsets is None else PatchErrors.parse(offsets)
+    known = None if uncertainty is None else Uncertainties.parse(uncertainty)
     if not resume:
         from uwsim.scenario.world_ahead import make_world_ahead
 
@@ -118,6 +122,7 @@ def survey(
             record_topics=topics,
             raw=raw,
             raw_errors=errors,
+            raw_known=known,
             **asked,
         )
     exit_as(flown, min_coverage)

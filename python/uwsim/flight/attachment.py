@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from uwsim.flight.pinging import TakePing
     from uwsim.flight.record import FlightRecord
     from uwsim.flight.request import FlightRequest
+    from uwsim.scoring.tpu import Uncertainties
     from uwsim.simulator.simulator import Simulator
 
 GROUP = "uwsim.attachments"
@@ -31,8 +32,8 @@ class Departure:
 
     names: the vehicles that fly. is_planned: whether they fly the scenario's survey. has_map: whether pings are mapped.
     request: what was asked for, for the flight's own files, if it writes any. carried: name endings of the channels
-    that cross a link. record, record_topics, raw, raw_errors: see fly(). saved: the state of each attachment of the
-    flight that continues, by name. others: those attached earlier, by name.
+    that cross a link. record, record_topics, raw, raw_errors, raw_known: see fly(). saved: the state of each attachment
+    of the flight that continues, by name. others: those attached earlier, by name.
     """
 
     sim: Simulator
@@ -45,6 +46,7 @@ class Departure:
     record_topics: tuple[str, ...] | None = None
     raw: Path | None = None
     raw_errors: PatchErrors | None = None
+    raw_known: Uncertainties | None = None
     saved: Mapping[str, Any] = field(default_factory=dict)
     others: dict[str, Attachment] = field(default_factory=dict)
 

@@ -33,6 +33,7 @@ from uwsim.scenario.read.old_keys import renamed_argument
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.sonar import ARGUMENT_ONCE_IN_KHZ
 from uwsim.scoring.surface_ahead import SurfaceAhead
+from uwsim.scoring.tpu import Uncertainties
 from uwsim.simulator.simulator import Simulator
 
 
@@ -67,6 +68,7 @@ def fly(
     record_topics: tuple[str, ...] | None = None,
     raw: Path | None = None,
     raw_errors: PatchErrors | None = None,
+    raw_known: Uncertainties | None = None,
     report: str = "full",
     autosave_s: float = AUTOSAVE_S,
     autosave: FlightAutosave | None = None,
@@ -89,6 +91,7 @@ def fly(
     send over the link; by default all that the link can carry. record: path of a new recording (.mcap). record_topics:
     the channels to record; by default all but pictures and maps. raw: path of a new file with each mapped ping of the
     first vehicle, in a format of uwsim.kinds.survey_file; needs map. raw_errors: errors of installation in that file.
+    raw_known: uncertainties of the survey's instruments, for the errors that the file states.
     sample_sensors: whether the record's samples include the readings of all sensors. autosave_s: wall time between
     saves, from which `resume` can continue; 0 disables saving.
     screen: displays the flight; by default nothing is displayed. With a Terminal, Ctrl-C ends the flight and keeps its
@@ -161,6 +164,7 @@ def fly(
         record_topics,
         raw,
         raw_errors,
+        raw_known,
     )
     attachments = attached(departure)
     can_be_saved = isinstance(scenario, str | Path) and not close_loops and (mission is None or request.mission)

@@ -15,8 +15,13 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.named_numbers import named_numbers
+
 Array = NDArray[np.float64]
-LIMITS = {"roll": (10.0, "deg"), "pitch": (10.0, "deg"), "heading": (10.0, "deg"), "latency": (2.0, "s")}
+LIMITS = {
+    "roll": (-10.0, 10.0, "deg"), "pitch": (-10.0, 10.0, "deg"), "heading": (-10.0, 10.0, "deg"),
+    "latency": (0.0, 2.0, "s"),
+}  # fmt: skip
 HISTORY = 256  # pings; 2 s at any ping rate of an echo sounder
 
 
@@ -32,25 +37,10 @@ class PatchErrors:
     @classmethod
     def parse(cls, text: str) -> PatchErrors:
         """Return the errors in a text such as roll=0.5,latency=0.02. Raises ValueError, which names the key."""
-        values: dict[str, float] = {}
-        for part in text.split(","):
-            name, equals, number = (each.strip() for each in part.partition("="))
-            if not equals or name not in LIMITS or name in values:
-                raise ValueError(
-                    f"--offsets '{part.strip()}': must be one of {', '.join(LIMITS)}, each once, as roll=0.5"
-                )
-            limit, unit = LIMITS[name]
-            low = 0.0 if name == "latency" else -limit
-            try:
-                values[name] = float(number)
-            except ValueError:
-                raise ValueError(f"--offsets {name}={number}: must be a number in {unit}") from None
-            if not low <= values[name] <= limit:  # false for nan, too
-                raise ValueError(f"--offsets {name}={number} {unit}: must be in [{low:g}, {limit:g}] {unit}")
-        return cls(**values)
+        return cls(**named_numbers("--offsets", text, LIMITS))
 
     def __str__(self) -> str:
-        units = {field.name: LIMITS[field.name][1] for field in fields(self)}
+        units = {field.name: LIMITS[field.name][2] for field in fields(self)}
         return ", ".join(
             f"{name} {getattr(self, name):g} {unit}" for name, unit in units.items() if getattr(self, name)
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,9 @@ from numpy.typing import NDArray
 from uwsim.mapping.files.georeference import Georeference
 from uwsim.scenario import Scenario
 from uwsim.scenario.georeference import georeference
+
+if TYPE_CHECKING:
+    from uwsim.simulator.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 STILL_M_S = 0.01  # below this speed, the course is the heading
@@ -32,6 +36,27 @@ def angles(rotation: Array) -> tuple[float, float, float]:
     """Return roll, pitch and yaw of R = Rz(yaw) Ry(pitch) Rx(roll)."""
     pitch = math.asin(min(1.0, max(-1.0, -rotation[2, 0])))
     return math.atan2(rotation[2, 1], rotation[2, 2]), pitch, math.atan2(rotation[1, 0], rotation[0, 0])
+
+
+def level_axes(yaw_rad: float) -> Array:
+    """Return the axes (3, 3) of a level vehicle as rows, forward, starboard and down, in the world."""
+    cosine, sine = math.cos(yaw_rad), math.sin(yaw_rad)
+    return np.array([[cosine, sine, 0], [sine, -cosine, 0], [0, 0, -1]])
+
+
+def estimated_covariance(vehicle: Vehicle, body: Array, level: Array) -> Array:
+    """Return the covariance (6, 6) of a vehicle's estimate at its reference point: place [m] and rotation [rad].
+
+    body (4, 4): the estimated pose. level (3, 3): the axes of the result, see `level_axes`.
+    """
+    imu = next(each for each in vehicle.sensors.values() if each.kind == "imu")
+    x, y, z = np.asarray(imu.spec.position_m, np.float64)
+    found = np.eye(6)  # from the IMU's centre, world axes, and the attitude, body axes
+    found[:3, :3] = level
+    found[3:, 3:] = level @ body[:3, :3]
+    found[:3, 3:] = level @ body[:3, :3] @ np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])  # p = p_imu - R r
+    of_filter = vehicle.estimate.covariance[np.ix_([0, 1, 2, 6, 7, 8], [0, 1, 2, 6, 7, 8])]
+    return np.asarray(found @ of_filter @ found.T, np.float64)
 
 
 class Motion:

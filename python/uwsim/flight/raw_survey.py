@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from uwsim import _core
 from uwsim.flight.attachment import Attachment, Departure
 from uwsim.flight.patch_errors import ErringPoses, PatchErrors
-from uwsim.flight.raw_places import Array, Motion, angles, place_of_survey
+from uwsim.flight.raw_places import Array, Motion, angles, estimated_covariance, level_axes, place_of_survey
 from uwsim.flight.raw_side_scan import RawSideScan
 from uwsim.flight.record import FlightRecord
 from uwsim.instruments.sonars.soundings import beam_directions, sound_speed_profile
 from uwsim.mapping.files.swath import EPOCH_NS, SoundSpeeds, SurveyHead, Swath, SwathWriter, survey_format
 from uwsim.scenario.spec.sonar_setup import SonarSetup
+from uwsim.scoring.sounding_quality import SoundingQuality
+from uwsim.scoring.tpu import Uncertainties, deviations
 from uwsim.simulator.simulator import Simulator
 
 PROFILE_STEP_M = 0.5
@@ -29,11 +32,20 @@ class RawSurvey:
     With `bending: true`, travel times are those of the ping and the file's profile is the water's. Otherwise the rays
     of the simulation are straight: the file's profile is the speed at the head's depth at the first ping, at all
     depths, and travel times follow from the ranges with it. Raises ValueError unless the scenario has a place on Earth
-    and the format can be written, OSError if the file cannot be. errors: of installation, which the file then has.
+    and the format can be written, OSError if the file cannot be.
+
+    errors: of installation, which the file then has. known: of the survey's instruments. pose: the poses are true, or
+    those of the vehicle's estimate, whose covariance then adds to `known`, or those of an estimate in a recording,
+    which keeps no covariance.
     """
 
-    def __init__(self, sim: Simulator, path: Path, errors: PatchErrors | None = None, option: str = "--raw") -> None:
-        self._sim, self._path = sim, path
+    def __init__(
+        self, sim: Simulator, path: Path, errors: PatchErrors | None = None, known: Uncertainties | None = None,
+        pose: Literal["truth", "filter", "recorded filter"] = "truth",
+    ) -> None:  # fmt: skip
+        self._sim, self._path, option = sim, path, "--raw"
+        self._known, self._pose = known or Uncertainties(), pose
+        self.quality = SoundingQuality(sim.world, sim.scene)
         written = survey_format(path, option).write
         if written is None:
             raise ValueError(f"{option} {path}: this format does not hold the pings of a multibeam")
@@ -94,18 +106,21 @@ class RawSurvey:
         roll, pitch, yaw = angles(axes * np.array([1.0, -1.0, -1.0]))
         rays = "bent by the profile" if self._bends else "straight: the profile is one speed"
         errors = f"; made with errors of installation: {self._errors}" if self._errors else ""
+        known = f"; standard deviations of instruments: {self._known}" if str(self._known) else ""
+        pose = "; errors without those of the estimated pose" if self._pose == "recorded filter" else ""
+        comment = f"uwsim: scenario {scenario.name}, seed {self._sim.seed}; simulated, rays {rays}"
         return SurveyHead(
             vehicle=self._sim.rov.name, sonar=model.name, frequency_hz=model.frequency_hz, beams=model.beams,
             max_range_m=model.range_max_m, offset_m=body_from_sonar[:3, 3] * np.array([1.0, -1.0, -1.0]),
             mount_rad=np.array([roll, -pitch, -yaw]), profile=SoundSpeeds(depths_m, speeds),
-            comment=f"uwsim: scenario {scenario.name}, seed {self._sim.seed}; simulated, rays {rays}{errors}",
+            comment=f"{comment}{errors}{known}{pose}",
         )  # fmt: skip
 
     def _swath(self, ping: Any, body: Array, sonar: Array) -> Swath:
         position = body[:3, 3]
         latitude, longitude = self._place.degrees(position).tolist()
         roll, pitch, yaw = angles(body[:3, :3])
-        level = np.array([[math.cos(yaw), math.sin(yaw), 0], [math.sin(yaw), -math.cos(yaw), 0], [0, 0, -1]])
+        level = level_axes(yaw)
         north_rad = self._place.north_rad(position)
         ranges = np.asarray(ping.ranges_m, np.float64)
         axes_world = beam_directions(ping) @ (sonar[:3, :3] @ ping.world_from_sonar[:3, :3].T).T
@@ -123,7 +138,7 @@ class RawSurvey:
             quality = np.asarray(getattr(ping, "deviation_m", vertical), np.float64) / ranges
         kinds = getattr(ping, "detections", None)
         speed_m_s, course = self._motion.since_last(ping.time_ns, position, math.pi / 2 - yaw)
-        return Swath(
+        swath = Swath(
             time_ns=EPOCH_NS + ping.time_ns, latitude_deg=latitude, longitude_deg=longitude,
             reference_depth_m=-float(position[2]), heading_rad=(math.pi / 2 - yaw + north_rad) % math.tau,
             pitch_rad=-pitch, roll_rad=roll, course_rad=(course + north_rad) % math.tau, speed_m_s=speed_m_s,
@@ -134,6 +149,13 @@ class RawSurvey:
             horizontal_deviation_m=horizontal, quality=quality,
             is_phase=np.zeros(len(ranges), bool) if kinds is None else np.asarray(kinds) == int(_core.Detection.PHASE),
         )  # fmt: skip
+        pose = estimated_covariance(self._sim.rov, body, level) if self._pose == "filter" else None
+        vertical, horizontal = (
+            np.where(each > 0.0, each, np.nan) for each in deviations(swath, self._known, pose)
+        )  # 0: none is known
+        is_whole = self._pose != "recorded filter"
+        self.quality.add(ends, vertical if is_whole else np.full_like(vertical, np.nan), horizontal)
+        return replace(swath, vertical_deviation_m=vertical, horizontal_deviation_m=horizontal)
 
 
 def _deviations(ping: Any) -> tuple[Array, Array]:
@@ -157,7 +179,7 @@ class RawFlight(Attachment):
     def ended(self, flown: FlightRecord) -> FlightRecord:
         """Note that the flight has ended by itself or by Ctrl-C, so that its file is kept."""
         self._has_ended = True
-        return flown
+        return replace(flown, soundings=getattr(self._survey, "quality", None))
 
     def try_close(self) -> OSError | None:
         """Complete the file, or remove it after a flight that failed or took no ping."""
@@ -179,7 +201,10 @@ def attach(flight: Departure) -> RawFlight | None:
         raise ValueError(f"--raw {flight.raw}: needs a flight that maps: give --map")
     side_scan = survey_format(flight.raw, "--raw").side_scan
     if side_scan is None:
-        return RawFlight(RawSurvey(flight.sim, flight.raw, flight.raw_errors))
+        pose: Literal["truth", "filter"] = "truth" if flight.request is None else flight.request.estimate
+        return RawFlight(RawSurvey(flight.sim, flight.raw, flight.raw_errors, flight.raw_known, pose))
+    if flight.raw_known is not None:
+        raise ValueError("--uncertainty: is of a multibeam's soundings, of which a side scan has none")
     if flight.raw_errors is not None:
         raise ValueError("--offsets: are those of a multibeam's installation, of which a side scan has none")
     return RawFlight(RawSideScan(flight.sim, flight.raw, side_scan))

@@ -15,6 +15,7 @@ from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.missions.mission import R_co
 from uwsim.missions.own_vehicle import Event
 from uwsim.scoring.map_score import MapScore
+from uwsim.scoring.sounding_quality import SoundingQuality
 from uwsim.scoring.survey_track import SurveyTrack
 from uwsim.simulator.link_traffic import LinkRow
 
@@ -85,6 +86,7 @@ class FlightRecord(Generic[R_co]):
     on. sample_ping: one ping, for the report. closed: by vehicle, the track after loop closure, from which the map was
     rebuilt. map_growth: measurements of the map while it was being built. planned: whether the mission flew the plan of
     the scenario's survey; lanes_left_out: a sentence about its lanes that could not be flown.
+    soundings: of a raw survey, if one was written.
     """
 
     mission: str
@@ -126,6 +128,7 @@ class FlightRecord(Generic[R_co]):
     map_growth: tuple[GrowthRow, ...] = ()
     lanes_left_out: str | None = None
     planned: bool = False
+    soundings: SoundingQuality | None = None
 
     def __repr__(self) -> str:
         """Return the mission, the scenario, the duration and the reason the flight ended."""

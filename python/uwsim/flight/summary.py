@@ -45,6 +45,7 @@ def key_figures(flown: FlightRecord) -> list[tuple[str, str]]:
             ("free voxels", f"{flown.free_voxels:,}"),
             *score_rows(flown.score),
         ]
+    rows += [] if flown.soundings is None else flown.soundings.rows()
     for name, closed in flown.closed.items():
         values, of = _closed_values(flown, name), f" of {name}" if len(flown.closed) > 1 else ""
         rows += [
@@ -164,6 +165,8 @@ def flight_values(flown: FlightRecord) -> dict[str, Any]:
     }
     if flown.ashore is not None and flown.ashore_score is not None:
         values["ashore"] = {"pings": flown.ashore.ping_count, **score_values(flown.ashore_score, path_known=True)}
+    if flown.soundings is not None:
+        values["soundings"] = flown.soundings.values()
     if flown.score is None:
         return values
     score = score_values(flown.score, path_known=True)

@@ -36,6 +36,8 @@ decoder interprets a value as no echo.
 
 CONFIDENCE = 1.96
 """Half-width of the 95 % interval of a normal distribution, in standard deviations."""
+HORIZONTAL_CONFIDENCE = 2.45
+"""Radius of the circle that holds 95 % of a normal distribution in two dimensions, in standard deviations of one."""
 
 REACH, AGREEING, NOISE_M, STEEPEST_RAD = 4, 3, 0.1, math.radians(83.0)
 """Settings of `reject_outliers` (assumed); in the valley, they retain 99.7 % of a gate's echoes in physics mode."""

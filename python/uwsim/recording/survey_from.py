@@ -25,6 +25,7 @@ from uwsim.recording.ping_channel import NAME
 from uwsim.recording.pings import mappable_pings
 from uwsim.recording.reader import Recording
 from uwsim.recording.replay import new_simulator
+from uwsim.scoring.tpu import Uncertainties
 from uwsim.simulator.simulator import Simulator
 
 RENAMED = {"scenario_name": "scenario", "stopped_because": "ended_because"}
@@ -43,12 +44,13 @@ def survey_from(
     outlier_filter: bool | None = None,
     raw: Path | None = None,
     raw_errors: PatchErrors | None = None,
+    raw_known: Uncertainties | None = None,
 ) -> int:
     """Write the map of a recorded survey to `out` and its report to the folder `report`; return the number of pings.
 
-    outlier_filter: overrides the survey's setting. raw, raw_errors: also write the pings there, with these errors; see
-    RawSurvey. Raises ValueError if the recording ends before the data that a report needs, OSError if a file cannot be
-    read or written.
+    outlier_filter: overrides the survey's setting. raw, raw_errors, raw_known: also write the pings there, with these
+    errors and uncertainties; see RawSurvey. Raises ValueError if the recording ends before the data that a report
+    needs, OSError if a file cannot be read or written.
     """
     request = request_of(recording)
     if outlier_filter is not None:
@@ -57,13 +59,15 @@ def survey_from(
     if report is not None and values is None:
         raise ValueError(f"--report: recording '{recording.path}': was cut off before the survey ended")
     sim = new_simulator(recording)
-    survey = None if raw is None else RawSurvey(sim, raw, raw_errors)
+    survey = None if raw is None else RawSurvey(
+        sim, raw, raw_errors, raw_known, "truth" if request.estimate == "truth" else "recorded filter"
+    )  # fmt: skip
     occupancy, log = repeated(recording, sim, request, raw=survey)
     occupancy.write(out)
     if report is not None and values is not None:
         record = dataclasses.replace(
             _record_of(values), occupancy=occupancy, area_world_m=log.area_world_m, sample_ping=log.sample,
-            pings_world_m={sim.rov.name: log.path_world_m},
+            pings_world_m={sim.rov.name: log.path_world_m}, soundings=None if survey is None else survey.quality,
         )  # fmt: skip
         write_results(record, sim, report, "full", Terminal())
     return len(log.positions_m)

@@ -1,5 +1,6 @@
 """Raw surveys: what is written is read by others' software and grids to the same bed; real surveys are read."""
 
+import json
 import math
 import struct
 from pathlib import Path
@@ -15,7 +16,9 @@ from uwsim.cli.map_build import build
 from uwsim.flight.patch_errors import PatchErrors
 from uwsim.flight.survey import run_survey
 from uwsim.mapping.files.gsf_read import read_gsf
+from uwsim.mapping.files.kmall_read import read_kmall
 from uwsim.mapping.files.swath import survey_format
+from uwsim.scoring.tpu import Uncertainties
 
 REAL = Path(__file__).parents[4] / "shared" / "reality"
 
@@ -131,6 +134,32 @@ def test_errors_of_installation_are_found_back(straight, tmp_path):
         before = np.interp(true[j].time_ns - 3e8, [each.time_ns for each in true], [each.latitude_deg for each in true])
         assert (found["late"][j].latitude_deg - before) * metres[0] == pytest.approx(0.0, abs=0.03)
         assert found["late"][j].heading_rad == pytest.approx(true[j].heading_rad, abs=2e-4)
+
+
+def test_truth_and_tpu_are_side_by_side(bent, tmp_path):
+    """Ranges in physics mode err as the sounder states; an unknown roll is seen by the truth alone."""
+    from uwsim.recording.cli.map_from import from_recording
+
+    assert bent.record.soundings.by_tpu.name == bent.record.soundings.by_truth.name == "Exclusive"
+    assert bent.record.soundings.within_own == pytest.approx(0.95, abs=0.01)
+    (tmp_path / "scenario.yaml").write_text(POOL.replace("SONAR", ""))
+    known = Uncertainties(roll=0.1, depth=0.03, position=0.6)
+    asked = {"raw": tmp_path / "a.kmall", "raw_errors": PatchErrors(roll=10.0), "raw_known": known}
+    soundings = run_survey(tmp_path / "scenario.yaml", tmp_path / "out", report="json", **asked).soundings
+    assert soundings.by_tpu.name == "Special"  # 2.45 x 0.6 m is more than 1 m
+    assert soundings.within_own < 0.3
+    values = json.loads((tmp_path / "out" / "summary.json").read_text())["soundings"]
+    assert values["s44_order_by_tpu"] == "Special"
+    assert values["s44_order_by_truth"] != "Exclusive"
+    swath = list(read_kmall(tmp_path / "a.kmall")[1])[5]
+    middle = swath.is_detected & (np.abs(swath.beam_rad) < 0.01)
+    assert swath.vertical_deviation_m[middle] == pytest.approx(0.03, abs=0.003)
+    assert (swath.horizontal_deviation_m[swath.is_detected] >= 0.6).all()
+    from_recording(bent.recording, tmp_path / "map.bt", raw=tmp_path / "b.gsf", uncertainty="depth=0.2")
+    ours, theirs = (next(read_gsf(path)[1]) for path in (bent.raw, tmp_path / "b.gsf"))
+    seen = ours.is_detected & np.isfinite(theirs.vertical_deviation_m)
+    assert seen.any()
+    assert (theirs.vertical_deviation_m[seen] >= 0.2 - 0.005).all()  # the file has centimetres
 
 
 def test_a_mission_s_file_has_errors_of_installation_too(tmp_path):

@@ -1,7 +1,7 @@
 """Generic Sensor Format (GSF) 3.11, by gsfu: surveys of multibeam echo sounders as processing software reads them.
 
 Angles of a beam follow gsf.h: the angle from the vertical, and the azimuth counterclockwise from starboard, both of the
-level vehicle; errors are at 95 % confidence. The reader is in gsf_read.py.
+level vehicle; errors are at 95 % confidence, 1.96 and 2.45 standard deviations. The reader is in gsf_read.py.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from GSFU import gsfu
 
 from uwsim.base.atomic_file import GrowingFile
-from uwsim.mapping.files.gsf_read import CONFIDENCE, DETECTION_PHASE, KNOT_M_S, read_gsf
+from uwsim.mapping.files.gsf_read import DETECTION_PHASE, ERRORS, KNOT_M_S, read_gsf
 from uwsim.mapping.files.swath import SurveyFormat, SurveyHead, Swath
 
 EM2040, KMALL_SPECIFIC = 2040, 156
@@ -110,8 +110,10 @@ def _beams(swath: Swath) -> dict[str, Any]:
     forward, starboard, down = swath.axes.T
     azimuth_deg = np.degrees(np.arctan2(forward, starboard)) % 360.0
     vertical_m, horizontal_m = (
-        np.where(seen & np.isfinite(each), CONFIDENCE * each, 0.0)
-        for each in (swath.vertical_deviation_m, swath.horizontal_deviation_m)
+        np.where(seen & np.isfinite(each), factor * each, 0.0)
+        for factor, each in zip(
+            ERRORS.values(), (swath.vertical_deviation_m, swath.horizontal_deviation_m), strict=True
+        )
     )
     kind = np.where(seen, np.where(swath.is_phase, DETECTION_PHASE, DETECTION_AMPLITUDE), NOT_DETECTED)
     heard = np.where(seen & np.isfinite(swath.amplitude_db), swath.amplitude_db, 0.0)

@@ -23,8 +23,9 @@ import numpy as np
 from GSFU import gsfu
 
 from uwsim.mapping.files.swath import Array, SoundSpeeds, SurveyHead, Swath
+from uwsim.mapping.ranging import CONFIDENCE, HORIZONTAL_CONFIDENCE
 
-CONFIDENCE = 1.96  # half-width of the 95 % interval of a normal distribution, in standard deviations
+ERRORS = {"VerticalError_m": CONFIDENCE, "HorizontalError_m": HORIZONTAL_CONFIDENCE}  # at 95 %
 KNOT_M_S = 1852.0 / 3600.0
 DETECTION_PHASE = 2
 OPTIONAL = (
@@ -187,8 +188,8 @@ def _swath(record: dict[str, Any], beams: dict[str, Any], head: SurveyHead, atti
         at_head_m_s = float(np.interp(head_m, head.profile.depths_m, head.profile.speeds_m_s))
         surface_m_s = specific.get("SurfaceVelocity_mps") or at_head_m_s
         axes = _received(angle, received[:-1], ray, at_head_m_s / surface_m_s if math.isfinite(head_m) else 1.0)
-    error = {name: np.full(count, np.nan) if beams[name] is None else np.asarray(beams[name], np.float64) / CONFIDENCE
-             for name in ("VerticalError_m", "HorizontalError_m")}  # fmt: skip
+    error = {name: np.full(count, np.nan) if beams[name] is None else np.asarray(beams[name], np.float64) / factor
+             for name, factor in ERRORS.items()}  # fmt: skip
     nothing = np.full(count, np.nan)
     amplitude = next((beams[name] for name in ("MeanCalAmplitude_dB", "MeanRelAmplitude_dB")
                       if beams[name] is not None), nothing)  # fmt: skip

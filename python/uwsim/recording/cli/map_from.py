@@ -9,7 +9,7 @@ import typer
 
 from uwsim.base.options import need
 from uwsim.cli.bounds import readable
-from uwsim.cli.flights import Offsets, OutlierFilter, Raw
+from uwsim.cli.flights import Offsets, OutlierFilter, Raw, Uncertainty
 from uwsim.cli.map import MAPS
 
 
@@ -27,25 +27,30 @@ def from_recording(
     outlier_filter: OutlierFilter = None,
     raw: Raw = None,
     offsets: Offsets = None,
+    uncertainty: Uncertainty = None,
 ) -> None:
     """Rebuild the map from a recording, byte for byte as in the run."""
     from uwsim.flight.patch_errors import PatchErrors
     from uwsim.mapping.files.formats import MAP_FORMATS
     from uwsim.recording.mcap_sink import SURVEY
     from uwsim.recording.reader import Recording
+    from uwsim.scoring.tpu import Uncertainties
 
     if out.suffix not in MAP_FORMATS:
         raise ValueError(f"--out {out}: must end in {' or '.join(MAP_FORMATS)}")
     if raw is None:
-        need("--raw", offsets=offsets)
+        need("--raw", offsets=offsets, uncertainty=uncertainty)
     errors = None if offsets is None else PatchErrors.parse(offsets)
+    known = None if uncertainty is None else Uncertainties.parse(uncertainty)
     recording = Recording(source)
     if recording.start.kind == SURVEY:
         if vehicle is not None:
             raise ValueError("--vehicle: a survey has one vehicle")
         from uwsim.recording.survey_from import survey_from
 
-        count = survey_from(recording, out, report, outlier_filter=outlier_filter, raw=raw, raw_errors=errors)
+        count = survey_from(
+            recording, out, report, outlier_filter=outlier_filter, raw=raw, raw_errors=errors, raw_known=known
+        )
     else:
         if raw is not None:
             raise ValueError(f"--raw {raw}: '{source}' is no recording of a survey")
