@@ -66,7 +66,7 @@ def fly(
     threads: int | None = None,
     record: Path | None = None,
     record_topics: tuple[str, ...] | None = None,
-    raw: Path | None = None,
+    raw: str | Path | None = None,
     raw_errors: PatchErrors | None = None,
     raw_known: Uncertainties | None = None,
     report: str = "full",
@@ -162,7 +162,7 @@ def fly(
         carried,
         record,
         record_topics,
-        raw,
+        None if raw is None else Path(raw),
         raw_errors,
         raw_known,
     )

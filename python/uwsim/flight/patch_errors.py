@@ -2,8 +2,8 @@
 
 The head is mounted as the vehicle's file states; the raw file is written as by a survey that assumes another mount, or
 positions that arrive late. Software that calibrates must find the values given: roll, pitch and heading [deg] are
-the true angle minus the assumed one (starboard down, bow up, clockwise), latency [s] is the age of a position that the
-survey takes for new.
+the true angle minus the assumed one (starboard down, bow up, clockwise), latency [s] is the age of a position,
+and of its depth, that the survey takes for new.
 """
 
 from __future__ import annotations
