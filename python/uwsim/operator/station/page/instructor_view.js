@@ -27,8 +27,8 @@ export class TraineeView {
     this.element = el(
       'div',
       { className: 'instructor-views' },
-      el('div', { className: 'view is-large' }, el('i', { className: 'tint' }), this.canvas),
-      el('div', { className: 'view is-large' }, el('i', { className: 'tint' }), ...this.chart.element),
+      el('div', { className: 'view is-large' }, this.canvas),
+      el('div', { className: 'view is-large' }, ...this.chart.element),
     );
   }
 

@@ -190,7 +190,6 @@ export class Views extends EventTarget {
       'section',
       { className: 'view', 'aria-label': title },
       ...contents,
-      el('i', { className: 'tint' }),
       el('p', { className: 'lost' }, lost),
       over,
       name,

@@ -1,0 +1,158 @@
+"""The theme night in a real browser: one ramp of red of bounded luminance on every page, in all that is drawn there."""
+
+import io
+import re
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+import uwsim
+from browser import desk, exercise_desk, judge, when
+from uwsim.exercises import load_exercise
+from uwsim.operator import station
+from uwsim.operator.map_view import MapViewer
+from uwsim.operator.station.flights import Bounds
+
+TOKEN = "a-secret-of-18-byte"
+LUMINANCE_MAX = 0.51  # of the alarm's colour; the pictures' bound is that of text, 0.29
+HUE_DEG = 29.2
+WHITEST = (0.66, 0.61)  # green and blue of the palest colour, as parts of its red
+ROUNDING = 0.03
+TO_LMS = np.array(
+    [
+        [0.4122214708, 0.5363325363, 0.0514459929],
+        [0.2119034982, 0.6806995451, 0.1073969566],
+        [0.0883024619, 0.2817188376, 0.6299787005],
+    ]
+)
+TO_OKLAB = np.array(
+    [
+        [0.2104542553, 0.7936177850, -0.0040720468],
+        [1.9779984951, -2.4285922050, 0.4505937099],
+        [0.0259040371, 0.7827717662, -0.8086757660],
+    ]
+)
+
+
+def linear(srgb: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+
+
+def luminance(srgb: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the relative luminance of WCAG 2.1."""
+    return linear(srgb) @ [0.2126, 0.7152, 0.0722]
+
+
+def hold(page, what: str) -> None:
+    """Assert that a page's picture has no other hue, no grey and no white, and stays below the bound of luminance."""
+    picture = page.screenshot()
+    pixels = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB"), np.float64) / 255.0
+    red, green, blue = np.moveaxis(pixels, 2, 0)
+    wrong = (green > WHITEST[0] * red + ROUNDING) | (blue > WHITEST[1] * red + ROUNDING)
+    assert not wrong.any(), f"{what}: {np.mean(wrong):.5f}, first at (y, x) = {np.argwhere(wrong)[0]}"
+    assert luminance(pixels).max() <= LUMINANCE_MAX, f"{what}: {luminance(pixels).max():.3f}"
+
+
+def at_night(url: str) -> dict[str, object]:
+    """Return the options of a browser context in which the page at an address has the theme night."""
+    kept = [{"name": "uwsim.theme", "value": "night"}]
+    return {"storage_state": {"cookies": [], "origins": [{"origin": url.rstrip("/"), "localStorage": kept}]}}
+
+
+def test_the_palette_is_one_hue_in_oklch():
+    style = (Path(station.__file__).parent / "page/style/night.css").read_text().split("}")[0]
+    found = dict(re.findall(r"--([\w-]+): (#\w{6})", style))
+    assert len(found) >= 20
+    colours = np.array([[int(code[k : k + 2], 16) for k in (1, 3, 5)] for code in found.values()]) / 255.0
+    assert luminance(colours).max() == luminance(colours)[list(found).index("alarm")] <= LUMINANCE_MAX
+    _, a, b = TO_OKLAB @ np.cbrt(TO_LMS @ linear(colours).T)
+    sure = np.hypot(a, b) > 0.06  # hues of colours near black are rounded away
+    assert np.abs(np.degrees(np.arctan2(b, a)) - HUE_DEG)[sure].max() < 1.5
+
+
+def test_the_start_screen_and_the_editor(browser, tmp_path):
+    with desk(browser, tmp_path, keep_flights=Bounds(3)) as here:
+        page = here.open(**at_night(here.url))
+        page.wait_for_selector(".preview:not([hidden])")
+        when(page, "document.querySelector('.preview img').complete")
+        hold(page, "start")
+        judge(page, "start at night")
+        page.focus("#field-scenario")
+        page.keyboard.press("Space")
+        page.wait_for_timeout(500)
+        page.keyboard.press("ArrowDown")
+        hold(page, "a list")
+        page.keyboard.press("Escape")
+        page.fill("#field-seed", "-4")
+        page.wait_for_selector("#wrong-seed >> text=seed")
+        hold(page, "a wrong value")
+        page.select_option("#field-scenario", "lake")
+        page.wait_for_selector("img[alt*=lake]")
+        page.click("button.edit")
+        when(page, "document.querySelector('.editor-ground canvas')")
+        page.wait_for_timeout(1500)
+        hold(page, "editor")
+        page.get_by_role("button", name="3D view").click()
+        page.wait_for_timeout(1500)
+        hold(page, "editor in 3D")
+    assert not here.complaints
+
+
+def test_the_station_its_dialogs_and_a_replay(browser, tmp_path):
+    with desk(browser, tmp_path, "pool", keep_flights=Bounds(3)) as here:
+        here.station.present().live.rov.undock()
+        page = here.fly(**at_night(here.url))
+        when(page, "station.telemetry.message && station.views.largeView.picture?.drawn > 0")
+        when(page, "station.scene.gate.frames > 1")
+        for view in ("front", "chart", "scene", "fan"):
+            page.evaluate(f"station.views.enlarge('{view}')")
+            page.wait_for_timeout(800)
+            hold(page, view)
+        page.evaluate("station.views.enlarge('front')")
+        page.click("#inspect")
+        page.locator("#inspector summary", has_text="optics").click()
+        page.wait_for_selector("#inspector input[type=range]:visible")
+        hold(page, "parameters")
+        judge(page, "parameters at night")
+        page.click("#inspect")
+        for each in ("layouts", "help", "menu"):
+            page.click(f"#{each}")
+            page.wait_for_selector("dialog[open]")
+            hold(page, each)
+            if each != "menu":
+                page.keyboard.press("Escape")
+        page.click("text=Quit to the start screen")
+        page.wait_for_selector("#flights li button:not(:disabled)")
+        hold(page, "flights")
+        page.click("#flights li button")
+        page.wait_for_selector("#timeline:not([hidden])")
+        page.wait_for_timeout(1500)
+        hold(page, "replay")
+
+
+def test_the_instructor_and_the_exercise(browser, tmp_path):
+    with exercise_desk(browser, tmp_path, load_exercise("hover"), instructor_token=TOKEN) as here:
+        trainee = here.fly(**at_night(here.url))
+        page = here.open(f"/instructor.html#{TOKEN}", **at_night(here.url))
+        page.wait_for_selector("text=m above the bed")
+        page.wait_for_timeout(1500)
+        hold(page, "instructor")
+        judge(page, "instructor at night")
+        page.evaluate("scrollTo(0, 1e5)")
+        hold(page, "instructor, the rest")
+        hold(trainee, "exercise")
+
+
+def test_a_map(browser):
+    x, y = np.meshgrid(np.arange(-20, 20) + 0.5, np.arange(20) + 0.5)
+    occupancy = uwsim.OccupancyMap(1.0)
+    occupancy.insert_scan(np.stack([x.ravel(), y.ravel(), 0.25 * np.floor(x.ravel()) - 9.9], axis=1), (0.0, 10.0, 30.0))
+    with MapViewer(occupancy, "slope.bt") as viewer:
+        page = browser.new_page(viewport={"width": 1000, "height": 700}, **at_night(viewer.url))
+        page.goto(viewer.url)
+        when(page, "globalThis.mapView?.voxels.pointCount > 0")
+        page.wait_for_timeout(500)
+        hold(page, "map")
+        page.context.close()
