@@ -1,6 +1,7 @@
 """A newcomer's three tasks, all from the page: fly to the pipeline without a collision, save the map, replay it."""
 
 import re
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -11,34 +12,47 @@ from uwsim.operator.station.flights import Bounds
 
 PIPELINE = (-100.0, -30.0)  # a corner of lake's pipeline_main; the chart shows its name there
 ABOVE_M = 5.0
+MOST_ACTS = {"pipeline": 11, "map": 1, "replay": 3}
 FLIGHT_S = 240.0  # of real time, for two minutes of simulated time that are recorded, mapped and shown
+
+
+class Acts:
+    """Acts of a newcomer at the page, counted by task."""
+
+    def __init__(self, page) -> None:
+        self.page, self.done = page, Counter[str]()
+
+    def __call__(self, task: str, act: str, *given: object) -> None:
+        self.done[task] += 1
+        getattr(self.page, act)(*given)
 
 
 def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(tmp_path: Path):
     with chromium() as browser, desk(browser, tmp_path, keep_flights=Bounds(10)) as here:
         page = here.open(viewport={"width": 1440, "height": 900})
+        does = Acts(page)
         page.wait_for_selector("#field-scenario")
-        page.select_option("#field-scenario", "lake")
-        page.click("button[type=submit]")
+        does("pipeline", "select_option", "#field-scenario", "lake")
+        does("pipeline", "click", "button[type=submit]")
         when(page, "station.station.isPilot && station.telemetry.message")
-        page.click("text=Undock")
+        does("pipeline", "click", "text=Undock")
         until(lambda: here.rov.released, "the vehicle in free water")
-        page.select_option("#speed", "5")
+        page.select_option("#speed", "5")  # to shorten the test
 
-        page.evaluate("station.views.enlarge('chart')")
-        when(page, "station.chart.frame.scale > 0 && station.chart.flown.length > 0")
-        page.click(".chart-tools >> text=Fit")
+        does("pipeline", "click", ".swap[aria-label*=Chart]")
+        when(page, "station.views.large === 'chart' && station.chart.flown.length > 0")
         box = page.locator(".view.is-large canvas").first.bounding_box()
         x, y = page.evaluate("(place) => station.chart.frame.at(place)", list(PIPELINE))
         page.mouse.move(box["x"] + x, box["y"] + y)
         until(lambda: "deep" in page.inner_text(".view.is-large .scene-note"), "the depth at the pipeline")
         bed_m = float(re.search(r"([\d.]+) m deep", page.inner_text(".view.is-large .scene-note"))[1])
-        page.click("text=Waypoint")
+        does("pipeline", "click", "text=Waypoint")
         for depth_m in (10.0, bed_m - ABOVE_M):
-            page.fill("[aria-label='Depth of waypoints [m]']", str(depth_m))
+            does("pipeline", "fill", "[aria-label='Depth of waypoints [m]']", str(depth_m))
             page.mouse.click(box["x"] + x, box["y"] + y)
-        page.fill("[aria-label='Speed [m/s]']", "1.5")
-        page.click(".chart-tools >> text=Fly")
+            does.done["pipeline"] += 1
+        does("pipeline", "fill", "[aria-label='Speed [m/s]']", "1.5")
+        does("pipeline", "click", ".chart-tools >> text=Fly")
         note = page.locator(".view.is-large .scene-note")
         until(lambda: "all waypoints are reached" in note.inner_text(), "the pipeline", FLIGHT_S)
         live = here.station.present().live
@@ -48,15 +62,15 @@ def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(tmp_
         page.screenshot(path=tmp_path / "there.png")
 
         with page.expect_download() as download:
-            page.click("text=.bt")
+            does("map", "click", "text=.bt")
         download.value.save_as(tmp_path / "map.bt")
         seen = OccupancyMap.read(tmp_path / "map.bt").occupied_voxels()
         assert np.linalg.norm(seen[:, :2] - PIPELINE, axis=1).min() < 1.0
 
-        page.keyboard.press("Escape")
-        page.click("text=Quit to the start screen")
+        does("replay", "press", "body", "Escape")
+        does("replay", "click", "text=Quit to the start screen")
         page.wait_for_selector("#flights li button:not(:disabled)")
-        page.click("#flights li button")
+        does("replay", "click", "#flights li button")
         page.wait_for_selector("#timeline:not([hidden])")
         live, timeline = here.station.present().live, here.station.present().replay.timeline
         slider = page.locator("#timeline input[type=range]")
@@ -66,4 +80,5 @@ def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(tmp_
         again = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
         assert np.linalg.norm(again - there) < 3.0  # it hovered until the menu paused the flight
         page.screenshot(path=tmp_path / "again.png")
+        assert all(does.done[task] <= most for task, most in MOST_ACTS.items()), does.done
         assert not here.complaints
