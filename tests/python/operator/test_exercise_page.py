@@ -32,7 +32,7 @@ def test_time_stands_still_until_the_pilot_presses_begin(here, page, tmp_path: P
     judge(page, "waiting")
     page.screenshot(path=tmp_path / "before-begin.png")
     assert live.paused and live.tick == 0
-    assert page.is_disabled("#pause") and page.is_disabled("#speed") and page.is_hidden("#inspect")
+    assert all(page.is_hidden(f"#{each}") for each in ("pause", "speed", "step", "inspect"))
     page.click(".exercise-begin")
     until(lambda: live.tick > 0, "time")
     when(page, "!station.station.state.paused")

@@ -7,7 +7,10 @@ import numpy as np
 import pytest
 
 from browser import exercise_desk, judge, shows, until, when
+from uwsim import _core
 from uwsim.exercises import load_exercise
+from uwsim.scenario.spec.fault import FAULTS
+from uwsim.scenario.spec.turbidity import visibility_m
 
 TOKEN = "a-secret-of-18-byte"
 
@@ -58,8 +61,16 @@ def test_faults_and_water_change_for_the_instructor_alone(here, trainee, instruc
     instructor.get_by_role("button", name="Set", exact=True).click()
     until(lambda: sim.parameters["water.current_world_m_s.x"] == 0.2, "a current to the east")
     assert sim.parameters["water.current_world_m_s.y"] == 0.0
-    instructor.select_option("[aria-label='Visibility (water type)']", "9C")
+    instructor.select_option("[aria-label='Type of water']", "9C")
     until(lambda: sim.parameters["optics.jerlov"] == "9C", "turbid water")
+    clear_m = sim.parameters.describe("optics.visibility_m").default
+    instructor.focus("[aria-label=Visibility]")
+    instructor.keyboard.press("Home")
+    until(lambda: sim.parameters["optics.visibility_m"] == pytest.approx(0.1 * clear_m, rel=0.01), "a tenth of it")
+    shows(instructor, "label:has([aria-label=Visibility]) output", " m")
+    instructor.select_option("[aria-label='Type of water']", "3C")
+    of_3c_m = pytest.approx(visibility_m(_core.WaterOptics.jerlov("3C")), rel=1e-6)
+    until(lambda: sim.parameters["optics.visibility_m"] == of_3c_m, "that of the type of water")
     instructor.click("#inspect")
     instructor.fill("[aria-label='Search parameters']", "sun_elevation")
     until(lambda: instructor.locator("#inspector input[type=range]:visible").count() == 1, "the sun's slider")
@@ -71,7 +82,7 @@ def test_faults_and_water_change_for_the_instructor_alone(here, trainee, instruc
 
     judge(trainee, "trainee")
     trainee.screenshot(path=tmp_path / "trainee.png")
-    assert trainee.is_hidden("#inspect") and trainee.is_disabled("#pause") and trainee.is_disabled("#speed")
+    assert all(trainee.is_hidden(f"#{each}") for each in ("inspect", "pause", "speed", "step"))
     for service, args in (
         ("station/instruct", {"action": "pause"}),
         ("station/overview", {}),
@@ -88,6 +99,32 @@ def test_faults_and_water_change_for_the_instructor_alone(here, trainee, instruc
         assert call(trainee, service, **args)["success"] is False, service
     said = json.dumps(call(trainee, "station/describe")) + json.dumps(trainee.evaluate("station.station.state"))
     assert TOKEN not in said
+
+
+def test_each_registered_kind_of_fault_can_be_planned(here, trainee, instructor):
+    sim = here.station.present().live.simulator
+    offered = instructor.locator("[aria-label=Fault] option").evaluate_all("all => all.map(({ value }) => value)")
+    assert offered == list(FAULTS.models()) and len(offered) >= 8
+    for kind in offered:
+        instructor.select_option("[aria-label=Fault]", kind)
+        instructor.fill("[aria-label=in_s]", "400")
+        instructor.fill("[aria-label=for_s]", "7")
+        if kind == "thruster":  # this vehicle has none, but axes
+            instructor.select_option("[aria-label=axis]", "surge")
+        instructor.click("text=Let it fail")
+        if kind == "tether":
+            shows(instructor, "#toast", "tether")  # this vehicle has none
+        else:
+            until(lambda kind=kind: kind in sim.faults.save()["faults"], kind)
+    found = call(instructor, "station/overview")["fault_times"]
+    planned = [each for each in found if each["end_s"] is None and each["begin_s"] > 300.0]
+    assert {each["kind"] for each in planned} == set(offered) - {"tether"}
+    assert all(each["planned_end_s"] - each["begin_s"] == pytest.approx(7.0) for each in planned)
+    for each in planned:
+        ended = call(
+            instructor, "station/instruct", action="command", args={"name": "end_fault", "args": {"name": each["name"]}}
+        )
+        assert ended["success"], ended
 
 
 def test_a_saved_moment_brings_back_vehicle_and_score(here, trainee, instructor):
@@ -116,7 +153,9 @@ def test_a_saved_moment_brings_back_vehicle_and_score(here, trainee, instructor)
     actions = [entry["action"] for entry in log]
     assert actions[-4:] == ["save_moment", "pause", "return_to", "resume"]
     assert not course.state()["is_valid"], "the instructor returned to a moment"
-    assert log[0]["args"]["args"] == {"kind": "sensor", "sensor": "depth", "mode": "stuck"}
+    assert log[0]["args"]["args"] == {
+        "kind": "sensor", "vehicle": "rov", "sensor": "depth", "mode": "stuck"
+    }  # fmt: skip
     assert "inject_fault" in [entry.name for entry in live.log]
 
 

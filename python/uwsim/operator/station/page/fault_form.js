@@ -6,21 +6,23 @@ const WORDS = STRINGS.instructor;
 
 export class FaultForm {
   #kinds = [];
-  #vehicle = {};
+  #vehicles = [];
   #inputs = new Map(); // key: its input, and a function of the input's text that returns the value
 
   // inject: called with the arguments of the command `inject_fault`.
   constructor(inject) {
     this.kind = el('select', { 'aria-label': WORDS.fault, onchange: () => this.#show() });
     this.fields = el('div', { className: 'instructor-row' });
+    this.vehicle = el('select', { 'aria-label': STRINGS.editor.vehicle, onchange: () => this.#show() });
     const add = el('button', { type: 'button', onclick: () => inject(this.#arguments()) }, WORDS.add);
-    this.element = el('div', {}, el('div', { className: 'instructor-row' }, this.kind, add), this.fields);
+    this.element = el('div', {}, el('div', { className: 'instructor-row' }, this.kind, this.vehicle, add), this.fields);
   }
 
-  // kinds: as listed by the service `fault_kinds`. vehicle: its truth, with the names of its parts.
-  offer(kinds, vehicle) {
-    this.#kinds = kinds;
-    this.#vehicle = vehicle;
+  // kinds: as listed by the service `fault_kinds`. vehicles: their truth, with the names of their parts.
+  offer(kinds, vehicles) {
+    [this.#kinds, this.#vehicles] = [kinds, vehicles];
+    this.vehicle.replaceChildren(...vehicles.map(({ name }) => el('option', { value: name }, name)));
+    this.vehicle.hidden = vehicles.length < 2;
     this.kind.replaceChildren(
       ...kinds.map(({ kind, meaning }) => el('option', { value: kind, title: meaning }, WORDS.kinds[kind] ?? kind)),
     );
@@ -50,7 +52,8 @@ export class FaultForm {
   }
 
   #input(field) {
-    const choices = (field.part && this.#vehicle[field.part]) || field.choices;
+    const vehicle = this.#vehicles.find(({ name }) => name === this.vehicle.value);
+    const choices = (field.part && vehicle?.[field.part]) || field.choices;
     if (choices.length > 0) return choice(field, choices);
     const bounds = field.low === null ? '' : `${field.low} … ${field.high}`;
     const input = el('input', {
@@ -68,7 +71,7 @@ export class FaultForm {
   #arguments() {
     const given = [...this.#inputs].filter(([, { input }]) => input.value.trim() !== '');
     const values = given.map(([name, { input, read: valueOf }]) => [name, valueOf(input.value)]);
-    return { kind: this.kind.value, ...Object.fromEntries(values) };
+    return { kind: this.kind.value, vehicle: this.vehicle.value, ...Object.fromEntries(values) };
   }
 }
 

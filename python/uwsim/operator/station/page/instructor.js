@@ -15,12 +15,13 @@ import { bridgeUrl, Station } from './wire/station.js';
 const WORDS = STRINGS.instructor;
 const ASK_MS = 500;
 // Parameters with a slider, and their titles.
+const VISIBILITY = 'optics.visibility_m'; // by default that of the type of water
 const SLIDERS = {
+  [VISIBILITY]: WORDS.visibility,
   'optics.particles_per_m3': WORDS.haze,
   'optics.sun_elevation_deg': WORDS.sun,
   mission_time_s: WORDS.batteryLife,
 };
-const VISIBILITY = 'optics.visibility_m'; // by default that of the type of water
 const WATER = 'optics.jerlov';
 const CURRENT = ['water.current_world_m_s.x', 'water.current_world_m_s.y'];
 const RAD = Math.PI / 180;
@@ -122,7 +123,7 @@ const sliders = Object.entries(SLIDERS).map(([name, title]) => {
   return found;
 });
 const water = el('select', {
-  'aria-label': WORDS.visibility,
+  'aria-label': WORDS.waterType,
   onchange: () => attempt(station.setParameters({ [WATER]: water.value, [VISIBILITY]: null })),
 });
 
@@ -166,7 +167,7 @@ byId('instructor').append(
       button(WORDS.set, setCurrent),
     ),
     ...sliders.map(({ row }) => row),
-    el('label', { className: 'instructor-slider' }, WORDS.visibility, water, el('span')),
+    el('label', { className: 'instructor-slider' }, WORDS.waterType, water, el('span')),
   ),
   section(WORDS.log, log),
 );
@@ -174,6 +175,7 @@ write(byId('inspect'), WORDS.parameters);
 write(byId('title'), WORDS.title);
 
 let seen = null; // the last overview
+let offered = ''; // the vehicle's parts that the form of faults offers
 station.addEventListener('open', () => supervise());
 station.addEventListener('session', () => {
   showParameters();
@@ -210,10 +212,14 @@ async function look() {
   try {
     const found = await messages.overview(station.bridge);
     if (!found.success) return;
-    const isFirst = seen === null;
     seen = found;
     show();
-    if (isFirst) form.offer((await accepted(messages.faultKinds(station.bridge))).kinds, found.vehicles[0]);
+    const parts = JSON.stringify(
+      found.vehicles.map(({ name, sensors, thrusters, cameras }) => [name, sensors, thrusters, cameras]),
+    );
+    if (parts === offered) return;
+    offered = parts;
+    form.offer((await accepted(messages.faultKinds(station.bridge))).kinds, found.vehicles);
   } catch {
     /* the connection is lost: keep the last overview, with its time */
   }

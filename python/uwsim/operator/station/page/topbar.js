@@ -153,9 +153,9 @@ export class TopBar {
     write(byId('pause'), state.paused ? '▶' : '❚❚');
     const mayNot = !isPilot || !connected;
     for (const id of ['dock', 'tilt-up', 'tilt-down', 'gain-up', 'gain-down']) byId(id).disabled = mayNot;
-    for (const id of ['speed', 'pause']) byId(id).disabled = mayNot || !this.station.may(id);
-    for (const button of this.#lights) button.disabled = mayNot;
-    byId('step').disabled = mayNot || !state.paused || !this.station.may('step');
+    for (const id of ['speed', 'pause', 'step']) byId(id).hidden = !this.station.may(id);
+    for (const button of [byId('speed'), byId('pause'), ...this.#lights]) button.disabled = mayNot;
+    byId('step').disabled = mayNot || !state.paused;
   }
 
   #step(sign) {

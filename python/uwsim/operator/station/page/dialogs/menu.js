@@ -25,18 +25,16 @@ export function showMenu(station, { keys, gamepad, edit }) {
     resumes = false;
     setLanguage(name);
   };
+  // What an exercise or an instructor does not permit is left out.
   const item = (text, act, { forAll = false, hint = '', className = '', control = '' } = {}) =>
-    el(
-      'button',
-      {
-        type: 'button',
-        disabled: (!forAll && !isPilot) || (control && !station.may(control)),
-        className,
-        onclick: act,
-      },
-      text,
-      hint ? el('small', { className: 'caption' }, hint) : null,
-    );
+    control && !station.may(control)
+      ? null
+      : el(
+          'button',
+          { type: 'button', disabled: !forAll && !isPilot, className, onclick: act },
+          text,
+          hint ? el('small', { className: 'caption' }, hint) : null,
+        );
 
   const quit = item(WORDS.quitToTheStart, () => leave(() => attempt(station.control('quit')), true), {
     className: 'danger',
@@ -49,10 +47,14 @@ export function showMenu(station, { keys, gamepad, edit }) {
     el(
       'div',
       { className: 'stack' },
-      item(WORDS.resume, () => {
-        resumes = mayPause;
-        leave();
-      }),
+      item(
+        WORDS.resume,
+        () => {
+          resumes = mayPause;
+          leave();
+        },
+        { control: 'pause' },
+      ),
       item(WORDS.closeAndStayPaused, () => leave(null, true), { control: 'pause' }),
       item(WORDS.restartFromTheBeginning, () => leave(() => attempt(station.control('restart'), WORDS.restarted)), {
         control: 'restart',
@@ -68,7 +70,7 @@ export function showMenu(station, { keys, gamepad, edit }) {
     ),
     el('hr'),
     nameForm(station),
-    saveForm(station, isPilot && station.may('save'), leave),
+    station.may('save') ? saveForm(station, isPilot, leave) : null,
     el('hr'),
     choice(SETTINGS.colours, THEMES, SETTINGS.themes, theme, setTheme),
     choice(SETTINGS.lengths, UNITS, SETTINGS.units, unit, setUnit),
