@@ -25,7 +25,7 @@ export function showMenu(station, { keys, gamepad, edit }) {
     resumes = false;
     setLanguage(name);
   };
-  // What an exercise or an instructor does not permit is left out.
+  // Entries that an exercise or an instructor does not permit are left out.
   const item = (text, act, { forAll = false, hint = '', className = '', control = '' } = {}) =>
     control && !station.may(control)
       ? null
