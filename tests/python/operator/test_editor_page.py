@@ -107,6 +107,54 @@ def test_a_paused_world_is_rebuilt_around_the_vehicle(here, page):
     assert y_after == pytest.approx(y_before + 1.0) and after.paused and after.tick == before.tick > 0
 
 
+def test_parts_of_the_vehicle_its_start_the_survey_and_currents_are_edited_by_keys_alone(browser, tmp_path: Path):
+    with desk(browser, tmp_path) as here:
+        page = here.open(viewport={"width": 1280, "height": 720})
+        page.wait_for_selector(".preview:not([hidden])")
+        page.locator("button.edit").press("Enter")
+        when(page, "station.editor.state?.is_open && station.editor.chart.frame.scale > 5")
+        ground = page.locator(".editor-canvas")
+        section = page.locator(".editor-bar select").first
+
+        def edited(name: str) -> dict:
+            return page.evaluate(
+                f"station.editor.state.parts.find(({{name, section}}) => [name, section].includes('{name}'))?.values"
+            )
+
+        def changes(name: str, *keys: str) -> None:
+            for key in keys:
+                before = edited(name)
+                ground.press(key)
+                until(lambda before=before: edited(name) != before, f"{name}, {key}")
+
+        for name, added in (("sensors", "imu_2"), ("cameras", "camera"), ("lamps", "lamp")):
+            section.select_option(name)
+            ground.press("a")
+            until(lambda added=added: edited(added) is not None, added)
+            first = edited(added)
+            changes(added, "ArrowRight", "q", "PageUp")
+            for _ in range(3):
+                page.keyboard.press("Control+z")
+            until(lambda added=added, first=first: edited(added) == first, f"{added}, undone")
+            ground.press("Delete")
+            until(lambda added=added: edited(added) is None, f"{added}, deleted")
+        section.select_option("currents")
+        page.get_by_label("Kind").select_option("layers")
+        ground.press("a")
+        until(lambda: edited("currents") is not None, "a current in layers")
+        ground.press("Enter")
+        assert page.evaluate("document.activeElement.closest('.editor-form') !== null")
+        ground.press("Delete")
+        until(lambda: edited("currents") is None, "no current")
+        for name, keys in (("starts", ("ArrowRight", "q", "PageDown")), ("survey", ("ArrowUp", "e"))):
+            while page.evaluate("station.editor.part?.section") != name:
+                chosen = page.evaluate("station.editor.selected")
+                ground.press("n")
+                until(lambda chosen=chosen: page.evaluate("station.editor.selected") != chosen, "the next part")
+            changes(name, *keys)
+        assert not here.complaints
+
+
 def scene_pixel(page, place):
     return page.evaluate(
         """(place) => {
