@@ -15,11 +15,14 @@ export function setTheme(kind) {
 }
 
 // At night a picture is grey times the colour of text: one hue, whose brightest is that colour, below that of alarms.
-const FILTER = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
-const MATRIX = document.createElementNS('http://www.w3.org/2000/svg', 'feColorMatrix');
-FILTER.style.display = 'none';
-FILTER.innerHTML = `<filter id="night" color-interpolation-filters="sRGB"></filter>`;
-FILTER.firstElementChild?.append(MATRIX);
+const svg = (name) => document.createElementNS('http://www.w3.org/2000/svg', name);
+const [HOLDER, FILTER, MATRIX] = ['svg', 'filter', 'feColorMatrix'].map(svg);
+HOLDER.setAttribute('class', 'visually-hidden'); // some browsers apply no filter of an element that is not displayed
+HOLDER.setAttribute('aria-hidden', 'true');
+FILTER.id = 'night';
+FILTER.setAttribute('color-interpolation-filters', 'sRGB');
+FILTER.append(MATRIX);
+HOLDER.append(FILTER);
 const GREY = [0.2126, 0.7152, 0.0722]; // of Rec. 709, as in CSS's grayscale()
 
 function setFilter() {
@@ -27,7 +30,7 @@ function setFilter() {
   const share = (k) => Number.parseInt(text.slice(k, k + 2), 16) / 255;
   const row = (k) => `${GREY.map((part) => part * share(k)).join(' ')} 0 0`;
   MATRIX.setAttribute('values', `${row(1)} ${row(3)} ${row(5)} 0 0 0 1 0`);
-  document.body.append(FILTER);
+  document.body.append(HOLDER);
 }
 
 function apply() {
