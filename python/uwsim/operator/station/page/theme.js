@@ -25,17 +25,17 @@ FILTER.append(MATRIX);
 HOLDER.append(FILTER);
 const GREY = [0.2126, 0.7152, 0.0722]; // of Rec. 709, as in CSS's grayscale()
 
-function setFilter() {
+addEventListener('theme', () => {
+  if (document.documentElement.dataset.theme !== 'night') return;
   const text = getComputedStyle(document.documentElement).getPropertyValue('--text').trim();
   const share = (k) => Number.parseInt(text.slice(k, k + 2), 16) / 255;
   const row = (k) => `${GREY.map((part) => part * share(k)).join(' ')} 0 0`;
   MATRIX.setAttribute('values', `${row(1)} ${row(3)} ${row(5)} 0 0 0 1 0`);
   document.body.append(HOLDER);
-}
+});
 
 function apply() {
   document.documentElement.dataset.theme = theme() === 'system' ? (prefersLight.matches ? 'light' : 'dark') : theme();
-  if (document.documentElement.dataset.theme === 'night') setFilter();
   dispatchEvent(new Event('theme'));
 }
 
