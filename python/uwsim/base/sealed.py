@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, NoReturn
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.named import Named
 
 
 class Sealed:
     """Base for classes whose public attributes cannot be changed once an object has been created.
 
     A subclass declares its attributes (`name: str`) and sets each once. Properties with a setter can be assigned. Any
-    other assignment raises AttributeError, which names the closest attribute or the method that changes the value.
+    other assignment raises AttributeError, which names the closest attribute or the method that changes the value. So
+    does reading an unknown attribute, for which the names of parts (`Named`) are known as well.
     """
 
     _fixed_when: ClassVar[str] = "the simulator is made"
@@ -32,13 +34,20 @@ class Sealed:
         else:
             raise AttributeError(self._refusal(name))
 
+    if not TYPE_CHECKING:  # mypy would then accept any attribute
+
+        def __getattr__(self, name: str) -> Any:
+            if name[:1] == "_" or hasattr(type(self), name):  # a property whose own code lacks an attribute
+                return object.__getattribute__(self, name)
+            raise UnknownAttributeError(self, name)
+
     def __delattr__(self, name: str) -> None:
         raise AttributeError(f"{type(self).__name__}.{name}: cannot be deleted")
 
     def _refusal(self, name: str) -> str:
         owner = type(self)
         attribute = f"{owner.__name__}.{name}"
-        known = {each for each in (*dir(owner), *owner._declared) if not each.startswith("_")}
+        known = owner._known()
         if name not in known:
             return f"{attribute}: unknown attribute{did_you_mean(name, known)}"
         if name in owner._changed_by:
@@ -46,6 +55,30 @@ class Sealed:
         if callable(getattr(owner, name, None)):
             return f"{attribute}: cannot be assigned; it is a method: call it"
         return f"{attribute}: cannot be assigned; it is fixed when {owner._fixed_when}"
+
+    @classmethod
+    def _known(cls) -> set[str]:
+        return {each for each in (*dir(cls), *cls._declared) if not each.startswith("_")}
+
+
+class UnknownAttributeError(AttributeError):
+    """Raised where a Sealed object has no such attribute. Its text takes a search, which `hasattr` need not pay for."""
+
+    def __init__(self, owner: Sealed, name: str) -> None:
+        super().__init__(name)
+        self._owner = owner
+        self._name = name
+
+    def __reduce__(self) -> tuple[type[AttributeError], tuple[str]]:
+        return AttributeError, (str(self),)  # without the object, which may not travel
+
+    def __str__(self) -> str:
+        known = self._owner._known()
+        parts = {each: held for each, held in vars(self._owner).items() if isinstance(held, Named)}
+        items = {item: f"{part}['{item}']" for part, held in reversed(parts.items()) for item in held}
+        written = {item: path for item, path in items.items() if item not in known}
+        hint = did_you_mean(self._name, {*known, *written}, written)
+        return f"{type(self._owner).__name__}.{self._name}: unknown attribute{hint}"
 
 
 class Attached(Sealed):

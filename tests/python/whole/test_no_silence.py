@@ -78,6 +78,20 @@ def test_maps_controllers_and_missions_refuse_such_assignments_too(sim, make, na
         setattr(make(sim), name, 1.0)
 
 
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("imuu", "sensors['imu']"), ("front", "cameras['front']"), ("sonr", "'sonar'"), ("efort", "'effort'")],
+)
+def test_an_unknown_attribute_is_refused_with_the_part_or_attribute_of_that_name(
+    sim: Simulator, name: str, meant: str
+) -> None:
+    with pytest.raises(AttributeError) as refused:
+        getattr(sim.rov, name)
+    assert str(refused.value) == f"Vehicle.{name}: unknown attribute; did you mean {meant}?"
+    assert str(pickle.loads(pickle.dumps(refused.value))) == str(refused.value)
+    assert not hasattr(sim.rov, name)
+
+
 def test_new_gains_take_effect(sim: Simulator) -> None:
     autopilot = Autopilot(sim.rov)
     autopilot.gains = Gains(heading=0.0, heading_rate=0.0)
