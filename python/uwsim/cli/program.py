@@ -14,6 +14,7 @@ import resource
 import signal
 import sys
 import warnings
+from traceback import walk_tb
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -92,10 +93,16 @@ def run_program() -> NoReturn:
     except (ValueError, OSError, MemoryError, ImportError) as error:  # ImportError: no memory for a library
         if os.environ.get("UWSIM_TRACEBACK"):
             raise
+        if is_scarce and _ended_an_import(error):
+            _print_error(_too_little_room(error))
+            sys.exit(FAILED)
         for mistake in getattr(error, "mistakes", None) or [_message_of(error)]:  # mistakes in a scenario file
             _print_error(mistake)
         sys.exit(getattr(error, "exit_code", FAILED))
     except Exception as error:
+        if is_scarce and _ended_an_import(error) and not os.environ.get("UWSIM_TRACEBACK"):
+            _print_error(_too_little_room(error))
+            sys.exit(FAILED)
         if str(error) == "can't start new thread":  # CPython's RuntimeError
             _print_error("the system allows no further thread: its limit of processes, threads or memory is reached")
             sys.exit(FAILED)
@@ -105,6 +112,22 @@ def run_program() -> NoReturn:
         _print_error(refusal(error))
         sys.exit(getattr(error, "exit_code", FAILED))
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _ended_an_import(error: Exception) -> bool:
+    """Return whether a library that is installed could not be imported, or what it lacks ended another's import."""
+    if isinstance(error, ModuleNotFoundError) or not isinstance(error, ImportError | AttributeError):
+        return False
+    return any(frame.f_code.co_name == "<module>" for frame, _ in walk_tb(error.__traceback__))
+
+
+def _too_little_room(error: Exception) -> str:
+    """Return the message for an error of an import where the address space is limited.
+
+    A module whose first import found no room is left half made, and lacks names at the next.
+    """
+    shown = " ".join(str(error).split())[:200]
+    return f"out of memory: a library could not be loaded within the limit of address space ({shown})"
 
 
 def _message_of(error: Exception) -> str:

@@ -1,5 +1,6 @@
 """A full disk or too little memory: one clear error line, and saved data stay intact."""
 
+import os
 import resource
 import subprocess
 import sys
@@ -74,6 +75,15 @@ def test_too_little_memory_is_one_line(megabytes: int, folder: Path) -> None:
     assert ended.returncode in (0, 1), ended.stderr
     assert "Traceback" not in ended.stderr
     assert ended.returncode == 0 or len(ended.stderr.strip().splitlines()) == 1, ended.stderr
+
+
+def test_a_library_that_was_left_half_made_for_want_of_memory_is_one_line(folder: Path) -> None:
+    (folder / "matplotlib.py").write_text("raise AttributeError('a name that an import without room did not reach')")
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    ended = uwsim_process(
+        "survey", "pool", "--out", str(folder / "out"), "--mission-time", "1", env=environment, preexec_fn=memory(8000)
+    )
+    assert "out of memory: a library could not be loaded within the limit of address space" in error_line(ended)
 
 
 def test_a_system_without_threads_is_one_line(folder: Path) -> None:
