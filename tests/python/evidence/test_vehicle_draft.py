@@ -130,7 +130,7 @@ def test_a_draft_rests_level_and_keeps_its_depth(mine: Path, tmp_path: Path) -> 
 
 
 def test_a_draft_surveys_without_another_edit(mine: Path, tmp_path: Path) -> None:
-    ran = uwsim("survey", "lagoon", "--vehicle-model", mine, "--out", tmp_path / "out")
+    ran = uwsim("survey", "lagoon", "--vehicle-model", mine, "--out", tmp_path / "out", "--report", "json")
     assert ran.returncode == 0, ran.stderr
     assert json.loads((tmp_path / "out/summary.json").read_text())["coverage"] > 0.9
 
@@ -179,13 +179,13 @@ def test_a_log_calibrates_a_draft(mine: Path) -> None:
 
 
 @pytest.mark.parametrize("axes", ["surge,yaw,heave,sway", "surge,sway,heave,roll,pitch,yaw", "surge,pitch"])
-def test_thrusters_drive_the_axes_asked_for(axes: str, tmp_path: Path) -> None:
+def test_thrusters_drive_the_axes_asked_for(axes: str, tmp_path: Path, panels_left_out: None) -> None:
     (tmp_path / "mine.yaml").write_text(drafted(box_mesh(tmp_path / "hull.obj"), axes.split(",")).text)
     with Simulator(scenario_file(tmp_path, tmp_path / "mine.yaml")) as sim:
         assert sim.rov.controllable >= set(axes.split(","))
 
 
-def test_the_unit_follows_from_the_mass_or_is_given(tmp_path: Path) -> None:
+def test_the_unit_follows_from_the_mass_or_is_given(tmp_path: Path, panels_left_out: None) -> None:
     mesh = box_mesh(tmp_path / "hull.obj", scale=100.0)
     assert "mesh_scale: 0.01 " in drafted(mesh, ["surge"]).text
     assert "mesh_scale: 0.0254 " in drafted(mesh, ["surge"], mass_kg=12000.0).text
