@@ -89,6 +89,16 @@ class UsblReading(Reading):
     elevation_rad: float
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class CtdReading(Reading):
+    """Conductivity, temperature and gauge pressure of the water, and the practical salinity that follows from them."""
+
+    conductivity_ms_cm: float
+    temperature_deg_c: float
+    pressure_dbar: float
+    salinity_psu: float
+
+
 READINGS: dict[str, type[Reading]] = {
     "imu": ImuReading,
     "position": PositionReading,
@@ -96,5 +106,6 @@ READINGS: dict[str, type[Reading]] = {
     "acceleration": AccelerationReading,
     "dvl": DvlReading,
     "usbl": UsblReading,
+    "ctd": CtdReading,
 }
 """Classes of readings by the sensor's kind. Kinds that are not listed measure a single value."""

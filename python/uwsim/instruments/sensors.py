@@ -17,6 +17,7 @@ from uwsim.instruments.distortion import Distortion
 from uwsim.instruments.readings import (
     READINGS,
     AccelerationReading,
+    CtdReading,
     DvlReading,
     ImuReading,
     PositionReading,
@@ -258,6 +259,8 @@ class Sensors(Named[Sensor[Any]]):
         def __getitem__(self, name: Literal["dvl"], /) -> Sensor[DvlReading]: ...
         @overload
         def __getitem__(self, name: Literal["usbl"], /) -> Sensor[UsblReading]: ...
+        @overload
+        def __getitem__(self, name: Literal["ctd"], /) -> Sensor[CtdReading]: ...
         @overload
         def __getitem__(self, name: ScalarKind, /) -> Sensor[float]: ...
         @overload

@@ -273,6 +273,27 @@ TEST_F(Sensors, ACompassMeasuresItsHeadingFromMagneticNorth) {
   EXPECT_NEAR(std::remainder(deflected + std::atan2(5, 50 * std::cos(kPi / 3)), 2 * kPi), 0, 1e-12);
 }
 
+TEST_F(Sensors, ACtdReturnsTheSalinityOfItsConductivity) {
+  const std::vector<WaterLevel> levels = {
+      {.depth_m = 0, .temperature_deg_c = 15 / 1.00024, .salinity_psu = 35, .density_kg_m3 = 1026},
+      {.depth_m = 4000, .temperature_deg_c = 2, .salinity_psu = 34, .density_kg_m3 = 1028}};
+  world.water.profile = std::make_shared<const WaterProfile>(levels);
+  snapshot.state.world_from_body.position_m.z() = -1e-6;
+  EXPECT_NEAR(truth(sensor_spec("ctd")).values[0], 42.914, 1e-4) << "C(35, 15, 0), by definition of the scale";
+  for (const double depth_m : {1.0, 300.0, 3999.0}) {
+    snapshot.state.world_from_body.position_m.z() = -depth_m;
+    const Sample here = truth(sensor_spec("ctd"));
+    EXPECT_NEAR(here.values[3], world.water.salinity_at_psu(-depth_m), 1e-9);
+    EXPECT_NEAR(here.values[2], 1e-4 * (world.water.pressure_pa(-depth_m) - 101325), 1e-9);
+    EXPECT_TRUE(here.valid);
+  }
+  world.water.profile = nullptr;
+  EXPECT_EQ(truth(sensor_spec("ctd")).values[0], 0) << "fresh water";
+  snapshot.state.world_from_body.position_m.z() = 1;
+  const Sample dry = truth(sensor_spec("ctd"));
+  EXPECT_TRUE(!dry.valid && dry.values[0] == 0 && dry.values[3] == 0);
+}
+
 TEST_F(Sensors, ContactIsOneWhileInContact) {
   EXPECT_EQ(truth(sensor_spec("contact")).values[0], 0);
   snapshot.touching = true;

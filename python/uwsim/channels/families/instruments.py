@@ -274,6 +274,11 @@ def _bare(name: str, convert: Callable[[float], Any]) -> Write:
     return lambda value, header, errors: build.message(name, data=convert(value))
 
 
+def _numbers(value: Any, header: Any, errors: Errors) -> Any:
+    """Return a message with the quantities of a reading in order, for which no message of ROS exists."""
+    return build.message("std_msgs/msg/Float64MultiArray", data=np.array(list(value.to_dict().values()), np.float64))
+
+
 def _usbl(value: Any, header: Any, errors: Errors) -> Any:
     """Return a message with the position relative to the station, in world axes (east, north, up)."""
     header.frame_id = "world"
@@ -349,6 +354,7 @@ KINDS: dict[str, Kind] = {
     "usbl": Kind("geometry_msgs/msg/PointStamped", _usbl),
     "depth": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
     "compass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
+    "ctd": Kind("std_msgs/msg/Float64MultiArray", _numbers),
     "contact": Kind("std_msgs/msg/Bool", _bare("std_msgs/msg/Bool", bool)),
 }
 """The message for each of the core's kinds of sensors; those in Python have their own.
