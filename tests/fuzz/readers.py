@@ -354,6 +354,7 @@ READERS = {
     "las": Reader(_cloud(".las"), ("laspy",)),
     "gsf": Reader(surveys.reader(".gsf"), ("GSFU",), has_end=_without_end),
     "kmall": Reader(surveys.reader(".kmall"), has_end=_without_end),
+    "xtf": Reader(surveys.read_side_scan, ("pyxtf",), has_end=_without_end),
     "xyz": Reader(_cloud(".xyz"), has_end=_without_end),
     "stl": Reader(_mesh(".stl"), ("trimesh.exchange",), _has_one_solid),
     "obj": Reader(_mesh(".obj"), ("trimesh.exchange",), has_end=_without_end),

@@ -50,3 +50,33 @@ def survey(suffix: str) -> bytes:
             ))  # fmt: skip
         writer.close()
         return path.read_bytes()
+
+
+def read_side_scan(data: bytes, folder: Path) -> Any:
+    """Read a side-scan survey: the levels of its lines."""
+    from uwsim.mapping.files.xtf_read import read_xtf
+
+    path = folder / "survey.xtf"
+    path.write_bytes(data)
+    head, lines = read_xtf(path)
+    return [head.range_max_m, *(line.port_db.tobytes() + line.starboard_db.tobytes() for line in lines)]
+
+
+def side_scan() -> bytes:
+    """Return a small side-scan survey: two lines of eight samples to a side."""
+    from uwsim.mapping.files.side_scan_line import SideScanHead, SideScanLine
+    from uwsim.mapping.files.swath import EPOCH_NS
+    from uwsim.mapping.files.xtf import XtfWriter
+
+    head = SideScanHead("rov", "small", 4e5, 50.0, 8, 0.01, 0.7, 0.4, np.zeros(3), "made for tests")
+    levels = np.linspace(80.0, 120.0, 8).astype(np.float32)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "survey.xtf"
+        writer = XtfWriter(path, head)
+        for number in range(2):
+            place = (43.1, 5.9)
+            writer.add(SideScanLine(
+                EPOCH_NS + number * 10**9, place, place, 2.0, 6.0, 1.0, 0.01, -0.02, 0.5, 1498.0, levels, levels[::-1]
+            ))  # fmt: skip
+        writer.close()
+        return path.read_bytes()

@@ -100,6 +100,7 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "map diff": (["map.bt", "map.bt"], {}),
     "map view": (["map.bt"], {"port": "0"}),
     "map film": (["run.mcap"], {"out": "map.webp", "pictures": "2"}),
+    "map waterfall": (["survey.xtf"], {"out": "waterfall.png"}),
     "map slice": (["map.bt"], {"z": "-1", "out": "slice.png"}),
     "scenario list": ([], {}),
     "scenario new": (["mine.yaml"], {}),
@@ -237,7 +238,7 @@ def _values(parameter: Parameter) -> tuple[str, ...]:
 
 def prepare(folder: Path) -> None:
     """Write the files that BASES name; map and recording are those of the tests."""
-    from fuzz.surveys import survey
+    from fuzz.surveys import side_scan, survey
 
     from uwsim.scenario.read.assets import assets_folder
 
@@ -245,6 +246,7 @@ def prepare(folder: Path) -> None:
     (folder / "pool.yaml").write_bytes((assets_folder() / "scenarios" / "pool.yaml").read_bytes())
     (folder / "map.bt").write_bytes((SAVED / "survey" / "map.bt").read_bytes())
     (folder / "survey.gsf").write_bytes(survey(".gsf"))
+    (folder / "survey.xtf").write_bytes(side_scan())
     (folder / "run.mcap").write_bytes((SAVED / "live.mcap").read_bytes())
     (folder / "mission.py").write_text(
         "from uwsim.missions import wait\n\ndef mission(vehicle):\n    vehicle.release()\n    yield wait(1.0)\n"

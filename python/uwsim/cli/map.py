@@ -150,7 +150,7 @@ def score(
     Console().print(score_table(scored, f"{source.name} against {scenario}"), highlight=False)
     if not scored.path_known:
         typer.echo("no track of the survey (--track): coverage and recall need it and are unknown")
-    figure = _require_png(out or source.with_name(f"{source.stem}.score.png"))
+    figure = require_png(out or source.with_name(f"{source.stem}.score.png"))
     draw_map_errors(figure, scored.score, scored.track.area_world_m)
     if json is not None:
         write_score_json(json, scored)
@@ -182,7 +182,7 @@ def render(
     from uwsim.figures.map_render import Viewpoint, draw_map
     from uwsim.mapping.files.map_files import open_map
 
-    viewpoint, figure = Viewpoint(azimuth, elevation, width), _require_png(out or source.with_suffix(".png"))
+    viewpoint, figure = Viewpoint(azimuth, elevation, width), require_png(out or source.with_suffix(".png"))
     draw_map(figure, open_map(source, origin), viewpoint, source.name)
     typer.echo(str(figure))
 
@@ -203,7 +203,7 @@ def diff(
     from uwsim.mapping.difference import STATES, map_difference
     from uwsim.mapping.files.map_files import open_map
 
-    figure = None if out is None else _require_png(out)
+    figure = None if out is None else require_png(out)
     found = map_difference(open_map(first), open_map(second))
     if figure is not None:
         draw_map_difference(figure, found, (first.name, second.name))
@@ -250,12 +250,13 @@ def slice_(
     if len(given) != 1:
         raise ValueError(f"--x, --y, --z: {len(given)} of them given, must be one")
     axis, at_m = given[0]
-    figure = _require_png(out or source.with_name(f"{source.stem}.{axis}{at_m:g}.png"))
+    figure = require_png(out or source.with_name(f"{source.stem}.{axis}{at_m:g}.png"))
     draw_map_slice(figure, slice_map(open_map(source, origin), axis, at_m))  # type: ignore[arg-type]
     typer.echo(str(figure))
 
 
-def _require_png(path: Path) -> Path:
+def require_png(path: Path) -> Path:
+    """Return the path of a figure. Raises ValueError unless it ends in .png."""
     if path.suffix.lower() != ".png":
         raise ValueError(f"figure '{path}': must end in .png")
     return path

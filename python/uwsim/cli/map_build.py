@@ -60,7 +60,7 @@ def build(
     for path in sources:
         read = survey_format(path, "--from").read
         if read is None:
-            raise ValueError(f"--from {path}: this format is only written")
+            raise ValueError(f"--from {path}: holds no pings of a multibeam")
         head, swaths = read(path)
         first = list(islice(swaths, 1))
         if not first:

@@ -19,7 +19,7 @@ ELSEWHERE = {
     "flights.csv of --out": ["ardusub-check"],
     "the file or the pictures that it writes": [
         "sonar", "camera", "film", "decompose", "ros package", "scenario new", "scenario from", "map convert",
-        "map merge", "map render", "map slice", "map build", "map from", "map film",
+        "map merge", "map render", "map slice", "map build", "map from", "map film", "map waterfall",
     ],
     "a server or a vehicle, until Ctrl-C": ["serve", "station", "teleop", "ardusub", "connect", "nodes", "map view"],
     "it prints nothing but JSON": ["scenario schema"],

@@ -6,8 +6,10 @@ import warnings
 import numpy as np
 import pytest
 
+from command_line import uwsim as uwsim_command
 from flown_survey import LATITUDE, LONGITUDE, POOL, Flown
 from uwsim.flight.survey import run_survey
+from uwsim.mapping.files.xtf_read import read_xtf
 
 pyxtf = pytest.importorskip("pyxtf", reason="needs pyxtf")
 
@@ -86,3 +88,100 @@ def test_a_vehicle_without_side_scan_is_refused_before_anything_is_written(tmp_p
     with pytest.raises(ValueError, match=r"survey\.xtf: holds side scan: 'rov' must have a sonar of kind side_scan"):
         run_survey(scenario, tmp_path / "out", raw=tmp_path / "survey.xtf", report="none")
     assert not (tmp_path / "survey.xtf").exists()
+
+
+def test_what_is_written_is_read(flown, file):
+    head, lines = read_xtf(flown.raw)
+    _, pings = file
+    read = list(lines)
+    assert len(read) == len(pings)
+    assert head.bins == len(pings[0].data[0])
+    assert head.range_max_m == pytest.approx(pings[0].ping_chan_headers[0].SlantRange)
+    for line, ping in zip(read, pings, strict=True):
+        np.testing.assert_allclose(10.0 ** (0.05 * line.port_db[::-1]), ping.data[0], rtol=2e-5)
+        np.testing.assert_allclose(10.0 ** (0.05 * line.starboard_db), ping.data[1], rtol=2e-5)
+        assert np.datetime64(line.time_ns, "ns") == ping.get_time()
+        assert line.sonar_deg == (ping.SensorYcoordinate, ping.SensorXcoordinate)
+        assert math.degrees(line.heading_rad) == pytest.approx(ping.SensorHeading, abs=1e-4)
+
+
+def of_others(bytes_per_sample: int = 2, sample_format: int = 3, pings: int = 4) -> bytes:
+    """Return a file as other software writes it, by pyxtf: dual frequency, integers, navigation between the pings."""
+    header = pyxtf.XTFFileHeader()
+    header.NavUnits, header.NumberOfSonarChannels = 0, 4
+    for number, kind in enumerate((1, 2, 1, 2)):
+        channel = header.ChanInfo[number]
+        channel.TypeOfChannel, channel.SubChannelNumber = kind, number
+        channel.BytesPerSample, channel.SampleFormat, channel.Frequency = bytes_per_sample, sample_format, 100.0
+    parts = [header.to_bytes()]
+    for number in range(pings):
+        ping = pyxtf.XTFPingHeader()
+        ping.HeaderType, ping.NumChansToFollow = pyxtf.XTFHeaderType.sonar.value, 4
+        ping.Year, ping.Month, ping.Day, ping.Second = 2021, 5, 4, number
+        kinds = {1: np.uint8, 2: np.uint16, 4: np.uint32}[bytes_per_sample]
+        ping.data = [np.arange(1, 101).astype(kinds)[:: 1 if k % 2 else -1] for k in range(4)]
+        ping.ping_chan_headers = []
+        for k in range(4):
+            channel = pyxtf.XTFPingChanHeader()
+            channel.ChannelNumber, channel.NumSamples, channel.SlantRange = k, 100, 50.0 if number < 2 else 25.0
+            ping.ping_chan_headers.append(channel)
+        ping.NumBytesThisRecord = 256 + 4 * (64 + 100 * bytes_per_sample)
+        between = pyxtf.XTFHeaderNavigation()
+        between.NumBytesThisRecord = 64
+        parts += [ping.to_bytes(), between.to_bytes()]
+    return b"".join(parts)
+
+
+@pytest.mark.parametrize(("bytes_per_sample", "sample_format"), [(1, 0), (1, 8), (2, 0), (2, 3), (4, 2)])
+def test_files_of_others_are_read(tmp_path, bytes_per_sample, sample_format):
+    path = tmp_path / "other.xtf"
+    path.write_bytes(of_others(bytes_per_sample, sample_format))
+    head, lines = read_xtf(path)
+    first, _, third, _ = lines
+    assert (head.bins, head.range_max_m, head.frequency_hz) == (100, 50.0, 100_000.0)
+    np.testing.assert_allclose(first.port_db, 20.0 * np.log10(np.arange(1, 101)), rtol=1e-6)  # the nearest first
+    np.testing.assert_allclose(first.starboard_db, first.port_db)
+    np.testing.assert_allclose(third.starboard_db[:50], first.starboard_db[1::2])  # at half the range
+    assert np.isnan(third.starboard_db[50:]).all()
+    assert math.isnan(first.vehicle_deg[0])
+
+
+@pytest.mark.parametrize("cut", [0, 500, 1023, 1024, 1030, 1100, 1300, 1500, 2500])
+def test_a_truncated_file_is_refused_with_its_offset(tmp_path, cut):
+    path = tmp_path / "cut.xtf"
+    path.write_bytes(of_others()[:cut])
+    with pytest.raises(ValueError, match=r"cut\.xtf': at byte \d+: "):
+        list(read_xtf(path)[1])
+
+
+@pytest.mark.parametrize(("at", "value", "rule"), [
+    (0, b"\x00", "must begin with a header"), (1024, b"\x00", "must begin with 0xFACE"),
+    (1034, b"\xff\xff\xff\xff", "a record of 4294967295 bytes"), (1024 + 16, b"\x40", "its time: "),
+    (1024 + 4, b"\xff\xff", "ends before channel"), (1024 + 256, b"\x09\x00", "channel 9: must be below 4"),
+    (1024 + 256 + 4, b"\x00\x00\xc0\x7f", "must have the same range"),
+    (1024 + 256 + 42, b"\xff\xff\xff\x7f", "samples: must have"),
+])  # fmt: skip
+def test_damage_is_refused_with_its_offset(tmp_path, at, value, rule):
+    data = bytearray(of_others())
+    data[at : at + len(value)] = value
+    path = tmp_path / "bad.xtf"
+    path.write_bytes(bytes(data))
+    with pytest.raises(ValueError, match=r"bad\.xtf': at byte \d+: .*" + rule):
+        list(read_xtf(path)[1])
+
+
+def test_a_waterfall_is_drawn(flown, tmp_path):
+    from PIL import Image
+
+    for extra in ((), ("--over-ground",)):
+        drawn = uwsim_command("map", "waterfall", str(flown.raw), "--out", "w.png", *extra, cwd=tmp_path)
+        assert drawn.returncode == 0, drawn.stderr
+        picture = np.asarray(Image.open(tmp_path / "w.png").convert("L"), float)
+        assert picture[200:-200, 200:-200].std() > 10.0
+    other = tmp_path / "a.gsf"
+    other.write_bytes(b"")
+    refused = uwsim_command("map", "waterfall", "a.gsf", cwd=tmp_path)
+    assert "holds no side scan" in refused.stderr
+    assert refused.returncode == 1
+    built = uwsim_command("map", "build", "m.bt", "--from", str(flown.raw), cwd=tmp_path)
+    assert "holds no pings of a multibeam" in built.stderr

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from uwsim.base.sockets import load
 
 if TYPE_CHECKING:
-    from uwsim.mapping.files.side_scan_line import SideScanHead, SideScanWriter
+    from uwsim.mapping.files.side_scan_line import SideScanHead, SideScanLine, SideScanWriter
 
 GROUP = "uwsim.kinds.survey_file"
 EPOCH_NS = 1_577_836_800_000_000_000
@@ -112,13 +112,14 @@ class SurveyFormat:
     content: what a file holds. write(path, head): returns a writer; None if the format is only read. read(path):
     returns the head and the swaths in the order of the file; raises OSError, or ValueError with the file's name, the
     offset and the rule; None if the format is only written. side_scan(path, head): returns a writer of side scan, if
-    the format holds that instead.
+    the format holds that instead; read_side_scan(path): its head and lines, with the errors of read.
     """
 
     content: str
     write: Callable[[Path, SurveyHead], SwathWriter] | None = None
     read: Callable[[Path], tuple[SurveyHead, Iterator[Swath]]] | None = None
     side_scan: Callable[[Path, SideScanHead], SideScanWriter] | None = None
+    read_side_scan: Callable[[Path], tuple[SideScanHead, Iterator[SideScanLine]]] | None = None
 
 
 def survey_format(path: Path, option: str) -> SurveyFormat:

@@ -2,7 +2,7 @@
 
 A sample is the amplitude of the pressure in uPa, a 4-byte float, so that a level is 20 log10 of it. As the format has
 it, port samples begin with the farthest, and starboard samples with the nearest. Times are in whole hundredths of a
-second.
+second. The reader is in xtf_read.py.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import pyxtf
 from uwsim.base.atomic_file import GrowingFile
 from uwsim.mapping.files.side_scan_line import Levels, SideScanHead, SideScanLine
 from uwsim.mapping.files.swath import SurveyFormat
+from uwsim.mapping.files.xtf_read import read_xtf
 
 KNOT_M_S = 1852.0 / 3600.0
 DEGREES_OF_LATITUDE = 3
@@ -111,4 +112,6 @@ def _pressures(levels_db: Levels) -> Levels:
     return np.power(10.0, 0.05 * levels_db.astype(np.float64)).astype("<f4")
 
 
-XTF = SurveyFormat("lines of a side-scan sonar in the eXtended Triton Format", side_scan=XtfWriter)
+XTF = SurveyFormat(
+    "lines of a side-scan sonar in the eXtended Triton Format", side_scan=XtfWriter, read_side_scan=read_xtf
+)
