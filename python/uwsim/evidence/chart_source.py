@@ -8,7 +8,7 @@ from typing import Any
 
 from uwsim.evidence.scenario_source import Made, ScenarioSource
 
-SUFFIXES = (".bag", ".tif", ".tiff", ".nc", ".grd", ".asc", ".img", ".vrt")
+SUFFIXES = (".bag", ".tif", ".tiff", ".h5", ".nc", ".grd", ".asc", ".img", ".vrt")
 SIZE_M = 500.0
 
 

@@ -1,4 +1,4 @@
-"""A scenario from a chart: a real place from a BAG, a GeoTIFF or a NetCDF of elevations, ready to be surveyed."""
+"""A scenario from a chart: a real place from a BAG, a GeoTIFF, an S-102 or a NetCDF of elevations, ready to survey."""
 
 from __future__ import annotations
 

@@ -9,6 +9,7 @@ from affine import Affine
 from rasterio.shutil import copy
 
 from uwsim.evidence.cli.scenario_from import scenario_from
+from uwsim.evidence.scenario_source import source_of
 from uwsim.scenario import build_world, load
 from uwsim.scenario.from_chart import _largest_squares, scenario_from_chart
 from uwsim.scenario.georeference import georeference
@@ -54,6 +55,48 @@ def test_a_chart_with_gaps_becomes_the_bed_of_its_largest_square(tmp_path):
 
 def made_row(scenario) -> float:
     return (5_330_000 - scenario.terrain.centre[1]) / 4
+
+
+def write_s102(path: Path, depths: np.ndarray, west_m: float, south_m: float, spacing_m: float) -> Path:
+    """Write what GDAL's driver reads of S-102 2.2 (IHO, 2023): depths in rows from the south, positive down."""
+    h5py = pytest.importorskip("h5py", reason="needs h5py, which is not a dependency, to make an S-102 file")
+    rows, columns = depths.shape
+    values = np.zeros((rows, columns), [("depth", "<f4"), ("uncertainty", "<f4")])
+    values["depth"], values["uncertainty"] = np.where(np.isfinite(depths), depths, 1e6), 0.3
+    with h5py.File(path, "w") as file:
+        file.attrs["productSpecification"] = "INT.IHO.S-102.2.2"
+        file.attrs["horizontalCRS"] = np.int32(32610)
+        file.create_group("Group_F")
+        coverage = file.create_group("BathymetryCoverage").create_group("BathymetryCoverage.01")
+        for axis, origin, count in (("Longitud", west_m, columns), ("Latitud", south_m, rows)):
+            coverage.attrs[f"gridOrigin{axis}e"] = origin + 0.5 * spacing_m
+            coverage.attrs[f"gridSpacing{axis}inal"] = spacing_m
+            coverage.attrs[f"numPoints{axis}inal"] = np.uint32(count)
+        coverage.attrs["startSequence"] = "0,0"
+        coverage.create_group("Group_001").create_dataset("values", data=values)
+    return path
+
+
+def test_an_s_102_is_the_bed_of_the_same_geotiff(tmp_path):
+    """S-102 has depths from the south, GeoTIFF elevations from the north."""
+    east, north = np.meshgrid(np.arange(60), np.arange(50))
+    depths = 20.0 + 0.1 * east + 0.15 * north + 2.0 * np.sin(0.2 * north)
+    depths[:5, :9] = np.nan
+    chart = write_s102(tmp_path / "chart.h5", depths, 520_000.0, 5_330_000.0, 4.0)
+    tiff = write(tmp_path / "chart.tif", -depths[::-1], "GTiff", "EPSG:32610", Affine(4, 0, 520_000, 0, -4, 5_330_200))
+    assert source_of(chart).what.startswith("a chart")
+    beds = []
+    for source in (chart, tiff):
+        made = scenario_from_chart(
+            source, tmp_path / f"{source.suffix[1:]}.yaml", size_m=100.0, centre=(520_140, 5_330_100)
+        )
+        scenario = load(made.path)
+        beds.append(
+            (made.depth_m, build_world(scenario).height_at(np.array([[0.0, 0.0], [30.0, -20.0], [-40.0, 45.0]])))
+        )
+    assert beds[0][0] == pytest.approx(beds[1][0], abs=1e-4)
+    np.testing.assert_allclose(beds[0][1], beds[1][1], atol=1e-4)
+    assert beds[0][1][0] == pytest.approx(-(20.0 + 3.5 + 3.75 + 2.0 * np.sin(5.0)), abs=0.3)
 
 
 def test_degrees_are_a_place_too(tmp_path):

@@ -36,7 +36,7 @@ DEGREE_CELL = 0.1
 """If a file has no coordinate system, cells smaller than this that lie on the globe are assumed to be in degrees."""
 FORMATS = (
     *("GTiff", "AAIGrid", "HFA", "EHdr", "SRTMHGT", "USGSDEM", "DTED", "BAG", "netCDF", "GSAG", "GSBG", "GS7BG"),
-    *("ENVI", "SAGA", "XYZ", "BT", "PCRaster", "GRIB"),
+    *("ENVI", "SAGA", "XYZ", "BT", "PCRaster", "GRIB", "S102"),
 )
 """GDAL's names of formats that contain the elevations themselves. Others, such as VRT, refer to further files and
 servers, which would let an untrusted file read anything that this machine can access."""
@@ -222,7 +222,11 @@ def _read(spec: RasterTerrain) -> Raster:
 def _opened(path: Path) -> DatasetReader:
     with Env(), warnings.catch_warnings():
         warnings.simplefilter("ignore", NotGeoreferencedWarning)  # `_read` raises an error instead
-        return DatasetReader(str(path), driver=list(FORMATS))
+        file = DatasetReader(str(path), driver=list(FORMATS))
+        if file.driver != "S102":
+            return file
+        file.close()  # it holds depths, positive down
+        return DatasetReader(str(path), driver=["S102"], DEPTH_OR_ELEVATION="ELEVATION")
 
 
 def _filled(elevations: FloatGrid) -> FloatGrid:
