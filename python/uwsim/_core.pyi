@@ -1502,7 +1502,11 @@ class ControlModel:
     A controller's model of its vehicle, in deep, still water.
     """
     def __init__(
-        self, craft: Craft, actuators: ActuatorsSpec, density_kg_m3: typing.SupportsFloat | typing.SupportsIndex
+        self,
+        craft: Craft,
+        actuators: ActuatorsSpec,
+        density_kg_m3: typing.SupportsFloat | typing.SupportsIndex,
+        gravity_m_s2: typing.SupportsFloat | typing.SupportsIndex = 9.80665,
     ) -> None: ...
     def effort(
         self,

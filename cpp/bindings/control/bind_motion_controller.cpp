@@ -54,10 +54,12 @@ void bind_motion_controller(py::module_& m) {
       .def_readonly("derivative", &Pid::derivative);
 
   py::class_<ControlModel>(m, "ControlModel", "A controller's model of its vehicle, in deep, still water.")
-      .def(py::init([](std::shared_ptr<Craft> craft, const ActuatorsSpec& actuators, double density_kg_m3) {
-             return ControlModel(std::move(craft), actuators, density_kg_m3);
+      .def(py::init([](std::shared_ptr<Craft> craft, const ActuatorsSpec& actuators, double density_kg_m3,
+                       double gravity_m_s2) {
+             return ControlModel(std::move(craft), actuators, density_kg_m3, gravity_m_s2);
            }),
-           py::arg("craft").none(false), py::arg("actuators"), py::arg("density_kg_m3"))
+           py::arg("craft").none(false), py::arg("actuators"), py::arg("density_kg_m3"),
+           py::arg("gravity_m_s2") = EvenWater().gravity_m_s2)
       .def_property_readonly("driven", &ControlModel::driven,
                              "For each axis, surge to yaw, whether thrusters or fins drive it.")
       .def("reachable", &ControlModel::reachable, py::arg("wrench_body"), py::arg("surge_m_s") = 0.0,

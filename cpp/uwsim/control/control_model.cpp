@@ -16,9 +16,11 @@ Pose deep(const Eigen::Matrix3d& world_from_body) { return {{0, 0, kDeep_m}, Eig
 
 }  // namespace
 
-ControlModel::ControlModel(std::shared_ptr<const Craft> craft, const ActuatorsSpec& actuators, double density_kg_m3)
+ControlModel::ControlModel(std::shared_ptr<const Craft> craft, const ActuatorsSpec& actuators, double density_kg_m3,
+                           double gravity_m_s2)
     : craft_(std::move(craft)), actuators_(actuators) {
   water_.density_kg_m3 = density_kg_m3;
+  water_.gravity_m_s2 = gravity_m_s2;
   inverse_mass_ = craft_->inverse_mass(deep(Eigen::Matrix3d::Identity()), water_, 0);
   mass_ = inverse_mass_.llt().solve(Matrix6d::Identity());
   const auto& [ahead, astern] = actuators_.full_wrench_body();

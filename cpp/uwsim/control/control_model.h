@@ -16,7 +16,8 @@ namespace uwsim {
 class ControlModel {
  public:
   /// Throws InvalidValue for invalid actuators.
-  ControlModel(std::shared_ptr<const Craft> craft, const ActuatorsSpec& actuators, double density_kg_m3);
+  ControlModel(std::shared_ptr<const Craft> craft, const ActuatorsSpec& actuators, double density_kg_m3,
+               double gravity_m_s2 = EvenWater().gravity_m_s2);
 
   /// The wrench for an acceleration at a given velocity and attitude, tau = M (nu' - nu'_0), where nu'_0 is the
   /// acceleration without actuators: drag, Coriolis and restoring forces are fed forward. Six-vectors in body axes; [N,

@@ -23,6 +23,7 @@ from uwsim.channels.ros import build
 from uwsim.channels.source import Source
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.craft import mass_properties
+from uwsim.scenario.build.gravity import gravity_m_s2
 from uwsim.scenario.build.hull import hull_placement, vehicle_hull
 from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.obstacles.box import Box
@@ -81,7 +82,9 @@ def urdf(scenario: Scenario, source: Source, mesh: Mesh | None = None) -> str:
 
 def _add_inertial(link: Element, scenario: Scenario, entry: VehicleEntry) -> None:
     density_kg_m3 = surface_density_kg_m3(scenario.water)
-    mass_kg, centre_m, inertia = mass_properties(entry.model, density_kg_m3, entry.trim or entry.model.trim)
+    mass_kg, centre_m, inertia = mass_properties(
+        entry.model, density_kg_m3, entry.trim or entry.model.trim, gravity_m_s2(scenario.earth)
+    )
     inertial = SubElement(link, "inertial")
     _add_origin(inertial, centre_m)
     SubElement(inertial, "mass", value=repr(float(mass_kg)))

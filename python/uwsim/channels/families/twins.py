@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from uwsim import _core
 from uwsim.base import quaternions
 from uwsim.channels.authority.steering import ONE_THRUSTER, Steering
 from uwsim.channels.channel import COMMAND, Authority, Channel, Delivery, OverLink, ended_by
@@ -34,7 +33,6 @@ from uwsim.simulator.simulator import Simulator
 STATE_HZ = 50.0
 FLOAT, STAMPED = "std_msgs/msg/Float64", "geometry_msgs/msg/TwistStamped"
 ON_REQUEST = Delivery(on_request=True)
-GRAVITY_M_S2 = _core.Water().gravity_m_s2
 
 
 def twin_channels(source: Source, sim: Simulator, steering: Steering, *, per_thruster: bool) -> list[Channel]:
@@ -66,7 +64,8 @@ def _twins(kind: str, sim: Simulator) -> list[FilterInput]:
             _usbl_pose(np.asarray(sim.scenario.station.position_m)), "odom",
         ),
         "imu": FilterInput(
-            "accel", accel, "acceleration without gravity, by the IMU's own orientation", _acceleration
+            "accel", accel, "acceleration without gravity, by the IMU's own orientation",
+            _acceleration(sim.world.water.gravity_m_s2),
         ),
         "dvl": FilterInput(
             "data", "dvl_msgs/msg/DVL", "as of Water Linked's driver; neither rssi nor nsd is modelled", _water_linked,
@@ -94,19 +93,23 @@ def _usbl_pose(station_m: Any) -> Callable[[Any, Any, Errors, Any], Any]:
     return write
 
 
-def _acceleration(value: Any, header: Any, errors: Errors, origin_m: Any) -> Any:
-    """Return the specific force without its share of gravity; an error of the orientation turns that share."""
-    x, y, z, w = value.orientation_xyzw
-    up = quaternions.turned((-x, -y, -z, w), (0.0, 0.0, GRAVITY_M_S2))
-    variance = errors.variance("linear_acceleration") + GRAVITY_M_S2**2 * errors.variance("orientation")
-    covariance = np.diag([UNOBSERVED] * 6)
-    covariance[:3, :3] = isotropic(variance).reshape(3, 3)
-    accel = build.message("geometry_msgs/msg/Accel", linear=build.vector(value.linear_acceleration_m_s2 - up))
-    return build.message(
-        "geometry_msgs/msg/AccelWithCovarianceStamped",
-        header=header,
-        accel=build.message("geometry_msgs/msg/AccelWithCovariance", accel=accel, covariance=covariance.ravel()),
-    )
+def _acceleration(gravity_m_s2: float) -> Callable[[Any, Any, Errors, Any], Any]:
+    """Return a writer of the specific force without its share of gravity; an error of the orientation turns it."""
+
+    def write(value: Any, header: Any, errors: Errors, origin_m: Any) -> Any:
+        x, y, z, w = value.orientation_xyzw
+        up = quaternions.turned((-x, -y, -z, w), (0.0, 0.0, gravity_m_s2))
+        variance = errors.variance("linear_acceleration") + gravity_m_s2**2 * errors.variance("orientation")
+        covariance = np.diag([UNOBSERVED] * 6)
+        covariance[:3, :3] = isotropic(variance).reshape(3, 3)
+        accel = build.message("geometry_msgs/msg/Accel", linear=build.vector(value.linear_acceleration_m_s2 - up))
+        return build.message(
+            "geometry_msgs/msg/AccelWithCovarianceStamped",
+            header=header,
+            accel=build.message("geometry_msgs/msg/AccelWithCovariance", accel=accel, covariance=covariance.ravel()),
+        )
+
+    return write
 
 
 def _water_linked(value: Any, header: Any, errors: Errors, origin_m: Any) -> Any:

@@ -205,7 +205,7 @@ def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleSc
         lift_n=_lift_n(control),
         current_m_s=current_m_s,
         holds_current=_holds(control, current_m_s),
-        figures=vehicle_figures(entry.model, control, density_kg_m3, entry.trim),
+        figures=vehicle_figures(entry.model, control, density_kg_m3, entry.trim, water.gravity_m_s2),
     )
 
 

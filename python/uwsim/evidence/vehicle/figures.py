@@ -14,6 +14,7 @@ from uwsim.evidence.vehicle.mounts import Mount, mounts
 from uwsim.evidence.vehicle.trials import StraightRun, straight_run
 from uwsim.scenario import ScenarioError
 from uwsim.scenario.build.ballast import mass_with_ballast, trim_weights
+from uwsim.scenario.build.gravity import STANDARD_M_S2
 from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 
@@ -63,17 +64,21 @@ class VehicleFigures:
 
 
 def vehicle_figures(
-    model: VehicleModel, control: _core.ControlModel, density_kg_m3: float, trim: Trim | None
+    model: VehicleModel,
+    control: _core.ControlModel,
+    density_kg_m3: float,
+    trim: Trim | None,
+    gravity_m_s2: float = STANDARD_M_S2,
 ) -> VehicleFigures:
     """Return a vehicle's properties. control: its control model in that water. trim: replaces the model's trim.
 
     Raises ScenarioError if the vehicle cannot be built.
     """
     body = rigid_body(model, density_kg_m3)
-    weights = trim_weights(model, body, trim or model.trim, density_kg_m3)
+    weights = trim_weights(model, body, trim or model.trim, density_kg_m3, gravity_m_s2)
     mass_kg, centre_m, _ = mass_with_ballast(model, body, weights)
     lever_m = body.centre_of_buoyancy_m - centre_m
-    buoyancy_n = density_kg_m3 * body.volume_m3 * _core.Water().gravity_m_s2
+    buoyancy_n = density_kg_m3 * body.volume_m3 * gravity_m_s2
     # The file states the vehicle without its arm, whose weight decides how both rest.
     nose_down_deg, roll_deg = rest_attitude_deg(lever_m) if model.arm is None else (None, None)
     vertices, _ = vehicle_hull(model)
@@ -83,7 +88,7 @@ def vehicle_figures(
         mass_kg=mass_kg,
         density_kg_m3=mass_kg / body.volume_m3,
         water_density_kg_m3=density_kg_m3,
-        net_buoyancy_n=buoyancy_n - mass_kg * _core.Water().gravity_m_s2,
+        net_buoyancy_n=buoyancy_n - mass_kg * gravity_m_s2,
         centre_of_mass_m=_three(centre_m),
         centre_of_buoyancy_m=_three(body.centre_of_buoyancy_m),
         righting_lever_m=float(lever_m[2]),

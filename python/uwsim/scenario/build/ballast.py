@@ -7,13 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim import _core
+from uwsim.scenario.build.gravity import STANDARD_M_S2
 from uwsim.scenario.build.hull import RigidBody
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 
 Floats = NDArray[np.float64]
-GRAVITY_M_S2 = _core.Water().gravity_m_s2
 MAX_TAKEN_OFF = 0.5
 """The largest fraction of a vehicle's mass that trimming may remove."""
 
@@ -25,14 +24,17 @@ class PointMass(NamedTuple):
     position_m: Floats
 
 
-def trim_weights(model: VehicleModel, body: RigidBody, trim: Trim | None, water_density_kg_m3: float) -> PointMass:
+def trim_weights(
+    model: VehicleModel, body: RigidBody, trim: Trim | None, water_density_kg_m3: float,
+    gravity_m_s2: float = STANDARD_M_S2,
+) -> PointMass:  # fmt: skip
     """Return the weight that trims the body: rho V - B / g - m. Raises ScenarioError if it is unrealistic."""
     if trim is None:
         return PointMass(0.0, body.centre_of_mass_m)
     displaced_kg = water_density_kg_m3 * body.volume_m3
-    added_kg = displaced_kg - trim.net_buoyancy_n / GRAVITY_M_S2 - body.mass_kg
+    added_kg = displaced_kg - trim.net_buoyancy_n / gravity_m_s2 - body.mass_kg
     if added_kg < -MAX_TAKEN_OFF * body.mass_kg:
-        most_n = (displaced_kg - (1.0 - MAX_TAKEN_OFF) * body.mass_kg) * GRAVITY_M_S2
+        most_n = (displaced_kg - (1.0 - MAX_TAKEN_OFF) * body.mass_kg) * gravity_m_s2
         raise ScenarioError(
             f"vehicle '{model.name}': trim.net_buoyancy_n = {trim.net_buoyancy_n:g} N: must be at most {most_n:.4g} N "
             f"in this water: it would remove {-added_kg:.3g} kg of its {body.mass_kg:.4g} kg, more than half",

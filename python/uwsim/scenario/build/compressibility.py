@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.scenario.build.gravity import gravity_m_s2
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.build.water import build_water
 from uwsim.scenario.spec.scenario import Scenario
@@ -21,7 +22,8 @@ def buoyancy_share(scenario: Scenario, compressibility_1_pa: float) -> NDArray[n
     p.
     """
     terrain = build_terrain(scenario.terrain).window(scenario.terrain.window_m)
-    water = build_water(scenario.water, bottom_depth_m=-terrain.lowest_m, seed=scenario.seed)
+    gravity = gravity_m_s2(scenario.earth)
+    water = build_water(scenario.water, bottom_depth_m=-terrain.lowest_m, seed=scenario.seed, gravity_m_s2=gravity)
     depths_m = STEP_M * np.arange(int(np.ceil(-terrain.lowest_m / STEP_M)) + 1)
     return np.array([_share(water, -depth, compressibility_1_pa) for depth in depths_m.tolist()])
 

@@ -11,6 +11,7 @@ from uwsim import _core
 from uwsim.base.axes import AXES
 from uwsim.scenario.build.actuator import actuators_spec
 from uwsim.scenario.build.craft import craft
+from uwsim.scenario.build.gravity import STANDARD_M_S2
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.control import Loop
 from uwsim.scenario.spec.vehicle import VehicleModel, load_vehicle
@@ -56,10 +57,11 @@ def control_settings(vehicle: str | Path | VehicleModel, density_kg_m3: float = 
 
 
 def built_settings(
-    model: VehicleModel, body: _core.Craft, actuators: _core.ActuatorsSpec, density_kg_m3: float
-) -> ControlSettings:
+    model: VehicleModel, body: _core.Craft, actuators: _core.ActuatorsSpec, density_kg_m3: float,
+    gravity_m_s2: float = STANDARD_M_S2,
+) -> ControlSettings:  # fmt: skip
     """Return the control settings of a vehicle whose core objects have been built. Raises ScenarioError."""
-    plant = _core.ControlModel(body, actuators, density_kg_m3)
+    plant = _core.ControlModel(body, actuators, density_kg_m3, gravity_m_s2)
     control = model.control
     for axis, is_driven in zip(AXES, plant.driven, strict=True):
         if axis in control.model_fields_set and not is_driven:

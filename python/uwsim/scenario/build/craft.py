@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.scenario.build.ballast import mass_with_ballast, trim_weights
 from uwsim.scenario.build.compressibility import STEP_M
+from uwsim.scenario.build.gravity import STANDARD_M_S2
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
 from uwsim.scenario.build.scale import require_plausible_density
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
@@ -18,15 +19,17 @@ def craft(
     water_density_kg_m3: float,
     trim: Trim | None = None,
     buoyancy_share: NDArray[np.float64] | None = None,
+    gravity_m_s2: float = STANDARD_M_S2,
 ) -> _core.Craft:
     """Return the vehicle's equations of motion in water with this surface density.
 
     trim: the vehicle's trim; None keeps the published mass and balance. buoyancy_share: the result of
-    compressibility.buoyancy_share; by default the hull is as compressible as the water around it. Raises ScenarioError.
+    compressibility.buoyancy_share; by default the hull is as compressible as the water around it. gravity_m_s2: with
+    which the trim has its net buoyancy. Raises ScenarioError.
     """
     parameters = _core.CraftParameters()
     parameters.mass_kg, parameters.centre_of_mass_body_m, parameters.inertia_kg_m2 = mass_properties(
-        model, water_density_kg_m3, trim
+        model, water_density_kg_m3, trim, gravity_m_s2
     )
     parameters.added_mass = model.matrix("added_mass")
     parameters.linear_damping = model.matrix("linear_damping")
@@ -38,13 +41,13 @@ def craft(
 
 
 def mass_properties(
-    model: VehicleModel, water_density_kg_m3: float, trim: Trim | None = None
+    model: VehicleModel, water_density_kg_m3: float, trim: Trim | None = None, gravity_m_s2: float = STANDARD_M_S2
 ) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
     """Return mass [kg], centre of mass (3,) [m] and inertia (3, 3) about it [kg m2] in body axes.
 
     Trim and ballast are included. Raises ScenarioError.
     """
     body = rigid_body(model, water_density_kg_m3)
-    mass = mass_with_ballast(model, body, trim_weights(model, body, trim, water_density_kg_m3))
+    mass = mass_with_ballast(model, body, trim_weights(model, body, trim, water_density_kg_m3, gravity_m_s2))
     require_plausible_density(model.name, mass[0], body.volume_m3, model.mesh_scale, "mass, trim and ballast")
     return mass

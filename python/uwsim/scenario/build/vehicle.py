@@ -17,6 +17,7 @@ from uwsim.scenario.build.battery import battery_spec
 from uwsim.scenario.build.compressibility import buoyancy_share
 from uwsim.scenario.build.control import ControlSettings, built_settings
 from uwsim.scenario.build.craft import craft
+from uwsim.scenario.build.gravity import gravity_m_s2
 from uwsim.scenario.build.labels import backscatter_by_label
 from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
 from uwsim.scenario.build.sensor import sensor_spec
@@ -37,7 +38,8 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     spec = _core.VehicleSpec()
     spec.name = vehicle.name
     squeeze = None if model.compressibility_1_pa is None else buoyancy_share(scenario, model.compressibility_1_pa)
-    spec.craft = craft(model, surface_density_kg_m3(scenario.water), vehicle.trim or model.trim, squeeze)
+    density_kg_m3, gravity = surface_density_kg_m3(scenario.water), gravity_m_s2(scenario.earth)
+    spec.craft = craft(model, density_kg_m3, vehicle.trim or model.trim, squeeze, gravity)
     spec.actuators = actuators_spec(model, by_voltage=vehicle.battery is not None)
     if vehicle.battery is not None:
         spec.battery = battery_spec(vehicle.battery)
@@ -65,7 +67,9 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
 
 def vehicle_control(scenario: Scenario, model: VehicleModel, spec: _core.VehicleSpec) -> ControlSettings:
     """Return the control settings of a vehicle whose spec is built. Raises ScenarioError."""
-    return built_settings(model, spec.craft, spec.actuators, surface_density_kg_m3(scenario.water))
+    return built_settings(
+        model, spec.craft, spec.actuators, surface_density_kg_m3(scenario.water), gravity_m_s2(scenario.earth)
+    )
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.base.npz import read_npz
 from uwsim.base.texts.csv_table import read_csv
+from uwsim.scenario.build.gravity import STANDARD_M_S2
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.water import (
@@ -35,9 +36,10 @@ LINEAR_LEVELS = 17  # enough for linear pieces to match EOS-80 within 0.02 kg/m3
 Floats = NDArray[np.float64]
 
 
-def build_water(water: Water, *, bottom_depth_m: float, seed: int) -> _core.Water:
+def build_water(water: Water, *, bottom_depth_m: float, seed: int, gravity_m_s2: float = STANDARD_M_S2) -> _core.Water:
     """Return the water. bottom_depth_m: greatest depth of the terrain, used as a default. Raises ScenarioError."""
     native = _core.Water()
+    native.gravity_m_s2 = gravity_m_s2
     state = water.state(bottom_depth_m)
     native.density_kg_m3 = state.density
     native.surface_temperature_deg_c = water.surface_temperature_deg_c
@@ -48,7 +50,7 @@ def build_water(water: Water, *, bottom_depth_m: float, seed: int) -> _core.Wate
     native.current_world_m_s = steady_current_m_s(water)
     try:
         _require_agreement(state, "water.", at=("density_kg_m3",))
-        native.waves = _waves(water, bottom_depth_m, seed)
+        native.waves = _waves(water, bottom_depth_m, seed, gravity_m_s2)
         for index, spec in enumerate(water.current):
             if not isinstance(spec, UniformCurrent):
                 native.add_current(_current(spec, seed + index))
@@ -65,7 +67,7 @@ def build_water(water: Water, *, bottom_depth_m: float, seed: int) -> _core.Wate
     return native
 
 
-def _waves(water: Water, bottom_depth_m: float, seed: int) -> _core.Waves | None:
+def _waves(water: Water, bottom_depth_m: float, seed: int, gravity_m_s2: float) -> _core.Waves | None:
     surface = water.surface
     if not isinstance(surface, StillSurface):
         _require_water_as_deep(surface.depth_m, bottom_depth_m)
@@ -76,6 +78,7 @@ def _waves(water: Water, bottom_depth_m: float, seed: int) -> _core.Waves | None
             float(np.radians(surface.heading_deg)),
             float(np.radians(surface.phase_deg)),
             surface.depth_m or bottom_depth_m,
+            gravity_m_s2,
         )
     if isinstance(surface, JonswapSurface):
         return _core.Waves.jonswap(
@@ -87,6 +90,7 @@ def _waves(water: Water, bottom_depth_m: float, seed: int) -> _core.Waves | None
             surface.component_count,
             seed,
             surface.depth_m or bottom_depth_m,
+            gravity_m_s2,
         )
     return None
 

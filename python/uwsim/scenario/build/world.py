@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.scenario.build.cover import add_cover
+from uwsim.scenario.build.gravity import gravity_m_s2
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
 from uwsim.scenario.build.life import add_life
 from uwsim.scenario.build.loose_bodies import object_points
@@ -108,7 +109,10 @@ def fill_with_water(world: _core.World, scenario: Scenario) -> None:
 def scenario_water(scenario: Scenario, world: _core.World) -> _core.Water:
     """Return the scenario's water for a world that already has its terrain. Raises ScenarioError."""
     with scenario.source_file.errors_at("water"):
-        return build_water(scenario.water, bottom_depth_m=-world.lowest_m, seed=scenario.seed)
+        return build_water(
+            scenario.water, bottom_depth_m=-world.lowest_m, seed=scenario.seed,
+            gravity_m_s2=gravity_m_s2(scenario.earth),
+        )  # fmt: skip
 
 
 def _require_inside(scenario: Scenario, terrain: Terrain, found: Collected) -> None:
