@@ -94,7 +94,8 @@ Raw = Annotated[
     Path | None,
     typer.Option(
         help="Also write every mapped ping with its travel times for survey software: "
-        f"{' or '.join(f'.{name}' for name in registered('uwsim.kinds.survey_file'))}; needs earth: in the scenario."
+        f"{' or '.join(f'.{name}' for name in registered('uwsim.kinds.survey_file'))}; all but .pd0 need earth: in the "
+        "scenario."
     ),
 ]
 Offsets = Annotated[

@@ -13,6 +13,7 @@ import numpy as np
 from uwsim import _core
 from uwsim.flight.attachment import Attachment, Departure
 from uwsim.flight.patch_errors import ErringPoses, PatchErrors
+from uwsim.flight.raw_dvl import RawDvl
 from uwsim.flight.raw_places import Array, Motion, angles, estimated_covariance, level_axes, place_of_survey
 from uwsim.flight.raw_side_scan import RawSideScan
 from uwsim.flight.record import FlightRecord
@@ -172,7 +173,7 @@ def _deviations(ping: Any) -> tuple[Array, Array]:
 class RawFlight(Attachment):
     """Writes the raw survey of one flight."""
 
-    def __init__(self, survey: RawSurvey | RawSideScan) -> None:
+    def __init__(self, survey: RawSurvey | RawSideScan | RawDvl) -> None:
         self._survey, self._has_ended = survey, False
         self.on_ping = survey.add
 
@@ -199,12 +200,15 @@ def attach(flight: Departure) -> RawFlight | None:
         return None
     if not flight.has_map:
         raise ValueError(f"--raw {flight.raw}: needs a flight that maps: give --map")
-    side_scan = survey_format(flight.raw, "--raw").side_scan
-    if side_scan is None:
+    found = survey_format(flight.raw, "--raw")
+    if found.side_scan is None and found.dvl is None:
         pose: Literal["truth", "filter"] = "truth" if flight.request is None else flight.request.estimate
         return RawFlight(RawSurvey(flight.sim, flight.raw, flight.raw_errors, flight.raw_known, pose))
     if flight.raw_known is not None:
-        raise ValueError("--uncertainty: is of a multibeam's soundings, of which a side scan has none")
+        raise ValueError(f"--uncertainty: is of a multibeam's soundings, of which {flight.raw.suffix} has none")
     if flight.raw_errors is not None:
-        raise ValueError("--offsets: are those of a multibeam's installation, of which a side scan has none")
-    return RawFlight(RawSideScan(flight.sim, flight.raw, side_scan))
+        raise ValueError(f"--offsets: are those of a multibeam's installation, of which {flight.raw.suffix} has none")
+    if found.side_scan is not None:
+        return RawFlight(RawSideScan(flight.sim, flight.raw, found.side_scan))
+    assert found.dvl is not None
+    return RawFlight(RawDvl(flight.sim, flight.raw, found.dvl))

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from uwsim.base.sockets import load
 
 if TYPE_CHECKING:
+    from uwsim.mapping.files.dvl_ensemble import DvlHead, DvlWriter
     from uwsim.mapping.files.side_scan_line import SideScanHead, SideScanLine, SideScanWriter
 
 GROUP = "uwsim.kinds.survey_file"
@@ -113,12 +114,14 @@ class SurveyFormat:
     returns the head and the swaths in the order of the file; raises OSError, or ValueError with the file's name, the
     offset and the rule; None if the format is only written. side_scan(path, head): returns a writer of side scan, if
     the format holds that instead; read_side_scan(path): its head and lines, with the errors of read.
+    dvl(path, head): returns a writer of a Doppler log, if the format holds that instead.
     """
 
     content: str
     write: Callable[[Path, SurveyHead], SwathWriter] | None = None
     read: Callable[[Path], tuple[SurveyHead, Iterator[Swath]]] | None = None
     side_scan: Callable[[Path, SideScanHead], SideScanWriter] | None = None
+    dvl: Callable[[Path, DvlHead], DvlWriter] | None = None
     read_side_scan: Callable[[Path], tuple[SideScanHead, Iterator[SideScanLine]]] | None = None
 
 
