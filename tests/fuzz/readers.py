@@ -384,6 +384,7 @@ READERS = {
     "urdf": Reader(text_readers.robot("urdf", "read_urdf", ".urdf"), ("xml",)),
     "stonefish": Reader(text_readers.robot("stonefish", "read_stonefish", ".scn"), ("xml",)),
     "moos": Reader(text_readers.moos, has_end=_without_end),
+    "imc": Reader(text_readers.imc, has_end=_without_end),
     "holoocean": Reader(text_readers.robot("holoocean", "read_holoocean", ".json"), ("json",), values=JSON),
     "thruster_csv": Reader(text_readers.thruster_sheet, ("csv",), has_end=_without_end),
     "profile": Reader(_profile, ("csv",), has_end=_without_end),

@@ -290,6 +290,17 @@ def _moos() -> list[bytes]:
     return [bytes.fromhex(each["bytes"]) for each in exchange if each["from"] == "MOOSDB"]
 
 
+def _imc() -> list[bytes]:
+    from uwsim.bridges.imc.wire import FORMATS, Message, encoded
+
+    inline = {"beam_config": [("BeamConfig", {"beam_width": 0.5})], "data": b"\1\2", "list": "DVL=1", "services": "a;b"}
+    packets = [
+        encoded(Message(name, {field: inline[field] for field, _ in of if field in inline}, 0xD1, 1, 1.5))
+        for name, (_, of) in FORMATS.items()
+    ]
+    return [b"".join(packets), *packets]
+
+
 def _flight() -> list[bytes]:
     from uwsim.flight.request import FlightRequest
 
@@ -379,6 +390,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "urdf": lambda: [(ROBOTS / "sled.urdf").read_bytes()],
     "stonefish": lambda: [(ROBOTS / "robot.scn").read_bytes()],
     "moos": _moos,
+    "imc": _imc,
     "holoocean": lambda: [(ROBOTS / "dive.json").read_bytes()],
     "thruster_csv": lambda: [SHEET],
     "profile": lambda: [PROFILE],

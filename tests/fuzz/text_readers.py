@@ -1,8 +1,9 @@
-"""Readers of JSON, robots, MOOS packets, thrusters' sheets, and files of `uwsim identify` and `uwsim exercise`."""
+"""Readers of JSON, robots, packets, thrusters' sheets, and files of `uwsim identify` and `uwsim exercise`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,29 @@ def moos(data: bytes, _: Path) -> bytes:
     written = encoded(read)
     assert encoded(PacketReader().read(written)) == written
     return written
+
+
+def imc(data: bytes, _: Path) -> bytes:
+    """Read what a system that speaks IMC sends, and one packet with its check sum mended.
+
+    Accepted packets are read alike after they are written.
+    """
+    from uwsim.bridges.imc.wire import FORMATS, SYNC, ImcError, Message, PacketReader, crc16, decoded, encoded
+
+    def written(found: list[Message]) -> bytes:
+        return b"".join(encoded(each) for each in found if each.name in FORMATS)
+
+    reader, found = PacketReader(), []
+    try:
+        found.extend(reader.read(data))
+    except ImcError:  # too many bytes that are none; what came before them was accepted
+        if not found:
+            raise
+    with suppress(ImcError):
+        found.append(decoded(data[:-2] + crc16(data[:-2]).to_bytes(2, "little" if data[:2] == SYNC else "big")))
+    once = written(found)
+    assert written(list(PacketReader().read(once))) == once
+    return once
 
 
 def thruster_sheet(data: bytes, folder: Path) -> str:

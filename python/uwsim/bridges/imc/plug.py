@@ -1,0 +1,116 @@
+"""`--imc`: vehicles on our dynamics for DUNE and other systems that speak IMC."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from uwsim.base.options import Options, option
+from uwsim.bridges.plug import BridgePlug, Context, Opened
+
+if TYPE_CHECKING:
+    from uwsim.bridges.doctor.finding import Finding
+
+
+@dataclass(frozen=True)
+class ImcOptions(Options):
+    """The options of IMC."""
+
+    switch = "imc"
+
+    imc: tuple[str, ...] = option(
+        (),
+        "Be the vehicle of a DUNE, by TCP or UDP; repeat for others; see docs/connections/imc.md.",
+        metavar="[VEHICLE=][udp:]HOST:PORT",
+    )
+    imc_sends: str = option(
+        "truth",
+        "IMC: the true motion, for DUNE's simulated instruments, or the vehicle's own instruments and estimate.",
+        choices=("truth", "instruments"),
+    )
+    imc_rate: float = option(20.0, "IMC: publications per simulated second.", bounds=(0.1, 100, "Hz"))
+    imc_id: int | None = option(None, "IMC: the vehicle's system number. Default: its peer's.", bounds=(0, 65534, ""))
+    imc_rpm: float = option(2500.0, "IMC: revolutions at full command, for Rpm.", bounds=(1, 30000, "1/min"))
+    imc_port: int = option(6001, "IMC: the port on which datagrams arrive.", bounds=(1, 65535, ""))
+
+
+class ImcPlug(BridgePlug[ImcOptions]):
+    """The vehicles with their systems. Raises ValueError for a wrong address."""
+
+    options = ImcOptions
+    needs_live = True
+    crosses_link = False
+    excluded_by = {"ardusub": "the firmware steers"}  # noqa: RUF012  # read only
+    examined = ("imc", "imc_port")
+
+    def __init__(self, options: ImcOptions) -> None:
+        super().__init__(options)
+        from uwsim.bridges.imc.link import Address
+
+        self._addresses = [Address.parse(text) for text in options.imc]
+        vehicles = [each.vehicle for each in self._addresses]
+        if len(set(vehicles)) < len(vehicles):
+            raise ValueError(f"imc = {', '.join(options.imc)[:80]}: must name each vehicle once")
+        if sum(each.kind == "udp" for each in self._addresses) > 1:
+            raise ValueError(f"imc = {', '.join(options.imc)[:80]}: must have udp once; use tcp for further vehicles")
+
+    @contextmanager
+    def open(self, context: Context) -> Iterator[Opened]:
+        """Connect; systems that are not there yet are met later. Raises ValueError, or MissingExtraError."""
+        from uwsim.bridges.imc.readings import Place
+        from uwsim.bridges.imc.vehicle import ImcVehicle, Settings
+        from uwsim.channels import require_live
+        from uwsim.scenario.georeference import georeference
+
+        live, given = require_live(context.live), self.given
+        place = Place.of(georeference(live.simulator.scenario))
+        flights = context.flights
+        settings = Settings(
+            given.imc_rate, given.imc_sends == "instruments", given.imc_id, given.imc_rpm, given.imc_port
+        )
+        models = {entry.name: entry.model for entry in live.simulator.scenario.vehicles}
+        with ExitStack() as opened:
+            members: dict[str, ImcVehicle] = {}
+            for address in self._addresses:
+                name = address.vehicle or live.simulator.rov.name
+                if name not in live.simulator.vehicles:
+                    raise ValueError(f"imc: vehicle '{name[:40]}': must be one of {', '.join(live.simulator.vehicles)}")
+                if name not in flights:
+                    raise ValueError(f"imc: vehicle '{name}' has no estimate to fly by: give it an IMU")
+                if name in members:
+                    raise ValueError(f"imc: vehicle '{name}': must be named once")
+                member = ImcVehicle(live, flights[name], models[name], address, place, settings)
+                members[name] = opened.enter_context(member)
+                scans = [each for each in context.channels if each.name == flights[name].source.topic("scan")]
+                for scan in scans if settings.by_instruments else ():
+                    opened.callback(context.feed.listen(scan, member.take_ping))
+            where = ", ".join(f"{name} at {member.link.address}" for name, member in members.items())
+            yield Opened(f"IMC: {where}", members)
+
+    @classmethod
+    def examine(cls, options: ImcOptions, listen_s: float) -> Iterator[Finding]:
+        """Listen to each system for a moment."""
+        import time
+
+        from uwsim.bridges.doctor.finding import Finding
+        from uwsim.bridges.imc.link import Address, Identity, ImcLink
+        from uwsim.bridges.imc.wire import Message
+
+        for text in options.imc:
+            address = Address.parse(text)
+            heard: list[Message] = []
+            with ImcLink(address, Identity(None), heard.extend, listen_port=options.imc_port) as link:
+                until_s = time.monotonic() + max(listen_s, 1.0)
+                while not heard and time.monotonic() < until_s:
+                    time.sleep(0.02)
+                is_connected = link.is_connected and address.kind == "tcp"
+            what = f"IMC at {address}"
+            if heard:
+                yield Finding(what, f"system 0x{heard[0].source:04X}")
+            elif is_connected:
+                fix = "let its Transports.TCP.Server transport Heartbeat, SetThrusterActuation and SetServoPosition"
+                yield Finding(what, "a connection, but no message", "wrong", fix)
+            else:
+                yield Finding(what, "no answer", "wrong", "start DUNE with a Transports.TCP.Server, or give its port")

@@ -1,0 +1,394 @@
+"""`--imc`: the wire against imcpy and a recorded exchange, frames, and a vehicle that a DUNE commands."""
+
+import math
+import os
+import socket
+import subprocess
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from imc_standin import StandInDune
+from uwsim import Simulator
+from uwsim.bridges.actions import actions_of
+from uwsim.bridges.imc.link import Address, Identity, ImcLink
+from uwsim.bridges.imc.plug import ImcOptions, ImcPlug
+from uwsim.bridges.imc.readings import Place, servos, simulated_state
+from uwsim.bridges.imc.vehicle import ping
+from uwsim.bridges.imc.wire import FORMATS, NO_SYSTEM, ImcError, Message, PacketReader, crc16, decoded, encoded
+from uwsim.bridges.plug import Context
+from uwsim.channels.delivery.feed import Feed
+from uwsim.channels.served import served_table
+from uwsim.live import LiveSimulator
+from uwsim.scenario import Scenario, load_vehicle
+from uwsim.scenario.georeference import georeference
+from uwsim.scenario.read.validated import validated
+from waiting import until
+
+OPEN_WATER: dict[str, Any] = {
+    "name": "bay", "description": "deep water", "mission_time_s": 600,
+    "water": {"density_kg_m3": 1026},
+    "terrain": {"source": "noise", "size_m": [400, 400], "spacing_m": 10, "bed_depth_m": 60},
+    "station": {"position_m": [-150, 0, 0], "dock_m": [0, 0, -2]},
+    "earth": {"latitude_deg": 41.185, "longitude_deg": -8.7062},
+}  # fmt: skip
+
+
+def bay(*vehicles: dict[str, Any], **more: Any) -> Scenario:
+    return validated(Scenario, {**OPEN_WATER, **more, "vehicles": list(vehicles)})
+
+
+def torpedo(name: str = "lauv", **start: Any) -> dict[str, Any]:
+    return {"name": name, "model": "remus100", "start": {"position_m": [0, 0, -8], "yaw_deg": 90, **start}}
+
+
+@contextmanager
+def member(scenario: Scenario | str, *addresses: str, speed: float = 1.0, **options: Any) -> Iterator[LiveSimulator]:
+    with LiveSimulator(Simulator(scenario, seed=3), speed=speed) as live:
+        table = served_table(live, wire=None, origin="world", tf="truth", frame_prefix="")
+        context = Context(table.channels, Feed(live), live, table.services, actions_of(live.simulator, table))
+        with ImcPlug(ImcOptions(imc=addresses, **options)).open(context):
+            yield live
+
+
+@pytest.fixture
+def dune() -> Iterator[StandInDune]:
+    with StandInDune() as dune:
+        yield dune
+
+
+# The wire
+
+
+def some(kind: str, rng: np.random.Generator) -> Any:
+    """Return a value of a kind of field."""
+    if kind in "fd":
+        return float(np.float32(rng.normal()))
+    if kind in "sr":
+        text = "".join(rng.choice([*"abc;=1"], 5))
+        return text if kind == "s" else text.encode()
+    if kind == "l":
+        return []
+    return int(rng.integers(0, {"B": 255, "H": 65535, "I": 2**31, "h": 32767, "i": 2**31}[kind]))
+
+
+def examples() -> Iterator[Message]:
+    rng = np.random.default_rng(1)
+    for name, (_, fields) in FORMATS.items():
+        content = {field: some(kind, rng) for field, kind in fields}
+        if name == "SonarData":
+            content["beam_config"] = [("BeamConfig", {"beam_width": 0.5, "beam_height": -1.0})]
+        yield Message(name, content, 0x001E, 3, 1234.5, 0x4101, 7)
+
+
+def test_the_check_sum_is_the_published_one() -> None:
+    assert crc16(b"123456789") == 0xBB3D  # CRC-16/ARC in the catalogue of Cook
+
+
+def test_messages_are_read_as_they_were_written() -> None:
+    for message in examples():
+        assert decoded(encoded(message)) == message
+
+
+def test_lstss_own_code_reads_and_writes_the_same_bytes() -> None:
+    imcpy = pytest.importorskip("imcpy", reason="needs imcpy, LSTS's C++ code of IMC for Python")
+    for message in examples():
+        theirs = imcpy.Packet.deserialize(encoded(message))
+        assert type(theirs).__name__ == message.name
+        for field, value in message.content.items():
+            if not isinstance(value, list):
+                assert getattr(theirs, field) == value
+        assert decoded(bytes(imcpy.Packet.serialize(theirs))) == message
+
+
+def test_a_sender_with_the_other_byte_order_is_understood() -> None:
+    packet = bytes.fromhex("fe54 012d 0005 409348a000000000 00d1 09 ffff ff 00 3f000000")
+    found = decoded(packet + crc16(packet).to_bytes(2, "big"))
+    assert found == Message("SetThrusterActuation", {"id": 0, "value": 0.5}, 0xD1, 9, 1234.15625, NO_SYSTEM, 255)
+
+
+def test_packets_are_found_however_the_bytes_are_divided_and_behind_damaged_ones() -> None:
+    sent = list(examples())
+    damaged = bytearray(encoded(sent[0]))
+    damaged[-1] ^= 1
+    data = b"\x54junk" + bytes(damaged) + b"".join(map(encoded, sent))
+    for size in (1, 7, 100, len(data)):
+        reader = PacketReader()
+        assert [m for k in range(0, len(data), size) for m in reader.read(data[k : k + size])] == sent
+    with pytest.raises(ImcError, match="is it IMC"):
+        list(PacketReader().read(b"x" * 200_000))
+
+
+def test_damaged_packets_are_refused_and_never_raise_anything_else() -> None:
+    rng = np.random.default_rng(1)
+    whole = encoded(next(each for each in examples() if each.name == "SonarData"))
+    refused = 0
+    for _ in range(3000):
+        damaged = bytearray(whole[:-2])
+        for at in rng.integers(4, len(damaged), 3):
+            damaged[at] = rng.integers(0, 256)
+        try:
+            decoded(bytes(damaged) + crc16(bytes(damaged)).to_bytes(2, "little"))
+        except ImcError:
+            refused += 1
+    assert 500 < refused < 3000
+
+
+def test_a_message_that_does_not_fit_is_refused() -> None:
+    for name, content in (("Depth", {"depth": 1.0}), ("Depths", {}), ("Rpm", {"value": 70000}),
+                          ("EntityList", {"list": "x" * 70000})):  # fmt: skip
+        with pytest.raises(ImcError, match=name):
+            encoded(Message(name, content))
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("localhost:6002", ("", "tcp", "localhost", 6002)), ("a=udp:10.0.0.2:7001", ("a", "udp", "10.0.0.2", 7001)),
+        ("host", ("", "tcp", "host", 6002)),
+    ],
+)  # fmt: skip
+def test_addresses(text: str, found: tuple[str, str, str, int]) -> None:
+    assert Address.parse(text) == found
+
+
+@pytest.mark.parametrize(
+    "text", ["", ":9000", "=host:1", "host:0", "host:99999", "host:port", "ftp:host:1", "a=b=c d:1"]
+)
+def test_wrong_addresses_are_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"^imc = "):
+        Address.parse(text)
+
+
+# Frames
+
+
+def test_the_true_motion_has_imcs_frames() -> None:
+    sim = Simulator(bay(torpedo()))
+    place = Place.of(georeference(sim.scenario))
+
+    def state() -> dict[str, Any]:
+        name, content = simulated_state(sim, sim.rov, place)
+        assert name == "SimulatedState"
+        return content
+
+    half = math.radians(60) / 2
+    sim.rov.place([30, -20, -8], [0, 0, math.sin(half), math.cos(half)], [1.0, 0.2, 0.1, 0.01, 0.02, 0.03])
+    found = state()
+    assert (found["lat"], found["lon"]) == pytest.approx((math.radians(41.185), math.radians(-8.7062)), abs=1e-9)
+    assert (found["x"], found["y"], found["z"]) == pytest.approx((-20, 30, 8), abs=0.05)  # the grid is not quite north
+    assert found["psi"] == pytest.approx(math.radians(30), abs=2e-3)
+    assert [found[each] for each in "uvwpqr"] == pytest.approx([1.0, -0.2, -0.1, 0.01, -0.02, -0.03])
+    half = math.radians(10) / 2
+    sim.rov.place([0, 0, -8], [0, math.sin(half), 0, math.cos(half)], [0.0] * 6)  # nose down
+    assert (state()["theta"], state()["phi"]) == pytest.approx((-math.radians(10), 0), abs=1e-6)
+    sim.rov.place([0, 0, -8], [math.sin(half), 0, 0, math.cos(half)], [0.0] * 6)  # port side up
+    assert (state()["theta"], state()["phi"]) == pytest.approx((0, math.radians(10)), abs=1e-6)
+
+
+def test_offsets_are_distances_on_the_ellipsoid() -> None:
+    """A degree of the meridian at 41.185 N is 111 064 m, Snyder 1987, eq. 4-19 and its series."""
+    place = Place.of(georeference(bay(torpedo())))
+    for east, north in ((500.0, 0.0), (0.0, 2000.0), (-1500.0, 700.0)):
+        x_m, y_m = place.offset_m(np.array([east, north, 0.0]))
+        latitude_deg, longitude_deg = place.world.degrees(np.array([east, north, 0.0])).tolist()
+        assert x_m == pytest.approx((latitude_deg - 41.185) * 111_063.9, abs=0.35)  # the earth is round
+        a_degree_m = 111_412.84 * math.cos(math.radians(41.185)) - 93.5 * math.cos(3 * math.radians(41.185))
+        assert y_m == pytest.approx((longitude_deg + 8.7062) * a_degree_m, abs=0.6)
+
+
+def test_velocities_are_through_the_water_and_the_waters_own_is_beside_them() -> None:
+    """A vehicle that drifts with a current to the east has no velocity through the water."""
+    sim = Simulator(bay(torpedo(yaw_deg=0), water={"density_kg_m3": 1026, "current_world_m_s": [0.4, 0.0, 0.0]}))
+    sim.rov.place([0, 0, -8], [0, 0, 0, 1], [0.4, 0, 0, 0, 0, 0])
+    _, found = simulated_state(sim, sim.rov, Place.of(georeference(sim.scenario)))
+    assert [found[each] for each in ("u", "v", "w")] == pytest.approx([0, 0, 0], abs=1e-9)
+    assert [found[each] for each in ("svx", "svy", "svz")] == pytest.approx([0, 0.4, 0], abs=1e-3)
+
+
+def test_servos_are_numbered_and_signed_as_those_of_a_lauv() -> None:
+    """DUNE's VSIM: bottom, port, starboard, top; positive rudders turn to port, positive elevators nose down."""
+    fins = servos(load_vehicle("remus100"))
+    assert {name: each.number for name, each in fins.items()} == {"bottom": 0, "port": 1, "starboard": 2, "top": 3}
+    sim = Simulator(bay(torpedo()))
+    for numbers, axis, sign in (((0, 3), 5, 1.0), ((1, 2), 4, 1.0)):
+        sim.rov.place([0, 0, -20], [0, 0, 0, 1], [2.0, 0, 0, 0, 0, 0])
+        sim.rov.set_fins({name: each.sign * 0.15 for name, each in fins.items() if each.number in numbers})
+        for _ in range(100):
+            sim.step()
+        turning = sim.rov.velocity.angular_body_rad_s
+        assert sign * turning[axis - 3] > 0.02
+        sim.rov.set_fins({})
+
+
+def test_a_ping_keeps_its_ranges() -> None:
+    name, found = ping(np.array([4.0, np.inf, 55.0, 0.5]), 1.5, 55.0)
+    ranges_m = np.frombuffer(found["data"], "<u2") * found["scale_factor"]
+    assert name == "SonarData"
+    assert ranges_m == pytest.approx([4.0, 0.0, 55.0, 0.5], abs=found["scale_factor"])
+    assert decoded(encoded(Message(name, found))).content["beam_config"][0][1]["beam_width"] == pytest.approx(1.5)
+
+
+# With DUNE
+
+
+def test_dune_gets_the_motion_and_steers(dune: StandInDune) -> None:
+    with member(bay(torpedo()), f"127.0.0.1:{dune.port}", speed=5.0) as live:
+        until(lambda: dune.last("SimulatedState") is not None)
+        assert dune.field("SimulatedState", "z") == pytest.approx(8, abs=0.2)
+        until(lambda: dune.seen["SimulatedState"][-1].source == dune.system)  # a part of its peer's system
+        assert set(dune.seen) == {"Heartbeat", "EntityList", "SimulatedState"}
+
+        def sail(rudder: float, elevator: float) -> None:
+            dune.send("SetThrusterActuation", id=0, value=0.8)
+            for number, angle in ((0, rudder), (1, elevator), (2, elevator), (3, rudder)):
+                dune.send("SetServoPosition", id=number, value=angle)
+
+        def turned() -> bool:
+            sail(-0.1, 0.0)
+            return dune.field("SimulatedState", "psi") > 0.7
+
+        until(turned)  # to starboard
+
+        def dived() -> bool:
+            sail(0.0, 0.05)
+            return dune.field("SimulatedState", "z") > 9
+
+        until(dived)
+        assert dune.field("SimulatedState", "u") > 0.5
+        until(lambda: live.rov.thrusters["propeller"].command == 0)  # once it is silent
+        until(lambda: all(abs(each) < 1e-9 for each in live.rov.fins.values()))
+
+
+def test_instruments_have_units_and_entities_of_the_peer(dune: StandInDune) -> None:
+    dune.entities = "Daemon=0;dvl=33;uwsim=40"
+    scenario = bay(torpedo(), terrain={**OPEN_WATER["terrain"], "bed_depth_m": 30})
+    with member(scenario, f"127.0.0.1:{dune.port}", imc_sends="instruments", speed=5.0) as live:
+        names = {
+            "EstimatedState", "Depth", "Pressure", "Temperature", "EulerAngles", "AngularVelocity", "Acceleration",
+            "GroundVelocity", "Distance", "SonarData", "Rpm", "ServoPosition",
+        }  # fmt: skip
+        until(lambda: names <= dune.seen.keys())
+        assert "GpsFix" not in dune.seen
+        assert dune.field("Depth", "value") == pytest.approx(8, abs=0.5)
+        assert dune.field("Pressure", "value") == pytest.approx(1013.25 + 0.01 * 1026 * 9.81 * 8, abs=60)  # hPa
+        assert dune.field("Acceleration", "z") == pytest.approx(-9.81, abs=0.5)
+        assert abs(dune.field("EulerAngles", "psi")) < 0.1
+        until(lambda: dune.field("GroundVelocity", "validity") == 7)
+        until(lambda: dune.seen["GroundVelocity"][-1].entity == 33)
+        assert dune.seen["Depth"][-1].entity >= 128
+        live.command("place", vehicle="lauv", position_world_m=[0, 0, -0.1], orientation_xyzw=[0, 0, 0, 1]).result()
+        until(lambda: "GpsFix" in dune.seen)
+        assert dune.field("GpsFix", "lat") == pytest.approx(math.radians(41.185), abs=1e-5)
+
+
+def test_a_system_of_our_own_lists_its_entities(dune: StandInDune) -> None:
+    with member(bay(torpedo()), f"127.0.0.1:{dune.port}", imc_id=0x0D00):
+        until(lambda: "SimulatedState" in dune.seen)
+        dune.send("EntityList", op=1)
+        until(lambda: any(each.content["op"] == 0 for each in dune.seen["EntityList"]))
+        assert dune.seen["EntityList"][-1].content["list"] == "uwsim=128"
+        assert dune.seen["SimulatedState"][-1].source == 0x0D00
+
+
+def test_datagrams_go_both_ways() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer, socket.socket(type=socket.SOCK_DGRAM) as free:
+        for each in (peer, free):
+            each.bind(("127.0.0.1", 0))
+        peer.settimeout(20)
+        port = free.getsockname()[1]
+        free.close()
+        with member(bay(torpedo()), f"udp:127.0.0.1:{peer.getsockname()[1]}", imc_port=port) as live:
+            names = set()
+            there = ("", 0)
+
+            def got() -> bool:
+                nonlocal there
+                data, there = peer.recvfrom(1 << 16)
+                names.add(decoded(data).name)
+                return "SimulatedState" in names
+
+            until(got)
+            assert there == ("127.0.0.1", port)
+
+            def moves() -> bool:
+                peer.sendto(encoded(Message("SetThrusterActuation", {"id": 0, "value": 2.0}, 0xD1)), there)
+                peer.sendto(b"no packet", there)
+                return bool(live.rov.thrusters["propeller"].command == 1.0)
+
+            until(moves)
+
+
+def test_all_stop_outranks_dune_and_what_has_no_actuator_is_reported(
+    dune: StandInDune, caplog: pytest.LogCaptureFixture
+) -> None:
+    with member(bay(torpedo()), f"127.0.0.1:{dune.port}") as live:
+        until(lambda: "SimulatedState" in dune.seen)
+        dune.send("SetThrusterActuation", id=4, value=0.5)
+        dune.send("SetServoPosition", id=0, value=math.nan)
+        until(lambda: "thruster 4" in caplog.text and "servo 0" in caplog.text)
+        live.command("all_stop", vehicle="lauv", on=True).result()
+        for _ in range(5):
+            dune.send("SetThrusterActuation", id=0, value=0.8)
+            time.sleep(0.05)
+        assert live.rov.thrusters["propeller"].command == 0
+
+
+def test_a_peer_that_does_not_speak_imc_is_reported(caplog: pytest.LogCaptureFixture) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def answer() -> None:
+            client, _ = server.accept()
+            client.sendall(b"HTTP/1.1 400 Bad Request\r\n" * 8000)
+            time.sleep(0.2)
+            client.close()
+
+        threading.Thread(target=answer, daemon=True).start()
+        with ImcLink(Address("", "tcp", "127.0.0.1", server.getsockname()[1]), Identity(None), print):
+            until(lambda: "is it IMC" in caplog.text)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"imc": ("a=h:1", "a=h:2")}, "must name each vehicle once"), ({"imc": ("h:x",)}, "must be"),
+        ({"imc": ("udp:h:1", "b=udp:h:2")}, "must have udp once"),
+    ],
+)  # fmt: skip
+def test_wrong_options_are_refused_before_anything_is_built(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        ImcPlug(ImcOptions(**options))
+
+
+@pytest.mark.parametrize(
+    ("scenario", "address", "message"),
+    [
+        (bay(torpedo()), "nemo=h:1", "vehicle 'nemo': must be one of lauv"),
+        ("pool", "h:1", "no place on Earth|has no thrusters"),
+    ],
+)
+def test_what_cannot_be_served_is_refused(scenario: Scenario | str, address: str, message: str) -> None:
+    with pytest.raises(ValueError, match=message), member(scenario, address):
+        pass
+
+
+def test_the_doctor_listens(dune: StandInDune) -> None:
+    (found,) = ImcPlug.examine(ImcOptions(imc=(f"127.0.0.1:{dune.port}",)), 5.0)
+    assert (found.verdict, found.found) == ("ok", "system 0x00D1")
+    (missing,) = ImcPlug.examine(ImcOptions(imc=("127.0.0.1:1",)), 1.0)
+    assert missing.verdict == "wrong"
+
+
+@pytest.mark.skipif("UWSIM_DUNE_BIN" not in os.environ, reason="needs DUNE: its program in the folder UWSIM_DUNE_BIN")
+def test_dune_flies_a_plan() -> None:
+    trial = Path(__file__).parents[3] / "tools/imc-trial"
+    done = subprocess.run(
+        [trial, "--bin", os.environ["UWSIM_DUNE_BIN"], "depth"], capture_output=True, text=True, timeout=900
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
