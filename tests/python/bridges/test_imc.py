@@ -1,9 +1,8 @@
 """`--imc`: the wire against imcpy and a recorded exchange, frames, and a vehicle that a DUNE commands."""
 
+import json
 import math
-import os
 import socket
-import subprocess
 import threading
 import time
 from collections.abc import Iterator
@@ -105,6 +104,20 @@ def test_lstss_own_code_reads_and_writes_the_same_bytes() -> None:
             if not isinstance(value, list):
                 assert getattr(theirs, field) == value
         assert decoded(bytes(imcpy.Packet.serialize(theirs))) == message
+
+
+def test_packets_written_by_lstss_own_code_are_read_and_written_alike() -> None:
+    """The packets are imcpy 1.1.2's."""
+    packets = json.loads((Path(__file__).parents[1] / "data/imc/packets.json").read_text())
+    assert {each["name"] for each in packets} == FORMATS.keys()
+    for each in packets:
+        packet = bytes.fromhex(each["bytes"])
+        found = decoded(packet)
+        plain = {name: value for name, value in found.content.items() if not isinstance(value, (list, bytes))}
+        assert (found.name, plain) == (each["name"], each["content"])
+        assert encoded(found) == packet
+    (sonar,) = (decoded(bytes.fromhex(each["bytes"])) for each in packets if each["name"] == "SonarData")
+    assert sonar.content["beam_config"] == [("BeamConfig", {"beam_width": 0.5, "beam_height": -1.0})]
 
 
 def test_a_sender_with_the_other_byte_order_is_understood() -> None:
@@ -383,12 +396,3 @@ def test_the_doctor_listens(dune: StandInDune) -> None:
     assert (found.verdict, found.found) == ("ok", "system 0x00D1")
     (missing,) = ImcPlug.examine(ImcOptions(imc=("127.0.0.1:1",)), 1.0)
     assert missing.verdict == "wrong"
-
-
-@pytest.mark.skipif("UWSIM_DUNE_BIN" not in os.environ, reason="needs DUNE: its program in the folder UWSIM_DUNE_BIN")
-def test_dune_flies_a_plan() -> None:
-    trial = Path(__file__).parents[3] / "tools/imc-trial"
-    done = subprocess.run(
-        [trial, "--bin", os.environ["UWSIM_DUNE_BIN"], "depth"], capture_output=True, text=True, timeout=900
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
