@@ -32,7 +32,10 @@ logger = logging.getLogger("uwsim.imc")
 
 
 class Address(NamedTuple):
-    """Where a system is, and the vehicle that it steers; "" for the first one. kind: "tcp" or "udp"."""
+    """Where a system is, and the vehicle that it steers; "" for the first one.
+
+    kind: "tcp", "udp", or "announce" for consoles, with this machine's own address.
+    """
 
     vehicle: str
     kind: str
@@ -41,16 +44,19 @@ class Address(NamedTuple):
 
     @classmethod
     def parse(cls, text: str) -> Self:
-        """Parse "HOST:PORT", "udp:HOST:PORT", "HOST" or one of these after "VEHICLE=". Raises ValueError."""
+        """Parse "HOST:PORT", "udp:HOST:PORT", "announce:ADDRESS", or one after "VEHICLE=". Raises ValueError."""
         vehicle, _, where = text.rpartition("=")
-        found = re.fullmatch(r"(?:(tcp|udp):)?([^:=\s]+)(?::(\d{1,5}))?", where)
+        found = re.fullmatch(r"(?:(tcp|udp|announce):)?([^:=\s]+)(?::(\d{1,5}))?", where)
         if found is None or ("=" in text and not vehicle):
-            rule = f"must be [VEHICLE=][tcp:|udp:]HOST[:PORT], such as localhost:{TCP_PORT}"
+            rule = f"must be [VEHICLE=][tcp:|udp:|announce:]HOST[:PORT], such as localhost:{TCP_PORT}"
             raise ValueError(f"imc = '{text[:80]}': {rule}")
-        port = int(found[3] or TCP_PORT)
+        kind, host = found[1] or "tcp", found[2]
+        if kind == "announce" and (not re.fullmatch(r"\d{1,3}(\.\d{1,3}){3}", host) or host == "0.0.0.0"):
+            raise ValueError(f"imc = '{text[:80]}': announce must have an address of this machine, such as 127.0.0.1")
+        port = int(found[3] or (LISTEN_PORT if kind == "announce" else TCP_PORT))
         if not 1 <= port <= 65535:
             raise ValueError(f"imc = '{text[:80]}': the port must be in [1, 65535]")
-        return cls(vehicle, found[1] or "tcp", found[2], port)
+        return cls(vehicle, kind, host, port)
 
     def __str__(self) -> str:
         return f"{self.kind}:{self.host}:{self.port}"

@@ -22,8 +22,9 @@ class ImcOptions(Options):
 
     imc: tuple[str, ...] = option(
         (),
-        "Be the vehicle of a DUNE, by TCP or UDP; repeat for others; see docs/connections/imc.md.",
-        metavar="[VEHICLE=][udp:]HOST:PORT",
+        "Be the vehicle of a DUNE, by TCP or UDP, or announce it to consoles; repeat for others; see "
+        "docs/connections/imc.md.",
+        metavar="[VEHICLE=][udp:|announce:]HOST:PORT",
     )
     imc_sends: str = option(
         "truth",
@@ -53,6 +54,10 @@ class ImcPlug(BridgePlug[ImcOptions]):
         vehicles = [each.vehicle for each in self._addresses]
         if len(set(vehicles)) < len(vehicles):
             raise ValueError(f"imc = {', '.join(options.imc)[:80]}: must name each vehicle once")
+        if options.imc_id is None and any(each.kind == "announce" for each in self._addresses):
+            raise ValueError(f"imc = {', '.join(options.imc)[:80]}: announce needs --imc-id, the vehicle's number")
+        if sum(each.kind == "announce" for each in self._addresses) > 1:
+            raise ValueError(f"imc = {', '.join(options.imc)[:80]}: must have announce once")
         if sum(each.kind == "udp" for each in self._addresses) > 1:
             raise ValueError(f"imc = {', '.join(options.imc)[:80]}: must have udp once; use tcp for further vehicles")
 
@@ -84,7 +89,7 @@ class ImcPlug(BridgePlug[ImcOptions]):
                 member = ImcVehicle(live, flights[name], models[name], address, place, settings)
                 members[name] = opened.enter_context(member)
                 scans = [each for each in context.channels if each.name == flights[name].source.topic("scan")]
-                for scan in scans if settings.by_instruments else ():
+                for scan in scans:
                     opened.callback(context.feed.listen(scan, member.take_ping))
             where = ", ".join(f"{name} at {member.link.address}" for name, member in members.items())
             yield Opened(f"IMC: {where}", members)
@@ -100,6 +105,9 @@ class ImcPlug(BridgePlug[ImcOptions]):
 
         for text in options.imc:
             address = Address.parse(text)
+            if address.kind == "announce":
+                yield Finding(f"IMC at {address}", "announced while uwsim serves")
+                continue
             heard: list[Message] = []
             with ImcLink(address, Identity(None), heard.extend, listen_port=options.imc_port) as link:
                 until_s = time.monotonic() + max(listen_s, 1.0)

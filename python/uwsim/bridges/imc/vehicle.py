@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from uwsim.bridges.actions import Action
+from uwsim.bridges.imc.announcer import Announcer
 from uwsim.bridges.imc.link import Address, Identity, ImcLink, logger
 from uwsim.bridges.imc.readings import MULTIBEAM, Instruments, Place, servos, simulated_state
 from uwsim.bridges.imc.wire import Message, Sent
@@ -70,12 +71,17 @@ class ImcVehicle:
         self._wanted: dict[str, dict[str, float]] = {"commands": {}, "angles_rad": {}}
         self._rare = RareLog(logger)
         begun_s = time.time() - live.simulator.time_s
+        self._is_by_instruments = settings.by_instruments or address.kind == "announce"
+        self._where_rad = (place.latitude_rad, place.longitude_rad)
         self._instruments = Instruments(
             live.simulator.vehicles[self.vehicle], place, fins, lambda time_s: begun_s + time_s
         )
-        self.link = ImcLink(
-            address, Identity(settings.system), self._on_messages, self._on_met, listen_port=settings.listen_port
-        )
+        identity = Identity(settings.system)
+        self.link: ImcLink | Announcer
+        if address.kind == "announce":
+            self.link = Announcer(address, identity, self.vehicle, lambda: self._where_rad)
+        else:
+            self.link = ImcLink(address, identity, self._on_messages, self._on_met, listen_port=settings.listen_port)
         self._channels = {
             argument: Channel(
                 action.source.topic(f"imc_cmd_{ending}"), "IMC", "in", "what a system that speaks IMC commands",
@@ -97,7 +103,7 @@ class ImcVehicle:
 
     def take_ping(self, reading: Reading) -> None:
         """Publish a ping of the sonar, a sensor_msgs/LaserScan. Does not block."""
-        if self._settings.by_instruments:
+        if self._is_by_instruments:
             scan = reading.message
             ranges_m = np.asarray(scan.ranges, np.float64)
             self.link.publish([(SONAR, *ping(ranges_m, scan.angle_max - scan.angle_min, scan.range_max))])
@@ -106,8 +112,11 @@ class ImcVehicle:
         vehicle = sim.vehicles[self.vehicle]
         if not self.link.is_connected:
             return []
-        if not self._settings.by_instruments:
+        if not self._is_by_instruments:
             return [(SIMULATOR, *simulated_state(sim, vehicle, self._place))]
+        if self._settings.system is not None:
+            latitude_deg, longitude_deg = self._place.world.degrees(vehicle.estimate.pose.position_world_m).tolist()
+            self._where_rad = math.radians(latitude_deg), math.radians(longitude_deg)
         first = next(iter(vehicle.thrusters.values()))
         rpm = max(-RPM_MAX, min(RPM_MAX, round(first.command * self._settings.full_rpm)))
         return [*self._instruments.read(sim.time_s), (MOTOR, "Rpm", {"value": rpm})]

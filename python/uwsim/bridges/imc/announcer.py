@@ -1,0 +1,195 @@
+"""A vehicle that announces itself to consoles such as Neptus, which then get what it publishes.
+
+A system announces itself every ANNOUNCE_S by datagrams to the ports DISCOVERY_PORTS of a multicast group, of the local
+network and of its own machine, with the addresses of its services; see LSTS's DUNE, etc/common/transports.ini. A
+console that announces itself or sends a message to the service is answered at once.
+"""
+
+from __future__ import annotations
+
+import re
+import selectors
+import socket
+import struct
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack, suppress
+from typing import Any, Self
+
+from uwsim.bridges.imc.link import (
+    AGAIN_S,
+    HEARTBEAT_S,
+    POLL_S,
+    QUERY,
+    READ_BYTES,
+    REPORT,
+    WAITING_MAX,
+    Address,
+    Identity,
+    logger,
+)
+from uwsim.bridges.imc.wire import NO_SYSTEM, UNKNOWN_ENTITY, ImcError, Message, Sent, decoded, encoded
+from uwsim.bridges.rare_log import RareLog
+
+GROUP, BROADCAST = "224.0.75.69", "255.255.255.255"
+DISCOVERY_PORTS = (30100, 30101, 30102, 30103, 30104)
+ANNOUNCE_S, LOST_S = 10.0, 30.0
+"""Time between announcements, and without a message after which a console is lost."""
+CONSOLES_MAX = 16
+UNDERWATER_VEHICLE = 2
+Endpoint = tuple[str, int]
+
+
+class Announcer:
+    """A thread that announces a vehicle, and sends what is published to every console that is there.
+
+    identity: with a system number of its own. where: returns latitude and longitude [rad]. Consoles only listen: what
+    they send commands nothing, but their requests for our entities are answered.
+    """
+
+    is_connected = True
+
+    def __init__(
+        self, address: Address, identity: Identity, name: str, where: Callable[[], tuple[float, float]]
+    ) -> None:
+        self.address, self.identity, self._name, self._where = address, identity, name, where
+        self._consoles: dict[int, tuple[Endpoint, float]] = {}
+        self._waiting: deque[Message] = deque(maxlen=WAITING_MAX)
+        self._rare = RareLog(logger)
+        self._is_closed = False
+        self._thread = threading.Thread(target=self._run, name="uwsim-imc", daemon=True)
+        if not self._is_local:
+            logger.warning("IMC at %s, beyond this machine, in plain text", address)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close."""
+        self._is_closed = True
+        self._thread.join(AGAIN_S + 2 * POLL_S)
+
+    @property
+    def consoles(self) -> list[int]:
+        """The numbers of the systems that are there."""
+        return list(self._consoles)
+
+    def publish(self, sent: Iterable[Sent]) -> None:
+        """Queue messages of entities, all of the present time. Does not block; may be called on any thread."""
+        if self._consoles:
+            self._waiting.extend(self._message(*each) for each in sent)
+
+    def _message(self, label: str, name: str, content: dict[str, Any]) -> Message:
+        return Message(name, content, self.identity.system, self.identity.entity(label), time.time())
+
+    def _run(self) -> None:
+        while not self._is_closed:
+            try:
+                with ExitStack() as stack:
+                    service = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+                    service.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+                    service.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(self.address.host))
+                    service.bind((self.address.host, self.address.port))
+                    discovery = stack.enter_context(self._discovery())
+                    self._talk(service, discovery)
+            except OSError as error:
+                self._rare.warning(f"{self.address}: {error.strerror or error}; trying again")
+            except Exception:
+                logger.exception("%s: a message could not be handled", self.address)
+            until_s = time.monotonic() + AGAIN_S
+            while not self._is_closed and time.monotonic() < until_s:
+                time.sleep(0.05)
+
+    @property
+    def _is_local(self) -> bool:
+        return self.address.host.startswith("127.")
+
+    def _discovery(self) -> socket.socket:
+        """Return the socket on which announcements arrive, on the first free port. Raises OSError."""
+        found = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        for port in DISCOVERY_PORTS:
+            with suppress(OSError):
+                found.bind((self.address.host if self._is_local else "", port))
+                break
+        else:
+            found.close()
+            raise OSError(f"ports {DISCOVERY_PORTS[0]} to {DISCOVERY_PORTS[-1]} are in use")
+        if not self._is_local:
+            member = struct.pack("4s4s", socket.inet_aton(GROUP), socket.inet_aton(self.address.host))
+            with suppress(OSError):  # no multicast on this network
+                found.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
+        return found
+
+    def _talk(self, service: socket.socket, discovery: socket.socket) -> None:
+        """Exchange messages until closed. Raises OSError."""
+        announced_s = beat_s = -ANNOUNCE_S
+        with selectors.DefaultSelector() as selector:
+            for each in (service, discovery):
+                each.setblocking(False)
+                selector.register(each, selectors.EVENT_READ)
+            while not self._is_closed:
+                now_s = time.monotonic()
+                if now_s - announced_s >= ANNOUNCE_S:
+                    announced_s = now_s
+                    self._announce(service, ("127.0.0.1",) if self._is_local else (GROUP, BROADCAST, "127.0.0.1"))
+                if now_s - beat_s >= HEARTBEAT_S:
+                    beat_s = now_s
+                    self.publish([("uwsim", "Heartbeat", {})])
+                self._consoles = {n: (at, s) for n, (at, s) in self._consoles.items() if now_s - s < LOST_S}
+                packets = [encoded(self._waiting.popleft()) for _ in range(len(self._waiting))]
+                for there, _ in self._consoles.values():
+                    for packet in packets:
+                        _send(service, packet, there)
+                for key, _ in selector.select(0.02 if self._consoles else POLL_S):
+                    self._receive(key.fileobj, service)
+
+    def _announce(self, service: socket.socket, hosts: Iterable[str]) -> None:
+        latitude, longitude = self._where()
+        packet = encoded(self._message("uwsim", "Announce", {
+            "sys_name": self._name, "sys_type": UNDERWATER_VEHICLE, "owner": NO_SYSTEM, "lat": latitude,
+            "lon": longitude, "services": f"imc+udp://{self.address.host}:{self.address.port}/",
+        }))  # fmt: skip
+        for host in hosts:
+            for port in DISCOVERY_PORTS:
+                _send(service, packet, (host, port))
+
+    def _receive(self, source: Any, service: socket.socket) -> None:
+        with suppress(BlockingIOError):
+            while True:
+                data, there = source.recvfrom(READ_BYTES)
+                try:
+                    message = decoded(data)
+                except ImcError as error:
+                    self._rare.warning(f"{self.address}: {error}")
+                    continue
+                if message.source not in (self.identity.system, NO_SYSTEM):
+                    self._take(message, there, service)
+
+    def _take(self, message: Message, there: Endpoint, service: socket.socket) -> None:
+        is_new = message.source not in self._consoles
+        if is_new and len(self._consoles) >= CONSOLES_MAX:
+            self._rare.warning(f"{self.address}: more than {CONSOLES_MAX} consoles: another gets nothing")
+            return
+        if message.name == "Announce":
+            found = re.findall(r"imc\+udp://([\d.]+):(\d{1,5})/", message.content["services"])
+            ports = {host: int(port) for host, port in found if 0 < int(port) < 65536}
+            if there[0] not in ports:
+                return  # the service of another machine, or none
+            there = (there[0], ports[there[0]])
+        elif not is_new:
+            there = self._consoles[message.source][0]
+        self._consoles[message.source] = (there, time.monotonic())
+        if is_new:
+            logger.info("console 0x%04X at %s:%d", message.source, *there)
+            self._announce(service, [there[0]])
+        if message.name == "EntityList" and message.content["op"] == QUERY:
+            answer = self._message("uwsim", "EntityList", {"op": REPORT, "list": self.identity.list})
+            self._waiting.append(answer._replace(destination=message.source, to_entity=UNKNOWN_ENTITY))
+
+
+def _send(service: socket.socket, packet: bytes, there: Endpoint) -> None:
+    with suppress(OSError):  # no program listens there
+        service.sendto(packet, there)
