@@ -71,6 +71,50 @@ def test_an_sdf_vehicle_has_the_source_s_speed_and_trim(tmp_path: Path) -> None:
     assert {*model.cameras} == {"eye"} and {*model.sensors} == {"inertial"}
 
 
+RUDDER = """
+    <link name="rudder"><pose>-1 0 0.2 0 0 0</pose><inertial><mass>0.1</mass></inertial></link>
+    <joint name="rudder_joint" type="revolute"><parent>base</parent><child>rudder</child>
+      <axis><xyz>0 0 AXIS</xyz><limit><lower>-0.4</lower><upper>0.5</upper></limit></axis></joint>
+    <plugin filename="gz-sim-lift-drag-system" name="gz::sim::systems::LiftDrag"><link_name>rudder</link_name>
+      <air_density>1000</air_density><cla>4.0</cla><cda>0.2</cda><alpha_stall>0.3</alpha_stall><area>0.05</area>
+      <cp>-0.1 0 0.05</cp><forward>FORWARD</forward><upward>0 1 0</upward></plugin>
+  </model>
+  <model name="pier">"""
+
+
+def ruddered(axis: int, forward: str) -> str:
+    rudder = RUDDER.replace("AXIS", str(axis)).replace("FORWARD", forward)
+    return WORLD.replace('</model>\n  <model name="pier">', rudder.strip("\n"))
+
+
+@pytest.mark.parametrize("axis", [1, -1])
+def test_an_sdf_rudder_has_the_source_s_lift(axis: int, tmp_path: Path) -> None:
+    """gz-sim's LiftDrag: q A cla alpha, with its own density, across the flow at the centre of pressure."""
+    sim, printed = made(tmp_path, "world.sdf", ruddered(axis, "1 0 0"))
+    (rov,) = sim.vehicles.values()
+    assert "smaller of its limits" in printed
+    assert sim.scenario.vehicles[0].model.fins["rudder"].deflection_max_deg == pytest.approx(np.degrees(0.4))
+    angle, speed = 0.08, 2.0
+    rov.set_fins({"rudder": angle})
+    sim.advance(0.5)
+    rov.place([0, 0, -8], [0, 0, 0, 1], [speed, 0, 0, 0, 0, 0])
+    sim.step()
+    lift_n = 0.5 * 1000.0 * speed**2 * 0.05 * 4.0 * angle
+    wrench = rov.forces["actuators"]
+    assert wrench.force_body_n[1] == pytest.approx(axis * lift_n, rel=0.01)  # x turned to port of a joint about z
+    assert wrench.torque_body_nm[2] == pytest.approx(-1.1 * axis * lift_n, rel=0.01)
+    assert wrench.torque_body_nm[0] == pytest.approx(-0.25 * axis * lift_n, rel=0.01)
+
+
+def test_a_surface_that_uwsim_does_not_have_is_named(tmp_path: Path) -> None:
+    sim, printed = made(tmp_path, "world.sdf", ruddered(1, "0 0 1"))
+    assert "its forward direction is not the vehicle's" in printed
+    assert not sim.scenario.vehicles[0].model.fins
+    (tmp_path / "flat.sdf").write_text(ruddered(1, "0 0 0"))
+    with pytest.raises(ValueError, match="forward and upward must be two directions"):
+        read_sdf(tmp_path / "flat.sdf")
+
+
 def test_sdf_obstacles_are_where_their_poses_put_them(tmp_path: Path) -> None:
     sim, _ = made(tmp_path, "world.sdf", WORLD)
     axis_m = np.array([3.0, 5.0, -2.0])  # a quarter turn takes 1 m along x to 1 m along y

@@ -37,6 +37,22 @@ class Thruster(NamedTuple):
     torque_per_thrust_m: float = 0.0
 
 
+class Fin(NamedTuple):
+    """A lifting surface. span: the direction about which it turns, right-handed. Frame: the body.
+
+    density_area_kg_m: its area times the density for which its lift is stated. stall_deg: None for one that does not
+    stall. travel_deg: 0 for a fixed one.
+    """
+
+    name: str
+    position_m: Floats
+    span: Floats
+    density_area_kg_m: float
+    aspect_ratio: float
+    stall_deg: float | None
+    travel_deg: float
+
+
 @dataclass
 class Robot:
     """A vehicle. Body frame: x forward, y left, z up; its origin is that of the base link.
@@ -57,6 +73,7 @@ class Robot:
     linear: Floats | None = None
     quadratic: Floats | None = None
     thrusters: list[Thruster] = field(default_factory=list)
+    fins: list[Fin] = field(default_factory=list)
     sensors: dict[str, dict[str, Any]] = field(default_factory=dict)
     cameras: dict[str, dict[str, Any]] = field(default_factory=dict)
     imaging_sonars: dict[str, dict[str, Any]] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""Vehicles and worlds in SDF, as Gazebo flies them by its systems Buoyancy, Hydrodynamics and Thruster.
+"""Vehicles and worlds in SDF, as Gazebo flies them by its systems Buoyancy, Hydrodynamics, Thruster and LiftDrag.
 
 Sources: the SDF specification (sdformat.org/spec), and gz-sim's documentation and sources of these systems. Thrust is
 along the joint's axis; hydrodynamic forces act at the link's origin; buoyancy at the centre of the collision shapes.
@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from uwsim.evidence.robots import shapes
+from uwsim.evidence.robots.lift_drag import is_lift_drag, put_surface
 from uwsim.evidence.robots.links import Joint, Links, inertia, summed_volume
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, Thruster, plain_name
 from uwsim.evidence.robots.sensors import put_camera, put_sensor
@@ -113,9 +114,12 @@ class _Reader:
         for plugin, file in plugins:
             if "hydrodynamics" in file:
                 self._hydrodynamics(robot, plugin, base, links)
-            elif "thruster" not in file:
+            elif "thruster" not in file and not is_lift_drag(file):
                 self.found.left_out(f"{plugin.path}, {plugin.attribute('filename')}")
         to_base = links.poses[base].inverse()
+        for plugin, file in plugins:
+            if is_lift_drag(file):
+                put_surface(robot, plugin, model, links, to_base, self.found)
         limits = dict(_autopilot_limits(model))
         for plugin in thrusters:
             robot.thrusters.append(self._thruster(plugin, links, to_base, limits, robot))

@@ -12,7 +12,7 @@ from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
 from uwsim.base.own_files import require_own
 from uwsim.base.texts.yaml_document import yaml_document
-from uwsim.evidence.robots.robot import Found, Mesh, Robot, Thruster, plain_name, unlike_zero
+from uwsim.evidence.robots.robot import Fin, Found, Mesh, Robot, Thruster, plain_name, unlike_zero
 from uwsim.evidence.robots.shapes import joined, volume_and_centre
 from uwsim.evidence.robots.xml_file import Floats, Pose, yaw_pitch_roll_deg
 from uwsim.evidence.vehicle.draft import drafted
@@ -140,6 +140,11 @@ def _vehicle(robot: Robot, found: Found) -> tuple[Mesh, dict[str, Any], Floats]:
     if not robot.thrusters:
         raise ValueError(f"vehicle '{robot.name}': has no thrusters, so nothing could move it")
     values["thrusters"] = {each.name: _thruster(each, origin) for each in robot.thrusters}
+    if robot.fins:
+        if found.density_kg_m3 is None:
+            raise ValueError(f"vehicle '{robot.name}': has fins, but no density of the water is stated")
+        own = {each.name: _fin(each, origin, found.density_kg_m3) for each in robot.fins}
+        values["fins"] = values.get("fins", {}) | own
     for key in ("sensors", "cameras", "imaging_sonars"):
         if parts := getattr(robot, key):
             values[key] = {name: _moved(part, origin) for name, part in parts.items()}
@@ -206,6 +211,16 @@ def _thruster(each: Thruster, origin: Floats) -> dict[str, Any]:
     spin = "clockwise" if each.clockwise else "counter-clockwise"
     axis = each.axis / np.linalg.norm(each.axis)
     return {"model": model, "position_m": _row(each.position_m - origin), "axis": _row(axis), "spin": spin}
+
+
+def _fin(each: Fin, origin: Floats, density_kg_m3: float) -> dict[str, Any]:
+    """Return a fin with the area that gives its lift in this water."""
+    found = {
+        "position_m": _row(each.position_m - origin), "span": _row(each.span),
+        "area_m2": each.density_area_kg_m / density_kg_m3, "aspect_ratio": each.aspect_ratio,
+        "deflection_max_deg": each.travel_deg,
+    }  # fmt: skip
+    return found if each.stall_deg is None else found | {"stall_angle_deg": each.stall_deg}
 
 
 def _moved(part: dict[str, Any], origin: Floats) -> dict[str, Any]:
