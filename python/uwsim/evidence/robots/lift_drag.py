@@ -1,12 +1,14 @@
-"""Fins and wings in SDF: gz-sim's system LiftDrag, and the joint that turns its link.
+"""Fins and wings in SDF and URDF: gz-sim's system LiftDrag, UUV Simulator's fins, and the joints that turn them.
 
-Source: gz-sim's LiftDrag.cc. Lift is q A cla (alpha + angle of the joint), with q = rho V^2 / 2. A fin of uwsim has the
-same slope of lift through its aspect ratio: cla = pi a / (1 + sqrt(1 + a^2 / 4)), which is below 2 pi.
+Sources: gz-sim's LiftDrag.cc; UUV Simulator's FinPlugin.cc and LiftDragModel.cc. Lift is q A cla (alpha + angle of the
+joint), with q = rho V^2 / 2. A fin of uwsim has the same slope of lift through its aspect ratio: cla = pi a / (1 +
+sqrt(1 + a^2 / 4)), which is below 2 pi.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +21,19 @@ AIR_KG_M3, SLOPE, STALL_RAD = 1.2041, 1.0, math.pi / 2
 STALL_DEG = (1.0, 89.0)
 """Stall angles of uwsim; a surface that stalls beyond them does not."""
 STRAIGHT = 0.999
+QUADRATIC_SLOPE = 2.603
+"""The slope [1/rad] of a fin of which only the lift as a whole is stated: aspect ratio 2."""
+
+
+class _Lift(NamedTuple):
+    """Where a surface of a link is and how it lifts. Directions and the centre of pressure: in the link's frame."""
+
+    forward: Floats
+    upward: Floats
+    centre_m: Floats
+    slope: float
+    density_area_kg_m: float
+    stall_rad: float
 
 
 def is_lift_drag(file: str) -> bool:
@@ -26,58 +41,77 @@ def is_lift_drag(file: str) -> bool:
     return "lift-drag" in file or "liftdrag" in file
 
 
-def put_surface(robot: Robot, plugin: Element, model: Element, links: Links, to_base: Pose, found: Found) -> None:
+def put_surface(robot: Robot, plugin: Element, links: Links, to_base: Pose, found: Found) -> None:
     """Add the fin of a LiftDrag plugin, or a note if uwsim has no such surface. Raises ValueError.
 
     Water whose density is not stated elsewhere has the plugin's.
     """
-    fin = _surface(plugin, model, links, to_base, found, [each.name for each in robot.fins])
-    if fin is not None:
-        robot.fins.append(fin)
-        if found.density_kg_m3 is None:
-            found.density_kg_m3 = plugin.number("air_density", AIR_KG_M3)
+    density = plugin.number("air_density", AIR_KG_M3)
+    centre = plugin.numbers("cp", 3)
+    lift = _Lift(
+        _direction(plugin, "forward", 0), _direction(plugin, "upward", 2), np.zeros(3) if centre is None else centre,
+        plugin.number("cla", SLOPE), density * plugin.number("area", 1.0), plugin.number("alpha_stall", STALL_RAD),
+    )  # fmt: skip
+    if plugin.text("control_joint_name"):
+        found.left_out(f"{plugin.path}: control_joint_name, a flap; the whole surface turns by its own joint")
+    if _put(robot, plugin, plugin, lift, links, to_base, found) and found.density_kg_m3 is None:
+        found.density_kg_m3 = density
 
 
-def _surface(
-    plugin: Element, model: Element, links: Links, to_base: Pose, found: Found, others: list[str]
-) -> Fin | None:
+def put_uuv_fin(robot: Robot, plugin: Element, links: Links, to_base: Pose, found: Found) -> None:
+    """Add the fin of UUV Simulator's plugin, x ahead and z along its span. Raises ValueError."""
+    model = plugin.find("liftdrag")
+    if model is None:
+        raise plugin.error("has no liftdrag")
+    kind = model.text("type") or ""
+    if kind == "TwoLines":
+        slope, area = model.number("cla"), model.number("fluid_density") * model.number("area")
+        stall = model.number("alpha_stall")
+    elif kind == "Quadratic":
+        slope, stall = QUADRATIC_SLOPE, STALL_RAD
+        area = 2.0 * model.number("lift_constant") / slope
+        found.assumed(f"{model.path}: a fin of aspect ratio 2, with the stated lift")
+    else:
+        raise model.error(f"type '{kind}': must be TwoLines or Quadratic")
+    if plugin.number("dynamics/timeConstant", 0.0) > 0.0:
+        found.left_out(f"{plugin.path}: the lag of its servo; fins turn at a limited rate")
+    lift = _Lift(np.eye(3)[0], np.eye(3)[1], np.zeros(3), slope, area, stall)
+    _put(robot, plugin, model, lift, links, to_base, found)
+
+
+def _put(
+    robot: Robot, plugin: Element, stated: Element, lift: _Lift, links: Links, to_base: Pose, found: Found
+) -> bool:
+    """Add a fin; return whether uwsim has such a surface. stated: the element with its coefficients."""
     link = plugin.text("link_name") or ""
     pose = to_base.then(links.pose(link, plugin))
-    slope, area = plugin.number("cla", SLOPE), plugin.number("area", 1.0)
-    if not (0.0 < slope < 2.0 * math.pi and area > 0.0):
-        raise plugin.error(f"cla = {slope:g}, area = {area:g} m2: must be in (0, 2 pi), and positive")
-    forward, upward = (_direction(plugin, key, default) for key, default in (("forward", 0), ("upward", 2)))
-    span = pose.turn @ np.cross(forward, upward)
+    if not (0.0 < lift.slope < 2.0 * math.pi and lift.density_area_kg_m > 0.0):
+        raise stated.error(f"slope of lift {lift.slope:g}: must be in (0, 2 pi), area and density positive")
+    span = pose.turn @ np.cross(lift.forward, lift.upward)
     if not np.linalg.norm(span) > 1e-3:
         raise plugin.error("forward and upward must be two directions")
     span /= np.linalg.norm(span)
-    if (pose.turn @ forward)[0] < STRAIGHT or abs(span[0]) > 1e-6:
+    if (pose.turn @ lift.forward)[0] < STRAIGHT or abs(span[0]) > 1e-6:
         found.left_out(f"{plugin.path} of link '{link}': its forward direction is not the vehicle's")
-        return None
+        return False
     joint = next((each for each in links.joints.values() if each.child == link), None)
     travel_rad = 0.0
-    if joint is not None and joint.kind == "revolute":
+    if joint is not None and joint.kind in ("revolute", "continuous"):
         axis = to_base.turn @ joint.axis
         if abs(axis @ span) < STRAIGHT:
             found.left_out(f"{plugin.path} of link '{link}': joint '{joint.name}' does not turn it about its span")
-            return None
-        span, travel_rad = span * np.sign(axis @ span), _travel_rad(model, joint, found)
-    if plugin.number("a0", 0.0) != 0.0:
-        found.left_out(f"{plugin.path}: a0 = {plugin.number('a0'):g} rad, its lift at no angle")
-    if plugin.text("control_joint_name"):
-        found.left_out(f"{plugin.path}: control_joint_name, a flap; the whole surface turns by its own joint")
+            return False
+        span, travel_rad = span * np.sign(axis @ span), _travel_rad(plugin, joint, found)
+    if stated.number("a0", 0.0) != 0.0:
+        found.left_out(f"{stated.path}: a0 = {stated.number('a0'):g} rad, its lift at no angle")
     found.assumed(f"{plugin.path}: the drag of its lift, and its lift in stall, are those of uwsim's fins")
-    stall_deg = math.degrees(plugin.number("alpha_stall", STALL_RAD))
-    centre = plugin.numbers("cp", 3)
-    return Fin(
-        plain_name(link.removesuffix("_link"), others),
-        pose.points((np.zeros(3) if centre is None else centre)[None])[0],
-        span,
-        area * plugin.number("air_density", AIR_KG_M3),
-        aspect_ratio(slope),
-        stall_deg if STALL_DEG[0] <= stall_deg <= STALL_DEG[1] else None,
-        math.degrees(travel_rad),
-    )
+    stall_deg = math.degrees(lift.stall_rad)
+    name = plain_name(link.removesuffix("_link"), [each.name for each in robot.fins])
+    robot.fins.append(Fin(
+        name, pose.points(lift.centre_m[None])[0], span, lift.density_area_kg_m, aspect_ratio(lift.slope),
+        stall_deg if STALL_DEG[0] <= stall_deg <= STALL_DEG[1] else None, math.degrees(travel_rad),
+    ))  # fmt: skip
+    return True
 
 
 def aspect_ratio(slope: float) -> float:
@@ -91,12 +125,11 @@ def _direction(plugin: Element, key: str, default: int) -> Floats:
     return np.eye(3)[default] if found is None else found / max(float(np.linalg.norm(found)), 1e-9)
 
 
-def _travel_rad(model: Element, joint: Joint, found: Found) -> float:
+def _travel_rad(plugin: Element, joint: Joint, found: Found) -> float:
     """Return the smaller of a joint's two limits."""
-    element = next(each for each in model.all("joint") if each.name == joint.name)
-    low, high = element.number("axis/limit/lower", -math.inf), element.number("axis/limit/upper", math.inf)
+    low, high = joint.limits_rad
     if not low <= 0.0 <= high:
-        raise element.error(f"limits from {low:g} to {high:g} rad: must include 0")
-    if abs(low + high) > 1e-3 and math.isfinite(low + high):
-        found.assumed(f"{element.path}: it turns by the smaller of its limits in both directions")
+        raise plugin.error(f"joint '{joint.name}': limits from {low:g} to {high:g} rad: must include 0")
+    if abs(low + high) > 1e-3:
+        found.assumed(f"joint '{joint.name}': it turns by the smaller of its limits in both directions")
     return min(-low, high, math.pi / 2)

@@ -22,6 +22,7 @@ class Joint:
     child: str
     pose: Pose
     axis: Floats
+    limits_rad: tuple[float, float] = (-np.inf, np.inf)
 
 
 @dataclass

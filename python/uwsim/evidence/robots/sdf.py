@@ -119,7 +119,7 @@ class _Reader:
         to_base = links.poses[base].inverse()
         for plugin, file in plugins:
             if is_lift_drag(file):
-                put_surface(robot, plugin, model, links, to_base, self.found)
+                put_surface(robot, plugin, links, to_base, self.found)
         limits = dict(_autopilot_limits(model))
         for plugin in thrusters:
             robot.thrusters.append(self._thruster(plugin, links, to_base, limits, robot))
@@ -150,7 +150,8 @@ class _Reader:
             xyz = joint.numbers("axis/xyz", 3)
             axis = there.turn @ (np.array([0.0, 0.0, 1.0]) if xyz is None else xyz)
             kind = joint.attribute("type") or ""
-            links.joints[joint.name] = Joint(joint.name, kind, joint.text("parent") or "", child, there, axis)
+            limits = joint.number("axis/limit/lower", -np.inf), joint.number("axis/limit/upper", np.inf)
+            links.joints[joint.name] = Joint(joint.name, kind, joint.text("parent") or "", child, there, axis, limits)
         for inner in model.all("model"):
             below = self._links(inner, at.then(inner.pose()), level + 1)
             links.add(inner.name, below)

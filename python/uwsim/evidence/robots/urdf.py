@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from uwsim.evidence.robots import shapes
+from uwsim.evidence.robots.lift_drag import put_uuv_fin
 from uwsim.evidence.robots.links import Joint, Links, inertia
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, Thruster, plain_name
 from uwsim.evidence.robots.sensors import put_camera, put_sensor
@@ -74,7 +75,8 @@ def _links(root: Element, path: Path, found: Found) -> Links:
             xyz = joint.numbers("axis", 3, "xyz")
             axis = there.turn @ (np.array([1.0, 0.0, 0.0]) if xyz is None else xyz)
             child = _end(joint, "child")
-            links.joints[joint.name] = Joint(joint.name, joint.needed("type"), name, child, there, axis)
+            limits = joint.number("limit", -np.inf, "lower"), joint.number("limit", np.inf, "upper")
+            links.joints[joint.name] = Joint(joint.name, joint.needed("type"), name, child, there, axis, limits)
             waiting.append((child, there))
     if lost := [name for name in elements if name not in links.poses]:
         raise root.error(f"links {', '.join(lost)} hang together in a circle")
@@ -152,6 +154,8 @@ def _plugin(robot: Robot, found: Found, links: Links, plugin: Element, base: str
             _hydrodynamics(robot, found, link)
     elif "uuv_thruster" in file or "thruster_ros" in file:
         robot.thrusters.append(_thruster(plugin, links, to_base, robot, found))
+    elif "uuv_fin" in file or "fin_ros" in file:
+        put_uuv_fin(robot, plugin, links, to_base, found)
     elif (kind := next((kind for part, kind in SENSOR_PLUGINS.items() if part in file), None)) is not None:
         at = to_base.then(links.pose(plugin.text("link_name") or "", plugin))
         noise = plugin.number("noise_sigma", 0.0) if kind == "imu" else 0.0
