@@ -263,6 +263,7 @@ BOMB = '<!DOCTYPE a [<!ENTITY a "aaaa">]><sdf/>'
         ("a.sdf", WORLD.replace("<mass>99", "<mass>-99"), "mass"),
         ("a.sdf", WORLD.replace(">port_joint<", ">lost<"), "there is no joint 'lost'"),
         ("a.sdf", WORLD.replace("2 0.25 0.2", "2 0.25"), "must be 3 finite numbers"),
+        ("a.sdf", WORLD.replace("<radius>0.5", "<radius>1e308"), "radius and length must be positive, at most 1e+06"),
         ("a.urdf", URDF.replace("<volume>0.2", "<volume>0"), "volume = 0 m3: must be positive"),
         ("a.urdf", URDF.replace("-150 -250", "150 -250"), "must not be positive: it would drive the hull"),
         ("a.urdf", URDF.replace('<parent link="base"/>', '<parent link="tail"/>'), "circle"),

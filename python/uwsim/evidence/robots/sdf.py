@@ -180,20 +180,20 @@ class _Reader:
     def _shape(self, shape: Element) -> Mesh | None:
         if shape.tag == "box":
             size = shape.numbers("size", 3)
-            if size is None or not (size > 0.0).all():
+            if size is None or not shapes.are_sizes(*size):
                 raise shape.error("its size must be three positive numbers [m]")
             return shapes.box(size)
         if shape.tag in ("sphere", "cylinder", "capsule"):
             radius = shape.number("radius")
             length = 1.0 if shape.tag == "sphere" else shape.number("length")
-            if not (radius > 0.0 and length > 0.0):
-                raise shape.error("radius and length must be positive [m]")
+            if not shapes.are_sizes(radius, length):
+                raise shape.error(f"radius and length must be positive, at most {shapes.SIZE_MAX_M:g} m")
             if shape.tag == "sphere":
                 return shapes.sphere(radius)
             return (shapes.cylinder if shape.tag == "cylinder" else shapes.capsule)(radius, length)
         if shape.tag == "ellipsoid":
             radii = shape.numbers("radii", 3)
-            if radii is None or not (radii > 0.0).all():
+            if radii is None or not shapes.are_sizes(*radii):
                 raise shape.error("its radii must be three positive numbers [m]")
             return shapes.ellipsoid(radii)
         if shape.tag == "mesh":

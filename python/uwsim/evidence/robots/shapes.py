@@ -15,6 +15,13 @@ from uwsim.scenario.read.mesh_file import load_mesh
 ROUND, BALL = 48, 3
 """Edges of a circle, and subdivisions of an icosahedron: the volume is 0.3 and 0.8 % small, and is scaled to exact."""
 
+SIZE_MAX_M = 1e6
+
+
+def are_sizes(*sizes_m: float) -> bool:
+    """Return whether lengths are positive, and not so large that areas and volumes would overflow."""
+    return all(0.0 < size <= SIZE_MAX_M for size in sizes_m)
+
 
 def box(size_m: Floats) -> Mesh:
     """Return a cuboid about its centre."""

@@ -154,13 +154,13 @@ class _Reader:
             raise part.error("has no <dimensions>")
         elif kind == "box":
             sides = size.numbers(None, 3, "xyz")
-            if sides is None or not (sides > 0.0).all():
+            if sides is None or not shapes.are_sizes(*sides):
                 raise size.error("xyz must be three positive numbers [m]")
             mesh = shapes.box(sides)
         elif kind in ("cylinder", "sphere"):
             radius = size.number(None, None, "radius")
             length = 1.0 if kind == "sphere" else size.number(None, None, "height")
-            if not (radius > 0.0 and length > 0.0):
+            if not shapes.are_sizes(radius, length):
                 raise size.error("radius and height must be positive [m]")
             mesh = shapes.sphere(radius) if kind == "sphere" else shapes.cylinder(radius, length)
         else:

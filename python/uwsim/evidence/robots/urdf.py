@@ -112,14 +112,14 @@ def _solid(collision: Element, path: Path, found: Found) -> Mesh | None:
     for shape in geometry.all("*"):
         if shape.tag == "box":
             size = shape.numbers(None, 3, "size")
-            if size is None or not (size > 0.0).all():
+            if size is None or not shapes.are_sizes(*size):
                 raise shape.error("its size must be three positive numbers [m]")
             return shapes.box(size)
         if shape.tag in ("cylinder", "sphere"):
             radius = shape.number(None, None, "radius")
             length = 1.0 if shape.tag == "sphere" else shape.number(None, None, "length")
-            if not (radius > 0.0 and length > 0.0):
-                raise shape.error("radius and length must be positive [m]")
+            if not shapes.are_sizes(radius, length):
+                raise shape.error(f"radius and length must be positive, at most {shapes.SIZE_MAX_M:g} m")
             return shapes.sphere(radius) if shape.tag == "sphere" else shapes.cylinder(radius, length)
         if shape.tag == "mesh":
             file = _mesh_file(shape.needed("filename"), path)
