@@ -141,10 +141,13 @@ def _obstructions(sim: Simulator, points_m: Points) -> NDArray[np.int64]:
 
 
 def _tops_m(sim: Simulator, places_m: Points) -> Points:
-    """Return z of the first surface below sea level at each point (n, 2); -inf if there is none."""
+    """Return z of the first surface at each point (n, 2); -inf if there is none down to twice PASSABLE_Z_M.
+
+    What lies deeper is no obstacle, and over a bed with cover a ray that goes that far takes ten times as long.
+    """
     from_m = np.column_stack([places_m, np.zeros(len(places_m))])
     down = np.tile([0.0, 0.0, -1.0], (len(places_m), 1))
-    ranges_m = sim.scene.cast(from_m, down, 12_000.0).ranges_m
+    ranges_m = sim.scene.cast(from_m, down, -2.0 * PASSABLE_Z_M).ranges_m
     return -np.asarray(ranges_m, np.float64)
 
 

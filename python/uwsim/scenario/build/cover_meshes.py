@@ -75,9 +75,9 @@ def tube(line: ArrayLike, radii: ArrayLike, sides: int = 5, *, closed: bool = Tr
     points, size = np.asarray(line, np.float64), np.asarray(radii, np.float64)
     along = np.gradient(points, axis=0)
     along /= np.linalg.norm(along, axis=1)[:, None] + 1e-12
-    side = np.cross(along, [0.31, 0.95, 0.05])
+    side = _crossed(along, np.array([[0.31, 0.95, 0.05]]))
     side /= np.linalg.norm(side, axis=1)[:, None] + 1e-12
-    other = np.cross(along, side)
+    other = _crossed(along, side)
     turn = 2 * np.pi * np.arange(sides) / sides
     rings = points[:, None] + size[:, None, None] * (
         np.cos(turn)[None, :, None] * side[:, None] + np.sin(turn)[None, :, None] * other[:, None]
@@ -91,6 +91,12 @@ def tube(line: ArrayLike, radii: ArrayLike, sides: int = 5, *, closed: bool = Tr
     top = (len(points) - 1) * sides
     ends.append(np.stack([np.full(sides, last), top + k, top + (k + 1) % sides], axis=1))
     return np.vstack([rings.reshape(-1, 3), points[:1], points[-1:]]), np.vstack([triangles, *ends]).astype(np.uint32)
+
+
+def _crossed(a: Floats, b: Floats) -> Floats:
+    """Return the cross products of rows (n, 3), to the bit as np.cross, which takes twice as long for few rows."""
+    (ax, ay, az), (bx, by, bz) = a.T, b.T
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]).T
 
 
 def ribbon(line: ArrayLike, across: ArrayLike, widths: ArrayLike) -> Mesh:
