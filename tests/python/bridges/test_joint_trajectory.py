@@ -129,6 +129,20 @@ def test_another_command_of_the_joints_replaces_a_goal(live, action, table):
     assert result.error_string
 
 
+def test_a_direct_command_of_its_joints_ends_a_goal(live, action):
+    followed = Followed(live, action, goal_of({30.0: [[1.0, 1.5]]}))
+    time.sleep(0.3)
+    live.rov.set_joints(positions={"wrist": 0.1})  # of another joint: no matter
+    time.sleep(0.3)
+    live.rov.set_joints(positions={"shoulder": -0.2})
+    status, result = followed.end()
+    assert status == ABORTED
+    assert "another command" in result.error_string
+    with live.mission_clock() as clock:
+        clock.wait(8.0)
+    assert live.simulator.rov.arm.read().positions[0] == pytest.approx(-0.2, abs=0.02)
+
+
 def test_all_stop_ends_a_goal_and_refuses_the_next(live, action):
     followed = Followed(live, action, goal_of({20.0: [[1.5, 1.1]]}))
     live.command("all_stop", vehicle="rov", on=True).result()

@@ -7,6 +7,7 @@ cubic or quintic. It begins where the joint is. Joints that a trajectory does no
 from __future__ import annotations
 
 import logging
+from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
@@ -154,7 +155,8 @@ class JointMotion:
     """Moves joints along a trajectory by their motors' speeds, commanded every PERIOD_S of simulated time.
 
     command: issues set_joints with these arguments. fed: called with the elapsed time [s] and the wanted and actual
-    points. ended: called once. All run on the simulator's thread, except `end` and what it calls.
+    points. ended: called once. All run on the simulator's thread, except `end` and what it calls. Another's set_joints
+    of these joints ends the motion, and is repeated if one of ours was on its way.
     """
 
     def __init__(
@@ -172,6 +174,9 @@ class JointMotion:
         self._fed, self._ended = fed, ended
         self._start_ns = trajectory.start_ns
         self._seen_ns = -1
+        self._sent: deque[dict[str, dict[str, float]]] = deque()  # commands that have not taken effect
+        self._others: dict[str, dict[str, float]] | None = None  # the command that ended the motion
+        self._listens = False
         self._curve: Callable[[float], Point] | None = None
         self._loop: Subscription | None = None
         self._outcome: Outcome | None = None
@@ -201,7 +206,25 @@ class JointMotion:
         self._ended(outcome)
         return True
 
+    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
+        """End the motion if this is a command of its joints by another; called by the journal."""
+        if name == "set_joints" and arguments["vehicle"] == self._source.name:
+            given = {what: dict(each) for what, each in arguments.items() if what != "vehicle" and each}
+            if given in self._sent:
+                while self._sent.popleft() != given:
+                    pass
+                if self._others is not None:  # ours came after it
+                    self._issue(self._others)
+            elif any(joint in self._trajectory.names for each in given.values() for joint in each):
+                self._others = given
+                self.leave("another command moves its joints")
+        if self._outcome is not None and not self._sent:
+            self._live.simulator.journal.detach(self)
+
     def _read(self, sim: Simulator) -> Now:
+        if not self._listens:
+            sim.journal.listen(self, efforts=False)
+            self._listens = True
         vehicle = self._source.of(sim)
         assert vehicle.arm is not None
         now = vehicle.arm.read()
@@ -259,7 +282,11 @@ class JointMotion:
         self.end(rule, code=code)
         return True
 
-    def _send(self, **values: Mapping[str, float]) -> None:
+    def _send(self, **values: dict[str, float]) -> None:
+        self._sent.append(values)
+        self._issue(values)
+
+    def _issue(self, values: dict[str, dict[str, float]]) -> None:
         try:
             self._command(**values)
         except (ValueError, NotRunningError) as error:
