@@ -20,7 +20,11 @@ from numpy.typing import NDArray
 
 import uwsim
 from uwsim.instruments.cameras import Camera
+from uwsim.scenario import Scenario, load
+from uwsim.scenario.read.validated import validated
 
+OUTFITTED = "bluerov2_heavy_outfit"
+"""The vehicle that takes the pictures where the scenario's own has no front camera."""
 POSES, SIZE, PITCH_RAD = 20, 256, np.radians(45.0)
 KEYPOINTS, DEVIATION, KURTOSIS = 300, 0.02, 7.0
 """The values that `reef` and `wreck` must exceed."""
@@ -49,7 +53,7 @@ def main(
 def pictures(name: str, turbid: str) -> Pictures:
     """Yield the pictures of a scenario."""
     random = np.random.default_rng(54)
-    with uwsim.Simulator(name) as sim:
+    with uwsim.Simulator(_with_front_camera(load(name))) as sim:
         sim.rov.release()
         if turbid:
             sim.set_optics(jerlov=turbid)
@@ -68,6 +72,15 @@ def pictures(name: str, turbid: str) -> Pictures:
                              np.sin(yaw / 2) * np.cos(half), np.cos(yaw / 2) * np.cos(half)])  # fmt: skip
             sim.rov.place(np.array([x, y, z]), turn)
             yield camera.capture().rgb
+
+
+def _with_front_camera(scenario: Scenario) -> Scenario:
+    """Return the scenario with a front camera on its first vehicle, which no tether and no link holds back."""
+    first, *others = scenario.vehicles
+    entry = {key: value for key, value in first.given().items() if key != "tether"}
+    others_as_given = [vehicle.given() for vehicle in others]
+    found = validated(Scenario, scenario.given() | {"vehicles": [entry, *others_as_given], "link": None})
+    return found if "front" in first.model.cameras else found.with_changes(vehicle_model=OUTFITTED)
 
 
 def measured(rgb: NDArray[np.uint8]) -> tuple[int, float, float]:
