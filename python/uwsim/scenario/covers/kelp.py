@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from uwsim.scenario.build.cover_meshes import merged, ribbon, tube, unit
+from uwsim.scenario.build.cover_meshes import Floats, merged, ribbon, tube, unit
 from uwsim.scenario.spec.cover import CoverModel, Mesh
 from uwsim.scenario.spec.fields import Name
 from uwsim.scenario.spec.material import Material, MaterialSpec
@@ -40,5 +40,19 @@ def _plant(random: np.random.Generator) -> list[Mesh]:
         length, rise = random.uniform(0.12, 0.22), random.uniform(0.1, 0.6)
         blade = foot + length * (along * out + (rise * along - 0.5 * along**2) * [0, 0, 1])
         blade[:, 2] += 0.008 * np.sin(9 * along[:, 0] + turn)
-        parts.append(ribbon(blade, np.cross(out, [0, 0, 1]), 0.05 * np.array([0.3, 0.9, 1.0, 0.9, 0.6, 0.05])))
+        parts += _blade(blade, np.cross(out, [0, 0, 1]), random)
     return parts
+
+
+def _blade(line: Floats, across: Floats, random: np.random.Generator) -> list[Mesh]:
+    """Return the two halves of a blade along a line (6, 3): folded at the rib, with wavy edges, and twisted."""
+    widths = 0.05 * np.array([0.3, 0.9, 1.0, 0.9, 0.6, 0.05])[:, None]
+    twist = np.linspace(0, random.uniform(-1.2, 1.2), 6)[:, None]
+    level = np.cos(twist) * across + np.sin(twist) * [0, 0, 1]
+    over = np.cos(twist) * [0, 0, 1] - np.sin(twist) * across
+    halves = []
+    for side in (-1, 1):
+        wave = 0.25 + 0.3 * np.sin(2.3 * np.arange(6)[:, None] + random.uniform(0, 2 * np.pi))
+        edge = 0.5 * widths * (side * level + wave * over)
+        halves.append(ribbon(line + 0.5 * edge, edge, np.ones(6)))
+    return halves

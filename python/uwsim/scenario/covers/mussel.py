@@ -19,7 +19,7 @@ class Mussel(CoverModel):
 
     kind: Literal["mussel"]
     name: Name
-    material: MaterialSpec = Material.model_construct(kind="rock", colour=(0.06, 0.06, 0.09))
+    material: MaterialSpec = Material.model_construct(kind="rock", colour=(0.13, 0.12, 0.16))
 
     def meshes(self, random: np.random.Generator) -> list[Mesh]:
         """See CoverModel."""
