@@ -28,7 +28,10 @@ def flown(command: float, rudder_rad: float) -> tuple[float, float, float]:
 
 
 def of_source(thrust_n: float, rudder_rad: float) -> tuple[float, float, float]:
-    """Return the same by UUV.cpp and Object.cpp of VSIM and its model "lauv", in the horizontal plane."""
+    """Return the same by UUV.cpp and Object.cpp of VSIM and its model "lauv", in the horizontal plane.
+
+    Not by its Fin.cpp: the force and the lever of the fins are those that its terms of lift contain.
+    """
 
     def forces(motion: np.ndarray) -> tuple[float, float, float]:
         u, v, r = motion
