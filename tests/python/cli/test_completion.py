@@ -38,7 +38,8 @@ def offered(shell: str, line: str, cwd: Path) -> list[str]:
     [
         (
             "uwsim map ",
-            {"build", "info", "convert", "from", "merge", "score", "render", "diff", "slice", "view", "film"},
+            {"build", "info", "convert", "from", "merge", "score", "render", "diff", "slice", "view", "film"}
+            | {"waterfall"},
         ),
         ("uwsim map sc", {"score"}),
         ("uwsim scenario ", {"list", "new", "check", "schema", "from"}),
