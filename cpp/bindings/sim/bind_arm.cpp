@@ -229,6 +229,7 @@ void bind_arm_link(py::module_& m) {
       .def_readwrite("start", &ArmLink::start)
       .def_readwrite("lowest", &ArmLink::lowest)
       .def_readwrite("highest", &ArmLink::highest)
+      .def_readwrite("friction", &ArmLink::friction)
       .def_readwrite("viscous_friction", &ArmLink::viscous_friction)
       .def_readwrite("coulomb_friction", &ArmLink::coulomb_friction)
       .def_readwrite("gear_ratio", &ArmLink::gear_ratio)

@@ -79,6 +79,9 @@ Arm::Arm(std::vector<ArmLink> links, double step_s) : body_(std::move(links)) {
   start_ = next_ = stage_ = sum_ = now_;
   laws_.resize(count);
   drives_.resize(count);
+  law_torques_.resize(count);
+  link_poses_.resize(count);
+  link_velocities_.resize(count);
   wrenches_.fill(Vector6d::Zero());
 }
 
@@ -189,6 +192,7 @@ Vector6d Arm::solve_joints(const ArmBase::Load& load, bool held, double step_s) 
 void Arm::record_motors() {
   for (std::size_t k = 0; k < size(); ++k) {
     const bool moves = links()[k].joint != ArmLink::Joint::kFixed;
+    law_torques_[k] = moves ? body_.torque(k) : 0;
     next_.motor_torques[k] = moves ? laws_[k].motor_torque(body_.torque(k)) : 0;
   }
 }

@@ -76,11 +76,29 @@ class Arm {
   const ArticulatedBody& placed(const BodyState& base, const WaterField& water, double time_s);
 
   /// Starts a step at the present state.
-  void begin() { start_ = now_; }
+  void begin() {
+    start_ = now_;
+    body_.clear_pushes();
+  }
   /// Returns the base's state at the end of a step, or part of one, from `state`, and finds that of the joints.
   BodyState advance(const ArmBase& base, const BodyState& state, const WaterField& water, double time_s, double step_s);
   /// Continues from the end of the part.
   void next_part() { start_ = next_; }
+  /// How a link moves in the step, or the part of one, that advance() made last.
+  struct LinkMotion {
+    Pose world_from_link;           ///< at its start
+    double linear_m_s, turn_rad_s;  ///< the greater of start and end; of the link's origin
+  };
+  void find_motions(const BodyState& from, const BodyState& to, std::span<LinkMotion> motions);
+  /// Describes the joints at the start of that step for contacts. `base`: the mass of the base.
+  void describe(const Matrix6d& base_mass, const BodyState& from, const WaterField& water, double time_s, double step_s,
+                ContactArm& contact);
+  /// A force on a link at a point throughout the next advance(). After describe() for the same step.
+  void push(std::size_t link, const BodyState& from, const Eigen::Vector3d& point_world_m,
+            const Eigen::Vector3d& force_world_n);
+  void clear_pushes() { body_.clear_pushes(); }
+  /// Moves the joints at the end of the step, within their stops, at the speeds that separate overlaps.
+  void displace(const ContactArm& contact, double step_s);
   /// The step is made.
   void accept() { now_ = next_; }
   /// Throws InvalidValue if the joints' motion diverged.
@@ -109,6 +127,9 @@ class Arm {
   // The step under way, kept so that steps allocate nothing.
   std::vector<JointLaw> laws_;
   std::vector<JointDrive> drives_;
+  std::vector<double> law_torques_;  // at the start of the last advance()
+  std::vector<Pose> link_poses_;
+  std::vector<Vector6d> link_velocities_;
   Joints stage_, sum_;
   std::array<Vector6d, 4> wrenches_;
   Vector6d wrench_ = Vector6d::Zero();

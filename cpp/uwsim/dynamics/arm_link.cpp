@@ -49,6 +49,7 @@ void ArmLink::check() const {
           "must be within the joint's limits");
   if (surface_m != nullptr) require_closed(*surface_m, path + "surface_m");
   at_least_0("volume_m3", volume_m3);
+  if (friction) at_least_0("friction", *friction);
   at_least_0("viscous_friction", viscous_friction);
   at_least_0("coulomb_friction", coulomb_friction);
   at_least_0("rotor_inertia_kg_m2", rotor_inertia_kg_m2);

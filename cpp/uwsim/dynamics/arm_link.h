@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,9 @@ struct ArmLink {
   // At the centre of buoyancy along the link's axes: force = -(linear + quadratic |v|) v [N s/m, N s^2/m^2, ...]
   Vector6d linear_drag = Vector6d::Zero(), quadratic_drag = Vector6d::Zero();
 
-  std::shared_ptr<const TriangleMesh> surface_m;  ///< what light and sound meet, in the link's frame; null: nothing
+  std::shared_ptr<const TriangleMesh> surface_m;  ///< what light, sound and contacts meet, in the link's frame
+
+  std::optional<double> friction;  ///< of its surface in contacts; none: that of the vehicle
 
   double start = 0;  ///< the joint's position at the start
   double lowest = -std::numeric_limits<double>::infinity(), highest = std::numeric_limits<double>::infinity();

@@ -1,7 +1,10 @@
 #include "uwsim/dynamics/articulated_body.h"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <utility>
+
+#include "uwsim/dynamics/contact_arm.h"
 
 namespace uwsim {
 
@@ -11,6 +14,9 @@ ArticulatedBody::ArticulatedBody(std::vector<ArmLink> links) : links_(std::move(
   joints_.resize(size());
   lift_n_.resize(size());
   weight_n_.resize(size());
+  order_.resize(size());
+  composite_.resize(size());
+  pushes_world_.resize(size() + 1, Vector6d::Zero());
   for (std::size_t k = 0; k < size(); ++k) {
     const ArmLink& link = links_[k];
     const bool on_base = link.parent == ArmLink::kBase;
@@ -28,6 +34,7 @@ ArticulatedBody::ArticulatedBody(std::vector<ArmLink> links) : links_(std::move(
       joint.origin_m = mount.origin_m;
       joint.slide = joint.turn * joint.axis;
       joint.parent = parent;
+      order_[k] = moving_.size();
       moving_.push_back(k);
     }
     carrier_.push_back(moves ? k : parent);
@@ -50,6 +57,62 @@ void ArticulatedBody::place(const BodyState& base, std::span<const double> posit
     Work& at = work_[k];
     add_loads(carriers_[k], at.placed, at.velocity, around, at.mass, at.own_bias);
   }
+  if (is_pushed_) add_pushes(around.world_from_base.transpose());
+}
+
+void ArticulatedBody::add_pushes(const Eigen::Matrix3d& base_from_world) {
+  const auto add = [&](const Vector6d& push_world, const Eigen::Vector3d& origin_m, Vector6d& bias) {
+    const Eigen::Vector3d force = base_from_world * push_world.head<3>();
+    bias.head<3>() -= force;
+    bias.tail<3>() -= base_from_world * push_world.tail<3>() + origin_m.cross(force);
+  };
+  add(pushes_world_[size()], Eigen::Vector3d::Zero(), fixed_.bias);
+  for (const std::size_t k : moving_) add(pushes_world_[k], work_[k].placed.origin_m, work_[k].own_bias);
+}
+
+void ArticulatedBody::push(std::size_t link, const Vector6d& wrench_world) {
+  pushes_world_[carrier_[link] == ArmLink::kBase ? size() : carrier_[link]] += wrench_world;
+  is_pushed_ = true;
+}
+
+void ArticulatedBody::clear_pushes() {
+  if (!is_pushed_) return;
+  is_pushed_ = false;
+  for (Vector6d& push : pushes_world_) push.setZero();
+}
+
+Eigen::Vector3d ArticulatedBody::push_origin_m(std::size_t link) const {
+  return carrier_[link] == ArmLink::kBase ? Eigen::Vector3d::Zero() : work_[carrier_[link]].placed.origin_m;
+}
+
+/// Viscous friction counts for half a step: Runge-Kutta's answer to a constant force, to second order.
+void ArticulatedBody::describe(const Matrix6d& base_mass, double step_s, ContactArm& arm) const {
+  const auto index_of = [&](std::uint64_t link) { return link == ArmLink::kBase ? ContactArm::kNone : order_[link]; };
+  arm.joints.resize(moving_.size());
+  arm.joint_of_link.resize(size());
+  for (std::size_t k = 0; k < size(); ++k) arm.joint_of_link[k] = index_of(carrier_[k]);
+  Eigen::MatrixXd& mass = arm.mass_factor;
+  mass.setZero(arm.size(), arm.size());
+  for (const std::size_t k : moving_) composite_[k] = work_[k].mass;
+  mass.topLeftCorner<6, 6>() = base_mass + fixed_.inertia;
+  for (std::size_t n = moving_.size(); n-- > 0;) {
+    const std::size_t k = moving_[n];
+    const std::uint64_t parent = joints_[k].parent;
+    const auto row = 6 + static_cast<Eigen::Index>(n);
+    if (parent == ArmLink::kBase) {
+      mass.topLeftCorner<6, 6>() += composite_[k];
+    } else {
+      composite_[parent] += composite_[k];
+    }
+    const Vector6d reach = composite_[k] * work_[k].axis;
+    mass.row(row).head<6>() = reach;
+    mass(row, row) = work_[k].axis.dot(reach) + links_[k].reflected_inertia() + links_[k].viscous_friction * step_s / 2;
+    for (std::uint64_t above = parent; above != ArmLink::kBase; above = joints_[above].parent)
+      mass(row, 6 + static_cast<Eigen::Index>(order_[above])) = work_[above].axis.dot(reach);
+    arm.joints[n].axis = work_[k].axis;
+    arm.joints[n].parent = index_of(parent);
+  }
+  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(mass);
 }
 
 void ArticulatedBody::add_loads(const Carrier& carrier, const PlacedLink& at, const Vector6d& velocity,

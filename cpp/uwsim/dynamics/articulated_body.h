@@ -11,6 +11,8 @@
 
 namespace uwsim {
 
+struct ContactArm;
+
 /// The drive of a joint: a torque, or an acceleration that it has whatever torque it takes.
 struct JointDrive {
   bool has_acceleration = false;
@@ -46,6 +48,16 @@ class ArticulatedBody {
   /// Finds how the joints accelerate when the base does at `base_acceleration`, nu'. After fold().
   void unfold(const Vector6d& base_acceleration);
 
+  /// Forces on a link from outside, constant along the world's axes, from the next place() on.
+  void push(std::size_t link, const Vector6d& wrench_world);
+  void clear_pushes();
+  /// The origin, along the base's axes, of the frame that the link moves with, about which it is pushed. After place().
+  Eigen::Vector3d push_origin_m(std::size_t link) const;
+  /// Writes the joints' axes and the mass matrix with that of the base, whose own is `base_mass`. After place().
+  void describe(const Matrix6d& base_mass, double step_s, ContactArm& arm) const;
+  /// The moving link whose joint is `joint` of those that describe() writes.
+  std::size_t link_of_joint(std::size_t joint) const { return moving_[joint]; }
+
   double acceleration(std::size_t link) const { return carrier_[link] == link ? work_[link].acceleration : 0; }
   /// The torque at the joint besides viscous friction: the given one, or the one that its given acceleration takes.
   double torque(std::size_t link) const;
@@ -80,6 +92,7 @@ class ArticulatedBody {
   };
 
   void place_link(std::size_t link, double position, double speed);
+  void add_pushes(const Eigen::Matrix3d& base_from_world);
   void add_loads(const Carrier& carrier, const PlacedLink& at, const Vector6d& velocity, const BaseSurroundings& around,
                  Matrix6d& mass, Vector6d& bias);
 
@@ -91,6 +104,10 @@ class ArticulatedBody {
   std::vector<Joint> joints_;           // by link
   std::vector<Carrier> carriers_;       // by link, and that of the base
   std::vector<Work> work_;
+  std::vector<Vector6d> pushes_world_;  // by moving link, and that of the base
+  bool is_pushed_ = false;
+  std::vector<std::size_t> order_;           // by moving link: its place in moving_
+  mutable std::vector<Matrix6d> composite_;  // by link, kept so that steps allocate nothing
   std::vector<double> lift_n_, weight_n_;
   BodyState base_;
   Reaction fixed_, reaction_;  // of the links that are fixed to the base; of all

@@ -3,10 +3,12 @@
 #include <Eigen/Core>
 
 #include "uwsim/core/body_state.h"
+#include "uwsim/dynamics/contact_arm.h"
 
 namespace uwsim {
 
 inline constexpr int kFixedBody = -1;
+inline constexpr int kHull = -1;  ///< in place of a link
 /// A contact with a smaller gap, or with an impulse, counts as touching.
 inline constexpr double kTouch_m = 1e-3;
 /// Slower impacts do not bounce, so that bodies come to rest.
@@ -21,6 +23,7 @@ struct Contact {
   double gap_m = 0;                                         ///< negative for an overlap
   double friction = 0;
   double restitution = 0;
+  int link_a = kHull, link_b = kHull;  ///< of the bodies' arms
 
   /// The normal and two tangents, as columns.
   Eigen::Matrix3d directions_world() const;
@@ -49,6 +52,9 @@ struct ContactBody {
   /// if a contact slides or is barely loaded, -1 if the impulses are not exact.
   double grip = -1;
   bool slides = false;  ///< Output: whether a loaded contact of its island slides
+  /// Set for a body with an arm, in place of inverse_mass. Its impulse_body counts the contacts of its links,
+  /// too; velocity_body, the velocity of its hull, stays that without contacts.
+  ContactArm* arm = nullptr;
 };
 
 }  // namespace uwsim

@@ -39,11 +39,12 @@ struct ContactFinder::Impl {
     contacts = &out;
     contacts->clear();
     for (std::size_t a = 0; a < moving.size(); ++a) {
-      if (!moving[a].collides) continue;
+      if (!moving[a].collides || bodies[a]->pieces.empty()) continue;
       budget.begin(a, 2 * bodies[a]->box.half_size_body_m);
       if (moving[a].meets_world) find_with_world(static_cast<int>(a), *bodies[a], moving[a]);
       for (std::size_t b = 0; b < a; ++b) {
         if (!moving[b].collides || !(moving[a].meets_world || moving[b].meets_world)) continue;
+        if (moving[a].owner == moving[b].owner || bodies[b]->pieces.empty()) continue;
         const double near_m = bodies[a]->radius_m + bodies[b]->radius_m + moving[a].reach_m + moving[b].reach_m;
         const Eigen::Vector3d between = moving[a].world_from_body.position_m - moving[b].world_from_body.position_m;
         if (between.squaredNorm() < near_m * near_m) find_between(a, moving[a], b, moving[b]);

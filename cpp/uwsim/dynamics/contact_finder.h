@@ -21,6 +21,7 @@ struct MovingBody {
   double reach_m = 0;  ///< only contacts whose gap is at most this are found
   bool collides = true;
   bool meets_world = true;  ///< otherwise, only bodies that do are found
+  std::size_t owner = 0;    ///< those of the same owner, a vehicle and its links, pass through each other
 };
 
 /// Finds the places where bodies made of convex pieces come close to each other, to the terrain or to solids.
@@ -35,6 +36,7 @@ class ContactFinder {
   ContactFinder(ContactFinder&&) noexcept;
   ContactFinder& operator=(ContactFinder&&) noexcept;
 
+  /// A body without pieces touches nothing.
   void add_body(std::span<const ConvexPiece> pieces_body_m);
   void set_body(std::size_t body, std::span<const ConvexPiece> pieces_body_m);
 

@@ -20,6 +20,7 @@ ConvexBody made_body(std::span<const ConvexPiece> pieces_body_m) {
     all.insert(all.end(), corners.begin(), corners.end());
     body.pieces.push_back({std::move(shape), box});
   }
+  if (all.empty()) return body;
   body.box = BodyBox::around(all);
   for (const Eigen::Vector3d& corner : all) body.radius_m = std::max(body.radius_m, corner.norm());
   return body;

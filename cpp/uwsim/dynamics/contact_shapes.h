@@ -38,7 +38,7 @@ struct ConvexBody {
   };
   std::vector<ConvexPiece> points_m;  ///< in their original order
   std::vector<Piece> pieces;
-  BodyBox box;
+  BodyBox box{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   double radius_m = 0;  ///< of a sphere about the body's origin that encloses all pieces
 };
 

@@ -75,6 +75,14 @@ bool JointLaw::leave(double torque, double end_speed) {
   return true;
 }
 
+JointLaw::Point JointLaw::point_at(double mixed, double scale) const {
+  for (std::size_t k = 0; k < count_; ++k) {
+    if (mixed < jumps_[k] - scale * flats_[k]) return {false, 0, flats_[k]};
+    if (mixed <= jumps_[k] - scale * flats_[k + 1]) return {true, jumps_[k], 0};
+  }
+  return {false, 0, flats_[count_]};
+}
+
 double JointLaw::motor_torque(double torque) const {
   if (strongest_ == 0) return given_;
   if (!at_jump()) return region_ / 2 == 0 || jumps_[region_ / 2 - 1] < target_ ? strongest_ : -strongest_;

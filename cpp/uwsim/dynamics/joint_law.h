@@ -30,6 +30,13 @@ class JointLaw {
   /// Moves to the next region if the torque at a jump, or the speed between two, is out of this one. Returns whether it
   /// has moved.
   bool leave(double torque, double end_speed);
+  /// The speed and the torque of the law at which speed - `scale` torque is `mixed`: exactly one point, as the torque
+  /// never grows with speed.
+  struct Point {
+    bool at_jump;
+    double speed, torque;  ///< the speed at a jump, the torque between two; the other is unused
+  };
+  Point point_at(double mixed, double scale) const;
   /// The motor's part of the torque at the joint.
   double motor_torque(double torque) const;
 

@@ -17,6 +17,13 @@ void BodySpec::check() const {
 
 double pair_friction(const BodySpec& a, const BodySpec& b) { return std::sqrt(a.friction * b.friction); }
 
+double pair_friction(const BodySpec& a, const ArmLink* link_a, const BodySpec& b, const ArmLink* link_b) {
+  const auto of = [](const BodySpec& body, const ArmLink* link) {
+    return link != nullptr && link->friction ? *link->friction : body.friction;
+  };
+  return std::sqrt(of(a, link_a) * of(b, link_b));
+}
+
 double pair_restitution(const BodySpec& a, const BodySpec& b) { return std::max(a.restitution, b.restitution); }
 
 /// Skips applied loads of zero, so that zeros keep their signs.
@@ -37,9 +44,13 @@ BodyState MovedBody::advanced(const BodyState& from, const Loads& all, const Wat
 Matrix6d MovedBody::inverse_mass(const Pose& world_from_body, const WaterField& water, double time_s) const {
   const Craft& hull = *spec.craft;
   if (!arm) return hull.inverse_mass(world_from_body, water, time_s);
-  const double submerged = hull.submerged_fraction(world_from_body, water, time_s);
-  const Matrix6d mass = hull.rigid_mass() + submerged * hull.parameters().added_mass + arm->folded_inertia();
+  const Matrix6d mass = base_mass(world_from_body, water, time_s) + arm->folded_inertia();
   return mass.llt().solve(Matrix6d::Identity());
+}
+
+Matrix6d MovedBody::base_mass(const Pose& world_from_body, const WaterField& water, double time_s) const {
+  const Craft& hull = *spec.craft;
+  return hull.rigid_mass() + hull.submerged_fraction(world_from_body, water, time_s) * hull.parameters().added_mass;
 }
 
 void MovedBody::forget_step() {

@@ -36,6 +36,8 @@ struct BodySpec {
 };
 
 double pair_friction(const BodySpec& a, const BodySpec& b);
+/// That between links of their arms; null: hulls.
+double pair_friction(const BodySpec& a, const ArmLink* link_a, const BodySpec& b, const ArmLink* link_b);
 double pair_restitution(const BodySpec& a, const BodySpec& b);
 
 /// How a body was moved in a step or a part of one.
@@ -80,6 +82,8 @@ struct MovedBody {
   /// The state at the end of a step from `from` under these loads. Its arm goes along from where its step, or part of
   /// one, began.
   BodyState advanced(const BodyState& from, const Loads& all, const WaterField& water, double time_s, double step_s);
+  /// Its mass with added mass, without its arm.
+  Matrix6d base_mass(const Pose& world_from_body, const WaterField& water, double time_s) const;
   /// The inverse of its mass with added mass, and with its arm as it was in the last advanced().
   Matrix6d inverse_mass(const Pose& world_from_body, const WaterField& water, double time_s) const;
 

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <typeinfo>
 #include <utility>
+
+#include "uwsim/world/water.h"
 
 namespace uwsim {
 namespace {
@@ -13,35 +16,60 @@ constexpr std::size_t kContactsPerBody = 128;  // with more contacts, a step all
 constexpr double kMostTurn_rad = 0.2, kMostTravel = 0.25;
 constexpr double kMostParts = 100;
 
+/// The convex hull of a link's shape.
+std::vector<ConvexPiece> pieces_of(const ArmLink& link) {
+  if (link.surface_m == nullptr) return {};
+  return {link.surface_m->vertices_m};
+}
+
 }  // namespace
 
 UwsimEngine::UwsimEngine(const World& world, double step_s) : step_s_(step_s), finder_(world) {}
 
 void UwsimEngine::add_body(const BodySpec& spec) {
+  const std::size_t body = hulls_.size();
+  hulls_.push_back(colliders_.size());
+  colliders_.push_back({body, kHull});
   finder_.add_body(spec.collision_pieces_body_m);
+  for (std::size_t k = 0; k < spec.arm.size(); ++k) {
+    colliders_.push_back({body, static_cast<int>(k)});
+    finder_.add_body(pieces_of(spec.arm[k]));
+  }
   resting_.emplace_back();
   const std::size_t count = resting_.size();
   states_.resize(count);
-  for (std::vector<std::uint8_t>* flags : {&takes_part_, &rests_, &may_stop_}) flags->resize(count);
+  asleep_at_.resize(count);
+  free_ends_.resize(count);
+  moves_.reserve(count);
+  for (std::vector<std::uint8_t>* flags : {&takes_part_, &rests_, &may_stop_, &sleeps_}) flags->resize(count);
   for (std::vector<ContactBody>* bodies : {&contact_bodies_, &stopped_bodies_}) bodies->resize(count);
   for (std::vector<Contact>* contacts : {&contacts_, &stopped_contacts_}) contacts->reserve(kContactsPerBody * count);
   impulses_world_.reserve(kContactsPerBody * count);
   free_velocities_body_.resize(count);
   parts_.resize(count);
-  moving_.resize(count);
+  moving_.resize(colliders_.size());
+  link_motions_.resize(colliders_.size());
+  extents_m_.resize(count);
+  reaches_m_.resize(count);
+  arms_.resize(count);
   groups_.reserve(count);
   solver_.reserve(count, kContactsPerBody * count);
   forget(count - 1);
 }
 
 void UwsimEngine::change_body(std::size_t body, const BodySpec& from, const BodySpec& to) {
-  if (from.collision_pieces_body_m != to.collision_pieces_body_m) finder_.set_body(body, to.collision_pieces_body_m);
+  const std::size_t hull = hulls_[body];
+  if (from.collision_pieces_body_m != to.collision_pieces_body_m) finder_.set_body(hull, to.collision_pieces_body_m);
+  for (std::size_t k = 0; k < to.arm.size(); ++k) {
+    if (from.arm[k].surface_m != to.arm[k].surface_m) finder_.set_body(hull + 1 + k, pieces_of(to.arm[k]));
+  }
   forget(body);
 }
 
 /// Forgets all, because a body that is known to be at rest may have been supported by another.
 void UwsimEngine::forget(std::size_t) {
   for (Resting& resting : resting_) resting.forget();
+  std::ranges::fill(sleeps_, 0);
 }
 
 void UwsimEngine::exchange_contacts(StateArchive& archive) {
@@ -53,6 +81,7 @@ void UwsimEngine::step(std::span<MovedBody> bodies, std::span<BodyState> next_st
   bodies_ = bodies;
   next_states_ = next_states;
   const Interval whole{water, time_s, step_s_};
+  watch(water);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     takes_part_[k] = bodies_[k].held ? 0 : 1;
     begin_step(k);
@@ -63,6 +92,31 @@ void UwsimEngine::step(std::span<MovedBody> bodies, std::span<BodyState> next_st
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     if (parts_[k] > 1) repeat_in_parts(k, whole);
   }
+}
+
+/// Wakes all bodies if the water is not as it was in the last step.
+void UwsimEngine::watch(const WaterField& water) {
+  Calm now;
+  const auto* const even = dynamic_cast<const EvenWater*>(&water);
+  if (typeid(water) == typeid(EvenWater)) {
+    now.is_steady = true;
+  } else if (typeid(water) == typeid(Water)) {
+    const auto& whole = static_cast<const Water&>(water);
+    now.is_steady = !whole.waves && whole.currents.empty();
+    now.profile = whole.profile.get();
+  }
+  if (even != nullptr) {
+    now.density_kg_m3 = even->density_kg_m3;
+    now.gravity_m_s2 = even->gravity_m_s2;
+    now.current_world_m_s = even->current_world_m_s;
+  }
+  if (now != calm_) std::ranges::fill(sleeps_, 0);
+  calm_ = now;
+}
+
+bool UwsimEngine::is_unloaded(const MovedBody& body) const {
+  return body.tau_body.isZero(0) && body.applied.body.isZero(0) && body.applied.world.isZero(0) &&
+         body.tether_world.isZero(0);
 }
 
 void UwsimEngine::begin_step(std::size_t body) {
@@ -76,17 +130,26 @@ void UwsimEngine::begin_step(std::size_t body) {
 void UwsimEngine::find_parts() {
   std::ranges::fill(parts_, 1);
   for (const Contact& contact : contacts_) {
-    for (const int touched : {contact.a, contact.b}) {
+    for (const bool is_a : {true, false}) {
+      const int touched = is_a ? contact.a : contact.b, link = is_a ? contact.link_a : contact.link_b;
       if (touched == kFixedBody) continue;
       const auto body = static_cast<std::size_t>(touched);
+      const std::size_t collider = hulls_[body] + static_cast<std::size_t>(1 + link);
       double turn_rad_s = 0, travel_m_s = 0;
       for (const BodyState& state : {states_[body], next_states_[body]}) {
+        if (link != kHull) break;
         turn_rad_s = std::max(turn_rad_s, state.angular_body_rad_s().norm());
         travel_m_s = std::max(travel_m_s, state.linear_body_m_s().norm());
       }
+      if (link != kHull) {
+        turn_rad_s = link_motions_[collider].turn_rad_s;
+        travel_m_s = link_motions_[collider].linear_m_s;
+      }
       const double parts =
-          step_s_ * std::max(turn_rad_s / kMostTurn_rad, travel_m_s / (kMostTravel * finder_.thickness_m(body)));
-      if (std::isfinite(parts)) parts_[body] = static_cast<int>(std::clamp(std::ceil(parts), 1.0, kMostParts));
+          step_s_ * std::max(turn_rad_s / kMostTurn_rad, travel_m_s / (kMostTravel * finder_.thickness_m(collider)));
+      if (!std::isfinite(parts)) continue;
+      const int count = static_cast<int>(std::clamp(std::ceil(parts), 1.0, kMostParts));
+      parts_[body] = bodies_[body].arm ? std::max(parts_[body], count) : count;
     }
   }
 }
@@ -95,11 +158,12 @@ void UwsimEngine::find_parts() {
 void UwsimEngine::repeat_in_parts(std::size_t body, const Interval& whole) {
   std::ranges::fill(takes_part_, 0);
   takes_part_[body] = 1;
+  find_reaches(whole.step_s);
   for (bool grows = true; grows;) {
     grows = false;
     for (std::size_t a = 0; a < bodies_.size(); ++a) {
       for (std::size_t b = 0; b < bodies_.size(); ++b) {
-        if (takes_part_[a] == 0 || takes_part_[b] != 0 || bodies_[b].held || !are_near(a, b, whole.step_s)) continue;
+        if (takes_part_[a] == 0 || takes_part_[b] != 0 || bodies_[b].held || !are_near(a, b)) continue;
         takes_part_[b] = 1;
         grows = true;
       }

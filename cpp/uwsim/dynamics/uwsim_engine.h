@@ -41,12 +41,17 @@ class UwsimEngine final : public DynamicsEngine {
   void repeat_in_parts(std::size_t body, const Interval& whole);
   void move(const Interval& now);
   BodyState state_after(std::size_t body, const BodyState& state, const Loads& loads, const Interval& now) const;
+  void watch(const WaterField& water);
+  bool is_unloaded(const MovedBody& body) const;
   void find_rests(const Interval& now);
   void stop(std::size_t body);
-  bool are_near(std::size_t a, std::size_t b, double step_s) const;
-  double reach_m(std::size_t body, double step_s) const;
-  void find_contacts(const Interval& now);
-  void combine_materials(Contact& contact) const;
+  void find_reaches(double step_s);
+  bool are_near(std::size_t a, std::size_t b) const;
+  void describe_arm(std::size_t body, const Interval& now);
+  Vector6d push_arm(std::size_t body, const Interval& now);
+  void find_contacts();
+  void name_contact(Contact& contact) const;
+  const ArmLink* link_of(int body, int link) const;
   void solve_contacts(const Interval& now);
   void record_touches();
   void stop_groups(const Interval& now);
@@ -54,10 +59,34 @@ class UwsimEngine final : public DynamicsEngine {
   bool try_stopping(std::size_t group, const Interval& now);
   bool is_within(const Contact& contact, std::size_t group) const;
 
+  /// A body of the finder: one of ours, or a link of its arm.
+  struct Collider {
+    std::size_t body;
+    int link;
+  };
+
+  /// Water as far as it moves a body that rests: while it stays so, such a body has the same loads.
+  struct Calm {
+    bool is_steady = false;  ///< as far as is known
+    double density_kg_m3 = 0, gravity_m_s2 = 0;
+    Eigen::Vector3d current_world_m_s = Eigen::Vector3d::Zero();
+    const void* profile = nullptr;
+
+    bool operator==(const Calm&) const = default;
+  };
+
   double step_s_;
   ContactFinder finder_;
   ContactSolver solver_;
-  std::vector<Resting> resting_;  // by body
+  std::vector<Resting> resting_;     // by body
+  std::vector<Collider> colliders_;  // those of a body follow each other, its hull first
+  std::vector<std::size_t> hulls_;   // by body: the collider of its hull
+  // A body at rest with nothing but weight and water on it, in steady water, sleeps: where it would be at the end of a
+  // step without contacts is known. This is a pure cache.
+  Calm calm_;
+  std::vector<std::uint8_t> sleeps_;
+  std::vector<BodyState> asleep_at_, free_ends_;  // of bodies that sleep
+  std::vector<std::size_t> moves_;                // the bodies that do not rest
   // The step under way.
   std::span<MovedBody> bodies_;
   std::span<BodyState> next_states_;
@@ -66,6 +95,10 @@ class UwsimEngine final : public DynamicsEngine {
   std::vector<Vector6d> free_velocities_body_;
   std::vector<std::uint8_t> takes_part_, rests_, may_stop_;
   std::vector<int> parts_;  // number of parts of the step
+  // How far from its origin a body extends, with its arm, and how far it or its links may go in the interval.
+  std::vector<double> extents_m_, reaches_m_;
+  std::vector<ContactArm> arms_;               // of bodies that have one, while they are in contact
+  std::vector<Arm::LinkMotion> link_motions_;  // by collider, but those of hulls are unused
   std::vector<MovingBody> moving_;
   std::vector<ContactBody> contact_bodies_, stopped_bodies_;
   std::vector<Contact> contacts_, stopped_contacts_;

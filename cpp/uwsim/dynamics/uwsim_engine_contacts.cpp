@@ -16,6 +16,11 @@ constexpr double kLeastReach_m = 0.0015;  // more than kTouch_m
 // The inverse mass [1/kg, 1/(kg m^2)] of a body on a path, in contacts: what it hits takes all of the change.
 constexpr double kUnmoved = 1e-15;
 
+bool same(const BodyState& a, const BodyState& b) {
+  return a.velocity_body == b.velocity_body && a.world_from_body.position_m == b.world_from_body.position_m &&
+         a.world_from_body.orientation.coeffs() == b.world_from_body.orientation.coeffs();
+}
+
 }  // namespace
 
 void UwsimEngine::move(const Interval& now) {
@@ -29,12 +34,19 @@ void UwsimEngine::move(const Interval& now) {
                             .all = body.loads(Vector6d::Zero(), now.step_s),
                             .time_s = now.time_s,
                             .step_s = now.step_s});
+    if (body.arm) body.arm->clear_pushes();
+    if (sleeps_[k] != 0 && now.step_s == step_s_ && is_unloaded(body) && same(states_[k], asleep_at_[k])) {
+      next_states_[k] = free_ends_[k];
+      continue;
+    }
+    sleeps_[k] = 0;
     next_states_[k] = state_after(k, states_[k], body.motions.back().all, now);
     if (body.arm) body.motions.back().arm_body = body.arm->stage_wrenches();
     body.require_plausible(next_states_[k], now.time_s, step_s_);  // before it hits another body
   }
+  find_reaches(now.step_s);
   find_rests(now);
-  find_contacts(now);
+  find_contacts();
   if (!contacts_.empty()) solve_contacts(now);
 }
 
@@ -45,21 +57,26 @@ BodyState UwsimEngine::state_after(std::size_t body, const BodyState& state, con
   return bodies_[body].advanced(state, loads, now.water, now.time_s, now.step_s);
 }
 
-/// Finds the bodies that are known to stay where they are. A body counts only if all bodies near it stay, too.
+/// Finds the bodies that are known to stay where they are. A body counts only if all bodies near it stay, too: each
+/// that moves wakes those near it.
 void UwsimEngine::find_rests(const Interval& now) {
+  moves_.clear();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const bool lasts =
         takes_part_[k] != 0 && now.step_s == step_s_ && resting_[k].lasts(states_[k], next_states_[k].velocity_body);
     rests_[k] = lasts ? 1 : 0;
+    if (takes_part_[k] != 0 && !lasts) moves_.push_back(k);
+    if (lasts && calm_.is_steady && is_unloaded(bodies_[k])) {
+      sleeps_[k] = 1;
+      asleep_at_[k] = states_[k];
+      free_ends_[k] = next_states_[k];
+    }
   }
-  for (bool changes = true; changes;) {
-    changes = false;
+  for (std::size_t next = 0; next < moves_.size(); ++next) {
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
-      for (std::size_t other = 0; rests_[k] != 0 && other < bodies_.size(); ++other) {
-        if (takes_part_[other] == 0 || rests_[other] != 0 || !are_near(k, other, now.step_s)) continue;
-        rests_[k] = 0;
-        changes = true;
-      }
+      if (rests_[k] == 0 || !are_near(k, moves_[next])) continue;
+      rests_[k] = 0;
+      moves_.push_back(k);
     }
   }
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
@@ -81,39 +98,73 @@ void UwsimEngine::stop(std::size_t body) {
 }
 
 /// Returns true if two bodies could meet within the interval.
-bool UwsimEngine::are_near(std::size_t a, std::size_t b, double step_s) const {
-  const double near_m = finder_.radius_m(a) + finder_.radius_m(b) + reach_m(a, step_s) + reach_m(b, step_s);
+bool UwsimEngine::are_near(std::size_t a, std::size_t b) const {
+  const double near_m = extents_m_[a] + extents_m_[b] + reaches_m_[a] + reaches_m_[b];
   const Eigen::Vector3d between = states_[a].world_from_body.position_m - states_[b].world_from_body.position_m;
   return between.squaredNorm() < near_m * near_m;
 }
 
-double UwsimEngine::reach_m(std::size_t body, double step_s) const {
-  const double radius_m = finder_.radius_m(body);
-  const double fastest = std::max(fastest_m_s(states_[body].velocity_body, radius_m),
-                                  fastest_m_s(next_states_[body].velocity_body, radius_m));
-  // A diverged state is rejected later; its reach must not be infinite.
-  if (!std::isfinite(fastest)) return 0;
-  return std::max(kLeastReach_m, kReachPerMotion * fastest * step_s);
+void UwsimEngine::find_reaches(double step_s) {
+  const auto reach_m = [&](double fastest) {
+    // A diverged state is rejected later; its reach must not be infinite.
+    return std::isfinite(fastest) ? std::max(kLeastReach_m, kReachPerMotion * fastest * step_s) : 0;
+  };
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const std::size_t hull = hulls_[k];
+    extents_m_[k] = finder_.radius_m(hull);
+    const double fastest = std::max(fastest_m_s(states_[k].velocity_body, extents_m_[k]),
+                                    fastest_m_s(next_states_[k].velocity_body, extents_m_[k]));
+    reaches_m_[k] = moving_[hull].reach_m = reach_m(fastest);
+    if (!bodies_[k].arm) continue;
+    const std::size_t links = bodies_[k].arm->size();
+    bodies_[k].arm->find_motions(states_[k], next_states_[k], std::span(link_motions_).subspan(hull + 1, links));
+    for (std::size_t link = hull + 1; link <= hull + links; ++link) {
+      const Arm::LinkMotion& motion = link_motions_[link];
+      const double radius_m = finder_.radius_m(link);
+      if (radius_m == 0) continue;
+      moving_[link].reach_m = reach_m(motion.linear_m_s + radius_m * motion.turn_rad_s);
+      reaches_m_[k] = std::max(reaches_m_[k], moving_[link].reach_m);
+      const Eigen::Vector3d out = motion.world_from_link.position_m - states_[k].world_from_body.position_m;
+      extents_m_[k] = std::max(extents_m_[k], out.norm() + radius_m);
+    }
+  }
 }
 
 /// Finds the contacts at the present poses whose gaps this interval could close.
-void UwsimEngine::find_contacts(const Interval& now) {
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    moving_[k] = {states_[k].world_from_body, reach_m(k, now.step_s), takes_part_[k] != 0 && rests_[k] == 0,
-                  bodies_[k].spec.path == nullptr};
+void UwsimEngine::find_contacts() {
+  for (std::size_t k = 0; k < colliders_.size(); ++k) {
+    const std::size_t body = colliders_[k].body;
+    const bool is_hull = colliders_[k].link == kHull;
+    moving_[k] = {is_hull ? states_[body].world_from_body : link_motions_[k].world_from_link, moving_[k].reach_m,
+                  takes_part_[body] != 0 && rests_[body] == 0, bodies_[body].spec.path == nullptr, body};
   }
   try {
     finder_.find(moving_, contacts_);
   } catch (const ContactBudgetExceeded& error) {
-    throw InvalidValue("vehicle '" + bodies_[error.body].spec.name + "', " + error.what());
+    throw InvalidValue("vehicle '" + bodies_[colliders_[error.body].body].spec.name + "', " + error.what());
   }
-  for (Contact& contact : contacts_) combine_materials(contact);
+  for (Contact& contact : contacts_) name_contact(contact);
 }
 
-void UwsimEngine::combine_materials(Contact& contact) const {
-  const BodySpec& a = bodies_[static_cast<std::size_t>(contact.a)].spec;
+const ArmLink* UwsimEngine::link_of(int body, int link) const {
+  return link == kHull ? nullptr : &bodies_[static_cast<std::size_t>(body)].spec.arm[static_cast<std::size_t>(link)];
+}
+
+/// Replaces the finder's bodies by ours, and adds the materials.
+void UwsimEngine::name_contact(Contact& contact) const {
+  const Collider& first = colliders_[static_cast<std::size_t>(contact.a)];
+  contact.a = static_cast<int>(first.body);
+  contact.link_a = first.link;
+  if (contact.b != kFixedBody) {
+    const Collider& second = colliders_[static_cast<std::size_t>(contact.b)];
+    contact.b = static_cast<int>(second.body);
+    contact.link_b = second.link;
+  }
+  const BodySpec& a = bodies_[first.body].spec;
   const BodySpec& b = contact.b == kFixedBody ? a : bodies_[static_cast<std::size_t>(contact.b)].spec;
-  contact.friction = pair_friction(a, b);
+  const ArmLink* const link_a = link_of(contact.a, contact.link_a);
+  const ArmLink* const link_b = contact.b == kFixedBody ? link_a : link_of(contact.b, contact.link_b);
+  contact.friction = pair_friction(a, link_a, b, link_b);
   contact.restitution = pair_restitution(a, b);
 }
 
@@ -129,8 +180,12 @@ void UwsimEngine::solve_contacts(const Interval& now) {
     for (const int body : {contact.a, contact.b}) {
       if (body == kFixedBody) continue;
       ContactBody& touched = contact_bodies_[static_cast<std::size_t>(body)];
-      if (!touched.inverse_mass.isZero(0)) continue;
+      if (!touched.inverse_mass.isZero(0) || touched.arm != nullptr) continue;
       MovedBody& moved = bodies_[static_cast<std::size_t>(body)];
+      if (moved.arm) {
+        describe_arm(static_cast<std::size_t>(body), now);
+        continue;
+      }
       touched.inverse_mass = moved.spec.path ? Matrix6d(kUnmoved * Matrix6d::Identity())
                                              : moved.inverse_mass(touched.world_from_body, now.water, now.time_s);
     }
@@ -154,12 +209,45 @@ void UwsimEngine::solve_contacts(const Interval& now) {
     const Eigen::Quaterniond& q = solved.world_from_body.orientation;
     Vector6d impulse_world;
     impulse_world << q * solved.impulse_body.head<3>(), q * solved.impulse_body.tail<3>();
+    if (bodies_[k].arm) impulse_world = push_arm(k, now);
     Loads& all = bodies_[k].motions.back().all;
     all = bodies_[k].loads(impulse_world, now.step_s);
     next_states_[k] = state_after(k, states_[k], all, now);
-    if (bodies_[k].arm) bodies_[k].motions.back().arm_body = bodies_[k].arm->stage_wrenches();
+    if (bodies_[k].arm) {
+      bodies_[k].motions.back().arm_body = bodies_[k].arm->stage_wrenches();
+      bodies_[k].arm->displace(arms_[k], now.step_s);
+    }
     next_states_[k].world_from_body = displaced(next_states_[k].world_from_body, solved.push_body, now.step_s);
   }
+}
+
+void UwsimEngine::describe_arm(std::size_t body, const Interval& now) {
+  MovedBody& moved = bodies_[body];
+  moved.arm->describe(moved.base_mass(states_[body].world_from_body, now.water, now.time_s), states_[body], now.water,
+                      now.time_s, now.step_s, arms_[body]);
+  contact_bodies_[body].arm = &arms_[body];
+}
+
+/// Pushes the links of a body by the impulses of their contacts, and returns that of its hull, as Loads has it.
+Vector6d UwsimEngine::push_arm(std::size_t body, const Interval& now) {
+  Vector6d hull = Vector6d::Zero();
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    if (impulses_world_[k].isZero(0)) continue;
+    const Contact& contact = contacts_[k];
+    for (const bool is_a : {true, false}) {
+      if ((is_a ? contact.a : contact.b) != static_cast<int>(body)) continue;
+      const int link = is_a ? contact.link_a : contact.link_b;
+      const Eigen::Vector3d impulse = is_a ? impulses_world_[k] : Eigen::Vector3d(-impulses_world_[k]);
+      if (link != kHull) {
+        bodies_[body].arm->push(static_cast<std::size_t>(link), states_[body], contact.point_world_m,
+                                impulse / now.step_s);
+        continue;
+      }
+      hull.head<3>() += impulse;
+      hull.tail<3>() += (contact.point_world_m - states_[body].world_from_body.position_m).cross(impulse);
+    }
+  }
+  return hull;
 }
 
 void UwsimEngine::record_touches() {
@@ -193,7 +281,7 @@ void UwsimEngine::stop_groups(const Interval& now) {
   }
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     // A body with an arm never stops: its joints may move, or its arm may pull it away. Nor does one on a path.
-    const bool is_slow = fastest_m_s(states_[k].velocity_body, finder_.radius_m(k)) <= kSlow_m_s;
+    const bool is_slow = fastest_m_s(states_[k].velocity_body, finder_.radius_m(hulls_[k])) <= kSlow_m_s;
     if (!is_slow || bodies_[k].arm || bodies_[k].spec.path) may_stop_[groups_.of(k)] = 0;
   }
   for (std::size_t group = 0; group < bodies_.size(); ++group) {
@@ -206,7 +294,7 @@ void UwsimEngine::stop_if_held(std::size_t group, const Interval& now) {
   bool holds = true, is_firm = true, pushes = false;
   for (std::size_t k = group; k < bodies_.size(); ++k) {
     if (groups_.of(k) != group) continue;
-    const Hold hold(stopped_bodies_[k], free_velocities_body_[k], finder_.radius_m(k), now.step_s);
+    const Hold hold(stopped_bodies_[k], free_velocities_body_[k], finder_.radius_m(hulls_[k]), now.step_s);
     holds = holds && hold.holds;
     is_firm = is_firm && hold.is_firm;
     pushes = pushes || hold.pushes;

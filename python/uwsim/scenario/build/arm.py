@@ -67,6 +67,7 @@ def _spec(name: str, link: Link, names: list[str]) -> _core.ArmLink:
         spec.quadratic_drag = np.array(link.quadratic_drag)
     if link.shape is not None:
         spec.set_surface(*link_mesh(link))
+    spec.friction = link.friction
     spec.joint = _core.JointKind.FIXED
     if link.hinge is not None:
         _turning(spec, link.hinge)

@@ -104,8 +104,9 @@ class Link(Model):
     about its centre of mass along its axes, and inertia_products_kg_m2: xy, xz, yz, as in URDF. volume_m3,
     centre_of_buoyancy_m: of the water that it displaces; by default none, at the centre of mass. added_mass,
     linear_drag, quadratic_drag: surge to yaw along its axes, at the centre of buoyancy; by default none. shape: what
-    light and sound meet, a box, cylinder, mesh or sphere as under `obstacles`, placed in the link's frame; its name
-    follows the vehicle's in labels. By default, nothing perceives the link.
+    light, sound and other bodies meet, a box, cylinder, mesh or sphere as under `obstacles`, placed in the link's
+    frame; its name follows the vehicle's in labels. Contacts take its convex hull. By default, nothing perceives or
+    touches the link. friction: its coefficient in contacts; by default the vehicle's.
     """
 
     on: Name | None = None
@@ -123,6 +124,7 @@ class Link(Model):
     linear_drag: tuple[Drag, Drag, Drag, Drag, Drag, Drag] | None = None
     quadratic_drag: tuple[Drag, Drag, Drag, Drag, Drag, Drag] | None = None
     shape: ObstacleSpec | None = None
+    friction: Annotated[float, InRange(0, 10)] | None = None
 
     @model_validator(mode="after")
     def _has_own_shape(self) -> Link:
