@@ -34,12 +34,13 @@ Pictures = Iterator[NDArray[np.uint8]]
 def main(
     scenarios: Annotated[list[str] | None, typer.Argument(help="Packaged names or files.")] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the pictures.")] = None,
+    fine: Annotated[bool, typer.Option(help="With `detail: fine`.")] = False,
     turbid: Annotated[str, typer.Option(help="Jerlov's water type, such as 5C; the scenario's by default.")] = "",
 ) -> None:
     """Print the measure of each scenario."""
     for name in scenarios or ["reef", "wreck", "lake"]:
         found = []
-        for k, rgb in enumerate(pictures(name, turbid)):
+        for k, rgb in enumerate(pictures(name, turbid, fine)):
             found.append(measured(rgb))
             if out is not None:
                 out.mkdir(parents=True, exist_ok=True)
@@ -50,10 +51,10 @@ def main(
               f"{'as' if rich else 'below'} a reef")  # fmt: skip
 
 
-def pictures(name: str, turbid: str) -> Pictures:
+def pictures(name: str, turbid: str, fine: bool = False) -> Pictures:
     """Yield the pictures of a scenario."""
     random = np.random.default_rng(54)
-    with uwsim.Simulator(_with_front_camera(load(name))) as sim:
+    with uwsim.Simulator(_with_front_camera(load(name), fine)) as sim:
         sim.rov.release()
         if turbid:
             sim.set_optics(jerlov=turbid)
@@ -74,12 +75,13 @@ def pictures(name: str, turbid: str) -> Pictures:
             yield camera.capture().rgb
 
 
-def _with_front_camera(scenario: Scenario) -> Scenario:
+def _with_front_camera(scenario: Scenario, fine: bool) -> Scenario:
     """Return the scenario with a front camera on its first vehicle, which no tether and no link holds back."""
     first, *others = scenario.vehicles
     entry = {key: value for key, value in first.given().items() if key != "tether"}
     others_as_given = [vehicle.given() for vehicle in others]
-    found = validated(Scenario, scenario.given() | {"vehicles": [entry, *others_as_given], "link": None})
+    changed = {"vehicles": [entry, *others_as_given], "link": None} | ({"detail": "fine"} if fine else {})
+    found = validated(Scenario, scenario.given() | changed)
     return found if "front" in first.model.cameras else found.with_changes(vehicle_model=OUTFITTED)
 
 

@@ -2696,6 +2696,10 @@ class CameraScene:
         """
         Set the terrain's materials: under water, where it is steep, and above water. Raises ValueError.
         """
+    def show_detail(self) -> None:
+        """
+        Show relief and patterns of fixed surfaces down to the footprint of a pixel.
+        """
     def with_water(self, water: Water, seed: typing.SupportsInt | typing.SupportsIndex) -> CameraScene:
         """
         Return a scene with the same surfaces in different water, with a different seed.

@@ -197,6 +197,8 @@ void bind_camera_scene(py::module_& m) {
           },
           py::arg("bed"), py::arg("steep"), py::arg("land"),
           "Set the terrain's materials: under water, where it is steep, and above water. Raises ValueError.")
+      .def("show_detail", &CameraScene::show_detail,
+           "Show relief and patterns of fixed surfaces down to the footprint of a pixel.")
       .def(
           "add_vehicle",
           [](CameraScene& scene, std::string name, const py::object& vertices_body_m, const py::object& triangles,

@@ -43,6 +43,7 @@ CameraScene::CameraScene(const CameraScene& like, const Water& water, std::uint6
       class_names_(like.class_names_),
       textures_(like.textures_),
       has_textures_(like.has_textures_),
+      has_detail_(like.has_detail_),
       vehicle_names_(like.vehicle_names_),
       before_schools_(like.before_schools_),
       hulls_(like.hulls_) {

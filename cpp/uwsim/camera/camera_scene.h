@@ -51,6 +51,11 @@ class CameraScene {
                             std::shared_ptr<const Texture> texture = nullptr);
   /// Sets the material of the terrain: under water, where it is steep, and above water.
   void set_ground(const camera::Material& bed, const camera::Material& steep, const camera::Material& land);
+  /// Shows relief and patterns of fixed surfaces down to the footprint of a pixel.
+  void show_detail() { has_detail_ = true; }
+  bool has_detail() const { return has_detail_; }
+  /// The number of materials of fixed surfaces, which come first in `materials`.
+  int materials_of_fixed() const { return material_of(world_.labels_end()); }
   /// Adds a vehicle, or another moving body, and returns its index. Those added after all schools have labels after
   /// theirs. `hull_body_m`: as for Craft. Throws InvalidValue for a texture made for a
   /// different mesh.
@@ -96,7 +101,7 @@ class CameraScene {
   std::vector<std::uint8_t> classes_;
   std::vector<std::string> class_names_;
   std::vector<std::shared_ptr<const Texture>> textures_;
-  bool has_textures_ = false;
+  bool has_textures_ = false, has_detail_ = false;
   std::vector<std::string> vehicle_names_;
   std::size_t before_schools_ = 0;  // of the vehicles
   MovingBodies hulls_;

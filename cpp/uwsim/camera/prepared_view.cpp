@@ -67,6 +67,7 @@ PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const
   view.surface_z =
       static_cast<float>(scene.world().water.surface_height_at(anchor_world_m.x(), anchor_world_m.y(), request.time_s));
   set_wobble(camera, optics, request);
+  set_detail(scene, optics);
   set_patterns();
   view.camera_in_water = has_water && view.camera_z < view.surface_z;
   set_rays(camera, request);
@@ -91,6 +92,21 @@ PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const
   view.land_material = 2;
 }
 
+/// Ripples of sand lie across the waves that made them: the highest of the world's waves, or those of the wind. Scenes
+/// without detail keep one direction everywhere.
+void PreparedView::set_detail(const CameraScene& scene, const Optics& optics) {
+  view.ripple_x = camera::kRippleX, view.ripple_y = camera::kRippleY;
+  view.detail_end = scene.has_detail() ? scene.materials_of_fixed() : 0;
+  if (view.detail_end == 0) return;
+  double towards_rad = optics.wind_towards_rad, highest_m = 0;
+  if (const auto& waves = scene.world().water.waves) {
+    for (const WaveComponent& wave : waves->components()) {
+      if (wave.amplitude_m > highest_m) highest_m = wave.amplitude_m, towards_rad = wave.heading_rad;
+    }
+  }
+  view.ripple_x = static_cast<float>(std::cos(towards_rad)), view.ripple_y = static_cast<float>(std::sin(towards_rad));
+}
+
 /// Places the patterns of materials in the world, so that they do not depend on where the camera is.
 void PreparedView::set_patterns() {
   const PatternPlace x(anchor_world_m.x()), y(anchor_world_m.y());
@@ -99,7 +115,7 @@ void PreparedView::set_patterns() {
   view.patch_cell_x = x.cell, view.patch_cell_y = y.cell;
   view.patch_x = x.patch, view.patch_y = y.patch;
   const double first_m =
-      static_cast<double>(camera::kRippleX) * x.first_m + static_cast<double>(camera::kRippleY) * y.first_m;
+      static_cast<double>(view.ripple_x) * x.first_m + static_cast<double>(view.ripple_y) * y.first_m;
   view.ripple_first_m = static_cast<float>(first_m);
 }
 

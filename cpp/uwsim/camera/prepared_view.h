@@ -29,6 +29,7 @@ class PreparedView {
   void set_wobble(const Camera& camera, const Optics& optics, const PictureRequest& request);
   void set_terrain(const World& world);
   void set_light(const Optics& optics, const PictureRequest& request);
+  void set_detail(const CameraScene& scene, const Optics& optics);
   void set_lamps(const PictureRequest& request);
   /// The first level of the caustics that the picture needs.
   int first_caustic_level(const PictureRequest& request) const;

@@ -10,14 +10,26 @@ from uwsim.scenario.read.validated import validated
 REPEAT_M = 256.0
 
 
-@pytest.fixture(scope="module")
-def plain() -> Simulator:
+def over_sand(bed_depth_m: float, detail: str | None) -> Simulator:
+    terrain = {
+        "source": "noise",
+        "size_m": [1200, 1200],
+        "spacing_m": 20,
+        "bed_depth_m": bed_depth_m,
+        "hill_height_m": 0,
+    }
     spec = {
         "name": "plain",
-        "terrain": {"source": "noise", "size_m": [1200, 1200], "spacing_m": 20, "bed_depth_m": 6, "hill_height_m": 0},
+        "terrain": terrain,
+        "detail": detail,
         "vehicles": [{"name": "rov", "model": "rov", "start": {"position_m": [30, 30, -4]}}],
     }
     return Simulator(validated(Scenario, spec))
+
+
+@pytest.fixture(scope="module", params=[None, "fine"])
+def plain(request: pytest.FixtureRequest) -> Simulator:
+    return over_sand(6, request.param)
 
 
 def picture(sim: Simulator, x_m: float, y_m: float) -> np.ndarray:
@@ -45,3 +57,21 @@ def test_nothing_jumps_where_the_frame_of_textures_repeats(plain: Simulator, rep
 def test_a_pattern_does_not_repeat_with_the_frame(plain: Simulator) -> None:
     one, other = picture(plain, 37.0, -21.0), picture(plain, 37.0 + REPEAT_M, -21.0)
     assert np.abs(one - other).mean() > 3.0
+
+
+def test_detail_fades_before_a_pixel_covers_it() -> None:
+    near, far = ([over_sand(depth_m, detail) for detail in (None, "fine")] for depth_m in (5, 60))
+    one, other = (picture(sim, 37.0, -21.0) for sim in near)
+    assert np.abs(one - other).mean() > 1.0, "there is detail"
+    one, other = (picture(sim, 37.0, -21.0) for sim in far)
+    np.testing.assert_array_equal(one, other)
+
+
+def test_cameras_alone_perceive_detail() -> None:
+    found = []
+    for sim in (over_sand(6, detail) for detail in (None, "fine")):
+        sim.rov.release()
+        frame, ping = sim.rov.cameras["front"].resized(96, 72).capture(), sim.rov.sonar.ping()
+        found.append((frame.labels, frame.depth_m, ping.ranges_m, ping.intensity_db))
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_array_equal(one, other)

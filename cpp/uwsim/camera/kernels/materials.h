@@ -1,5 +1,6 @@
 #pragma once
 
+#include "uwsim/camera/kernels/detail.h"
 #include "uwsim/camera/kernels/scattering.h"
 
 /// Procedural materials: albedo and relief of surfaces. Included only by the kernels.
@@ -69,18 +70,31 @@ void apply_material(const View& view, Block& block) {
     grain = value_noise(at * (look.fine_per_m * 9.0f), 53u, cell_x * 9u, cell_y * 9u) - 0.5f;
   }
   const Float patches = (large - 0.5f) * 0.9f + fine * fine_near * 0.7f + grain * grain_near * 0.9f;
-  const Float share = clamp(0.5f + look.contrast * patches, 0, 1);
+  Float share = 0.5f + look.contrast * patches;
+  const Int has_texture = load(block.has_texture.at);
+  DetailLanes detail{Float{}, splat(1), {Float{}, Float{}, Float{}}};
+  if (view.detail_end > 0) {
+    const Float slant = max(abs(dot(normal, direction)), splat(0.1f));
+    const Int has_detail = lit & ~has_texture & (material < Int(view.detail_end));
+    detail = detail_lanes(view, material, has_detail, at, normal, pixel_m / slant);
+    share += detail.pattern;
+  }
+  share = clamp(share, 0, 1);
   Vector albedo = {mix(look.base.x, look.other.x, share), mix(look.base.y, look.other.y, share),
                    mix(look.base.z, look.other.z, share)};
-  albedo = select(load(block.has_texture.at), load(block.texture_albedo), albedo);
+  albedo = select(has_texture, load(block.texture_albedo), albedo);
   const Float ripple_near = clamp(1.5f - 4.0f * pixel_m / max(look.ripple_m, splat(1e-3f)), 0, 1);
   const Float crest_m = max(look.ripple_m, splat(0.02f)), crests = view.ripple_first_m / crest_m;
   const Float begun_m = view.ripple_first_m - crest_m * to_float(floor_int(crests));
-  const Float crest = (at.x * kRippleX + at.y * kRippleY + 0.35f * large + begun_m) * (2 * kPi) / crest_m;
+  const Float crest = (at.x * view.ripple_x + at.y * view.ripple_y + 0.35f * large + begun_m) * (2 * kPi) / crest_m;
   const Float ripple =
       select(look.ripple_m > 0, look.ripple_tilt * ripple_near * cosine(crest) * (0.4f + large), Float{});
-  const Vector tilted = {normal.x - ripple * kRippleX + look.bump * fine_near * fine,
-                         normal.y - ripple * kRippleY + look.bump * grain_near * grain, normal.z};
+  Vector tilted = {normal.x - ripple * view.ripple_x + look.bump * fine_near * fine,
+                   normal.y - ripple * view.ripple_y + look.bump * grain_near * grain, normal.z};
+  if (view.detail_end > 0) {
+    albedo = albedo * min(detail.shade, splat(2));
+    tilted = tilted - (detail.slope - normal * dot(detail.slope, normal));
+  }
   store(block.normal, unit(tilted));
   store(block.albedo, albedo);
 }

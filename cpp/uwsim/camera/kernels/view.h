@@ -9,7 +9,17 @@ inline constexpr int kRippleCells = 128, kCausticLevels = 6;
 inline constexpr float kRippleTile_m = 6.4f, kFirstCausticLevel_m = 0.5f;
 inline constexpr double kTextureRepeat_m = 256;             // an integer number of ripple tiles: 40
 inline constexpr float kPatch_per_m = 0.7f;                 ///< number of large patches of materials per metre
-inline constexpr float kRippleX = 0.83f, kRippleY = 0.56f;  ///< the normal of crests of sand ripples
+inline constexpr float kRippleX = 0.83f, kRippleY = 0.56f;  ///< across the ripples of sand in scenes without detail
+
+/// Relief and pattern of a material that are finer than its grain, which scenes with detail show; see detail.h. The
+/// numbers of cells per metre are whole.
+struct MaterialDetail {
+  float grit_per_m, grit_slope, grit_contrast;  ///< of noise: cells of the coarsest octave, slope and contrast of each
+  float flatness;                               ///< how many times longer than high the noise's cells are
+  float spots_per_m, spot_share;                ///< cells for pebbles or pits, and the share of cells that have one
+  float spot_rise;                              ///< slope at a spot's rim; negative for a pit
+  float spot_shade, spot_spread;  ///< albedo of spots relative to the surface around them: mean, and spread about it
+};
 
 /// A procedural material: two colours mixed in patches of two sizes, and relief.
 struct Material {
@@ -19,6 +29,7 @@ struct Material {
   float bump;               ///< tilt of the normal by the small patches [rad]
   float ripple_m;           ///< length of sand ripples; 0 for none
   float ripple_tilt;        ///< steepest slope of the ripples
+  MaterialDetail detail;
 };
 
 /// A spot lamp. The intensity is in [irradiance m2]; the axis points away from the lamp.
@@ -84,6 +95,8 @@ struct View {
 
   const Material* materials;
   int steep_material, land_material;  ///< indices of steep and of dry ground; the bed's index is 0
+  int detail_end;  ///< materials below this index have detail; 0: none. Vehicles move through the patterns' frame
+  float ripple_x, ripple_y;  ///< horizontal unit vector across the crests of the sand's ripples
   int lamp_count;
   const SpotLight* lamps;
   LampGlow glow;

@@ -25,6 +25,8 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
     scene = _core.CameraScene(world, rays, scenario.seed)
     ground = scenario.ground
     scene.set_ground(ground.bed, ground.steep, ground.land)
+    if scenario.detail == "fine":
+        scene.show_detail()
     label_of = {name: label for label, name in enumerate(world.label_names)}
     for obstacle in scenario.obstacles:
         label, texture = label_of[obstacle.name], _obstacle_texture(obstacle, scenario)

@@ -62,15 +62,16 @@ class Scenario(Model):
     name: name of the scenario. seed: determines all random draws, such as sensor noise. step_s: step size of the
     simulation. dynamics: what moves the vehicles. earth: where on Earth the world's origin is; by default unknown,
     unless the terrain has a coordinate system. water: its surface, currents and profile. optics: optical conditions for
-    cameras. terrain: the bed. ground: its materials. obstacles: fixed obstacles in the water. cover: layers of stones,
-    plants and animals on the bed, which vehicles pass through. life: fish, which instruments meet. water_targets: fish
-    and bubbles, which a multibeam in physics mode receives. station: the reference for distances; it has the dock.
-    vehicles: at least one. objects: loose bodies and bodies on paths. warnings: when the panel issues warnings. survey:
-    the survey flown by `uwsim survey`. mission_time_s: battery life after the release of a vehicle without a `battery`,
-    and the default time limit of a flight. link: the link between station and vehicles; None: messages are delivered
-    immediately. faults: what fails, and when. wire: the topics that servers offer unless they are asked for others:
-    `standard` (ROS's usual ones), `published` (those of the paper's simulator, in its coordinates: water surface at z =
-    75.3 m) or `both`.
+    cameras. terrain: the bed. ground: its materials. detail: `fine` lets cameras see the relief and patterns of fixed
+    surfaces down to a pixel's footprint (pebbles, pits, grain), and ripples of sand across the waves; no other sensor
+    perceives them. obstacles: fixed obstacles in the water. cover: layers of stones, plants and animals on the bed,
+    which vehicles pass through. life: fish, which instruments meet. water_targets: fish and bubbles, which a multibeam
+    in physics mode receives. station: the reference for distances; it has the dock. vehicles: at least one. objects:
+    loose bodies and bodies on paths. warnings: when the panel issues warnings. survey: the survey flown by `uwsim
+    survey`. mission_time_s: battery life after the release of a vehicle without a `battery`, and the default time limit
+    of a flight. link: the link between station and vehicles; None: messages are delivered immediately. faults: what
+    fails, and when. wire: the topics that servers offer unless they are asked for others: `standard` (ROS's usual
+    ones), `published` (those of the paper's simulator, in its coordinates: water surface at z = 75.3 m) or `both`.
     """
 
     name: Name
@@ -84,6 +85,7 @@ class Scenario(Model):
     optics: Optics = Optics.model_construct()
     terrain: TerrainSpec
     ground: Ground = Ground.model_construct()
+    detail: Literal["fine"] | None = None
     obstacles: Annotated[tuple[ObstacleSpec, ...], Field(max_length=10_000)] = ()
     cover: Cover = ()
     life: Life | None = None
