@@ -7,13 +7,13 @@
 namespace uwsim {
 namespace {
 
-using Corners = std::vector<Eigen::Vector3d>;
+using WetCorners = std::vector<Eigen::Vector3d>;
 
 /// The part of a polygon where normal . r < level_m, or at it, too (Sutherland and Hodgman 1974, Comm. ACM 17:32). An
 /// infinite level cuts nothing off.
-Corners part_below(const Corners& polygon, const Eigen::Vector3d& normal, double level_m, bool or_at = false) {
+WetCorners part_below(const WetCorners& polygon, const Eigen::Vector3d& normal, double level_m, bool or_at = false) {
   if (std::isinf(level_m)) return polygon;
-  Corners part;
+  WetCorners part;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const Eigen::Vector3d &from = polygon[k], &to = polygon[(k + 1) % polygon.size()];
     const double above = normal.dot(from) - level_m, next_above = normal.dot(to) - level_m;
@@ -33,7 +33,7 @@ WetSurface cut_at_surface(const TriangleMesh& mesh_body, const std::vector<Water
   for (const WaterPlane& plane : planes) {
     const Eigen::Vector3d along = Eigen::Vector3d::Unit(plane.axis);
     for (const Triangle& t : mesh_body.triangles) {
-      Corners part = {mesh_body.vertices_m[t[0]], mesh_body.vertices_m[t[1]], mesh_body.vertices_m[t[2]]};
+      WetCorners part = {mesh_body.vertices_m[t[0]], mesh_body.vertices_m[t[1]], mesh_body.vertices_m[t[2]]};
       part = part_below(part, along, plane.to_m);
       part = part_below(part, -along, -plane.from_m, true);
       part = part_below(part, plane.up_body, plane.level_m);
