@@ -82,6 +82,7 @@ __all__: list[str] = [
     "Ping",
     "PingBatch",
     "RANGING_PING_BYTES",
+    "Radiation",
     "RayHits",
     "RayScene",
     "Reception",
@@ -1043,6 +1044,62 @@ class BottomMaterial:
         backscatter per square metre at normal incidence; other angles follow Lambert's law
         """
 
+class Radiation:
+    """
+    The waves that a floating hull makes and deflects: Cummins' equation, and diffraction.
+    """
+    def __init__(
+        self,
+        added_mass: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 6]"],
+        sections: collections.abc.Sequence[
+            tuple[
+                typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 6]"],
+                typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 6]"],
+                typing.SupportsFloat | typing.SupportsIndex,
+                typing.SupportsFloat | typing.SupportsIndex,
+            ]
+        ],
+        diffraction: typing.Annotated[numpy.typing.ArrayLike, numpy.complex128],
+        least_rad_s: typing.SupportsFloat | typing.SupportsIndex,
+        most_rad_s: typing.SupportsFloat | typing.SupportsIndex,
+        wet_volume_m3: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None:
+        """
+        added_mass: (6, 6), at infinite frequency. sections: R (6, 6), Q (6, 6), frequency [rad/s] and damping
+        ratio of the terms (R s + Q) / (s^2 + 2 zeta omega s + omega^2). diffraction: complex (frequencies,
+        headings, 6), force on a fixed hull per metre of a wave's amplitude, with exp(-i omega t), from
+        least_rad_s to most_rad_s and all around from the body's x. Body frame, about the origin. Raises
+        ValueError.
+        """
+    def diffraction(
+        self,
+        omega_rad_s: typing.SupportsFloat | typing.SupportsIndex,
+        heading_rad: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.complex128], "[6, 1]"]:
+        """
+        Return X (6,), complex [N/m, N].
+        """
+    def impedance(
+        self, s: complex | typing.SupportsComplex | typing.SupportsFloat | typing.SupportsIndex
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.complex128], "[6, 6]"]:
+        """
+        Return K(s) (6, 6), complex: B + i omega (A - A_infinity) at s = i omega.
+        """
+    def share(
+        self,
+        submerged_volume_m3: typing.SupportsFloat | typing.SupportsIndex,
+        up: typing.SupportsFloat | typing.SupportsIndex,
+        cover: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> float:
+        """
+        Return the weight of these terms, from 0 to 1.
+        """
+    @property
+    def added_mass(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 6]"]:
+        """
+        (6, 6)
+        """
+
 class CraftParameters:
     """
     Mass and hydrodynamic coefficients in Fossen's order: surge, sway, heave, roll, pitch, yaw.
@@ -1114,6 +1171,13 @@ class CraftParameters:
         """
     @quadratic_damping.setter
     def quadratic_damping(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 6]"]) -> None: ...
+    @property
+    def radiation(self) -> Radiation:
+        """
+        A Radiation: the waves that the floating hull makes; None: none are modelled.
+        """
+    @radiation.setter
+    def radiation(self, arg1: Radiation) -> None: ...
 
 class Craft:
     """

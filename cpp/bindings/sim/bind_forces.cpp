@@ -32,9 +32,9 @@ std::vector<ContactForce> named(const Simulation& simulation, const std::vector<
   return all;
 }
 
-/// Tethers and arms have a term only where there are any.
-std::vector<std::pair<std::string, Vector6d>> by_name(const Simulation& simulation, const Forces& forces,
-                                                      bool has_arm) {
+/// Tethers, arms and the waves of hulls have a term only where there are any.
+std::vector<std::pair<std::string, Vector6d>> by_name(const Simulation& simulation, const Forces& forces, bool has_arm,
+                                                      bool makes_waves) {
   const Craft::Terms& craft = forces.craft;
   std::vector<std::pair<std::string, Vector6d>> terms{
       {"weight", craft.weight},         {"buoyancy", craft.buoyancy}, {"drag", craft.drag},
@@ -42,6 +42,10 @@ std::vector<std::pair<std::string, Vector6d>> by_name(const Simulation& simulati
       {"applied", forces.applied},      {"contact", forces.contact},  {"dock", forces.dock}};
   if (simulation.tethers() > 0) terms.emplace_back("tether", forces.tether);
   if (has_arm) terms.emplace_back("arm", forces.arm);
+  if (makes_waves) {
+    terms.emplace_back("radiation", forces.radiation);
+    terms.emplace_back("diffraction", forces.diffraction);
+  }
   return terms;
 }
 
@@ -149,7 +153,7 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .def(
           "forces",
           [](OwnedSimulation& o, std::size_t v) {
-            return o.with([&](Simulation& s) { return by_name(s, s.forces(v), s.has_arm(v)); });
+            return o.with([&](Simulation& s) { return by_name(s, s.forces(v), s.has_arm(v), s.makes_waves(v)); });
           },
           py::arg("vehicle"),
           "Return (name, wrench (6,)) pairs: means over the last step, body axes, at the origin [N, N m]. Raises\n"
@@ -157,7 +161,7 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .def(
           "object_forces",
           [](OwnedSimulation& o, std::size_t k) {
-            return o.with([&](Simulation& s) { return by_name(s, s.object_forces(k), false); });
+            return o.with([&](Simulation& s) { return by_name(s, s.object_forces(k), false, false); });
           },
           py::arg("object"))
       .def(

@@ -62,8 +62,8 @@ void require_slow_enough(const ArmLink& link, double step_s) {
 }  // namespace
 
 ArmBase::Load CraftBase::at(const BodyState& state, double time_s) const {
-  const auto [wrench, submerged] = craft_.load(state, loads_.at(state.world_from_body.orientation), water_, time_s);
-  return {craft_.rigid_mass() + submerged * craft_.parameters().added_mass, wrench};
+  const Craft::Load load = craft_.load(state, loads_.at(state.world_from_body.orientation), water_, time_s);
+  return {craft_.mass(load.submerged, load.floating), load.wrench_body};
 }
 
 Arm::Arm(std::vector<ArmLink> links, double step_s) : body_(std::move(links)) {

@@ -1,6 +1,7 @@
 #include "uwsim/dynamics/forces.h"
 
 #include <array>
+#include <optional>
 
 namespace uwsim {
 namespace {
@@ -28,7 +29,13 @@ Forces at_instant(const MovedBody& body, const WaterField& water, double time_s,
   const Craft& craft = *body.spec.craft;
   Forces forces;
   if (body.arm) forces.arm = arm_at_instant(*body.arm, body, water, time_s, step_s);
-  const Vector6d rate = body.held ? Vector6d::Zero() : craft.acceleration_body(body.state, forces.arm, water, time_s);
+  if (body.hull_waves) {
+    const auto [radiation, diffraction] = body.hull_waves->wrenches_at(body.state, water, time_s);
+    forces.radiation = radiation;
+    forces.diffraction = diffraction;
+  }
+  const Vector6d of_parts = body.hull_waves ? Vector6d(forces.radiation + forces.diffraction) : forces.arm;
+  const Vector6d rate = body.held ? Vector6d::Zero() : craft.acceleration_body(body.state, of_parts, water, time_s);
   forces.craft = craft.terms(body.state, rate, water, time_s);
   if (body.held) forces.dock = -forces.sum();
   return forces;
@@ -46,16 +53,30 @@ Forces that_stop(const Craft& craft, const Motion& motion, const WaterField& wat
   return forces;
 }
 
+/// The wrenches of arm or hull waves in each stage; a body has at most one of them.
+std::optional<std::array<Vector6d, 4>> of_parts(const Motion& motion) {
+  if (!motion.hull_waves) return motion.arm_body;
+  std::array<Vector6d, 4> sum;
+  for (std::size_t k = 0; k < sum.size(); ++k)
+    sum[k] = (*motion.hull_waves)[k].radiation + (*motion.hull_waves)[k].diffraction;
+  return sum;
+}
+
 Forces that_move(const Craft& craft, const Motion& motion, const WaterField& water) {
   Forces forces;
   forces.actuators = motion.actuators_body;
-  const auto all = stages(craft, motion.start, motion.all, water, motion.time_s, motion.step_s,
-                          motion.arm_body ? &*motion.arm_body : nullptr);
+  const std::optional<std::array<Vector6d, 4>> parts = of_parts(motion);
+  const auto all =
+      stages(craft, motion.start, motion.all, water, motion.time_s, motion.step_s, parts ? &*parts : nullptr);
   for (std::size_t k = 0; k < all.size(); ++k) {
     const Stage& stage = all[k];
     const Eigen::Quaterniond& q = stage.state.world_from_body.orientation;
     add(forces, kStageShares[k], craft.terms(stage.state, stage.rate.velocity, water, stage.time_s));
     if (motion.arm_body) forces.arm += kStageShares[k] * (*motion.arm_body)[k];
+    if (motion.hull_waves) {
+      forces.radiation += kStageShares[k] * (*motion.hull_waves)[k].radiation;
+      forces.diffraction += kStageShares[k] * (*motion.hull_waves)[k].diffraction;
+    }
     forces.applied += kStageShares[k] * (motion.applied.body + in_body_axes(motion.applied.world, q));
     forces.tether += kStageShares[k] * in_body_axes(motion.tether_world, q);
     forces.contact += kStageShares[k] * in_body_axes(motion.all.world - motion.applied.world - motion.tether_world, q);
@@ -67,7 +88,9 @@ Forces that_move(const Craft& craft, const Motion& motion, const WaterField& wat
 
 Vector6d Forces::sum() const {
   Vector6d sum = actuators + applied + tether + contact + dock;
-  if (!arm.isZero(0)) sum += arm;
+  for (const Vector6d* part : {&arm, &radiation, &diffraction}) {
+    if (!part->isZero(0)) sum += *part;
+  }
   for (const auto term : kTerms) sum += craft.*term;
   return sum;
 }
@@ -84,6 +107,8 @@ Forces forces_on(const MovedBody& body, const WaterField& water, double time_s, 
     mean.applied += share * part.applied;
     mean.tether += share * part.tether;
     mean.arm += share * part.arm;
+    mean.radiation += share * part.radiation;
+    mean.diffraction += share * part.diffraction;
     mean.contact += share * part.contact;
   }
   return mean;

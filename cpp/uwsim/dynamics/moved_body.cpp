@@ -11,6 +11,8 @@ namespace uwsim {
 
 void BodySpec::check() const {
   require(craft != nullptr, "vehicle '" + name + "' craft", "none", "must be set");
+  require(arm.empty() || !craft->parameters().radiation, "vehicle '" + name + "' radiation", "an arm",
+          "must not be given for a vehicle with an arm");
   require(friction >= 0 && friction <= 10, "vehicle.friction", friction, "must be in [0, 10]");
   require(restitution >= 0 && restitution <= 1, "vehicle.restitution", restitution, "must be in [0, 1]");
 }
@@ -37,6 +39,7 @@ Loads MovedBody::loads(const Vector6d& impulse_world, double step_s) const {
 
 BodyState MovedBody::advanced(const BodyState& from, const Loads& all, const WaterField& water, double time_s,
                               double step_s) {
+  if (hull_waves) return hull_waves->advance(from, all, water, time_s, step_s);
   if (!arm) return advance(*spec.craft, from, all, water, time_s, step_s);
   return arm->advance(CraftBase(*spec.craft, all, water), from, water, time_s, step_s);
 }
@@ -51,6 +54,11 @@ Matrix6d MovedBody::inverse_mass(const Pose& world_from_body, const WaterField& 
 Matrix6d MovedBody::base_mass(const Pose& world_from_body, const WaterField& water, double time_s) const {
   const Craft& hull = *spec.craft;
   return hull.rigid_mass() + hull.submerged_fraction(world_from_body, water, time_s) * hull.parameters().added_mass;
+}
+
+void MovedBody::record_stages() {
+  if (arm) motions.back().arm_body = arm->stage_wrenches();
+  if (hull_waves) motions.back().hull_waves = hull_waves->stage_wrenches();
 }
 
 void MovedBody::forget_step() {

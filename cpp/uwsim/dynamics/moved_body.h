@@ -11,6 +11,7 @@
 #include "uwsim/dynamics/arm.h"
 #include "uwsim/dynamics/body_path.h"
 #include "uwsim/dynamics/collision_shape.h"
+#include "uwsim/dynamics/hull_waves.h"
 #include "uwsim/dynamics/integrator.h"
 #include "uwsim/vehicle/hydrodynamics.h"
 
@@ -46,8 +47,9 @@ struct Motion {
   Vector6d actuators_body = Vector6d::Zero();
   Loads applied = {};
   Vector6d tether_world = Vector6d::Zero();
-  Loads all = {};                                        ///< with those of its contacts
-  std::optional<std::array<Vector6d, 4>> arm_body = {};  ///< of its arm, in each stage
+  Loads all = {};                                                  ///< with those of its contacts
+  std::optional<std::array<Vector6d, 4>> arm_body = {};            ///< of its arm, in each stage
+  std::optional<std::array<HullWaveWrenches, 4>> hull_waves = {};  ///< likewise
   double time_s = 0, step_s = 0;
   bool stops = false;  ///< its contacts stopped it, or it stayed at rest (resting.h)
 };
@@ -69,7 +71,8 @@ struct MovedBody {
   Loads applied = {};                        ///< by apply_wrench
   Vector6d tether_world = Vector6d::Zero();  ///< of the tethers at it, in the step under way or the last one
   Vector6d acceleration_body = Vector6d::Zero();
-  std::optional<Arm> arm = {};  ///< with the state of its joints
+  std::optional<Arm> arm = {};               ///< with the state of its joints
+  std::optional<HullWaves> hull_waves = {};  ///< with their memory
   bool held = false;
   bool in_contact = false;
   // The last step, from which the forces in it can be computed; empty if there is none.
@@ -79,6 +82,8 @@ struct MovedBody {
   /// The loads on the body, with an impulse of its contacts that is spread evenly over `step_s`.
   Loads loads(const Vector6d& impulse_world, double step_s) const;
   void forget_step();
+  /// Keeps what arm and waves exerted in the stages of the last advanced() with the last of `motions`.
+  void record_stages();
   /// The state at the end of a step from `from` under these loads. Its arm goes along from where its step, or part of
   /// one, began.
   BodyState advanced(const BodyState& from, const Loads& all, const WaterField& water, double time_s, double step_s);

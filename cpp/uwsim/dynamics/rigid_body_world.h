@@ -22,9 +22,9 @@ class RigidBodyWorld {
 
   std::size_t add_body(BodySpec spec, const BodyState& state);
 
-  /// Replaces the bodies' properties, one spec per body; the bodies keep their states. On error, throws InvalidValue
-  /// and changes nothing.
-  void change_bodies(std::vector<BodySpec> specs);
+  /// Replaces the bodies' properties, one spec per body, and the sea that hulls with a Radiation deflect; the bodies
+  /// keep their states. On error, throws InvalidValue and changes nothing.
+  void change_bodies(std::vector<BodySpec> specs, const Water& water);
 
   /// Adds a tether, after the bodies that it holds, and lays it. Throws InvalidValue, also for Bullet's engine.
   std::size_t add_tether(const TetherSpec& spec, const WaterField& water, double time_s);
@@ -40,6 +40,11 @@ class RigidBodyWorld {
   /// The body's arm; null if it has none.
   Arm* arm(std::size_t body) { return bodies_.at(body).arm ? &*bodies_[body].arm : nullptr; }
   const Arm* arm(std::size_t body) const { return bodies_.at(body).arm ? &*bodies_[body].arm : nullptr; }
+
+  /// The waves that the body's hull makes; null without a Radiation.
+  const HullWaves* hull_waves(std::size_t body) const {
+    return bodies_.at(body).hull_waves ? &*bodies_[body].hull_waves : nullptr;
+  }
 
   const BodyState& state(std::size_t body) const { return bodies_.at(body).state; }
   void set_state(std::size_t body, const BodyState& state);
@@ -80,6 +85,8 @@ class RigidBodyWorld {
   void exchange_tethers(StateArchive& archive);
   /// Saves or restores the joints of arms, after all else. Throws InvalidValue.
   void exchange_arms(StateArchive& archive);
+  /// Saves or restores the waves that hulls have made, after all else. Throws InvalidValue.
+  void exchange_hull_waves(StateArchive& archive);
 
  private:
   void require_forces() const;

@@ -41,7 +41,7 @@ void UwsimEngine::move(const Interval& now) {
     }
     sleeps_[k] = 0;
     next_states_[k] = state_after(k, states_[k], body.motions.back().all, now);
-    if (body.arm) body.motions.back().arm_body = body.arm->stage_wrenches();
+    body.record_stages();
     body.require_plausible(next_states_[k], now.time_s, step_s_);  // before it hits another body
   }
   find_reaches(now.step_s);
@@ -66,7 +66,8 @@ void UwsimEngine::find_rests(const Interval& now) {
         takes_part_[k] != 0 && now.step_s == step_s_ && resting_[k].lasts(states_[k], next_states_[k].velocity_body);
     rests_[k] = lasts ? 1 : 0;
     if (takes_part_[k] != 0 && !lasts) moves_.push_back(k);
-    if (lasts && calm_.is_steady && is_unloaded(bodies_[k])) {
+    const bool has_parts = bodies_[k].arm || bodies_[k].hull_waves;  // with states of their own, which go on
+    if (lasts && calm_.is_steady && !has_parts && is_unloaded(bodies_[k])) {
       sleeps_[k] = 1;
       asleep_at_[k] = states_[k];
       free_ends_[k] = next_states_[k];
@@ -213,10 +214,8 @@ void UwsimEngine::solve_contacts(const Interval& now) {
     Loads& all = bodies_[k].motions.back().all;
     all = bodies_[k].loads(impulse_world, now.step_s);
     next_states_[k] = state_after(k, states_[k], all, now);
-    if (bodies_[k].arm) {
-      bodies_[k].motions.back().arm_body = bodies_[k].arm->stage_wrenches();
-      bodies_[k].arm->displace(arms_[k], now.step_s);
-    }
+    bodies_[k].record_stages();
+    if (bodies_[k].arm) bodies_[k].arm->displace(arms_[k], now.step_s);
     next_states_[k].world_from_body = displaced(next_states_[k].world_from_body, solved.push_body, now.step_s);
   }
 }

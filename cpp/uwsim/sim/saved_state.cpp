@@ -83,6 +83,7 @@ void Simulation::exchange_applied(StateArchive& archive) {
   bodies_.exchange_last_step(archive);
   bodies_.exchange_tethers(archive);
   bodies_.exchange_arms(archive);
+  bodies_.exchange_hull_waves(archive);
   const bool has_no_objects = archive.at_end();
   for (Pushes& pushes : object_pushes_) exchange(pushes, has_no_objects);
 }

@@ -99,6 +99,8 @@ class Simulation {
   std::uint64_t collisions(std::size_t index) const { return vehicle(index).collisions; }
 
   bool has_arm(std::size_t index) const { return bodies_.arm(vehicle(index).body) != nullptr; }
+  /// Returns true if its hull has a Radiation.
+  bool makes_waves(std::size_t index) const { return bodies_.hull_waves(vehicle(index).body) != nullptr; }
   /// The vehicle's arm. Throws InvalidValue if it has none.
   Arm& arm(std::size_t vehicle);
 

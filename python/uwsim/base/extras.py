@@ -44,6 +44,7 @@ EXTRA_OF = {
     "pettingzoo": "multi",
     "stable_baselines3": "rl",
     "distributed": "sweeps",
+    "h5py": "seakeeping",
 }
 """The smallest extra in pyproject.toml that installs each module."""
 

@@ -162,7 +162,7 @@ TEST(BulletEngine, EqualStatesHaveEqualFutures) {
     bodies.step(EvenWater{}, 0);
     other.step(EvenWater{}, 0);
   }
-  other.change_bodies({spec, spec, spec});
+  other.change_bodies({spec, spec, spec}, Water());
   StateArchive saved;
   bodies.exchange_state(saved);
   bodies.exchange_contacts(saved);

@@ -16,6 +16,7 @@ from uwsim.scenario import ScenarioError
 from uwsim.scenario.build.ballast import mass_with_ballast, trim_weights
 from uwsim.scenario.build.gravity import STANDARD_M_S2
 from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull
+from uwsim.scenario.build.radiation import RadiationReport, radiation_report
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 
 Floats = NDArray[np.float64]
@@ -38,7 +39,7 @@ class VehicleFigures:
     hull_gyration_m: the same for the hull as a solid. reach_m: distance of the hull's farthest point from each axis.
     drives: axes with thrusters or fins. course_growth_1_s: growth rate of a yaw disturbance without control at
     UNDER_WAY_M_S, negative if it decays; None if thrusters can push the vehicle sideways. straight: None if nothing
-    drives it ahead, or its motion diverges.
+    drives it ahead, or its motion diverges. radiation: the fit of its table of radiation; None without one.
     """
 
     size_m: tuple[float, float, float]
@@ -61,6 +62,7 @@ class VehicleFigures:
     course_growth_1_s: float | None
     straight: StraightRun | None
     mounts: tuple[Mount, ...]
+    radiation: RadiationReport | None = None
 
 
 def vehicle_figures(
@@ -105,7 +107,14 @@ def vehicle_figures(
         else course_growth_1_s(model_motion(model, trim or model.trim, density_kg_m3, UNDER_WAY_M_S)),
         straight=_straight(model, density_kg_m3, trim) if control.driven[SURGE] else None,
         mounts=mounts(model),
+        radiation=_radiation(model, body, density_kg_m3),
     )
+
+
+def _radiation(model: VehicleModel, body: RigidBody, density_kg_m3: float) -> RadiationReport | None:
+    if model.radiation is None:
+        return None
+    return radiation_report(model.radiation, body.mass_kg, *vehicle_hull(model), density_kg_m3)
 
 
 def _straight(model: VehicleModel, density_kg_m3: float, trim: Trim | None) -> StraightRun | None:

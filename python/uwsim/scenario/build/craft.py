@@ -37,7 +37,13 @@ def craft(
     parameters.munk_share, parameters.crossflow_length_m = model.munk_share, model.crossflow_length_m
     if buoyancy_share is not None:
         parameters.buoyancy_share, parameters.buoyancy_share_step_m = buoyancy_share.tolist(), STEP_M
-    return _core.Craft(parameters, *vehicle_hull(model))
+    hull = vehicle_hull(model)
+    if model.radiation is not None:
+        from uwsim.scenario.build.radiation import radiation  # it needs scipy, which is slow to import
+
+        mass_kg = rigid_body(model, water_density_kg_m3).mass_kg  # without weights and leaks
+        parameters.radiation = radiation(model.radiation, mass_kg, *hull, water_density_kg_m3)
+    return _core.Craft(parameters, *hull)
 
 
 def mass_properties(

@@ -116,7 +116,9 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     sonar: the multibeam's mount, if it has one. friction: Coulomb's coefficient; for two bodies in contact, the
     geometric mean applies. restitution: the fraction of the approach speed that is kept; for two bodies in contact, the
     larger value applies. material: material of the hull. failsafe: the reaction to loss of contact or to a fault.
-    arm: links by name, whose weight, buoyancy and water are beside the vehicle's own; by default none.
+    arm: links by name, whose weight, buoyancy and water are beside the vehicle's own; by default none. radiation: the
+    waves that the floating hull makes and deflects, a NetCDF file of Capytaine for this hull as it floats without
+    trim and ballast; by default none are modelled.
     """
 
     builds_on: VehicleName | None = None
@@ -169,6 +171,7 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     imaging_sonars: dict[Name, ImagingMount] = Field(default_factory=dict)
     failsafe: Failsafe | None = None
     arm: dict[Name, Link] | None = None
+    radiation: AssetFile | None = None
 
     _source_file: SourceFile = PrivateAttr(default=SourceFile())
 
@@ -245,6 +248,8 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     def _has_a_tree_of_links(self) -> VehicleModel:
         if self.arm is not None:
             links_in_order(self.arm)
+            if self.radiation is not None:
+                raise broken("must not be given for a vehicle with an arm", at=("radiation",))
         return self
 
     @property

@@ -1,0 +1,80 @@
+"""Makes python/uwsim/evidence/validate/peers/seakeeping_*.nc with Capytaine 3.0.0 and its lids.
+
+Run: pip install capytaine, then python make_capytaine_seakeeping.py FOLDER. Each file is Capytaine's own dataset, in
+NetCDF's classic format and single precision. Frames: z = 0 is the waterline, x forward.
+"""
+
+import sys
+from pathlib import Path
+
+import capytaine as cpt
+import numpy as np
+import xarray as xr
+from capytaine.io.xarray import separate_complex_values
+
+OMEGA_RAD_S = [*np.geomspace(0.8, 11.0, 36), np.inf]
+HEADINGS_RAD = np.radians(np.arange(0.0, 181.0, 15.0))
+KEPT = ["added_mass", "radiation_damping", "diffraction_force", "Froude_Krylov_force", "inertia_matrix"]
+KEPT += ["hydrostatic_stiffness", "disp_mass", "center_of_buoyancy"]
+
+
+def hemisphere() -> cpt.Mesh:
+    """Return a ball of radius 0.5 m that floats to its equator."""
+    return cpt.mesh_sphere(radius=0.5, center=(0, 0, 0), resolution=(32, 40))
+
+
+def cylinder() -> cpt.Mesh:
+    """Return a vertical cylinder of radius 0.5 m and draught 0.75 m."""
+    return cpt.mesh_vertical_cylinder(radius=0.5, length=1.5, center=(0, 0, 0), resolution=(8, 32, 20))
+
+
+def barge() -> cpt.Mesh:
+    """Return a box of 2 x 0.8 m and draught 0.3 m."""
+    return cpt.mesh_parallelepiped(size=(2.0, 0.8, 0.6), center=(0, 0, 0), resolution=(24, 12, 10))
+
+
+def dataset(mesh: cpt.Mesh, centre_of_mass_z_m: float, omega_rad_s: list[float] = OMEGA_RAD_S) -> xr.Dataset:
+    """Return the hydrodynamics of the part under water, about its centre of mass."""
+    wet = mesh.immersed_part()
+    centre = (0.0, 0.0, centre_of_mass_z_m)
+    body = cpt.FloatingBody(
+        mesh=wet,
+        lid_mesh=wet.generate_lid(),
+        dofs=cpt.rigid_body_dofs(rotation_center=centre),
+        center_of_mass=centre,
+    )
+    body.inertia_matrix = body.compute_rigid_body_inertia()
+    body.hydrostatic_stiffness = body.compute_hydrostatic_stiffness()
+    problems = xr.Dataset(
+        coords={
+            "omega": omega_rad_s,
+            "wave_direction": HEADINGS_RAD,
+            "radiating_dof": list(body.dofs),
+            "water_depth": [np.inf],
+            "rho": [1000.0],
+        }
+    )
+    return cpt.BEMSolver().fill_dataset(problems, body, n_jobs=1)
+
+
+def written(data: xr.Dataset, path: Path) -> None:
+    """Write it as other programs read it: without Capytaine's settings, which have no type in the classic format."""
+    plain = separate_complex_values(data[KEPT])
+    for axis in ("influenced_dof", "radiating_dof"):
+        plain[axis] = [str(name) for name in plain[axis].values]
+    plain.attrs = {"capytaine_version": data.attrs["capytaine_version"]}
+    plain = plain.drop_vars(
+        [k for k in plain.coords if k in ("freq", "period", "body_name", "wavenumber", "wavelength")]
+    )
+    encoding = {name: {"dtype": "float32"} for name in plain.data_vars if plain[name].dtype == np.float64}
+    plain.to_netcdf(path, engine="scipy", format="NETCDF3_64BIT", encoding=encoding)
+
+
+CASES = (("hemisphere", hemisphere(), -0.1), ("cylinder", cylinder(), -0.5), ("barge", barge(), 0.0))
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1])
+    for name, mesh, centre_z_m in CASES:
+        made = dataset(mesh, centre_z_m)
+        written(made, folder / f"seakeeping_{name}.nc")
