@@ -1,0 +1,54 @@
+"""Floating hulls move in waves as Capytaine computes, and its tables are what it computes."""
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from uwsim.evidence.validate import seakeeping
+from uwsim.evidence.validate.peers import floating_hulls
+from uwsim.evidence.validate.peers.floating_hulls import floating_hull
+from uwsim.scenario.read.radiation_file import read_radiation
+
+HEMISPHERE = {0.2: (0.808, 0.281), 0.5: (0.598, 0.339), 0.8: (0.482, 0.288), 1.0: (0.441, 0.246), 1.3: (0.409, 0.189)}
+"""By ka: added mass over that displaced, damping over that and the frequency, of finer panels (Capytaine 3.0.0)."""
+
+
+def test_a_barge_moves_as_capytaine_computes(monkeypatch: pytest.MonkeyPatch) -> None:
+    few = floating_hull("barge")._replace(heave_rad_s=(3.5, 4.2), settling_s=40.0)
+    monkeypatch.setattr(seakeeping, "floating_hull", lambda name: few)
+    checks = list(seakeeping._raos(("barge",)))
+    assert len(checks) == 4 and [check for check in checks if not check.passed] == []
+
+
+@pytest.mark.parametrize("part", ["_decays", "_haskind", "_energy"])
+def test_closed_forms(part: str) -> None:
+    checks = list(getattr(seakeeping, part)())
+    assert checks and [check for check in checks if not check.passed] == []
+
+
+def test_a_sea_moves_hulls_as_the_sum_of_its_waves() -> None:
+    assert [check for check in seakeeping._irregular() if not check.passed] == []
+
+
+def test_the_tables_are_those_of_finer_panels_within_a_few_per_cent() -> None:
+    table = read_radiation(floating_hulls.table_file("hemisphere"))
+    radius = (1.5 * table.displaced_kg / (1000.0 * np.pi)) ** (1.0 / 3.0)
+    for ka, (added, damping) in HEMISPHERE.items():
+        omega = np.sqrt(9.81 * ka / radius)
+        found = [
+            np.interp(omega, table.omega_rad_s, each[:, 2, 2]) / table.displaced_kg
+            for each in (table.added_mass, table.damping)
+        ]
+        np.testing.assert_allclose([found[0], found[1] / omega], [added, damping], rtol=0.025)
+
+
+def test_capytaine_recomputes_its_tables() -> None:
+    pytest.importorskip("capytaine", reason="pip install capytaine")
+    make = runpy.run_path(str(Path(__file__).parents[1] / "data/make_capytaine_seakeeping.py"))
+    kept = read_radiation(floating_hulls.table_file("barge"))
+    row = 12
+    found = make["dataset"](make["barge"](), 0.0, [float(kept.omega_rad_s[row]), np.inf])
+    np.testing.assert_allclose(found["added_mass"].values[0], kept.added_mass[row], rtol=1e-3, atol=0.05)
+    np.testing.assert_allclose(found["radiation_damping"].values[0], kept.damping[row], rtol=1e-3, atol=0.05)
