@@ -10,7 +10,7 @@ import pytest
 import yaml
 from scipy.io import netcdf_file
 
-from uwsim import Simulator
+from uwsim import Batch, Simulator
 from uwsim.evidence.validate.peers import floating_hulls
 from uwsim.evidence.validate.peers.floating_hulls import floating_hull, table_file
 from uwsim.scenario.build.radiation import radiation_report
@@ -218,6 +218,27 @@ def test_a_restored_state_goes_on_to_the_same_bytes(tmp_path: Path) -> None:
     other.restore_state(state)
     other.advance(2.0)
     assert one.save_state() == other.save_state()
+
+
+def test_members_of_a_batch_move_as_alone(tmp_path: Path) -> None:
+    simulator(tmp_path, table_file("barge"))
+    batch = Batch(tmp_path / "sea.yaml", n=2, seeds=range(2))
+    batch.step(200)
+    for seed in range(2):
+        alone = Simulator(tmp_path / "sea.yaml", seed=seed)
+        alone.step(200)
+        assert alone.save_state() == batch.save_state(seed)
+
+
+def test_another_mass_is_refused_but_not_a_leak(tmp_path: Path) -> None:
+    sim = simulator(tmp_path, table_file("barge"))
+    sim.advance(1.0)
+    with pytest.raises(ScenarioError, match=r"this hull of 600 kg displaces 0\.6 m3"):
+        sim.parameters["rov.mass_kg"] = 600.0
+    sim.parameters["rov.ballast_kg"] = 60.0
+    before_m = sim.rov.pose.position_world_m[2]
+    sim.advance(2.0)
+    assert sim.rov.pose.position_world_m[2] < before_m - 0.01
 
 
 def test_a_hull_turned_with_the_sea_moves_alike(tmp_path: Path) -> None:
