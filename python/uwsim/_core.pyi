@@ -3114,7 +3114,7 @@ class NavigationFilter:
     arms from the IMU.
     """
 
-    save_version: typing.ClassVar[int] = 3
+    save_version: typing.ClassVar[int] = 4
     def __init__(
         self,
         *,

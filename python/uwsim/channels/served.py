@@ -47,6 +47,7 @@ def served_table(
         wire=wire,
         origin=origin,
         may_wait=may_wait,
+        is_behind=lambda: live.is_behind,
         truth=truth,
         tf=tf,
         frame_prefix=frame_prefix,

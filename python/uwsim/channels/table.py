@@ -53,13 +53,15 @@ class Table:
     frame, (3,) [m], or a name in ORIGINS. With several vehicles, topics and frames are prefixed by their names. tf: the
     motion on /tf and /odom, see `frames.Tf`; the truth is on /ground_truth/odom in any case. frame_prefix: prefix of
     all frames except world, such as "auv/". may_wait: whether the steps may wait for pictures; if not, late pictures
-    are skipped. truth: whether the true motion is published, on /telemetry, /ground_truth/odom, /odom, /tf and the
-    paper's /propPos and /stateData. If it is not, /odom and /tf carry the estimate, and the true motion is omitted
-    elsewhere. tf_rate_hz: the rate of /tf. joint_frames: whether /tf and /tf_static also have the frames that otherwise
-    only the URDF has. thruster_topics: whether each thruster also has a command topic of its own. Raises ValueError.
+    are skipped. is_behind: see Pictures. truth: whether the true motion is published, on /telemetry,
+    /ground_truth/odom, /odom, /tf and the paper's /propPos and /stateData. If it is not, /odom and /tf carry the
+    estimate, and the true motion is omitted elsewhere. tf_rate_hz: the rate of /tf. joint_frames: whether /tf and
+    /tf_static also have the frames that otherwise only the URDF has. thruster_topics: whether each thruster also has a
+    command topic of its own. Raises ValueError.
 
-    published: the names of the topics of the paper's simulator. channels, services: the channels and services visible
-    to clients. Links and recorders replace them with those that they carry or record.
+    published: the names of the topics of the paper's simulator. has_standard: whether it also has the usual ones.
+    channels, services: the channels and services visible to clients. Links and recorders replace them with those that
+    they carry or record.
     """
 
     def __init__(
@@ -69,6 +71,7 @@ class Table:
         wire: Wire = "both",
         origin: str | Sequence[float] = "world",
         may_wait: Callable[[], bool] = lambda: True,
+        is_behind: Callable[[], bool] = lambda: False,
         truth: bool = True,
         tf: Tf = "truth",
         frame_prefix: str = "",
@@ -84,7 +87,7 @@ class Table:
         self.sources = Source.all_of(sim.scenario, self.origin_m, frame_prefix)
         self.tf: Tf = tf if truth else _without_truth(tf, self.sources)
         check_tf(self.tf, self.sources)
-        self.pictures = Pictures(may_wait)
+        self.pictures = Pictures(may_wait, is_behind)
         self.pings = {source.name: Pings(source, sim) for source in self.sources if source.has_sonar}
         self.maps = {
             source.name: PingMap(source, self.pings[source.name]) for source in self.sources if source.has_sonar
@@ -98,7 +101,8 @@ class Table:
         }
         self.channels: list[Channel] = self._published(sim) if wire != "standard" else []
         self.published = frozenset(channel.name for channel in self.channels)
-        self.channels += self._standard(sim) if wire != "published" else []
+        self.has_standard = wire != "published"
+        self.channels += self._standard(sim) if self.has_standard else []
         self.services: list[Service] = self._services(sim)
 
     def __repr__(self) -> str:

@@ -28,6 +28,7 @@ from uwsim.simulator.simulator import Simulator
 T = TypeVar("T")
 
 STOP_S = 1.0
+HELD = 0.95  # fraction of the requested speed that counts as reaching it
 PACE_ACTS = ("pause", "resume", "step", "speed")
 ACTS = (CALL, RESET, *PACE_ACTS)
 """The acts on a live simulator that are not commands: a call of a function, a jump in time, and changes of the pace."""
@@ -174,6 +175,12 @@ class LiveSimulator:
         """The speed achieved over the last second; 0 while paused."""
         with self._loop.lock:
             return 0.0 if self.paused or not self.running else self._pace.factor
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether the steps have not reached the requested speed in the last second; False at full speed."""
+        speed, factor = self.speed, self.factor
+        return speed != "max" and 0.0 < factor < HELD * speed
 
     @property
     def lateness(self) -> float:

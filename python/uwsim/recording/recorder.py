@@ -51,11 +51,11 @@ class Recorder:
 
     path: a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels to
     record and to omit, such as "camera/*". By default, all channels are recorded except raw and rectified pictures. If
-    is_light, pictures and maps are omitted, which a replay can provide. For a survey, pictures and channels derived
-    from the pings (FROM_PINGS and the map) are omitted, which readers can provide; see Recording.derived. shared: a
-    server's channel table, so that pings and pictures are taken only once; by default a new one. feed: the feed of
-    other sinks, such as a ROS 2 node, which then share the recorder's readings. kind: LIVE or SURVEY. written: channels
-    whose messages come only from `write`. notes: plain values for the metadata.
+    is_light, pictures, maps and the paper's topics beside the usual ones are omitted, which a replay can provide. For a
+    survey, pictures and channels derived from the pings (FROM_PINGS and the map) are omitted, which readers can
+    provide; see Recording.derived. shared: a server's channel table, so that pings and pictures are taken only once; by
+    default a new one. feed: the feed of other sinks, such as a ROS 2 node, which then share the recorder's readings.
+    kind: LIVE or SURVEY. written: channels whose messages come only from `write`. notes: plain values for the metadata.
 
     Messages are encoded on the simulator's thread and written on another. At wall-clock speed, steps never wait:
     messages that do not fit into the queue (queue_bytes) are dropped, counted in `dropped` and reported. At maximum
@@ -111,7 +111,8 @@ class Recorder:
         outgoing = [channel for channel in given if channel.direction == "out"]
         if self._kind == LIVE:
             if self._is_light and topics is None:
-                outgoing = [channel for channel in outgoing if not _is_heavy(channel)]
+                twice = self._table.published if self._table.has_standard else frozenset()
+                outgoing = [each for each in outgoing if not (_is_heavy(each) or each.name in twice)]
             outgoing += [ping_channel(pings) for pings in self._table.pings.values()]
         elif topics is None:
             outgoing = [channel for channel in outgoing if not self._follows(channel)]

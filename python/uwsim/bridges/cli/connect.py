@@ -77,6 +77,7 @@ def connect(
         wire=wire,  # type: ignore[arg-type]  # checked there
         origin=origin or default_origin(simulator.scenario),
         may_wait=lambda: live.speed == "max",  # in real time, the pace has priority
+        is_behind=lambda: live.is_behind,
         tf=tf,  # type: ignore[arg-type]  # checked there
         frame_prefix=prefix,
         **graph.of_table,

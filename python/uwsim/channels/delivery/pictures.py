@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import math
+import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
@@ -120,11 +122,16 @@ class Pictures:
     skipped if the machine is too slow. After a pause in reading, earlier pictures are dropped, so that a new subscriber
     receives none of them.
 
-    may_wait: called at each reading; returns whether the steps may wait.
+    may_wait: called at each reading; returns whether the steps may wait. is_behind: whether steps that may not wait are
+    slower than requested. Then a stream has no more pictures in a second of wall time than in one of simulated time.
     """
 
-    def __init__(self, may_wait: Callable[[], bool] = lambda: True) -> None:
+    def __init__(
+        self, may_wait: Callable[[], bool] = lambda: True, is_behind: Callable[[], bool] = lambda: False
+    ) -> None:
         self._may_wait = may_wait
+        self._is_behind = is_behind
+        self._begun_s: dict[str, float] = {}  # wall time at which each stream's last picture was begun
         self._streams: dict[str, Stream] = {}
         self._jobs: dict[str, list[_Job]] = {}
         self._wanted: dict[tuple[str, Part], int] = {}  # period of the last reading of a camera's part
@@ -192,12 +199,22 @@ class Pictures:
         self._last[name] = slot, gap
         is_first = not jobs or slot - jobs[-1].slot > pause
         is_due = (is_first or stream.is_due(slot)) and stream.enabled and not (jobs and jobs[-1].slot == slot)
-        if is_due and (waits or not jobs or jobs[-1].picture.done()):
+        if is_due and (waits or self._may_begin(name, stream, jobs)):
             before = [] if waits and is_first else jobs[-1:]
             jobs = [*before, _Job(slot, self._worker.submit(begin(stream)), is_first)]
         self._jobs[name] = jobs
         ready = [job for job in jobs if _is_read(job, slot, waits)] if stream.enabled else []
         return ready[0].picture.result() if ready else None
+
+    def _may_begin(self, name: str, stream: Stream, jobs: list[_Job]) -> bool:
+        """Return whether the worker has time for a picture for which no step waits."""
+        if jobs and not jobs[-1].picture.done():
+            return False
+        now_s = time.monotonic()
+        if self._is_behind() and now_s - self._begun_s.get(name, -math.inf) < 1.0 / stream.rate_hz:
+            return False
+        self._begun_s[name] = now_s
+        return True
 
     def submit(self, function: Callable[[], T]) -> Future[T]:
         """Queue another rendering task on the picture thread."""

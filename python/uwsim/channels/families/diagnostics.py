@@ -12,7 +12,6 @@ from uwsim.simulator.simulator import Simulator
 
 RATE_HZ = 1.0
 OK, WARN, ERROR = 0, 1, 2  # diagnostic_msgs/DiagnosticStatus
-HELD = 0.95  # fraction of the requested speed
 
 
 def diagnostics_channel(live: LiveSimulator, offered: Callable[[], Iterable[Channel]] = tuple) -> Channel:
@@ -81,6 +80,6 @@ def _judged(live: LiveSimulator, has_slipped: bool) -> tuple[int, str]:
         return OK, "paused"
     if live.speed == "max":
         return OK, "as fast as it can"
-    if has_slipped or 0.0 < live.factor < HELD * float(live.speed):
+    if has_slipped or live.is_behind:
         return WARN, "the pace is not held"
     return OK, "the pace is held"

@@ -146,7 +146,7 @@ class Camera(Attached):
     @property
     def pose(self) -> tuple[Floats, Floats]:
         """The current pose as position (3,) and orientation x, y, z, w (4,) in the world."""
-        return self._pose(self._scene.snapshot(with_lamps=False))[:2]
+        return self._pose(None)[:2]
 
     @property
     def aim_rad(self) -> tuple[float, float]:
@@ -307,8 +307,11 @@ class Camera(Attached):
         position = self._pose(at or self._scene.snapshot(with_lamps=False))[0]
         return float(position[2]) < self._scene.ground_m(position)
 
-    def _pose(self, snapshot: Snapshot) -> tuple[Floats, Floats, Floats]:
-        """Return the camera's position (3,), its orientation x, y, z, w (4,), and both as a matrix (4, 4)."""
+    def _pose(self, snapshot: Snapshot | None) -> tuple[Floats, Floats, Floats]:
+        """Return the camera's position (3,), its orientation x, y, z, w (4,), and both as a matrix (4, 4).
+
+        snapshot: the state to use; None for the current one.
+        """
         carrier, mount = self._carrier_pose(snapshot), (self.mount.position_m, self.mounting_xyzw(snapshot))
         position, orientation, world_from_camera = _core.mounted_pose(*carrier, *mount)
         if self.mount.follows == "heading":
@@ -335,10 +338,13 @@ class Camera(Attached):
         pan_tilt = self.aim_rad if snapshot is None else snapshot.aims_rad[self.name]
         return product(self._orientation_xyzw, product(about_z(pan_tilt[0]), about_y(pan_tilt[1])))
 
-    def _carrier_pose(self, snapshot: Snapshot) -> tuple[Floats, Floats]:
+    def _carrier_pose(self, snapshot: Snapshot | None) -> tuple[Floats, Floats]:
         if not isinstance(self._carrier, int):
             return self._carrier
-        position, orientation = snapshot.positions_m[self._carrier], snapshot.orientations_xyzw[self._carrier]
+        if snapshot is None:
+            position, orientation = self._scene.vehicle_pose(self._carrier)
+        else:
+            position, orientation = snapshot.positions_m[self._carrier], snapshot.orientations_xyzw[self._carrier]
         return position, heading_xyzw(orientation) if self.mount.follows == "heading" else orientation
 
 

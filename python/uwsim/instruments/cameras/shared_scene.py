@@ -143,6 +143,11 @@ class SharedScene:
         """Return where links of arms and tubes of tethers are, (n, 7): position [m] and quaternion x, y, z, w."""
         return self._simulation.attached_surfaces()
 
+    def vehicle_pose(self, index: int) -> tuple[Floats, Floats]:
+        """Return a vehicle's current position (3,) and orientation x, y, z, w (4,)."""
+        state = self._simulation.state(index)
+        return state.position_world_m, state.orientation_xyzw
+
     def snapshot(self, *, with_lamps: bool) -> Snapshot:
         """Return the current state, which is consistent even if other threads step the simulation meanwhile."""
         while True:

@@ -25,7 +25,6 @@ from uwsim.simulator.simulator import Simulator
 RATE_HZ, RATE_MAX_HZ = 10.0, 15.0
 LARGE_WIDTH = 960  # of a picture that is larger than its camera's
 ON_PACE = 0.98  # share of the requested speed that steps must reach beside large pictures
-HELD = 0.95  # below this share of it, pictures shrink
 SMALL_WIDTH, SMALL_PERIOD_S, SMALL_QUALITY = 240, 0.5, 70
 UNAWAITED_PERIOD_S = 0.5  # extra delay of pictures that no viewer is waiting for, or in which nothing can have changed
 SMALL_PATIENCE_S = 1.0  # longest time that a small picture waits for large ones
@@ -236,7 +235,7 @@ class Views:
             if fit is not None:
                 usual_s = 1.0 / (stream.size.rate_hz or RATE_HZ)
                 took_s = time.monotonic() - begun_s
-                fit.note(took_s, usual_s, has_room=self._has_room(stream), is_behind=self._is_behind())
+                fit.note(took_s, usual_s, has_room=self._has_room(stream), is_behind=self._live.is_behind)
 
         def render(snapshot: Future[Any]) -> None:
             if snapshot.exception() is None:
@@ -258,11 +257,6 @@ class Views:
         if CORES < 2 or stream.size.rate_hz is not None or stream.camera.mount.width >= LARGE_WIDTH or speed == "max":
             return False
         return self._live.paused or self._live.factor >= ON_PACE * speed
-
-    def _is_behind(self) -> bool:
-        """Return whether the steps do not reach the requested speed. At full speed, no speed is requested."""
-        speed, factor = self._live.speed, self._live.factor
-        return speed != "max" and 0 < factor < HELD * speed
 
 
 def _views(sim: Simulator, table: Table) -> Iterable[View]:
