@@ -85,9 +85,8 @@ def _raster(suffix: str) -> Callable[[bytes, Path], Any]:
 def _image(data: bytes, folder: Path) -> bytes:
     from uwsim.scenario.terrains.image import ImageTerrain
 
-    file = _written(folder / "terrain.png", data)
-    spec = ImageTerrain(source="image", file=file, size_m=(20, 10), spacing_m=1.0, black_m=-9, white_m=-1)
-    return spec.heights().tobytes()
+    shape = {"size_m": (20, 10), "spacing_m": 1.0, "black_m": -9, "white_m": -1}
+    return ImageTerrain(source="image", file=_written(folder / "terrain.png", data), **shape).heights().tobytes()
 
 
 def _current(suffix: str) -> Callable[[bytes, Path], Any]:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from tests.fuzz import bridge_seeds
 from tests.fuzz.readers import CDR_TYPES, simulator_to_restore
 from tests.fuzz.surveys import side_scan, survey
 
@@ -285,22 +286,6 @@ def _commands() -> list[bytes]:
     return [b"\n".join(json.dumps({"tick": 0, "name": n, "arguments": a}).encode() for n, a in COMMANDS.items())]
 
 
-def _moos() -> list[bytes]:
-    exchange = json.loads(ROBOTS.with_name("moos").joinpath("exchange.json").read_text())
-    return [bytes.fromhex(each["bytes"]) for each in exchange if each["from"] == "MOOSDB"]
-
-
-def _imc() -> list[bytes]:
-    from uwsim.bridges.imc.wire import FORMATS, Message, encoded
-
-    inline = {"beam_config": [("BeamConfig", {"beam_width": 0.5})], "data": b"\1\2", "list": "DVL=1", "services": "a;b"}
-    packets = [
-        encoded(Message(name, {field: inline[field] for field, _ in of if field in inline}, 0xD1, 1, 1.5))
-        for name, (_, of) in FORMATS.items()
-    ]
-    return [b"".join(packets), *packets]
-
-
 def _flight() -> list[bytes]:
     from uwsim.flight.request import FlightRequest
 
@@ -389,8 +374,8 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "sdf": lambda: [(ROBOTS / "glider.sdf").read_bytes()],
     "urdf": lambda: [(ROBOTS / "sled.urdf").read_bytes()],
     "stonefish": lambda: [(ROBOTS / "robot.scn").read_bytes()],
-    "moos": _moos,
-    "imc": _imc,
+    "moos": bridge_seeds.moos,
+    "imc": bridge_seeds.imc,
     "holoocean": lambda: [(ROBOTS / "dive.json").read_bytes()],
     "thruster_csv": lambda: [SHEET],
     "profile": lambda: [PROFILE],

@@ -18,7 +18,7 @@ def waterfall(
         bool, typer.Option("--over-ground", help="By range over a level bed, from the altitudes in the file.")
     ] = False,
 ) -> None:
-    """Draw the side scan of a survey file, simulated or real: a row for each ping, port on the left."""
+    """Draw a survey file's side scan, port on the left."""
     from uwsim.mapping.files.swath import survey_format
 
     read = survey_format(source, "waterfall").read_side_scan

@@ -178,7 +178,7 @@ class LiveSimulator:
 
     @property
     def is_behind(self) -> bool:
-        """Whether the steps have not reached the requested speed in the last second; False at full speed."""
+        """True if the steps have not reached the requested speed in the last second; False at full speed."""
         speed, factor = self.speed, self.factor
         return speed != "max" and 0.0 < factor < HELD * speed
 

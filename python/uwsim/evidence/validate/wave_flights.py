@@ -39,7 +39,8 @@ SEAS: dict[str, dict[str, Any]] = {
     "a sea of 0.5 m, 5 s": {"kind": "jonswap", "significant_height_m": 0.5, "peak_period_s": 5.0},
 }
 VEHICLES = (
-    "bluerov2_heavy", "bluerov2_heavy_cfd", "bluerov2_heavy_outfit", "bluerov2_tank", "bluerov2_wu", "remus100", "rov",
+    "bluerov2_heavy", "bluerov2_heavy_cfd", "bluerov2_heavy_outfit", "bluerov2_tank", "bluerov2_wu", "lauv", "remus100",
+    "rov",
 )  # fmt: skip
 START_WORLD_M = (0.0, 0.0, -3.0)
 LEGS, LEGS_PER_LOOK = 20, 2

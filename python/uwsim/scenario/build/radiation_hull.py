@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.axes import AXES
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.radiation_file import RadiationTable
 
@@ -100,7 +101,7 @@ def require_same_hull(
             off = np.abs(given - own) / scale
             if off.max() > SAME_PRESSURE:
                 axis = int(off.argmax())
-                name = ("surge", "sway", "heave", "roll", "pitch", "yaw")[axis]
+                name = AXES[axis]
                 raise broken_table(
                     path,
                     f"Froude_Krylov_force in {name} at {table.omega_rad_s[row]:.3g} rad/s differs by {off[axis]:.0%} "

@@ -45,6 +45,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "earth",
             "terrain",
             "ground",
+            "detail",
             "obstacles",
             "cover",
             "life",
@@ -80,6 +81,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "failsafe",
             "trim",
             "arm",
+            "radiation",
         ]
     ),
     ThrusterMount: frozenset({"position_m", "axis", "spin"}),
