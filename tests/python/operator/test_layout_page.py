@@ -149,6 +149,7 @@ def nothing_overlaps(page, *selectors: str) -> bool:
     )
 
 
+@pytest.mark.usefixtures("page")
 @pytest.mark.parametrize(("size", "locale"), [((390, 844), "en"), ((844, 390), "de"), ((844, 390), "en")], ids=str)
 def test_on_a_phone_the_chart_s_tools_do_not_lie_over_the_chart(here, page, size, locale):
     held = here.fly(viewport={"width": size[0], "height": size[1]}, locale=locale, **TOUCH)
@@ -176,6 +177,7 @@ def test_all_stop_is_reachable_in_windows_of_any_size(page, size):
         page.click("#unfold")
 
 
+@pytest.mark.usefixtures("page")  # a pilot who stays, so that these pages need not wait for one
 @pytest.mark.parametrize("theme", ["dark", "light", "night"])
 @pytest.mark.parametrize("locale", ["en", "de"])
 def test_every_contrast_over_pictures_is_computed(here, theme, locale):
