@@ -41,6 +41,11 @@ def settings():
     return Ros2Settings(domain_id=free_domain())
 
 
+def type_of(other, topic):
+    """Return the type of the first endpoint of a topic, as soon as Fast DDS has discovered one."""
+    return until(lambda: [one["type"] for one in other.endpoints().values() if one["topic"] == topic], topic)[0]
+
+
 def test_calls_as_rmw_fastrtps_makes_them_are_answered_even_in_fragments(live, settings, monkeypatch):
     monkeypatch.setattr(rtps, "FRAGMENT", 4000)
     services = {"uwsim/list_parameters": f"{RCL}ListParameters", "simulation/resume": "std_srvs::srv::dds_::Trigger"}
@@ -56,8 +61,7 @@ def test_calls_as_rmw_fastrtps_makes_them_are_answered_even_in_fragments(live, s
                 data = bytes.fromhex(answers[-1]["hex"])
                 listed = from_bytes(data, "rcl_interfaces/srv/ListParameters_Response").result.names
                 assert len(data) > 3 * rtps.FRAGMENT and listed == list(live.simulator.parameters)
-        types = {one["topic"]: one["type"] for one in other.endpoints().values() if one["endpoint"] == "writer"}
-        assert types[f"rr/{node.name}/get_parametersReply"] == f"{RCL}GetParameters_Response_"
+        assert type_of(other, f"rr/{node.name}/get_parametersReply") == f"{RCL}GetParameters_Response_"
 
 
 def test_an_action_of_rmw_fastrtps_ends_with_a_result(live, settings):
@@ -85,9 +89,9 @@ def test_an_action_of_rmw_fastrtps_ends_with_a_result(live, settings):
         sent, found = (bytes.fromhex(one[0]["hex"]) for one in responses)
         assert not from_bytes(sent, f"{FLY_PATH}_SendGoal_Response").accepted
         assert from_bytes(found, f"{FLY_PATH}_GetResult_Response").status == 0
-        types = {one["topic"]: one["type"] for one in other.endpoints().values()}
-        assert types[f"rt/{own}/feedback"] == f"{kind}_FeedbackMessage_"
-        assert types[f"rq/{own}/cancel_goalRequest"] == "action_msgs::srv::dds_::CancelGoal_Request_"
+        feedback, cancel = f"rt/{own}/feedback", f"rq/{own}/cancel_goalRequest"
+        assert type_of(other, feedback) == f"{kind}_FeedbackMessage_"
+        assert type_of(other, cancel) == "action_msgs::srv::dds_::CancelGoal_Request_"
 
 
 def test_a_server_that_leaves_is_unmatched_at_once(live, settings, monkeypatch):
