@@ -228,8 +228,9 @@ def test_the_warp_of_the_community_is_the_speed_of_the_simulator() -> None:
         until(lambda: live.speed == 20.0)
         until(lambda: len(db.seen.get("UWSIM_TIME", ())) > 60)
         first, last = db.seen["UWSIM_TIME"][10], db.seen["UWSIM_TIME"][-1]
-        simulated_s = float(last.value) - float(first.value)
-        assert last.time_s - first.time_s == pytest.approx(simulated_s, rel=0.2, abs=3)  # on a busy machine
+        simulated_s, community_s = float(last.value) - float(first.value), last.time_s - first.time_s
+        # Never ahead of the community's clock; behind it, on a busy machine, but far from the 1/20 of no warp.
+        assert 0.2 * community_s < simulated_s < community_s + 3
         db.publish(USM_SIM_PAUSED=b"true")
         until(lambda: live.paused)
         db.publish(USM_SIM_PAUSED=b"false")
