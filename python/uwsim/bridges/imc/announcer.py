@@ -11,27 +11,14 @@ import re
 import selectors
 import socket
 import struct
-import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack, suppress
-from typing import Any, Self
+from typing import Any
 
-from uwsim.bridges.imc.link import (
-    AGAIN_S,
-    HEARTBEAT_S,
-    POLL_S,
-    QUERY,
-    READ_BYTES,
-    REPORT,
-    WAITING_MAX,
-    Address,
-    Identity,
-    logger,
-)
+from uwsim.bridges.imc.link import HEARTBEAT_S, POLL_S, QUERY, REPORT, Address, Identity, logger
 from uwsim.bridges.imc.wire import NO_SYSTEM, UNKNOWN_ENTITY, ImcError, Message, Sent, decoded, encoded
-from uwsim.bridges.rare_log import RareLog
+from uwsim.bridges.kept_connection import DATAGRAMS_MAX, READ_BYTES, KeptConnection
 
 GROUP, BROADCAST = "224.0.75.69", "255.255.255.255"
 DISCOVERY_PORTS = (30100, 30101, 30102, 30103, 30104)
@@ -42,8 +29,8 @@ UNDERWATER_VEHICLE = 2
 Endpoint = tuple[str, int]
 
 
-class Announcer:
-    """A thread that announces a vehicle, and sends what is published to every console that is there.
+class Announcer(KeptConnection[Message]):
+    """Announces a vehicle, and sends what is published to every console that is there.
 
     identity: with a system number of its own. where: returns latitude and longitude [rad]. Consoles only listen: what
     they send commands nothing, but their requests for our entities are answered.
@@ -54,23 +41,11 @@ class Announcer:
     def __init__(
         self, address: Address, identity: Identity, name: str, where: Callable[[], tuple[float, float]]
     ) -> None:
+        super().__init__(str(address), logger, "uwsim-imc")
         self.address, self.identity, self._name, self._where = address, identity, name, where
         self._consoles: dict[int, tuple[Endpoint, float]] = {}
-        self._waiting: deque[Message] = deque(maxlen=WAITING_MAX)
-        self._rare = RareLog(logger)
-        self._is_closed = False
-        self._thread = threading.Thread(target=self._run, name="uwsim-imc", daemon=True)
         if not self._is_local:
             logger.warning("IMC at %s, beyond this machine, in plain text", address)
-
-    def __enter__(self) -> Self:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Close."""
-        self._is_closed = True
-        self._thread.join(AGAIN_S + 2 * POLL_S)
 
     @property
     def consoles(self) -> list[int]:
@@ -80,28 +55,18 @@ class Announcer:
     def publish(self, sent: Iterable[Sent]) -> None:
         """Queue messages of entities, all of the present time. Does not block; may be called on any thread."""
         if self._consoles:
-            self._waiting.extend(self._message(*each) for each in sent)
+            self._queue(self._message(*each) for each in sent)
 
     def _message(self, label: str, name: str, content: dict[str, Any]) -> Message:
         return Message(name, content, self.identity.system, self.identity.entity(label), time.time())
 
-    def _run(self) -> None:
-        while not self._is_closed:
-            try:
-                with ExitStack() as stack:
-                    service = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-                    service.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
-                    service.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(self.address.host))
-                    service.bind((self.address.host, self.address.port))
-                    discovery = stack.enter_context(self._discovery())
-                    self._talk(service, discovery)
-            except OSError as error:
-                self._rare.warning(f"{self.address}: {error.strerror or error}; trying again")
-            except Exception:
-                logger.exception("%s: a message could not be handled", self.address)
-            until_s = time.monotonic() + AGAIN_S
-            while not self._is_closed and time.monotonic() < until_s:
-                time.sleep(0.05)
+    def _converse(self) -> None:
+        with ExitStack() as stack:
+            service = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+            service.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+            service.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(self.address.host))
+            service.bind((self.address.host, self.address.port))
+            self._talk(service, stack.enter_context(self._discovery()))
 
     @property
     def _is_local(self) -> bool:
@@ -127,7 +92,7 @@ class Announcer:
         """Exchange messages until closed. Raises OSError."""
         announced_s = beat_s = -ANNOUNCE_S
         with selectors.DefaultSelector() as selector:
-            for each in (service, discovery):
+            for each in (service, discovery, self._woken):
                 each.setblocking(False)
                 selector.register(each, selectors.EVENT_READ)
             while not self._is_closed:
@@ -139,12 +104,15 @@ class Announcer:
                     beat_s = now_s
                     self.publish([("uwsim", "Heartbeat", {})])
                 self._consoles = {n: (at, s) for n, (at, s) in self._consoles.items() if now_s - s < LOST_S}
-                packets = [encoded(self._waiting.popleft()) for _ in range(len(self._waiting))]
+                packets = [encoded(each) for each in self._taken()]
                 for there, _ in self._consoles.values():
                     for packet in packets:
                         _send(service, packet, there)
-                for key, _ in selector.select(0.02 if self._consoles else POLL_S):
-                    self._receive(key.fileobj, service)
+                for key, _ in selector.select(POLL_S):
+                    if key.fileobj is self._woken:
+                        self._woken.recv(READ_BYTES)
+                    else:
+                        self._receive(key.fileobj, service)
 
     def _announce(self, service: socket.socket, hosts: Iterable[str]) -> None:
         latitude, longitude = self._where()
@@ -158,7 +126,7 @@ class Announcer:
 
     def _receive(self, source: Any, service: socket.socket) -> None:
         with suppress(BlockingIOError):
-            while True:
+            for _ in range(DATAGRAMS_MAX):
                 data, there = source.recvfrom(READ_BYTES)
                 try:
                     message = decoded(data)

@@ -4,25 +4,18 @@ from __future__ import annotations
 
 import logging
 import re
-import selectors
 import socket
-import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from typing import Any, NamedTuple, Self
 
 from uwsim.bridges.imc.wire import NO_SYSTEM, UNKNOWN_ENTITY, ImcError, Message, PacketReader, Sent, decoded, encoded
-from uwsim.bridges.rare_log import RareLog
+from uwsim.bridges.kept_connection import CONNECT_S, Datagrams, KeptConnection, Stream
 
 TCP_PORT, LISTEN_PORT = 6002, 6001
 """DUNE's port, by TCP ("Console") and UDP, and ours for datagrams."""
-CONNECT_S, AGAIN_S, HEARTBEAT_S, POLL_S = 5.0, 1.0, 1.0, 0.25
-"""Time to connect, between attempts, between heartbeats, and at most between looks at the time."""
-WAITING_MAX = 10_000
-"""Messages that wait to be sent; older ones are dropped."""
-READ_BYTES = 1 << 16
+HEARTBEAT_S, POLL_S = 1.0, 0.25
+"""Time between heartbeats, and at most between looks at the time."""
 REPORT, QUERY = 0, 1
 """The operations of EntityList."""
 FIRST_ENTITY = 128
@@ -99,12 +92,14 @@ class Identity:
         return ";".join(f"{label}={number}" for label, number in self._own.items())
 
 
-class ImcLink:
-    """A thread that keeps up a connection, with a heartbeat, and answers requests for our entities.
+class ImcLink(KeptConnection[Message]):
+    """A connection with a heartbeat, which answers requests for our entities.
 
-    received: called on this thread with the messages of each packet or read. met: called on this thread with the
-    peer's first message. listen_port: for datagrams. labels: of the entities that will have something to send.
+    received: called on its thread with the messages of each packet or read. met: called on its thread with the
+    peer's first message. listen_port: for datagrams.
     """
+
+    failure = ImcError
 
     def __init__(
         self,
@@ -115,60 +110,25 @@ class ImcLink:
         *,
         listen_port: int = LISTEN_PORT,
     ) -> None:
+        super().__init__(str(address), logger, "uwsim-imc")
         self.address, self.identity = address, identity
         self._received, self._met, self._listen_port = received, met, listen_port
         self.is_connected = False
         self._is_met = False
-        self._waiting: deque[Message] = deque(maxlen=WAITING_MAX)
-        self._wake, self._woken = socket.socketpair()
-        self._wake.setblocking(False)
-        self._rare = RareLog(logger)
-        self._is_closed = False
-        self._thread = threading.Thread(target=self._run, name="uwsim-imc", daemon=True)
-
-    def __enter__(self) -> Self:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Close."""
-        self._is_closed = True
-        with suppress(OSError):
-            self._wake.send(b"\0")
-        self._thread.join(CONNECT_S + AGAIN_S)
-        self._wake.close()
-        self._woken.close()
 
     def publish(self, said: Iterable[Sent]) -> None:
         """Queue messages of entities, all of the present time. Does not block; may be called on any thread.
 
         Nothing is kept while there is no connection.
         """
-        if not self.is_connected:
-            return
-        now_s, identity = time.time(), self.identity
-        for label, name, content in said:
-            self._waiting.append(Message(name, content, identity.system, identity.entity(label), now_s))
-        with suppress(OSError):  # it is awake, or closed
-            self._wake.send(b"\0")
+        if self.is_connected:
+            now_s, identity = time.time(), self.identity
+            self._queue(
+                Message(name, content, identity.system, identity.entity(label), now_s) for label, name, content in said
+            )
 
-    def _run(self) -> None:
-        while not self._is_closed:
-            try:
-                with self._connected() as connection:
-                    self.is_connected = True
-                    self._talk(connection)
-            except ImcError as error:
-                self._rare.warning(f"{self.address}: {error}")
-            except OSError as error:
-                self._rare.warning(f"{self.address}: {error.strerror or error}; trying again")
-            except Exception:  # of the callbacks
-                logger.exception("%s: a message could not be handled", self.address)
-            self.is_connected = self._is_met = False
-            self._waiting.clear()
-            until_s = time.monotonic() + AGAIN_S
-            while not self._is_closed and time.monotonic() < until_s:
-                time.sleep(0.05)
+    def _forget(self) -> None:
+        self.is_connected = self._is_met = False
 
     def _connected(self) -> socket.socket:
         where = (self.address.host, self.address.port)
@@ -186,56 +146,28 @@ class ImcLink:
             raise
         return connection
 
-    def _talk(self, connection: socket.socket) -> None:
-        """Exchange messages until the connection ends. Raises OSError or ImcError."""
-        connection.settimeout(0.0)
+    def _converse(self) -> None:
         is_tcp = self.address.kind == "tcp"
-        reader, beat_s, unsent = PacketReader(), 0.0, bytearray()
-        self._waiting.append(self._of("EntityList", {"op": QUERY}))
-        with selectors.DefaultSelector() as selector:
-            selector.register(self._woken, selectors.EVENT_READ)
-            selector.register(connection, selectors.EVENT_READ)
+        reader, beat_s = PacketReader(), 0.0
+        with self._connected() as connection, (Stream if is_tcp else Datagrams)(connection, self._woken) as stream:
+            self.is_connected = True
+            self._waiting.append(self._of("EntityList", {"op": QUERY}))
             while not self._is_closed:
-                packets = [encoded(self._waiting.popleft()) for _ in range(len(self._waiting))]
+                messages = self._taken()
                 if time.monotonic() - beat_s > HEARTBEAT_S:
                     beat_s = time.monotonic()
-                    packets.append(encoded(self._of("Heartbeat", {})))
-                if is_tcp:
-                    unsent += b"".join(packets)
-                    if len(unsent) > READ_BYTES * 16:
-                        raise OSError("does not read what it is sent")
-                    with suppress(BlockingIOError):
-                        while unsent:
-                            del unsent[: connection.send(unsent)]
-                    selector.modify(connection, selectors.EVENT_READ | (selectors.EVENT_WRITE if unsent else 0))
-                else:
-                    for packet in packets:
-                        with suppress(OSError):  # no program listens there
-                            connection.send(packet)
-                for key, _ in selector.select(POLL_S):
-                    if key.fileobj is self._woken:
-                        self._woken.recv(READ_BYTES)
-                self._take(self._read(connection, reader, is_tcp))
+                    messages.append(self._of("Heartbeat", {}))
+                stream.send(map(encoded, messages))
+                stream.wait(POLL_S)
+                for data in stream.received():
+                    self._take(list(reader.read(data)) if is_tcp else self._datagram(data))
 
-    def _read(self, connection: socket.socket, reader: PacketReader, is_tcp: bool) -> list[Message]:
-        found: list[Message] = []
+    def _datagram(self, data: bytes) -> list[Message]:
         try:
-            while True:
-                data = connection.recv(READ_BYTES)
-                if is_tcp:
-                    if not data:
-                        raise OSError("has closed the connection")
-                    return list(reader.read(data))
-                try:
-                    found.append(decoded(data))
-                except ImcError as error:
-                    self._rare.warning(f"{self.address}: {error}")
-        except BlockingIOError:
-            pass
-        except ConnectionRefusedError:  # no program listens there for datagrams
-            if is_tcp:
-                raise
-        return found
+            return [decoded(data)]
+        except ImcError as error:
+            self._rare.warning(f"{self.address}: {error}")
+            return []
 
     def _take(self, messages: list[Message]) -> None:
         if not messages:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from uwsim.base.options import Options, option
+from uwsim.bridges.addressed import must_name_vehicles_once, steered_vehicles
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 if TYPE_CHECKING:
+    from uwsim.bridges.actions import Action
     from uwsim.bridges.doctor.finding import Finding
+    from uwsim.bridges.imc.link import Address
 
 
 @dataclass(frozen=True)
@@ -51,9 +54,7 @@ class ImcPlug(BridgePlug[ImcOptions]):
         from uwsim.bridges.imc.link import Address
 
         self._addresses = [Address.parse(text) for text in options.imc]
-        vehicles = [each.vehicle for each in self._addresses]
-        if len(set(vehicles)) < len(vehicles):
-            raise ValueError(f"imc = {', '.join(options.imc)[:80]}: must name each vehicle once")
+        must_name_vehicles_once("imc", options.imc, self._addresses)
         if options.imc_id is None and any(each.kind == "announce" for each in self._addresses):
             raise ValueError(f"imc = {', '.join(options.imc)[:80]}: announce needs --imc-id, the vehicle's number")
         if sum(each.kind == "announce" for each in self._addresses) > 1:
@@ -71,26 +72,15 @@ class ImcPlug(BridgePlug[ImcOptions]):
 
         live, given = require_live(context.live), self.given
         place = Place.of(georeference(live.simulator.scenario))
-        flights = context.flights
         settings = Settings(
             given.imc_rate, given.imc_sends == "instruments", given.imc_id, given.imc_rpm, given.imc_port
         )
         models = {entry.name: entry.model for entry in live.simulator.scenario.vehicles}
-        with ExitStack() as opened:
-            members: dict[str, ImcVehicle] = {}
-            for address in self._addresses:
-                name = address.vehicle or live.simulator.rov.name
-                if name not in live.simulator.vehicles:
-                    raise ValueError(f"imc: vehicle '{name[:40]}': must be one of {', '.join(live.simulator.vehicles)}")
-                if name not in flights:
-                    raise ValueError(f"imc: vehicle '{name}' has no estimate to fly by: give it an IMU")
-                if name in members:
-                    raise ValueError(f"imc: vehicle '{name}': must be named once")
-                member = ImcVehicle(live, flights[name], models[name], address, place, settings)
-                members[name] = opened.enter_context(member)
-                scans = [each for each in context.channels if each.name == flights[name].source.topic("scan")]
-                for scan in scans:
-                    opened.callback(context.feed.listen(scan, member.take_ping))
+
+        def vehicle(action: Action, address: Address) -> ImcVehicle:
+            return ImcVehicle(live, action, models[action.source.name], address, place, settings)
+
+        with steered_vehicles("imc", self._addresses, context, vehicle) as members:
             where = ", ".join(f"{name} at {member.link.address}" for name, member in members.items())
             yield Opened(f"IMC: {where}", members)
 

@@ -4,26 +4,19 @@ from __future__ import annotations
 
 import logging
 import re
-import selectors
 import socket
-import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from typing import NamedTuple, Self
 
+from uwsim.bridges.kept_connection import CONNECT_S, READ_BYTES, KeptConnection, Stream
 from uwsim.bridges.moos.wire import DATA, NOTIFY, POISON, PROTOCOL, REGISTER, TIMING, Message, MoosError, PacketReader
 from uwsim.bridges.moos.wire import encoded as packet_of
-from uwsim.bridges.rare_log import RareLog
 
 PORT = 9000
 """The port of a MOOSDB, unless its mission sets another."""
-CONNECT_S, AGAIN_S, TIMING_S, SILENT_S = 5.0, 1.0, 1.0, 10.0
-"""Time to connect, between attempts, between questions about the time, and of silence after which a peer is lost."""
-WAITING_MAX = 10_000
-"""Messages that wait to be sent; older ones are dropped."""
-READ_BYTES = 1 << 16
+TIMING_S, SILENT_S = 1.0, 10.0
+"""Time between questions about the time, and of silence after which a peer is lost."""
 
 logger = logging.getLogger("uwsim.moos")
 
@@ -51,13 +44,15 @@ class Address(NamedTuple):
         return f"{self.host}:{self.port}"
 
 
-class MoosClient:
-    """A thread that keeps a connection to a MOOSDB.
+class MoosClient(KeptConnection[Message]):
+    """A connection to a MOOSDB.
 
     name: of this application, which a community has once. names: the variables to subscribe to. received: called on
-    this thread with each packet's notifications. met: called on this thread with the community's name and its time
+    its thread with each packet's notifications. met: called on its thread with the community's name and its time
     warp when a connection is ready. The warp is MOOS's clock, seconds since 1970 times the warp, over this machine's.
     """
+
+    failure = MoosError
 
     def __init__(
         self,
@@ -67,30 +62,12 @@ class MoosClient:
         received: Callable[[list[Message]], object],
         met: Callable[[str, float], object],
     ) -> None:
+        super().__init__(f"MOOSDB at {address}", logger, f"uwsim-moos-{name}")
         self.address, self.name, self._names = address, name, tuple(names)
         self._received, self._met = received, met
         self.community = ""
         self.warp: float | None = None
         self._skew_s = 0.0
-        self._waiting: deque[Message] = deque(maxlen=WAITING_MAX)
-        self._wake, self._woken = socket.socketpair()
-        self._wake.setblocking(False)
-        self._rare = RareLog(logger)
-        self._is_closed = False
-        self._thread = threading.Thread(target=self._run, name=f"uwsim-moos-{name}", daemon=True)
-
-    def __enter__(self) -> Self:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Close."""
-        self._is_closed = True
-        with suppress(OSError):
-            self._wake.send(b"\0")
-        self._thread.join(CONNECT_S + AGAIN_S)
-        self._wake.close()
-        self._woken.close()
 
     @property
     def is_met(self) -> bool:
@@ -110,73 +87,47 @@ class MoosClient:
         if not self.is_met:
             return
         now_s = self.time_s
-        for name, value in values:
-            content = value.encode() if isinstance(value, str) else float(value)
-            self._waiting.append(Message(NOTIFY, name, content, now_s, self.name, self.community))
-        with suppress(OSError):  # it is awake, or closed
-            self._wake.send(b"\0")
+        self._queue(
+            Message(NOTIFY, name, value.encode() if isinstance(value, str) else float(value), now_s, self.name,
+                    self.community)
+            for name, value in values
+        )  # fmt: skip
 
-    def _run(self) -> None:
-        while not self._is_closed:
-            try:
-                with socket.create_connection((self.address.host, self.address.port), CONNECT_S) as connection:
-                    self._talk(connection)
-            except MoosError as error:
-                self._rare.warning(f"MOOSDB at {self.address}: {error}")
-            except OSError as error:
-                self._rare.warning(f"MOOSDB at {self.address}: {error.strerror or error}; trying again")
-            except Exception:  # of the callbacks
-                logger.exception("MOOSDB at %s: a message could not be handled", self.address)
-            self.warp, self.community = None, ""
-            self._waiting.clear()
-            until_s = time.monotonic() + AGAIN_S
-            while not self._is_closed and time.monotonic() < until_s:
-                time.sleep(0.05)
+    def _forget(self) -> None:
+        self.warp, self.community = None, ""
 
-    def _talk(self, connection: socket.socket) -> None:
-        """Introduce this client and exchange messages until the connection ends. Raises OSError or MoosError."""
-        connection.settimeout(CONNECT_S)
-        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    def _converse(self) -> None:
+        with socket.create_connection((self.address.host, self.address.port), CONNECT_S) as connection:
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            reader = PacketReader()
+            self._introduce(connection, reader)
+            heard_s, asked_s = time.monotonic(), 0.0
+            with Stream(connection, self._woken) as stream:
+                while not self._is_closed:
+                    now_s = time.monotonic()
+                    if now_s - heard_s > SILENT_S:
+                        raise OSError("silent")
+                    messages = self._taken()
+                    if now_s - asked_s > TIMING_S:
+                        messages.insert(0, Message(TIMING, "_async_timing", 0.0, self.time_s, self.name))
+                        asked_s = now_s
+                    stream.send([packet_of(messages)] if messages else [])
+                    stream.wait(TIMING_S / 4)
+                    for data in stream.received():
+                        heard_s = time.monotonic()
+                        self._take(list(reader.read(data)))
+
+    def _introduce(self, connection: socket.socket, reader: PacketReader) -> None:
+        """Introduce this client, and subscribe. Raises OSError or MoosError."""
         hello = Message(DATA, "asynchronous", self.name.encode(), time.time())
         connection.sendall(PROTOCOL + packet_of([hello]))
-        reader, heard_s, asked_s = PacketReader(), time.monotonic(), 0.0
         first = self._first(connection, reader)
         self.community = first[0].community
         self._take(first[1:])
         now_s = time.time()
-        registrations = [Message(REGISTER, name, 0.0, now_s, self.name, self.community) for name in self._names]
-        connection.sendall(packet_of(registrations))
-        connection.settimeout(0.0)
-        unsent = bytearray()
-        with selectors.DefaultSelector() as selector:
-            selector.register(self._woken, selectors.EVENT_READ)
-            selector.register(connection, selectors.EVENT_READ)
-            while not self._is_closed:
-                now_s = time.monotonic()
-                if now_s - heard_s > SILENT_S:
-                    raise OSError("silent")
-                messages = [self._waiting.popleft() for _ in range(len(self._waiting))]
-                if now_s - asked_s > TIMING_S:
-                    messages.insert(0, Message(TIMING, "_async_timing", 0.0, self.time_s, self.name))
-                    asked_s = now_s
-                if messages:
-                    unsent += packet_of(messages)
-                if len(unsent) > READ_BYTES * 16:
-                    raise OSError("does not read what it is sent")
-                with suppress(BlockingIOError):
-                    while unsent:
-                        del unsent[: connection.send(unsent)]
-                events = selectors.EVENT_READ | (selectors.EVENT_WRITE if unsent else 0)
-                selector.modify(connection, events)
-                for key, _ in selector.select(TIMING_S / 4):
-                    if key.fileobj is self._woken:
-                        self._woken.recv(READ_BYTES)
-                with suppress(BlockingIOError):
-                    data = connection.recv(READ_BYTES)
-                    if not data:
-                        raise OSError("has closed the connection")
-                    heard_s = time.monotonic()
-                    self._take(list(reader.read(data)))
+        connection.sendall(
+            packet_of([Message(REGISTER, name, 0.0, now_s, self.name, self.community) for name in self._names])
+        )
 
     def _first(self, connection: socket.socket, reader: PacketReader) -> list[Message]:
         """Return the messages that begin with the welcome. Raises MoosError or OSError."""

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from uwsim.base.options import Options, option
+from uwsim.bridges.addressed import must_name_vehicles_once, steered_vehicles
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 if TYPE_CHECKING:
+    from uwsim.bridges.actions import Action
     from uwsim.bridges.doctor.finding import Finding
+    from uwsim.bridges.moos.client import Address
 
 
 @dataclass(frozen=True)
@@ -50,9 +53,7 @@ class MoosPlug(BridgePlug[MoosOptions]):
         from uwsim.bridges.moos.client import Address
 
         self._addresses = [Address.parse(text) for text in options.moos]
-        vehicles = [each.vehicle for each in self._addresses]
-        if len(set(vehicles)) < len(vehicles):
-            raise ValueError(f"moos = {', '.join(options.moos)[:80]}: must name each vehicle once")
+        must_name_vehicles_once("moos", options.moos, self._addresses)
         if not options.moos_name.isidentifier():
             raise ValueError(f"moos_name = '{options.moos_name[:40]}': must have letters, digits and _ only")
 
@@ -65,28 +66,15 @@ class MoosPlug(BridgePlug[MoosOptions]):
 
         live, given = require_live(context.live), self.given
         place = georeference(live.simulator.scenario)
-        flights = context.flights
         settings = Settings(
             given.moos_name, given.moos_rate, given.moos_control == "setpoints", given.moos_nav == "truth",
             given.moos_elevator,
         )  # fmt: skip
-        with ExitStack() as opened:
-            members = {}
-            for address in self._addresses:
-                name = address.vehicle or live.simulator.rov.name
-                if name not in live.simulator.vehicles:
-                    raise ValueError(
-                        f"moos: vehicle '{name[:40]}': must be one of {', '.join(live.simulator.vehicles)}"
-                    )
-                if name not in flights:
-                    raise ValueError(f"moos: vehicle '{name}' has no estimate to fly by: give it an IMU")
-                if name in members:
-                    raise ValueError(f"moos: vehicle '{name}': must be named once")
-                member = CommunityVehicle(live, flights[name], address, place, settings)
-                members[name] = opened.enter_context(member)
-                scans = [each for each in context.channels if each.name == flights[name].source.topic("scan")]
-                for scan in scans:
-                    opened.callback(context.feed.listen(scan, member.take_ping))
+
+        def vehicle(action: Action, address: Address) -> CommunityVehicle:
+            return CommunityVehicle(live, action, address, place, settings)
+
+        with steered_vehicles("moos", self._addresses, context, vehicle) as members:
             where = ", ".join(f"{name} at {member.client.address}" for name, member in members.items())
             yield Opened(f"MOOS: {where}", members)
 
