@@ -5,54 +5,31 @@ import socket
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager, suppress
+from contextlib import AbstractContextManager, closing, suppress
 from typing import Any
 
 import numpy as np
 import pytest
 
 from imc_standin import StandInDune
+from steered import OPEN_WATER, bay, steered_by, torpedo
 from uwsim import Simulator
-from uwsim.bridges.actions import actions_of
 from uwsim.bridges.imc.announcer import DISCOVERY_PORTS
 from uwsim.bridges.imc.link import Address, Identity, ImcLink
 from uwsim.bridges.imc.plug import ImcOptions, ImcPlug
 from uwsim.bridges.imc.readings import Place, servos, simulated_state
 from uwsim.bridges.imc.vehicle import ping
 from uwsim.bridges.imc.wire import Message, decoded, encoded
-from uwsim.bridges.plug import Context
-from uwsim.channels.delivery.feed import Feed
-from uwsim.channels.served import served_table
 from uwsim.live import LiveSimulator
 from uwsim.scenario import Scenario, load_vehicle
 from uwsim.scenario.georeference import georeference
-from uwsim.scenario.read.validated import validated
 from waiting import until
 
-OPEN_WATER: dict[str, Any] = {
-    "name": "bay", "description": "deep water", "mission_time_s": 600,
-    "water": {"density_kg_m3": 1026},
-    "terrain": {"source": "noise", "size_m": [400, 400], "spacing_m": 10, "bed_depth_m": 60},
-    "station": {"position_m": [-150, 0, 0], "dock_m": [0, 0, -2]},
-    "earth": {"latitude_deg": 41.185, "longitude_deg": -8.7062},
-}  # fmt: skip
 
-
-def bay(*vehicles: dict[str, Any], **more: Any) -> Scenario:
-    return validated(Scenario, {**OPEN_WATER, **more, "vehicles": list(vehicles)})
-
-
-def torpedo(name: str = "lauv", **start: Any) -> dict[str, Any]:
-    return {"name": name, "model": "remus100", "start": {"position_m": [0, 0, -8], "yaw_deg": 90, **start}}
-
-
-@contextmanager
-def member(scenario: Scenario | str, *addresses: str, speed: float = 1.0, **options: Any) -> Iterator[LiveSimulator]:
-    with LiveSimulator(Simulator(scenario, seed=3), speed=speed) as live:
-        table = served_table(live, wire=None, origin="world", tf="truth", frame_prefix="")
-        context = Context(table.channels, Feed(live), live, table.services, actions_of(live.simulator, table))
-        with ImcPlug(ImcOptions(imc=addresses, **options)).open(context):
-            yield live
+def member(
+    scenario: Scenario | str, *addresses: str, speed: float = 1.0, **options: Any
+) -> AbstractContextManager[LiveSimulator]:
+    return steered_by(ImcPlug(ImcOptions(imc=addresses, **options)), scenario, speed)
 
 
 @pytest.fixture
@@ -98,7 +75,7 @@ def test_the_true_motion_has_imcs_frames() -> None:
     half = math.radians(60) / 2
     sim.rov.place([30, -20, -8], [0, 0, math.sin(half), math.cos(half)], [1.0, 0.2, 0.1, 0.01, 0.02, 0.03])
     found = state()
-    assert (found["lat"], found["lon"]) == pytest.approx((math.radians(41.185), math.radians(-8.7062)), abs=1e-9)
+    assert (found["lat"], found["lon"]) == pytest.approx((math.radians(43.8253), math.radians(-70.3304)), abs=1e-9)
     assert (found["x"], found["y"], found["z"]) == pytest.approx((-20, 30, 8), abs=0.05)  # the grid is not quite north
     assert found["psi"] == pytest.approx(math.radians(30), abs=2e-3)
     assert [found[each] for each in "uvwpqr"] == pytest.approx([1.0, -0.2, -0.1, 0.01, -0.02, -0.03])
@@ -111,7 +88,7 @@ def test_the_true_motion_has_imcs_frames() -> None:
 
 def test_offsets_are_distances_on_the_ellipsoid() -> None:
     """A degree of the meridian at 41.185 N is 111 064 m, Snyder 1987, eq. 4-19 and its series."""
-    place = Place.of(georeference(bay(torpedo())))
+    place = Place.of(georeference(bay(torpedo(), earth={"latitude_deg": 41.185, "longitude_deg": -8.7062})))
     for east, north in ((500.0, 0.0), (0.0, 2000.0), (-1500.0, 700.0)):
         x_m, y_m = place.offset_m(np.array([east, north, 0.0]))
         latitude_deg, longitude_deg = place.world.degrees(np.array([east, north, 0.0])).tolist()
@@ -200,9 +177,9 @@ def test_instruments_have_units_and_entities_of_the_peer(dune: StandInDune) -> N
         until(lambda: dune.field("GroundVelocity", "validity") == 7)
         until(lambda: dune.seen["GroundVelocity"][-1].entity == 33)
         assert dune.seen["Depth"][-1].entity >= 128
-        live.command("place", vehicle="lauv", position_world_m=[0, 0, -0.1], orientation_xyzw=[0, 0, 0, 1]).result()
+        live.command("place", vehicle="alpha", position_world_m=[0, 0, -0.1], orientation_xyzw=[0, 0, 0, 1]).result()
         until(lambda: "GpsFix" in dune.seen)
-        assert dune.field("GpsFix", "lat") == pytest.approx(math.radians(41.185), abs=1e-5)
+        assert dune.field("GpsFix", "lat") == pytest.approx(math.radians(43.8253), abs=1e-5)
 
 
 def test_a_system_of_our_own_lists_its_entities(dune: StandInDune) -> None:
@@ -294,9 +271,9 @@ def test_a_console_is_answered_and_gets_the_vehicle_but_does_not_steer_it() -> N
         console.announce()
         until(lambda: console.has("Announce", "EstimatedState", "Heartbeat", "Depth", "SonarData"))
         announced = console.heard["Announce"]
-        assert (announced.source, announced.content["sys_name"], announced.content["sys_type"]) == (0x00D1, "lauv", 2)
+        assert (announced.source, announced.content["sys_name"], announced.content["sys_type"]) == (0x00D1, "alpha", 2)
         assert announced.content["services"] == f"imc+udp://127.0.0.1:{port}/"
-        assert announced.content["lat"] == pytest.approx(math.radians(41.185), abs=1e-5)
+        assert announced.content["lat"] == pytest.approx(math.radians(43.8253), abs=1e-5)
         assert "SimulatedState" not in console.heard
         console.send(port, "SetThrusterActuation", id=0, value=0.5)
         console.send(port, "EntityList", op=1)
@@ -313,7 +290,7 @@ def test_all_stop_outranks_dune_and_what_has_no_actuator_is_reported(
         dune.send("SetThrusterActuation", id=4, value=0.5)
         dune.send("SetServoPosition", id=0, value=math.nan)
         until(lambda: "thruster 4" in caplog.text and "servo 0" in caplog.text)
-        live.command("all_stop", vehicle="lauv", on=True).result()
+        live.command("all_stop", vehicle="alpha", on=True).result()
         for _ in range(5):
             dune.send("SetThrusterActuation", id=0, value=0.8)
             time.sleep(0.05)
@@ -350,7 +327,7 @@ def test_wrong_options_are_refused_before_anything_is_built(options: dict[str, A
 @pytest.mark.parametrize(
     ("scenario", "address", "message"),
     [
-        (bay(torpedo()), "nemo=h:1", "vehicle 'nemo': must be one of lauv"),
+        (bay(torpedo()), "nemo=h:1", "vehicle 'nemo': must be one of alpha"),
         ("pool", "h:1", "no place on Earth|has no thrusters"),
     ],
 )

@@ -10,7 +10,7 @@ import subprocess
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
@@ -18,49 +18,27 @@ import numpy as np
 import pytest
 
 from moos_standin import StandInMoosDB
+from steered import bay, steered_by, torpedo
 from uwsim import Simulator
-from uwsim.bridges.actions import actions_of
 from uwsim.bridges.moos.client import Address, MoosClient
 from uwsim.bridges.moos.plug import MoosOptions, MoosPlug
 from uwsim.bridges.moos.variables import is_true, navigation, number, ping_summary
 from uwsim.bridges.moos.wire import NOTIFY, PROTOCOL, WELCOME, Message, MoosError, PacketReader, decoded, encoded
-from uwsim.bridges.plug import Context
-from uwsim.channels.delivery.feed import Feed
-from uwsim.channels.served import served_table
 from uwsim.live import LiveSimulator
 from uwsim.mapping.files.georeference import Georeference
 from uwsim.scenario import Scenario
 from uwsim.scenario.georeference import georeference
-from uwsim.scenario.read.validated import validated
 from waiting import until
 
 RECORDED = json.loads((Path(__file__).parents[1] / "data/moos/exchange.json").read_text())
 """Bytes between two clients and MOOSDB (MOOS core of July 2024), time warp 8."""
 MOOSDB = shutil.which("MOOSDB", path=os.environ.get("UWSIM_MOOS_BIN", os.environ.get("PATH")))
-OPEN_WATER = {
-    "name": "bay", "description": "deep water", "mission_time_s": 600,
-    "water": {"density_kg_m3": 1026},
-    "terrain": {"source": "noise", "size_m": [400, 400], "spacing_m": 10, "bed_depth_m": 60},
-    "station": {"position_m": [-150, 0, 0], "dock_m": [0, 0, -2]},
-    "earth": {"latitude_deg": 43.8253, "longitude_deg": -70.3304},
-}  # fmt: skip
 
 
-def bay(*vehicles: dict[str, Any]) -> Scenario:
-    return validated(Scenario, {**OPEN_WATER, "vehicles": list(vehicles)})
-
-
-def torpedo(name: str = "alpha", y_m: float = 0.0) -> dict[str, Any]:
-    return {"name": name, "model": "remus100", "start": {"position_m": [0, y_m, -8], "yaw_deg": 90}}
-
-
-@contextmanager
-def member(scenario: Scenario | str, *addresses: str, speed: float = 1.0, **options: Any) -> Iterator[LiveSimulator]:
-    with LiveSimulator(Simulator(scenario, seed=3), speed=speed) as live:
-        table = served_table(live, wire=None, origin="world", tf="truth", frame_prefix="")
-        context = Context(table.channels, Feed(live), live, table.services, actions_of(live.simulator, table))
-        with MoosPlug(MoosOptions(moos=addresses, **options)).open(context):
-            yield live
+def member(
+    scenario: Scenario | str, *addresses: str, speed: float = 1.0, **options: Any
+) -> AbstractContextManager[LiveSimulator]:
+    return steered_by(MoosPlug(MoosOptions(moos=addresses, **options)), scenario, speed)
 
 
 @pytest.fixture
@@ -240,7 +218,7 @@ def test_the_warp_of_the_community_is_the_speed_of_the_simulator() -> None:
 def test_each_vehicle_has_a_community_of_its_own_which_may_come_late(db: StandInMoosDB) -> None:
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
-    scenario = bay(torpedo("alpha"), torpedo("bravo", 20.0))
+    scenario = bay(torpedo("alpha"), torpedo("bravo", position_m=[0, 20, -8]))
     with member(scenario, f"alpha=127.0.0.1:{db.port}", f"bravo=127.0.0.1:{port}"):
         until(lambda: db.last("NAV_Y") is not None)
         with StandInMoosDB("bravo", port=port) as other:
