@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 
 from uwsim.base.did_you_mean import did_you_mean
@@ -11,6 +12,7 @@ from uwsim.scenario.read.errors import ScenarioError
 YAML_SUFFIXES = (".yaml", ".yml")
 
 
+@cache
 def assets_folder() -> Path:
     """Return the folder of packaged assets: in the package if installed, otherwise at the root of the repository."""
     package = Path(__file__).resolve().parents[2]
