@@ -382,10 +382,9 @@ def require_map_path(path: str | os.PathLike[str]) -> None:
     target = os.fsdecode(path)
     if Path(target).suffix not in MAP_FORMATS:
         raise ValueError(f"map path '{target}': must end in {' or '.join(MAP_FORMATS)}")
-    try:
-        file = Path(target).resolve()  # a link remains a link
-    except RuntimeError:  # Python before 3.13
-        raise OSError(f"'{target}': cannot be written: it is a loop of symbolic links") from None
+    file = Path(os.path.realpath(target))  # a link remains a link
+    if file.is_symlink():  # realpath has followed all but those of a loop
+        raise OSError(f"'{target}': cannot be written: it is a loop of symbolic links")
     if not file.parent.is_dir():
         raise FileNotFoundError(f"'{target}': cannot be written: there is no folder '{file.parent}'")
     require_own(file)

@@ -11,6 +11,7 @@ whose real part is positive everywhere, makes up for.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -33,6 +34,8 @@ FADING = 0.03
 """Weight of frequencies beyond the table in the search of poles."""
 ITERATIONS, CLOSE = 600, 1e-4
 """Steps of the search for matrices, and the violation of the constraint at which it ends."""
+SINGULAR = 1e14
+"""Condition number of the normal equations from which on they have no solution in float64."""
 
 
 class Fit(NamedTuple):
@@ -61,16 +64,17 @@ def fitted(omega_rad_s: Array, memory: Complex, added_mass_infinite: Array, leng
     moving = np.abs(np.diagonal(target, axis1=1, axis2=2)).max(axis=0) > FLAT**0.5
     weight = 1.0 / np.maximum(1.0, omega_rad_s * float(inertia[moving].min(initial=inertia.max())))
     counts = 1.0 / np.maximum(1.0, np.multiply.outer(omega_rad_s, np.sqrt(np.multiply.outer(inertia, inertia))))
-    best: Fit | None = None
+    best = Fit(np.zeros((0, 6, 6)), np.zeros((0, 6, 6)), np.zeros(0), np.zeros(0), math.inf)
     for count in COUNTS:
-        poles = _poles(omega_rad_s, target, weight, count)
-        found = _passive(omega_rad_s, _matrices(target, omega_rad_s, weight, poles))
+        sections = _matrices(target, omega_rad_s, weight, _poles(omega_rad_s, target, weight, count))
+        if sections is None:
+            continue
+        found = _passive(omega_rad_s, sections)
         error = float((counts * np.abs(impedance(found, omega_rad_s) - target)).max())
-        if best is None or error < best.error:
+        if error < best.error:
             best = found._replace(error=error)
         if error <= GOOD:
             break
-    assert best is not None
     return best._replace(by_speed=best.by_speed * scale, by_place=best.by_place * scale)
 
 
@@ -151,8 +155,10 @@ def _outside(omega_rad_s: Array) -> tuple[Array, Array]:
     return outside, 1.0 / (_wide(outside, _middle(omega_rad_s)) * _middle(omega_rad_s))
 
 
-def _matrices(target: Complex, omega_rad_s: Array, weight: Array, poles: Array) -> Fit:
+def _matrices(target: Complex, omega_rad_s: Array, weight: Array, poles: Array) -> Fit | None:
     """Return the sections of least squares whose real part is nowhere negative, as nearly as ITERATIONS find them.
+
+    None where poles coincide, so that sections cannot be told apart: what follows would be rounding errors.
 
     By alternating directions (Boyd et al. 2011, Foundations and Trends in Machine Learning 3:1, sec. 3.1): the real
     part over that of the wide section, at frequencies far beyond the table as well, must be positive semi-definite.
@@ -163,7 +169,10 @@ def _matrices(target: Complex, omega_rad_s: Array, weight: Array, poles: Array) 
     grid = np.geomspace(omega_rad_s[0] / BEYOND, omega_rad_s[-1] * BEYOND, 120)
     real = _basis(grid, poles).real / (_wide(grid, _middle(omega_rad_s)) * _middle(omega_rad_s))[:, None]
     rho = np.trace(basis.T @ basis) / np.trace(real.T @ real)
-    inverse = np.linalg.inv(basis.T @ basis + rho * real.T @ real)
+    normal = basis.T @ basis + rho * real.T @ real
+    if not np.linalg.cond(normal) < SINGULAR:
+        return None
+    inverse = np.linalg.inv(normal)
     wanted = basis.T @ _stacked(weight[:, None, None] * target).reshape(len(basis), 36)
     positive = dual = np.zeros((len(grid), 36))
     found = np.zeros((2 * count - 1, 36))
