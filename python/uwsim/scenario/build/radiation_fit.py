@@ -158,7 +158,7 @@ def _outside(omega_rad_s: Array) -> tuple[Array, Array]:
 def _matrices(target: Complex, omega_rad_s: Array, weight: Array, poles: Array) -> Fit | None:
     """Return the sections of least squares whose real part is nowhere negative, as nearly as ITERATIONS find them.
 
-    None where poles coincide, so that sections cannot be told apart: what follows would be rounding errors.
+    None where poles coincide, so that sections coincide too: what follows would be rounding errors.
 
     By alternating directions (Boyd et al. 2011, Foundations and Trends in Machine Learning 3:1, sec. 3.1): the real
     part over that of the wide section, at frequencies far beyond the table as well, must be positive semi-definite.
