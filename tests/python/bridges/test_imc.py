@@ -1,11 +1,14 @@
 """`--imc`: frames, and a vehicle that a DUNE commands or that consoles find."""
 
 import math
+import os
 import socket
+import subprocess
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, closing, suppress
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -156,6 +159,14 @@ def test_dune_gets_the_motion_and_steers(dune: StandInDune) -> None:
 
         until(dived)
         assert dune.field("SimulatedState", "u") > 0.5
+
+        def is_at_its_stop() -> bool:
+            sail(3.0, 0.0)  # beyond the travel, as a rounded 25 degrees of DUNE's are
+            return bool(max(map(abs, live.rov.fins.values())) == pytest.approx(math.radians(travel_deg)))
+
+        travel_deg = max(fin.deflection_max_deg for fin in load_vehicle("remus100").fins.values())
+
+        until(is_at_its_stop)
         until(lambda: live.rov.thrusters["propeller"].command == 0)  # once it is silent
         until(lambda: all(abs(each) < 1e-9 for each in live.rov.fins.values()))
 
@@ -280,6 +291,17 @@ def test_a_console_is_answered_and_gets_the_vehicle_but_does_not_steer_it() -> N
         until(lambda: console.has("EntityList"))
         assert "navigation=" in console.heard["EntityList"].content["list"]
         assert live.rov.thrusters["propeller"].command == 0.0
+
+
+@pytest.mark.skipif(
+    not {"UWSIM_DUNE", "UWSIM_DUNE_CONFIG"} <= set(os.environ),
+    reason="needs DUNE: its program as UWSIM_DUNE, its folder etc as UWSIM_DUNE_CONFIG",
+)
+def test_a_dune_flies_its_plan_with_its_own_autopilot() -> None:
+    trial = Path(__file__).parents[3] / "tools/imc-trial"
+    given = ["--dune", os.environ["UWSIM_DUNE"], "--config", os.environ["UWSIM_DUNE_CONFIG"]]
+    done = subprocess.run([trial, *given], capture_output=True, text=True, timeout=900)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_all_stop_outranks_dune_and_what_has_no_actuator_is_reported(

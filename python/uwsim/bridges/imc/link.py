@@ -116,15 +116,16 @@ class ImcLink(KeptConnection[Message]):
         self.is_connected = False
         self._is_met = False
 
-    def publish(self, said: Iterable[Sent]) -> None:
+    def publish(self, said: Iterable[Sent], to: int = NO_SYSTEM) -> None:
         """Queue messages of entities, all of the present time. Does not block; may be called on any thread.
 
-        Nothing is kept while there is no connection.
+        Nothing is kept while there is no connection. to: the number of the system that they are for.
         """
         if self.is_connected:
             now_s, identity = time.time(), self.identity
             self._queue(
-                Message(name, content, identity.system, identity.entity(label), now_s) for label, name, content in said
+                Message(name, content, identity.system, identity.entity(label), now_s, to)
+                for label, name, content in said
             )
 
     def _forget(self) -> None:

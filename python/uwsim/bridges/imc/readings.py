@@ -237,10 +237,11 @@ _MESSAGES: dict[str, Callable[[Any, Array], Iterator[Named]]] = {
 
 
 class Servo(NamedTuple):
-    """A fin's servo. number: DUNE's. sign: of the fin's angle over the servo's."""
+    """A fin's servo. number: DUNE's. sign: of the fin's angle over the servo's. travel_rad: to both sides [rad]."""
 
     number: int
     sign: float
+    travel_rad: float
 
 
 def servos(model: VehicleModel) -> dict[str, Servo]:
@@ -258,5 +259,5 @@ def servos(model: VehicleModel) -> dict[str, Servo]:
         is_rudder = abs(span[2]) > abs(span[1])
         wanted = np.array([0.0, -1.0, 0.0]) if is_rudder else np.array([0.0, 0.0, 1.0])
         number = (3 if span[2] > 0 else 0) if is_rudder else (1 if span[1] > 0 else 2)
-        found[name] = Servo(number, float(np.sign(push @ wanted)))
+        found[name] = Servo(number, float(np.sign(push @ wanted)), math.radians(fin.deflection_max_deg))
     return found

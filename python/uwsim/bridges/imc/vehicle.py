@@ -67,7 +67,7 @@ class ImcVehicle:
         if not model.thrusters:
             raise ValueError(f"imc: vehicle '{self.vehicle}': has no thrusters that could be commanded")
         self._thrusters, fins = list(model.thrusters), servos(model)
-        self._fins = {servo.number: (name, servo.sign) for name, servo in fins.items()}
+        self._fins = {servo.number: (name, servo) for name, servo in fins.items()}
         self._wanted: dict[str, dict[str, float]] = {"commands": {}, "angles_rad": {}}
         self._rare = RareLog(logger)
         begun_s = time.time() - live.simulator.time_s
@@ -158,8 +158,8 @@ class ImcVehicle:
                 f"{self.link.address}: servo {number}, angle {value:g} rad: must be a number, of a servo ({known})"
             )
             return None
-        name, sign = self._fins[number]
-        self._wanted["angles_rad"][name] = sign * max(-math.pi / 2, min(math.pi / 2, value))
+        name, servo = self._fins[number]
+        self._wanted["angles_rad"][name] = servo.sign * max(-servo.travel_rad, min(servo.travel_rad, value))
         return "angles_rad"
 
     def _applied(self, command: str, argument: str) -> Any:
