@@ -119,6 +119,7 @@ __all__: list[str] = [
     "WaterProfile",
     "WaterTargets",
     "Waves",
+    "Windage",
     "World",
     "absorption_db_km",
     "added_mass",
@@ -1133,6 +1134,13 @@ class CraftParameters:
         self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]
     ) -> None: ...
     @property
+    def coefficients_volume_m3(self) -> float:
+        """
+        The submerged volume at which added mass and damping hold; 0: that of the whole hull.
+        """
+    @coefficients_volume_m3.setter
+    def coefficients_volume_m3(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
     def crossflow_length_m(self) -> float:
         """
         The length along x over which the drag in sway and heave is spread; 0: at the origin.
@@ -1338,6 +1346,13 @@ class ThrusterParameters:
     @bollard_coefficient.setter
     def bollard_coefficient(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
+    def counter_body_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"] | None:
+        """
+        (3,), where the opposite of a vertical force acts [m]; None: nowhere
+        """
+    @counter_body_m.setter
+    def counter_body_m(self, arg1: typing.Any) -> None: ...
+    @property
     def curve(self) -> ThrustCurve: ...
     @property
     def diameter_m(self) -> float: ...
@@ -1350,6 +1365,13 @@ class ThrusterParameters:
         """
     @health.setter
     def health(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def is_vertical(self) -> bool:
+        """
+        a force along the world's vertical: buoyancy or weight
+        """
+    @is_vertical.setter
+    def is_vertical(self, arg0: bool) -> None: ...
     @property
     def name(self) -> str: ...
     @property
@@ -1457,6 +1479,66 @@ class FinParameters:
     def stall_sharpness_rad(self) -> float: ...
     @stall_sharpness_rad.setter
     def stall_sharpness_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class Windage:
+    """
+    What a wind meets of a hull that floats (Fossen 2011, sec. 8.1).
+    """
+    def __init__(self) -> None: ...
+    @property
+    def dry_volume_m3(self) -> float:
+        """
+        of the hull above the water as it floats
+        """
+    @dry_volume_m3.setter
+    def dry_volume_m3(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def frontal_area_m2(self) -> float: ...
+    @frontal_area_m2.setter
+    def frontal_area_m2(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def height_m(self) -> float:
+        """
+        of the areas' centre above the body's origin
+        """
+    @height_m.setter
+    def height_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def lateral_area_m2(self) -> float: ...
+    @lateral_area_m2.setter
+    def lateral_area_m2(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def length_m(self) -> float: ...
+    @length_m.setter
+    def length_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def speed_share(self) -> float:
+        """
+        the wind at that height, relative to that at 10 m
+        """
+    @speed_share.setter
+    def speed_share(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def surge(self) -> float:
+        """
+        c_x
+        """
+    @surge.setter
+    def surge(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def sway(self) -> float:
+        """
+        c_y
+        """
+    @sway.setter
+    def sway(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def yaw(self) -> float:
+        """
+        c_n
+        """
+    @yaw.setter
+    def yaw(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
 
 class ActuatorsSpec:
     """
@@ -3322,6 +3404,26 @@ class DynamicsEngine:
 class SimulationSpec:
     engine: DynamicsEngine
     def __init__(self) -> None: ...
+    def carry_station(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        position_body_m: typing.Any,
+        docked_m: typing.Any,
+        docked_xyzw: typing.Any,
+    ) -> None:
+        """
+        Let the station ride on a vehicle, in whose frame its position (3,) and the pose of what is docked are.
+        """
+    def set_wind(
+        self,
+        speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
+        heading_rad: typing.SupportsFloat | typing.SupportsIndex,
+        gusts: typing.Any,
+    ) -> None:
+        """
+        Set the wind 10 m above the water, and where it blows. gusts: (n, 3), amplitude [m/s], angular frequency
+        [rad/s] and phase [rad] of each harmonic.
+        """
     @property
     def mission_time_s(self) -> float: ...
     @mission_time_s.setter
@@ -3903,6 +4005,13 @@ class VehicleSpec:
     def sonars(self) -> list[SonarSpec]: ...
     @sonars.setter
     def sonars(self, arg0: collections.abc.Sequence[SonarSpec]) -> None: ...
+    @property
+    def windage(self) -> Windage | None:
+        """
+        None: it feels no wind
+        """
+    @windage.setter
+    def windage(self, arg0: Windage | None) -> None: ...
     @property
     def wrenches(self) -> list[AppliedWrench]:
         """

@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/typing.h>
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -54,7 +55,29 @@ void bind_specs(py::module_& m) {
       .def_readwrite("station_world_m", &SimulationSpec::station_world_m)
       .def_readwrite("range_warning_m", &SimulationSpec::range_warning_m)
       .def_readwrite("proximity_warning_m", &SimulationSpec::proximity_warning_m)
-      .def_readwrite("engine", &SimulationSpec::engine);
+      .def_readwrite("engine", &SimulationSpec::engine)
+      .def(
+          "set_wind",
+          [](SimulationSpec& spec, double speed_m_s, double heading_rad, const py::object& gusts) {
+            spec.wind.speed_m_s = speed_m_s;
+            spec.wind.direction = {std::cos(heading_rad), std::sin(heading_rad), 0};
+            spec.wind.gusts.clear();
+            const auto rows = as_array<double>(gusts, "gusts", {-1, 3});
+            for (py::ssize_t k = 0; k < rows.shape(0); ++k)
+              spec.wind.gusts.push_back({rows.at(k, 0), rows.at(k, 1), rows.at(k, 2)});
+          },
+          py::arg("speed_m_s"), py::arg("heading_rad"), py::arg("gusts"),
+          "Set the wind 10 m above the water, and where it blows. gusts: (n, 3), amplitude [m/s], angular frequency\n"
+          "[rad/s] and phase [rad] of each harmonic.")
+      .def(
+          "carry_station",
+          [](SimulationSpec& spec, std::size_t vehicle, const py::object& position_body_m, const py::object& docked_m,
+             const py::object& docked_xyzw) {
+            spec.carried_station = CarriedStation{vehicle, as_vector3(position_body_m, "position_body_m"),
+                                                  as_pose(docked_m, docked_xyzw, "docked")};
+          },
+          py::arg("vehicle"), py::arg("position_body_m"), py::arg("docked_m"), py::arg("docked_xyzw"),
+          "Let the station ride on a vehicle, in whose frame its position (3,) and the pose of what is docked are.");
 
   py::class_<SonarSpec>(m, "SonarSpec")
       .def(py::init([](std::string name, const MultibeamModel& model, const py::object& position_m,
@@ -115,6 +138,7 @@ void bind_specs(py::module_& m) {
       .def_readwrite("sensors", &VehicleSpec::sensors)
       .def_readwrite("sonars", &VehicleSpec::sonars)
       .def_readwrite("battery", &VehicleSpec::battery, "None: the simulation's mission time")
+      .def_readwrite("windage", &VehicleSpec::windage, "None: it feels no wind")
       .def_readwrite("wrenches", &VehicleSpec::wrenches, "what acts on it, by schedule; copied")
       .def_readwrite("arm", &VehicleSpec::arm, "its links, a list; copied; empty: it has no arm");
 }

@@ -9,6 +9,7 @@
 #include "bindings/vehicle/binders.h"
 #include "uwsim/vehicle/actuators.h"
 #include "uwsim/vehicle/battery_cells.h"
+#include "uwsim/vehicle/windage.h"
 
 namespace uwsim::bindings {
 void bind_actuators(py::module_& m) {
@@ -82,6 +83,14 @@ void bind_actuators(py::module_& m) {
       .def_readwrite("bollard_coefficient", &ThrusterParameters::bollard_coefficient, "K_T at zero speed")
       .def_readwrite("zero_thrust_advance_ratio", &ThrusterParameters::zero_thrust_advance_ratio,
                      "inf if thrust does not decrease with speed")
+      .def_readwrite("is_vertical", &ThrusterParameters::is_vertical,
+                     "a force along the world's vertical: buoyancy or weight")
+      .def_property(
+          "counter_body_m", [](const ThrusterParameters& p) { return p.counter_body_m; },
+          [](ThrusterParameters& p, const py::object& at) {
+            p.counter_body_m = at.is_none() ? std::nullopt : std::optional(as_vector3(at, "counter_body_m"));
+          },
+          "(3,), where the opposite of a vertical force acts [m]; None: nowhere")
       .def_readwrite("health", &ThrusterParameters::health,
                      "fraction of the thrust that remains after a fault; the allocation does not account for it")
       .def_readwrite("torque_per_thrust_m", &ThrusterParameters::torque_per_thrust_m, "k_q [m]")
@@ -114,6 +123,18 @@ void bind_actuators(py::module_& m) {
       .def_readwrite("deflection_max_rad", &FinParameters::deflection_max_rad, "0: fixed")
       .def_readwrite("rate_max_rad_s", &FinParameters::rate_max_rad_s)
       .def("lift_slope", &FinParameters::lift_slope, "Return dC_L / d alpha at zero lift [1/rad].");
+
+  py::class_<Windage>(m, "Windage", "What a wind meets of a hull that floats (Fossen 2011, sec. 8.1).")
+      .def(py::init<>())
+      .def_readwrite("frontal_area_m2", &Windage::frontal_area_m2)
+      .def_readwrite("lateral_area_m2", &Windage::lateral_area_m2)
+      .def_readwrite("length_m", &Windage::length_m)
+      .def_readwrite("height_m", &Windage::height_m, "of the areas' centre above the body's origin")
+      .def_readwrite("surge", &Windage::surge, "c_x")
+      .def_readwrite("sway", &Windage::sway, "c_y")
+      .def_readwrite("yaw", &Windage::yaw, "c_n")
+      .def_readwrite("speed_share", &Windage::speed_share, "the wind at that height, relative to that at 10 m")
+      .def_readwrite("dry_volume_m3", &Windage::dry_volume_m3, "of the hull above the water as it floats");
 
   py::class_<ActuatorsSpec>(m, "ActuatorsSpec", "The thrusters and fins of a vehicle.")
       .def(py::init<>())

@@ -99,6 +99,8 @@ void bind_vehicle(py::module_& m) {
       .def_readwrite("quadratic_damping", &CraftParameters::quadratic_damping, "(6, 6) [N s^2/m^2, N m s^2/rad^2]")
       .def_readwrite("munk_share", &CraftParameters::munk_share,
                      "The fraction of the Munk moment that remains; 1 in an ideal fluid.")
+      .def_readwrite("coefficients_volume_m3", &CraftParameters::coefficients_volume_m3,
+                     "The submerged volume at which added mass and damping hold; 0: that of the whole hull.")
       .def_readwrite("crossflow_length_m", &CraftParameters::crossflow_length_m,
                      "The length along x over which the drag in sway and heave is spread; 0: at the origin.")
       .def_readwrite("buoyancy_share", &CraftParameters::buoyancy_share,

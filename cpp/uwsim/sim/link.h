@@ -16,6 +16,7 @@ namespace uwsim {
 /// The parameters of the link between the station and the vehicles.
 struct LinkSpec {
   ModemSpec modem;
+  /// In the frame of the vehicle that carries the station, if one does.
   Eigen::Vector3d station_transducer_world_m = Eigen::Vector3d::Zero();
   NoiseSources noise;
   FluidBottom bottom;

@@ -36,6 +36,9 @@ void SimulationSpec::check() const {
   require(step_s >= 1e-5 && step_s <= 0.02, "step_s", step_s, "must be in [0.00001, 0.02] s");
   require(std::isfinite(mission_time_s) && mission_time_s > 0, "mission_time_s", mission_time_s, "must be positive");
   require(station_world_m.allFinite(), "station.position_m", station_world_m.transpose(), "must be finite");
+  wind.check();
+  require(!carried_station || carried_station->position_body_m.allFinite(), "station.position_m", "non-finite",
+          "must be finite");
   require(range_warning_m > 0, "warnings.range_m", range_warning_m, "must be positive");
   require(proximity_warning_m > 0, "warnings.proximity_m", proximity_warning_m, "must be positive");
 }
@@ -88,6 +91,8 @@ Vehicle Simulation::equipped(const VehicleSpec& from, const SimulationSpec& spec
   vehicle.craft = from.craft;
   vehicle.actuators = Actuators(from.actuators);
   vehicle.pushes.scheduled = from.wrenches;
+  if (from.windage) from.windage->check();
+  vehicle.windage = from.windage;
   vehicle.sensors = SensorRack(from.sensors, spec.seed, from.name, step_ns_);
   vehicle.sensors.use_link(link_ && link_->spec.modem.kind == LinkKind::kModem);
   for (const SonarSpec& sonar : from.sonars) {
@@ -112,16 +117,17 @@ void Simulation::step(std::uint64_t count) {
 void Simulation::step_once() {
   for (Vehicle& vehicle : vehicles_) {
     if (vehicle.sensors.collection_due(tick_)) {
-      vehicle.sensors.collect(snapshot(vehicle), {scene_around(vehicle), world_.water, sound_, spec_.station_world_m});
+      vehicle.sensors.collect(snapshot(vehicle), {scene_around(vehicle), world_.water, sound_, station_world_m()});
     }
     if (vehicle.sensors.due(tick_)) {
-      vehicle.sensors.record(snapshot(vehicle), {scene_around(vehicle), world_.water, sound_, spec_.station_world_m});
+      vehicle.sensors.record(snapshot(vehicle), {scene_around(vehicle), world_.water, sound_, station_world_m()});
     }
   }
   if (link_) transmit();
   for (Vehicle& vehicle : vehicles_) drive(vehicle);
   for (std::size_t k = 0; k < object_pushes_.size(); ++k) bodies_.apply(body_of(k), object_pushes_[k].at(tick_));
   bodies_.step(world_.water, time_s());
+  if (spec_.carried_station) carry_docked();
   for (Vehicle& vehicle : vehicles_) {
     const bool touches = bodies_.in_contact(vehicle.body);
     if (touches && !vehicle.touching) ++vehicle.collisions;
@@ -142,7 +148,37 @@ void Simulation::drive(Vehicle& vehicle) {
                                ? vehicle.craft->submerged_fraction(state.world_from_body, world_.water, time_s())
                                : 1;
   bodies_.set_wrench(vehicle.body, actuators.wrench_body(state, world_.water, time_s(), submerged));
-  bodies_.apply(vehicle.body, vehicle.pushes.at(tick_));
+  Loads loads = vehicle.pushes.at(tick_);
+  if (vehicle.windage && spec_.wind.blows()) loads.body += wind_load(vehicle, spec_.wind);
+  bodies_.apply(vehicle.body, loads);
+}
+
+Vector6d Simulation::wind_load(const Vehicle& vehicle, const Wind& wind) const {
+  const BodyState& state = bodies_.state(vehicle.body);
+  const Windage& windage = *vehicle.windage;
+  const BuoyantHull& hull = vehicle.craft->hull();
+  const double dry_m3 =
+      hull.solid().volume_m3 - hull.submerged_volume_m3(state.world_from_body, world_.water, time_s());
+  const Eigen::Vector3d air =
+      state.world_from_body.orientation.conjugate() * (windage.speed_share * wind.velocity_m_s(time_s()));
+  return windage.load(air - state.linear_body_m_s(), windage.dry_volume_m3 > 0 ? dry_m3 / windage.dry_volume_m3 : 0);
+}
+
+Eigen::Vector3d Simulation::station_world_m() const {
+  if (!spec_.carried_station) return spec_.station_world_m;
+  return state(spec_.carried_station->vehicle).world_from_body.point(spec_.carried_station->position_body_m);
+}
+
+/// Moves what is docked with the vehicle that carries the station.
+void Simulation::carry_docked() {
+  const CarriedStation& station = *spec_.carried_station;
+  const BodyState& carrier = state(station.vehicle);
+  for (const Vehicle& vehicle : vehicles_) {
+    if (vehicle.released()) continue;
+    BodyState carried;
+    carried.world_from_body = carrier.world_from_body * station.body_from_docked;
+    bodies_.set_state(vehicle.body, carried);
+  }
 }
 
 std::size_t Simulation::body_of(std::size_t object) const {
@@ -209,7 +245,7 @@ RayScene Simulation::scene_around(std::size_t index) const { return scene_around
 
 const Sample& Simulation::read_sensor(std::size_t index, std::size_t sensor, bool with_noise) {
   Vehicle& reader = changeable(index);
-  const Surroundings around{scene_around(reader), world_.water, sound_, spec_.station_world_m};
+  const Surroundings around{scene_around(reader), world_.water, sound_, station_world_m()};
   NoisySensor& instrument = reader.sensors.at(sensor);
   return with_noise ? instrument.read(snapshot(reader), around) : instrument.read_true(snapshot(reader), around);
 }
@@ -220,7 +256,7 @@ void Simulation::watch_sensor(std::size_t index, std::size_t sensor, std::option
 
 SampleBatch Simulation::take_samples(std::size_t index, std::size_t sensor) {
   Vehicle& watched = changeable(index);
-  watched.sensors.collect(snapshot(watched), {scene_around(watched), world_.water, sound_, spec_.station_world_m});
+  watched.sensors.collect(snapshot(watched), {scene_around(watched), world_.water, sound_, station_world_m()});
   return watched.sensors.at(sensor).take_samples();
 }
 

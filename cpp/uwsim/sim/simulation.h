@@ -13,9 +13,17 @@
 #include "uwsim/sim/saved_state_format.h"
 #include "uwsim/sim/telemetry.h"
 #include "uwsim/sim/vehicle.h"
+#include "uwsim/world/wind.h"
 #include "uwsim/world/world.h"
 
 namespace uwsim {
+
+/// A station that rides on a vehicle, in that vehicle's frame.
+struct CarriedStation {
+  std::size_t vehicle = 0;
+  Eigen::Vector3d position_body_m = Eigen::Vector3d::Zero();
+  Pose body_from_docked;  ///< of the vehicle in its dock
+};
 
 struct SimulationSpec {
   double step_s = 0.005;
@@ -25,6 +33,8 @@ struct SimulationSpec {
   double range_warning_m = 110;
   double proximity_warning_m = 10;
   EngineKind engine = EngineKind::kUwsim;
+  Wind wind;
+  std::optional<CarriedStation> carried_station;  ///< in place of `station_world_m`
 
   /// Throws InvalidValue naming the field.
   void check() const;
@@ -81,6 +91,8 @@ class Simulation {
   const SimulationSpec& spec() const { return spec_; }
 
   const BodyState& state(std::size_t vehicle) const;
+  /// Where the station is now.
+  Eigen::Vector3d station_world_m() const;
   /// Moves the vehicle to a pose immediately, releasing it if it is docked; its propellers keep spinning, and its
   /// sensors keep their samples. Throws InvalidValue for a state that is not finite, more than 1000 km away, faster
   /// than 100 m/s or rad/s, below the ground or inside a closed solid.
@@ -174,6 +186,8 @@ class Simulation {
   void add_attached_surfaces(std::vector<Pose>& poses) const;
   void step_once();
   void drive(Vehicle& vehicle);
+  Vector6d wind_load(const Vehicle& vehicle, const Wind& wind) const;
+  void carry_docked();
   void transmit();
   void receive();
   void join_instruments();

@@ -69,6 +69,12 @@ PacketNetwork& Simulation::link() {
 
 /// A vehicle's transducer is at its body's origin.
 Transducer Simulation::transducer(std::size_t node) const {
+  if (node == 0 && spec_.carried_station) {
+    const BodyState& carrier = state(spec_.carried_station->vehicle);
+    const Eigen::Vector3d& at = link_->spec.station_transducer_world_m;  // in the carrier's frame
+    return {carrier.world_from_body.point(at),
+            carrier.world_from_body.orientation * (carrier.linear_body_m_s() + carrier.angular_body_rad_s().cross(at))};
+  }
   if (node == 0) return {link_->spec.station_transducer_world_m, Eigen::Vector3d::Zero()};
   const BodyState& body = state(node - 1);
   return {body.world_from_body.position_m, body.world_from_body.orientation * body.linear_body_m_s()};

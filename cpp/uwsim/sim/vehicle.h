@@ -12,6 +12,7 @@
 #include "uwsim/vehicle/actuators.h"
 #include "uwsim/vehicle/battery.h"
 #include "uwsim/vehicle/hydrodynamics.h"
+#include "uwsim/vehicle/windage.h"
 
 namespace uwsim {
 
@@ -53,6 +54,7 @@ struct VehicleSpec {
   std::optional<BatterySpec> battery;   ///< empty: the simulation's mission time
   std::vector<AppliedWrench> wrenches;  ///< that act on it, by schedule
   std::vector<ArmLink> arm;             ///< empty: it has none
+  std::optional<Windage> windage;       ///< empty: it feels no wind
 
   BodySpec body() const { return {name, craft, shape, friction, restitution, collision_pieces_body_m, arm}; }
 };
@@ -76,6 +78,7 @@ struct Vehicle {
   bool touching = false;
   std::uint64_t collisions = 0;  ///< how often it has come into contact with anything
   Pushes pushes;
+  std::optional<Windage> windage;
 
   /// A mission starts when the vehicle leaves its dock.
   bool released() const { return battery.mission_started(); }

@@ -249,6 +249,10 @@ Vector6d Actuators::wrench_body(const BodyState& state, const WaterField& water,
   const Eigen::Vector3d up = pose.rotation().row(2).transpose();  // body frame
   for (const Thruster& thruster : thrusters_) {
     const ThrusterParameters& p = thruster.parameters();
+    if (p.is_vertical) {
+      thruster.add_vertical(up, tau);
+      continue;
+    }
     const double share = thruster.submerged_fraction(surface - up.dot(p.position_body_m), up.dot(p.axis_body));
     if (share > 0) thruster.add_wrench(through_water, density, share, tau);
   }

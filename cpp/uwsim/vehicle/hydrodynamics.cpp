@@ -100,6 +100,8 @@ void CraftParameters::check() const {
   }
   require(added_mass.isApprox(added_mass.transpose(), 1e-9) || added_mass.isZero(), "vehicle.added_mass", "asymmetric",
           "must be symmetric");
+  require(std::isfinite(coefficients_volume_m3) && coefficients_volume_m3 >= 0, "vehicle.coefficients_volume_m3",
+          coefficients_volume_m3, "must be 0 or positive");
   require(munk_share >= 0 && munk_share <= 1, "vehicle.munk_share", munk_share, "must be in [0, 1]");
   require(std::isfinite(crossflow_length_m) && crossflow_length_m >= 0, "vehicle.crossflow_length_m",
           crossflow_length_m, "must be 0 or positive");
@@ -178,7 +180,8 @@ double Craft::submerged_fraction(const Pose& world_from_body, const WaterField& 
 }
 
 double Craft::fraction(double wet_volume_m3) const {
-  return std::clamp(wet_volume_m3 / hull_->solid().volume_m3, 0.0, 1.0);
+  const double whole_m3 = parameters_.coefficients_volume_m3;
+  return std::clamp(wet_volume_m3 / (whole_m3 > 0 ? whole_m3 : hull_->solid().volume_m3), 0.0, 1.0);
 }
 
 double Craft::floating(const Pose& pose, const Eigen::Matrix3d& world_from_body, double wet_volume_m3,

@@ -22,7 +22,10 @@ struct CraftParameters {
   Matrix6d linear_damping = Matrix6d::Zero();               ///< D_l [N s/m, ...]
   Matrix6d quadratic_damping = Matrix6d::Zero();            ///< D_q, force = -D_q (|nu| nu) [N s^2/m^2, ...]
 
-  double munk_share = 1;          ///< share of the Munk moment remaining in separated flow, 0 to 1; 1 in an ideal fluid
+  double munk_share = 1;  ///< share of the Munk moment remaining in separated flow, 0 to 1; 1 in an ideal fluid
+  /// Submerged volume at which added mass and damping hold; with less of the hull in the water they fall in proportion,
+  /// with more they stay. 0: that of the whole hull.
+  double coefficients_volume_m3 = 0;
   double crossflow_length_m = 0;  ///< length along x over which sway and heave drag is spread; 0: at the origin
 
   /// Buoyancy as a fraction of rho(z) g V, with the density at atmospheric pressure and the volume at the surface.

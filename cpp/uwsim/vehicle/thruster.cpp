@@ -38,6 +38,10 @@ void ThrusterParameters::check() const {
   require(std::isfinite(torque_per_thrust_m) && torque_per_thrust_m >= 0, path + ".torque_per_thrust_m",
           torque_per_thrust_m, "must be 0 m or more");
   require(health >= 0 && health <= 1, path + ".health", health, "must be in [0, 1]");
+  require(!is_vertical || axis_body.z() > 1 - 1e-9, path + ".axis", axis_body.transpose(),
+          "must be [0, 0, 1] for a vertical force");
+  require(!counter_body_m || (is_vertical && counter_body_m->allFinite()), path + ".moved_from_m", "given",
+          "is only for a vertical force");
   require(spin == 1 || spin == -1, path + ".spin", spin, "must be 1 (right-handed) or -1 (left-handed)");
 }
 
@@ -45,6 +49,7 @@ Thruster::Thruster(ThrusterParameters parameters) : parameters_(std::move(parame
   parameters_.check();
   const ThrusterParameters& p = parameters_;
   column_ << p.axis_body, p.position_body_m.cross(p.axis_body);
+  if (p.counter_body_m) column_ << Eigen::Vector3d::Zero(), (p.position_body_m - *p.counter_body_m).cross(p.axis_body);
   column_with_torque_ = column_;
   column_with_torque_.tail<3>() -= p.spin * p.torque_per_thrust_m * p.axis_body;
   loss_ = p.diameter_m * std::sqrt(p.bollard_coefficient) / p.zero_thrust_advance_ratio;
@@ -109,6 +114,13 @@ void Thruster::add_wrench(const Vector6d& through_water, double density_kg_m3, d
   const double inflow_m_s = column_.dot(through_water);
   const double thrust = mean_thrust_n_ - loss_ * std::sqrt(density_kg_m3 * std::abs(mean_thrust_n_)) * inflow_m_s;
   tau_body += submerged * thrust * column_with_torque_;
+}
+
+void Thruster::add_vertical(const Eigen::Vector3d& up_body, Vector6d& tau_body) const {
+  const ThrusterParameters& p = parameters_;
+  if (!p.counter_body_m) tau_body.head<3>() += mean_thrust_n_ * up_body;
+  const Eigen::Vector3d lever_m = p.counter_body_m ? (p.position_body_m - *p.counter_body_m).eval() : p.position_body_m;
+  tau_body.tail<3>() += mean_thrust_n_ * lever_m.cross(up_body);
 }
 
 double Thruster::submerged_fraction(double height_m, double axis_up) const {

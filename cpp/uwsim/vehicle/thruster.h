@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,7 +30,12 @@ struct ThrusterParameters {
   double zero_thrust_advance_ratio = std::numeric_limits<double>::infinity();
   double torque_per_thrust_m = 0;  ///< k_q = D K_Q / K_T
   int spin = 1;                    ///< +1 right-handed, -1 left-handed about the axis when thrusting ahead
-  double health = 1;               ///< fraction of the thrust that remains after a fault; ignored by the allocation
+  /// Its force is not a propeller's but buoyancy or weight: along the world's vertical, whatever the hull's attitude,
+  /// without inflow and also above the water; positive up. `axis_body` must then be z.
+  bool is_vertical = false;
+  /// Where the opposite of a vertical force acts, as if weight were moved from here to `position_body_m`.
+  std::optional<Eigen::Vector3d> counter_body_m;
+  double health = 1;  ///< fraction of the thrust that remains after a fault; ignored by the allocation
 
   /// Throws InvalidValue naming the thruster and the field.
   void check() const;
@@ -73,6 +79,8 @@ class Thruster {
   /// Adds mean force and torque over the last step (body frame, at the origin) for a vehicle that moves at
   /// `through_water` (6,) [m/s, rad/s] with the fraction `submerged` of the propeller's disc under water.
   void add_wrench(const Vector6d& through_water, double density_kg_m3, double submerged, Vector6d& tau_body) const;
+  /// Adds the mean force and torque of a vertical thruster over the last step; `up_body`: the world's vertical.
+  void add_vertical(const Eigen::Vector3d& up_body, Vector6d& tau_body) const;
   /// Fraction of the propeller's disc below a level surface `height_m` above its hub. `axis_up`: vertical component of
   /// the axis.
   double submerged_fraction(double height_m, double axis_up) const;

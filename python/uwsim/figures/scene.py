@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.figures.style import ACCENT, HEIGHTS, INK, add_colour_bar, label_axes, new_figure, save_figure
 from uwsim.scenario import Scenario, start_pose
+from uwsim.scenario.build.station import station_at_start
 
 CELLS = 300
 SOLID, START, STATION, SURVEY, LAND, WATER = "#d00070", ACCENT, "#f4a300", "white", "#c9b79c", "#e6f0f6"
@@ -74,7 +75,7 @@ def _draw_above(figure: Figure, axes: Axes, scenario: Scenario, world: _core.Wor
         corners = np.asarray([*scenario.survey.area_m, scenario.survey.area_m[0]])
         axes.plot(*corners.T, "--", color=SURVEY, linewidth=1.4)
         _label(axes, "survey", corners[0], INK)
-    station = scenario.station.position_m
+    station = station_at_start(scenario).position_m
     axes.plot(*station[:2], "^", color=STATION, markeredgecolor="white", markersize=9)
     _label(axes, "station", station[:2], STATION)
     span = max(east - west, north - south)

@@ -26,16 +26,50 @@ class DockedWarning(UserWarning):
 class Dock:
     """The dock of a simulator's station.
 
-    position_world_m (3,): origin of a docked vehicle. exit_world_m (3,): its origin just after undocking. yaw_rad: the
-    vehicle's heading at both. hull_radii_m: hull radius of each vehicle about its origin.
+    docked_m (3,): origin of a docked vehicle. exit_m (3,): its origin just after undocking. heading_rad: the vehicle's
+    heading at both. All are in the world frame, or in that of the vehicle with the index `carrier`. hull_radii_m:
+    hull radius of each vehicle about its origin.
     """
 
     simulation: _core.Simulation
     scene: _core.RayScene
-    position_world_m: Vector
-    exit_world_m: Vector
-    yaw_rad: float
+    docked_m: Vector
+    exit_m: Vector
+    heading_rad: float
+    carrier: int | None = None
     hull_radii_m: list[float] = field(default_factory=list)
+
+    @property
+    def position_world_m(self) -> Vector:
+        """Return the origin (3,) of a docked vehicle now."""
+        return self._in_world(self.docked_m)
+
+    @property
+    def exit_world_m(self) -> Vector:
+        """Return the origin (3,) of a vehicle that undocks now."""
+        return self._in_world(self.exit_m)
+
+    @property
+    def yaw_rad(self) -> float:
+        """Return a docked vehicle's heading now."""
+        if self.carrier is None:
+            return self.heading_rad
+        ahead = self.simulation.state(self.carrier).world_from_body[:3, 0]
+        return math.atan2(ahead[1], ahead[0]) + self.heading_rad
+
+    def _in_world(self, point_m: Vector) -> Vector:
+        if self.carrier is None:
+            return point_m
+        world_from_body = self.simulation.state(self.carrier).world_from_body
+        return np.asarray(world_from_body[:3, :3] @ point_m + world_from_body[:3, 3])
+
+    def _approach_m_s(self, state: _core.BodyState) -> float:
+        """Return a vehicle's speed relative to the dock."""
+        if self.carrier is None:
+            return float(np.linalg.norm(state.velocity_body[:3]))
+        boat = self.simulation.state(self.carrier)
+        own, of_boat = (one.world_from_body[:3, :3] @ one.velocity_body[:3] for one in (state, boat))
+        return float(np.linalg.norm(own - of_boat))
 
     @property
     def orientation_xyzw(self) -> Vector:
@@ -73,7 +107,7 @@ class Dock:
                 f"dock: it is {distance_m:.1f} m away ({east:.1f} m east, {north:.1f} m north, {up:.1f} m up), "
                 f"must be within {CAPTURE_M} m"
             )
-        speed_m_s = float(np.linalg.norm(state.velocity_body[:3]))
+        speed_m_s = self._approach_m_s(state)
         if speed_m_s > CAPTURE_M_S:
             raise ValueError(f"dock: speed = {speed_m_s:.2f} m/s: must be at most {CAPTURE_M_S} m/s")
         ahead = state.world_from_body[:3, 0] @ (math.cos(self.yaw_rad), math.sin(self.yaw_rad), 0.0)

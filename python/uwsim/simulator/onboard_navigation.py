@@ -22,11 +22,12 @@ MOVES = ("place", "dock", "undock")
 
 
 def new_navigator(
-    vehicle: Instrumented, start: Start, water: _core.Water, station_world_m: tuple[float, float, float]
+    vehicle: Instrumented, start: Start, water: _core.Water, station_world_m: tuple[float, float, float] | None
 ) -> Navigator:
     """Create and start a Navigator for a vehicle in this water.
 
-    Of the waves, it receives the significant height, as in a forecast.
+    station_world_m: None for a station that moves, whose fixes are then not used. Of the waves, it receives the
+    significant height, as in a forecast.
     """
     from uwsim.navigation.estimation import Navigator  # imported here: few simulators estimate
 

@@ -14,6 +14,7 @@ from uwsim.instruments.sonars.surroundings import Surroundings
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.labels import backscatter_by_label, label_names
 from uwsim.scenario.build.multibeam import bottom_material
+from uwsim.scenario.build.station import carrier_index
 from uwsim.scenario.spec.optics import Optics, OpticsChanges
 from uwsim.simulator.network import Network
 from uwsim.simulator.parameters import Parameters
@@ -127,3 +128,13 @@ class SimulatorProperties(Attached):
     def time_s(self) -> float:
         """Simulated time since the start, in seconds."""
         return self._core.time_ns * 1e-9
+
+    @property
+    def station_world_m(self) -> NDArray[np.float64]:
+        """The station's position (3,) now, which changes if a vehicle carries it."""
+        carrier = carrier_index(self.scenario)
+        position_m = np.asarray(self.scenario.station.position_m, np.float64)
+        if carrier is None:
+            return position_m
+        world_from_body = self._core.state(carrier).world_from_body
+        return np.asarray(world_from_body[:3, :3] @ position_m + world_from_body[:3, 3])

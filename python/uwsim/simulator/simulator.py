@@ -31,7 +31,7 @@ from uwsim.scenario.build.loose_bodies import object_specs
 from uwsim.scenario.build.ping_chain import ping_chain
 from uwsim.scenario.build.short_waves import ShortWavesWarning, short_wave_warning
 from uwsim.scenario.build.simulation import simulation_spec
-from uwsim.scenario.build.station import dock_position, exit_position
+from uwsim.scenario.build.station import carrier_index, dock_position, exit_position, fixed_station_m
 from uwsim.scenario.build.tether import tether_errors_at, tether_specs
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.world import beyond_terrain, fill_with_water, scenario_water
@@ -201,7 +201,7 @@ class Simulator(SimulatorProperties):
             chain_of=partial(self._chain_of, index),
             water_column=entry.sonar.water_column,
             step_s=self.step_s,
-            navigate=lambda rov, start: new_navigator(rov, start, self.world.water, self.scenario.station.position_m),
+            navigate=lambda rov, start: new_navigator(rov, start, self.world.water, fixed_station_m(self.scenario)),
             control=control,
             beyond_terrain=lambda x_m, y_m: beyond_terrain(self._world, self.scenario, x_m, y_m),
             tether=self._tether(index),
@@ -250,7 +250,12 @@ class Simulator(SimulatorProperties):
     def _made_dock(self) -> Dock:
         station = self.scenario.station
         return Dock(
-            self._core, self.scene, dock_position(station), exit_position(station), float(np.radians(station.yaw_deg))
+            self._core,
+            self.scene,
+            dock_position(station),
+            exit_position(station),
+            float(np.radians(station.yaw_deg)),
+            carrier_index(self.scenario),
         )
 
     def step(self, n: int = 1) -> None:

@@ -111,6 +111,21 @@ def test_a_centre_of_mass_above_that_of_buoyancy_is_warned_of(tmp_path: Path) ->
     assert figures(report).righting_lever_m == pytest.approx(-0.1)
 
 
+def test_a_boat_is_judged_as_it_floats(tmp_path: Path) -> None:
+    """The metacentre of a box is its width squared over 12 draughts above its centre of buoyancy."""
+    boat = {"coefficients": "afloat", "mass_kg": 336.0, "without": ("buoyancy",)}
+    report = check_part(vehicle_file(tmp_path, **boat), "vehicle")
+    assert figures(report).metacentric_m == pytest.approx(
+        [w**2 / (12 * 0.35) - 0.175 + 0.1 for w in (0.8, 1.2)], rel=2e-3
+    )
+    assert report.warnings == ()
+    ahead = check_part(vehicle_file(tmp_path, centre_of_mass_m=[0.02, 0, -0.1], **boat), "vehicle")
+    lean_deg = np.degrees(np.arctan(0.02 / (1.2**2 / 4.2 - 0.075)))
+    assert figures(ahead).nose_down_deg == pytest.approx(lean_deg, rel=0.01)
+    high = check_part(vehicle_file(tmp_path, centre_of_mass_m=[0, 0, 0.05], **boat), "vehicle")
+    assert "metacentre is 0.0726 m below its centre of mass: it falls over to a side" in high.warnings[0]
+
+
 def test_ballast_and_trim_move_the_centre_of_mass(tmp_path: Path) -> None:
     """Ballast of half the vehicle's mass, 0.3 m ahead, moves the centre of mass 0.1 m ahead."""
     report = checked(tmp_path, ballast_kg=336.0, ballast_position_m=[0.3, 0, -0.1])

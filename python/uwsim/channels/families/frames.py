@@ -176,7 +176,9 @@ def _turning(source: Source, sim: Simulator) -> list[Any]:
 def _fixed(sources: Sequence[Source], tf: Tf, prefix: str, joint_frames: bool, sim: Simulator) -> Any:
     station = sim.scenario.station
     yaw_xyzw = of_yaw_pitch_roll_deg((station.yaw_deg, 0.0, 0.0))
-    transforms = [build.transform(sim.time_ns, "world", prefix + "station", station.position_m, yaw_xyzw)]
+    carriers = [source for source in sources if source.name == station.carrier]
+    parent = carriers[0].frame("base_link") if carriers else "world"
+    transforms = [build.transform(sim.time_ns, parent, prefix + "station", station.position_m, yaw_xyzw)]
     transforms += [
         _optical(sim, prefix + "station", prefix + name, camera)
         for name, camera in sim.cameras.items()

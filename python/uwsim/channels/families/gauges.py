@@ -92,7 +92,7 @@ def _derive(found: Gauges, sim: Simulator) -> None:
     for field in SPEEDS.values():
         found.values[field] = _size(found.values[field])
     position_m = found.values["position"]
-    found.values["distance_to_station"] = distance_m = _size(position_m - np.asarray(sim.scenario.station.position_m))
+    found.values["distance_to_station"] = distance_m = _size(position_m - sim.station_world_m)
     is_known = math.isfinite(distance_m)
     middle_m = min(0.5 * float(position_m[2]), 0.0)
     found.values["link_delay"] = distance_m / sim.world.water.sound_speed_m_s(middle_m) if is_known else NAN

@@ -72,6 +72,8 @@ def _twins(kind: str, sim: Simulator) -> list[FilterInput]:
             even_invalid=True,
         ),
     }  # fmt: skip
+    if sim.scenario.station.carrier is not None:
+        del every["usbl"]  # its fixes are from a station that moves
     return [every[kind]] if kind in every else []
 
 

@@ -16,7 +16,7 @@ from uwsim.scenario import Terrain, VehicleEntry, build_terrain, start_pose
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.optics import core_optics
-from uwsim.scenario.build.station import exit_position
+from uwsim.scenario.build.station import exit_position, station_at_start
 from uwsim.scenario.build.surface_points import surface_points
 from uwsim.scenario.build.water import build_water, surface_density_kg_m3
 from uwsim.scenario.spec.water import StillSurface
@@ -134,7 +134,7 @@ def measured_scene(sim: Simulator) -> Scene:
     scenario = sim.scenario
     terrain = build_terrain(scenario.terrain)
     part = terrain.window(scenario.terrain.window_m)
-    station = scenario.station.position_m
+    station = station_at_start(scenario).position_m
     return Scene(
         name=scenario.name,
         bed=Bed(part.extent_m, part.lowest_m, float(part.heights_m.max()), float((part.heights_m > 0.0).mean())),
@@ -180,7 +180,7 @@ def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleSc
     docked = entry.start is None
     radius_m = float(np.linalg.norm(vehicle_hull(entry.model)[0], axis=1).max())
     if docked:
-        free_m = float(sim.scene.distance_m(exit_position(sim.scenario.station)[None])[0]) - radius_m
+        free_m = float(sim.scene.distance_m(exit_position(station_at_start(sim.scenario))[None])[0]) - radius_m
     else:
         free_m = float(sim.scene.distance_m(hull[:: max(1, len(hull) // 2000)]).min())
     water = sim.world.water

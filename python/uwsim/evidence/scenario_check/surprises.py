@@ -110,6 +110,8 @@ def _of_vehicle(sim: Simulator, scene: Scene, vehicle: VehicleScene, index: int)
 def _of_trim(vehicle: VehicleScene) -> Iterator[str]:
     net_n, weight_n = vehicle.net_buoyancy_n, vehicle.weight_n
     down_n, up_n = vehicle.lift_n
+    if vehicle.figures.metacentric_m is not None:
+        return
     trim = "`trim: {net_buoyancy_n: 0}` in its entry would balance it in this water"
     if (net_n < 0.0 and -net_n > up_n > 0.0) or (net_n > 0.0 and net_n > -down_n > 0.0):
         what = "sinks" if net_n < 0 else "rises"

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.axes import AXES
+from uwsim.evidence.vehicle.boats import boat_at_rest
 from uwsim.evidence.vehicle.linear_motion import course_growth_1_s, model_motion
 from uwsim.evidence.vehicle.mounts import Mount, mounts
 from uwsim.evidence.vehicle.trials import StraightRun, straight_run
@@ -29,7 +30,7 @@ SURGE, SWAY = 0, 1
 
 @dataclass(frozen=True)
 class VehicleFigures:
-    """A vehicle with its ballast and trim, fully submerged in water of water_density_kg_m3.
+    """A vehicle with its ballast and trim, fully submerged (but for what floats) in water of water_density_kg_m3.
 
     size_m: size of the hull's bounding box. righting_lever_m: height of the centre of buoyancy above the centre of mass
     in the body frame, which is also the metacentric height of a submerged body; negative if the vehicle turns over.
@@ -37,6 +38,8 @@ class VehicleFigures:
     without a righting moment. inertia_kg_m2, gyration_m: moments of inertia and radii of gyration about the body axes,
     without ballast and trim.
     hull_gyration_m: the same for the hull as a solid. reach_m: distance of the hull's farthest point from each axis.
+    metacentric_m: heights of the metacentres for roll and pitch above the centre of mass, of a boat as it floats, with
+    its attitude there; None for other vehicles. glides: whether a buoyancy engine and fins drive it.
     drives: axes with thrusters or fins. course_growth_1_s: growth rate of a yaw disturbance without control at
     UNDER_WAY_M_S, negative if it decays; None if thrusters can push the vehicle sideways. straight: None if nothing
     drives it ahead, or its motion diverges. radiation: the fit of its table of radiation; None without one.
@@ -63,6 +66,8 @@ class VehicleFigures:
     straight: StraightRun | None
     mounts: tuple[Mount, ...]
     radiation: RadiationReport | None = None
+    metacentric_m: tuple[float, float] | None = None
+    glides: bool = False
 
 
 def vehicle_figures(
@@ -83,6 +88,9 @@ def vehicle_figures(
     buoyancy_n = density_kg_m3 * body.volume_m3 * gravity_m_s2
     # The file states the vehicle without its arm, whose weight decides how both rest.
     nose_down_deg, roll_deg = rest_attitude_deg(lever_m) if model.arm is None else (None, None)
+    boat = boat_at_rest(model, density_kg_m3, trim) if model.coefficients == "afloat" else None
+    if boat is not None:
+        nose_down_deg, roll_deg = boat.nose_down_deg, boat.roll_to_starboard_deg
     vertices, _ = vehicle_hull(model)
     return VehicleFigures(
         size_m=_three(np.ptp(vertices, axis=0)),
@@ -108,6 +116,8 @@ def vehicle_figures(
         straight=_straight(model, density_kg_m3, trim) if control.driven[SURGE] else None,
         mounts=mounts(model),
         radiation=_radiation(model, body, density_kg_m3),
+        metacentric_m=None if boat is None else (boat.roll_m, boat.pitch_m),
+        glides=bool(model.fins) and any(mount.force == "buoyancy" for mount in model.thrusters.values()),
     )
 
 

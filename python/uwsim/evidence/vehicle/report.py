@@ -99,6 +99,8 @@ def vehicle_report(sim: Simulator, figures: VehicleFigures) -> VehicleReport:
     terminal = terminal_speeds(sim.scenario)
     fastest = float(terminal[0, 0])
     speeds = [0.0] if np.isnan(fastest) else [0.0, round(fastest, 2)]
+    if figures.metacentric_m is not None:
+        speeds = []  # they are those of a submerged hull
     trim = entry.trim or model.trim
     compared_at = COMPARED_AT_M_S if np.isnan(fastest) else fastest
     return VehicleReport(

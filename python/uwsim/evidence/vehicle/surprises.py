@@ -44,6 +44,8 @@ def vehicle_surprises(figures: VehicleFigures) -> Iterator[Found]:
 def buoyancy_surprises(figures: VehicleFigures) -> Iterator[Found]:
     """Yield warnings about buoyancy that apply in any water, since a vehicle file does not specify the water."""
     density = figures.density_kg_m3
+    if figures.metacentric_m is not None:
+        return
     if density > SEA_KG_M3 / (1.0 - EXTREME_SHARE):
         yield (), f"its mean density is {density:.0f} kg/m3: it sinks like a stone in any water"
     elif density < FRESH_KG_M3 / (1.0 + EXTREME_SHARE):
@@ -52,7 +54,9 @@ def buoyancy_surprises(figures: VehicleFigures) -> Iterator[Found]:
 
 def _of_attitude(figures: VehicleFigures) -> Iterator[Found]:
     lever_m = figures.righting_lever_m
-    if lever_m < -NO_LEVER_M:
+    if figures.metacentric_m is not None:
+        yield from _of_boat(figures, figures.metacentric_m)
+    elif lever_m < -NO_LEVER_M:
         yield (
             ("centre_of_mass_m",),
             f"its centre of mass is {-lever_m:.3g} m above its centre of buoyancy: left alone it hangs upside down",
@@ -66,6 +70,18 @@ def _of_attitude(figures: VehicleFigures) -> Iterator[Found]:
                 f"left alone it rests {attitude_text(pitch, roll)}: its centre of mass is {x:+.3g} m ahead and "
                 f"{y:+.3g} m to port of its centre of buoyancy, {lever_m:.3g} m below",
             )
+
+
+def _of_boat(figures: VehicleFigures, metacentric_m: tuple[float, float]) -> Iterator[Found]:
+    for way, height_m in zip(("over to a side", "by the bow or the stern"), metacentric_m, strict=True):
+        if height_m < NO_LEVER_M:
+            yield (
+                ("centre_of_mass_m",),
+                f"as it floats, its metacentre is {-height_m:.3g} m below its centre of mass: it falls {way}",
+            )
+    pitch, roll = figures.nose_down_deg or 0.0, figures.roll_to_starboard_deg or 0.0
+    if min(metacentric_m) >= NO_LEVER_M and max(abs(pitch), abs(roll)) > REST_TILT_DEG:
+        yield ("centre_of_mass_m",), f"left alone it floats {attitude_text(pitch, roll)}"
 
 
 def _of_straight_run(figures: VehicleFigures) -> Iterator[Found]:
@@ -126,10 +142,12 @@ def _of_inertia(figures: VehicleFigures) -> Iterator[Found]:
 
 def _of_steering(figures: VehicleFigures) -> Iterator[Found]:
     drives = figures.drives
-    if "surge" not in drives:
+    if "surge" not in drives and not figures.glides:
         yield (), "neither thrusters nor forces drive it ahead"
     if "yaw" not in drives:
         yield (), "nothing turns it: neither thrusters nor fins give yaw"
+    if figures.metacentric_m is not None:
+        return
     if "heave" not in drives and "pitch" not in drives:
         yield (), "nothing takes it up or down: neither thrusters nor fins give heave or pitch"
     growth = figures.course_growth_1_s

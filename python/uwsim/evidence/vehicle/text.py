@@ -22,7 +22,13 @@ def vehicle_lines(figures: VehicleFigures) -> Iterator[str]:
         f"{figures.density_kg_m3:.4g} kg/m3; in water of {figures.water_density_kg_m3:.4g} kg/m3 "
         f"{floating_text(figures.net_buoyancy_n)}"
     )
-    if figures.nose_down_deg is None or figures.roll_to_starboard_deg is None:
+    if figures.metacentric_m is not None:
+        roll_m, pitch_m = figures.metacentric_m
+        yield (
+            f"trim: floats {attitude_text(figures.nose_down_deg or 0.0, figures.roll_to_starboard_deg or 0.0)}; its "
+            f"metacentre is {roll_m:.3g} m above its centre of mass in roll, {pitch_m:.3g} m in pitch"
+        )
+    elif figures.nose_down_deg is None or figures.roll_to_starboard_deg is None:
         yield "trim: centres of mass and buoyancy coincide: nothing rights it in pitch and roll"
     elif figures.righting_lever_m < 0.0:
         yield (

@@ -1,4 +1,4 @@
-"""Trials of a vehicle in deep, still water: a straight run, its terminal speeds on each axis, its turning circles."""
+"""Trials in deep, still water, of a boat on it: a straight run, terminal speeds on each axis, turning circles."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from uwsim.base.quaternions import heading_rad
 from uwsim.batch.batch import Batch
 from uwsim.evidence.validate.flights import deep_scenario
+from uwsim.evidence.vehicle.afloat import afloat
 from uwsim.evidence.vehicle.linear_motion import mass_matrix
 from uwsim.scenario import Scenario, VehicleModel
 from uwsim.scenario.spec.vehicle import Trim
@@ -66,6 +67,12 @@ class TurningCircle:
     track_m: Floats
 
 
+def trial_m(sim: Simulator, deep_m: float) -> float:
+    """Return the height at which a trial starts: that of a boat as it floats, else deep_m."""
+    is_boat = sim.scenario.vehicles[0].model.coefficients == "afloat"
+    return -afloat(sim).water_z_m if is_boat else deep_m
+
+
 def straight_run(model: VehicleModel, density_kg_m3: float, trim: Trim | None) -> StraightRun:
     """Return a vehicle's straight run. If it tilts, it runs again without Munk moment, to find out what tilts it.
 
@@ -83,7 +90,8 @@ def _straight_run(model: VehicleModel, density_kg_m3: float, trim: Trim | None) 
         warnings.simplefilter("ignore", UserWarning)  # the check's own simulator gave them
         sim = Simulator(deep_scenario(model, density_kg_m3=density_kg_m3, trim=trim))
     rov = sim.rov
-    rov.place((0.0, 0.0, FREE_M))
+    start_m = trial_m(sim, FREE_M)
+    rov.place((0.0, 0.0, start_m))
     rov.set_effort(surge=1.0)
     turns = [rov.pose.world_from_body[:3, :3]]
     for _ in range(round(RUN_S / SAMPLE_S)):
@@ -98,7 +106,7 @@ def _straight_run(model: VehicleModel, density_kg_m3: float, trim: Trim | None) 
         nose_down_deg=float(-np.degrees(np.arcsin(np.clip(ahead, -1.0, 1.0)))) + 0.0,
         roll_to_starboard_deg=float(np.degrees(np.arctan2(aside, up))),
         heading_change_deg=float(np.degrees(headings[-1] - headings[0])),
-        climb_m=float(rov.pose.position_world_m[2] - FREE_M),
+        climb_m=float(rov.pose.position_world_m[2] - start_m),
         tilt_deg=float(np.degrees(tilts.max())),
     )
 
@@ -123,7 +131,7 @@ def terminal_speeds(scenario: Scenario) -> Floats:
     kept = np.concatenate([kept / np.diagonal(kept)[:, None]] * 2)
     free = np.abs(efforts)
     velocity = np.zeros((12, 6))
-    place = np.array([0.0, 0.0, TOWED_M])
+    place = np.array([0.0, 0.0, trial_m(batch.simulator(0), TOWED_M)])
     batch.place(place)
     steps = max(1, round(HOLD_S / scenario.step_s))
     second = round(1.0 / (steps * scenario.step_s))
@@ -162,7 +170,8 @@ def turning_circles(scenario: Scenario, surges: tuple[float, ...] = (0.5, 1.0)) 
     if not {"surge", "yaw"} <= batch.simulator(0).rov.controllable:
         return ()
     efforts = np.array([[surge, 0.0, 0.0, 0.0, 0.0, 1.0] for surge in surges])
-    batch.place((0.0, 0.0, FREE_M))
+    start_m = trial_m(batch.simulator(0), FREE_M)
+    batch.place((0.0, 0.0, start_m))
     steps = round(SAMPLE_S / scenario.step_s)
     positions, turns = [], []
     for _ in range(round(CIRCLE_S / (steps * scenario.step_s))):
@@ -171,12 +180,14 @@ def turning_circles(scenario: Scenario, surges: tuple[float, ...] = (0.5, 1.0)) 
         positions.append(motion.position_world_m.copy())
         turns.append(motion.orientation_xyzw.copy())
     return tuple(
-        _circle(surge, np.array(positions)[:, k], np.array(turns)[:, k], steps * scenario.step_s)
+        _circle(surge, np.array(positions)[:, k], np.array(turns)[:, k], steps * scenario.step_s, start_m)
         for k, surge in enumerate(surges)
     )
 
 
-def _circle(surge: float, positions_m: Floats, orientations_xyzw: Floats, sample_s: float) -> TurningCircle:
+def _circle(
+    surge: float, positions_m: Floats, orientations_xyzw: Floats, sample_s: float, start_m: float
+) -> TurningCircle:
     last = round(LAST_S / sample_s)
     headings = np.unwrap([heading_rad(turn) for turn in orientations_xyzw])
     speeds = np.linalg.norm(np.diff(positions_m[:, :2], axis=0), axis=1)[-last:] / sample_s
@@ -189,7 +200,7 @@ def _circle(surge: float, positions_m: Floats, orientations_xyzw: Floats, sample
         speed_m_s=speed,
         turn_rad_s=turn,
         is_steady=bool(abs(halves[1] - halves[0]) <= STEADY * max(speed, 1e-3)),
-        climb_m=float(positions_m[-1, 2] - FREE_M),
+        climb_m=float(positions_m[-1, 2] - start_m),
         tilt_deg=float(np.degrees(np.arccos(np.clip(1.0 - 2.0 * (x * x + y * y), -1.0, 1.0))).max()),
         track_m=positions_m[:, :2],
     )

@@ -43,7 +43,8 @@ class Navigator(Attached):
     """An error-state Kalman filter on a vehicle's IMU, corrected by its DVL, depth, compass and USBL, if present.
 
     vehicle: provides named sensors; the first of each kind is used. start: the initial motion; by default, at rest at
-    the position of the first USBL fixes. station_world_m: the origin of the USBL fixes. gravity_m_s2: the acceleration
+    the position of the first USBL fixes. station_world_m: the origin of the USBL fixes;
+    None: it moves, and they are not used. gravity_m_s2: the acceleration
     due to gravity. density_kg_m3: water density, used with a pressure sensor if there is no depth sensor. wave_std_m:
     expected standard deviation of the water's surface, a quarter of the significant wave height; the filter starts with
     it and adapts to the waves that the depth or pressure sensor then measures. The filter's error models follow from
@@ -60,7 +61,7 @@ class Navigator(Attached):
         vehicle: Instrumented,
         start: Start | None = None,
         *,
-        station_world_m: Sequence[float] | Array = (0.0, 0.0, 0.0),
+        station_world_m: Sequence[float] | Array | None = (0.0, 0.0, 0.0),
         gravity_m_s2: float = 9.80665,
         density_kg_m3: float = 1000.0,
         wave_std_m: float = UNKNOWN_SEA_M,
@@ -70,13 +71,14 @@ class Navigator(Attached):
         if not imus:
             raise ValueError(f"vehicle '{vehicle.name}': has no sensor of kind imu, which navigation needs")
         self._imu = imus[0]
-        self._aids = chosen_aids(dict(sensors))
+        fixed = station_world_m is not None
+        self._aids = chosen_aids({name: one for name, one in sensors.items() if fixed or one.kind != "usbl"})
         self._silence_ns = max(SILENCE_NS, round(20e9 * self._imu.period_s))
         if start is None and not any(aid.kind == "usbl" for aid in self._aids.values()):
             raise ValueError(f"vehicle '{vehicle.name}': has no USBL, so navigation needs start=Start(...)")
         self._around = Surroundings(
             np.asarray(self._imu.spec.position_m),
-            np.asarray(station_world_m, float),
+            np.zeros(3) if station_world_m is None else np.asarray(station_world_m, float),
             gravity_m_s2,
             density_kg_m3,
             max(wave_std_m, LEAST_SEA_M),

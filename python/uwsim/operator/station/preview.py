@@ -14,7 +14,7 @@ from uwsim.operator.station.scene import thinned
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.build.loose_bodies import object_start
 from uwsim.scenario.build.obstacles import obstacle_solid
-from uwsim.scenario.build.station import dock_position
+from uwsim.scenario.build.station import dock_position, station_at_start
 from uwsim.scenario.build.terrain import Terrain, build_terrain
 
 WIDTH, HEIGHT_MAX = 720, 480  # pixels
@@ -41,7 +41,7 @@ def draw(scenario: Scenario) -> bytes:
         plan.solid(*object_start(body, full))
     if scenario.survey is not None:
         plan.area(np.asarray(scenario.survey.area_m, float))
-    station = scenario.station
+    station = station_at_start(scenario)
     plan.station(np.asarray(station.position_m))
     for entry in scenario.vehicles:
         if entry.start is None:

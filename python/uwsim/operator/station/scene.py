@@ -15,7 +15,7 @@ from uwsim.channels.guest import Values
 from uwsim.channels.source import Source
 from uwsim.scenario import start_pose, vehicle_hull
 from uwsim.scenario.build.obstacles import obstacle_solid
-from uwsim.scenario.build.station import station_mesh
+from uwsim.scenario.build.station import station_at_start, station_mesh
 from uwsim.scenario.build.terrain import Terrain, build_terrain
 from uwsim.scenario.obstacles.pipeline import Pipeline
 from uwsim.scenario.read.mesh_file import Vertices
@@ -47,7 +47,7 @@ class Scene:
         grid = self.grid()
         rows, columns = grid.heights_m.shape
         west_m, south_m = (float(value) for value in grid.origin_m + self._origin_m[:2])
-        station = self._scenario.station
+        station = station_at_start(self._scenario)
         return {
             "terrain": {
                 "url": "/scene/terrain.f32", "rows": rows, "columns": columns, "west_m": west_m, "south_m": south_m,

@@ -36,6 +36,9 @@ def _thruster_parameters(name: str, mount: ThrusterMount, by_voltage: bool) -> _
     if by_voltage:
         parameters.sheets = thruster.performance(mount.gain)
     parameters.health = mount.health
+    parameters.is_vertical = mount.force is not None
+    if mount.moved_from_m is not None:
+        parameters.counter_body_m = mount.moved_from_m
     parameters.time_constant_s = mount.lag_s
     parameters.diameter_m = thruster.diameter_m
     parameters.bollard_coefficient = thruster.bollard_coefficient

@@ -10,7 +10,7 @@ from uwsim.scenario.build.ballast import mass_with_ballast, trim_weights
 from uwsim.scenario.build.compressibility import STEP_M
 from uwsim.scenario.build.gravity import STANDARD_M_S2
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
-from uwsim.scenario.build.scale import require_plausible_density
+from uwsim.scenario.build.scale import require_floats, require_plausible_density
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 
 
@@ -35,6 +35,10 @@ def craft(
     parameters.linear_damping = model.matrix("linear_damping")
     parameters.quadratic_damping = model.matrix("quadratic_damping")
     parameters.munk_share, parameters.crossflow_length_m = model.munk_share, model.crossflow_length_m
+    if model.coefficients == "afloat":
+        afloat = rigid_body(model, water_density_kg_m3)
+        require_floats("coefficients", afloat.mass_kg, afloat.volume_m3, water_density_kg_m3)
+        parameters.coefficients_volume_m3 = afloat.mass_kg / water_density_kg_m3
     if buoyancy_share is not None:
         parameters.buoyancy_share, parameters.buoyancy_share_step_m = buoyancy_share.tolist(), STEP_M
     hull = vehicle_hull(model)

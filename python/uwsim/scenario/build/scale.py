@@ -77,6 +77,17 @@ def require_plausible_density(name: str, mass_kg: float, volume_m3: float, mesh_
     )
 
 
+def require_floats(key: str, mass_kg: float, volume_m3: float, density_kg_m3: float) -> None:
+    """Raise ScenarioError unless a hull floats, which this key of a vehicle's file needs."""
+    if mass_kg < density_kg_m3 * volume_m3:
+        return
+    raise ScenarioError(
+        f"{key}: is only for a hull that floats: {mass_kg:.4g} kg is at least the {density_kg_m3 * volume_m3:.4g} kg "
+        "of water that it displaces",
+        at=(key,),
+    )
+
+
 def require_fits(name: str, hull_m: Floats, terrain: Terrain, mesh_scale: float) -> None:
     """Raise ScenarioError for a hull, vertices (n, 3), longer than the terrain or taller than the water is deep.
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from uwsim import _core
-from uwsim.scenario.build.station import dock_position
+from uwsim.scenario.build.station import carrier_index, dock_position
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.tether import Tether
@@ -41,7 +41,8 @@ def _spec(scenario: Scenario, index: int, tether: Tether) -> _core.TetherSpec:
     spec = _core.TetherSpec()
     spec.name = f"tether of '{scenario.vehicles[index].name}'"
     anchor_m = dock_position(scenario.station) if tether.anchor == "station" else tether.anchor
-    spec.first = _core.TetherEnd(anchor_m)
+    carrier = carrier_index(scenario) if tether.anchor == "station" else None
+    spec.first = _core.TetherEnd(anchor_m) if carrier is None else _core.TetherEnd(anchor_m, carrier)
     spec.second = _core.TetherEnd(tether.at_m, index)
     for name in SAME:
         setattr(spec, name, getattr(tether, name))

@@ -23,6 +23,7 @@ from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
 from uwsim.scenario.build.sensor import sensor_spec
 from uwsim.scenario.build.start_pose import start_pose
 from uwsim.scenario.build.water import surface_density_kg_m3
+from uwsim.scenario.build.wind import windage
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle import VehicleModel
@@ -56,6 +57,7 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     position_m, yaw_rad = start_pose(scenario, vehicle)
     spec.set_start(position_m, about_z(yaw_rad))
     spec.docked = vehicle.start is None
+    spec.windage = windage(model, density_kg_m3)
     spec.wrenches = [applied_wrench(wrench, scenario.step_s) for wrench in vehicle.wrenches]
     spec.sensors = [sensor_spec(name, sensor, scenario.earth) for name, sensor in model.sensors.items()]
     if model.arm is not None:

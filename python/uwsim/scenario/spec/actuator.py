@@ -123,8 +123,11 @@ class ThrusterMount(Model):
     model: the name of a packaged thruster or the path of its YAML file, which is read into a ThrusterType. position_m:
     position of the propeller in the body frame. axis: the direction of positive thrust, of any length. spin: sense of
     rotation seen from behind, at positive thrust. gain: a factor on the type's thrust, such as for another battery
-    voltage; the allocation of efforts takes it into account. time_constant_s: time constant of the thrust's lag, by
-    default the type's. health: the fraction of thrust left by a fault, of which the allocation is not aware.
+    voltage; the allocation of efforts takes it into account. force: by default a propeller's; or along the world's
+    vertical, upward if positive, in any attitude and medium: `buoyancy`, of an engine that changes the displaced
+    volume, or `weight`, of a mass moved from moved_from_m to position_m. Their axis must be [0, 0, 1]; the change of
+    inertia is neglected. moved_from_m: where the opposite force acts. time_constant_s: time constant of the thrust's
+    lag, by default the type's. health: the fraction of thrust left by a fault, of which the allocation is not aware.
     """
 
     time_constant_s: Annotated[float, InRange(0, 60, "s")] | None = None
@@ -133,7 +136,17 @@ class ThrusterMount(Model):
     axis: Direction
     spin: Literal["clockwise", "counter-clockwise"] = "clockwise"
     gain: Annotated[float, InRange(0.01, 100)] = 1.0
+    force: Literal["buoyancy", "weight"] | None = None
+    moved_from_m: Point3 | None = None
     health: Annotated[float, InRange(0, 1)] = 1.0
+
+    @model_validator(mode="after")
+    def _is_vertical_if_no_propeller(self) -> ThrusterMount:
+        if self.force is not None and not (self.axis[2] > 0.0 and self.axis[0] == self.axis[1] == 0.0):
+            raise broken(f"must be [0, 0, 1] for `force: {self.force}`", at=("axis",), value=list(self.axis))
+        if (self.force == "weight") != (self.moved_from_m is not None):
+            raise broken("must be given for `force: weight`, and for no other", at=("moved_from_m",))
+        return self
 
     @property
     def lag_s(self) -> float:

@@ -10,6 +10,7 @@ from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.spec.fields import AssetName, InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.modem import Access, ModemModel, load_modem
+from uwsim.scenario.spec.wind import LINK_MOST_M_S
 
 ModemName = Annotated[str, AssetName("modems")]
 Bottom = Literal["clay", "silt", "sand", "gravel"]
@@ -54,7 +55,8 @@ class LinkSetup(Model):
     needs one, the vehicle through which it exchanges messages with the station and with all vehicles except those that
     it relays itself.
     station_transducer_m: position of the transducer in the station's frame; a vehicle's transducer is at its origin.
-    wind_m_s, shipping: sources of ambient noise; shipping 0: none, 1: heavy. bottom: the material that reflects sound
+    wind_m_s, shipping: sources of ambient noise, the wind by default that of the scenario's `wind`, if there is one;
+    shipping 0: none, 1: heavy. bottom: the material that reflects sound
     at the bed. carries: patterns of the channels that use the link, by default all that can. repeats: number of
     additional copies of each message, by channel pattern, sent whether or not the first arrives; a service's command is
     `command/NAME`. faults: scheduled losses.
@@ -65,7 +67,7 @@ class LinkSetup(Model):
     retransmissions: Annotated[int, InRange(0, 100)] | None = None
     relays: Annotated[dict[Name, Name], Field(max_length=64)] = Field(default_factory=dict)
     station_transducer_m: Point3 = (0.0, 0.0, -3.0)
-    wind_m_s: Annotated[float, InRange(0, 40, "m/s")] = 5.0
+    wind_m_s: Annotated[float, InRange(0, LINK_MOST_M_S, "m/s")] = 5.0
     shipping: Annotated[float, InRange(0, 1)] = 0.5
     bottom: Bottom = "silt"
     carries: Annotated[tuple[str, ...], Field(min_length=1, max_length=1000)] = ("*",)

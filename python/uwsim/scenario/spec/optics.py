@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, model_validator
 from uwsim import _core
 from uwsim.scenario.spec.fields import Degrees, InRange, Model, OneOf, broken
 from uwsim.scenario.spec.turbidity import scaled_to
+from uwsim.scenario.spec.wind import OPTICS_MOST_M_S
 
 PerMetre = Annotated[float, InRange(1e-4, 100, "1/m")]
 PerBand = tuple[PerMetre, PerMetre, PerMetre]
@@ -63,7 +64,8 @@ class Optics(Model):
     visibility_m: the distance at which a diver sees a dark object, against turbidity: it scales all coefficients alike,
     which keeps the water's colour; by default that of the water type or the coefficients. sun_elevation_deg: above the
     horizon. sun_azimuth_deg: direction towards the sun, counter-clockwise from east. wind_m_s, wind_heading_deg: speed
-    and direction of the breeze that ripples the surface; the ripples only refract light: vehicles feel the waves of
+    and direction of the breeze that ripples the surface, by default that of `wind`, if there is one; the
+    ripples only refract light: vehicles feel the waves of
     `water.surface`. particles_per_m3: density of particles large enough to be individually visible. turbulence_k:
     standard deviation of the temperature in the eddies that refract light (effect `wobble`): 0 in water at rest, 0.1 in
     calm water, 2 where warm and cold water mix; assumed. forward_scatter_mrad: mean angle by which particles scatter
@@ -75,7 +77,7 @@ class Optics(Model):
     visibility_m: Annotated[float, InRange(0.1, 1000, "m")] | None = None
     sun_elevation_deg: Annotated[float, InRange(-6, 90, "deg")] = 55.0
     sun_azimuth_deg: Degrees = 120.0
-    wind_m_s: Annotated[float, InRange(0, 14, "m/s")] = 3.0
+    wind_m_s: Annotated[float, InRange(0, OPTICS_MOST_M_S, "m/s")] = 3.0
     wind_heading_deg: Degrees = 20.0
     particles_per_m3: Annotated[float, InRange(0, 64, "1/m3")] = 20.0
     turbulence_k: Annotated[float, InRange(0, 20, "K")] = 2.0

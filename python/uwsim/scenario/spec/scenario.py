@@ -30,6 +30,7 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.scenario.spec.water import Water
 from uwsim.scenario.spec.water_target import WaterTargetSpec
+from uwsim.scenario.spec.wind import LINK_MOST_M_S, OPTICS_MOST_M_S, Wind, in_wind
 
 RESERVED_NAMES = ("nothing", "terrain", "station")
 WITHOUT_STATION = Station.model_construct(dock_m=(0.0, 0.0, -2.0))
@@ -61,17 +62,18 @@ class Scenario(Model):
 
     name: name of the scenario. seed: determines all random draws, such as sensor noise. step_s: step size of the
     simulation. dynamics: what moves the vehicles. earth: where on Earth the world's origin is; by default unknown,
-    unless the terrain has a coordinate system. water: its surface, currents and profile. optics: optical conditions for
-    cameras. terrain: the bed. ground: its materials. detail: `fine` lets cameras see the relief and patterns of fixed
-    surfaces down to a pixel's footprint (pebbles, pits, grain), and ripples of sand across the waves; no other sensor
-    perceives them. obstacles: fixed obstacles in the water. cover: layers of stones, plants and animals on the bed,
-    which vehicles pass through. life: fish, which instruments meet. water_targets: fish and bubbles, which a multibeam
-    in physics mode receives. station: the reference for distances; it has the dock. vehicles: at least one. objects:
-    loose bodies and bodies on paths. warnings: when the panel issues warnings. survey: the survey flown by `uwsim
-    survey`. mission_time_s: battery life after the release of a vehicle without a `battery`, and the default time limit
-    of a flight. link: the link between station and vehicles; None: messages are delivered immediately. faults: what
-    fails, and when. wire: the topics that servers offer unless they are asked for others: `standard` (ROS's usual
-    ones), `published` (those of the paper's simulator, in its coordinates: water surface at z = 75.3 m) or `both`.
+    unless the terrain has a coordinate system. water: its surface, currents and profile. wind: over it; by default
+    none. optics: optical conditions for cameras. terrain: the bed. ground: its materials. detail: `fine` lets cameras
+    see the relief and patterns of fixed surfaces down to a pixel's footprint (pebbles, pits, grain), and ripples of
+    sand across the waves; no other sensor perceives them. obstacles: fixed obstacles in the water. cover: layers of
+    stones, plants and animals on the bed, which vehicles pass through. life: fish, which instruments meet.
+    water_targets: fish and bubbles, which a multibeam in physics mode receives. station: the reference for distances;
+    it has the dock. vehicles: at least one. objects: loose bodies and bodies on paths. warnings: when the panel issues
+    warnings. survey: the survey flown by `uwsim survey`. mission_time_s: battery life after the release of a vehicle
+    without a `battery`, and the default time limit of a flight. link: the link between station and vehicles; None:
+    messages are delivered immediately. faults: what fails, and when. wire: the topics that servers offer unless they
+    are asked for others: `standard` (ROS's usual ones), `published` (those of the paper's simulator, in its
+    coordinates: water surface at z = 75.3 m) or `both`.
     """
 
     name: Name
@@ -82,6 +84,7 @@ class Scenario(Model):
     dynamics: Dynamics = Dynamics.model_construct()
     earth: Earth | None = None
     water: Water = Water.model_construct()
+    wind: Wind | None = None
     optics: Optics = Optics.model_construct()
     terrain: TerrainSpec
     ground: Ground = Ground.model_construct()
@@ -124,6 +127,33 @@ class Scenario(Model):
                     at = (kind, index, *(("shape",) if kind == "objects" else ()), "name")
                     raise broken("is already in use", at=at, value=item.name)
                 taken.add(item.name)
+        return self
+
+    @model_validator(mode="after")
+    def _has_one_wind(self) -> Scenario:
+        if self.wind is not None:
+            self.__dict__["optics"] = in_wind(self.optics, OPTICS_MOST_M_S, self.wind)
+            if self.link is not None:
+                self.__dict__["link"] = in_wind(self.link, LINK_MOST_M_S, self.wind)
+        return self
+
+    @model_validator(mode="after")
+    def _carrier_is_free(self) -> Scenario:
+        carrier = self.station.carrier
+        if carrier is None:
+            return self
+        names = [vehicle.name for vehicle in self.vehicles]
+        if carrier not in names:
+            rule = f"must be one of the vehicles, {', '.join(names)}{did_you_mean(carrier, names)}"
+            raise broken(rule, at=("station", "carrier"), value=carrier)
+        index = names.index(carrier)
+        if self.vehicles[index].start is None:
+            raise broken(
+                "it carries the station; give it a position_m", at=("vehicles", index, "start"), value="station"
+            )
+        tether = self.vehicles[index].tether
+        if tether is not None and tether.anchor == "station":
+            raise broken("it carries the station; give a point", at=("vehicles", index, "tether", "anchor"))
         return self
 
     @model_validator(mode="after")

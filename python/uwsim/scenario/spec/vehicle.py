@@ -33,6 +33,7 @@ from uwsim.scenario.spec.fields import AssetFile, AssetName, Factor, InRange, Mo
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
 from uwsim.scenario.spec.material import Material, MaterialSpec
 from uwsim.scenario.spec.sensor import Sensors
+from uwsim.scenario.spec.wind import Windage
 
 DENSITIES_KG_M3 = (100.0, 10_000.0)
 """Plausible densities of whole vehicles: from an empty pressure hull to a solid lump of metal."""
@@ -105,7 +106,9 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     values, to which the mesh is scaled and moved; it must be close to them. collision: collision shape: the convex
     hull, the bounding box, or convex pieces. collision_pieces: the file with the pieces, which `uwsim decompose` makes
     from the mesh. linear_damping, quadratic_damping: force or torque that opposes v and v|v|. added_mass: mass of the
-    water that moves with the hull; zero by default. munk_share: how much of the Munk moment, which added_mass implies
+    water that moves with the hull; zero by default. coefficients: `afloat` for added mass and damping of the hull as it
+    floats without trim and ballast, by default those of the whole hull under water; either way they fall with the
+    volume in the water. munk_share: how much of the Munk moment, which added_mass implies
     in an ideal fluid, is left where the flow separates: 1 for a streamlined hull, near 0 for a sharp-edged open frame.
     crossflow_length_m: length along x over which the quadratic drag of sway and heave is spread evenly in strips, each
     with its own speed, so that they couple with yaw and pitch; pure motion along or about an axis keeps its published
@@ -118,7 +121,7 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     larger value applies. material: material of the hull. failsafe: the reaction to loss of contact or to a fault.
     arm: links by name, whose weight, buoyancy and water are beside the vehicle's own; by default none. radiation: the
     waves that the floating hull makes and deflects, a NetCDF file of Capytaine for this hull as it floats without
-    trim and ballast; by default none are modelled.
+    trim and ballast; by default none are modelled. windage: what it offers the wind; by default nothing.
     """
 
     builds_on: VehicleName | None = None
@@ -151,6 +154,7 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
         tuple[AlongQuadratic, AlongQuadratic, AlongQuadratic, AboutQuadratic, AboutQuadratic, AboutQuadratic] | None
     ) = None
     quadratic_damping_matrix: Matrix | None = None
+    coefficients: Literal["afloat"] | None = None
     munk_share: Annotated[float, InRange(0, 1)] = 1.0
     crossflow_length_m: Annotated[float, InRange(0, 500, "m")] = 0.0
 
@@ -172,6 +176,7 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     failsafe: Failsafe | None = None
     arm: dict[Name, Link] | None = None
     radiation: AssetFile | None = None
+    windage: Windage | None = None
 
     _source_file: SourceFile = PrivateAttr(default=SourceFile())
 

@@ -50,6 +50,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "cover",
             "life",
             "objects",
+            "wind",
             "water_targets",
             "link",
             "survey",
@@ -59,7 +60,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
     Water: frozenset({"volume_strength_db"}),
     GriddedCurrent: frozenset({"file"}),
     TableProfile: frozenset({"file"}),
-    Station: frozenset(["position_m", "yaw_deg", "mesh", "dock_m", "exit_m", "material"]),
+    Station: frozenset(["position_m", "yaw_deg", "mesh", "dock_m", "exit_m", "material", "carrier"]),
     VehicleEntry: frozenset({"name", "start", "failsafe", "trim", "wrenches", "tether"}),
     VehicleModel: frozenset(
         [
@@ -82,9 +83,11 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "trim",
             "arm",
             "radiation",
+            "coefficients",
+            "windage",
         ]
     ),
-    ThrusterMount: frozenset({"position_m", "axis", "spin"}),
+    ThrusterMount: frozenset({"position_m", "axis", "spin", "force", "moved_from_m"}),
     ThrusterType: frozenset({"name", "description", "pwm", "thrust_n", "sheets"}),
     BatterySetup: frozenset({"initial_charge"}),
     BatteryType: frozenset({"name", "description", "open_circuit_v"}),

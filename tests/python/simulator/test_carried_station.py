@@ -1,0 +1,96 @@
+"""A station that rides on a boat: its position, its modem, its USBL, its dock and its tether move with it."""
+
+import numpy as np
+import pytest
+
+from uwsim import Simulator
+from uwsim.scenario import Scenario
+from uwsim.scenario.read.validated import validated
+
+AT = [-0.5, 0.2, 0.0]
+SEA = {
+    "name": "pair", "description": "a boat and an ROV", "mission_time_s": 900,
+    "terrain": {"source": "noise", "size_m": [400, 400], "spacing_m": 10, "bed_depth_m": 40},
+    "station": {"carrier": "boat", "position_m": AT, "dock_m": [0, 0, -3]},
+    "link": {"modem": "s2cm_hs", "station_transducer_m": [0, 0, -0.5]},
+    "vehicles": [
+        {"name": "boat", "model": "otter", "start": {"position_m": [10, 5, 0], "yaw_deg": 30}},
+        {"name": "rov", "model": "bluerov2_heavy", "start": {"position_m": [12, 5, -10]}},
+    ],
+}  # fmt: skip
+
+
+def sea(**changes: object) -> Simulator:
+    return Simulator(validated(Scenario, SEA | changes), seed=1)
+
+
+def on_boat(sim: Simulator, point_m: list[float]) -> np.ndarray:
+    world_from_body = sim.vehicles["boat"].pose.world_from_body
+    return world_from_body[:3, :3] @ point_m + world_from_body[:3, 3]
+
+
+def test_distances_and_travel_times_are_to_where_the_boat_has_carried_it() -> None:
+    sim = sea()
+    sim.vehicles["boat"].set_thrusters({"port": 0.9, "starboard": 0.8})
+    sim.advance(40.0)
+    station, rov = on_boat(sim, AT), sim.vehicles["rov"]
+    assert np.linalg.norm(station - [10, 5, 0]) > 15.0
+    assert np.allclose(sim.station_world_m, station)
+    there = rov.pose.position_world_m
+    assert rov.telemetry().distance_to_station_m == pytest.approx(np.linalg.norm(station - there), abs=1e-6)
+    head = on_boat(sim, [AT[0], AT[1], AT[2] - 0.5])
+    speed = sim.world.water.sound_speed_m_s(0.5 * there[2])
+    delay_s = sim.link.reception("rov", "station").delay_s
+    assert delay_s * speed == pytest.approx(np.linalg.norm(head - there), rel=2e-3)
+
+
+def test_a_usbl_measures_from_the_boat() -> None:
+    sim = sea()
+    sim.vehicles["boat"].set_thrusters({"port": 0.9, "starboard": 0.8})
+    sim.advance(40.0)
+    rov = sim.vehicles["rov"]
+    usbl = next(one for one in rov.sensors.values() if one.kind == "usbl")
+    seen = usbl.read(noise=False).position_m
+    turn = rov.pose.world_from_body[:3, :3]
+    mounted = rov.pose.position_world_m + turn @ usbl.spec.position_m
+    assert np.allclose(seen, mounted - on_boat(sim, AT), atol=1e-3)
+
+
+def test_what_is_docked_rides_along_and_leaves_from_where_the_boat_is() -> None:
+    docked = [SEA["vehicles"][0], SEA["vehicles"][1] | {"start": "station"}]
+    sim = sea(vehicles=docked)
+    sim.vehicles["boat"].set_thrusters({"port": 0.9, "starboard": 0.8})
+    sim.advance(40.0)
+    boat, rov = sim.vehicles["boat"], sim.vehicles["rov"]
+    assert np.allclose(rov.pose.position_world_m, on_boat(sim, [AT[0], AT[1], -3.0]), atol=1e-9)
+    assert np.allclose(rov.pose.world_from_body[:3, :3], boat.pose.world_from_body[:3, :3], atol=1e-9)
+    rov.undock()
+    assert np.allclose(rov.pose.position_world_m, on_boat(sim, [AT[0] + 3.0, AT[1], -3.0]), atol=1e-6)
+
+
+def test_saved_and_restored_it_flies_the_same() -> None:
+    sim = sea()
+    sim.vehicles["boat"].set_thrusters({"port": 0.9, "starboard": 0.8})
+    sim.advance(5.0)
+    state = sim.save_state()
+    sim.advance(5.0)
+    first = sim.station_world_m
+    sim.restore_state(state)
+    sim.advance(5.0)
+    assert np.array_equal(first, sim.station_world_m)
+
+
+@pytest.mark.parametrize(
+    ("changes", "rule"),
+    [
+        ({"station": {"carrier": "bot"}}, "station.carrier.*must be one of the vehicles, boat, rov.*boat"),
+        ({"station": {"carrier": "boat", "mesh": "meshes/boat.glb"}}, "must be the vehicle's, as the station rides on"),
+        (
+            {"vehicles": [SEA["vehicles"][0] | {"start": "station"}, SEA["vehicles"][1]]},
+            "vehicles.*start.*it carries the station; give it a position_m",
+        ),
+    ],
+)
+def test_what_cannot_carry_it_is_refused(changes: dict, rule: str) -> None:
+    with pytest.raises(ValueError, match=rule):
+        sea(**changes)

@@ -1,0 +1,89 @@
+"""The packaged glider against the closed form of steady glides, and against the package gliderflight."""
+
+import math
+
+import numpy as np
+import pytest
+
+from uwsim import Simulator
+from uwsim.scenario import Scenario
+from uwsim.scenario.read.validated import validated
+
+DEEP = {
+    "name": "deep", "description": "deep water", "mission_time_s": 6000, "water": {"density_kg_m3": 1025},
+    "terrain": {"source": "noise", "size_m": [4000, 4000], "spacing_m": 50, "bed_depth_m": 900},
+    "station": {"position_m": [-50, 0, 0], "dock_m": [0, 0, -2]},
+    "vehicles": [{"name": "slocum", "model": "slocum", "start": {"position_m": [0, 0, -450]}}],
+}  # fmt: skip
+PUMP_N, LIFT, DRAG_0, DRAG_2 = 2.514, 132.5, 2.15, 25.0  # the full pump; K_L, K_D0 and K_D of Graver
+
+
+def glide(pump: float, battery: float) -> tuple[float, float, float]:
+    """Return the speed [m/s], the path's slope and the pitch [rad, positive upward] of a steady glide."""
+    sim = Simulator(validated(Scenario, DEEP), seed=1)
+    sim.rov.set_thrusters({"pump": pump, "battery": battery})
+    sim.advance(300.0)
+    turn = sim.rov.pose.world_from_body[:3, :3]
+    moving = turn @ sim.rov.velocity.linear_body_m_s
+    speed = float(np.linalg.norm(moving))
+    return speed, math.asin(moving[2] / speed), math.asin(turn[2, 0])
+
+
+def closed_form(force_n: float, slope_rad: float) -> tuple[float, float]:
+    """Return speed and angle of attack: lift, drag and net weight in balance (Graver 2005, sec. 4.1), for sinking."""
+    slope = math.tan(abs(slope_rad))
+    attack = LIFT / (2 * DRAG_2) * slope * (1 - math.sqrt(1 - 4 * DRAG_2 / LIFT**2 * DRAG_0 / slope**2))
+    return math.sqrt(force_n * math.sin(abs(slope_rad)) / (DRAG_0 + DRAG_2 * attack**2)), attack
+
+
+GLIDES = pytest.mark.parametrize(
+    ("pump", "battery"), [(-1, 0), (-1, -0.2), (-1, -0.5), (1, 0), (1, 0.5), (-0.5, 0), (-0.3, 0)]
+)
+
+
+@GLIDES
+def test_its_speed_and_angle_of_attack_are_those_of_the_closed_form(pump: float, battery: float) -> None:
+    speed, slope, pitch = glide(pump, battery)
+    assert math.copysign(1.0, slope) == math.copysign(1.0, pump)
+    expected, attack = closed_form(PUMP_N * abs(pump), slope)
+    assert speed == pytest.approx(expected, rel=0.006)
+    assert abs(slope) - abs(pitch) == pytest.approx(attack, abs=math.radians(0.07))
+
+
+@GLIDES
+def test_gliderflight_has_the_same_speed_at_the_same_pitch(pump: float, battery: float) -> None:
+    gliderflight = pytest.importorskip("gliderflight", reason="needs `pip install gliderflight`, a judge")
+    speed, slope, pitch = glide(pump, battery)
+    pressure = 0.5 * 1025.0
+    model = gliderflight.gliderflight.SteadyStateGliderModel(rho0=1025.0)
+    half = 0.5 * LIFT / pressure
+    model.define(S=1.0, aw=half, ah=half, Cd0=DRAG_0 / pressure, Cd1=DRAG_2 / pressure)
+    attack, theirs = model.solve_model(1025.0, PUMP_N * pump, np.array([pitch]), 0.0)
+    assert speed == pytest.approx(theirs[0], rel=0.02)
+    assert slope - pitch == pytest.approx(attack[0], abs=math.radians(0.1))
+
+
+def test_a_moved_mass_pitches_it_and_adds_no_force() -> None:
+    sim = Simulator(validated(Scenario, DEEP), seed=1)
+    sim.rov.set_thrusters({"battery": 1.0})
+    sim.advance(60.0)
+    lever = np.asarray(sim.rov.forces["actuators"].force_body_n)
+    assert np.allclose(lever, 0.0, atol=1e-3)  # [N] of the wings: a moved mass adds none
+    assert sim.rov.pose.world_from_body[2, 0] > 0.5  # bow up
+
+
+@pytest.mark.parametrize(
+    ("change", "rule"),
+    [
+        ({"axis": [1, 0, 0]}, "must be \\[0, 0, 1\\] for `force: weight`"),
+        ({"moved_from_m": None}, "must be given for `force: weight`, and for no other"),
+    ],
+)
+def test_what_its_file_gets_wrong_is_refused(change: dict, rule: str) -> None:
+    battery = {
+        "model": "slocum_battery", "position_m": [0.5, 0, 0], "moved_from_m": [-0.5, 0, 0], "axis": [0, 0, 1],
+        "force": "weight",
+    }  # fmt: skip
+    model = {"builds_on": "slocum", "thrusters": {"battery": battery | change}}
+    with pytest.raises(ValueError, match=rule):
+        validated(Scenario, DEEP | {"vehicles": [DEEP["vehicles"][0] | {"model": model}]})
