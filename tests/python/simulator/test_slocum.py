@@ -5,7 +5,10 @@ import math
 import numpy as np
 import pytest
 
+import uwsim
 from uwsim import Simulator
+from uwsim.examples import m14_glider
+from uwsim.missions import OwnVehicle, Steps
 from uwsim.scenario import Scenario
 from uwsim.scenario.read.validated import validated
 
@@ -61,6 +64,26 @@ def test_gliderflight_has_the_same_speed_at_the_same_pitch(pump: float, battery:
     attack, theirs = model.solve_model(1025.0, PUMP_N * pump, np.array([pitch]), 0.0)
     assert speed == pytest.approx(theirs[0], rel=0.02)
     assert slope - pitch == pytest.approx(attack[0], abs=math.radians(0.1))
+
+
+def test_dives_cost_the_net_buoyancy_times_the_slope_for_each_metre() -> None:
+    """A dive of height h below z covers 2 h / tan(slope), for 2 F times the depth at which the pump works."""
+    heights_m: list[float] = []
+
+    def watched(vehicle: OwnVehicle) -> Steps[tuple[float, float]]:
+        steps = m14_glider.mission(vehicle)
+        while True:
+            try:
+                pause = next(steps)
+            except StopIteration as end:
+                return end.value
+            heights_m.append(float(vehicle.pose.position_world_m[2]))
+            yield pause
+
+    ground_m, work_j = uwsim.fly(watched, "shelf").result
+    slope = np.mean([math.tan(abs(glide(sign, sign * m14_glider.BATTERY)[1])) for sign in (-1.0, 1.0)])
+    pumped_m, height_m = work_j / (2 * PUMP_N * m14_glider.DIVES), np.ptp(heights_m)
+    assert work_j / ground_m == pytest.approx(PUMP_N * slope * pumped_m / height_m, rel=0.04)
 
 
 def test_a_moved_mass_pitches_it_and_adds_no_force() -> None:
