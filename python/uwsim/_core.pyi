@@ -1408,6 +1408,13 @@ class ThrusterParameters:
     @torque_per_thrust_m.setter
     def torque_per_thrust_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
+    def ventilates(self) -> bool:
+        """
+        draws air near the surface
+        """
+    @ventilates.setter
+    def ventilates(self, arg0: bool) -> None: ...
+    @property
     def zero_thrust_advance_ratio(self) -> float:
         """
         inf if thrust does not decrease with speed

@@ -91,6 +91,7 @@ void bind_actuators(py::module_& m) {
             p.counter_body_m = at.is_none() ? std::nullopt : std::optional(as_vector3(at, "counter_body_m"));
           },
           "(3,), where the opposite of a vertical force acts [m]; None: nowhere")
+      .def_readwrite("ventilates", &ThrusterParameters::ventilates, "draws air near the surface")
       .def_readwrite("health", &ThrusterParameters::health,
                      "fraction of the thrust that remains after a fault; the allocation does not account for it")
       .def_readwrite("torque_per_thrust_m", &ThrusterParameters::torque_per_thrust_m, "k_q [m]")

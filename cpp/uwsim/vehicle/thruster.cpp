@@ -125,6 +125,10 @@ void Thruster::add_vertical(const Eigen::Vector3d& up_body, Vector6d& tau_body) 
 
 double Thruster::submerged_fraction(double height_m, double axis_up) const {
   const double radius = 0.5 * parameters_.diameter_m;
+  if (parameters_.ventilates) {
+    const double loaded = std::max(1 - 0.769 * height_m / radius, 0.0);
+    return std::clamp(1 - 0.675 * std::pow(loaded, 1.258), 0.0, 1.0);
+  }
   if (height_m >= radius) return 1;
   const double half_height = radius * std::sqrt(std::max(0.0, 1 - axis_up * axis_up));
   if (height_m >= half_height) return 1;

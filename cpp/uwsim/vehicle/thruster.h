@@ -35,7 +35,8 @@ struct ThrusterParameters {
   bool is_vertical = false;
   /// Where the opposite of a vertical force acts, as if weight were moved from here to `position_body_m`.
   std::optional<Eigen::Vector3d> counter_body_m;
-  double health = 1;  ///< fraction of the thrust that remains after a fault; ignored by the allocation
+  bool ventilates = false;  ///< draws air near the surface, see `submerged_fraction`
+  double health = 1;        ///< fraction of the thrust that remains after a fault; ignored by the allocation
 
   /// Throws InvalidValue naming the thruster and the field.
   void check() const;
@@ -82,7 +83,13 @@ class Thruster {
   /// Adds the mean force and torque of a vertical thruster over the last step; `up_body`: the world's vertical.
   void add_vertical(const Eigen::Vector3d& up_body, Vector6d& tau_body) const;
   /// Fraction of the propeller's disc below a level surface `height_m` above its hub. `axis_up`: vertical component of
-  /// the axis.
+  /// the axis. With `ventilates`, in its place the share of the thrust that a loaded propeller keeps as it draws air
+  /// (Minsaas, Thon and Kauczynski 1983, in Smogeli 2006, "Control of marine propellers", sec. 2.3), with radius R:
+  ///
+  ///   beta = 1 - 0.675 (1 - 0.769 h / R)^1.258 for -0.48 < h / R < 1.3
+  ///
+  /// 0 above and 1 below, where the formula itself is 0 and 1 within 0.003; measured with level axes. The papers were not
+  /// at hand.
   double submerged_fraction(double height_m, double axis_up) const;
 
   /// Saves or restores the command, the thrust and, with sheets, the current; the targets follow from the command.

@@ -69,6 +69,31 @@ def test_it_reaches_the_six_knots_for_which_its_drag_is_specified() -> None:
     assert abs(r) == pytest.approx(abs(source[2]), rel=0.15)
 
 
+@pytest.mark.parametrize(
+    ("height_m", "share"),
+    [(0.2, 1.0), (0.13, 1.0), (0.1, 0.893), (0.05, 0.633), (0.0, 0.325), (-0.048, 0.0), (-0.1, 0.0)],
+)
+def test_a_propeller_that_ventilates_keeps_the_published_share_of_its_thrust(height_m: float, share: float) -> None:
+    """By depth of the hub, with a radius of 0.1 m."""
+    mounts = {
+        name: {
+            "model": "otter_propeller", "position_m": [-0.7, y, -0.1], "axis": [1, 0, 0], "spin": spin,
+            "ventilates": True,
+        }
+        for name, y, spin in (("port", 0.395, "clockwise"), ("starboard", -0.395, "counter-clockwise"))
+    }  # fmt: skip
+    model = {"builds_on": "otter", "thrusters": mounts}
+    sim = Simulator(validated(Scenario, LAKE | {"vehicles": [LAKE["vehicles"][0] | {"model": model}]}), seed=1)
+    sim.rov.set_thrusters({"port": 0.5, "starboard": 0.5})
+    sim.advance(3.0)
+    thrust_n = []
+    for hub_m in (1.0, height_m):
+        sim.rov.place((0.0, 0.0, 0.1 - hub_m))
+        sim.step(1)
+        thrust_n.append(float(sim.rov.forces["actuators"].force_body_n[0]))
+    assert thrust_n[1] / thrust_n[0] == pytest.approx(share, abs=0.004)
+
+
 def test_it_floats_level_where_its_file_has_the_waterline() -> None:
     sim = Simulator(validated(Scenario, LAKE), seed=1)
     sim.advance(20.0)

@@ -36,6 +36,7 @@ def _thruster_parameters(name: str, mount: ThrusterMount, by_voltage: bool) -> _
     if by_voltage:
         parameters.sheets = thruster.performance(mount.gain)
     parameters.health = mount.health
+    parameters.ventilates = mount.ventilates
     parameters.is_vertical = mount.force is not None
     if mount.moved_from_m is not None:
         parameters.counter_body_m = mount.moved_from_m

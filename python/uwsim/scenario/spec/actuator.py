@@ -127,7 +127,9 @@ class ThrusterMount(Model):
     vertical, upward if positive, in any attitude and medium: `buoyancy`, of an engine that changes the displaced
     volume, or `weight`, of a mass moved from moved_from_m to position_m. Their axis must be [0, 0, 1]; the change of
     inertia is neglected. moved_from_m: where the opposite force acts. time_constant_s: time constant of the thrust's
-    lag, by default the type's. health: the fraction of thrust left by a fault, of which the allocation is not aware.
+    lag, by default the type's. ventilates: whether a propeller near the surface draws air, which takes thrust even
+    while it is covered (Minsaas et al. 1983); by default thrust is lost with the part of the disc above the water.
+    health: the fraction of thrust left by a fault, of which the allocation is not aware.
     """
 
     time_constant_s: Annotated[float, InRange(0, 60, "s")] | None = None
@@ -138,6 +140,7 @@ class ThrusterMount(Model):
     gain: Annotated[float, InRange(0.01, 100)] = 1.0
     force: Literal["buoyancy", "weight"] | None = None
     moved_from_m: Point3 | None = None
+    ventilates: bool = False
     health: Annotated[float, InRange(0, 1)] = 1.0
 
     @model_validator(mode="after")

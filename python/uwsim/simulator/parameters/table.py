@@ -87,7 +87,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "windage",
         ]
     ),
-    ThrusterMount: frozenset({"position_m", "axis", "spin", "force", "moved_from_m"}),
+    ThrusterMount: frozenset({"position_m", "axis", "spin", "force", "moved_from_m", "ventilates"}),
     ThrusterType: frozenset({"name", "description", "pwm", "thrust_n", "sheets"}),
     BatterySetup: frozenset({"initial_charge"}),
     BatteryType: frozenset({"name", "description", "open_circuit_v"}),
