@@ -42,6 +42,7 @@ SENSORS: dict[str, Any] = {
     "compass": {"kind": "compass", "noise": NOISE, "hard_iron_ut": [1, 2, 3]},
     "contact": {"kind": "contact"},
     "ctd": {"kind": "ctd", **TIMES, "channels": {"temperature": NOISE}},
+    "ins": {"kind": "ins", **TIMES, "grade": "mems", "noise": NOISE},
 }
 SIX = [30.0, 40.0, 50.0, 6.0, 7.0, 8.0]
 HULL: dict[str, Any] = {

@@ -16,7 +16,8 @@ constexpr double kMaxHeldSamples = 1e5;
 
 /// Whether the time of a sample may differ from the time at which it is read.
 bool has_history(const SensorSpec& spec, const Sensor& sensor, const SampleClock& clock) {
-  return !clock.every_step() || spec.latency_s > 0 || spec.drop_out > 0 || sensor.longest_travel_time_s() > 0;
+  return sensor.remembers() || !clock.every_step() || spec.latency_s > 0 || spec.drop_out > 0 ||
+         sensor.longest_travel_time_s() > 0;
 }
 
 /// The number of samples that may be in transit, plus one for the sample that has arrived and one to allow for
@@ -37,9 +38,11 @@ NoisySensor::NoisySensor(const SensorSpec& spec, std::uint64_t seed, std::string
       clock_(spec.rate_hz, step_ns),
       noise_(*kind_, spec_, seed, stream_name(vehicle, spec.name), clock_.period_s()),
       drop_out_(seed, stream_name(vehicle, spec.name, "drop_out")),
+      memory_draws_(seed, stream_name(vehicle, spec.name, "memory")),
       records_(has_history(spec_, *sensor_, clock_)),
       next_due_(records_ ? 0 : kNever),
-      history_(held_samples(spec_, *sensor_, clock_), sensor_->rays({}) ? kind_->raw_width() : 0),
+      history_(held_samples(spec_, *sensor_, clock_),
+               sensor_->rays({}) || sensor_->remembers() ? kind_->raw_width() : 0),
       raw_(kind_->raw_width()) {
   sample_.values.resize(kind_->reading_width());
 }
@@ -48,10 +51,14 @@ void NoisySensor::record(const VehicleSnapshot& snapshot, const Surroundings& ar
   if (uses_link_) {
     question_ = clock_.sample_at(snapshot.tick);
   } else if (clock_.samples_at(snapshot.tick)) {
+    const SampleHistory::Entry* before = history_.newest();
     SampleHistory::Entry& entry = history_.push(snapshot, dropped(snapshot.tick));
     const std::optional<RayCone> rays = sensor_->rays(snapshot.state.world_from_body);
-    entry.observed = rays && around.scene.bodies_in(*rays);
-    if (entry.observed) sensor_->observe(input(snapshot, around), entry.raw);
+    entry.observed = sensor_->remembers() || (rays && around.scene.bodies_in(*rays));
+    if (entry.observed) {
+      sensor_->observe(input(snapshot, around), entry.raw);
+      follow(snapshot, around, before, entry.raw);
+    }
   }
   next_due_ = clock_.tick_of(clock_.sample_at(snapshot.tick) + 1);
 }
@@ -72,8 +79,23 @@ bool NoisySensor::arrived(const VehicleSnapshot& measured, const VehicleSnapshot
          clock_.time_ns(now.tick);
 }
 
+void NoisySensor::follow(const VehicleSnapshot& snapshot, const Surroundings& around,
+                         const SampleHistory::Entry* before, std::span<double> raw) const {
+  if (!sensor_->remembers()) return;
+  const std::uint64_t then = before ? before->snapshot.tick : snapshot.tick;
+  const double elapsed_s = 1e-9 * static_cast<double>(clock_.time_ns(snapshot.tick) - clock_.time_ns(then));
+  const std::span<const double> values = before ? std::span<const double>(before->raw) : std::span<const double>();
+  sensor_->follow(input(snapshot, around), {values, elapsed_s, memory_draws_, clock_.sample_at(snapshot.tick)}, raw);
+}
+
 void NoisySensor::measure(const VehicleSnapshot& snapshot, const Surroundings& around, bool with_noise) {
-  sensor_->observe(input(snapshot, around), raw_);
+  const SampleHistory::Entry* newest = history_.newest();
+  if (with_noise && sensor_->remembers() && newest && newest->snapshot.tick == snapshot.tick) {
+    raw_ = newest->raw;
+  } else {
+    sensor_->observe(input(snapshot, around), raw_);
+    if (with_noise) follow(snapshot, around, newest, raw_);
+  }
   finish(snapshot, with_noise);
 }
 

@@ -74,6 +74,8 @@ class NoisySensor {
  private:
   bool dropped(std::uint64_t tick) const;
   bool arrived(const VehicleSnapshot& measured, const VehicleSnapshot& now, const Surroundings& around) const;
+  void follow(const VehicleSnapshot& snapshot, const Surroundings& around, const SampleHistory::Entry* before,
+              std::span<double> raw) const;
   void measure(const VehicleSnapshot& snapshot, const Surroundings& around, bool with_noise);
   void measure_recorded(const SampleHistory::Entry& entry, const Surroundings& around);
   void finish(const VehicleSnapshot& snapshot, bool with_noise);
@@ -84,7 +86,7 @@ class NoisySensor {
   std::unique_ptr<Sensor> sensor_;
   SampleClock clock_;
   Noise noise_;
-  RandomStream drop_out_;
+  RandomStream drop_out_, memory_draws_;
   bool records_;  ///< false for a sensor that only measures the present
   bool uses_link_ = false;
   std::optional<std::uint64_t> question_;

@@ -24,7 +24,7 @@ class SampleHistory {
     std::vector<double> raw;  ///< of fixed size
   };
 
-  /// `raw_width`: the number of raw values; 0 for a sensor that never observes immediately.
+  /// `raw_width`: the number of raw values; 0 for a sensor that never observes immediately. `capacity`: at least 2.
   SampleHistory(std::size_t capacity, std::size_t raw_width) : ring_(capacity) {
     for (Entry& entry : ring_) entry.raw.resize(raw_width);
     last_evicted_.raw.resize(raw_width);
@@ -43,6 +43,9 @@ class SampleHistory {
     ++pushed_;
     return entry;
   }
+
+  /// The entry added last, which is valid until the next but one is added; null before the first.
+  const Entry* newest() const { return pushed_ == 0 ? nullptr : &ring_[(pushed_ - 1) % ring_.size()]; }
 
   /// Visits the entries from newest to oldest, then the one kept separately, until `stop_at` returns true.
   template <typename Visit>

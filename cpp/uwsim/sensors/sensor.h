@@ -10,6 +10,7 @@
 #include "uwsim/acoustics/sound_speed_profile.h"
 #include "uwsim/core/body_state.h"
 #include "uwsim/core/parameter.h"
+#include "uwsim/core/random.h"
 #include "uwsim/rays/ray_scene.h"
 #include "uwsim/sensors/sensor_spec.h"
 #include "uwsim/world/water.h"
@@ -39,6 +40,14 @@ struct SensorInput {
   double time_s;
 };
 
+/// The sample before, without noise, of a sensor with a memory.
+struct Past {
+  std::span<const double> raw;  ///< empty before the first sample
+  double elapsed_s;             ///< since that sample
+  const RandomStream& draws;    ///< the sensor's own
+  std::uint64_t sample;         ///< number of the new sample, which keys its draws
+};
+
 /// One quantity of a reading: name, number of values and unit, such as {"orientation_xyzw", 4, "1"}.
 struct Field {
   std::string_view name;
@@ -60,6 +69,10 @@ class Sensor {
  public:
   virtual ~Sensor() = default;
   virtual void observe(const SensorInput& input, std::span<double> raw) const = 0;
+  /// True if raw values depend on those of the sample before; `follow` then adds that part to what observe() measured.
+  /// These values are kept in the sensor's history, so that they are saved and restored with it.
+  virtual bool remembers() const { return false; }
+  virtual void follow(const SensorInput&, const Past&, std::span<double> /*raw*/) const {}
   /// A cone that encloses the rays that the sensor casts; nullopt if it casts none.
   virtual std::optional<RayCone> rays(const Pose& /*world_from_body*/) const { return std::nullopt; }
   /// Applies errors that depend only on the measured values, such as scale errors, before noise is added.

@@ -99,6 +99,37 @@ class CtdReading(Reading):
     salinity_psu: float
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class GpsReading(Reading):
+    """Position and velocity of the antenna, (3,) each, in world axes, NaN without a fix; fix: 1 or 0."""
+
+    position_m: Floats
+    velocity_m_s: Floats
+    fix: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class InsReading(Reading):
+    """Position and velocity, (3,) each, in world axes, and the attitude, orientation_xyzw (4,), as an INS has them."""
+
+    position_m: Floats
+    velocity_m_s: Floats
+    orientation_xyzw: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AdcpReading(Reading):
+    """Velocity through the water, velocity_m_s (3,), in sensor axes: the mean of the reference layer.
+
+    cell_velocities_m_s: (96,), x, y and z of the first cell, then of the second, to the 32nd; NaN for lost cells, and
+    for those that the instrument does not have. water_lock: 1 or 0.
+    """
+
+    velocity_m_s: Floats
+    cell_velocities_m_s: Floats
+    water_lock: float
+
+
 READINGS: dict[str, type[Reading]] = {
     "imu": ImuReading,
     "position": PositionReading,
@@ -107,5 +138,8 @@ READINGS: dict[str, type[Reading]] = {
     "dvl": DvlReading,
     "usbl": UsblReading,
     "ctd": CtdReading,
+    "gps": GpsReading,
+    "ins": InsReading,
+    "adcp": AdcpReading,
 }
 """Classes of readings by the sensor's kind. Kinds that are not listed measure a single value."""

@@ -17,9 +17,12 @@ from uwsim.instruments.distortion import Distortion
 from uwsim.instruments.readings import (
     READINGS,
     AccelerationReading,
+    AdcpReading,
     CtdReading,
     DvlReading,
+    GpsReading,
     ImuReading,
+    InsReading,
     PositionReading,
     UsblReading,
     VelocityReading,
@@ -66,6 +69,9 @@ class Sensor(Attached, Generic[R]):
     - dvl: velocity_m_s (3,), beam_ranges_m (4,) (inf: lost), beam_velocities_m_s (4,), bottom_lock (1 or 0)
     - usbl: position_m (3,) from the station along east, north and up, range_m, azimuth_rad (from east to north),
       elevation_rad (up is positive)
+    - gps: position_m (3,), velocity_m_s (3,), fix (1 or 0); ins: position_m (3,), velocity_m_s (3,), orientation_xyzw
+      (4,), all in world axes
+    - adcp: velocity_m_s (3,), through the water, and cell_velocities_m_s (96,), water_lock (1 or 0)
     - compass [rad, clockwise from magnetic north, in [0, 2 pi)]; contact: 1 while in contact, else 0
     """
 
@@ -261,6 +267,12 @@ class Sensors(Named[Sensor[Any]]):
         def __getitem__(self, name: Literal["usbl"], /) -> Sensor[UsblReading]: ...
         @overload
         def __getitem__(self, name: Literal["ctd"], /) -> Sensor[CtdReading]: ...
+        @overload
+        def __getitem__(self, name: Literal["gps"], /) -> Sensor[GpsReading]: ...
+        @overload
+        def __getitem__(self, name: Literal["ins"], /) -> Sensor[InsReading]: ...
+        @overload
+        def __getitem__(self, name: Literal["adcp"], /) -> Sensor[AdcpReading]: ...
         @overload
         def __getitem__(self, name: ScalarKind, /) -> Sensor[float]: ...
         @overload

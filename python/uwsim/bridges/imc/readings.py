@@ -162,7 +162,7 @@ class Instruments:
     def read(self, time_s: float) -> Iterator[Sent]:
         """Yield what was measured since the last call. Must be called on the simulator's thread."""
         yield NAVIGATION, *estimated_state(self._vehicle, self._place)
-        if time_s - self._fixed_s >= 1.0 and self._vehicle.pose.position_world_m[2] > -SURFACE_M:
+        if time_s - self._fixed_s >= 1.0 and self._has_fix():
             self._fixed_s = time_s
             yield "gps", "GpsFix", self._fix(time_s)
         ned_from_world = _ned_from_world(self._place, np.asarray(self._vehicle.estimate.pose.position_world_m))
@@ -178,6 +178,13 @@ class Instruments:
         for name, angle_rad in self._vehicle.fins.items():
             if (servo := self._servos.get(name)) is not None:
                 yield "servos", "ServoPosition", {"id": servo.number, "value": servo.sign * angle_rad}
+
+    def _has_fix(self) -> bool:
+        """Return whether the vehicle's GPS has a fix; without a GPS, whether the vehicle is at the surface."""
+        receivers = [each for each in self._vehicle.sensors.values() if each.kind == "gps" and each.on]
+        if receivers:
+            return receivers[0].sample().valid
+        return bool(self._vehicle.pose.position_world_m[2] > -SURFACE_M)
 
     def _fix(self, time_s: float) -> dict[str, Any]:
         """Return the estimate as a fix; no receiver has errors of its own here."""

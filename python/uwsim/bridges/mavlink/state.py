@@ -29,7 +29,8 @@ class State(NamedTuple):
     camera's pitch as a fraction of its range, from 0 (lowest) to 1. lights: the fraction of lamps that are on.
     thrusters: their commands. imu: specific force [m/s2] and angular velocity [rad/s] in body axes, (6,). variances: of
     velocity, horizontal position, height and heading [SI], 0 for the truth. sensors, healthy: MAV_SYS_STATUS_SENSOR.
-    can_arm: whether arming would succeed. Values that do not exist are NaN.
+    can_arm: whether arming would succeed. gps: sample of the first sensor of kind gps; None without one. Values that do
+    not exist are NaN.
     """
 
     time_s: float
@@ -60,6 +61,7 @@ class State(NamedTuple):
     gimbal_rad: tuple[float, float]
     camera_tilt: float
     lights: float
+    gps: Any
 
 
 def read(sim: Simulator, source: Source, *, truth: bool) -> State:
@@ -104,6 +106,7 @@ def read(sim: Simulator, source: Source, *, truth: bool) -> State:
         gimbal_rad=gimbal_rad,
         camera_tilt=camera_tilt,
         lights=sum(lamps) / len(lamps) if lamps else math.nan,
+        gps=by_kind["gps"].sample() if "gps" in by_kind else None,
     )
 
 

@@ -121,15 +121,24 @@ def _filter(mav: Any, f: Figures) -> Iterable[Any]:
 
 
 def _fix(mav: Any, f: Figures) -> Iterable[Any]:
-    """Return GPS_RAW_INT: the vehicle's own position, as a ground station gets it from a positioning system."""
-    north, east, _ = f.velocity_ned_m_s
+    """Return GPS_RAW_INT: the vehicle's GPS; without one its own position, as if a positioning system gave it."""
+    is_fixed, position_m, velocity_ned, lat_e7, lon_e7 = (
+        f.is_placed, f.state.position_world_m, f.velocity_ned_m_s, f.lat_e7, f.lon_e7
+    )  # fmt: skip
+    horizontal_m, vertical_m = math.sqrt(f.state.variances[1]), math.sqrt(f.state.variances[2])
+    if f.state.gps is not None:
+        is_fixed, horizontal_m, vertical_m = f.state.gps.valid, 0.0, 0.0  # 0: unknown
+        if not is_fixed:
+            return [mav.gps_raw_int_encode(f.us, NO_FIX, 0, 0, 0, *[UNKNOWN_U16] * 4, 255)]
+        position_m, velocity_ned = f.state.gps.value.position_m, NED_FROM_ENU @ f.state.gps.value.velocity_m_s
+        lat_e7, lon_e7 = (round(1e7 * degrees) for degrees in f.craft.home.degrees(position_m))
+    north, east, _ = velocity_ned
     course_cdeg = round(100 * math.degrees(math.atan2(east, north))) % 36000
-    up_mm, place_mm = round(1e3 * f.state.position_world_m[2]), round(1e3 * math.sqrt(f.state.variances[1]))
     return [
         mav.gps_raw_int_encode(
-            f.us, FIX_3D if f.is_placed else NO_FIX, f.lat_e7, f.lon_e7, up_mm, UNKNOWN_U16, UNKNOWN_U16,
-            _uint16(100 * math.hypot(north, east)), course_cdeg, 255, 0, place_mm,
-            round(1e3 * math.sqrt(f.state.variances[2])),
+            f.us, FIX_3D if is_fixed else NO_FIX, lat_e7, lon_e7, round(1e3 * position_m[2]), UNKNOWN_U16, UNKNOWN_U16,
+            _uint16(100 * math.hypot(north, east)), course_cdeg, 255, 0, round(1e3 * horizontal_m),
+            round(1e3 * vertical_m),
         )
     ]  # fmt: skip
 

@@ -22,11 +22,12 @@ Clock = Callable[[float], datetime]
 def read(vehicle: Vehicle, place: Georeference, clock: Clock, time_s: float) -> list[str]:
     """Return the sentences of one moment. Must be called on the simulator's thread.
 
-    place: of the world; without a location on Earth, there is no fix, and y is taken for true north.
+    The position is that of the vehicle's GPS, or of its estimate without one. place: of the world; without a location
+    on Earth, there is no fix, and y is taken for true north.
     """
     kinds = {kind: [each for each in vehicle.sensors.values() if each.kind == kind and each.on]
-             for kind in ("imu", "altitude", "depth", "usbl")}  # fmt: skip
-    found = _navigation(vehicle, place, clock(time_s)) if kinds["imu"] else []
+             for kind in ("imu", "gps", "altitude", "depth", "usbl")}  # fmt: skip
+    found = _navigation(vehicle, place, clock(time_s), kinds["gps"][:1]) if kinds["imu"] else []
     for altimeter in kinds["altitude"][:1]:
         depth = kinds["depth"][0].sample() if kinds["depth"] else None
         below_m = _valid(altimeter)
@@ -47,8 +48,8 @@ def _valid(sensor: Sensor[Any]) -> float | None:
     return float(sample.value) if sample.valid and math.isfinite(sample.value) else None
 
 
-def _navigation(vehicle: Vehicle, place: Georeference, time: datetime) -> list[str]:
-    """Return the sentences of the vehicle's own estimate."""
+def _navigation(vehicle: Vehicle, place: Georeference, time: datetime, gps: list[Sensor[Any]]) -> list[str]:
+    """Return the sentences of the vehicle's own estimate, with the position of the GPS if there is one."""
     estimate = vehicle.estimate
     pose = estimate.pose
     position_m = np.asarray(pose.position_world_m)
@@ -56,6 +57,13 @@ def _navigation(vehicle: Vehicle, place: Georeference, time: datetime) -> list[s
     if place.crs is not None:
         latitude_deg, longitude_deg = place.degrees(position_m).tolist()
         fix, north_rad = Fix(latitude_deg, longitude_deg, float(position_m[2])), place.north_rad(position_m)
+        if gps:
+            sample: Any = gps[0].sample()
+            fix = None
+            if sample.valid:
+                at_m = sample.value.position_m
+                latitude_deg, longitude_deg = place.degrees(at_m).tolist()
+                fix = Fix(latitude_deg, longitude_deg, float(at_m[2]), is_measured=True)
     east, north, _ = pose.world_from_body[:3, :3] @ estimate.velocity.linear_body_m_s
     motion = Motion(math.atan2(east, north) + north_rad, math.hypot(east, north))
     heading_rad = math.pi / 2 - pose.yaw_rad + north_rad

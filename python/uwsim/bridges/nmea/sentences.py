@@ -13,16 +13,17 @@ from typing import NamedTuple
 
 INTEGRATED, SOUNDER, POSITIONING = "IN", "SD", "SN"
 """Talkers: integrated navigation, depth sounder, positioning system of another kind."""
-ESTIMATED, NO_FIX = 6, 0  # quality in GGA
+MEASURED, ESTIMATED, NO_FIX = 1, 6, 0  # quality in GGA
 KM_H, KNOTS, FEET, FATHOMS = 3.6, 3600 / 1852, 1 / 0.3048, 1 / 1.8288  # per m/s, m/s, m, m
 
 
 class Fix(NamedTuple):
-    """A position [deg, WGS 84], and its height above the water [m]."""
+    """A position [deg, WGS 84], and its height above the water [m]. is_measured: by satellites."""
 
     latitude_deg: float
     longitude_deg: float
     height_m: float
+    is_measured: bool = False
 
 
 class Motion(NamedTuple):
@@ -44,17 +45,28 @@ def zda(time: datetime) -> str:
 
 
 def gga(time: datetime, fix: Fix | None) -> str:
-    """Return the position: its quality is 6 (estimated), or 0 without one. No satellite is in use."""
+    """Return the position: its quality is 1 (by satellites, none of them simulated), 6 (estimated), or 0 without."""
     if fix is None:
         return sentence(INTEGRATED, "GGA", _time(time), *[None] * 4, NO_FIX, "00", *[None] * 7)
     height = f"{fix.height_m:.2f}"
-    return sentence(INTEGRATED, "GGA", _time(time), *_place(fix), ESTIMATED, "00", None, height, "M", *[None] * 4)
+    return sentence(
+        INTEGRATED,
+        "GGA",
+        _time(time),
+        *_place(fix),
+        MEASURED if fix.is_measured else ESTIMATED,
+        "00",
+        None,
+        height,
+        "M",
+        *[None] * 4,
+    )
 
 
 def rmc(time: datetime, fix: Fix | None, motion: Motion) -> str:
-    """Return position, speed, course and date, with the mode E (estimated), or N without a position."""
+    """Return position, speed, course and date, with the mode A (by satellites), E (estimated) or N (no position)."""
     speed, course = f"{motion.speed_m_s * KNOTS:.3f}", _degrees(motion.course_rad)
-    place, (status, mode) = ([None] * 4, "VN") if fix is None else (_place(fix), "AE")
+    place, (status, mode) = ([None] * 4, "VN") if fix is None else (_place(fix), "AA" if fix.is_measured else "AE")
     return sentence(INTEGRATED, "RMC", _time(time), status, *place, speed, course, f"{time:%d%m%y}", None, None, mode)
 
 

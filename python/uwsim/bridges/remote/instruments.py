@@ -46,12 +46,21 @@ def _dvl(message: Any) -> SimpleNamespace:
     )
 
 
+def _fix(message: Any) -> SimpleNamespace:
+    """Return latitude and longitude [deg], height [m] and whether there is a fix (1 or 0)."""
+    return SimpleNamespace(
+        latitude_deg=float(message.latitude), longitude_deg=float(message.longitude), height_m=float(message.altitude),
+        fix=float(message.status.status >= 0),
+    )  # fmt: skip
+
+
 READERS: dict[str, Callable[[Any], Any]] = {
     "sensor_msgs/msg/Range": lambda message: float(message.range),
     "sensor_msgs/msg/FluidPressure": lambda message: float(message.fluid_pressure),
     "sensor_msgs/msg/Temperature": lambda message: float(message.temperature),
     "sensor_msgs/msg/Imu": _imu,
     "marine_acoustic_msgs/msg/Dvl": _dvl,
+    "sensor_msgs/msg/NavSatFix": _fix,
     "geometry_msgs/msg/PointStamped": lambda message: SimpleNamespace(position_m=vector(message.point)),
     "std_msgs/msg/Float64": lambda message: float(message.data),
     "std_msgs/msg/Bool": lambda message: float(message.data),

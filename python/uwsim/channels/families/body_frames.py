@@ -75,7 +75,7 @@ def body_frames(model: VehicleModel) -> Iterator[Frame]:
     """Yield the frames of a vehicle, each after its parent; all are below base_link."""
     for name, sensor in model.sensors.items():
         turn = of_yaw_pitch_roll_deg(sensor.yaw_pitch_roll_deg)
-        if sensor.kind == "dvl":
+        if sensor.kind in ("dvl", "adcp"):
             turn = build.turned_xyzw(turn, build.DOWN_XYZW)
         yield Frame(BASE, f"{name}_link", sensor.position_m, turn)
     for name, sonar in model.imaging_sonars.items():

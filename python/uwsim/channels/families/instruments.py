@@ -14,10 +14,13 @@ from uwsim import _core
 from uwsim.base.quaternions import about_z
 from uwsim.channels.channel import Channel, Delivery, OverLink
 from uwsim.channels.families.covariance import UNKNOWN, isotropic, of_velocity, variance
+from uwsim.channels.families.positioning import ins_odometry, nav_sat_fix
 from uwsim.channels.ros import build
 from uwsim.channels.ros.cdr import encode
 from uwsim.channels.source import Source
 from uwsim.instruments.sensors import Sample
+from uwsim.mapping.files.georeference import Georeference
+from uwsim.scenario.georeference import georeference
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.sensor_kind import DerivedKind, sensor_kind
 from uwsim.simulator.simulator import Simulator
@@ -27,7 +30,8 @@ BATTERY_HZ = 1.0
 ULTRASOUND = 0
 DOWN = np.array([1.0, -1.0, -1.0])  # turns x ahead, y to port, z up into x ahead, y to starboard, z down
 UNOBSERVED = 1e6  # variance of quantities that a sensor does not measure, in their unit squared
-DVL_MODE_BOTTOM = 1
+DVL_MODE_BOTTOM, DVL_MODE_WATER = 1, 2
+GPS = "gps"
 SAMPLED = Delivery(is_sampled=True)
 
 
@@ -38,6 +42,8 @@ class Errors(NamedTuple):
     rate_hz: float
     time_s: float
     sound_speed_m_s: float = math.nan  # for a DVL, at its vehicle's depth
+    frame_id: str = ""  # the sensor's own
+    place: Georeference = Georeference()  # the world's, for a GPS
 
     def variance(self, channel: str) -> float:
         """Return the error variance of a channel [unit^2]."""
@@ -85,6 +91,8 @@ def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
     ]  # fmt: skip
     for name, sensor in source.of(sim).sensors.items():
         kind = _kind(sensor.kind)
+        if sensor.kind == GPS and georeference(sim.scenario).crs is None:
+            continue  # its message has latitude and longitude
         if kind is not None:
             frame_id = source.frame(f"{name}_link")
             found.append(
@@ -161,8 +169,11 @@ def sample_message(source: Source, sim: Simulator, name: str, sample: Sample[Any
 
 def _message(source: Source, sim: Simulator, name: str, kind: Kind, frame_id: str, sample: Sample[Any]) -> Any:
     mount = source.model(sim).sensors[name]
-    speed_m_s = sim.world.water.sound_speed_m_s(_height_m(source, sim)) if mount.kind == "dvl" else math.nan
-    errors = Errors(mount, mount.rate_hz or 1.0 / sim.step_s, sample.stamp_s, speed_m_s)
+    is_doppler = mount.kind in ("dvl", "adcp")
+    speed_m_s = sim.world.water.sound_speed_m_s(_height_m(source, sim)) if is_doppler else math.nan
+    place = georeference(sim.scenario) if mount.kind == GPS else Georeference()
+    own_frame = source.frame(f"{name}_link")
+    errors = Errors(mount, mount.rate_hz or 1.0 / sim.step_s, sample.stamp_s, speed_m_s, own_frame, place)
     return kind.write(sample.value, build.header(sample.stamp_ns, frame_id), errors)
 
 
@@ -171,8 +182,11 @@ def _height_m(source: Source, sim: Simulator) -> float:
 
 
 def _is_out_of_reach(value: Any) -> bool:
-    """Return whether a sample is invalid because there was no echo, rather than because it was lost."""
-    return bool(value.bottom_lock == 0) if hasattr(value, "bottom_lock") else not math.isfinite(value)
+    """Return whether a sample is invalid because there was no echo or fix, rather than because it was lost."""
+    for lock in ("bottom_lock", "water_lock", "fix"):
+        if hasattr(value, lock):
+            return bool(getattr(value, lock) == 0)
+    return not math.isfinite(value)
 
 
 def _battery(source: Source, sim: Simulator) -> Any:
@@ -250,6 +264,23 @@ def dvl_message(value: Any, header: Any, errors: Errors) -> Any:
         beam_quality=good.astype(np.float32),
         beam_velocity=np.asarray(value.beam_velocities_m_s, np.float32),
         beam_velocity_covar=np.full(4, velocity_variance, np.float32),
+    )
+
+
+def _water_track(value: Any, header: Any, errors: Errors) -> Any:
+    """Return a marine_acoustic_msgs/Dvl of the velocity through the water, in axes as of a DVL's bottom track."""
+    velocity = DOWN * value.velocity_m_s
+    return build.message(
+        "marine_acoustic_msgs/msg/Dvl",
+        header=header,
+        velocity_mode=DVL_MODE_WATER,
+        velocity=build.vector(velocity),
+        velocity_covar=np.array([UNKNOWN, *[0.0] * 8]),
+        altitude=math.nan,
+        course_gnd=math.atan2(velocity[1], velocity[0]),
+        speed_gnd=math.hypot(velocity[0], velocity[1]),
+        num_good_beams=4 if value.water_lock else 0,
+        sound_speed=errors.sound_speed_m_s,
     )
 
 
@@ -337,6 +368,10 @@ FILTER_INPUTS: dict[str, FilterInput] = {
         "twist", "geometry_msgs/msg/TwistWithCovarianceStamped", "velocity over the bed; no rate is measured",
         _dvl_twist,
     ),
+    "ins": FilterInput(
+        "odometry", "nav_msgs/msg/Odometry", "position, velocity and attitude of an INS; no rate is measured",
+        ins_odometry, "odom",
+    ),
 }  # fmt: skip
 """Messages for filters, by kind of sensor, on the topic NAME/suffix."""
 
@@ -351,6 +386,8 @@ KINDS: dict[str, Kind] = {
     "altitude": Kind("sensor_msgs/msg/Range", _range, even_invalid=True),
     "proximity": Kind("sensor_msgs/msg/Range", _range, even_invalid=True),
     "dvl": Kind("marine_acoustic_msgs/msg/Dvl", dvl_message, even_invalid=True),
+    "adcp": Kind("marine_acoustic_msgs/msg/Dvl", _water_track, even_invalid=True),
+    GPS: Kind("sensor_msgs/msg/NavSatFix", nav_sat_fix, even_invalid=True),
     "usbl": Kind("geometry_msgs/msg/PointStamped", _usbl),
     "depth": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
     "compass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),

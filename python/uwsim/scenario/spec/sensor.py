@@ -22,6 +22,7 @@ from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.fields import AssetName, InRange, Model, Name, Point3, YawPitchRoll, broken
 from uwsim.scenario.spec.json_schema import figures, one_of_kinds
 from uwsim.scenario.spec.parameter import checked_values
+from uwsim.scenario.spec.sensor_grade import GRADES
 from uwsim.scenario.spec.sensor_kind import DerivedKind, sensor_kind, sensor_kinds, usable_sensor_kinds
 
 SensorSetName = Annotated[str, AssetName("sensors")]
@@ -63,7 +64,8 @@ class SensorMount(Model):
     """A sensor of one of the registered kinds, and its mount on the body.
 
     Rays are cast along the sensor's x: yaw 90 points to port. Parameters of the kind, such as range_max_m, are written
-    next to the other keys in YAML, and in `parameters` here. position_m: position in the body frame. parameters: in
+    next to the other keys in YAML, and in `parameters` here. grade: of an ins: navigation, tactical or mems; gives the
+    parameters that are not written. position_m: position in the body frame. parameters: in
     Python, the parameters of the kind; in YAML, they are next to the other keys. on: whether it is powered; without
     power it has no readings. rate_hz: sampling rate; every step by default. latency_s: delay from the measurement to
     its arrival. drop_out: the fraction of samples that is lost; a read then returns the last sample that was not lost,
@@ -72,6 +74,7 @@ class SensorMount(Model):
     """
 
     kind: str
+    grade: str | None = None
     on: StrictBool = True
     position_m: Point3 = (0.0, 0.0, 0.0)
     yaw_pitch_roll_deg: YawPitchRoll = (0.0, 0.0, 0.0)
@@ -119,7 +122,7 @@ class SensorMount(Model):
         for key, parameter in parameters.items():
             if math.isnan(parameter.by_default) and key not in {**given, **own.get("parameters", {})}:
                 raise broken("missing", at=(key,))
-        return {**own, "parameters": {**own.get("parameters", {}), **given}}
+        return {**own, "parameters": {**_of_grade(data), **own.get("parameters", {}), **given}}
 
     @model_validator(mode="after")
     def _check_channels(self) -> SensorMount:
@@ -147,6 +150,17 @@ class SensorMount(Model):
                 if getattr(self, key) not in (None, 0.0, Noise()):
                     raise broken(f"has no single unit: give channels, each with its noise, for {units}", at=(key,))
         return self
+
+
+def _of_grade(data: Mapping[str, object]) -> dict[str, tuple[float, ...]]:
+    """Return the parameters that a mount's grade gives. Raises an error for a grade that its kind does not have."""
+    if (grade := data.get("grade")) is None:
+        return {}
+    known = GRADES.get(str(data["kind"]), {})
+    if grade not in known:
+        rule = f"must be one of {', '.join(known)}" if known else f"must not be given: '{data['kind']}' has no grades"
+        raise broken(rule, at=("grade",), value=str(grade))
+    return {name: (value,) for name, value in known[str(grade)].items()}
 
 
 class SensorSet(Model):

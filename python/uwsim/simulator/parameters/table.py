@@ -92,7 +92,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
     BatterySetup: frozenset({"initial_charge"}),
     BatteryType: frozenset({"name", "description", "open_circuit_v"}),
     FinMount: frozenset({"position_m", "span"}),
-    SensorMount: frozenset({"kind", "position_m", "yaw_pitch_roll_deg", "noise_std", "parameters"}),
+    SensorMount: frozenset({"kind", "grade", "position_m", "yaw_pitch_roll_deg", "noise_std", "parameters"}),
     SonarSetup: frozenset({"tilt_deg", "multipath", "water_column"}),
     CameraMount: frozenset(
         ["position_m", "yaw_pitch_roll_deg", "width", "height", "distortion", "port", "follows", "pan_tilt"]
