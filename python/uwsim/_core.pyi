@@ -304,10 +304,12 @@ class Current:
     A current: a function of position and time. Its constructors raise ValueError.
     """
     @staticmethod
-    def gridded(x_m: typing.Any, y_m: typing.Any, z_m: typing.Any, velocity_m_s: typing.Any) -> Current:
+    def gridded(
+        x_m: typing.Any, y_m: typing.Any, z_m: typing.Any, velocity_m_s: typing.Any, t_s: typing.Any = None
+    ) -> Current:
         """
-        Return a steady field, velocity_m_s (nz, ny, nx, 3) on increasing axes: trilinear, constant beyond the
-        edges.
+        Return a steady field, velocity_m_s (nz, ny, nx, 3) on increasing axes, or with t_s one that varies,
+        velocity_m_s (nt, nz, ny, nx, 3): linear along each axis, constant beyond the edges.
         """
     @staticmethod
     def gusty(
@@ -385,7 +387,31 @@ class Water:
         """
         Return the absolute pressure of still water: p_atm + the integral of rho g, with compression.
         """
+    def salinity_at_points_psu(
+        self, points_world_m: typing.Any, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
+    ) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the salinity (n,) at points (n, 3): that of the masses, if there are any.
+        """
     def salinity_at_psu(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
+    def set_masses(
+        self,
+        x_m: typing.Any,
+        y_m: typing.Any,
+        z_m: typing.Any,
+        t_s: typing.Any,
+        temperature_deg_c: typing.Any,
+        salinity_psu: typing.Any,
+    ) -> None:
+        """
+        Set temperature and salinity (nt, nz, ny, nx) on axes that rise, as instruments measure them. Raises
+        ValueError.
+        """
+    def set_tide(self, constituents: typing.Any) -> None:
+        """
+        Let the still surface move: rows (n, 3) of amplitude [m], speed [rad/s] and phase [rad], of the height
+        amplitude cos(speed t - phase). Raises ValueError.
+        """
     def sound_speed_m_s(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
         Return the speed of sound, from the profile if it specifies one, else by temperature, salinity and
@@ -396,6 +422,12 @@ class Water:
     ) -> numpy.typing.NDArray[numpy.float64]:
         """
         Return the surface height (n,) at positions (n, 2).
+        """
+    def temperature_at_deg_c(
+        self, points_world_m: typing.Any, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
+    ) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Return the temperature (n,) at points (n, 3): that of the masses, if there are any.
         """
     def temperature_deg_c(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
     def velocity_m_s(

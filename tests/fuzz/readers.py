@@ -91,7 +91,7 @@ def _image(data: bytes, folder: Path) -> bytes:
 
 def _current(suffix: str) -> Callable[[bytes, Path], Any]:
     def read(data: bytes, folder: Path) -> list[bytes]:
-        from uwsim.scenario.build.water import read_current_grid
+        from uwsim.scenario.read.current_grid import read_current_grid
 
         return [array.tobytes() for array in read_current_grid(_written(folder / f"current{suffix}", data))]
 

@@ -13,14 +13,16 @@
 namespace uwsim::bindings {
 namespace {
 
-/// velocity_m_s: (nz, ny, nx, 3).
+/// velocity_m_s: (nz, ny, nx, 3), or (nt, nz, ny, nx, 3) with t_s.
 std::shared_ptr<const Current> gridded(const py::object& x_m, const py::object& y_m, const py::object& z_m,
-                                       const py::object& velocity_m_s) {
-  CurrentGrid grid{as_numbers(x_m, "x_m"), as_numbers(y_m, "y_m"), as_numbers(z_m, "z_m"), {}};
+                                       const py::object& velocity_m_s, const py::object& t_s) {
+  CurrentGrid grid{as_numbers(x_m, "x_m"), as_numbers(y_m, "y_m"), as_numbers(z_m, "z_m"), {0}, {}};
+  if (!t_s.is_none()) grid.t_s = as_numbers(t_s, "t_s");
   const auto size = [](const std::vector<double>& axis) { return static_cast<py::ssize_t>(axis.size()); };
-  const auto velocity =
-      as_array<double>(velocity_m_s, "velocity_m_s", {size(grid.z_m), size(grid.y_m), size(grid.x_m), 3});
-  for (py::ssize_t k = 0; k < velocity.size(); k += 3) grid.velocity_m_s.emplace_back(velocity.data() + k);
+  const py::ssize_t t = size(grid.t_s), z = size(grid.z_m), y = size(grid.y_m), x = size(grid.x_m);
+  const auto velocity = t_s.is_none() ? as_array<double>(velocity_m_s, "velocity_m_s", {z, y, x, 3})
+                                      : as_array<double>(velocity_m_s, "velocity_m_s", {t, z, y, x, 3});
+  for (py::ssize_t k = 0; k < velocity.size(); k += 3) grid.values.emplace_back(velocity.data() + k);
   return gridded_current(std::move(grid));
 }
 
@@ -55,12 +57,13 @@ void bind_currents(py::module_& m) {
           "Return Gauss-Markov gusts with standard deviation sigma_m_s (3,) and zero mean.")
       .def_static(
           "gridded",
-          [](const py::object& x_m, const py::object& y_m, const py::object& z_m, const py::object& velocity_m_s) {
-            return std::const_pointer_cast<Current>(gridded(x_m, y_m, z_m, velocity_m_s));
+          [](const py::object& x_m, const py::object& y_m, const py::object& z_m, const py::object& velocity_m_s,
+             const py::object& t_s) {
+            return std::const_pointer_cast<Current>(gridded(x_m, y_m, z_m, velocity_m_s, t_s));
           },
-          py::arg("x_m"), py::arg("y_m"), py::arg("z_m"), py::arg("velocity_m_s"),
-          "Return a steady field, velocity_m_s (nz, ny, nx, 3) on increasing axes: trilinear, constant beyond the\n"
-          "edges.")
+          py::arg("x_m"), py::arg("y_m"), py::arg("z_m"), py::arg("velocity_m_s"), py::arg("t_s") = py::none(),
+          "Return a steady field, velocity_m_s (nz, ny, nx, 3) on increasing axes, or with t_s one that varies,\n"
+          "velocity_m_s (nt, nz, ny, nx, 3): linear along each axis, constant beyond the edges.")
       .def(
           "velocity_m_s",
           [](const Current& current, const py::object& point_m, double time_s) {

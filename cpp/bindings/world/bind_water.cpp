@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -46,6 +47,35 @@ std::shared_ptr<WaterProfile> profile(const py::object& depth_m, const py::objec
   return std::make_shared<WaterProfile>(levels);
 }
 
+/// temperature_deg_c, salinity_psu: (nt, nz, ny, nx).
+std::shared_ptr<const WaterMasses> masses(const py::object& x_m, const py::object& y_m, const py::object& z_m,
+                                          const py::object& t_s, const py::object& temperature_deg_c,
+                                          const py::object& salinity_psu) {
+  WaterMasses grid{as_numbers(x_m, "x_m"), as_numbers(y_m, "y_m"), as_numbers(z_m, "z_m"), as_numbers(t_s, "t_s"), {}};
+  for (const std::vector<double>* axis : {&grid.t_s, &grid.z_m, &grid.y_m, &grid.x_m}) {
+    require(!axis->empty() && std::ranges::is_sorted(*axis, std::less_equal<>()), "water.masses", axis->size(),
+            "must have axes that rise");
+  }
+  const auto size = [](const std::vector<double>& axis) { return static_cast<py::ssize_t>(axis.size()); };
+  const py::ssize_t t = size(grid.t_s), z = size(grid.z_m), y = size(grid.y_m), x = size(grid.x_m);
+  const auto temperature = as_array<double>(temperature_deg_c, "temperature_deg_c", {t, z, y, x});
+  const auto salinity = as_array<double>(salinity_psu, "salinity_psu", {t, z, y, x});
+  for (py::ssize_t k = 0; k < temperature.size(); ++k) {
+    const Eigen::Array2d each(temperature.data()[k], salinity.data()[k]);
+    require(each(0) >= -2 && each(0) <= 40, "water.masses.temperature_deg_c", each(0), "must be in [-2, 40] deg C");
+    require(each(1) >= 0 && each(1) <= 45, "water.masses.salinity_psu", each(1), "must be in [0, 45] psu");
+    grid.values.push_back(each);
+  }
+  return std::make_shared<const WaterMasses>(std::move(grid));
+}
+
+std::shared_ptr<const Tide> tide(const py::object& constituents) {
+  const auto rows = as_array<double>(constituents, "constituents", {-1, 3});
+  std::vector<TidalConstituent> found;
+  for (py::ssize_t k = 0; k < rows.shape(0); ++k) found.push_back({rows.at(k, 0), rows.at(k, 1), rows.at(k, 2)});
+  return std::make_shared<const Tide>(std::move(found));
+}
+
 /// Returns the values (n,) of a function at points (n, width).
 template <typename Function>
 py::array_t<double> values_at(const py::object& points_m, const char* name, py::ssize_t width, Function function) {
@@ -62,6 +92,16 @@ py::array_t<double> surface_height(const Water& water, const py::object& xy_m, d
 py::array_t<double> pressure_at(const Water& water, const py::object& points_m, double time_s) {
   return values_at(points_m, "points_world_m", 3,
                    [&](const double* p) { return water.pressure_pa(Eigen::Vector3d(p[0], p[1], p[2]), time_s); });
+}
+
+py::array_t<double> temperature_at(const Water& water, const py::object& points_m, double time_s) {
+  return values_at(points_m, "points_world_m", 3,
+                   [&](const double* p) { return water.temperature_deg_c(Eigen::Vector3d(p[0], p[1], p[2]), time_s); });
+}
+
+py::array_t<double> salinity_at(const Water& water, const py::object& points_m, double time_s) {
+  return values_at(points_m, "points_world_m", 3,
+                   [&](const double* p) { return water.salinity_at_psu(Eigen::Vector3d(p[0], p[1], p[2]), time_s); });
 }
 
 py::array_t<double> velocity_at(const Water& water, const py::object& points_m, double time_s) {
@@ -149,6 +189,21 @@ void bind_water(py::module_& m) {
           "add_current",
           [](Water& water, std::shared_ptr<Current> current) { water.currents.push_back(std::move(current)); },
           py::arg("current"), "Add a current to current_world_m_s and to those added earlier.")
+      .def(
+          "set_tide", [](Water& water, const py::object& constituents) { water.tide = tide(constituents); },
+          py::arg("constituents"),
+          "Let the still surface move: rows (n, 3) of amplitude [m], speed [rad/s] and phase [rad], of the height\n"
+          "amplitude cos(speed t - phase). Raises ValueError.")
+      .def(
+          "set_masses",
+          [](Water& water, const py::object& x_m, const py::object& y_m, const py::object& z_m, const py::object& t_s,
+             const py::object& temperature_deg_c, const py::object& salinity_psu) {
+            water.masses = masses(x_m, y_m, z_m, t_s, temperature_deg_c, salinity_psu);
+          },
+          py::arg("x_m"), py::arg("y_m"), py::arg("z_m"), py::arg("t_s"), py::arg("temperature_deg_c"),
+          py::arg("salinity_psu"),
+          "Set temperature and salinity (nt, nz, ny, nx) on axes that rise, as instruments measure them. Raises\n"
+          "ValueError.")
       .def("check", &Water::check,
            "Raise ValueError naming the field, its value, unit and rule if a parameter is invalid.")
       .def("pressure_pa", py::overload_cast<double>(&Water::pressure_pa, py::const_), py::arg("z_world_m"),
@@ -156,8 +211,12 @@ void bind_water(py::module_& m) {
       .def("pressure_at_pa", &pressure_at, py::arg("points_world_m"), py::arg("time_s") = 0.0,
            "Return the absolute pressure (n,) at points (n, 3) under the waves at this time.")
       .def("density_at_kg_m3", &Water::density_at, py::arg("z_world_m"), "Return the density of still water.")
-      .def("temperature_deg_c", &Water::temperature_deg_c, py::arg("z_world_m"))
-      .def("salinity_at_psu", &Water::salinity_at_psu, py::arg("z_world_m"))
+      .def("temperature_deg_c", py::overload_cast<double>(&Water::temperature_deg_c, py::const_), py::arg("z_world_m"))
+      .def("salinity_at_psu", py::overload_cast<double>(&Water::salinity_at_psu, py::const_), py::arg("z_world_m"))
+      .def("temperature_at_deg_c", &temperature_at, py::arg("points_world_m"), py::arg("time_s") = 0.0,
+           "Return the temperature (n,) at points (n, 3): that of the masses, if there are any.")
+      .def("salinity_at_points_psu", &salinity_at, py::arg("points_world_m"), py::arg("time_s") = 0.0,
+           "Return the salinity (n,) at points (n, 3): that of the masses, if there are any.")
       .def("sound_speed_m_s", &Water::sound_speed_m_s, py::arg("z_world_m"),
            "Return the speed of sound, from the profile if it specifies one, else by temperature, salinity and\n"
            "pressure (sound_speed_equation).")

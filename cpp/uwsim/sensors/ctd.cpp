@@ -63,9 +63,9 @@ class Ctd final : public MountedSensor {
     const Eigen::Vector3d place = world_from_sensor(input).position_m;
     const Water& water = input.around.water;
     const bool wet = place.z() < water.surface_height_at(place.x(), place.y(), input.time_s);
-    raw[1] = water.temperature_deg_c(place.z());
+    raw[1] = water.temperature_deg_c(place, input.time_s);
     raw[2] = 1e-4 * (water.pressure_pa(place, input.time_s) - water.atmospheric_pressure_pa);
-    raw[0] = wet ? conductivity_ms_cm(water.salinity_at_psu(place.z()), raw[1], raw[2]) : 0;
+    raw[0] = wet ? conductivity_ms_cm(water.salinity_at_psu(place, input.time_s), raw[1], raw[2]) : 0;
     raw[3] = wet;
   }
 

@@ -9,7 +9,7 @@ class Temperature final : public MountedSensor {
   explicit Temperature(const SensorSpec& spec) : MountedSensor(spec) {}
 
   void observe(const SensorInput& input, std::span<double> raw) const override {
-    raw[0] = input.around.water.temperature_deg_c(world_from_sensor(input).position_m.z());
+    raw[0] = input.around.water.temperature_deg_c(world_from_sensor(input).position_m, input.time_s);
   }
 };
 

@@ -33,27 +33,13 @@ double largest_speed_m_s(const std::vector<Eigen::Vector3d>& velocities) {
   return largest_m_s;
 }
 
-void check_rising(const std::vector<double>& axis, const std::string& path) {
+void check_rising(const std::vector<double>& axis, const std::string& path, const char* unit = "m") {
   require(!axis.empty(), path, 0, "must have at least one value");
   for (std::size_t k = 0; k < axis.size(); ++k) {
-    require(std::isfinite(axis[k]) && (k == 0 || axis[k] > axis[k - 1]), path, with_unit(axis[k], "m"),
+    require(std::isfinite(axis[k]) && (k == 0 || axis[k] > axis[k - 1]), path, with_unit(axis[k], unit),
             "must be finite and rising");
   }
 }
-
-/// The two adjacent grid values of an axis that enclose a value, and the value's fractional position between them.
-/// Values beyond the ends are moved to the end.
-struct Interval {
-  std::size_t first = 0, second = 0;
-  double fraction = 0;
-
-  Interval(const std::vector<double>& axis, double value) {
-    const auto next = static_cast<std::size_t>(std::upper_bound(axis.begin(), axis.end(), value) - axis.begin());
-    first = next == 0 ? 0 : next - 1;
-    second = std::min(next, axis.size() - 1);
-    if (first != second) fraction = (value - axis[first]) / (axis[second] - axis[first]);
-  }
-};
 
 class LayeredCurrent : public Current {
  public:
@@ -172,20 +158,10 @@ class GustyCurrent : public Current {
 class GriddedCurrent : public Current {
  public:
   explicit GriddedCurrent(CurrentGrid grid) : grid_(std::move(grid)) {}
-  CurrentSample at(const Eigen::Vector3d& p, double) const override {
-    const Interval x(grid_.x_m, p.x()), y(grid_.y_m, p.y()), z(grid_.z_m, p.z());
-    const auto row = [&](std::size_t j, std::size_t k) -> Eigen::Vector3d {
-      const Eigen::Vector3d* v = &grid_.velocity_m_s[(k * grid_.y_m.size() + j) * grid_.x_m.size()];
-      return v[x.first] + x.fraction * (v[x.second] - v[x.first]);
-    };
-    const auto layer = [&](std::size_t k) -> Eigen::Vector3d {
-      const Eigen::Vector3d near = row(y.first, k);
-      return near + y.fraction * (row(y.second, k) - near);
-    };
-    const Eigen::Vector3d low = layer(z.first);
-    return {.velocity_m_s = low + z.fraction * (layer(z.second) - low)};
+  CurrentSample at(const Eigen::Vector3d& p, double time_s) const override {
+    return {grid_.at(p, time_s), grid_.rate_at(p, time_s, Eigen::Vector3d::Zero())};
   }
-  double bound_m_s() const override { return largest_speed_m_s(grid_.velocity_m_s); }
+  double bound_m_s() const override { return largest_speed_m_s(grid_.values); }
 
  private:
   CurrentGrid grid_;
@@ -223,9 +199,10 @@ std::shared_ptr<const Current> gridded_current(CurrentGrid grid) {
   check_rising(grid.x_m, "water.current.x_m");
   check_rising(grid.y_m, "water.current.y_m");
   check_rising(grid.z_m, "water.current.z_m");
-  check_velocities(grid.velocity_m_s, "water.current.velocity_m_s");
-  require(grid.velocity_m_s.size() == grid.x_m.size() * grid.y_m.size() * grid.z_m.size(), "water.current.velocity_m_s",
-          grid.velocity_m_s.size(), "must have one velocity for each grid point");
+  check_rising(grid.t_s, "water.current.t_s", "s");
+  check_velocities(grid.values, "water.current.velocity_m_s");
+  require(grid.values.size() == grid.size(), "water.current.velocity_m_s", grid.values.size(),
+          "must have one velocity for each grid point");
   return std::make_shared<GriddedCurrent>(std::move(grid));
 }
 

@@ -5,6 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "uwsim/world/space_time_grid.h"
+
 namespace uwsim {
 
 /// Velocity of a current at a given position and time, and its local rate of change, world frame.
@@ -40,11 +42,8 @@ std::shared_ptr<const Current> tidal_current(const Eigen::Vector3d& amplitude_m_
 std::shared_ptr<const Current> gusty_current(const Eigen::Vector3d& sigma_m_s, double correlation_time_s,
                                              std::uint64_t seed);
 
-/// A steady field on a grid: trilinear between grid points, constant beyond the edges.
-struct CurrentGrid {
-  std::vector<double> x_m, y_m, z_m;          ///< increasing; z points up
-  std::vector<Eigen::Vector3d> velocity_m_s;  ///< at (x[i], y[j], z[k]) stored at index (k * ny + j) * nx + i
-};
+/// A field on a grid of positions and times. Throws InvalidValue naming water.current.
+using CurrentGrid = SpaceTimeGrid<Eigen::Vector3d>;
 std::shared_ptr<const Current> gridded_current(CurrentGrid grid);
 
 }  // namespace uwsim

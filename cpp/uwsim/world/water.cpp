@@ -54,6 +54,14 @@ double Water::salinity_at_psu(double z_world_m) const {
   return profile ? profile->at(z_world_m).salinity_psu : salinity_psu;
 }
 
+double Water::temperature_deg_c(const Eigen::Vector3d& point_world_m, double time_s) const {
+  return masses ? masses->at(point_world_m, time_s)(0) : temperature_deg_c(point_world_m.z());
+}
+
+double Water::salinity_at_psu(const Eigen::Vector3d& point_world_m, double time_s) const {
+  return masses ? masses->at(point_world_m, time_s)(1) : salinity_at_psu(point_world_m.z());
+}
+
 bool Water::gives_sound_speed() const { return profile && profile->levels().front().sound_speed_m_s > 0; }
 
 double Water::sound_speed_m_s(double z_world_m) const {
@@ -104,16 +112,22 @@ DensityLayer Water::density_layer_at(double z_world_m) const {
 }
 
 WaterSurface Water::surface_over(const SurfaceArea& area, double time_s) const {
-  return waves ? waves->surface_over(area, time_s) : WaterSurface{};
+  WaterSurface surface = waves ? waves->surface_over(area, time_s) : WaterSurface{};
+  if (!tide) return surface;
+  const double level = level_m(time_s);
+  surface.low_m += level;
+  surface.high_m += level;
+  surface.mean_m += level;
+  return surface;
 }
 
 double Water::surface_height_at(double x, double y, double time_s) const {
-  return waves ? waves->height_at(x, y, time_s) : 0;
+  return (waves ? waves->height_at(x, y, time_s) : 0) + level_m(time_s);
 }
 
 double Water::gauge_pressure_at(const Eigen::Vector3d& point_world_m, double time_s) const {
-  const double head_m = waves ? waves->head_at(point_world_m, time_s) + waves->bernoulli_head_at(point_world_m, time_s)
-                              : -point_world_m.z();
+  const Eigen::Vector3d point = below_level(point_world_m, time_s);
+  const double head_m = waves ? waves->head_at(point, time_s) + waves->bernoulli_head_at(point, time_s) : -point.z();
   return compressed_pa(std::max(0.0, still_pressure_at(-head_m)), head_m);
 }
 
@@ -129,7 +143,8 @@ double Water::still_pressure_at(double z_world_m) const {
 }
 
 double Water::pressure_head_at(const Eigen::Vector3d& point_world_m, double time_s) const {
-  return waves ? waves->head_at(point_world_m, time_s) : -point_world_m.z();
+  const Eigen::Vector3d point = below_level(point_world_m, time_s);
+  return waves ? waves->head_at(point, time_s) : -point.z();
 }
 
 WaterFlow Water::current_at(const Eigen::Vector3d& point_world_m, double time_s) const {
@@ -165,7 +180,10 @@ VolumeFlow Water::current_over(const PlacedVolume& volume, double time_s) const 
 
 VolumeFlow Water::flow_over(const PlacedVolume& volume, double time_s) const {
   VolumeFlow flow = current_over(volume, time_s);
-  if (waves) waves->add_flow_over(volume, time_s, flow);
+  if (waves) {
+    const Eigen::Vector3d centroid = below_level(volume.centroid_world_m, time_s);
+    waves->add_flow_over({volume.parts, centroid, volume.world_from_body}, time_s, flow);
+  }
   return flow;
 }
 
@@ -174,12 +192,15 @@ std::size_t Water::division_of(const VolumeParts& parts, double centre_z_m) cons
 }
 
 VolumeLoad Water::wave_load_on(const VolumePart& wet_world, const WaterSurface& surface, double time_s) const {
-  return waves ? waves->load_on(wet_world, surface, time_s) : VolumeLoad{};
+  if (!waves) return {};
+  VolumePart wet = wet_world;
+  wet.centroid_m = below_level(wet.centroid_m, time_s);
+  return waves->load_on(wet, surface, time_s);
 }
 
 WaterFlow Water::flow_at(const Eigen::Vector3d& point_world_m, double time_s) const {
   WaterFlow flow = current_at(point_world_m, time_s);
-  if (waves) waves->add_flow(point_world_m, time_s, flow);
+  if (waves) waves->add_flow(below_level(point_world_m, time_s), time_s, flow);
   return flow;
 }
 

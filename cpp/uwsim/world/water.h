@@ -7,10 +7,15 @@
 #include "uwsim/core/water_field.h"
 #include "uwsim/world/current.h"
 #include "uwsim/world/sound_speed.h"
+#include "uwsim/world/space_time_grid.h"
+#include "uwsim/world/tide.h"
 #include "uwsim/world/water_profile.h"
 #include "uwsim/world/waves.h"
 
 namespace uwsim {
+
+/// Temperature [deg C] and salinity [psu] by position and time.
+using WaterMasses = SpaceTimeGrid<Eigen::Array2d>;
 
 /// The water of a world. By default, it is calm and of uniform density, with one steady current; its temperature
 /// changes linearly from the surface to `bottom_depth_m` and is constant below. Waves, currents and a profile may be
@@ -32,6 +37,10 @@ class Water : public EvenWater {
   std::shared_ptr<const Waves> waves;           ///< null: a flat surface
   std::shared_ptr<const WaterProfile> profile;  ///< null: density_kg_m3, salinity_psu and the temperatures above apply
   std::vector<std::shared_ptr<const Current>> currents;  ///< added to current_world_m_s
+  std::shared_ptr<const Tide> tide;                      ///< null: still water stands at z = 0
+  /// Measured by instruments; null: the same at all places of one height. Density, pressure and sound follow the
+  /// profile, which is the masses' column at one place and time.
+  std::shared_ptr<const WaterMasses> masses;
 
   /// Throws InvalidValue naming the field.
   void check() const;
@@ -43,6 +52,9 @@ class Water : public EvenWater {
   double pressure_pa(const Eigen::Vector3d& point_world_m, double time_s) const;
   double temperature_deg_c(double z_world_m) const;
   double salinity_at_psu(double z_world_m) const;
+  /// Those of the masses, if there are any.
+  double temperature_deg_c(const Eigen::Vector3d& point_world_m, double time_s) const;
+  double salinity_at_psu(const Eigen::Vector3d& point_world_m, double time_s) const;
   /// Speed of sound: from the profile, if it specifies one, else by the equation from temperature, salinity and
   /// pressure.
   double sound_speed_m_s(double z_world_m) const;
@@ -56,11 +68,12 @@ class Water : public EvenWater {
   /// that is deeper.
   WaterRange range() const;
 
-  bool calm_and_even() const override { return !waves && (!profile || profile->even()); }
+  bool calm_and_even() const override { return !waves && !tide && (!profile || profile->even()); }
   double density_at(double z_world_m) const override;
   bool has_one_density() const override { return !profile || profile->even(); }
   DensityLayer density_layer_at(double z_world_m) const override;
-  double wave_bound_m() const override { return waves ? waves->bound_m() : 0; }
+  /// Includes the tide.
+  double wave_bound_m() const override { return (waves ? waves->bound_m() : 0) + (tide ? tide->bound_m() : 0); }
   WaterSurface surface_over(const SurfaceArea& area, double time_s) const override;
   double surface_height_at(double x_world_m, double y_world_m, double time_s) const override;
   double gauge_pressure_at(const Eigen::Vector3d& point_world_m, double time_s) const override;
@@ -72,6 +85,11 @@ class Water : public EvenWater {
   VolumeLoad wave_load_on(const VolumePart& wet_world, const WaterSurface& surface, double time_s) const override;
 
  private:
+  double level_m(double time_s) const { return tide ? tide->height_m(time_s) : 0; }
+  /// A position relative to the still surface, from which waves and profiles are measured.
+  Eigen::Vector3d below_level(const Eigen::Vector3d& point_world_m, double time_s) const {
+    return {point_world_m.x(), point_world_m.y(), point_world_m.z() - level_m(time_s)};
+  }
   double compressed_pa(double still_pa, double depth_m) const;
   /// The currents alone, without waves.
   WaterFlow current_at(const Eigen::Vector3d& point_world_m, double time_s) const;

@@ -48,12 +48,11 @@ def build(
     simulated ping. Beams that the file flags are left out. The map is in metres east and north of its zero.
     """
     from uwsim.mapping import OccupancyMap
-    from uwsim.mapping.files.georeference import Georeference
+    from uwsim.mapping.files.georeference import Georeference, metres_about
     from uwsim.mapping.files.swath import survey_format
     from uwsim.mapping.map_filler import MapFiller
     from uwsim.mapping.occupancy_map import require_map_path
     from uwsim.mapping.ping_to_map import traced_echoes
-    from uwsim.scenario.terrains.elevations import metres_about
 
     require_map_path(out)  # before long work
     surveys = []

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from uwsim.mapping.files.georeference import Georeference
-from uwsim.scenario import Scenario
-from uwsim.scenario.terrains.raster import RasterTerrain
+from typing import TYPE_CHECKING
+
+from uwsim.mapping.files.georeference import Georeference, metres_about
+
+if TYPE_CHECKING:  # a scenario is built with its place
+    from uwsim.scenario.spec.scenario import Scenario
 
 
 def georeference(scenario: Scenario | None) -> Georeference:
@@ -12,12 +15,8 @@ def georeference(scenario: Scenario | None) -> Georeference:
 
     Raises MissingExtraError without rasterio.
     """
-    if scenario is None or not (scenario.earth or isinstance(scenario.terrain, RasterTerrain)):
+    if scenario is None:
         return Georeference()
-    from uwsim.scenario.terrains.elevations import metres_about, raster_place  # rasterio takes half a second
-
-    if scenario.earth is not None:
-        return Georeference(metres_about((scenario.earth.longitude_deg, scenario.earth.latitude_deg)))
-    assert isinstance(scenario.terrain, RasterTerrain)
-    place = raster_place(scenario.terrain)
-    return Georeference(place.crs, place.origin, place.units_per_m)
+    if scenario.earth is None:
+        return scenario.terrain.place()
+    return Georeference(metres_about((scenario.earth.longitude_deg, scenario.earth.latitude_deg)))

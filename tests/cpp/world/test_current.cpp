@@ -60,17 +60,26 @@ TEST(Current, GustsAreContinuousAndTheirRateIsTheirDerivative) {
 }
 
 TEST(Current, AGridIsTrilinearInsideAndConstantOutside) {
-  CurrentGrid grid{.x_m = {0, 1, 4}, .y_m = {-2, 2}, .z_m = {-10, 0}, .velocity_m_s = {}};
+  CurrentGrid grid{.x_m = {0, 1, 4}, .y_m = {-2, 2}, .z_m = {-10, 0}, .values = {}};
   const auto field = [](double x, double y, double z) {
     return Eigen::Vector3d(0.1 * x + 0.02 * x * y, 0.3 + 0.01 * y * z, 0.001 * x * y * z);
   };
   for (const double z : grid.z_m)
     for (const double y : grid.y_m)
-      for (const double x : grid.x_m) grid.velocity_m_s.push_back(field(x, y, z));
+      for (const double x : grid.x_m) grid.values.push_back(field(x, y, z));
   const auto current = gridded_current(grid);
   EXPECT_LT((current->at({2.2, 0.7, -3.1}, 0).velocity_m_s - field(2.2, 0.7, -3.1)).norm(), 1e-14);
   EXPECT_LT((current->at({4, 2, 0}, 0).velocity_m_s - field(4, 2, 0)).norm(), 1e-14);
   EXPECT_LT((current->at({9, 0.7, -50}, 0).velocity_m_s - field(4, 0.7, -10)).norm(), 1e-14);
+}
+
+TEST(Current, AGridOfSeveralTimesIsLinearBetweenThemAndStandsStillBeyond) {
+  const auto current = gridded_current({{0}, {0}, {-10, 0}, {0, 100}, {{1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {6, 0, 0}}});
+  EXPECT_NEAR(current->at({5, 5, -5}, 25).velocity_m_s.x(), 1.5 + 0.25 * (4.5 - 1.5), 1e-14);
+  EXPECT_NEAR(current->at({5, 5, -5}, 25).rate_m_s2.x(), (4.5 - 1.5) / 100, 1e-14);
+  EXPECT_EQ(current->at({0, 0, 0}, 1e4).velocity_m_s.x(), 6);
+  EXPECT_EQ(current->at({0, 0, 0}, 1e4).rate_m_s2.x(), 0);
+  EXPECT_EQ(current->at({0, 0, 0}, -1).rate_m_s2.x(), 0);
 }
 
 TEST(Current, InvalidCurrentsAreRefused) {
@@ -78,8 +87,8 @@ TEST(Current, InvalidCurrentsAreRefused) {
   EXPECT_THROW(layered_current({1}, {kEast, kEast}), InvalidValue);
   EXPECT_THROW(tidal_current(kEast, 0, 0), InvalidValue);
   EXPECT_THROW(gusty_current(-kEast, 1, 0), InvalidValue);
-  EXPECT_THROW(gridded_current({{0, 1}, {0}, {0}, {kEast}}), InvalidValue);
-  EXPECT_THROW(gridded_current({{0}, {0}, {0}, {kEast * std::nan("")}}), InvalidValue);
+  EXPECT_THROW(gridded_current({{0, 1}, {0}, {0}, {0}, {kEast}}), InvalidValue);
+  EXPECT_THROW(gridded_current({{0}, {0}, {0}, {0}, {kEast * std::nan("")}}), InvalidValue);
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ TEST(Water, TheSumOfCurrentsIsLimitedToTenMetresPerSecond) {
   EXPECT_THROW(water.check(), InvalidValue);
   water.currents.back() = layered_current({0, 5}, {{0, 0, 0}, {0, 0.2, 0}});
   EXPECT_THROW(water.check(), InvalidValue);
-  water.currents.back() = gridded_current({{0}, {0}, {0}, {{0, 0, 0.2}}});
+  water.currents.back() = gridded_current({{0}, {0}, {0}, {0}, {{0, 0, 0.2}}});
   EXPECT_THROW(water.check(), InvalidValue);
 }
 

@@ -48,8 +48,7 @@ def test_invalid_points_and_cells_are_refused(points, cell_m, message):
 def test_gdal_reads_the_bag_that_we_write(tmp_path):
     rasterio = pytest.importorskip("rasterio")
     from uwsim.mapping.files.bag import write_bag
-    from uwsim.mapping.files.georeference import Georeference
-    from uwsim.scenario.terrains.elevations import metres_about
+    from uwsim.mapping.files.georeference import Georeference, metres_about
 
     points = np.array([[0.5, 0.5, -10.0], [2.5, 1.5, -12.5], [2.6, 1.4, -12.7]])
     place = Georeference(metres_about((5.9, 43.1)))

@@ -9,7 +9,8 @@ import pytest
 
 from uwsim import _core
 from uwsim.scenario import ScenarioError
-from uwsim.scenario.build.water import build_water, read_current_grid, surface_density_kg_m3
+from uwsim.scenario.build.water import build_water, surface_density_kg_m3
+from uwsim.scenario.read.current_grid import read_current_grid
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.water import Water
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from uwsim.scenario.build.optics import core_optics
 from uwsim.scenario.build.station import exit_position, station_at_start
 from uwsim.scenario.build.surface_points import surface_points
 from uwsim.scenario.build.water import build_water, surface_density_kg_m3
+from uwsim.scenario.georeference import georeference
 from uwsim.scenario.spec.water import StillSurface
 from uwsim.simulator.simulator import Simulator
 
@@ -212,7 +214,10 @@ def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleSc
 def _current_m_s(sim: Simulator, position_m: tuple[float, float, float]) -> float:
     """Return the speed of the current at a position, ignoring waves, which only move a vehicle back and forth."""
     calm = sim.scenario.water.model_copy(update={"surface": StillSurface()})
-    water = build_water(calm, bottom_depth_m=sim.world.water.bottom_depth_m, seed=sim.scenario.seed)
+    water = build_water(
+        calm, bottom_depth_m=sim.world.water.bottom_depth_m, seed=sim.scenario.seed,
+        place=partial(georeference, sim.scenario),
+    )  # fmt: skip
     times_s = np.linspace(0.0, sim.scenario.mission_time_s, CURRENT_TIMES).tolist()
     speeds = [float(np.linalg.norm(water.velocity_m_s([position_m], time_s))) for time_s in times_s]
     return float(np.quantile(speeds, CURRENT_SHARE))

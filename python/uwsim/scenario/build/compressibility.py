@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +11,7 @@ from uwsim import _core
 from uwsim.scenario.build.gravity import gravity_m_s2
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.build.water import build_water
+from uwsim.scenario.georeference import georeference
 from uwsim.scenario.spec.scenario import Scenario
 
 STEP_M = 25.0  # keeps the relative error of linear interpolation below 1e-8
@@ -23,7 +26,10 @@ def buoyancy_share(scenario: Scenario, compressibility_1_pa: float) -> NDArray[n
     """
     terrain = build_terrain(scenario.terrain).window(scenario.terrain.window_m)
     gravity = gravity_m_s2(scenario.earth)
-    water = build_water(scenario.water, bottom_depth_m=-terrain.lowest_m, seed=scenario.seed, gravity_m_s2=gravity)
+    water = build_water(
+        scenario.water, bottom_depth_m=-terrain.lowest_m, seed=scenario.seed, gravity_m_s2=gravity,
+        place=partial(georeference, scenario),
+    )  # fmt: skip
     depths_m = STEP_M * np.arange(int(np.ceil(-terrain.lowest_m / STEP_M)) + 1)
     return np.array([_share(water, -depth, compressibility_1_pa) for depth in depths_m.tolist()])
 

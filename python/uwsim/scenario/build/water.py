@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.base.npz import read_npz
-from uwsim.base.texts.csv_table import read_csv
 from uwsim.scenario.build.gravity import STANDARD_M_S2
+from uwsim.scenario.build.ocean import Place, ocean_current, put_masses, surface_mean
+from uwsim.scenario.build.tides import harmonic
+from uwsim.scenario.read.current_grid import csv_rows, is_ocean, read_current_grid
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.water import (
     AirySurface,
     CurrentSpec,
-    GriddedCurrent,
+    FieldProfile,
     GustyCurrent,
     JonswapSurface,
     LayeredCurrent,
     LinearProfile,
-    ProfileSpec,
     StillSurface,
     TableProfile,
     TidalCurrent,
+    Tide,
+    TideCurrent,
     UniformCurrent,
     Water,
     WaterLevel,
@@ -36,8 +36,14 @@ LINEAR_LEVELS = 17  # enough for linear pieces to match EOS-80 within 0.02 kg/m3
 Floats = NDArray[np.float64]
 
 
-def build_water(water: Water, *, bottom_depth_m: float, seed: int, gravity_m_s2: float = STANDARD_M_S2) -> _core.Water:
-    """Return the water. bottom_depth_m: greatest depth of the terrain, used as a default. Raises ScenarioError."""
+def build_water(
+    water: Water, *, bottom_depth_m: float, seed: int, gravity_m_s2: float = STANDARD_M_S2, place: Place | None = None
+) -> _core.Water:
+    """Return the water. Raises ScenarioError.
+
+    bottom_depth_m: greatest depth of the terrain, used as a default. place: returns the world's place on Earth, which
+    an ocean model's field needs.
+    """
     native = _core.Water()
     native.gravity_m_s2 = gravity_m_s2
     state = water.state(bottom_depth_m)
@@ -52,10 +58,15 @@ def build_water(water: Water, *, bottom_depth_m: float, seed: int, gravity_m_s2:
         _require_agreement(state, "water.", at=("density_kg_m3",))
         native.waves = _waves(water, bottom_depth_m, seed, gravity_m_s2)
         for index, spec in enumerate(water.current):
-            if not isinstance(spec, UniformCurrent):
-                native.add_current(_current(spec, seed + index))
-        if water.profile is not None:
+            for current in _currents(spec, seed + index, place):
+                native.add_current(current)
+        if water.tide is not None:
+            native.set_tide(_tide(water.tide))
+        if isinstance(water.profile, FieldProfile):
+            put_masses(native, water.profile.file, place)
+        elif water.profile is not None:
             native.profile = _profile(water, water.profile, bottom_depth_m)
+        if water.profile is not None:
             native.density_kg_m3 = native.density_at_kg_m3(0.0)
             native.salinity_psu = native.salinity_at_psu(0.0)
         native.check()
@@ -118,6 +129,8 @@ def surface_density_kg_m3(water: Water) -> float:
     """Return the density at the surface, for which neutral vehicles are trimmed. Raises ScenarioError."""
     if water.profile is None:
         return water.state().density
+    if isinstance(water.profile, FieldProfile):
+        return _core.sea_water_density_kg_m3(*surface_mean(water.profile.file))
     top = water.profile.surface if isinstance(water.profile, LinearProfile) else _levels(water.profile)[0]
     return top.state().density
 
@@ -127,23 +140,52 @@ def _require_agreement(state: WaterState, where: str, at: tuple[str | int, ...] 
         raise ScenarioError(f"{where}density_kg_m3 = {state.density_kg_m3:g} kg/m3: {rule}", at=at)
 
 
-def _current(current: CurrentSpec, seed: int) -> _core.Current:
+def _currents(current: CurrentSpec, seed: int, place: Place | None) -> list[_core.Current]:
+    """Return the parts of a current that vary in space or time."""
+    if isinstance(current, UniformCurrent):
+        return []
     if isinstance(current, LayeredCurrent):
         levels = current.levels
-        return _core.Current.layered([level.depth_m for level in levels], [level.velocity_m_s for level in levels])
+        return [_core.Current.layered([level.depth_m for level in levels], [level.velocity_m_s for level in levels])]
     if isinstance(current, TidalCurrent):
-        return _core.Current.tidal(current.amplitude_m_s, current.period_s, float(np.radians(current.phase_deg)))
+        return [_core.Current.tidal(current.amplitude_m_s, current.period_s, float(np.radians(current.phase_deg)))]
     if isinstance(current, GustyCurrent):
-        return _core.Current.gusty(current.sigma_m_s, current.correlation_time_s, seed)
-    assert isinstance(current, GriddedCurrent)
-    grid = read_current_grid(current.file)
+        return [_core.Current.gusty(current.sigma_m_s, current.correlation_time_s, seed)]
+    if isinstance(current, TideCurrent):
+        return _ellipse(current)
     try:
-        return _core.Current.gridded(*grid)
+        if is_ocean(current.file):
+            return [ocean_current(current.file, place)]
+        return [_core.Current.gridded(*read_current_grid(current.file))]
+    except ScenarioError:
+        raise
     except ValueError as error:
         raise ScenarioError(f"current '{current.file}': {error}") from None
 
 
-def _profile(water: Water, spec: ProfileSpec, bottom_depth_m: float) -> _core.WaterProfile:
+def _ellipse(current: TideCurrent) -> list[_core.Current]:
+    """Return the two axes of a constituent's ellipse; the second is a quarter of the period behind."""
+    factor, speed_rad_s, argument_rad = harmonic(current.constituent, current.begin)
+    lag_rad, turn_rad = np.radians(current.phase_deg) - argument_rad, np.radians(current.inclination_deg)
+    ahead = factor * np.array([np.cos(turn_rad), np.sin(turn_rad), 0.0])
+    left = np.array([-ahead[1], ahead[0], 0.0])
+    period_s = 2.0 * np.pi / speed_rad_s
+    return [
+        _core.Current.tidal(current.major_m_s * ahead, period_s, float(0.5 * np.pi - lag_rad)),
+        _core.Current.tidal(current.minor_m_s * left, period_s, float(-lag_rad)),
+    ]
+
+
+def _tide(tide: Tide) -> Floats:
+    """Return rows of amplitude [m], speed [rad/s] and phase [rad]."""
+    rows = []
+    for each in tide.constituents:
+        factor, speed_rad_s, argument_rad = harmonic(each.constituent, tide.begin)
+        rows.append((factor * each.amplitude_m, speed_rad_s, np.radians(each.phase_deg) - argument_rad))
+    return np.array(rows, np.float64)
+
+
+def _profile(water: Water, spec: TableProfile | LinearProfile, bottom_depth_m: float) -> _core.WaterProfile:
     if isinstance(spec, LinearProfile):
         return _linear(spec, spec.bottom_depth_m or bottom_depth_m)
     levels = _levels(spec)
@@ -176,7 +218,7 @@ def _levels(spec: TableProfile) -> tuple[WaterLevel, ...]:
     if spec.levels is not None:
         return spec.levels
     assert spec.file is not None
-    names, rows = _read_csv(spec.file)
+    names, rows = csv_rows(spec.file)
     levels = [dict(zip(names, row, strict=True)) for row in rows.tolist()]
     try:
         read = validated(TableProfile, {"kind": "table", "levels": levels}).levels
@@ -184,42 +226,3 @@ def _levels(spec: TableProfile) -> tuple[WaterLevel, ...]:
         raise ScenarioError(f"profile '{spec.file}': {error}") from None
     assert read is not None
     return read
-
-
-def read_current_grid(path: Path) -> tuple[Floats, Floats, Floats, Floats]:
-    """Read axes x, y, z (metres, ascending) and velocity (nz, ny, nx, 3) from .npz or CSV. Raises ScenarioError."""
-    if path.suffix.lower() == ".npz":
-        keys = ("x_m", "y_m", "z_m", "velocity_m_s")
-        try:
-            held = read_npz(path)
-            arrays = [held[key] for key in keys]
-            if any(array.dtype.kind not in "iuf" for array in arrays):
-                raise ValueError("arrays must hold real numbers")
-            x_m, y_m, z_m, velocity = (np.asarray(array, np.float64) for array in arrays)
-        except (ValueError, OSError, KeyError) as error:
-            raise ScenarioError(f"current '{path}': not a .npz file with {', '.join(keys)}: {error}") from None
-        return x_m, y_m, z_m, velocity
-    names, rows = _read_csv(path)
-    columns = ("x_m", "y_m", "z_m", "u_m_s", "v_m_s", "w_m_s")
-    if set(names) != set(columns):
-        raise ScenarioError(f"current '{path}': columns are {', '.join(names)}: must be {', '.join(columns)}")
-    table = rows[:, [names.index(column) for column in columns]]
-    axes = [np.unique(table[:, k], return_inverse=True) for k in range(3)]
-    (x_m, i), (y_m, j), (z_m, k) = axes
-    velocity = np.full((len(z_m), len(y_m), len(x_m), 3), np.nan)
-    velocity[k, j, i] = table[:, 3:]
-    holes = int(np.isnan(velocity[..., 0]).sum())
-    if holes or velocity[..., 0].size != len(table):
-        raise ScenarioError(
-            f"current '{path}': {len(table)} rows for {len(x_m)} x {len(y_m)} x {len(z_m)} points: must be one for each"
-        )
-    return x_m, y_m, z_m, velocity
-
-
-def _read_csv(path: Path) -> tuple[list[str], Floats]:
-    """Return the column names and the rows (n, columns). Raises ScenarioError."""
-    try:
-        table = read_csv(path)
-        return list(table.columns), np.column_stack([table.numbers(column) for column in table.columns])
-    except ValueError as error:
-        raise ScenarioError(str(error)) from None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +20,7 @@ from uwsim.scenario.build.station import station_mesh
 from uwsim.scenario.build.terrain import Terrain, build_terrain
 from uwsim.scenario.build.vehicle import vehicle_errors_at
 from uwsim.scenario.build.water import build_water
+from uwsim.scenario.georeference import georeference
 from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.loose_body import LooseBody
@@ -111,7 +114,7 @@ def scenario_water(scenario: Scenario, world: _core.World) -> _core.Water:
     with scenario.source_file.errors_at("water"):
         return build_water(
             scenario.water, bottom_depth_m=-world.lowest_m, seed=scenario.seed,
-            gravity_m_s2=gravity_m_s2(scenario.earth),
+            gravity_m_s2=gravity_m_s2(scenario.earth), place=partial(georeference, scenario),
         )  # fmt: skip
 
 

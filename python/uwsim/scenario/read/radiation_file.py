@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.base.extras import MissingExtraError, need_extra
+from uwsim.base.extras import MissingExtraError
 from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.netcdf_file import NetcdfVariable, NotNetcdfError, read_netcdf
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 DOFS = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
-CLASSIC, HDF5 = b"CDF", b"\x89HDF"
-MAX_VALUES = 50_000_000
 MATRICES, FORCES = ("added_mass", "radiation_damping"), ("diffraction_force", "Froude_Krylov_force")
 PAIR = "complex"
 """The axis of real and imaginary parts."""
@@ -47,19 +46,14 @@ class RadiationTable:
     water_depth_m: float
 
 
-class _Variable(NamedTuple):
-    """An array and the names of its axes."""
-
-    axes: tuple[str, ...]
-    values: NDArray[Any]
-
-
 def read_radiation(path: Path) -> RadiationTable:
     """Read a table. Raises ScenarioError."""
     try:
-        variables = _variables(path)
-    except (ScenarioError, MissingExtraError):
+        variables = read_netcdf(path, f"radiation '{path}'")
+    except MissingExtraError:
         raise
+    except NotNetcdfError as error:
+        raise _broken(path, str(error)) from None
     except Exception as error:  # damaged files raise anything in both readers
         raise _broken(path, f"is not readable: {type(error).__name__}: {error}") from error
     return _Reader(path, variables).table()
@@ -69,43 +63,10 @@ def _broken(path: Path, text: str) -> ScenarioError:
     return ScenarioError(f"radiation '{path}': {text}", at=("radiation",))
 
 
-def _variables(path: Path) -> dict[str, _Variable]:
-    with path.open("rb") as file:
-        magic = file.read(4)
-    if magic.startswith(CLASSIC) and magic[3] in (1, 2):
-        from scipy.io import netcdf_file
-
-        with netcdf_file(path, mmap=False) as data:
-            return {
-                name: _Variable(tuple(each.dimensions), np.array(each.data))
-                for name, each in data.variables.items()
-                if np.prod(each.shape) <= MAX_VALUES
-            }
-    if magic == HDF5:
-        return _of_hdf5(path)
-    raise _broken(path, "must be a NetCDF file of Capytaine: neither classic nor HDF5")
-
-
-def _of_hdf5(path: Path) -> dict[str, _Variable]:
-    need_extra("h5py", "seakeeping", f"radiation '{path}', NetCDF in HDF5,")
-    import h5py
-
-    found = {}
-    with h5py.File(path, "r") as data:
-        for name, each in data.items():
-            if not isinstance(each, h5py.Dataset) or each.size is None or each.size > MAX_VALUES:
-                continue
-            axes = [axis[0].name.strip("/") if len(axis) else "" for axis in each.dims]
-            if each.is_scale and each.ndim == 1 and axes == [""]:
-                axes = [name]
-            found[name] = _Variable(tuple(axes), each[()] if each.ndim else np.asarray(each[()]))
-    return found
-
-
 class _Reader:
     """The variables of one file."""
 
-    def __init__(self, path: Path, variables: dict[str, _Variable]) -> None:
+    def __init__(self, path: Path, variables: dict[str, NetcdfVariable]) -> None:
         self._path, self._all = path, variables
 
     def table(self) -> RadiationTable:

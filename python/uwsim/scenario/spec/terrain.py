@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
+from uwsim.mapping.files.georeference import Georeference
 from uwsim.scenario.spec.fields import InRange, Model, Point2, broken
 from uwsim.scenario.spec.kinds import Kinds
 
@@ -43,6 +44,10 @@ class TerrainModel(Model):
     def has_place(self) -> bool:
         """True if the source itself may locate the world on Earth; a scenario's `earth` is then refused."""
         return False
+
+    def place(self) -> Georeference:
+        """Return where the source locates the world on Earth. Raises ScenarioError."""
+        return Georeference()
 
     @model_validator(mode="after")
     def _fits(self) -> TerrainModel:

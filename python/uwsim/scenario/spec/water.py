@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from datetime import datetime
 from typing import Annotated, Any, Literal
 
 from pydantic import (
+    AfterValidator,
     BeforeValidator,
     Field,
     SerializerFunctionWrapHandler,
@@ -17,6 +19,17 @@ from pydantic import (
 from uwsim.scenario.spec.fields import AssetFile, Degrees, InRange, Model, broken
 from uwsim.scenario.spec.water_state import DEEPEST_M, SALTIEST_PSU, WaterState
 
+
+def _is_time(text: str) -> str:
+    try:
+        year = datetime.fromisoformat(text).year
+    except ValueError:
+        year = 0
+    if not 1900 <= year <= 2100:
+        raise broken("must be a time in quotes, as '2026-05-01T06:00:00Z', from 1900 to 2100", value=text[:40])
+    return text
+
+
 Celsius = Annotated[float, InRange(-2, 40, "deg C")]
 Salinity = Annotated[float, InRange(0, SALTIEST_PSU, "psu")]
 Density = Annotated[float, InRange(900, 1100, "kg/m3")]
@@ -26,6 +39,9 @@ BottomDepth = Annotated[float, InRange(0.1, DEEPEST_M, "m")]
 MetresPerSecond = Annotated[float, InRange(-5, 5, "m/s")]
 Velocity = tuple[MetresPerSecond, MetresPerSecond, MetresPerSecond]
 Deviation = Annotated[float, InRange(0, 5, "m/s")]
+WORLD_BEGIN = "2020-01-01T00:00:00Z"
+"""The time at which worlds begin, in survey files, too."""
+Begin = Annotated[str, AfterValidator(_is_time)]
 
 
 class StillSurface(Model):
@@ -141,18 +157,63 @@ class GustyCurrent(Model):
 
 
 class GriddedCurrent(Model):
-    """A steady field on a regular grid from a file: trilinear inside, constant beyond its edges.
+    """A field on a grid from a file: linear along each axis inside, constant beyond its edges.
 
-    file: a .npz with x_m (nx,), y_m (ny,), z_m (nz,) ascending and velocity_m_s (nz, ny, nx, 3). Any other file is read
-    as CSV with the columns x_m, y_m, z_m, u_m_s, v_m_s, w_m_s, its rows in any order.
+    file: a .npz with x_m (nx,), y_m (ny,), z_m (nz,) ascending and velocity_m_s (nz, ny, nx, 3), or also t_s (nt,) and
+    velocity_m_s (nt, nz, ny, nx, 3); or a CSV with the columns x_m, y_m, z_m, u_m_s, v_m_s, w_m_s, in any order; or an
+    ocean model's NetCDF or CSV (uwsim.scenario.read.ocean_file), whose first time is the world's beginning.
     """
 
     kind: Literal["grid"]
     file: AssetFile
 
 
+Constituent = Literal["M2", "S2", "N2", "K2", "K1", "O1", "P1", "Q1", "M4", "MS4"]
+
+
+class TideCurrent(Model):
+    """The current of one constituent of the tide: an ellipse, as harmonic analyses give it.
+
+    constituent: M2, S2, N2, K2, K1, O1, P1, Q1, M4 or MS4. major_m_s: the largest speed. minor_m_s: the smallest,
+    positive if the current turns counter-clockwise. inclination_deg: direction of the largest, counter-clockwise from
+    east. phase_deg: Greenwich phase lag of the largest. begin: as of a tide.
+    """
+
+    kind: Literal["tide"]
+    constituent: Constituent
+    major_m_s: Deviation
+    minor_m_s: MetresPerSecond = 0.0
+    inclination_deg: Degrees = 0.0
+    phase_deg: Degrees = 0.0
+    begin: Begin = WORLD_BEGIN
+
+
+class TideConstituent(Model):
+    """A constituent of the tide's height.
+
+    constituent: M2, S2, N2, K2, K1, O1, P1, Q1, M4 or MS4. amplitude_m, phase_deg: its harmonic constants; the phase is
+    the Greenwich lag.
+    """
+
+    constituent: Constituent
+    amplitude_m: Annotated[float, InRange(0, 10, "m")]
+    phase_deg: Degrees = 0.0
+
+
+class Tide(Model):
+    """The height of the sea above z = 0, the same in the whole world.
+
+    constituents: add up, with the nodal corrections at the beginning. begin: time of the world's beginning [UTC, ISO
+    8601].
+    """
+
+    constituents: Annotated[tuple[TideConstituent, ...], Field(min_length=1, max_length=10)]
+    begin: Begin = WORLD_BEGIN
+
+
 CurrentSpec = Annotated[
-    UniformCurrent | LayeredCurrent | TidalCurrent | GustyCurrent | GriddedCurrent, Field(discriminator="kind")
+    UniformCurrent | LayeredCurrent | TidalCurrent | GustyCurrent | GriddedCurrent | TideCurrent,
+    Field(discriminator="kind"),
 ]
 
 
@@ -248,7 +309,18 @@ class LinearProfile(Model):
         return self
 
 
-ProfileSpec = Annotated[TableProfile | LinearProfile, Field(discriminator="kind")]
+class FieldProfile(Model):
+    """Temperature and salinity of an ocean model's field.
+
+    file: NetCDF or CSV; see uwsim.scenario.read.ocean_file. Instruments measure the water at their place and time;
+    density, pressure and the speed of sound are those of the column at the world's origin at its beginning.
+    """
+
+    kind: Literal["field"]
+    file: AssetFile
+
+
+ProfileSpec = Annotated[TableProfile | LinearProfile | FieldProfile, Field(discriminator="kind")]
 
 
 ONE_WATER = ("density_kg_m3", "surface_temperature_deg_c", "bottom_temperature_deg_c", "salinity_psu")
@@ -266,7 +338,8 @@ class Water(Model):
     equation that is not valid there is rejected. surface: flat, or with waves. current_world_m_s: a uniform current.
     current: additional currents; all add up, to 10 m/s at most, with gusts counted at three sigma. profile:
     temperature, salinity, density and sound speed by depth, instead of the first four. volume_strength_db: backscatter
-    per cubic metre, which a multibeam in physics mode receives as reverberation; by default none.
+    per cubic metre, which a multibeam in physics mode receives as reverberation; by default none. tide: moves the
+    surface, on which vehicles float, and with it pressure; sonars, cameras and sound see it at z = 0.
     """
 
     density_kg_m3: Density | None = None
@@ -279,6 +352,7 @@ class Water(Model):
     surface: SurfaceSpec = StillSurface.model_construct()
     current: CurrentSpecs = ()
     profile: ProfileSpec | None = None
+    tide: Tide | None = None
     volume_strength_db: Annotated[float, InRange(-200, 0, "dB")] | None = None
 
     @model_validator(mode="before")
@@ -317,6 +391,8 @@ class Water(Model):
             yield ("profile", "surface"), self.profile.surface.state()
             bottom_m = self._measured_at(self.profile.bottom_depth_m or DEEPEST_M)
             yield ("profile", "bottom"), self.profile.bottom.state(bottom_m)
+        elif isinstance(self.profile, FieldProfile):
+            return  # the file is read later
         elif self.profile is not None:
             for index, level in enumerate(self.profile.levels or ()):
                 yield ("profile", "levels", index), level.state(in_place=not self.compressible)

@@ -19,6 +19,7 @@ from rasterio.io import DatasetReader
 from rasterio.warp import transform
 
 from uwsim.base.cut_short import warn_if_cut_short
+from uwsim.mapping.files.georeference import Georeference, metres_about
 from uwsim.scenario.build.terrain_grid import SPLINE_MARGIN, grid_axes, pixel_ranges, resampled
 from uwsim.scenario.build.whole_tiff import require_whole_tiff
 from uwsim.scenario.read.errors import ScenarioError
@@ -124,27 +125,14 @@ def raster_heights(spec: RasterTerrain) -> FloatGrid:
     return _heights(raster, resampled(part, *axes, part_pixel_at, spec.interpolation), spec)
 
 
-@dataclass(frozen=True)
-class RasterPlace:
-    """The location on Earth of a world with raster terrain.
-
-    crs: coordinate system; None for plain metres. origin: the world's origin, (x, y) in that system. units_per_m: units
-    of the system per simulated metre.
-    """
-
-    crs: CRS | None
-    origin: tuple[float, float]
-    units_per_m: float
-
-
-def raster_place(spec: RasterTerrain) -> RasterPlace:
+def raster_place(spec: RasterTerrain) -> Georeference:
     """Return the location of a raster terrain; a raster in degrees is located in its projection to metres."""
     raster = _read(spec)
     h, w = raster.elevations.shape
     centre = spec.centre or _mapped(raster.file_from_pixel, w / 2, h / 2)
     if raster.is_geographic:
-        return RasterPlace(metres_about(centre), (0.0, 0.0), 1.0 / spec.horizontal_scale)
-    return RasterPlace(raster.crs, centre, 1.0 / (raster.unit_m * spec.horizontal_scale))
+        return Georeference(metres_about(centre), (0.0, 0.0), 1.0 / spec.horizontal_scale)
+    return Georeference(raster.crs, centre, 1.0 / (raster.unit_m * spec.horizontal_scale))
 
 
 def _require_centre(raster: Raster, centre: tuple[float, float], spec: RasterTerrain) -> None:
@@ -298,14 +286,6 @@ def _largest_size(raster: Raster, centre: tuple[float, float], spec: RasterTerra
 
 def _mapped(affine: Affine, x: Coordinates, y: Coordinates) -> tuple[Coordinates, Coordinates]:
     return affine.a * x + affine.b * y + affine.c, affine.d * x + affine.e * y + affine.f
-
-
-def metres_about(centre: tuple[float, float]) -> CRS:
-    """Return a projection to metres east and north of a given longitude and latitude.
-
-    Its scale is 1 at the centre; the scale error at 10 km is 1e-6.
-    """
-    return CRS.from_string(f"+proj=tmerc +lon_0={centre[0]!r} +lat_0={centre[1]!r} +k=1 +datum=WGS84 +units=m +no_defs")
 
 
 def _require_whole_tiff(path: Path) -> None:

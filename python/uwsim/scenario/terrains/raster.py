@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.mapping.files.georeference import Georeference
 from uwsim.scenario.spec.fields import AssetFile, Factor, InRange, Size
 from uwsim.scenario.spec.terrain import LOCAL, TerrainModel
 
@@ -43,6 +44,12 @@ class RasterTerrain(TerrainModel):
     def has_place(self) -> bool:
         """See TerrainModel."""
         return self.crs != LOCAL
+
+    def place(self) -> Georeference:
+        """See TerrainModel."""
+        from uwsim.scenario.terrains.elevations import raster_place
+
+        return raster_place(self)
 
     def heights(self) -> NDArray[np.floating]:
         """See TerrainModel."""

@@ -19,6 +19,7 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.scenario.spec.water import (
     AirySurface,
+    FieldProfile,
     GriddedCurrent,
     GustyCurrent,
     JonswapSurface,
@@ -27,6 +28,7 @@ from uwsim.scenario.spec.water import (
     StillSurface,
     TableProfile,
     TidalCurrent,
+    TideCurrent,
     UniformCurrent,
     Water,
 )
@@ -57,8 +59,10 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "faults",
         ]
     ),
-    Water: frozenset({"volume_strength_db"}),
+    Water: frozenset({"volume_strength_db", "tide"}),
     GriddedCurrent: frozenset({"file"}),
+    TideCurrent: frozenset({"constituent", "begin"}),
+    FieldProfile: frozenset({"file"}),
     TableProfile: frozenset({"file"}),
     Station: frozenset(["position_m", "yaw_deg", "mesh", "dock_m", "exit_m", "material", "carrier"]),
     VehicleEntry: frozenset({"name", "start", "failsafe", "trim", "wrenches", "tether"}),
@@ -125,8 +129,8 @@ KINDS: dict[type[Model], tuple[str, ...]] = {
     kind: tuple(get_args(arm.model_fields["kind"].annotation)[0] for arm in arms)
     for arms in (
         (StillSurface, AirySurface, JonswapSurface),
-        (UniformCurrent, LayeredCurrent, TidalCurrent, GustyCurrent, GriddedCurrent),
-        (TableProfile, LinearProfile),
+        (UniformCurrent, LayeredCurrent, TidalCurrent, GustyCurrent, GriddedCurrent, TideCurrent),
+        (TableProfile, LinearProfile, FieldProfile),
     )
     for kind in arms
 }

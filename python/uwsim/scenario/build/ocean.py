@@ -1,0 +1,98 @@
+"""Fields of an ocean model in a scenario's world: currents and water masses on a grid of positions and times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.mapping.files.georeference import Georeference, metres_per_degree
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.ocean_file import OceanField, read_ocean
+
+Floats = NDArray[np.float64]
+FARTHEST_DEG = 2.0
+Place = Callable[[], Georeference]
+
+
+@lru_cache(4)
+def _read(path: Path, version: tuple[int, int]) -> OceanField:
+    """version: identifies the state of the file, to keep the cache current."""
+    return read_ocean(path)
+
+
+def _field(path: Path) -> OceanField:
+    try:
+        state = path.stat()
+    except OSError as error:
+        raise ScenarioError(f"ocean '{path}': {error.strerror}") from None
+    return _read(path, (state.st_mtime_ns, state.st_size))
+
+
+def surface_mean(path: Path) -> tuple[float, float]:
+    """Return a field's mean temperature [deg C] and salinity [psu] at the surface at time 0. Raises ScenarioError."""
+    temperature, salinity = _field(path).need(path, "temperature", "salinity")
+    return float(temperature[0, -1].mean()), float(salinity[0, -1].mean())
+
+
+class Axes(NamedTuple):
+    """Axes of a grid in the world, rising."""
+
+    x_m: Floats
+    y_m: Floats
+    z_m: Floats
+    t_s: Floats
+
+
+def axes_of(field: OceanField, path: Path, place: Place | None) -> Axes:
+    """Return the axes of a field in metres east and north of the world's origin. Raises ScenarioError.
+
+    Meridians are taken for parallel: at 10 km from the origin in latitude 45, that is off by 12 m.
+    """
+    world = None if place is None else place()
+    if world is None or world.crs is None:
+        raise ScenarioError(f"ocean '{path}': the scenario must have a place on Earth: give it the key earth")
+    latitude_deg, longitude_deg = world.degrees(np.zeros(2)).tolist()
+    away = [
+        max(0.0, float(axis[0]) - here, here - float(axis[-1]))
+        for axis, here in ((field.latitude_deg, latitude_deg), (field.longitude_deg, longitude_deg))
+    ]
+    if max(away) > FARTHEST_DEG:
+        raise ScenarioError(
+            f"ocean '{path}': covers {field.latitude_deg[0]:.2f} to {field.latitude_deg[-1]:.2f} N, "
+            f"{field.longitude_deg[0]:.2f} to {field.longitude_deg[-1]:.2f} E: the world's origin, "
+            f"{latitude_deg:.2f} N {longitude_deg:.2f} E, must be within {FARTHEST_DEG:g} deg of it"
+        )
+    north, east = metres_per_degree(latitude_deg)
+    return Axes(
+        east * (field.longitude_deg - longitude_deg), north * (field.latitude_deg - latitude_deg), field.z_m, field.t_s
+    )
+
+
+def ocean_current(path: Path, place: Place | None) -> _core.Current:
+    """Return the current of a field; without a vertical velocity, there is none. Raises ScenarioError."""
+    field = _field(path)
+    u, v = field.need(path, "u", "v")
+    axes = axes_of(field, path, place)
+    velocity = np.stack([u, v, field.values.get("w", np.zeros_like(u))], axis=-1)
+    return _core.Current.gridded(axes.x_m, axes.y_m, axes.z_m, velocity, axes.t_s)
+
+
+def put_masses(water: _core.Water, path: Path, place: Place | None) -> None:
+    """Give the water a field's temperature and salinity, and as its profile their column at the origin at time 0.
+
+    Raises ScenarioError or ValueError.
+    """
+    field = _field(path)
+    temperature, salinity = field.need(path, "temperature", "salinity")
+    axes = axes_of(field, path, place)
+    water.set_masses(axes.x_m, axes.y_m, axes.z_m, axes.t_s, temperature, salinity)
+    at = np.column_stack([np.zeros((len(axes.z_m), 2)), axes.z_m])[::-1]
+    warm, salt = water.temperature_at_deg_c(at), water.salinity_at_points_psu(at)
+    density = [_core.sea_water_density_kg_m3(t, s) for t, s in zip(warm, salt, strict=True)]
+    water.profile = _core.WaterProfile(-at[:, 2], warm, salt, density)
