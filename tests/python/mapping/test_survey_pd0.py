@@ -1,4 +1,4 @@
-"""The DVL's PD0: its checksums and layout, and MHKiT's reader, which finds the velocity over the bottom."""
+"""PD0: checksums and layout, and MHKiT's reader, which finds velocities over the bottom and through the water."""
 
 import math
 import struct
@@ -9,10 +9,17 @@ import pytest
 from command_line import uwsim as uwsim_command
 from flown_survey import POOL
 from uwsim.flight.survey import run_survey
-from uwsim.mapping.files.dvl_ensemble import DvlEnsemble, DvlHead
+from uwsim.mapping.files.dvl_ensemble import DvlEnsemble, DvlHead, WaterCells
 from uwsim.mapping.files.pd0 import Pd0Writer
 
 NOISY = POOL.replace("SONAR", "").replace("earth: {latitude_deg: 43.1, longitude_deg: 5.9}\n", "")
+
+WITH_ADCP = """
+builds_on: rov
+name: profiler
+sensors:
+  adcp: {kind: adcp, rate_hz: 2, position_m: [0, 0, -0.3], cell_count: 4, cell_size_m: 0.5, blanking_m: 0.5}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +46,7 @@ def ensembles(data: bytes) -> list[dict[int, bytes]]:
     return found
 
 
-def made(path, **changes) -> dict[int, bytes]:
+def made(path, cells=None, **changes) -> dict[int, bytes]:
     slant = math.radians(30.0)
     azimuths = np.radians([45.0, 135.0, 225.0, 315.0])
     beams = np.column_stack([math.sin(slant) * np.cos(azimuths), math.sin(slant) * np.sin(azimuths),
@@ -50,7 +57,7 @@ def made(path, **changes) -> dict[int, bytes]:
         "velocity_m_s": np.array([0.5, -0.2, 0.1]), "beam_velocities_m_s": beams @ [0.5, 0.2, 0.1],
         "beam_ranges_m": np.array([10.0, 11.0, 12.0, 900.0]),
     } | changes  # fmt: skip
-    writer = Pd0Writer(path, DvlHead("rov", "dvl", slant, 0.2))
+    writer = Pd0Writer(path, DvlHead("rov", "dvl", slant, 0.2, cells))
     writer.add(DvlEnsemble(**values))
     writer.close()
     (found,) = ensembles(path.read_bytes())
@@ -78,6 +85,17 @@ def test_what_is_lost_is_marked_bad(tmp_path):
     assert struct.unpack_from("<4H4h", bottom, 16) == (0, 0, 0, 0, *[-32768] * 4)
     fast = made(tmp_path / "b.pd0", velocity_m_s=np.array([40.0, 0.0, 0.0]))[0x600]
     assert struct.unpack_from("<4h", fast, 24)[1] == -32768
+
+
+def test_cells_and_water_track_have_their_places(tmp_path):
+    through = np.array([[0.4, 0.1, 0.0], [0.3, np.nan, 0.0]])
+    cells = WaterCells(2, 0.5, 1.25, (1.0, 2.0))
+    found = made(tmp_path / "a.pd0", cells, cells_m_s=through, water_track_m_s=through[0])
+    assert found[0][9] == 2
+    assert struct.unpack_from("<2H", found[0], 12) == (50, 100)  # size and blanking; the first centre is below
+    assert struct.unpack_from("<H", found[0], 32) == (125,)
+    assert struct.unpack_from("<8h", found[0x100], 2) == (-100, -400, 0, -32768, -32768, -300, 0, -32768)
+    assert struct.unpack_from("<3H4h", found[0x600], 44) == (10, 10, 20, -100, -400, 0, -32768)
 
 
 def test_each_sample_is_an_ensemble(flown):
@@ -108,6 +126,28 @@ def test_mhkit_reads_the_velocity_over_the_bottom(flown):
     assert np.median(ahead[seen & (true > 0.3)]) > 0.3
     below_m = 9.0 - data.depth.values
     assert np.median(np.abs(data.dist_bt.values.mean(axis=0) - below_m)[seen]) < 0.5
+
+
+def test_mhkit_reads_the_currents_below_the_vehicle(tmp_path):
+    """The bottom's velocity less a cell's is the current's, whatever the vehicle does: 0.2 m/s to the east."""
+    dolfyn = pytest.importorskip("mhkit.dolfyn", reason="needs MHKiT, which is not a dependency")
+    (tmp_path / "profiler.yaml").write_text(WITH_ADCP)
+    moving = NOISY.replace("water: {", "water: {current_world_m_s: [0.2, 0, 0], ").replace(
+        "model: rov", "model: profiler.yaml"
+    )
+    (tmp_path / "scenario.yaml").write_text(moving)
+    run_survey(tmp_path / "scenario.yaml", tmp_path / "out", raw=tmp_path / "a.pd0", report="none")
+    data = dolfyn.read(str(tmp_path / "a.pd0"))
+    np.testing.assert_allclose(data.range.values, [0.75, 1.25, 1.75, 2.25])
+    vel, over = data.vel.values[:3], data.vel_bt.values[:3, None]  # starboard, forward, up
+    current = vel - over
+    heading = np.radians(data.heading.values)
+    east = current[0] * np.cos(heading) + current[1] * np.sin(heading)
+    north = current[1] * np.cos(heading) - current[0] * np.sin(heading)
+    seen = np.isfinite(east) & (np.abs(east) < 5.0)
+    assert seen.mean() > 0.3
+    assert np.median(east[seen]) == pytest.approx(0.2, abs=0.02)
+    assert np.median(north[seen]) == pytest.approx(0.0, abs=0.02)
 
 
 def test_what_it_does_not_hold_is_refused(tmp_path):

@@ -1,4 +1,4 @@
-"""The content of a file of a Doppler log: its head and its ensembles, one bottom-track ping each.
+"""The content of a file of a Doppler log: its head and its ensembles, one ping each of the bottom and of water cells.
 
 A format's writer is `dvl` of its `SurveyFormat`. Angles in rad, attitude as in swath.py.
 """
@@ -14,6 +14,19 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class WaterCells:
+    """Cells in which the velocity through the water is measured, below the instrument.
+
+    first_m: centre of the first one. layer_m: begin and end of the reference layer of the water track.
+    """
+
+    count: int
+    size_m: float
+    first_m: float
+    layer_m: tuple[float, float]
+
+
 @dataclass(frozen=True, eq=False)
 class DvlHead:
     """Values that hold for a whole file.
@@ -25,6 +38,7 @@ class DvlHead:
     sensor: str
     slant_rad: float
     period_s: float
+    cells: WaterCells | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +48,8 @@ class DvlEnsemble:
     velocity_m_s (3,): of the instrument over the bottom, forward, starboard and up, nan without bottom lock.
     beam_velocities_m_s and beam_ranges_m (4,): along the beams, away from the instrument, and their lengths; nan for a
     lost beam. Beams follow each other by quarter turns to port, from one that looks ahead or up to half a turn from it.
+    cells_m_s (cells, 3) and water_track_m_s (3,): of the instrument through the water, in each cell and in the
+    reference layer, axes as for velocity_m_s, nan where it is lost; None for a ping without cells.
     """
 
     time_ns: int
@@ -48,6 +64,8 @@ class DvlEnsemble:
     velocity_m_s: Array
     beam_velocities_m_s: Array
     beam_ranges_m: Array
+    cells_m_s: Array | None = None
+    water_track_m_s: Array | None = None
 
 
 class DvlWriter(Protocol):
