@@ -75,7 +75,8 @@ def convert(
         ),
     ] = None,
     scenario: Annotated[
-        str | None, typer.Option(help="The scenario whose terrain places a .tif on Earth.", autocompletion=scenarios)
+        str | None,
+        typer.Option(help="The scenario whose place on Earth a cloud or a depth grid has.", autocompletion=scenarios),
     ] = None,
     origin: MapOrigin = ZERO,
 ) -> None:

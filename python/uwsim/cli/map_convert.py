@@ -8,6 +8,7 @@ from uwsim.base.options import need
 from uwsim.mapping.depth_grid import depth_grid
 from uwsim.mapping.files import write_cloud
 from uwsim.mapping.files.formats import CLOUD_FORMATS, GRID_FORMATS, MAP_FORMATS, Origin
+from uwsim.mapping.files.georeference import Georeference
 from uwsim.mapping.files.map_files import ZERO, open_map, open_points
 from uwsim.scenario import load
 from uwsim.scenario.georeference import georeference
@@ -24,7 +25,7 @@ def convert(
     """Convert `source` to `target`, written atomically; return a description of the content.
 
     A map: from a map only. A cloud: the centres of a map's occupied voxels, or a cloud's points. A depth grid has cells
-    of cell_m (by default the map's voxels), and is placed on Earth by the scenario's terrain. Raises ValueError or
+    of cell_m (by default the map's voxels). The scenario's place puts clouds and grids on Earth. Raises ValueError or
     OSError without writing anything.
     """
     suffix = target.suffix.lower()
@@ -32,8 +33,9 @@ def convert(
     if suffix not in known:
         raise ValueError(f"target '{target}': must end in {', '.join(known)}")
     if suffix not in GRID_FORMATS:
-        need(f"a target that ends in {' or '.join(GRID_FORMATS)}", cell=cell_m, scenario=scenario)
+        need(f"a target that ends in {' or '.join(GRID_FORMATS)}", cell=cell_m)
     if suffix in MAP_FORMATS:
+        need("a cloud or a depth grid as its target", scenario=scenario)
         if source.suffix.lower() in CLOUD_FORMATS:
             raise ValueError(f"source '{source}': a cloud has no free space, so it cannot become a map")
         open_map(source, origin_world_m).write(target)
@@ -43,13 +45,13 @@ def convert(
         raise ValueError(
             f"source '{source}': has no {'points' if resolution_m is None else 'occupied voxels'} to write"
         )
+    place = None if scenario is None else georeference(load(scenario))
     if suffix in CLOUD_FORMATS:
-        write_cloud(target, points)
+        write_cloud(target, points, place)
         return f"{len(points):,} points"
     width_m = resolution_m if cell_m is None else cell_m
     if width_m is None:
         raise ValueError("cell: missing: a cloud has no voxels that determine the width of the grid's cells")
-    place = georeference(load(scenario) if scenario is not None else None)
     grid = depth_grid(points, width_m)
-    GRID_FORMATS[suffix].write(target, grid, place)
+    GRID_FORMATS[suffix].write(target, grid, Georeference() if place is None else place)
     return f"{grid.depth_m.shape[1]} x {grid.depth_m.shape[0]} cells of {width_m:g} m"

@@ -13,12 +13,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from uwsim.base.extras import MissingExtraError
 from uwsim.flight.checkpoint import MAP
 from uwsim.flight.mission_log import rewrite_if_lost
 from uwsim.flight.record import Ashore, FlightRecord
 from uwsim.flight.summary import ashore_text, flight_values, summary_table
 from uwsim.flight.terminal import Silent
 from uwsim.mapping import OccupancyMap
+from uwsim.mapping.files.georeference import Georeference
+from uwsim.scenario.georeference import georeference
 from uwsim.scoring.map_score import MapScore, score_map
 from uwsim.scoring.score_json import write_json
 from uwsim.scoring.surface_ahead import SurfaceAhead
@@ -171,6 +174,13 @@ def _print(flown: FlightRecord, screen: Silent, report: str, out: Path) -> None:
         screen.result(f"{MAP} {'is identical to' if flown.verified else 'DIFFERS from'} that of stock OctoMap")
 
 
+def _place(sim: Simulator | None) -> Georeference | None:
+    """Return the world's place, or None without rasterio, which knows coordinate systems."""
+    with suppress(MissingExtraError):
+        return None if sim is None else georeference(sim.scenario)
+    return None
+
+
 def _write_files(
     flown: FlightRecord, sim: Simulator | None, out: Path, report: str, screen: Silent,
     rendered: Future[TruthAndMap] | None,
@@ -181,7 +191,7 @@ def _write_files(
     if report != "none":
         write_json(out / SUMMARY, flight_values(flown))
     for name, samples in flown.samples.items():
-        samples.write(out / f"track-{name}.csv")
+        samples.write(out / f"track-{name}.csv", _place(sim))
     rewrite_if_lost(out, flown.events)
     if report == "full":
         with screen.status("drawing the report"):

@@ -18,6 +18,7 @@ from uwsim.base.axes import AXES
 from uwsim.base.wall_timer import Measurement
 from uwsim.flight.ping_log import PANEL_WARNINGS, lit
 from uwsim.instruments.sensors import Sensor
+from uwsim.mapping.files.georeference import Georeference
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
@@ -34,6 +35,7 @@ COLUMNS = (
     "released", "range_warning", "proximity_warning", "collision_warning", "collisions",
     "surge_m_s", "sway_m_s", "heave_m_s", "roll_rate_rad_s", "pitch_rate_rad_s", "yaw_rate_rad_s",
 )  # fmt: skip
+EARTH_COLUMNS = ("latitude_deg", "longitude_deg")
 COMMANDS = ("thruster ", "effort ")
 """Prefixes of the names of columns with commands."""
 TOO_MANY = {"set_wrench", "set_thrusters", "set_fins", "link_send"}
@@ -109,11 +111,14 @@ class Samples:
         """Return the time for which a panel warning was on [s], to the resolution of the samples."""
         return float(self[f"{warning}_warning"].sum()) * PERIOD_S
 
-    def write(self, path: Path) -> None:
-        """Write a CSV file. Raises OSError."""
-        header = ",".join(name.replace(" ", "_") for name in self.names)
-        row = ",".join(["%.6g"] * len(self.names))
-        lines = [header, *(row % tuple(values) for values in self.values.tolist())]
+    def write(self, path: Path, place: Georeference | None = None) -> None:
+        """Write a CSV file; with a place on Earth, also latitude and longitude (WGS 84). Raises OSError."""
+        names, row, values = self.names, ",".join(["%.6g"] * len(self.names)), self.values
+        if place is not None and place.crs is not None:
+            names, row = (*names, *EARTH_COLUMNS), row + ",%.9f" * len(EARTH_COLUMNS)
+            values = np.hstack([values, place.degrees(self.path_world_m)])
+        header = ",".join(name.replace(" ", "_") for name in names)
+        lines = [header, *(row % tuple(each) for each in values.tolist())]
         write_atomically(path, ("\n".join(lines) + "\n").encode())
 
 

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import laspy
 import numpy as np
 import pytest
 import rasterio
@@ -97,6 +98,21 @@ def test_a_geotiff_of_real_terrain_is_placed_on_earth(tmp_path):
         assert next(iter(file.sample([(10.0, 10.0)]))).tolist() == [20.0, 1.0]
 
 
+def test_clouds_of_real_terrain_are_placed_on_earth(tmp_path):
+    """laspy and pyproj find the same degrees from easting, northing and WKT as the text has."""
+    pyproj = pytest.importorskip("pyproj")
+    write_cloud(tmp_path / "bed.ply", [[0.0, 0.0, -20.0], [100.0, 0.0, -21.0], [0.0, 100.0, -22.0]])
+    for suffix in ("las", "xyz"):
+        uwsim_map("convert", tmp_path / "bed.ply", tmp_path / f"bed.{suffix}", "--scenario", "valley")
+    text, las = np.loadtxt(tmp_path / "bed.xyz"), laspy.read(tmp_path / "bed.las")
+    crs = las.header.parse_crs()
+    longitude, latitude = pyproj.Transformer.from_crs(crs, 4326, always_xy=True).transform(las.x, las.y)
+    np.testing.assert_allclose(text, np.column_stack([longitude, latitude, las.z]), atol=2e-8)  # 1 mm
+    assert text[0, :2] == pytest.approx((-84.19, 36.60), abs=1e-5)
+    assert text[2, 1] - text[0, 1] == pytest.approx(100.0 * 20.0 / 111e3, rel=0.01)
+    assert text[:, 2].tolist() == [-20.0, -21.0, -22.0]
+
+
 def test_cloud_formats_convert_into_each_other(tmp_path):
     points = np.random.default_rng(1).normal(0.0, 10.0, (100, 3)).astype(np.float32)
     write_cloud(tmp_path / "a.pcd", points)
@@ -134,6 +150,13 @@ def test_a_map_and_its_part_merge_into_a_map_of_the_whole(folder, tmp_path):
         (["convert", "torn.ply", "new.pcd"], r"torn.ply': not a valid PLY file"),
         (["convert", "pool.bt", "no/new.ply"], r"no/new.ply': cannot be written: No such file"),
         (["convert", "pool.bt", "no/new.tif"], r"no/new.tif': cannot be written: No such file"),
+        (
+            ["convert", "pool.bt", "new.ply", "--scenario", "valley"],
+            r"new.ply': holds no place on Earth; .las, .xyz do",
+        ),
+        (["convert", "pool.bt", "new.las", "--scenario", "pool"], r"the world has no place on Earth"),
+        (["convert", "pool.bt", "new.h5", "--scenario", "pool"], r"an S-102 needs a place on Earth"),
+        (["convert", "pool.bt", "new.ot", "--scenario", "valley"], r"--scenario: needs a cloud or a depth grid"),
         (["render", "empty.bt"], r"no occupied voxels: there is nothing to draw"),
         (["render", "pool.bt", "--width", "10"], r"width = 10 pixels: must be in \[200, 8000\] pixels"),
         (["render", "pool.bt", "--elevation", "90"], r"elevation = 90.0 deg"),

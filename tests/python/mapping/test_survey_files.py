@@ -33,6 +33,23 @@ def straight(tmp_path_factory):
     return Flown(tmp_path_factory.mktemp("straight"), sonar="")
 
 
+def test_a_flights_track_is_where_its_pings_are(bent):
+    """Degrees of the track, at the times of Leidos' pings, are the pings' own to a tenth of a metre."""
+    gsfpy = pytest.importorskip("gsfpy3_09", reason="needs gsfpy, which has Leidos' library")
+    from gsfpy3_09.enums import RecordType
+
+    track = np.genfromtxt(bent.folder / "out" / "track-rov.csv", delimiter=",", names=True)
+    assert track["latitude_deg"][0] == pytest.approx(LATITUDE, abs=1e-4)
+    with gsfpy.open_gsf(str(bent.raw)) as file:
+        for _ in range(20):
+            _, record = file.read(RecordType.GSF_RECORD_SWATH_BATHYMETRY_PING)
+            ping = record.mb_ping
+            seconds = ping.ping_time.tv_sec + 1e-9 * ping.ping_time.tv_nsec - 1_577_836_800
+            first, second = ping.latitude, ping.longitude  # gsfpy's names are in another order than those of gsf.h
+            for name, degrees in (("longitude_deg", first), ("latitude_deg", second)):
+                assert np.interp(seconds, track["time_s"], track[name]) == pytest.approx(degrees, abs=1e-6)
+
+
 def by_leidos(path: Path, every: int) -> tuple[np.ndarray, np.ndarray, dict[int, int]]:
     """Return the file's own soundings and those traced from its travel times, as Leidos' C library reads it."""
     gsfpy = pytest.importorskip("gsfpy3_09", reason="needs gsfpy, which has Leidos' library")

@@ -17,21 +17,32 @@ from numpy.typing import ArrayLike, NDArray
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.cut_short import warn_if_cut_short
 from uwsim.mapping.files.formats import CLOUD_FORMATS, CloudFormat
+from uwsim.mapping.files.georeference import Georeference
 
 Points = NDArray[np.float64]
 
 MAX_HEADER = 65_536
 
 
-def write_cloud(path: str | os.PathLike[str], points_m: ArrayLike) -> None:
+def write_cloud(path: str | os.PathLike[str], points_m: ArrayLike, place: Georeference | None = None) -> None:
     """Write points (n, 3) atomically, in the format given by the file suffix, one of CLOUD_FORMATS.
 
-    PCD and PLY hold float32, as PCL and most programs do. Raises ValueError, before writing anything, for another
-    suffix or shape, or if there are no points or non-finite points; OSError if the file cannot be written.
+    PCD and PLY hold float32, as PCL and most programs do. place: writes world points in geographic coordinates. Raises
+    ValueError, before writing anything, for another suffix or shape, if there are no points or non-finite points, or
+    for a place that is not on Earth or that the format does not hold; OSError if the file cannot be written.
     """
     target = Path(path)
-    encode = _format_of(target).encode
-    write_atomically(target, encode(_finite_points(points_m)))
+    cloud_format, points = _format_of(target), _finite_points(points_m)
+    if place is None:
+        data = cloud_format.encode(points)
+    elif cloud_format.encode_at is None:
+        known = ", ".join(suffix for suffix, each in CLOUD_FORMATS.items() if each.encode_at is not None)
+        raise ValueError(f"cloud path '{target}': holds no place on Earth; {known} do")
+    elif place.crs is None:
+        raise ValueError(f"cloud path '{target}': the world has no place on Earth: give its scenario the key earth")
+    else:
+        data = cloud_format.encode_at(points, place)
+    write_atomically(target, data)
 
 
 def read_cloud(path: str | os.PathLike[str]) -> Points:

@@ -45,12 +45,14 @@ class CloudFormat:
 
     encode: converts finite points (n, 3), n > 0, float32 or float64, to bytes; raises ValueError. decode: the reverse;
     may raise any exception. text_mark: the part of a header that declares the numbers to be text; None if all files are
-    binary.
+    binary. encode_at: like encode, in geographic coordinates, for points in a world with a place on Earth; None for a
+    format that has no such coordinates.
     """
 
     encode: Callable[[NDArray[np.floating]], bytes]
     decode: Callable[[bytes], NDArray[np.float64]]
     text_mark: bytes | None = None
+    encode_at: Callable[[NDArray[np.floating], Georeference], bytes] | None = None
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""LAS files, using laspy: version 1.2, point format 0, which every LAS reader supports."""
+"""LAS files, using laspy: version 1.2, point format 0, which every LAS reader supports; with a place on Earth, 1.4."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.mapping.files.formats import CloudFormat
+from uwsim.mapping.files.georeference import Georeference
 
 SCALE_M = 0.001
 NO_DATE = date(1970, 1, 1)  # a fixed date, so that the same points give the same bytes on any day
@@ -20,10 +21,26 @@ def encode(points_m: NDArray[np.floating]) -> bytes:
 
     Raises ValueError if the cloud extends over more than 2,147 km.
     """
-    import laspy
+    return _encoded(np.asarray(points_m, np.float64), None)
 
-    points = np.asarray(points_m, np.float64)
+
+def encode_at(points_m: NDArray[np.floating], place: Georeference) -> bytes:
+    """Return a LAS file of the points in the place's coordinate system, whose WKT it has. Raises ValueError."""
+    assert place.crs is not None
+    points = np.array(points_m, np.float64)
+    points[:, :2] = points[:, :2] * place.units_per_m + place.origin
+    return _encoded(points, place.crs.to_wkt())
+
+
+def _encoded(points: NDArray[np.float64], wkt: str | None) -> bytes:
+    import laspy
+    from laspy.vlrs.known import WktCoordinateSystemVlr
+
     header = laspy.LasHeader(point_format=0, version="1.2")
+    if wkt is not None:  # LAS 1.4 requires WKT for formats from 6 on
+        header = laspy.LasHeader(point_format=6, version="1.4")
+        header.vlrs.append(WktCoordinateSystemVlr(wkt))
+        header.global_encoding.wkt = True
     header.scales = np.full(3, SCALE_M)
     header.offsets = np.floor(points.min(axis=0))
     reach_m = float((points - header.offsets).max())
@@ -67,4 +84,4 @@ def _require_records(data: bytes) -> None:
         raise ValueError(f"{len(data)} bytes do not hold the {records + extended} records of the header")
 
 
-LAS = CloudFormat(encode, decode)
+LAS = CloudFormat(encode, decode, encode_at=encode_at)
