@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from tests.fuzz import surveys, text_readers
+from tests.fuzz import charts, fields, surveys, text_readers
 
 REFUSED = (ValueError, OSError)
 """The errors that a reader may raise: the command line turns either into one line."""
@@ -87,15 +87,6 @@ def _image(data: bytes, folder: Path) -> bytes:
 
     shape = {"size_m": (20, 10), "spacing_m": 1.0, "black_m": -9, "white_m": -1}
     return ImageTerrain(source="image", file=_written(folder / "terrain.png", data), **shape).heights().tobytes()
-
-
-def _current(suffix: str) -> Callable[[bytes, Path], Any]:
-    def read(data: bytes, folder: Path) -> list[bytes]:
-        from uwsim.scenario.read.current_grid import read_current_grid
-
-        return [array.tobytes() for array in read_current_grid(_written(folder / f"current{suffix}", data))]
-
-    return read
 
 
 def _scenario(data: bytes, folder: Path) -> str:
@@ -365,9 +356,14 @@ READERS = {
     "dae": Reader(_mesh(".dae"), has_end=_without_end),
     "asc": Reader(_raster(".asc")),
     "tif": Reader(_raster(".tif")),
+    "bag": Reader(charts.chart(".bag")),
+    "s102": Reader(charts.chart(".h5")),
+    "gebco": Reader(charts.chart(".nc")),
     "image": Reader(_image, ("PIL",)),
-    "current_npz": Reader(_current(".npz"), ("numpy.lib", "zipfile")),
-    "current_csv": Reader(_current(".csv"), ("csv",), has_end=_without_end),
+    "current_npz": Reader(fields.current(".npz"), ("numpy.lib", "zipfile")),
+    "current_csv": Reader(fields.current(".csv"), ("csv",), has_end=_without_end),
+    "ocean_csv": Reader(fields.ocean, ("csv",), has_end=_without_end),
+    "ocean_netcdf": Reader(fields.ocean, ("scipy.io",), has_end=_without_end),
     "scenario": Reader(_scenario, ("ruamel",), has_end=_without_end, values=YAML_VALUES),
     **{
         kind: Reader(_part(kind), ("ruamel",), has_end=_without_end, values=YAML_VALUES)

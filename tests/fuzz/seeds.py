@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tests.fuzz import bridge_seeds
+from tests.fuzz import bridge_seeds, charts, fields
 from tests.fuzz.readers import CDR_TYPES, simulator_to_restore
 from tests.fuzz.surveys import side_scan, survey
 
@@ -360,9 +360,14 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "dae": lambda: [DAE],
     "asc": lambda: [ASC],
     "tif": _tif,
+    "bag": charts.made(".bag"),
+    "s102": charts.made(".h5"),
+    "gebco": charts.elevations,
     "image": _image,
     "current_npz": _npz,
     "current_csv": lambda: [CSV],
+    "ocean_csv": fields.ocean_csv,
+    "ocean_netcdf": fields.ocean_netcdf,
     "scenario": _scenarios,
     **{kind: _parts(f"{kind.removesuffix('s')}s") for kind in ("vehicle", "thruster", "sensors", "sonar", "modem")},
     "sweep": lambda: [SWEEP],

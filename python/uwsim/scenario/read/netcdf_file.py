@@ -38,7 +38,7 @@ def read_netcdf(path: Path, what: str) -> dict[str, NetcdfVariable]:
     """
     with path.open("rb") as file:
         magic = file.read(4)
-    if magic.startswith(CLASSIC) and len(magic) == 4 and magic[3] in (1, 2):
+    if _is_classic(magic):
         from scipy.io import netcdf_file
 
         with netcdf_file(path, mmap=False) as data:
@@ -50,6 +50,29 @@ def read_netcdf(path: Path, what: str) -> dict[str, NetcdfVariable]:
     if magic == HDF5:
         return _of_hdf5(path, what)
     raise NotNetcdfError("must be a NetCDF file: neither classic nor HDF5")
+
+
+def require_whole_netcdf(path: Path) -> None:
+    """Raise ValueError if a classic file lacks values, which GDAL reads as zeros. HDF5 checks its own files.
+
+    Raises OSError if it cannot be read.
+    """
+    with path.open("rb") as file:
+        if not _is_classic(file.read(4)):
+            return
+    from scipy.io import netcdf_file
+
+    try:
+        with netcdf_file(path, mmap=True):  # maps the values without reading them
+            pass
+    except OSError:
+        raise
+    except Exception as error:  # the reader raises anything for a damaged file
+        raise ValueError(f"is cut short or damaged: {' '.join(str(error).split())}") from None
+
+
+def _is_classic(magic: bytes) -> bool:
+    return magic.startswith(CLASSIC) and len(magic) == 4 and magic[3] in (1, 2)
 
 
 def _of_hdf5(path: Path, what: str) -> dict[str, NetcdfVariable]:

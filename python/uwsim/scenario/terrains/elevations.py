@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -23,6 +24,7 @@ from uwsim.mapping.files.georeference import Georeference, metres_about
 from uwsim.scenario.build.terrain_grid import SPLINE_MARGIN, grid_axes, pixel_ranges, resampled
 from uwsim.scenario.build.whole_tiff import require_whole_tiff
 from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.netcdf_file import require_whole_netcdf
 from uwsim.scenario.spec.terrain import LOCAL, MAX_NODES
 
 if TYPE_CHECKING:
@@ -42,6 +44,8 @@ FORMATS = (
 """GDAL's names of formats that contain the elevations themselves. Others, such as VRT, refer to further files and
 servers, which would let an untrusted file read anything that this machine can access."""
 
+WHOLE = {"GTiff": require_whole_tiff, "netCDF": require_whole_netcdf}
+"""By GDAL's name: checks of formats whose missing parts GDAL reads as zeros."""
 GRID_HEADER = (b"ncols", b"nrows", b"xllcorner", b"xllcenter", b"yllcorner", b"yllcenter", b"cellsize", b"dx", b"dy")
 GRID_NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
@@ -173,8 +177,8 @@ def _read(spec: RasterTerrain) -> Raster:
     name = spec.file.name
     try:
         with _opened(spec.file) as file:
-            if file.driver == "GTiff":
-                _require_whole_tiff(spec.file)
+            if file.driver in WHOLE:
+                _require_whole(spec.file, WHOLE[file.driver])
             if file.driver == "AAIGrid":
                 _require_numbers(spec.file, file.width * file.height)
                 warn_if_cut_short(f"terrain '{name}'", spec.file.read_bytes())
@@ -288,9 +292,9 @@ def _mapped(affine: Affine, x: Coordinates, y: Coordinates) -> tuple[Coordinates
     return affine.a * x + affine.b * y + affine.c, affine.d * x + affine.e * y + affine.f
 
 
-def _require_whole_tiff(path: Path) -> None:
+def _require_whole(path: Path, require_whole: Callable[[Path], None]) -> None:
     try:
-        require_whole_tiff(path)
+        require_whole(path)
     except ValueError as error:
         raise ScenarioError(f"terrain '{path.name}': not a readable elevation raster: {error}") from None
 

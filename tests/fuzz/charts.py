@@ -1,0 +1,58 @@
+"""Charts of real places: readers of their formats for the fuzzers, and the small files with which these start."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def chart(suffix: str) -> Callable[[bytes, Path], Any]:
+    """Return a reader of a chart: the scenario that is made of it."""
+
+    def read(data: bytes, folder: Path) -> Any:
+        from uwsim.scenario.from_chart import scenario_from_chart
+
+        path, out = folder / f"chart{suffix}", folder / "made.yaml"
+        path.write_bytes(data)
+        made = scenario_from_chart(path, out, size_m=10.0)
+        return [out.read_bytes(), made.depth_m]
+
+    return read
+
+
+def made(suffix: str) -> Callable[[], list[bytes]]:
+    """Return a maker of a small chart in a format that we write: 8 x 6 cells, one of them empty."""
+
+    def make() -> list[bytes]:
+        from uwsim.mapping.depth_grid import depth_grid
+        from uwsim.mapping.files.formats import GRID_FORMATS
+        from uwsim.mapping.files.georeference import Georeference, metres_about
+
+        x, y = np.meshgrid(np.arange(8) + 0.5, np.arange(6) + 0.5)
+        points = np.column_stack([x.ravel(), y.ravel(), -20.0 - x.ravel() - 0.5 * y.ravel()])[1:]
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / f"chart{suffix}"
+            GRID_FORMATS[suffix].write(path, depth_grid(points, 1.0), Georeference(metres_about((5.9, 43.1))))
+            return [path.read_bytes()]
+
+    return make
+
+
+def elevations() -> list[bytes]:
+    """Return elevations by latitude and longitude in classic NetCDF, as GEBCO has them."""
+    from scipy.io import netcdf_file
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "chart.nc"
+        with netcdf_file(path, "w") as file:
+            for name, unit, first in (("lat", "degrees_north", 43.0), ("lon", "degrees_east", 5.0)):
+                file.createDimension(name, 6)
+                axis = file.createVariable(name, "d", (name,))
+                axis[:], axis.units, axis.standard_name = first + np.arange(6) / 240, unit, f"{name}itude"
+            bed = file.createVariable("elevation", "h", ("lat", "lon"))
+            bed[:], bed.units = -20 - np.arange(36).reshape(6, 6), "m"
+        return [path.read_bytes()]
