@@ -64,4 +64,5 @@ def ping_message(
         proximity_warning=bool(panel.proximity_warning),
         collision_warning=bool(panel.collision_warning),
         deviations=np.empty(0, np.float32) if deviation_m is None else deviation_m,
+        horizontal_deviations=np.asarray(getattr(ping, "horizontal_deviation_m", ()), np.float32),
     )

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 class RecordedPing:
     """A ping with the attributes of _core.Ping.
 
-    ranges_m, angles_rad, valid, labels, intensity_db: (beams,); world_from_sonar (4, 4).
+    ranges_m, angles_rad, valid, labels, intensity_db: (beams,); world_from_sonar (4, 4). vertical_deviation_m,
+    horizontal_deviation_m: (beams,), of the echoes' places, None in geometry mode and in older recordings.
     """
 
     time_ns: int
@@ -32,6 +33,8 @@ class RecordedPing:
     labels: NDArray[np.int32]
     intensity_db: NDArray[np.float32]
     world_from_sonar: NDArray[np.float64]
+    vertical_deviation_m: NDArray[np.float64] | None = None
+    horizontal_deviation_m: NDArray[np.float32] | None = None
 
 
 class Panel(NamedTuple):
@@ -81,6 +84,11 @@ def taken_ping(message: Any) -> TakenPing:
     """Return the ping in a message of type SONAR_PING."""
     body, sonar = message.frame_from_body.reshape(4, 4), message.frame_from_sonar.reshape(4, 4)
     stamp = message.header.stamp
+    deviations, horizontal = message.deviations, message.horizontal_deviations
+    vertical = None
+    if len(horizontal):
+        with np.errstate(invalid="ignore"):  # unknown ones are infinite
+            vertical = np.sqrt(np.maximum(0.0, np.square(deviations, dtype=float) - np.square(horizontal, dtype=float)))
     ping = RecordedPing(
         stamp.sec * 1_000_000_000 + stamp.nanosec,
         message.ranges,
@@ -89,6 +97,7 @@ def taken_ping(message: Any) -> TakenPing:
         message.labels,
         message.intensities,
         sonar,
+        vertical,
+        horizontal if len(horizontal) else None,
     )
-    deviations = message.deviations
     return TakenPing(cast(_core.Ping, ping), body, sonar, deviations if len(deviations) else None)

@@ -18,6 +18,8 @@ from uwsim.flight.survey import run_survey
 from uwsim.mapping.files.gsf_read import read_gsf
 from uwsim.mapping.files.kmall_read import read_kmall
 from uwsim.mapping.files.swath import survey_format
+from uwsim.recording.reader import Recording
+from uwsim.recording.survey_from import survey_from
 from uwsim.scoring.tpu import Uncertainties
 
 REAL = Path(__file__).parents[4] / "shared" / "reality"
@@ -31,6 +33,20 @@ def bent(tmp_path_factory):
 @pytest.fixture(scope="module")
 def straight(tmp_path_factory):
     return Flown(tmp_path_factory.mktemp("straight"), sonar="")
+
+
+def test_a_recordings_raw_survey_has_the_errors_of_the_flights(bent, tmp_path):
+    """The total propagated uncertainties, by sounder and instruments, are those that the flight wrote."""
+    known = Uncertainties(roll=0.05, position=0.5)
+    run_survey(bent.folder / "scenario.yaml", tmp_path / "out", raw=tmp_path / "live.gsf", raw_known=known,
+               record=tmp_path / "a.mcap", report="none")  # fmt: skip
+    survey_from(Recording(tmp_path / "a.mcap"), tmp_path / "map.bt", None, raw=tmp_path / "again.gsf", raw_known=known)
+    live, again = (list(read_gsf(tmp_path / name)[1]) for name in ("live.gsf", "again.gsf"))
+    assert len(live) == len(again) > 50
+    for mine, other in zip(live, again, strict=True):
+        for name in ("vertical_deviation_m", "horizontal_deviation_m"):
+            np.testing.assert_allclose(getattr(other, name), getattr(mine, name), atol=0.006)  # a step is 0.01 m / 1.96
+    assert np.nanmax(live[0].vertical_deviation_m) > 0.0
 
 
 def test_a_flights_track_is_where_its_pings_are(bent):

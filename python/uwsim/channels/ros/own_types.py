@@ -110,6 +110,7 @@ bool range_warning
 bool proximity_warning
 bool collision_warning
 float32[] deviations           # m, standard deviation of each echo's place; empty: unknown, as in geometry mode
+float32[] horizontal_deviations  # m, its horizontal part
 """,
     NAMED_NUMBER: """\
 string name                    # in requests of services: a thruster's or a fin's
