@@ -15,11 +15,29 @@ namespace {
 
 constexpr double kThinnest = 1e-9;  // parts with less than this fraction of the volume are left out
 constexpr double kWavePitch = 5;    // see CutVolume
+constexpr double kBent = 1e-5;      // see is_nearly
 
 /// Returns 0 for x <= 0, 1 for x >= 1, and in between a cubic with zero slope at both ends.
 double smooth_step(double x) {
   x = std::clamp(x, 0.0, 1.0);
   return x * x * (3 - 2 * x);
+}
+
+/// Returns true if densities between two heights are those of a layer, extended beyond its boundaries, to kBent. The
+/// mass that a hull displaces then differs by at most half of that, and not at all where the layer is that of its
+/// centre.
+bool is_nearly(const DensityLayer& layer, const WaterField& water, double bottom_m, double top_m) {
+  const auto fits = [&layer](double density_kg_m3, double z_m) {
+    return std::abs(density_kg_m3 - layer.at(z_m)) <= kBent * layer.density_kg_m3;
+  };
+  double high_m = top_m;
+  while (true) {
+    const DensityLayer here = water.density_layer_at(high_m);
+    const double low_m = std::max(here.low_m, bottom_m);
+    if (!fits(here.at(high_m), high_m) || !fits(here.at(low_m), low_m)) return false;
+    if (low_m == bottom_m) return true;
+    high_m = std::nextafter(low_m, -std::numeric_limits<double>::infinity());
+  }
 }
 
 /// `moments` are about `origin_m`.
@@ -247,8 +265,13 @@ Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Ei
 Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, double surface_m) const {
   const Cut& hull = at.hull;
   const double gravity = water.gravity();
-  const DensityLayer layer = water.density_layer_at(std::min(at.top_m(), surface_m));
-  const bool in_one_layer = at.bottom_m() >= layer.low_m;
+  DensityLayer layer = water.density_layer_at(std::min(at.top_m(), surface_m));
+  bool in_one_layer = at.bottom_m() >= layer.low_m;
+  if (!in_one_layer && at.top_m() <= surface_m) {
+    const DensityLayer middle = water.density_layer_at(at.position_world_m.z() + hull.up_body.dot(solid_.centroid_m));
+    in_one_layer = is_nearly(middle, water, at.bottom_m(), at.top_m());
+    if (in_one_layer) layer = middle;
+  }
   Buoyancy wet;
   if (!in_one_layer || (layer.gradient_kg_m4 != 0 && at.top_m() > surface_m)) {
     const VolumeMoments part = hull.moments_below(surface_m, true);

@@ -1,5 +1,6 @@
 #include "uwsim/world/current.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -14,6 +15,7 @@
 #include "uwsim/core/random.h"
 #include "uwsim/core/stream_name.h"
 #include "uwsim/core/with_unit.h"
+#include "uwsim/world/field_cell.h"
 
 namespace uwsim {
 namespace {
@@ -158,16 +160,71 @@ class GustyCurrent : public Current {
 class GriddedCurrent : public Current {
  public:
   explicit GriddedCurrent(CurrentGrid grid) : grid_(std::move(grid)) {}
+
   CurrentSample at(const Eigen::Vector3d& p, double time_s) const override {
-    return {grid_.at(p, time_s), grid_.rate_at(p, time_s, Eigen::Vector3d::Zero())};
+    const FieldCell& cell = RememberedCells::of_this_thread().find(grid_, number_, p, time_s);
+    const Eigen::Vector3d e = cell.offset(p);
+    const double x = e.x(), y = e.y(), z = e.z();
+    return sample(cell, time_s, {1, x, y, z, x * y, y * z, z * x, x * y * z});
+  }
+
+  /// In closed form, if all points are in one cell: terms that are even in the arm add to the mean, odd ones turn.
+  CurrentOver over(const Eigen::Vector3d& middle, const Eigen::Matrix3d& arms_m, double time_s) const override {
+    const FieldCell& cell = RememberedCells::of_this_thread().find(grid_, number_, middle, time_s);
+    const Eigen::Vector3d reach = arms_m.cwiseAbs().rowwise().maxCoeff();
+    if (!cell.holds(number_, middle - reach, time_s) || !cell.holds(number_, middle + reach, time_s)) {
+      return Current::over(middle, arms_m, time_s);
+    }
+    constexpr double kThird = 1.0 / 3;
+    const Eigen::Matrix3d edges = cell.per_m.asDiagonal() * arms_m;
+    const Eigen::Matrix3d third_arms = kThird * arms_m, spread = third_arms * edges.transpose();
+    const Eigen::Vector3d skew = third_arms * edges.colwise().prod().transpose();
+    const double xy = kThird * edges.row(0).dot(edges.row(1)), yz = kThird * edges.row(1).dot(edges.row(2)),
+                 zx = kThird * edges.row(2).dot(edges.row(0));
+    const Eigen::Vector3d e = cell.offset(middle);
+    const double x = e.x(), y = e.y(), z = e.z();
+    CurrentOver mean{
+        sample(cell, time_s, {1, x, y, z, x * y + xy, y * z + yz, z * x + zx, x * y * z + x * yz + y * zx + z * xy})};
+    const FieldCell::Terms c = cell.at(time_s);
+    const Eigen::Vector4d dx = c[1] + y * c[4] + z * c[6] + y * z * c[7],
+                          dy = c[2] + x * c[4] + z * c[5] + z * x * c[7],
+                          dz = c[3] + y * c[5] + x * c[6] + x * y * c[7];
+    mean.turning_m2_s = spread.col(0).cross(dx.head<3>()) + spread.col(1).cross(dy.head<3>()) +
+                        spread.col(2).cross(dz.head<3>()) + skew.cross(c[7].head<3>());
+    return mean;
   }
   double bound_m_s() const override { return largest_speed_m_s(grid_.values); }
 
  private:
+  static CurrentSample sample(const FieldCell& cell, double time_s, const std::array<double, 8>& weights) {
+    const auto sum_of = [&weights](const FieldCell::Terms& terms) {
+      Eigen::Vector4d sum = weights[0] * terms[0];
+      for (std::size_t k = 1; k < 8; ++k) sum += weights[k] * terms[k];
+      return sum;
+    };
+    const Eigen::Vector4d begun = sum_of(cell.value);
+    if (!cell.changes) return {.velocity_m_s = begun.head<3>()};
+    const Eigen::Vector4d rate = sum_of(cell.rate);
+    return {.velocity_m_s = (begun + (time_s - cell.begin_s) * rate).head<3>(), .rate_m_s2 = rate.head<3>()};
+  }
+
   CurrentGrid grid_;
+  std::uint64_t number_ = next_grid();
 };
 
 }  // namespace
+
+CurrentOver Current::over(const Eigen::Vector3d& middle_world_m, const Eigen::Matrix3d& arms_m, double time_s) const {
+  CurrentOver mean;
+  for (int k = 0; k < 6; ++k) {
+    const Eigen::Vector3d arm = (k % 2 == 0 ? 1 : -1) * arms_m.col(k / 2);
+    const CurrentSample here = at(middle_world_m + arm, time_s);
+    mean.velocity_m_s += here.velocity_m_s / 6;
+    mean.rate_m_s2 += here.rate_m_s2 / 6;
+    mean.turning_m2_s += arm.cross(here.velocity_m_s) / 6;
+  }
+  return mean;
+}
 
 std::shared_ptr<const Current> layered_current(std::vector<double> depths_m,
                                                std::vector<Eigen::Vector3d> velocity_m_s) {

@@ -15,11 +15,19 @@ struct CurrentSample {
   Eigen::Vector3d rate_m_s2 = Eigen::Vector3d::Zero();
 };
 
+/// A current at six points about a middle, with equal weights: the means of velocity, of its rate, and of arm x
+/// velocity.
+struct CurrentOver : CurrentSample {
+  Eigen::Vector3d turning_m2_s = Eigen::Vector3d::Zero();
+};
+
 /// A current: a pure function of position and time. Several currents add up.
 class Current {
  public:
   virtual ~Current() = default;
   virtual CurrentSample at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
+  /// The six points are the middle plus and minus each column of `arms_m`.
+  virtual CurrentOver over(const Eigen::Vector3d& middle_world_m, const Eigen::Matrix3d& arms_m, double time_s) const;
   /// Upper bound of the speed anywhere and at any time [m/s]. Gusts are unbounded, so three standard deviations are
   /// used for them.
   virtual double bound_m_s() const = 0;

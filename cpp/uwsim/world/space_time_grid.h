@@ -38,13 +38,6 @@ struct SpaceTimeGrid {
     const Value before = in(t.first, x, y, z);
     return before + t.fraction * (in(t.second, x, y, z) - before);
   }
-  /// Rate of change with time; zero beyond the first and the last time.
-  Value rate_at(const Eigen::Vector3d& p, double time_s, const Value& zero) const {
-    const Interval t(t_s, time_s);
-    if (t.first == t.second || time_s < t_s.front()) return zero;
-    const Interval x(x_m, p.x()), y(y_m, p.y()), z(z_m, p.z());
-    return (in(t.second, x, y, z) - in(t.first, x, y, z)) / (t_s[t.second] - t_s[t.first]);
-  }
 
  private:
   std::size_t layer_size() const { return x_m.size() * y_m.size() * z_m.size(); }

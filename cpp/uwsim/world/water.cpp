@@ -157,21 +157,20 @@ WaterFlow Water::current_at(const Eigen::Vector3d& point_world_m, double time_s)
   return flow;
 }
 
-/// A current that varies is sampled at six points, whose second moment is the volume's: exact where it is linear.
+/// A current that varies is taken at six points, whose second moment is the volume's: exact where it is linear.
 VolumeFlow Water::current_over(const PlacedVolume& volume, double time_s) const {
   const Eigen::Vector3d& middle = volume.centroid_world_m;
   if (std::ranges::all_of(currents, [](const auto& current) { return current->is_uniform(); })) {
     return {current_at(middle, time_s)};
   }
-  VolumeFlow flow;
+  VolumeFlow flow{{.velocity_m_s = current_world_m_s}};
   Eigen::Vector3d turning = Eigen::Vector3d::Zero();
   const Eigen::Matrix3d arms = volume.world_from_body * volume.parts.spread_m;
-  for (int k = 0; k < 6; ++k) {
-    const Eigen::Vector3d arm = (k % 2 == 0 ? 1 : -1) * arms.col(k / 2);
-    const WaterFlow here = current_at(middle + arm, time_s);
-    flow.velocity_m_s += here.velocity_m_s / 6;
-    flow.current_acceleration_m_s2 += here.current_acceleration_m_s2 / 6;
-    turning += volume.parts.whole().volume_m3 / 6 * arm.cross(here.velocity_m_s);
+  for (const auto& current : currents) {
+    const CurrentOver mean = current->over(middle, arms, time_s);
+    flow.velocity_m_s += mean.velocity_m_s;
+    flow.current_acceleration_m_s2 += mean.rate_m_s2;
+    turning += volume.parts.whole().volume_m3 * mean.turning_m2_s;
   }
   flow.angular_velocity_rad_s =
       volume.world_from_body * (volume.parts.inverse_inertia_1_m5 * (volume.world_from_body.transpose() * turning));

@@ -82,6 +82,28 @@ TEST(Current, AGridOfSeveralTimesIsLinearBetweenThemAndStandsStillBeyond) {
   EXPECT_EQ(current->at({0, 0, 0}, -1).rate_m_s2.x(), 0);
 }
 
+/// Within a cell and across its edges, the mean over six points is that of the points.
+TEST(Current, AGridOverAVolumeIsItsMeanAndItsMoment) {
+  CurrentGrid grid{.x_m = {0, 3, 9}, .y_m = {-2, 5}, .z_m = {-9, -4, 0}, .t_s = {0, 60}, .values = {}};
+  for (std::size_t k = 0; k < grid.size(); ++k) {
+    const double n = static_cast<double>(k);
+    grid.values.emplace_back(0.3 * std::sin(7 * n), 0.2 * std::cos(5 * n), 0.1 * std::sin(3 * n * n));
+  }
+  const auto current = gridded_current(grid);
+  Eigen::Matrix3d arms;
+  arms << 0.6, -0.3, 0.1, 0.2, 0.5, -0.2, 0.1, 0.2, 0.4;
+  const std::vector<Eigen::Vector3d> middles = {{1.5, 1, -6}, {3.1, 1, -4.2}, {-3, 9, 2}, {8.9, 4.9, -8.9}};
+  for (const Eigen::Vector3d& middle : middles) {
+    for (const double time_s : {-5.0, 0.0, 41.0, 99.0}) {
+      const CurrentOver mean = current->over(middle, arms, time_s),
+                        points = current->Current::over(middle, arms, time_s);
+      EXPECT_LT((mean.velocity_m_s - points.velocity_m_s).norm(), 1e-15);
+      EXPECT_LT((mean.rate_m_s2 - points.rate_m_s2).norm(), 1e-16);
+      EXPECT_LT((mean.turning_m2_s - points.turning_m2_s).norm(), 1e-15);
+    }
+  }
+}
+
 TEST(Current, InvalidCurrentsAreRefused) {
   EXPECT_THROW(layered_current({3, 1}, {kEast, kEast}), InvalidValue);
   EXPECT_THROW(layered_current({1}, {kEast, kEast}), InvalidValue);
