@@ -18,6 +18,15 @@ constexpr double kFirstSettling_s = 0.02, kLastSettling_s = 20, kGrows = 1.5, kS
 constexpr int kSettlings = 400;
 constexpr double kSettlingReach_m = 0.2;
 
+/// Whether its stiffness exceeds its inertia in a long step so much that its equations need solve_stiff().
+bool is_stiff(const TetherSpec& spec) {
+  constexpr double kLongStep_s = 0.02, kMostRatio = 1e4;
+  const double element_m = spec.element_m();
+  const double axial = (spec.axial_stiffness_n + spec.axial_damping_n_s / kLongStep_s) / element_m;
+  const double bending = 16 * spec.bending_stiffness_n_m2 / (element_m * element_m * element_m);
+  return axial + bending > kMostRatio * spec.mass_kg_m * element_m / (kLongStep_s * kLongStep_s);
+}
+
 void require_positive(const std::string& name, const char* key, double value) {
   require(std::isfinite(value) && value > 0, name + "." + key, value, "must be positive");
 }
@@ -67,12 +76,14 @@ Tether::Tether(const TetherSpec& spec, const World& world, std::span<const Moved
     : spec_((spec.check(), spec)),
       terrain_(world.terrain()),
       finder_(world, spec_, bodies),
+      is_stiff_(is_stiff(spec_)),
       first_m_(spec.element_m()) {
   const std::size_t most = spec_.tubes() - 1;
   nodes_.reserve(most);
   nodes_.resize(spec_.elements + 1);
   frozen_.resize(most);
-  for (std::vector<Eigen::Vector3d>* vectors : {&next_, &gradient_, &change_, &points_, &targets_})
+  for (std::vector<Eigen::Vector3d>* vectors :
+       {&next_, &gradient_, &change_, &found_, &from_, &way_, &points_, &targets_})
     vectors->resize(most);
   for (std::vector<double>* values : {&reach_m_, &from_m_}) values->resize(most);
   contacts_.reserve(kKeptContacts);

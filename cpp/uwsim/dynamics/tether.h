@@ -103,15 +103,29 @@ class Tether {
     Eigen::Vector3d bed_normal;
     double bed_level_m, bed_stiffness, friction_n;
     // The element after it, at the start of the step and in the present iteration:
-    double stretch_m, tension_n;
+    double stretch_m, tension_n, stiffness, damping;
     Eigen::Vector3d unit;
     Pull pull;
   };
   /// An end in a step: fixed, or a mass that moves.
   struct End {
-    bool is_fixed = true;
-    Eigen::Vector3d next = Eigen::Vector3d::Zero();  // without the tether
+    bool is_fixed = true, turns_back = false;
+    Eigen::Vector3d next = Eigen::Vector3d::Zero();  // without the tether's force
     Eigen::Matrix3d mass = Eigen::Matrix3d::Zero();
+    // Of its body:
+    Eigen::Vector3d free_next = Eigen::Vector3d::Zero(), free_turn_body = Eigen::Vector3d::Zero();
+    Eigen::Vector3d lever_body_m = Eigen::Vector3d::Zero();
+    Eigen::Matrix<double, 3, 6> jacobian = Eigen::Matrix<double, 3, 6>::Zero();
+    Matrix6d inverse_mass = Matrix6d::Zero();
+    Eigen::Matrix3d body_from_world = Eigen::Matrix3d::Zero();
+    // turn_back():
+    Eigen::Vector3d force_body_n = Eigen::Vector3d::Zero(), turn_body = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero(), turn_per_n = Eigen::Matrix3d::Zero();
+
+    /// By which the torque changes as the body turns.
+    Eigen::Vector3d torque_body(const Eigen::Vector3d& force_n, double step_s) const {
+      return -step_s * (stiffness * (turn_body + turn_per_n * force_n));
+    }
   };
   /// How long the first element may become in a step, and the tension at which it does.
   struct Drum {
@@ -122,6 +136,7 @@ class Tether {
   Eigen::Vector3d end_point(const TetherEnd& end, std::span<const MovedBody> bodies) const;
   End end_of(const TetherEnd& end, std::span<MovedBody> bodies, const WaterField& water, double time_s,
              double step_s) const;
+  static bool turn_back(End& end, const Eigen::Vector3d& force_n, double step_s);
   void freeze(const WaterField& water, double time_s, double step_s);
   void freeze_water(std::size_t node, const WaterField& water, double time_s);
   void freeze_bed(std::size_t node);
@@ -138,12 +153,24 @@ class Tether {
   void lay_arc(const Eigen::Vector3d& start, const Eigen::Vector3d& between, const Eigen::Vector3d& sag);
   Drum drum(double step_s) const;
   bool find_next(double step_s);
+  void begin_search(double share);
+  bool solve(double step_s);
+  double find_change(double step_s);
+  bool stiffen(double step_s);
+  bool descend(double step_s);
+  double search_line(double step_s, double start, double most);
+  void limit_energy(double step_s);
+  void be_consistent();
+  void find_stiffness(double share, double step_s);
+  void find_end_forces(double step_s);
   void assemble(double step_s);
   void add_node(std::size_t node, double step_s);
   void add_element(std::size_t element, double step_s);
   void add_bending(std::size_t node);
   void add_ends(double step_s);
   Pull pull(std::size_t element, double distance_m, double step_s) const;
+  static Pull taut(const Frozen& element, double stretch_m);
+  static Eigen::Vector3d scaled(const Eigen::Vector3d& v, const Eigen::Vector3d& unit, double along, double across);
   void settle(std::span<const MovedBody> bodies, const WaterField& water, double time_s);
   void wind(double step_s);
   void grip(std::size_t node);
@@ -152,6 +179,7 @@ class Tether {
   TetherSpec spec_;
   std::shared_ptr<const Heightfield> terrain_;
   TetherContactFinder finder_;
+  bool is_stiff_;
   // The state.
   std::vector<Node> nodes_;
   double first_m_ = 0;  // rest length of the first element
@@ -163,7 +191,7 @@ class Tether {
   // The step under way. Kept so that steps allocate nothing.
   static constexpr std::uint64_t kWhole = std::numeric_limits<std::uint64_t>::max();
   std::vector<Frozen> frozen_;
-  std::vector<Eigen::Vector3d> next_, gradient_, change_;
+  std::vector<Eigen::Vector3d> next_, gradient_, change_, found_, from_, way_;
   BlockBand hessian_;
   std::vector<TetherContact> contacts_;
   std::vector<Eigen::Vector3d> points_, targets_;
