@@ -30,6 +30,18 @@ class Medium final : public LinkMedium {
   const Place& place_;
 };
 
+/// Whether a tether is broken that leads to the body: its own, or one of what its own is fastened to.
+bool is_torn_off(const RigidBodyWorld& bodies, std::uint64_t body) {
+  for (std::size_t hop = 0; hop < bodies.tethers(); ++hop) {
+    std::size_t k = 0;
+    while (k < bodies.tethers() && bodies.tether(k).spec().second.body != body) ++k;
+    if (k == bodies.tethers()) return false;
+    if (bodies.tether(k).broken()) return true;
+    body = bodies.tether(k).spec().first.body;
+  }
+  return false;
+}
+
 }  // namespace
 
 void Simulation::set_link(const LinkSpec& spec) {
@@ -82,9 +94,8 @@ Transducer Simulation::transducer(std::size_t node) const {
 
 void Simulation::transmit() {
   PacketNetwork& network = link_->network;
-  for (std::size_t k = 0; k < tethers() && link_->spec.modem.kind == LinkKind::kCable; ++k) {
-    const std::uint64_t body = tether(k).spec().second.body;
-    if (tether(k).broken() && body < vehicles_.size()) network.cut_off(1 + body, true, time_ns());
+  for (std::size_t k = 0; k < vehicles_.size() && link_->spec.modem.kind == LinkKind::kCable; ++k) {
+    if (is_torn_off(bodies_, k)) network.cut_off(1 + k, true, time_ns());
   }
   for (PositionExchange& one : link_->exchanges) {
     one.request(vehicles_[one.node() - 1].sensors.at(one.sensor()), network, time_ns());

@@ -11,7 +11,7 @@ namespace uwsim {
 TriangleMesh tether_tube(const TetherSpec& spec);
 
 /// Adds where the tubes lie to `poses`: along the tether's elements, two along the first, whose length varies. Those
-/// without an element, and those within the sphere around the vehicle at the tether's second end, through whose hull it
+/// without an element, and those within the sphere around a body at one of its ends, through whose hull it
 /// may pass, lie where others do.
 void add_tube_poses(const Tether& tether, const RigidBodyWorld& bodies, std::vector<Pose>& poses);
 

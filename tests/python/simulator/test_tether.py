@@ -17,6 +17,7 @@ from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.camera import CameraMount
 from uwsim.simulator.tether_turns import turns_about
+from uwsim.simulator.vehicle import Vehicle
 
 BED_M = -10.0
 TETHER = {"anchor": [0, 0, -4], "at_m": [-0.2, 0, 0], "length_m": 6.0, "elements": 12}
@@ -122,6 +123,61 @@ def test_a_broken_tether_cuts_the_vehicle_off() -> None:
     assert np.linalg.norm(sim.rov.pose.position_world_m - [0, 0, -4]) > 6.5, "nothing holds it any more"
 
 
+def two(anchor: dict, **tether: float) -> Scenario:
+    """The vehicle on another one, a garage that hangs on a tether of its own, or on a crate."""
+    pose = {"position_m": [0, 0, -4]}
+    own = {"anchor": [0, 0, -1], "length_m": 3.2, "elements": 10} | tether
+    garage = {"name": "garage", "model": "bluerov2_heavy", "start": pose, "tether": own}
+    crate = {"kind": "box", "name": "crate", "position_m": [1, 1, -5], "size_m": [0.5, 0.5, 0.5]}
+    rov = {"name": "rov", "model": "bluerov2_heavy", "start": {"position_m": [3, 0, -4]}}
+    rov["tether"] = TETHER | {"anchor": anchor, "length_m": 5.0} | tether
+    return site(vehicles=[garage, rov], objects=[{"shape": crate, "density_kg_m3": 1100}])
+
+
+@pytest.mark.parametrize("stiffness_n", [6.5e4, 1e10])
+def test_one_vehicle_holds_another(stiffness_n: float) -> None:
+    """Pulled straight, what pulls at each vehicle is in balance: the tether passes the thrust on."""
+    sim = Simulator(two({"to": "garage", "at_m": [0.2, 0, 0]}, axial_stiffness_n=stiffness_n, breaking_load_n=1e9))
+    garage, rov = sim.vehicles["garage"], sim.vehicles["rov"]
+    rov.place([3, 0, -4], velocity_body=[2, 1, 0.5, 1, -1, 0.5])
+    rov.set_effort(surge=1.0)
+    sim.advance(30.0)
+    inner, outer = rov.tether.read(), garage.tether.read()
+    fastened_m = garage.pose.position_world_m + garage.pose.world_from_body[:3, :3] @ [0.2, 0, 0]
+    assert inner.points_world_m[0] == pytest.approx(fastened_m)
+    assert np.linalg.norm(inner.points_world_m[-1] - fastened_m) == pytest.approx(5.0, rel=0.01)
+    assert np.linalg.norm(rov.velocity.linear_body_m_s) < 0.1
+
+    def others_n(vehicle: Vehicle, *names: str) -> np.ndarray:
+        return vehicle.pose.world_from_body[:3, :3] @ sum(vehicle.forces[name].force_body_n for name in names)
+
+    still = pytest.approx(np.zeros(3), abs=1.5)
+    assert inner.vehicle_tension_n > 50.0
+    assert inner.vehicle_force_world_n + others_n(rov, "actuators", "weight", "buoyancy") == still
+    assert inner.vehicle_force_world_n + inner.anchor_force_world_n == still
+    held_n = inner.anchor_force_world_n + outer.vehicle_force_world_n
+    assert held_n + others_n(garage, "weight", "buoyancy") == still
+
+
+def test_a_loose_body_is_towed_and_what_leads_to_the_vehicle_cuts_it_off() -> None:
+    sim = Simulator(two({"to": "crate", "at_m": [0, 0, 0.25]}))
+    start_m = sim.objects["crate"].pose.position_world_m
+    sim.vehicles["rov"].set_effort(surge=0.8)
+    sim.advance(15.0)
+    assert sim.objects["crate"].pose.position_world_m[0] > start_m[0] + 1.0
+    sim.vehicles["garage"].cut_tether(1.0)
+    assert not is_cut_off(sim, "rov"), "its tether does not go through the garage"
+    sim = Simulator(two({"to": "garage"}), link="tether")
+    sim.vehicles["garage"].cut_tether(1.0)
+    sim.advance(0.1)
+    sim.link.send("station", "rov", "topic", b"1")
+    sim.advance(1.0)
+    assert sim.link.received("rov") == []
+    sim = Simulator(two({"to": "garage"}))
+    sim.vehicles["garage"].cut_tether(1.0)
+    assert is_cut_off(sim, "rov")
+
+
 def test_a_cable_link_is_lost_with_the_tether() -> None:
     sim = Simulator(site({}), link="tether")
     assert sim.link is not None
@@ -155,6 +211,7 @@ def test_no_tether_changes_no_fingerprint() -> None:
         ({"length_m": 4.0}, "length_m = 4: must be at least the distance of its ends, 4.8 m"),
         ({"mass_kg_m": 0.0}, r"tether.mass_kg_m = 0.*: must be"),
         ({"anchor": [0, 0, -12]}, "must be above the bed"),
+        ({"anchor": {"to": "rov"}}, "anchor.to = 'rov': must be another vehicle or a loose body: there is none"),
         ({"winch": {"longest_m": 5.0}}, r"winch.longest_m = 5.* m: must be at least length_m, 6 m"),
     ],
 )

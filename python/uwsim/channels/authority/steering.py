@@ -17,6 +17,7 @@ from uwsim.channels.channel import Channel
 from uwsim.channels.source import Source
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
 from uwsim.navigation.control.velocity_hold import VelocityHold
+from uwsim.scenario.build.tether import tethered_through
 from uwsim.simulator.helm import Clock, Helm, Lease, Reason, Timeout
 from uwsim.simulator.helm import Source as Rank
 from uwsim.simulator.simulator import Simulator
@@ -237,15 +238,16 @@ def _moves(arguments: Mapping[str, Any]) -> bool:
 
 
 def is_cut_off(sim: Simulator, vehicle: str) -> bool:
-    """Return whether a fault or a broken tether has cut off a vehicle.
+    """Return whether a fault or a broken tether, its own or one that leads to it, has cut off a vehicle.
 
     False in a scenario with a link, which loses packets instead.
     """
     if sim.link is not None:
         return False
-    tethered = sim.vehicles.get(vehicle)  # None for the station
-    tether = None if tethered is None else tethered.tether
-    return sim.faults.link_is_down(vehicle) or (tether is not None and tether.is_broken)
+    if sim.faults.link_is_down(vehicle):
+        return True
+    tethers = (sim.vehicles[name].tether for name in tethered_through(sim.scenario, vehicle))
+    return any(tether is not None and tether.is_broken for tether in tethers)
 
 
 def require_link(live: LiveSimulator, vehicle: str, command: str) -> None:

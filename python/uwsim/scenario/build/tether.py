@@ -9,7 +9,7 @@ from uwsim import _core
 from uwsim.scenario.build.station import carrier_index, dock_position
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.scenario import Scenario
-from uwsim.scenario.spec.tether import Tether
+from uwsim.scenario.spec.tether import Anchor, BodyAnchor, Tether
 
 SAME = (
     "length_m", "elements", "diameter_m", "mass_kg_m", "axial_stiffness_n", "bending_stiffness_n_m2",
@@ -27,6 +27,17 @@ def tether_specs(scenario: Scenario) -> dict[int, _core.TetherSpec]:
     }
 
 
+def tethered_through(scenario: Scenario, vehicle: str) -> list[str]:
+    """Return the vehicles whose tethers a vehicle's cable goes through: its own, that of its anchor, and so on."""
+    tethers = {entry.name: entry.tether for entry in scenario.vehicles if entry.tether is not None}
+    found: list[str] = []
+    while vehicle in tethers and vehicle not in found:
+        found.append(vehicle)
+        anchor = tethers[vehicle].anchor
+        vehicle = anchor.to if isinstance(anchor, BodyAnchor) else ""
+    return found
+
+
 @contextmanager
 def tether_errors_at(scenario: Scenario, index: int) -> Iterator[None]:
     """Prefix errors of a vehicle's tether with file, line and path."""
@@ -37,12 +48,21 @@ def tether_errors_at(scenario: Scenario, index: int) -> Iterator[None]:
         raise ScenarioError(f"{file.line_prefix(*keys, 'tether')}{file.place(*keys)}.{error}") from None
 
 
+def _first_end(scenario: Scenario, anchor: Anchor) -> _core.TetherEnd:
+    """Return it. The core's bodies are the vehicles and then the objects."""
+    if isinstance(anchor, BodyAnchor):
+        bodies = [vehicle.name for vehicle in scenario.vehicles] + [body.name for body in scenario.objects]
+        return _core.TetherEnd(anchor.at_m, bodies.index(anchor.to))
+    if anchor != "station":
+        return _core.TetherEnd(anchor)
+    dock_m, carrier = dock_position(scenario.station), carrier_index(scenario)
+    return _core.TetherEnd(dock_m) if carrier is None else _core.TetherEnd(dock_m, carrier)
+
+
 def _spec(scenario: Scenario, index: int, tether: Tether) -> _core.TetherSpec:
     spec = _core.TetherSpec()
     spec.name = f"tether of '{scenario.vehicles[index].name}'"
-    anchor_m = dock_position(scenario.station) if tether.anchor == "station" else tether.anchor
-    carrier = carrier_index(scenario) if tether.anchor == "station" else None
-    spec.first = _core.TetherEnd(anchor_m) if carrier is None else _core.TetherEnd(anchor_m, carrier)
+    spec.first = _first_end(scenario, tether.anchor)
     spec.second = _core.TetherEnd(tether.at_m, index)
     for name in SAME:
         setattr(spec, name, getattr(tether, name))

@@ -145,7 +145,7 @@ def _path(values: Any, loc: Sequence[Key]) -> list[Key]:
     path: list[Key] = []
     node, entered = values, True
     for part in loc:
-        if part == "[key]":  # pydantic's marker for a dict's key
+        if str(part).startswith("["):  # pydantic's marker for a dict's key, and markers of our own unions
             continue
         if isinstance(part, int) and isinstance(node, dict):  # a single item written without its list
             continue

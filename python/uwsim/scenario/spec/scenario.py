@@ -26,6 +26,7 @@ from uwsim.scenario.spec.sonar import ARGUMENT_ONCE_IN_KHZ
 from uwsim.scenario.spec.station import Station
 from uwsim.scenario.spec.survey import Survey
 from uwsim.scenario.spec.terrain import TerrainSpec
+from uwsim.scenario.spec.tether import BodyAnchor
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.scenario.spec.water import Water
@@ -171,6 +172,20 @@ class Scenario(Model):
                 if name not in names:
                     rule = f"must be one of the vehicles, {', '.join(names)}{did_you_mean(name, names)}"
                     raise broken(rule, at=("link", "relays", vehicle), value=name)
+        return self
+
+    @model_validator(mode="after")
+    def _tethers_are_fastened(self) -> Scenario:
+        for index, vehicle in enumerate(self.vehicles):
+            anchor = None if vehicle.tether is None else vehicle.tether.anchor
+            if not isinstance(anchor, BodyAnchor):
+                continue
+            names = [other.name for other in self.vehicles if other is not vehicle]
+            names += [body.name for body in self.objects if body.path is None]
+            if anchor.to not in names:
+                rule = f"must be another vehicle or a loose body: {', '.join(names) or 'there is none'}"
+                at = ("vehicles", index, "tether", "anchor", "to")
+                raise broken(rule + did_you_mean(anchor.to, names), at=at, value=anchor.to)
         return self
 
     @model_validator(mode="after")

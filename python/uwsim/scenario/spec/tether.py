@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from pydantic import model_validator
+from pydantic import Discriminator, Tag, model_validator
 
-from uwsim.scenario.spec.fields import InRange, Model, Point3, broken
+from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, broken
 
 Length = Annotated[float, InRange(0.1, 20_000, "m")]
 
@@ -24,21 +25,46 @@ class Winch(Model):
     strongest_n: Annotated[float, InRange(0.1, 1e7, "N")] = 500.0
 
 
+class BodyAnchor(Model):
+    """A tether's first end at another vehicle or a loose body.
+
+    to: its name. at_m: where it is fastened, in its frame.
+    """
+
+    to: Name
+    at_m: Point3 = (0.0, 0.0, 0.0)
+
+
+def _kind(anchor: object) -> str:
+    if isinstance(anchor, str):
+        return "[name]"
+    return "[body]" if isinstance(anchor, Mapping | BodyAnchor) else "[point]"
+
+
+Anchor = Annotated[
+    Annotated[Literal["station"], Tag("[name]")]
+    | Annotated[Point3, Tag("[point]")]
+    | Annotated[BodyAnchor, Tag("[body]")],
+    Discriminator(_kind),
+]
+
+
 class Tether(Model):
     """A vehicle's tether. Its defaults are a Fathom ROV tether's (docs.bluerobotics.com/fathom-r2, specifications).
 
-    anchor: `station`, at its dock, or a fixed point of the world. at_m: where it is fastened to the vehicle, in its
-    frame. length_m: out at the start, without load; at least the distance of its ends. elements: into which that is
-    divided; an element that the winch pays out is as long. diameter_m, mass_kg_m: 7.6 mm and 0.043 kg/m by its sheet.
-    axial_stiffness_n: EA; by default its breaking load over the 2.4 % at which aramid fibres break (DuPont, "Kevlar
-    technical guide"). bending_stiffness_n_m2: EI; by default a solid polyurethane rod's of 50 MPa, assumed.
-    axial_damping_n_s: tension per rate of strain; assumed. normal_drag: per area d L, 1.2 for a smooth cylinder at
-    Reynolds numbers of 1e3 to 1e5 (Hoerner 1965, ch. 3). tangential_drag: per area pi d L, 0.01 (Berteaux 1976, "Buoy
-    Engineering": 0.005 to 0.02). normal_added_mass, tangential_added_mass: per displaced mass; those of a cylinder in
-    ideal flow. friction: on the bed; assumed. breaking_load_n: by its sheet 350 lbf. winch: by default none.
+    anchor: `station`, at its dock, a fixed point of the world, or another vehicle or a loose body. at_m: where it is
+    fastened to the vehicle, in its frame. length_m: out at the start, without load; at least the distance of its ends.
+    elements: into which that is divided; an element that the winch pays out is as long. diameter_m, mass_kg_m: 7.6 mm
+    and 0.043 kg/m by its sheet. axial_stiffness_n: EA; by default its breaking load over the 2.4 % at which aramid
+    fibres break (DuPont, "Kevlar technical guide"). bending_stiffness_n_m2: EI; by default a solid polyurethane rod's
+    of 50 MPa, assumed. axial_damping_n_s: tension per rate of strain; assumed. normal_drag: per area d L, 1.2 for a
+    smooth cylinder at Reynolds numbers of 1e3 to 1e5 (Hoerner 1965, ch. 3). tangential_drag: per area pi d L, 0.01
+    (Berteaux 1976, "Buoy Engineering": 0.005 to 0.02). normal_added_mass, tangential_added_mass: per displaced mass;
+    those of a cylinder in ideal flow. friction: on the bed; assumed. breaking_load_n: by its sheet 350 lbf. winch: by
+    default none.
     """
 
-    anchor: Literal["station"] | Point3 = "station"
+    anchor: Anchor = "station"
     at_m: Point3 = (0.0, 0.0, 0.0)
     length_m: Length
     elements: Annotated[int, InRange(1, 500)] = 40
