@@ -53,6 +53,7 @@ def hold(page, what: str) -> None:
     wrong = (green > WHITEST[0] * red + ROUNDING) | (blue > WHITEST[1] * red + ROUNDING)
     assert not wrong.any(), f"{what}: {np.mean(wrong):.5f}, first at (y, x) = {np.argwhere(wrong)[0]}"
     assert luminance(pixels).max() <= LUMINANCE_MAX, f"{what}: {luminance(pixels).max():.3f}"
+    assert page.locator("[title]").count() == 0, f"{what}: the system's tips are white"
 
 
 def at_night(url: str) -> dict[str, object]:

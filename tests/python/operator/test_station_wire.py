@@ -15,12 +15,13 @@ from uwsim.base.axes import AXES
 from uwsim.base.commands import COMMANDS, HOLDS
 from uwsim.base.commands.notes import NoteCategory
 from uwsim.channels.authority.rights import AidKind
-from uwsim.channels.ros.own_types import MAP_CHANGES, OWN_TYPES, STATION_STATE, TELEMETRY
+from uwsim.channels.ros.own_types import ALL_STOPPED, MAP_CHANGES, OWN_TYPES, STATION_STATE, TELEMETRY
 from uwsim.operator.station import Station, wire, wire_js
 from uwsim.operator.station.calls import CALLS, Call
 from uwsim.scenario.spec.failsafe import Behaviour
 from uwsim.scenario.spec.fault import FAULTS
 from uwsim.simulator.failures.alarms import FAILSAFE_CAUSES
+from uwsim.simulator.helm import Reason
 
 DOCS = (Path(__file__).parents[3] / "docs/connections/station-wire.md").read_text()
 PAGE = wire_js.PATH.parents[1]
@@ -46,6 +47,7 @@ def test_the_page_has_a_text_for_each_name_of_python_s_tables() -> None:
     assert set(texts["exercise"]["aids"]) == set(get_args(AidKind))
     assert {*FAILSAFE_CAUSES, *get_args(Behaviour)} <= set(texts["failsafe"])
     assert set(HOLDS) <= set(texts["holds"])
+    assert {*Reason, ALL_STOPPED} <= set(texts["said"]["texts"])
 
 
 def test_the_server_offers_what_is_described_and_nothing_else() -> None:

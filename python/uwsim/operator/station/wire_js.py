@@ -25,8 +25,6 @@ from uwsim.operator.station.calls import CALLS, Call
 from uwsim.operator.station.plan import SPEEDS_M_S
 from uwsim.operator.station.services import DEAD_S
 from uwsim.operator.station.wire import Message, Refused
-from uwsim.scenario.spec.failsafe import Behaviour
-from uwsim.simulator.failures.alarms import FAILSAFE_CAUSES
 
 PATH = Path(__file__).parent / "page/wire/messages.js"
 TOPIC_TYPES = (STATION_STATE, TELEMETRY, MAP_CHANGES, LINK)
@@ -56,8 +54,6 @@ def _constants() -> str:
         for name, value, comment in (
             ("AXES", list(AXES), ""),
             ("ALL_STOPPED", ALL_STOPPED, "// The alarm in the telemetry of a vehicle whose all stop is set.\n"),
-            ("FAILSAFE_CAUSES", list(FAILSAFE_CAUSES), "// The reasons for which a failsafe steers.\n"),
-            ("FAILSAFE_ACTIONS", list(get_args(Behaviour)), ""),
             ("FREE_S", DEAD_S, "// The silence of a pilot after which others may take the controls.\n"),
             ("PLAN_SPEEDS_M_S", list(SPEEDS_M_S), "// The bounds of a plan's speed.\n"),
             ("BLOCK_EDGE", EDGE, "// The cells along an axis of the map's blocks.\n"),

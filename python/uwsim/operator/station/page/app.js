@@ -1,5 +1,6 @@
 // The entry point: connects, shows the start screen or the station, and connects the parts.
 import './localize.js';
+import './tips.js';
 import './theme.js';
 import './handheld.js';
 import { CameraAim } from './camera_aim.js';

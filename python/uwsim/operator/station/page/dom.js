@@ -26,7 +26,7 @@ export const all = (root, selector) => root.querySelectorAll(selector);
  */
 export const targetOf = (event) => /** @type {Known} */ (event.target);
 
-/** Make an element: el('button', { type: 'button', onclick, 'aria-label': '...' }, 'text', child).
+/** Make an element: el('button', { type: 'button', onclick, 'aria-label': '...', tip: '...' }, 'text', child).
  * @template {keyof HTMLElementTagNameMap} T
  * @param {T} tag
  * @param {Record<string, any>} attributes
@@ -37,12 +37,24 @@ export function el(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (value === undefined || value === null || value === false) continue;
-    if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
+    if (name === 'tip') tip(element, value);
+    else if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
     else if (name in element && name !== 'list' && !name.includes('-')) element[name] = value;
     else element.setAttribute(name, value === true ? '' : value);
   }
   element.append(...children.filter((child) => child !== null && child !== undefined));
   return element;
+}
+
+/** Show a text while an element is pointed at or focused; see tips.js. '' shows none.
+ * @type {(element: HTMLElement, text: string) => void}
+ */
+export function tip(element, text) {
+  if ((element.dataset.tip ?? '') === text) return;
+  if (text) element.dataset.tip = text;
+  else delete element.dataset.tip;
+  if (text) element.setAttribute('aria-description', text);
+  else element.removeAttribute('aria-description');
 }
 
 /** The canvas's context for drawing.

@@ -1,5 +1,5 @@
 // The form with which the instructor lets a part of the vehicle fail: a kind of fault, and an input for each of its keys.
-import { el } from './dom.js';
+import { el, tip } from './dom.js';
 import { STRINGS } from './strings.js';
 
 const WORDS = STRINGS.instructor;
@@ -23,14 +23,14 @@ export class FaultForm {
     [this.#kinds, this.#vehicles] = [kinds, vehicles];
     this.vehicle.replaceChildren(...vehicles.map(({ name }) => el('option', { value: name }, name)));
     this.vehicle.hidden = vehicles.length < 2;
-    this.kind.replaceChildren(
-      ...kinds.map(({ kind, meaning }) => el('option', { value: kind, title: meaning }, WORDS.kinds[kind] ?? kind)),
-    );
+    this.kind.replaceChildren(...kinds.map(({ kind }) => el('option', { value: kind }, WORDS.kinds[kind] ?? kind)));
     this.#show();
   }
 
   #show() {
-    const fields = this.#kinds.find(({ kind }) => kind === this.kind.value)?.fields ?? [];
+    const chosen = this.#kinds.find(({ kind }) => kind === this.kind.value);
+    tip(this.kind, chosen?.meaning ?? '');
+    const fields = chosen?.fields ?? [];
     this.#inputs = new Map(fields.map((field) => [field.name, this.#input(field)]));
     const start = {
       name: 'in_s',
@@ -46,7 +46,7 @@ export class FaultForm {
     this.fields.replaceChildren(
       el('label', { className: 'instructor-field' }, WORDS.inSeconds, this.#inputs.get('in_s').input),
       ...fields.map(({ name, unit, meaning }) =>
-        el('label', { className: 'instructor-field', title: meaning }, name, this.#inputs.get(name).input, unit),
+        el('label', { className: 'instructor-field', tip: meaning }, name, this.#inputs.get(name).input, unit),
       ),
     );
   }

@@ -149,13 +149,13 @@ export class Inspector {
     const reset = el('button', {
       type: 'button',
       'aria-label': WORDS.reset(name),
-      title: WORDS.resetTip,
+      tip: WORDS.resetTip,
       onclick: () => this.#send(this.station.resetParameters(name)),
     });
     reset.textContent = '↺';
     const box = el(
       'div',
-      { className: 'parameter', title: description },
+      { className: 'parameter', tip: description },
       el('span', { className: 'parameter-name' }, title),
       input,
       el('span', { className: 'caption' }, unit),

@@ -1,5 +1,6 @@
 // The instructor's page: the truth, faults, water and light, saved moments, all parameters, and a log of actions.
 import './localize.js';
+import './tips.js';
 import './theme.js';
 import { attempt, byId, clockText, el, fixed, write } from './dom.js';
 import { SceneEditor } from './editor/editor.js';

@@ -4,6 +4,7 @@ import { byId, grouped, write } from './dom.js';
 import { MapView } from './map3d/map_view.js';
 import { STRINGS } from './strings.js';
 import './theme.js';
+import './tips.js';
 
 const WORDS = STRINGS.map;
 

@@ -1,26 +1,32 @@
 // Names and alarms that the server sends in English, in the page's language.
-import { STRINGS } from './strings.js';
+import { LANGUAGE, STRINGS } from './strings.js';
 
 const WORDS = STRINGS.said;
 const TITLES = /** @type {Record<string, string>} */ (WORDS.titles);
+const SAYINGS = /** @type {Record<string, string>} */ (WORDS.texts);
 const HOLDS = STRINGS.holds;
+const FAILSAFE = /** @type {Record<string, any>} */ (STRINGS.failsafe);
 /** @type {[RegExp, (...parts: string[]) => string][]} */
 const TEXTS = [
-  [/^battery low$/, () => WORDS.batteryLow],
-  [/^water inside$/, () => WORDS.waterInside],
   [/^thruster (.+) does not obey$/, (name) => WORDS.thruster(name)],
   [/^sensor (.+) is silent$/, (name) => WORDS.silent(name)],
   [/^sensor (.+) is stuck$/, (name) => WORDS.stuck(name)],
   [/^([a-z, ]+) hold ended: (.+)$/, (names, why) => WORDS.holdEnded(names.split(', ').map(hold).join(', '), said(why))],
+  [/^(.+) hold became (.+) hold: (.+)$/, (name, then, why) => WORDS.holdBecame(hold(name), hold(then), said(why))],
   [/^the sensor of kind (.+) has no valid reading$/, (kind) => WORDS.noReading(kind)],
 ];
 
-const hold = (name) => /** @type {Record<string, any>} */ (HOLDS[name] ?? name).toLowerCase();
+/** @type {(name: string) => string} */
+const hold = (name) => {
+  const word = /** @type {Record<string, any>} */ (HOLDS)[name] ?? name;
+  return LANGUAGE === 'de' ? word : word.toLowerCase(); // German nouns keep their capital
+};
 
 /** An alarm or a note; a text that is not known stays as it is.
  * @type {(text: string) => string}
  */
 export function said(text) {
+  if (Object.hasOwn(SAYINGS, text)) return SAYINGS[text];
   for (const [pattern, words] of TEXTS) {
     const found = pattern.exec(text);
     if (found) return words(...found.slice(1));
@@ -28,7 +34,12 @@ export function said(text) {
   return text;
 }
 
-/** The title of a camera or sonar, of the scenario's own names only where they are usual ones.
+/** What a failsafe does, and why.
+ * @type {(action: string, cause: string) => string}
+ */
+export const acts = (action, cause) => STRINGS.failsafe.acts(FAILSAFE[action] ?? action, FAILSAFE[cause] ?? cause);
+
+/** The title of a camera, sonar or proximity sensor, of the scenario's own names only where they are usual ones.
  * @type {(view: { name: string, title: string }) => string}
  */
 export const titled = ({ name, title }) => (name.includes('/') ? title : (TITLES[name] ?? title));

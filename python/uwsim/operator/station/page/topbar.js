@@ -1,5 +1,5 @@
 // The top bar: vehicle, lights, tilt, gain, camera, time.
-import { all, attempt, byId, capital, clockText, el, fixed, targetOf, write } from './dom.js';
+import { all, attempt, byId, capital, clockText, el, fixed, targetOf, tip, write } from './dom.js';
 import { titled } from './said.js';
 import { STRINGS } from './strings.js';
 
@@ -137,7 +137,7 @@ export class TopBar {
     write(byId('clock'), clockText(state.time, 1));
     byId('rosbridge').hidden = !state.rosbridge;
     write(byId('rosbridge'), state.rosbridge ? WORDS.ros(state.rosbridge.replace(/^wss?:\/\//, '')) : '');
-    byId('rosbridge').title = state.rosbridge_refusals;
+    tip(byId('rosbridge'), state.rosbridge_refusals);
     byId('rosbridge').classList.toggle('is-lost', Boolean(state.rosbridge_trouble || state.rosbridge_refusals));
     const speed = byId('speed');
     if (document.activeElement !== speed) {

@@ -69,7 +69,7 @@ export class HoldButtons {
           id: `hold-${name}`,
           'aria-label': WORDS.label(short, title),
           'aria-pressed': 'false',
-          title: WORDS.tip(title, key),
+          tip: WORDS.tip(title, key),
           onclick: () => this.press(name),
         },
         short,

@@ -1,5 +1,5 @@
 // Shows who has the controls, with a button that takes, requests or hands over the controls, and a chip for offers.
-import { attempt, byId, capital, el, write } from '../dom.js';
+import { attempt, byId, capital, el, tip, write } from '../dom.js';
 import { openDialog } from '../dialogs/dialog.js';
 import { STRINGS } from '../strings.js';
 
@@ -22,7 +22,7 @@ export class Lease {
   show() {
     const { station } = this;
     write(this.button, this.#text());
-    this.button.title = this.#text();
+    tip(this.button, this.#text());
     this.button.dataset.mine = station.isPilot ? 'yes' : station.isSilent || this.#isUnsettled ? 'silent' : 'no';
     this.button.disabled = station.isBlind;
     this.#showOffer();

@@ -34,7 +34,7 @@ export class Touch {
   #stick(side) {
     const { x, y, name } = STICKS[side];
     const knob = el('i');
-    const stick = el('div', { className: `stick ${side}`, title: name }, knob);
+    const stick = el('div', { className: `stick ${side}`, tip: name }, knob);
     let centre = null;
     const move = (event) => {
       if (!centre) return;

@@ -13,11 +13,11 @@ export class EditorBar {
     this.section = el('select', { 'aria-label': WORDS.section, onchange: () => this.#showKinds() });
     this.kind = el('select', { 'aria-label': WORDS.kind });
     this.vehicle = el('select', { 'aria-label': WORDS.vehicle });
-    this.remove = button(WORDS.remove, acts.remove, { title: WORDS.removeKey });
-    this.undo = button(WORDS.undo, acts.undo, { title: WORDS.undoKey });
-    this.redo = button(WORDS.redo, acts.redo, { title: WORDS.redoKey });
-    this.revert = button(WORDS.revert, acts.revert, { title: WORDS.revertTip });
-    this.turn = button(WORDS.inThree, acts.turn, { title: WORDS.inThreeKey, 'aria-pressed': 'false' });
+    this.remove = button(WORDS.remove, acts.remove, { tip: WORDS.removeKey });
+    this.undo = button(WORDS.undo, acts.undo, { tip: WORDS.undoKey });
+    this.redo = button(WORDS.redo, acts.redo, { tip: WORDS.redoKey });
+    this.revert = button(WORDS.revert, acts.revert, { tip: WORDS.revertTip });
+    this.turn = button(WORDS.inThree, acts.turn, { tip: WORDS.inThreeKey, 'aria-pressed': 'false' });
     this.name = el('input', { type: 'text', autocomplete: 'off', spellcheck: false, maxLength: 40 });
     this.apply = button(WORDS.apply, acts.apply);
     this.element = el(
@@ -35,7 +35,7 @@ export class EditorBar {
       button(WORDS.fit, acts.fit),
       el('span', { className: 'spring' }),
       el('label', {}, WORDS.name, this.name),
-      button(WORDS.save, acts.save, { className: 'primary', title: WORDS.saveKey }),
+      button(WORDS.save, acts.save, { className: 'primary', tip: WORDS.saveKey }),
       this.apply,
     );
   }

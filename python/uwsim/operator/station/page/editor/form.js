@@ -74,7 +74,7 @@ export class PartForm {
             : [this.#text(field, given, send)];
     return el(
       'fieldset',
-      { className: 'editor-field', title: meaning, 'data-field': name },
+      { className: 'editor-field', tip: meaning, 'data-field': name },
       el('legend', {}, name, unit ? el('span', { className: 'unit' }, ` ${unit}`) : null),
       el('div', { className: 'editor-inputs' }, ...inputs),
       el('p', { className: 'wrong', role: 'alert' }),

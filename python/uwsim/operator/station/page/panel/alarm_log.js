@@ -1,5 +1,5 @@
 // The alarms of this session with their times, and the collisions that have not been acknowledged yet.
-import { said } from '../said.js';
+import { acts, said, titled } from '../said.js';
 import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.alarms;
@@ -26,7 +26,7 @@ export class AlarmLog {
       count: message.collisions ?? 0,
       contact: contact?.name ?? '',
       note: message.hold_note ?? '',
-      failsafe: message.failsafe ? `${message.failsafe}: ${message.failsafe_cause}` : '',
+      failsafe: message.failsafe ? acts(message.failsafe, message.failsafe_cause ?? '') : '',
       alarms: [...(message.alarms ?? [])],
       flags: Object.keys(FLAGS).filter((field) => message[field]),
     };
@@ -43,10 +43,11 @@ export class AlarmLog {
       this.collisions += now.count - last.count;
       add(WORDS.collision);
     }
-    if (now.contact && now.contact !== last.contact) add(WORDS.ahead(now.contact));
+    if (now.contact && now.contact !== last.contact)
+      add(WORDS.ahead(titled({ name: now.contact, title: now.contact })));
     for (const field of now.flags) if (!last.flags.includes(field)) add(FLAGS[field]);
     for (const alarm of now.alarms) if (!last.alarms.includes(alarm)) add(said(alarm));
-    if (now.failsafe && now.failsafe !== last.failsafe) add(WORDS.failsafe(now.failsafe));
+    if (now.failsafe && now.failsafe !== last.failsafe) add(now.failsafe);
     if (now.note && now.note !== last.note) add(said(now.note));
     return this.entries[0] !== was;
   }

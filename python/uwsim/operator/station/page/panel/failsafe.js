@@ -1,13 +1,10 @@
 // The vehicle's failsafe: its action, the reason, its findings, and the button that takes back control.
 import { attempt, el, write } from '../dom.js';
-import { ALL_STOPPED, FAILSAFE_ACTIONS, FAILSAFE_CAUSES } from '../wire/messages.js';
-import { said } from '../said.js';
+import { ALL_STOPPED } from '../wire/messages.js';
+import { acts, said } from '../said.js';
 import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.failsafe;
-
-const DOING = Object.fromEntries(FAILSAFE_ACTIONS.map((action) => [action, WORDS[action]]));
-const CAUSES = Object.fromEntries(FAILSAFE_CAUSES.map((cause) => [cause, WORDS[cause]]));
 
 export class Failsafe {
   #vehicle = '';
@@ -16,7 +13,7 @@ export class Failsafe {
     this.station = station;
     this.text = el('p', {});
     this.alarms = el('ul', {});
-    this.button = el('button', { type: 'button', id: 'take-back', title: WORDS.tip }, WORDS.takeBack);
+    this.button = el('button', { type: 'button', id: 'take-back', tip: WORDS.tip }, WORDS.takeBack);
     this.button.addEventListener('click', () =>
       attempt(station.command('override_failsafe', this.#vehicle), WORDS.asked),
     );
@@ -39,7 +36,7 @@ export class Failsafe {
     this.element.hidden = !failsafe && alarms.length === 0;
     this.element.classList.toggle('is-stale', isStale);
     this.element.dataset.kind = failsafe && failsafe !== 'go_on' ? 'steers' : 'tells';
-    write(this.text, failsafe ? WORDS.acts(DOING[failsafe] ?? failsafe, CAUSES[cause] ?? cause) : WORDS.notices);
+    write(this.text, failsafe ? acts(failsafe, cause) : WORDS.notices);
     if (this.#listed !== alarms.join('\n')) this.alarms.replaceChildren(...alarms.map((alarm) => el('li', {}, alarm)));
     this.button.hidden = !failsafe;
     this.button.disabled = !this.station.isPilot;

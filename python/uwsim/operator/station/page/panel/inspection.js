@@ -8,7 +8,7 @@ const PLACES = ['view', 'vehicle'];
 const TEXT_MOST = 200;
 
 const choice = (label, values, words) =>
-  el('select', { 'aria-label': label, title: label }, ...values.map((value) => el('option', { value }, words[value])));
+  el('select', { 'aria-label': label, tip: label }, ...values.map((value) => el('option', { value }, words[value])));
 const line = (label, id) =>
   el('input', {
     type: 'text',

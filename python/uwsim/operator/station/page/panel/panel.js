@@ -1,6 +1,6 @@
 // The panel: all values of the paper's panel, the position, bars, the link and the map.
 import { attitude } from '../attitude.js';
-import { clockText, el, fixed, grouped, write } from '../dom.js';
+import { clockText, el, fixed, grouped, tip, write } from '../dom.js';
 import { inUnit, unitName } from '../units.js';
 import { Alarms } from './alarms.js';
 import { AllStop } from './all_stop.js';
@@ -228,11 +228,11 @@ export class Panel {
     );
     if (!message) return;
     for (const element of this.#lengths) write(element, unitName());
-    for (const [element, read, tip, field] of this.#values) {
+    for (const [element, read, explain, field] of this.#values) {
       write(element, read(message, portReach_m));
       const age = ageText(ageOf(field, message));
       element.parentElement.classList.toggle('is-stale', age !== '');
-      element.title = age || (tip?.(message) ?? '');
+      tip(element, age || (explain?.(message) ?? ''));
     }
     write(this.kind, estimateText(message));
     const isOff = !message.released || message.battery <= 0; // efforts then have no effect
@@ -251,9 +251,9 @@ export class Panel {
 
   #list(rows, className = 'values') {
     const list = el('dl', { className });
-    for (const [name, unit, read, tip] of rows) {
+    for (const [name, unit, read, explain] of rows) {
       const value = el('span', {}, '–');
-      this.#values.push([value, read, tip, GAUGES[name]]);
+      this.#values.push([value, read, explain, GAUGES[name]]);
       const suffix = unit ? el('span', { className: 'unit' }, unit) : null;
       if (unit === LENGTH) this.#lengths.push(suffix);
       const parts = [el('dt', {}, name), el('dd', {}, value, suffix)];

@@ -50,7 +50,7 @@ export class TetherPanel {
           el('div', {}, el('dt', {}, name), el('dd', {}, element, el('span', { className: 'unit' }, unit))),
         ),
       ),
-      el('div', { className: 'scale', title: WORDS.scaleTip }, WORDS.slack, el('i'), this.most),
+      el('div', { className: 'scale', tip: WORDS.scaleTip }, WORDS.slack, el('i'), this.most),
       this.winch,
     );
     station.addEventListener('state', () => this.#enable());

@@ -1,5 +1,5 @@
 // The lamp that shows whether the flight is being recorded: red if it is not.
-import { byId, write } from '../dom.js';
+import { byId, tip, write } from '../dom.js';
 import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.flights;
@@ -14,5 +14,5 @@ function show({ state, description }) {
   lamp.hidden = !description?.is_recorded;
   lamp.classList.toggle('is-off', isOff);
   write(lamp, isOff ? WORDS.notRecorded : WORDS.recorded);
-  lamp.title = isOff ? state.flight_trouble || WORDS.nothingRecorded : WORDS.recordedAs(state.flight);
+  tip(lamp, isOff ? state.flight_trouble || WORDS.nothingRecorded : WORDS.recordedAs(state.flight));
 }

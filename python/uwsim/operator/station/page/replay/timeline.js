@@ -1,5 +1,5 @@
 // The time line of a replay, in place of the controls that drive: time, events, another flight beside it, the helm.
-import { attempt, byId, clockText, el, fixed, toast, write } from '../dom.js';
+import { attempt, byId, clockText, el, fixed, tip, toast, write } from '../dom.js';
 import { STRINGS } from '../strings.js';
 import { begunText } from './flights.js';
 import { Ghost } from './ghost.js';
@@ -60,7 +60,7 @@ export class Timeline {
     this.element.hidden = !replay;
     byId('station').classList.toggle('is-replay', replay !== null);
     this.panel.efforts.element.closest('section').hidden = replay !== null;
-    byId('scenario-name').title = branchedFrom ? WORDS.branched(branchedFrom) : '';
+    tip(byId('scenario-name'), branchedFrom ? WORDS.branched(branchedFrom) : '');
     this.ghost.show('');
     if (!replay) return;
     this.slider.min = String(Math.floor(replay.start_s)); // whole steps from 0

@@ -19,7 +19,7 @@ const VEHICLE = '#ffd166';
 
 const button = (text, act) => el('button', { type: 'button', onclick: act }, text);
 const number = (title, value, min, max, step) =>
-  el('input', { type: 'number', 'aria-label': title, title, value, min, max, step });
+  el('input', { type: 'number', 'aria-label': title, tip: title, value, min, max, step });
 const field = (name, input, unit) => el('label', {}, name, input, unit);
 
 export class ChartView {
@@ -57,7 +57,7 @@ export class ChartView {
       );
     this.depth = number(WORDS.depth, 2, 0, 1000, 0.5);
     this.speed = number(WORDS.speed, 0.5, ...PLAN_SPEEDS_M_S, 0.05);
-    this.planName = el('input', { type: 'text', 'aria-label': WORDS.name, title: WORDS.name, value: 'plan' });
+    this.planName = el('input', { type: 'text', 'aria-label': WORDS.name, tip: WORDS.name, value: 'plan' });
     this.fly = button(WORDS.fly, () => this.#ask('fly'));
     this.stop = button(WORDS.stop, () => this.#ask('stop'));
     this.tools = el(

@@ -4,7 +4,7 @@ import { attitude } from '../attitude.js';
 import { shownHolds } from '../drive/holds.js';
 import { inUnit, unitName } from '../units.js';
 import { axisText, pixelsBelow } from './camera_axis.js';
-import { said } from '../said.js';
+import { said, titled } from '../said.js';
 import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.hud;
@@ -16,10 +16,17 @@ const SHADE = 'rgb(5 10 13 / .62)';
 const WARN = '#ffc247';
 const STEEPEST = 70; // elevation of a camera's axis [deg] beyond which no horizon is drawn
 const HELD = '#7be0a2';
+const RADIUS = 92; // of the ladder
+const HEADING = 64; // height of the heading's tape and value
+const LINES = 92; // height of the lines at the foot
 
 export class Hud {
-  /** @type {{ axis: object | null, contact: object | null, tapes: Record<string, number> } | null} */
-  shown = null; // what was drawn last: the camera's axis, the contact, the value on each tape
+  /** What was drawn last: the camera's axis, the contact, the value on each tape, and each part's left and upper edge,
+   * width and height on the canvas [px].
+   * @type {{ axis: object | null, contact: object | null, tapes: Record<string, number>,
+   *   boxes: Record<string, [number, number, number, number]> } | null}
+   */
+  shown = null;
 
   ink = INK;
   soft = SOFT;
@@ -36,7 +43,7 @@ export class Hud {
   // axis: see cameraAxis; null if the camera's angles are unknown. focal: in pixels per picture width. isFilled: whether
   // the picture fills the canvas and is cut, or is shown whole. covered: see handheld.js. contact: see Telemetry.
   draw(message, { isStale, axis, focal, aspect, isFilled, covered, proximity_m, contact }) {
-    this.shown = { axis, contact, tapes: {} };
+    this.shown = { axis, contact, tapes: {}, boxes: {} };
     const { canvas, context: c } = this;
     const ratio = Math.min(devicePixelRatio || 1, 2);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -58,8 +65,11 @@ export class Hud {
     c.textBaseline = 'middle';
     const angles = attitude(message.orientation);
     if (axis && Math.abs(axis.up_deg) < STEEPEST) this.#ladder(width / 2, height / 2, scale, axis, focal * wide);
-    this.#note(width / 2, foot - 30 * scale, scale, axis ? WORDS.cam(axisText(axis)) : WORDS.camUnknown);
-    if (contact && !isStale) this.#contact(width / 2, height * 0.66, scale, contact);
+    const camera = axis ? WORDS.cam(axisText(axis)) : WORDS.camUnknown;
+    this.#plate('camera', camera, width / 2, foot - 30 * scale, 11 * scale, this.ink);
+    const aboveLadder = (top + 10 + HEADING * scale + height / 2 - (RADIUS + 8) * scale) / 2;
+    if (contact && !isStale) this.#contact(width / 2, aboveLadder, scale, contact);
+    const side = left + Math.max(12, width * 0.02);
     const holds = shownHolds(message);
     const target = (name) => holds.find((hold) => hold.name === name)?.target ?? null;
     const inTarget = (name) => (target(name) === null ? null : inUnit(target(name)));
@@ -68,9 +78,10 @@ export class Hud {
     this.#heading(width / 2, top + 10, broad, scale, angles.heading_deg, {
       target_deg: yaw_rad === null ? null : 90 - (yaw_rad * 180) / Math.PI,
     });
-    this.#chips(width / 2, foot - 58 * scale, scale, holds, isStale ? '' : said(message.hold_note ?? ''));
-    const tall = Math.min(300, height * 0.56, height - 2 * covered.corners * rem_px);
-    const side = left + Math.max(12, width * 0.02);
+    const free = width - 2 * (side + covered.corners * rem_px);
+    this.#chips(width / 2, foot - 64 * scale, scale, holds, isStale ? '' : said(message.hold_note ?? ''), free);
+    const clear = 2 * (foot - LINES * scale - height / 2); // of the lines
+    const tall = Math.min(300, height * 0.56, height - 2 * covered.corners * rem_px, clear);
     this.#tape(side, height / 2, tall, scale, {
       name: WORDS.depth,
       value: inUnit(message.depth),
@@ -90,6 +101,10 @@ export class Hud {
 
   #font(size, weight = 500) {
     this.context.font = `${weight} ${size}px ${getComputedStyle(document.body).fontFamily}`;
+  }
+
+  #mind(name, x, y, w, h) {
+    if (this.shown) this.shown.boxes[name] = [x, y, w, h];
   }
 
   #box(x, y, w, h) {
@@ -135,6 +150,7 @@ export class Hud {
     c.restore();
     const [w, h] = [58 * scale, 24 * scale];
     const y = top + height + 3;
+    this.#mind('heading', middle - width / 2, top, width, height + 3 + h);
     c.fillStyle = this.ink;
     c.beginPath();
     c.moveTo(middle - 5, y + 1);
@@ -206,6 +222,8 @@ export class Hud {
     c.textAlign = isLeft ? 'left' : 'right';
     this.#font(10.5 * scale, 600);
     this.#outlined(name, x + (isLeft ? 2 : -2), middle - tall / 2 - 9 * scale, color);
+    const broad = Math.max(w, c.measureText(name).width + 2);
+    this.#mind(side, isLeft ? x : x - broad, middle - tall / 2 - 16 * scale, broad, tall + 16 * scale);
   }
 
   // A triangle that points at the target of a hold, at the edge of a tape.
@@ -221,12 +239,14 @@ export class Hud {
   }
 
   // The active holds, and why the last one was lost.
-  #chips(middle, top, scale, holds, note) {
+  #chips(middle, top, scale, holds, note, free) {
     const { context: c } = this;
     this.#font(12 * scale, 600);
     const texts = holds.map(({ short, text }) => `${short} ${text}`);
     const wide = texts.map((text) => c.measureText(text).width + 14 * scale);
-    let x = middle - (wide.reduce((sum, each) => sum + each + 5, -5) || 0) / 2;
+    const all = wide.reduce((sum, each) => sum + each + 5, -5);
+    let x = middle - all / 2;
+    if (holds.length) this.#mind('holds', x, top, all, 22 * scale);
     c.textAlign = 'left';
     texts.forEach((text, k) => {
       this.#box(x, top, wide[k], 22 * scale);
@@ -237,35 +257,42 @@ export class Hud {
     });
     if (!note) return;
     c.textAlign = 'center';
-    this.#outlined(note, middle, top - 14 * scale, WARN);
+    this.#plate('note', note, middle, top - 15 * scale, 12 * scale, WARN, free);
   }
 
-  #outlined(text, x, y, color) {
+  // widest: room for the text, which is squeezed if it is longer.
+  #outlined(text, x, y, color, widest = Infinity) {
     const { context: c } = this;
+    const room = Number.isFinite(widest) ? [widest] : [];
     c.lineWidth = 3;
     c.strokeStyle = SHADE;
-    c.strokeText(text, x, y);
+    c.strokeText(text, x, y, ...room);
     c.fillStyle = color;
-    c.fillText(text, x, y);
+    c.fillText(text, x, y, ...room);
     c.lineWidth = 1;
   }
 
-  #note(middle, y, scale, text) {
-    this.#font(11 * scale, 600);
-    this.context.textAlign = 'center';
-    this.#outlined(text, middle, y, this.soft);
+  // A line of text on a plate, to be read over anything.
+  #plate(part, text, middle, y, size, color, widest = Infinity) {
+    const { context: c } = this;
+    this.#font(size, 600);
+    c.textAlign = 'center';
+    const [wide, high] = [Math.min(c.measureText(text).width + size, widest), 1.6 * size];
+    this.#box(middle - wide / 2, y - high / 2, wide, high);
+    this.#outlined(text, middle, y, color, wide - size);
+    this.#mind(part, middle - wide / 2, y - high / 2, wide, high);
   }
 
   #contact(middle, y, scale, { name, time_s }) {
-    this.#font(17 * scale, 700);
-    this.context.textAlign = 'center';
-    this.#outlined(WORDS.contact(name.toUpperCase(), time_s.toFixed(1)), middle, y, WARN);
+    const where = titled({ name, title: name }).toUpperCase();
+    this.#plate('contact', WORDS.contact(where, time_s.toFixed(1)), middle, y, 17 * scale, WARN);
   }
 
   // Lines at true elevations in the picture, so that the line at 0 coincides with the horizon.
   #ladder(x, y, scale, { up_deg: up, roll_deg: roll }, focal) {
     const { context: c } = this;
-    const radius = 92 * scale;
+    const radius = RADIUS * scale;
+    this.#mind('ladder', x - radius - 8 * scale, y - radius - 8 * scale, 2 * radius + 16 * scale, 2 * radius);
     c.save();
     c.translate(x, y);
     this.#rollScale(radius, scale, roll);

@@ -22,6 +22,7 @@ const CAMERAS = new Set(['camera', 'station', 'chase']);
 const KEYS = 10;
 const LARGE = { credit: 2 };
 const LATE_PERIODS = 3; // in periods of the pictures that arrive over a link
+const OVER_REM = { held: 4, else: 1.5 }; // margin below which the line about the link lies
 const SELDOM_S = 0.5; // longer intervals between pictures are displayed
 
 // A view of a vehicle's camera whose pictures come over a link has `link`: { modem, period_s, large_only }. period_s is
@@ -258,12 +259,14 @@ export class Views extends EventTarget {
   }
 
   #drawHud() {
-    for (const [name, { hud, view, picture }] of this.#views) {
+    for (const [name, { hud, view, picture, over }] of this.#views) {
       if (!hud) continue;
       if (name !== this.#large) {
         hud.clear();
         continue;
       }
+      const margins = covered(this.station.isPilot, this.#isUnfolded);
+      if (!over.hidden) margins.foot = Math.max(margins.foot, isHandheld() ? OVER_REM.held : OVER_REM.else);
       hud.draw(this.telemetry.message, {
         isStale: this.telemetry.isStale,
         axis: this.#axis(view),
@@ -271,7 +274,7 @@ export class Views extends EventTarget {
         contact: this.telemetry.contact,
         aspect: picture.canvas.width / picture.canvas.height,
         isFilled: this.#isFilled,
-        covered: covered(this.station.isPilot, this.#isUnfolded),
+        covered: margins,
         proximity_m: this.station.description?.warnings?.proximity_m ?? 0,
       });
     }

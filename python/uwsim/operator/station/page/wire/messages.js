@@ -7,9 +7,6 @@
 export const AXES = ['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw'];
 // The alarm in the telemetry of a vehicle whose all stop is set.
 export const ALL_STOPPED = 'all stop';
-// The reasons for which a failsafe steers.
-export const FAILSAFE_CAUSES = ['silence', 'battery', 'leak', 'thruster', 'sensor'];
-export const FAILSAFE_ACTIONS = ['hold', 'surface', 'return', 'go_on'];
 // The silence of a pilot after which others may take the controls.
 export const FREE_S = 3.0;
 // The bounds of a plan's speed.

@@ -1,0 +1,185 @@
+"""What lies over the large picture, in a real browser: whole labels, no part over another, in the page's language."""
+
+import re
+
+import pytest
+
+from browser import shows, until, when
+
+START_M = (-4.0, 0.0, -2.5)
+TOUCH = {"has_touch": True, "is_mobile": True}
+SIZES = [(1280, 720), (1366, 768), (1920, 1080), (2560, 1440), (844, 390), (390, 844), (1024, 768)]
+OVERLAPS = """() => {
+  const { station, telemetry, views } = globalThis.station;
+  const all = { holds: ['heading', 'depth', 'position'], hold_targets: [1, 4.2, 0.3] };
+  const why = 'depth, position hold ended: the sensor of kind dvl has no valid reading';
+  Object.assign(telemetry.message, all, { hold_note: why });
+  Object.defineProperty(telemetry, 'contact', { value: { name: 'port', time_s: 3.2 }, configurable: true });
+  const over = document.querySelector('.view.is-large .over');
+  over.hidden = false;
+  over.textContent = 'Pictures over the acoustic modem, one in 12 s';
+  telemetry.dispatchEvent(new Event('change'));
+  const { left, top, width, height } = document.querySelector('.view.is-large').getBoundingClientRect();
+  const drawn = Object.entries(views.largeView.hud.shown.boxes);
+  const boxes = drawn.map(([name, [x, y, w, h]]) => [name, left + x, top + y, w, h]);
+  const parts = '#all-stop, #unfold, #lease, .lamp, .stick, .is-large > .name, .is-large > .over, .is-large button,' +
+    '.is-large select, :root:not(.is-hand-held) .view:not(.is-large)'; // on a phone that stands, sticks lie over them
+  for (const element of document.querySelectorAll(parts)) {
+    if (!element.checkVisibility() || element.className === 'swap') continue;
+    const { x, y, width: w, height: h } = element.getBoundingClientRect();
+    if (w > 0) boxes.push([element.id || element.className || element.textContent, x, y, w, h]);
+  }
+  delete telemetry.contact;
+  const overlaps = boxes.flatMap(([a, ax, ay, aw, ah], k) =>
+    boxes.slice(0, k).filter(([, x, y, w, h]) => Math.min(ax + aw, x + w) - Math.max(ax, x) > 0.5
+      && Math.min(ay + ah, y + h) - Math.max(ay, y) > 0.5).map(([b]) => `${a} over ${b}`));
+  const outside = boxes.slice(0, drawn.length).filter(([, x, y, w, h]) =>
+    x < left - 0.5 || y < top - 0.5 || x + w > left + width + 0.5 || y + h > top + height + 0.5);
+  return { drawn: drawn.map(([name]) => name).sort(), overlaps, outside: outside.map(([name]) => name) };
+}"""
+TAPES = """() => {
+  const { station, views, telemetry } = globalThis.station;
+  const { hud } = views.largeView;
+  const { context: c } = hud;
+  const drawn = [];
+  c.fillText = (text, x, y, ...room) => {
+    const { actualBoundingBoxLeft: left, actualBoundingBoxRight: right, actualBoundingBoxAscent: up,
+      actualBoundingBoxDescent: down } = c.measureText(text);
+    drawn.push([text, x - left, y - up, x + right, y + down]);
+    CanvasRenderingContext2D.prototype.fillText.call(c, text, x, y, ...room);
+  };
+  const wrong = new Set();
+  let labels = 0;
+  for (let depth = 0; depth < 130; depth += depth < 14 ? 0.07 : 3.37) {
+    Object.assign(telemetry.message, { depth, distance_to_seabed: 12.3 - depth > 0 ? 12.3 - depth : depth });
+    drawn.length = 0;
+    telemetry.dispatchEvent(new Event('change'));
+    for (const part of ['left', 'right']) {
+      const [x, y, w, h] = hud.shown.boxes[part];
+      const inside = drawn.filter(([, l, t, r, b]) => r > x && l < x + w && b > y && t < y + h);
+      labels += inside.length;
+      for (const [text, l, t, r, b] of inside) {
+        if (l < x - 1 || t < y - 1 || r > x + w + 1 || b > y + h + 1) wrong.add(`${part} at ${depth}: ${text} is cut`);
+        for (const [other, ol, ot, or, ob] of inside)
+          if (other !== text && Math.min(r, or) > Math.max(l, ol) && Math.min(b, ob) > Math.max(t, ot))
+            wrong.add(`${part} at ${depth}: ${text} over ${other}`);
+      }
+    }
+  }
+  delete c.fillText;
+  return [labels, [...wrong]];
+}"""
+SIGNALS = """() => {
+  const { telemetry } = globalThis.station;
+  const quiet = { ...telemetry.message, alarms: [], hold_note: '', failsafe: '', failsafe_cause: '', collisions: 0 };
+  const tell = (changes) => {
+    telemetry.message = { ...telemetry.message, ...changes };
+    telemetry.dispatchEvent(new Event('change'));
+  };
+  document.querySelector('#alarm-log').open = true;
+  tell({ ...quiet, proximity_warning: false, range_warning: false });
+  tell({ hold_note: 'heading, depth hold ended: the failsafe steers' });
+  tell({ hold_note: 'altitude hold became depth hold: the sensor of kind dvl has no valid reading' });
+  tell({ failsafe: 'return', failsafe_cause: 'thruster', alarms: ['thruster stern does not obey', 'battery low'] });
+  const log = [...document.querySelectorAll('#alarm-log li')].map(({ lastChild }) => lastChild.textContent.trim());
+  return [log, document.querySelector('#failsafe').textContent];
+}"""
+SIGNALS_IN_GERMAN = [  # newest first
+    "Notprogramm: Das Fahrzeug kehrt von selbst zurück, weil ein Antrieb nicht gehorcht.",
+    "Batterie schwach",
+    "Antrieb stern folgt nicht",
+    "Halten: Tiefe statt Höhe: der Sensor der Art dvl misst nichts Gültiges",
+    "Halten beendet (Kurs, Tiefe): das Notprogramm steuert",
+]
+DRAWN = ["camera", "contact", "heading", "holds", "ladder", "left", "note", "right"]
+
+
+@pytest.mark.usefixtures("page")  # a pilot who stays
+@pytest.mark.parametrize("locale", ["en", "de"])
+@pytest.mark.parametrize("size", SIZES, ids=str)
+def test_nothing_lies_over_anything(here, page, size, locale):
+    held = TOUCH if size in SIZES[4:] else {}
+    look = here.fly(viewport={"width": size[0], "height": size[1]}, locale=locale, **held)
+    look.evaluate("station.views.enlarge('front')")
+    when(look, "station.views.largeView.picture?.drawn > 0 && station.views.largeView.hud.shown")
+    if held:
+        page.evaluate("id => station.station.handOver(id)", look.evaluate("station.station.id"))
+        look.wait_for_selector(".stick.left")
+    found = look.evaluate(OVERLAPS)
+    look.context.close()
+    if held:
+        again = "station.station.isPilot || station.station.takeControl().then(() => false, () => false)"
+        until(lambda: page.evaluate(again), "the controls")
+    assert found == {"drawn": DRAWN, "overlaps": [], "outside": []}
+
+
+@pytest.mark.parametrize("locale", ["en", "de"])
+@pytest.mark.parametrize("width", [1280, 1366, 1401, 1513, 1701, 1801, 1920, 2001, 2560])
+@pytest.mark.usefixtures("page")
+def test_no_word_of_the_bar_is_cut(here, width, locale):
+    look = here.fly(viewport={"width": width, "height": 800}, locale=locale)
+    cut = look.evaluate(
+        """() => {
+          document.querySelector('#factor').classList.add('is-late');
+          return [...document.querySelectorAll('.topbar button, .topbar .caption')]
+            .filter((each) => each.checkVisibility() && each.scrollWidth > each.clientWidth + 1)
+            .map(({ textContent }) => textContent);
+        }"""
+    )
+    end = look.locator("#menu").bounding_box()
+    look.context.close()
+    assert cut == [] and end["x"] + end["width"] <= width
+
+
+def test_a_tip_is_the_page_s_own(page, tmp_path):
+    page.set_viewport_size({"width": 1280, "height": 720})
+    page.evaluate("document.documentElement.dataset.theme = 'night', dispatchEvent(new Event('theme'))")
+    when(page, "innerWidth === 1280 && document.documentElement.clientWidth === 1280")
+    page.wait_for_timeout(300)  # the bar finds its new places
+    page.hover("#hold-depth")
+    tip = page.get_attribute("#hold-depth", "data-tip")
+    until(lambda: page.is_visible(".tip") and page.inner_text(".tip") == tip, tip)
+    page.screenshot(path=tmp_path / "tip.png")
+    page.mouse.move(400, 400)
+    page.wait_for_selector(".tip", state="hidden")
+    page.evaluate("document.documentElement.dataset.theme = 'dark', dispatchEvent(new Event('theme'))")
+
+
+@pytest.mark.parametrize("locale", ["en", "de"])
+@pytest.mark.parametrize("size", [SIZES[0], SIZES[2], SIZES[4]], ids=str)
+@pytest.mark.usefixtures("page")
+def test_the_tapes_labels_are_whole(here, size, locale):
+    look = here.fly(viewport={"width": size[0], "height": size[1]}, locale=locale)
+    look.evaluate("station.views.enlarge('front')")
+    when(look, "station.views.largeView.picture?.drawn > 0 && station.views.largeView.hud.shown?.boxes.left")
+    labels, wrong = look.evaluate(TAPES)
+    look.context.close()
+    assert labels > 1000 and not wrong
+
+
+def test_the_proximity_lamp_follows_echoes_and_not_the_altitude(here, page):
+    def place(*position_m: float) -> None:
+        live = here.station.present().live
+        live.command("place", vehicle="rov", position_world_m=position_m).result()
+
+    place(-2.0, 0.0, -2.5)  # 2.5 m above the bed, 4.5 m before the box
+    when(page, "station.telemetry.message.proximity_warning && station.telemetry.nearest_m > 2")
+    shows(page, "#lamp-proximity", "off")
+    shows(page, "#panel", "> 10")
+    row = page.locator("dl.values div", has_text="Port side").inner_text()
+    assert re.sub(r"\s", "", row) == "Portside>10m"
+    place(1.0, 0.0, -4.4)
+    when(page, "document.querySelector('#lamp-proximity').dataset.on === 'warn'")
+    place(*START_M)
+
+
+@pytest.mark.usefixtures("page")
+def test_names_and_alarms_are_in_the_page_s_language(here):
+    look = here.fly(locale="de")
+    when(look, "station.telemetry.message && station.views.names.length > 2")
+    titles = look.evaluate("[...document.querySelectorAll('.view .name')].map((each) => each.lastChild.textContent)")
+    assert {"Vorn", "Unten"} <= set(titles) and not {"Front", "Down", "Chase"} & set(titles)
+    heard, shown = look.evaluate(SIGNALS)
+    look.context.close()
+    assert heard == SIGNALS_IN_GERMAN
+    assert "kehrt von selbst zurück" in shown and "Antrieb stern folgt nicht" in shown
