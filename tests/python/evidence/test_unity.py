@@ -124,6 +124,21 @@ def test_the_scenario_can_be_flown_and_says_what_it_lacks(project: Path, tmp_pat
     assert hull.buoyancy == "neutral" or hull.mass_kg == pytest.approx(6.0 * 998.0, rel=0.01)  # a block of 3 x 2 x 1 m
 
 
+@pytest.mark.parametrize("depth_m, across", [(20.0, 6), (20.0, 0.4), (1.5, 20)])
+def test_a_bed_that_does_not_reach_the_paper_s_start_has_its_own(
+    depth_m: float, across: float, project: Path, tmp_path: Path
+) -> None:
+    changed("y: 55.3", f"y: {75.3 - depth_m}")(project)
+    changed("x: 40, y: 1, z: 40", f"x: {across}, y: 1, z: {across}")(project)
+    done = command("scenario", "from", project, "--out", tmp_path / "lake")
+    assert done.returncode == 0 and done.stdout.count("assumed: the vehicle starts at (") == 1, done.stderr
+    sim = uwsim.Simulator(tmp_path / "lake/lawntest.yaml")
+    x, y, z = sim.rov.pose.position_world_m
+    assert sim.world.height_at(np.array([[x, y]])) == pytest.approx([-depth_m], abs=1e-3)
+    assert -depth_m < z < 0.0
+    assert (sim.scenario.survey is None) == (across == 0.4)  # of a pond 4 m wide
+
+
 def hill_m(x, y):
     """The height of hills that fall to the north-east."""
     return 6.0 * np.cos(x / 15.0) * np.cos(y / 25.0) - 0.02 * x - 0.03 * y
@@ -195,6 +210,7 @@ def test_names_are_a_scenario_s_and_links_out_of_the_checkout_are_not_followed(p
         (changed("  m_Father: {fileID: 0}\n", ""), "LawnTest.unity': must be as Unity writes it: KeyError 'm_Father'"),
         (changed("y: 55.3", "y: .nan"), "SolidTerrain: has points that are not finite"),
         (changed("x: 40, y: 1, z: 40", "x: 1e6, y: 1, z: 1e6"), "m wide: must be at most 2000 m"),
+        (changed("y: 55.3", "y: 95"), "the bed's lowest point is 19.7 m above the water"),
         (in_itself, "more than 20 in each other"),
     ],
 )

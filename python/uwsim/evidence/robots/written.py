@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, cast
@@ -57,7 +58,7 @@ def write_found(found: Found, out: Path) -> Path:
             entry["sonar"] = {"model": 2, "tilt_deg": 30}
         vehicles.append(entry)
     contents[f"{found.name}.yaml"] = yaml_text(_scenario(found, vehicles, objects)).encode()
-    _check(found.name, contents)
+    require_simulable(found.name, contents)
     for name in contents:
         require_own(out / name)
     out.mkdir(parents=True, exist_ok=True)
@@ -66,8 +67,8 @@ def write_found(found: Found, out: Path) -> Path:
     return out / f"{found.name}.yaml"
 
 
-def _check(name: str, contents: dict[str, bytes]) -> None:
-    """Raise ValueError for files that cannot be simulated."""
+def require_simulable(name: str, contents: Mapping[str, bytes]) -> None:
+    """Raise ValueError for the files of a scenario `name`.yaml if they cannot be simulated."""
     with TemporaryDirectory() as folder:
         for file, content in contents.items():
             (Path(folder) / file).write_bytes(content)

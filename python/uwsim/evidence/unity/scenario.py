@@ -10,12 +10,13 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim import _core
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
 from uwsim.base.own_files import require_own
 from uwsim.base.texts.yaml_document import read_yaml
+from uwsim.evidence.robots.written import require_simulable
 from uwsim.evidence.scenario_source import Made
+from uwsim.evidence.unity.bed import Bed, read_bed
 from uwsim.evidence.unity.project import Project
 from uwsim.evidence.unity.scene import Piece, read_scene
 from uwsim.evidence.vehicle.draft import drafted
@@ -30,7 +31,8 @@ SURFACE_M = 75.3
 """Height of the published water's surface: WaterController.cs."""
 TERRAIN, STATION, WATER = "SolidTerrain", "ControlStation", "water"
 HULL = "vehicle.ply"
-SPACING_M, ABOVE_M, DEEP_M, BED_MAX_M = 0.5, 1e3, 1e4, 2000.0
+START_M, SURVEY_M, SURVEY_MIN_M = 5.0, 20.0, 2.0
+"""Depth of a start that is not the one of `paper`, where the bed is deep enough; half the width of its survey."""
 KEPT = ("water", "optics", "ground", "station", "warnings", "survey", "mission_time_s")
 """Keys of the packaged scenario `paper` that hold for this lake, too."""
 
@@ -58,9 +60,9 @@ def scenario_from(project: Project, scene: Path, out: Path, *, terrain: str = TE
         raise ValueError(f"'{scene}': has no object '{terrain}' with meshes for the bed, of {', '.join(groups)}")
     written = _Files(out)
     hull, station = groups.pop(bodies[0]), groups.pop(STATION, None)
-    bed, fill_m = _bed(groups.pop(terrain))
-    notes.append(f"assumed: the bed is flat at z = {fill_m:.1f} m where {terrain} has none")
-    written.add("terrain.asc", bed)
+    bed = read_bed(_joined(groups.pop(terrain), _in_world))
+    notes.append(f"assumed: the bed is flat at z = {bed.fill_m:.1f} m where {terrain} has none")
+    written.add("terrain.asc", bed.text)
     written.mesh("vehicle", *_joined(hull, _in_body(hull[0])))
     paper = read_yaml(find_yaml("paper", "scenarios")).values
     values: dict[str, Any] = {
@@ -90,10 +92,11 @@ def scenario_from(project: Project, scene: Path, out: Path, *, terrain: str = TE
                 "position_m": [0, 0, 0],
             }
         )
+    notes += _over(bed, values)
     text, drafting = written.drafted()
     written.add("vehicle.yaml", text.encode())
     written.add(f"{values['name']}.yaml", yaml_text(values).encode())
-    written.write()
+    written.write(values["name"])
     return Made(out / f"{values['name']}.yaml", notes + drafting)
 
 
@@ -126,7 +129,8 @@ class _Files:
             f"vehicle: {note.replace(str(mesh), HULL)}" for note in draft.notes
         ]
 
-    def write(self) -> None:
+    def write(self, scenario: str) -> None:
+        require_simulable(scenario, self._contents)
         self._folder.mkdir(parents=True, exist_ok=True)
         for name, content in self._contents.items():
             write_atomically(self._folder / name, content)
@@ -154,25 +158,22 @@ def _joined(pieces: Iterable[Piece], placed: Any) -> tuple[NDArray[np.float64], 
     return np.concatenate(vertices), np.concatenate(triangles)
 
 
-def _bed(pieces: list[Piece]) -> tuple[bytes, float]:
-    """Return an ESRI grid of the highest surface about the origin, and the height where there is none."""
-    vertices, triangles = _joined(pieces, _in_world)
-    world = _core.World()
-    world.add_solid("bed", vertices, triangles.astype(np.uint32))
-    if (wide_m := 2.0 * float(np.abs(vertices[:, :2]).max())) > BED_MAX_M:
-        raise ValueError(f"the bed needs a grid about the origin {wide_m:.0f} m wide: must be at most {BED_MAX_M:g} m")
-    half = SPACING_M * np.ceil(np.abs(vertices[:, :2]).max() / SPACING_M)
-    places = np.arange(-half, half, SPACING_M) + SPACING_M / 2.0
-    east, north = np.meshgrid(places, places[::-1])
-    above = np.stack([east.ravel(), north.ravel(), np.full(east.size, vertices[:, 2].max() + ABOVE_M)], axis=1)
-    ranges = _core.RayScene(world).cast(above, np.array([[0.0, 0.0, -1.0]]).repeat(len(above), 0), DEEP_M).ranges_m
-    heights = above[:, 2] - ranges
-    if not np.isfinite(heights).any():
-        raise ValueError("the bed has no surface that can be seen from above")
-    fill_m = float(heights[np.isfinite(heights)].min())
-    grid = np.where(np.isfinite(heights), heights, fill_m).reshape(east.shape)
-    head = f"ncols {len(places)}\nnrows {len(places)}\nxllcorner {-half}\nyllcorner {-half}\ncellsize {SPACING_M}\n"
-    return (head + "\n".join(" ".join(f"{height:.3f}" for height in row) for row in grid) + "\n").encode(), fill_m
+def _over(bed: Bed, values: dict[str, Any]) -> list[str]:
+    """Move start and survey over the bed if those of `paper` are not; return notes."""
+    station, survey = values["station"], values["survey"]
+    east, north, _ = np.add(station["position_m"], station["dock_m"])
+    if bed.is_under(east, north) and all(bed.reaches(*corner) for corner in survey["area_m"]):
+        return []
+    x, y, z = bed.open_water()
+    start = [x, y, max(-START_M, 0.5 * z)]
+    values["vehicles"][0]["start"] = {"position_m": start}
+    half_m = min(SURVEY_M, bed.reach_m - max(abs(x), abs(y)))
+    west, south, east, north = x - half_m, y - half_m, x + half_m, y + half_m
+    del values["survey"]
+    if half_m >= SURVEY_MIN_M:
+        values["survey"] = survey | {"area_m": [[west, south], [east, south], [east, north], [west, north]]}
+    where = ", ".join(f"{value:g}" for value in start)
+    return [f"assumed: the vehicle starts at ({where}) m, since `paper` starts or surveys beyond the bed or on land"]
 
 
 def _name(text: str, number: int, others: list[dict[str, Any]]) -> str:
