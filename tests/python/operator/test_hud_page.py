@@ -84,6 +84,19 @@ SIGNALS = """() => {
   const log = [...document.querySelectorAll('#alarm-log li')].map(({ lastChild }) => lastChild.textContent.trim());
   return [log, document.querySelector('#failsafe').textContent];
 }"""
+NORTH = """() => {
+  const { chart } = globalThis.station;
+  const c = chart.canvas.getContext('2d');
+  let north = null;
+  c.fillText = (text, x, y) => { if (text === 'N') north = [x, y]; };
+  chart.draw();
+  delete c.fillText;
+  const { left, top } = chart.canvas.getBoundingClientRect();
+  const [x, y] = [left + north[0], top + north[1]];
+  const over = [...chart.tools.children].map((each) => each.getBoundingClientRect());
+  const rows = new Set(over.map(({ top }) => top)).size;
+  return [rows, over.some((box) => box.left < x + 10 && box.right > x - 10 && box.top < y + 40 && box.bottom > y - 8)];
+}"""
 SIGNALS_IN_GERMAN = [  # newest first
     "Notprogramm: Das Fahrzeug kehrt von selbst zurück, weil ein Antrieb nicht gehorcht.",
     "Batterie schwach",
@@ -171,6 +184,17 @@ def test_the_proximity_lamp_follows_echoes_and_not_the_altitude(here, page):
     place(1.0, 0.0, -4.4)
     when(page, "document.querySelector('#lamp-proximity').dataset.on === 'warn'")
     place(*START_M)
+
+
+@pytest.mark.usefixtures("page")
+@pytest.mark.parametrize("locale", ["en", "de"])
+def test_the_chart_s_tools_are_one_row_and_not_over_the_arrow(here, locale):
+    look = here.fly(viewport={"width": 1280, "height": 720}, locale=locale)
+    look.evaluate("station.views.enlarge('chart')")
+    when(look, "station.chart.frame.scale > 5")
+    found = look.evaluate(NORTH)
+    look.context.close()
+    assert found == [1, False]
 
 
 @pytest.mark.usefixtures("page")

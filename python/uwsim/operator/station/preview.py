@@ -91,7 +91,7 @@ class Plan:
         self._pen.polygon([tuple(corner) for corner in corners], fill=START, outline=INK)
 
     def scale(self) -> None:
-        """Draw a scale bar with its length, and the maximum depth."""
+        """Draw a scale bar with its length, and an arrow down with the maximum depth."""
         most_m = 0.25 * self._image.width / self._pixels_per_m
         power = 10.0 ** math.floor(math.log10(most_m))
         length_m = max(step * power for step in (1, 2, 5) if step * power <= most_m)
@@ -99,7 +99,9 @@ class Plan:
         left = right - length_m * self._pixels_per_m
         self._pen.line((left, low, right, low), fill=AREA, width=3)
         self._text((left + right) / 2.0, low - 6, f"{length_m:g} m", "ms")
-        self._text(14, low, f"down to {self._deepest_m:.0f} m", "ls")
+        self._pen.line((18, low - 14, 18, low - 4), fill=AREA, width=3)
+        self._pen.polygon([(12, low - 7), (24, low - 7), (18, low)], fill=AREA)
+        self._text(32, low, f"{self._deepest_m:.0f} m", "ls")
 
     def png(self) -> bytes:
         """Return the picture as PNG."""

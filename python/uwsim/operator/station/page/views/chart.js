@@ -7,7 +7,7 @@ import { PLAN_SPEEDS_M_S, plan as request } from '../wire/messages.js';
 import { attitude } from '../attitude.js';
 import { ChartFrame, heightAt, measured, pathLength } from './chart_frame.js';
 import { ChartGround } from './chart_ground.js';
-import { drawNote, drawScale, drawVehicle, drawWaypoints } from './chart_marks.js';
+import { ARROW_PX, drawNote, drawScale, drawVehicle, drawWaypoints } from './chart_marks.js';
 
 const WORDS = STRINGS.chart;
 const TRACK_MAX = 5000;
@@ -264,7 +264,14 @@ export class ChartView {
         VEHICLE,
         colours,
       );
-    if (this.#isLarge) drawScale(c, frame, colours, WORDS.north, isHandheld() ? FOOT_PX : 0);
+    if (this.#isLarge) drawScale(c, frame, colours, WORDS.north, this.#margins());
+  }
+
+  // What lies over the chart's edges. On a hand-held screen, the chart begins below its tools.
+  #margins() {
+    if (isHandheld()) return { foot_px: FOOT_PX };
+    const { offsetLeft, offsetTop, offsetHeight } = this.tools;
+    return { head_px: offsetLeft < 2 * ARROW_PX ? offsetTop + offsetHeight : 0 };
   }
 
   #drawLine(c, points, colour, dashes) {

@@ -3,6 +3,7 @@ import { fixed } from '../dom.js';
 import { inUnit, unitName } from '../units.js';
 
 const SHORT = 24; // letters of a note on the chart
+export const ARROW_PX = 30; // of the arrow to the north, from the left edge
 const EDGE_PX = 26; // of the arrow to a vehicle that is off the chart
 const SAME_PX = 12; // between waypoints that would hide each other
 const STEPS = [1, 2, 5, 10, 20, 50, 100, 200, 500];
@@ -120,14 +121,14 @@ export function drawNote(c, frame, { number: index, category, text, position_m }
 }
 
 // The scale, and the arrow to the north, which is up.
-// margin_px: of the upper and lower edge, which other things lie over.
-export function drawScale(c, frame, colours, north, foot_px = 0) {
+// head_px, foot_px: of the upper and lower edge, which other things lie over.
+export function drawScale(c, frame, colours, north, { head_px = 0, foot_px = 0 } = {}) {
   const [width, height] = frame.size;
   const step = STEPS.find((length) => length * (frame.scale / inUnit(1)) > 70) ?? 1000; // in the pilot's unit
   const long = step * (frame.scale / inUnit(1));
   c.fillStyle = colours.ink;
   c.fillRect(width / 2 - long / 2, height - 18 - foot_px, long, 3);
   label(c, `${step} ${unitName()}`, width / 2, height - 28 - foot_px, colours);
-  arrow(c, [30, 44], 0, colours.ink, [[0, -16], [8, 12], [0, 6], [-8, 12]]); // prettier-ignore
-  label(c, north, 30, 18, colours);
+  arrow(c, [ARROW_PX, head_px + 44], 0, colours.ink, [[0, -16], [8, 12], [0, 6], [-8, 12]]); // prettier-ignore
+  label(c, north, ARROW_PX, head_px + 18, colours);
 }
