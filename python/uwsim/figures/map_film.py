@@ -17,12 +17,20 @@ from uwsim.figures.pinhole_view import view_of_box
 from uwsim.figures.reel import PictureStore
 from uwsim.figures.render_3d import Subject, cast_at_cubes, cast_at_world, render
 from uwsim.figures.style import ACCENT, HEIGHTS, INK, height_range
-from uwsim.figures.truth_and_map import AZIMUTH_RAD, CUT_DEPTH_M, OVERVIEW_ELEVATION_RAD, SUN_WORLD, ground_heights
+from uwsim.figures.truth_and_map import (
+    AZIMUTH_RAD,
+    CUT_DEPTH_M,
+    OVERVIEW_ELEVATION_RAD,
+    SUN_WORLD,
+    grid_inside,
+    ground_heights,
+)
 from uwsim.scoring.polygon import inside_polygon
 
 FILMS = (".webp", ".gif")
 GAP_PIXELS, HEAD_PIXELS = 16, 44
 TEXT_SHARE = 0.033  # of the width, in which the text above the map fits
+FARTHEST_M = 12_000.0  # deeper than any sea
 LAST_SHARE = 20  # the last picture is shown as long as this many others
 
 
@@ -40,7 +48,7 @@ class MapFilm:
         if not len(ground):
             raise ValueError("a film needs terrain in the survey's area")
         self._voxel_m = voxel_m
-        self._heights = height_range(ground)
+        self._heights = height_range(_tops(rays, self._area, float(ground.max())))
         floor_m = float(ground.min()) - CUT_DEPTH_M
         low, high = np.append(self._area.min(axis=0), floor_m), np.append(self._area.max(axis=0), ground.max())
         self._view = view_of_box(low, high, AZIMUTH_RAD, OVERVIEW_ELEVATION_RAD, width)
@@ -75,6 +83,15 @@ class MapFilm:
 
     def _colours(self, heights_m: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.asarray(HEIGHTS(self._heights(heights_m))[:, :3], np.float64)
+
+
+def _tops(rays: _core.RayScene, area_m: NDArray[np.float64], ground_m: float) -> NDArray[np.float64]:
+    """Return the heights (n,) of ground and solids as seen from above, on a grid of about 200 x 200."""
+    sides = grid_inside(area_m)
+    above_m = np.column_stack([sides, np.full(len(sides), max(0.0, ground_m + 1.0))])
+    down = np.tile([0.0, 0.0, -1.0], (len(sides), 1))
+    ranges_m = np.asarray(rays.cast(above_m, down, FARTHEST_M).ranges_m, np.float64)
+    return (above_m[:, 2] - ranges_m)[np.isfinite(ranges_m)]
 
 
 def write_film(path: Path, pictures: PictureStore, seconds: float) -> None:

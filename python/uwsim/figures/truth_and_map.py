@@ -125,12 +125,17 @@ def _compose(
 
 
 def ground_heights(world: _core.World, area_m: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the terrain heights on a grid of about 200 x 200 inside the polygon; (0,) if there is no terrain."""
+    """Return the terrain heights at `grid_inside` the polygon; (0,) if there is no terrain."""
+    heights = world.height_at(grid_inside(area_m))
+    return np.asarray(heights[np.isfinite(heights)], np.float64)
+
+
+def grid_inside(area_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the points (n, 2) of a grid of about 200 x 200 inside the polygon (k, 2)."""
     low, high = area_m.min(axis=0), area_m.max(axis=0)
     x, y = np.meshgrid(np.linspace(low[0], high[0], 200), np.linspace(low[1], high[1], 200))
     grid = np.stack([x.ravel(), y.ravel()], axis=1)
-    heights = world.height_at(grid[inside_polygon(grid, area_m)])
-    return np.asarray(heights[np.isfinite(heights)], np.float64)
+    return grid[inside_polygon(grid, area_m)]
 
 
 def _detail_block(

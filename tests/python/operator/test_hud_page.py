@@ -1,4 +1,4 @@
-"""What lies over the large picture, in a real browser: whole labels, no part over another, in the page's language."""
+"""The head-up display in a real browser: whole labels, no part over another, in the page's language."""
 
 import re
 

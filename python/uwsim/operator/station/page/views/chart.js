@@ -267,7 +267,7 @@ export class ChartView {
     if (this.#isLarge) drawScale(c, frame, colours, WORDS.north, this.#margins());
   }
 
-  // What lies over the chart's edges. On a hand-held screen, the chart begins below its tools.
+  // The edges that other things lie over. On a hand-held screen, the chart begins below its tools.
   #margins() {
     if (isHandheld()) return { foot_px: FOOT_PX };
     const { offsetLeft, offsetTop, offsetHeight } = this.tools;
