@@ -30,7 +30,7 @@ def test_the_lamp_is_red_when_the_flight_is_not_recorded(browser, tmp_path: Path
         until(lambda: here.rov.released, "the vehicle in free water")
         page.wait_for_selector("#rec:not(.is-off) >> text=/^REC$/")
         (path,) = (tmp_path / "flights").iterdir()
-        assert path.name in page.get_attribute("#rec", "title")
+        assert path.name in page.get_attribute("#rec", "data-tip")
         green = page.evaluate("getComputedStyle(document.getElementById('rec')).backgroundColor")
         until(lambda: Recording(path).end_tick is not None, "a chunk")
 
@@ -39,7 +39,7 @@ def test_the_lamp_is_red_when_the_flight_is_not_recorded(browser, tmp_path: Path
 
         monkeypatch.setattr(McapSink, "write", full)
         page.wait_for_selector("#rec.is-off >> text=NO REC")
-        assert "No space left on device" in page.get_attribute("#rec", "title")
+        assert "No space left on device" in page.get_attribute("#rec", "data-tip")
         assert page.evaluate("getComputedStyle(document.getElementById('rec')).backgroundColor") != green
         judge(page, "a flight that is not recorded")
         monkeypatch.undo()

@@ -30,6 +30,12 @@ function show() {
   box.style.top = `${isBelow ? bottom + GAP_PX : Math.max(0, top - height - GAP_PX)}px`;
 }
 
+// A tip goes where its element goes, and ends if the element left the pointer.
+function move() {
+  if (!owner?.matches(':hover, :focus-visible')) hide();
+  else if (box.matches(':popover-open')) show();
+}
+
 /** @type {(target: EventTarget | null) => void} */
 function follow(target) {
   const next = target instanceof Element ? /** @type {HTMLElement | null} */ (target.closest('[data-tip]')) : null;
@@ -47,5 +53,6 @@ addEventListener(
   ({ target }) => target instanceof Element && target.matches(':focus-visible') && follow(target),
 );
 addEventListener('focusout', hide);
-for (const each of ['pointerdown', 'keydown', 'blur', 'resize']) addEventListener(each, hide);
-addEventListener('scroll', hide, true);
+for (const each of ['pointerdown', 'keydown', 'blur']) addEventListener(each, hide);
+addEventListener('resize', move);
+addEventListener('scroll', move, true);
