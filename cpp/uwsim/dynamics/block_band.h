@@ -42,8 +42,8 @@ struct BlockBand {
   }
 
   /// The same by Cholesky's factors (Golub and Van Loan 2013, "Matrix Computations", 4.3), where a block may be far
-  /// stiffer in one direction than in another: if by a ratio r, the error of its inverse by cofactors is of the order of
-  /// r^3 times that of a number.
+  /// stiffer in one direction than in another: if by a ratio r, the error of its inverse by cofactors is of the order
+  /// of r^3 times that of a number.
   void solve_stiff(std::size_t rows, std::vector<Eigen::Vector3d>& x) {
     for (std::size_t i = 0; i < rows; ++i) {
       diagonal[i] = Eigen::LLT<Eigen::Matrix3d>(diagonal[i]).matrixL();

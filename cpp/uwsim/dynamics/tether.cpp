@@ -18,7 +18,7 @@ constexpr double kFirstSettling_s = 0.02, kLastSettling_s = 20, kGrows = 1.5, kS
 constexpr int kSettlings = 400;
 constexpr double kSettlingReach_m = 0.2;
 
-/// Whether its stiffness exceeds its inertia in a long step so much that its equations need solve_stiff().
+/// Returns true if its stiffness exceeds its inertia in a long step so much that its equations need solve_stiff().
 bool is_stiff(const TetherSpec& spec) {
   constexpr double kLongStep_s = 0.02, kMostRatio = 1e4;
   const double element_m = spec.element_m();

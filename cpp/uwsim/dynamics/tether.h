@@ -112,7 +112,7 @@ class Tether {
     bool is_fixed = true, turns_back = false;
     Eigen::Vector3d next = Eigen::Vector3d::Zero();  // without the tether's force
     Eigen::Matrix3d mass = Eigen::Matrix3d::Zero();
-    // Of its body:
+    // its body:
     Eigen::Vector3d free_next = Eigen::Vector3d::Zero(), free_turn_body = Eigen::Vector3d::Zero();
     Eigen::Vector3d lever_body_m = Eigen::Vector3d::Zero();
     Eigen::Matrix<double, 3, 6> jacobian = Eigen::Matrix<double, 3, 6>::Zero();

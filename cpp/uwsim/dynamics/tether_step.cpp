@@ -14,8 +14,8 @@ namespace {
 
 constexpr int kTurns = 4;              // solutions of a step
 constexpr double kTurnsLittle = 0.05;  // rad
-constexpr double kUnseen_m_s = 0.5;  // contacts are searched as far as forces may move a node in a step
-constexpr double kLeast = 1e-12;     // m and m/s, below which a direction is arbitrary
+constexpr double kUnseen_m_s = 0.5;    // contacts are searched as far as forces may move a node in a step
+constexpr double kLeast = 1e-12;       // m and m/s, below which a direction is arbitrary
 
 }  // namespace
 
@@ -78,18 +78,20 @@ Tether::End Tether::end_of(const TetherEnd& end, std::span<MovedBody> bodies, co
 
 /// Takes the torque of a force on a body as it will be once the body has turned in the step: -H times the turn, where H
 /// is the part of (r . F) 1 - (r F^T + F r^T) / 2 that turns back. Otherwise a body that swings at a taut tether gains
-/// energy if its angular frequency times the step exceeds 2. Returns false and changes nothing where the force would turn
-/// the body by little more than the one at hand, which at first is none.
+/// energy if its angular frequency times the step exceeds 2. Returns false and changes nothing where the force would
+/// turn the body by little more than the one at hand, which at first is none.
 bool Tether::turn_back(End& end, const Eigen::Vector3d& force_n, double step_s) {
   if (end.is_fixed) return false;
   const Eigen::Vector3d force_body = end.body_from_world * force_n;
   const Eigen::Matrix3d inverse_inertia = end.inverse_mass.bottomRightCorner<3, 3>();
   const double changes = (force_body - end.force_body_n).norm() * end.lever_body_m.norm() * inverse_inertia.trace();
   if (step_s * step_s * changes < kTurnsLittle) return false;
-  Eigen::Matrix3d turning = -0.5 * (end.lever_body_m * force_body.transpose() + force_body * end.lever_body_m.transpose());
+  Eigen::Matrix3d turning =
+      -0.5 * (end.lever_body_m * force_body.transpose() + force_body * end.lever_body_m.transpose());
   turning.diagonal().array() += end.lever_body_m.dot(force_body);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(turning);
-  end.stiffness = parts.eigenvectors() * parts.eigenvalues().cwiseMax(0).asDiagonal() * parts.eigenvectors().transpose();
+  end.stiffness =
+      parts.eigenvectors() * parts.eigenvalues().cwiseMax(0).asDiagonal() * parts.eigenvectors().transpose();
   end.force_body_n = force_body;
   end.turns_back = true;
   // (M + dt^2 H)^-1 = M^-1 - B K B^T, where B are the last columns of M^-1.

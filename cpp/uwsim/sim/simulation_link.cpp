@@ -30,7 +30,7 @@ class Medium final : public LinkMedium {
   const Place& place_;
 };
 
-/// Whether a tether is broken that leads to the body: its own, or one of what its own is fastened to.
+/// Returns true if a tether is broken that leads to the body: its own, or one of what its own is fastened to.
 bool is_torn_off(const RigidBodyWorld& bodies, std::uint64_t body) {
   for (std::size_t hop = 0; hop < bodies.tethers(); ++hop) {
     std::size_t k = 0;

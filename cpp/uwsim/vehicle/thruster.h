@@ -88,8 +88,8 @@ class Thruster {
   ///
   ///   beta = 1 - 0.675 (1 - 0.769 h / R)^1.258 for -0.48 < h / R < 1.3
   ///
-  /// 0 above and 1 below, where the formula itself is 0 and 1 within 0.003; measured with level axes. The papers were not
-  /// at hand.
+  /// 0 above and 1 below, where the formula itself is 0 and 1 within 0.003; measured with level axes. The papers were
+  /// not at hand.
   double submerged_fraction(double height_m, double axis_up) const;
 
   /// Saves or restores the command, the thrust and, with sheets, the current; the targets follow from the command.
