@@ -3546,194 +3546,6 @@ class CollisionShape:
     @property
     def value(self) -> int: ...
 
-class AppliedWrench:
-    """
-    A wrench that something else exerts on a body, at its origin.
-    """
-    def __init__(
-        self,
-        wrench: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
-        in_world_axes: bool,
-        from_tick: typing.SupportsInt | typing.SupportsIndex,
-        until_tick: typing.SupportsInt | typing.SupportsIndex,
-    ) -> None:
-        """
-        wrench: (6,) [N, N m], along the world's axes or the body's; it acts in the steps of these ticks, the
-        last excluded.
-        """
-
-class BodyPath:
-    """
-    The motion of a body that nothing can push.
-    """
-    def __init__(
-        self,
-        breaks: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
-        curve_m: typing.Annotated[
-            collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 4]"]], "FixedSize(3)"
-        ],
-        times_s: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
-        progress: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 4]"],
-        closed: bool,
-        climbs: bool,
-        position_m: typing.Any,
-        orientation_xyzw: typing.Any,
-    ) -> None:
-        """
-        breaks: (n + 1,), ascending, of the curve's parameter u. curve_m: x, y and z, each (n, 4): coefficients
-        of 1, h, h^2 and h^3 in each piece, where h = u - break. times_s: (m + 1,) from 0, ascending. progress:
-        (m, 4), u in powers of the time since the break. closed: it begins again after the last time. climbs: x
-        is along the curve; otherwise along its horizontal part. position_m, orientation_xyzw: of the body in
-        path axes. Raises ValueError.
-        """
-    def at(self, time_s: typing.SupportsFloat | typing.SupportsIndex) -> BodyState:
-        """
-        Return the BodyState at a time from 0 on.
-        """
-
-class ObjectSpec:
-    """
-    A loose body.
-    """
-    def __init__(
-        self,
-        name: str,
-        craft: Craft,
-        shape: CollisionShape,
-        friction: typing.SupportsFloat | typing.SupportsIndex,
-        restitution: typing.SupportsFloat | typing.SupportsIndex,
-        start: BodyState,
-        wrenches: collections.abc.Sequence[AppliedWrench] = [],
-        path: BodyPath | None = None,
-    ) -> None:
-        """
-        path: that it follows, from its own start.
-        """
-
-class TetherEnd:
-    """
-    Where a tether is fastened.
-    """
-    def __init__(
-        self,
-        point_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
-        body: typing.SupportsInt | typing.SupportsIndex | None = None,
-    ) -> None:
-        """
-        point_m: (3,), in the frame of the vehicle or object with this index, or the world's.
-        """
-
-class TetherSpec:
-    """
-    A tether's parameters.
-    """
-
-    name: str
-    second: TetherEnd
-    def __init__(self) -> None: ...
-    def tube(
-        self,
-    ) -> tuple[
-        typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"],
-        typing.Annotated[numpy.typing.NDArray[numpy.uint32], "[m, 3]"],
-    ]:
-        """
-        Return vertices [m] (n, 3) and triangles (m, 3) of one of them, along z from its origin.
-        """
-    @property
-    def axial_damping_n_s(self) -> float: ...
-    @axial_damping_n_s.setter
-    def axial_damping_n_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def axial_stiffness_n(self) -> float: ...
-    @axial_stiffness_n.setter
-    def axial_stiffness_n(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def bed_stiffness_pa_m(self) -> float: ...
-    @bed_stiffness_pa_m.setter
-    def bed_stiffness_pa_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def bending_stiffness_n_m2(self) -> float: ...
-    @bending_stiffness_n_m2.setter
-    def bending_stiffness_n_m2(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def breaking_load_n(self) -> float: ...
-    @breaking_load_n.setter
-    def breaking_load_n(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def diameter_m(self) -> float: ...
-    @diameter_m.setter
-    def diameter_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def elements(self) -> int: ...
-    @elements.setter
-    def elements(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
-    @property
-    def fastest_m_s(self) -> float:
-        """
-        0: there is no winch
-        """
-    @fastest_m_s.setter
-    def fastest_m_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def first(self) -> TetherEnd:
-        """
-        the winch's end
-        """
-    @first.setter
-    def first(self, arg0: TetherEnd) -> None: ...
-    @property
-    def friction(self) -> float: ...
-    @friction.setter
-    def friction(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def length_m(self) -> float: ...
-    @length_m.setter
-    def length_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def longest_m(self) -> float:
-        """
-        0: the length
-        """
-    @longest_m.setter
-    def longest_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def mass_kg_m(self) -> float: ...
-    @mass_kg_m.setter
-    def mass_kg_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def normal_added_mass(self) -> float: ...
-    @normal_added_mass.setter
-    def normal_added_mass(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def normal_drag(self) -> float: ...
-    @normal_drag.setter
-    def normal_drag(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def shortest_m(self) -> float:
-        """
-        0: one element
-        """
-    @shortest_m.setter
-    def shortest_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def strongest_n(self) -> float: ...
-    @strongest_n.setter
-    def strongest_n(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def tangential_added_mass(self) -> float: ...
-    @tangential_added_mass.setter
-    def tangential_added_mass(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def tangential_drag(self) -> float: ...
-    @tangential_drag.setter
-    def tangential_drag(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
-    @property
-    def tubes(self) -> int:
-        """
-        as targets for rays, each with a label
-        """
-
 class JointKind:
     """
     Members:
@@ -4002,6 +3814,195 @@ class Mechanism:
     @base.setter
     def base(self, arg0: BodyState) -> None: ...
 
+class AppliedWrench:
+    """
+    A wrench that something else exerts on a body, at its origin.
+    """
+    def __init__(
+        self,
+        wrench: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
+        in_world_axes: bool,
+        from_tick: typing.SupportsInt | typing.SupportsIndex,
+        until_tick: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None:
+        """
+        wrench: (6,) [N, N m], along the world's axes or the body's; it acts in the steps of these ticks, the
+        last excluded.
+        """
+
+class BodyPath:
+    """
+    The motion of a body that nothing can push.
+    """
+    def __init__(
+        self,
+        breaks: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        curve_m: typing.Annotated[
+            collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 4]"]], "FixedSize(3)"
+        ],
+        times_s: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+        progress: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 4]"],
+        closed: bool,
+        climbs: bool,
+        position_m: typing.Any,
+        orientation_xyzw: typing.Any,
+    ) -> None:
+        """
+        breaks: (n + 1,), ascending, of the curve's parameter u. curve_m: x, y and z, each (n, 4): coefficients
+        of 1, h, h^2 and h^3 in each piece, where h = u - break. times_s: (m + 1,) from 0, ascending. progress:
+        (m, 4), u in powers of the time since the break. closed: it begins again after the last time. climbs: x
+        is along the curve; otherwise along its horizontal part. position_m, orientation_xyzw: of the body in
+        path axes. Raises ValueError.
+        """
+    def at(self, time_s: typing.SupportsFloat | typing.SupportsIndex) -> BodyState:
+        """
+        Return the BodyState at a time from 0 on.
+        """
+
+class ObjectSpec:
+    """
+    A loose body.
+    """
+    def __init__(
+        self,
+        name: str,
+        craft: Craft,
+        shape: CollisionShape,
+        friction: typing.SupportsFloat | typing.SupportsIndex,
+        restitution: typing.SupportsFloat | typing.SupportsIndex,
+        start: BodyState,
+        wrenches: collections.abc.Sequence[AppliedWrench] = [],
+        path: BodyPath | None = None,
+        links: collections.abc.Sequence[ArmLink] = [],
+    ) -> None:
+        """
+        path: that it follows, from its own start. links: that joints hold on it; a path then stands still.
+        """
+
+class TetherEnd:
+    """
+    Where a tether is fastened.
+    """
+    def __init__(
+        self,
+        point_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        body: typing.SupportsInt | typing.SupportsIndex | None = None,
+    ) -> None:
+        """
+        point_m: (3,), in the frame of the vehicle or object with this index, or the world's.
+        """
+
+class TetherSpec:
+    """
+    A tether's parameters.
+    """
+
+    name: str
+    second: TetherEnd
+    def __init__(self) -> None: ...
+    def tube(
+        self,
+    ) -> tuple[
+        typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"],
+        typing.Annotated[numpy.typing.NDArray[numpy.uint32], "[m, 3]"],
+    ]:
+        """
+        Return vertices [m] (n, 3) and triangles (m, 3) of one of them, along z from its origin.
+        """
+    @property
+    def axial_damping_n_s(self) -> float: ...
+    @axial_damping_n_s.setter
+    def axial_damping_n_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def axial_stiffness_n(self) -> float: ...
+    @axial_stiffness_n.setter
+    def axial_stiffness_n(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def bed_stiffness_pa_m(self) -> float: ...
+    @bed_stiffness_pa_m.setter
+    def bed_stiffness_pa_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def bending_stiffness_n_m2(self) -> float: ...
+    @bending_stiffness_n_m2.setter
+    def bending_stiffness_n_m2(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def breaking_load_n(self) -> float: ...
+    @breaking_load_n.setter
+    def breaking_load_n(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def diameter_m(self) -> float: ...
+    @diameter_m.setter
+    def diameter_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def elements(self) -> int: ...
+    @elements.setter
+    def elements(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def fastest_m_s(self) -> float:
+        """
+        0: there is no winch
+        """
+    @fastest_m_s.setter
+    def fastest_m_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def first(self) -> TetherEnd:
+        """
+        the winch's end
+        """
+    @first.setter
+    def first(self, arg0: TetherEnd) -> None: ...
+    @property
+    def friction(self) -> float: ...
+    @friction.setter
+    def friction(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def length_m(self) -> float: ...
+    @length_m.setter
+    def length_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def longest_m(self) -> float:
+        """
+        0: the length
+        """
+    @longest_m.setter
+    def longest_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def mass_kg_m(self) -> float: ...
+    @mass_kg_m.setter
+    def mass_kg_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def normal_added_mass(self) -> float: ...
+    @normal_added_mass.setter
+    def normal_added_mass(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def normal_drag(self) -> float: ...
+    @normal_drag.setter
+    def normal_drag(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def shortest_m(self) -> float:
+        """
+        0: one element
+        """
+    @shortest_m.setter
+    def shortest_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def strongest_n(self) -> float: ...
+    @strongest_n.setter
+    def strongest_n(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def tangential_added_mass(self) -> float: ...
+    @tangential_added_mass.setter
+    def tangential_added_mass(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def tangential_drag(self) -> float: ...
+    @tangential_drag.setter
+    def tangential_drag(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def tubes(self) -> int:
+        """
+        as targets for rays, each with a label
+        """
+
 class VehicleSpec:
     actuators: ActuatorsSpec
     craft: Craft
@@ -4116,9 +4117,9 @@ class Simulation:
         Exert a wrench (6,) on a vehicle at its origin, besides those by schedule, for a duration, which may be
         inf, or until the next call. Raises ValueError.
         """
-    def arm(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> ArmReading:
+    def arm(self, body: typing.SupportsInt | typing.SupportsIndex) -> ArmReading:
         """
-        Return the arm's ArmReading. Raises ValueError if there is none.
+        Return the arm's ArmReading: of a vehicle or, after those, of an object. Raises ValueError.
         """
     def attached_surfaces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 7]"]:
         """
@@ -4275,10 +4276,10 @@ class Simulation:
         Return (messages, bytes) in a node's queue.
         """
     def links_world(
-        self, vehicle: typing.SupportsInt | typing.SupportsIndex
+        self, body: typing.SupportsInt | typing.SupportsIndex
     ) -> list[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]]:
         """
-        Return world_from_link of each link, (4, 4).
+        Return world_from_link of each link, (4, 4), as for `arm`.
         """
     def motion(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex

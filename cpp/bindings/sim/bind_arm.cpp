@@ -255,7 +255,7 @@ void bind_arm(py::module_&, py::class_<OwnedSimulation>& simulation) {
           [](OwnedSimulation& o, std::size_t v) {
             return o.with_briefly([&](Simulation& s) { return arm_reading(s.arm(v)); });
           },
-          py::arg("vehicle"), "Return the arm's ArmReading. Raises ValueError if there is none.")
+          py::arg("body"), "Return the arm's ArmReading: of a vehicle or, after those, of an object. Raises ValueError.")
       .def(
           "link_surfaces",
           [](OwnedSimulation& o) { return rows(o.with_briefly([](Simulation& s) { return s.link_surfaces(); })); },
@@ -277,12 +277,12 @@ void bind_arm(py::module_&, py::class_<OwnedSimulation>& simulation) {
           [](OwnedSimulation& o, std::size_t v) {
             return o.with([&](Simulation& s) {
               std::vector<Eigen::Matrix4d> poses;
-              const ArticulatedBody& placed = s.arm(v).placed(s.state(v), s.water(), s.time_s());
+              const ArticulatedBody& placed = s.arm(v).placed(s.body_state(v), s.water(), s.time_s());
               for (std::size_t k = 0; k < placed.size(); ++k) poses.push_back(placed.world_from_link(k).matrix());
               return poses;
             });
           },
-          py::arg("vehicle"), "Return world_from_link of each link, (4, 4).")
+          py::arg("body"), "Return world_from_link of each link, (4, 4), as for `arm`.")
       .def(
           "command_joints",
           [](OwnedSimulation& o, std::size_t v, const JointValues& positions, const JointValues& speeds,

@@ -102,17 +102,19 @@ void bind_object_spec(py::module_& m) {
   py::class_<ObjectSpec, std::shared_ptr<ObjectSpec>>(m, "ObjectSpec", "A loose body.")
       .def(py::init([](std::string name, std::shared_ptr<Craft> craft, CollisionShape shape, double friction,
                        double restitution, const BodyState& start, std::vector<AppliedWrench> wrenches,
-                       const std::optional<std::shared_ptr<BodyPath>>& path) {
+                       const std::optional<std::shared_ptr<BodyPath>>& path, std::vector<ArmLink> links) {
              auto spec = std::make_shared<ObjectSpec>();
              spec->body = {std::move(name), std::move(craft), shape, friction, restitution};
              spec->body.path = path.value_or(nullptr);
+             spec->body.arm = std::move(links);
              spec->start = path ? (*path)->at(0) : start;
              spec->wrenches = std::move(wrenches);
              return spec;
            }),
            py::arg("name"), py::arg("craft").none(false), py::arg("shape"), py::arg("friction"), py::arg("restitution"),
            py::arg("start"), py::arg("wrenches") = std::vector<AppliedWrench>{}, py::arg("path") = py::none(),
-           "path: that it follows, from its own start.");
+           py::arg("links") = std::vector<ArmLink>{},
+           "path: that it follows, from its own start. links: that joints hold on it; a path then stands still.");
 }
 
 void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {

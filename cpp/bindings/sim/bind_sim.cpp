@@ -105,9 +105,9 @@ void bind_specs(py::module_& m) {
       .value("BOX", CollisionShape::kBox)
       .value("PIECES", CollisionShape::kPieces);
 
+  bind_arm_link(m);
   bind_object_spec(m);
   bind_tether_spec(m);
-  bind_arm_link(m);
   py::class_<VehicleSpec, std::shared_ptr<VehicleSpec>>(m, "VehicleSpec")
       .def(py::init<>())
       .def_readwrite("name", &VehicleSpec::name)

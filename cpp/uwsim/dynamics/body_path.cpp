@@ -49,6 +49,10 @@ void BodyPathSpec::check() const {
 
 BodyPath::BodyPath(BodyPathSpec spec) : spec_((spec.check(), std::move(spec))) {}
 
+bool BodyPath::stands() const {
+  return std::ranges::all_of(spec_.progress, [](const Eigen::Vector4d& piece) { return piece.isZero(0); });
+}
+
 BodyState BodyPath::at(double time_s) const {
   const double end_s = spec_.times_s.back();
   const bool ended = !spec_.closed && time_s >= end_s;

@@ -13,6 +13,8 @@ void BodySpec::check() const {
   require(craft != nullptr, "vehicle '" + name + "' craft", "none", "must be set");
   require(arm.empty() || !craft->parameters().radiation, "vehicle '" + name + "' radiation", "an arm",
           "must not be given for a vehicle with an arm");
+  require(arm.empty() || !path || path->stands(), "object '" + name + "' links", arm.size(),
+          "must be left out for a body that moves along a path");
   require(friction >= 0 && friction <= 10, "vehicle.friction", friction, "must be in [0, 10]");
   require(restitution >= 0 && restitution <= 1, "vehicle.restitution", restitution, "must be in [0, 1]");
 }

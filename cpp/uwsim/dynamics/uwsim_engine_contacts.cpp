@@ -53,7 +53,10 @@ void UwsimEngine::move(const Interval& now) {
 /// A body's state at the end of the interval.
 BodyState UwsimEngine::state_after(std::size_t body, const BodyState& state, const Loads& loads,
                                    const Interval& now) const {
-  if (const BodyPath* const path = bodies_[body].spec.path.get()) return path->at(now.time_s + now.step_s);
+  if (const BodyPath* const path = bodies_[body].spec.path.get()) {
+    if (bodies_[body].arm) bodies_[body].arm->advance(HeldBase(), state, now.water, now.time_s, now.step_s);
+    return path->at(now.time_s + now.step_s);
+  }
   return bodies_[body].advanced(state, loads, now.water, now.time_s, now.step_s);
 }
 
@@ -205,7 +208,7 @@ void UwsimEngine::solve_contacts(const Interval& now) {
   record_touches();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const ContactBody& solved = contact_bodies_[k];
-    if (rests_[k] != 0 || bodies_[k].spec.path) continue;
+    if (rests_[k] != 0 || (bodies_[k].spec.path && !bodies_[k].arm)) continue;
     if (solved.impulse_body.isZero(0) && solved.push_body.isZero(0)) continue;
     const Eigen::Quaterniond& q = solved.world_from_body.orientation;
     Vector6d impulse_world;
@@ -216,14 +219,16 @@ void UwsimEngine::solve_contacts(const Interval& now) {
     next_states_[k] = state_after(k, states_[k], all, now);
     bodies_[k].record_stages();
     if (bodies_[k].arm) bodies_[k].arm->displace(arms_[k], now.step_s);
+    if (bodies_[k].spec.path) continue;
     next_states_[k].world_from_body = displaced(next_states_[k].world_from_body, solved.push_body, now.step_s);
   }
 }
 
 void UwsimEngine::describe_arm(std::size_t body, const Interval& now) {
   MovedBody& moved = bodies_[body];
-  moved.arm->describe(moved.base_mass(states_[body].world_from_body, now.water, now.time_s), states_[body], now.water,
-                      now.time_s, now.step_s, arms_[body]);
+  const Matrix6d base_mass = moved.spec.path ? Matrix6d(Matrix6d::Identity() / kUnmoved)
+                                             : moved.base_mass(states_[body].world_from_body, now.water, now.time_s);
+  moved.arm->describe(base_mass, states_[body], now.water, now.time_s, now.step_s, arms_[body]);
   contact_bodies_[body].arm = &arms_[body];
 }
 

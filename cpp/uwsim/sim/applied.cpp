@@ -54,9 +54,9 @@ void Simulation::apply_object_wrench(std::size_t object, const Vector6d& wrench,
   object_pushes_.at(object).command(name, wrench, in_world_axes, tick_, duration_s, spec_.step_s);
 }
 
-Arm& Simulation::arm(std::size_t index) {
-  Arm* const arm = bodies_.arm(vehicle(index).body);
-  require(arm != nullptr, "vehicle '" + vehicle(index).name + "' arm", "none", "must be in the vehicle's file");
+Arm& Simulation::arm(std::size_t body) {
+  Arm* const arm = bodies_.arm(body);
+  require(arm != nullptr, "body '" + body_name(body) + "' arm", "none", "must be in the vehicle's file");
   return *arm;
 }
 

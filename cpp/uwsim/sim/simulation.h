@@ -113,8 +113,9 @@ class Simulation {
   bool has_arm(std::size_t index) const { return bodies_.arm(vehicle(index).body) != nullptr; }
   /// Returns true if its hull has a Radiation.
   bool makes_waves(std::size_t index) const { return bodies_.hull_waves(vehicle(index).body) != nullptr; }
-  /// The vehicle's arm. Throws InvalidValue if it has none.
-  Arm& arm(std::size_t vehicle);
+  /// The arm of a body: vehicles come first, then objects. Throws InvalidValue if it has none.
+  Arm& arm(std::size_t body);
+  const BodyState& body_state(std::size_t body) const { return bodies_.state(body); }
 
   /// Exerts a wrench on a vehicle at its origin [N, N m], besides those by schedule, for a duration, rounded to steps,
   /// or until the next call. Throws InvalidValue for more than 1e9 N or N m and a negative duration.

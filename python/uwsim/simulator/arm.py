@@ -1,4 +1,4 @@
-"""A vehicle's arm: its joints' positions, speeds and motors."""
+"""A vehicle's arm, or the links of an object: their joints' positions, speeds and motors."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class ArmReading(ShortRepr):
 
 
 class Arm:
-    """A vehicle's arm, `Vehicle.arm`. Readings are true, not measured.
+    """A vehicle's arm, `Vehicle.arm`, or the links of an object, `LooseBody.joints`. Readings are true, not measured.
 
     names: the joints that move; motors: those with a motor, which accept commands.
     """

@@ -3,24 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NoReturn
 
 from uwsim import _core
 from uwsim.base.journal import Journal
 from uwsim.base.motion import Pose, Velocity
 from uwsim.base.named import Named
+from uwsim.scenario.build.arm import link_specs
+from uwsim.scenario.spec.scenario import Scenario
+from uwsim.simulator.arm import Arm
 from uwsim.simulator.forces import Wrench, forces_by_name
 from uwsim.simulator.push import Vector, push
 from uwsim.simulator.wet_triangles import WetTriangles
 
 
 class LooseBody:
-    """One of a simulator's `objects`, of the scenario's `objects:`. Its origin is the middle of its volume."""
+    """One of a simulator's `objects`, of the scenario's `objects:`. Its origin is the middle of its volume.
 
-    def __init__(self, simulation: _core.Simulation, index: int, name: str, journal: Journal) -> None:
+    joints: those of its links; None without any. Nothing commands them.
+    """
+
+    def __init__(
+        self, simulation: _core.Simulation, index: int, name: str, journal: Journal, joints: Arm | None = None
+    ) -> None:
         self._simulation = simulation
         self._journal = journal
         self._index = index
         self.name = name
+        self.joints = joints
 
     def __repr__(self) -> str:
         east, north, up = self.pose.position_world_m.tolist()
@@ -67,3 +77,17 @@ class LooseBody:
         self._simulation.apply_object_wrench(self._index, pushed.wrench, pushed.in_world_axes, pushed.duration_s)
         if self._journal.observers:
             self._journal.note("push_object", object=self.name, **pushed.noted)
+
+
+def loose_bodies(simulation: _core.Simulation, scenario: Scenario, journal: Journal) -> dict[str, LooseBody]:
+    """Return the objects of a simulation, which has them, by name."""
+    found = {}
+    for index, body in enumerate(scenario.objects):
+        links, number = link_specs(body.links or {}), len(scenario.vehicles) + index  # vehicles come first
+        joints = Arm(simulation, number, links, _refuse) if links else None
+        found[body.name] = LooseBody(simulation, index, body.name, journal, joints)
+    return found
+
+
+def _refuse(*_: object) -> NoReturn:
+    raise ValueError("joints: of an object have no motors")

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.scenario.build.arm import link_mesh, shaped_links
+from uwsim.scenario.build.arm import all_shaped_links, link_mesh
 from uwsim.scenario.build.loose_bodies import object_mesh
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.spec.obstacle import ObstacleModel
@@ -33,9 +33,8 @@ def moving_shapes(scenario: Scenario) -> list[MovingShape]:
         for body in scenario.objects
     ]
     return found + [
-        MovingShape(f"{vehicle.name} {link.shape.name}", link.shape, lambda link=link: link_mesh(link))  # type: ignore[misc]
-        for vehicle in scenario.vehicles
-        for link in shaped_links(vehicle.model).values()
+        MovingShape(f"{body} {link.shape.name}", link.shape, lambda link=link: link_mesh(link))  # type: ignore[misc]
+        for body, link in all_shaped_links(scenario)
         if link.shape is not None
     ]
 

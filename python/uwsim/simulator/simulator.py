@@ -40,7 +40,7 @@ from uwsim.scenario.read.collected import Collected
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.failures import Aboard, EventLog, Faults
 from uwsim.simulator.lockstep import Lockstep
-from uwsim.simulator.loose_body import LooseBody
+from uwsim.simulator.loose_body import LooseBody, loose_bodies
 from uwsim.simulator.network import Network
 from uwsim.simulator.onboard_navigation import Estimates, new_navigator
 from uwsim.simulator.parameters import Parameters
@@ -152,10 +152,7 @@ class Simulator(SimulatorProperties):
         self.vehicles = Named(vehicles, "vehicles")
         self._add_objects()
         self._add_tethers()
-        bodies = {
-            body.name: LooseBody(core, index, body.name, self.journal) for index, body in enumerate(running.objects)
-        }
-        self.objects = Named(bodies, "objects")
+        self.objects = Named(loose_bodies(core, running, self.journal), "objects")
         for index, rov in enumerate(vehicles.values()):
             if (text := short_wave_warning(running, index, world.water, rov.control.net_buoyancy_n)) is not None:
                 warnings.warn(text, ShortWavesWarning, stacklevel=3)

@@ -102,7 +102,7 @@ def test_viewers_draw_it_and_rviz_finds_its_shape() -> None:
 def test_two_links_with_shapes_of_one_name_are_refused() -> None:
     vehicle = boom(BOX)
     vehicle["arm"]["tip"] = vehicle["arm"]["boom"]
-    with pytest.raises(ScenarioError, match=r"arm.boom.shape.name = 'boom': must be unique in the arm"):
+    with pytest.raises(ScenarioError, match=r"arm.boom.shape.name = 'boom': must be unique"):
         site(vehicle)
 
 

@@ -16,6 +16,7 @@ from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.read.mesh_repair import closed_mesh
 from uwsim.scenario.spec.arm import Hinge, Link, Slide, links_in_order
 from uwsim.scenario.spec.obstacle import Bed
+from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle import VehicleModel
 
 Floats = NDArray[np.float64]
@@ -28,9 +29,23 @@ def link_specs(arm: Mapping[str, Link]) -> list[_core.ArmLink]:
 
 
 def shaped_links(model: VehicleModel) -> dict[str, Link]:
-    """Return the links that have a shape, in the core's order: that of Simulation.link_surfaces and of labels."""
-    arm = model.arm or {}
+    """Return the links that have a shape, in the core's order."""
+    return with_shape(model.arm or {})
+
+
+def with_shape(arm: Mapping[str, Link]) -> dict[str, Link]:
+    """Return the links that have a shape, in the core's order."""
     return {name: arm[name] for name in links_in_order(arm) if arm[name].shape is not None}
+
+
+def all_shaped_links(scenario: Scenario) -> list[tuple[str, Link]]:
+    """Return all links that have a shape, of vehicles and then of objects, with the names of their bodies.
+
+    The order is that of Simulation.link_surfaces and of labels.
+    """
+    carried = [(entry.name, shaped_links(entry.model)) for entry in scenario.vehicles]
+    carried += [(body.name, with_shape(body.links or {})) for body in scenario.objects]
+    return [(name, link) for name, links in carried for link in links.values()]
 
 
 def link_mesh(link: Link) -> tuple[Vertices, Triangles]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from uwsim import _core
-from uwsim.scenario.build.arm import link_mesh, shaped_links
+from uwsim.scenario.build.arm import all_shaped_links, link_mesh
 from uwsim.scenario.build.cover import set_cover_appearance
 from uwsim.scenario.build.growth import growth_texture
 from uwsim.scenario.build.hull import vehicle_hull
@@ -50,9 +50,8 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
         )  # fmt: skip
     for animals in scenario.life or ():
         scene.add_school(animals.material.kind, animals.surface_class, animals.material.colour)
-    for vehicle in scenario.vehicles:
-        for link in shaped_links(vehicle.model).values():
-            _add_link(scene, vehicle.name, link)
+    for carrier, link in all_shaped_links(scenario):
+        _add_link(scene, carrier, link)
     for index, spec in tether_specs(scenario).items():
         tube = spec.tube()
         for _ in range(spec.tubes):
@@ -60,12 +59,12 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
     return scene
 
 
-def _add_link(scene: _core.CameraScene, vehicle: str, link: Link) -> None:
+def _add_link(scene: _core.CameraScene, carrier: str, link: Link) -> None:
     assert link.shape is not None
     mesh, material, texture = link_mesh(link), link.shape.material, link.shape.texture()
     if texture is not None and len(texture[1]) != len(mesh[1]):  # closing the mesh changed its triangles
         texture = None
-    scene.add_vehicle(f"{vehicle} {link.shape.name}", *mesh, material.kind, material.colour, *texture or ())
+    scene.add_vehicle(f"{carrier} {link.shape.name}", *mesh, material.kind, material.colour, *texture or ())
 
 
 def _hull_texture(model: VehicleModel, triangles: int) -> Texture | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from uwsim.scenario.build.arm import shaped_links
+from uwsim.scenario.build.arm import all_shaped_links
 from uwsim.scenario.build.tether import tether_specs
 from uwsim.scenario.spec.material import ROCK, TETHER, Backscatter
 from uwsim.scenario.spec.scenario import Scenario
@@ -17,12 +17,7 @@ def label_names(scenario: Scenario) -> list[str]:
     station = ["station"] if scenario.station.mesh is not None else []
     parts = (scenario.obstacles, scenario.cover, scenario.vehicles, scenario.objects, scenario.life or ())
     obstacles, cover, vehicles, objects, life = ([named.name for named in part] for part in parts)
-    arms = [
-        f"{vehicle.name} {link.shape.name}"
-        for vehicle in scenario.vehicles
-        for link in shaped_links(vehicle.model).values()
-        if link.shape is not None
-    ]
+    arms = [f"{body} {link.shape.name}" for body, link in all_shaped_links(scenario) if link.shape is not None]
     fixed = ["nothing", "terrain", *obstacles, *station, *cover]
     return [*fixed, *vehicles, *objects, *life, *arms, *_tethers(scenario)]
 
@@ -33,12 +28,7 @@ def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
     vehicles = [vehicle.model.material for vehicle in scenario.vehicles]
     vehicles += [body.shape.material for body in scenario.objects]
     vehicles += [animals.material for animals in scenario.life or ()]
-    vehicles += [
-        link.shape.material
-        for vehicle in scenario.vehicles
-        for link in shaped_links(vehicle.model).values()
-        if link.shape is not None
-    ]
+    vehicles += [link.shape.material for _, link in all_shaped_links(scenario) if link.shape is not None]
     obstacles, cover = [one.surface for one in scenario.obstacles], [layer.material for layer in scenario.cover]
     solids = (material.backscatter for material in (*obstacles, *station, *cover, *vehicles))
     tethers = [TETHER] * len(_tethers(scenario))

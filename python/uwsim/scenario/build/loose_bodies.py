@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
 from uwsim.scenario.build.applied_wrench import applied_wrench
-from uwsim.scenario.build.body_paths import body_path, points_on
+from uwsim.scenario.build.arm import link_specs
+from uwsim.scenario.build.body_paths import body_path, points_on, standing
 from uwsim.scenario.build.obstacles import grounded
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.read.mesh_repair import closed_mesh
-from uwsim.scenario.spec.body_path import BodyPath
 from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.obstacle import LEVEL, Bed, ObstacleModel
 from uwsim.scenario.spec.scenario import Scenario
@@ -76,7 +76,11 @@ def _spec(body: LooseBody, scenario: Scenario) -> _core.ObjectSpec:
     shape, water_kg_m3 = _placed(body.shape, build_terrain(scenario.terrain)), surface_density_kg_m3(scenario.water)
     volume_m3 = shape.solid.volume_m3
     if body.path is not None:
-        return _on_path(body, body.path, shape, water_kg_m3)
+        arm_m = turned(shape.orientation_xyzw, shape.solid.centroid_m)
+        followed = body_path(body.path, shape.position_m - arm_m, arm_m, shape.orientation_xyzw)
+        return _unpushed(body, followed, shape, water_kg_m3)
+    if body.fixed:
+        return _unpushed(body, standing(shape.position_m, shape.orientation_xyzw), shape, water_kg_m3)
     density = body.density_kg_m3 if body.density_kg_m3 is not None else (body.mass_kg or 0.0) / volume_m3
     added, areas, paddles, rubbing = _flow(shape.vertices, shape.triangles)
     parameters = _core.CraftParameters()
@@ -95,17 +99,25 @@ def _spec(body: LooseBody, scenario: Scenario) -> _core.ObjectSpec:
     )  # fmt: skip
 
 
-def _on_path(body: LooseBody, path: BodyPath, shape: _Shape, water_kg_m3: float) -> _core.ObjectSpec:
+def _unpushed(body: LooseBody, path: _core.BodyPath, shape: _Shape, water_kg_m3: float) -> _core.ObjectSpec:
     """Return a body that no force moves: its mass, that of water, has no effect."""
     parameters = _core.CraftParameters()
     parameters.mass_kg = water_kg_m3 * shape.solid.volume_m3
     parameters.inertia_kg_m2 = water_kg_m3 * shape.solid.inertia_per_density_m5
-    arm_m = turned(shape.orientation_xyzw, shape.solid.centroid_m)
-    followed = body_path(path, shape.position_m - arm_m, arm_m, shape.orientation_xyzw)
     return _core.ObjectSpec(
         body.name, _core.Craft(parameters, shape.vertices, shape.triangles), _core.CollisionShape.HULL, body.friction,
-        body.restitution, followed.at(0.0), path=followed,
+        body.restitution, path.at(0.0), path=path, links=_links(body, shape),
     )  # fmt: skip
+
+
+def _links(body: LooseBody, shape: _Shape) -> list[_core.ArmLink]:
+    """Return what joints hold on a body. Theirs are places in its shape's frame; the core's are from its middle."""
+    middle = shape.solid.centroid_m
+    held = {
+        name: link if link.on else link.model_copy(update={"position_m": tuple(np.subtract(link.position_m, middle))})
+        for name, link in (body.links or {}).items()
+    }
+    return link_specs(held)
 
 
 def object_points(body: LooseBody, terrain: Bed) -> Floats:

@@ -155,20 +155,20 @@ def _within(start: float, limits: tuple[float, float] | None, unit: str) -> None
         raise broken(rule, at=(f"start_{unit}",), value=start, unit=unit)
 
 
-def links_in_order(arm: Mapping[str, Link]) -> list[str]:
-    """Return the links' names, each after the one that holds it. Raises PydanticCustomError."""
+def links_in_order(arm: Mapping[str, Link], field: str = "arm") -> list[str]:
+    """Return the links' names, each after the one that holds it. field: theirs. Raises PydanticCustomError."""
     for name, link in arm.items():
         if link.on is not None and link.on not in arm:
-            raise broken(f"no such link{did_you_mean(link.on, arm)}", at=("arm", name, "on"), value=link.on)
+            raise broken(f"no such link{did_you_mean(link.on, arm)}", at=(field, name, "on"), value=link.on)
     shapes = [link.shape.name for link in arm.values() if link.shape is not None]
     for name, link in arm.items():
         if link.shape is not None and shapes.count(link.shape.name) > 1:
-            raise broken("must be unique in the arm", at=("arm", name, "shape", "name"), value=link.shape.name)
+            raise broken("must be unique", at=(field, name, "shape", "name"), value=link.shape.name)
     found: list[str] = []
     while len(found) < len(arm):
         ready = [name for name, link in arm.items() if name not in found and (link.on is None or link.on in found)]
         if not ready:
             name = next(name for name in arm if name not in found)
-            raise broken("the links hold each other in a circle", at=("arm", name, "on"), value=arm[name].on)
+            raise broken("the links hold each other in a circle", at=(field, name, "on"), value=arm[name].on)
         found += ready
     return found

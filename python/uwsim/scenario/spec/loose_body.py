@@ -1,14 +1,15 @@
-"""An entry under `objects:` in a scenario: a loose body, which is pushed by all, or one on a path, by nothing."""
+"""An entry under `objects:` in a scenario: a body that is loose, or that no force moves: on a path, or fixed."""
 
 from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field, StrictBool, model_validator
 
 from uwsim.scenario.spec.applied_wrench import AppliedWrench
+from uwsim.scenario.spec.arm import Link, links_in_order
 from uwsim.scenario.spec.body_path import BodyPath
-from uwsim.scenario.spec.fields import InRange, Model, broken
+from uwsim.scenario.spec.fields import InRange, Model, Name, broken
 from uwsim.scenario.spec.obstacle import ObstacleSpec
 
 LOOSE_KINDS = ("box", "cylinder", "mesh", "sphere")
@@ -23,8 +24,9 @@ class LooseBody(Model):
     of the area that faces the flow: 0.47 for a sphere, 1.05 for a cube, 1.2 for a plate (Hoerner 1965, "Fluid-Dynamic
     Drag", ch. 3, at Reynolds numbers of 1e4 to 2e5). friction, restitution: as for vehicles. velocity_m_s: along the
     world's axes. wrenches: what pushes it from outside, by schedule.
-    world's axes. path: what the body follows instead, such as a diver or a boat: no force moves it, so it has neither
-    density nor mass, and it pushes what it meets.
+    path: what the body follows instead, such as a diver or a boat: no force moves it, so it has neither density nor
+    mass, and it pushes what it meets. fixed: it stands where its shape is, like an obstacle. links: of a fixed body,
+    what joints hold on it, by name, as in a vehicle's `arm` but without motors: a valve's handle, a pin, a door.
     """
 
     shape: ObstacleSpec
@@ -36,6 +38,8 @@ class LooseBody(Model):
     velocity_m_s: tuple[Speed, Speed, Speed] = (0.0, 0.0, 0.0)
     wrenches: Annotated[tuple[AppliedWrench, ...], Field(max_length=1000)] | None = None
     path: BodyPath | None = None
+    fixed: StrictBool = False
+    links: Annotated[dict[Name, Link], Field(min_length=1, max_length=64)] | None = None
 
     @property
     def name(self) -> str:
@@ -46,15 +50,31 @@ class LooseBody(Model):
     def _has_one_mass(self) -> LooseBody:
         if self.shape.kind not in LOOSE_KINDS:
             raise broken(f"must be one of {', '.join(LOOSE_KINDS)}", at=("shape", "kind"), value=self.shape.kind)
-        if self.path is not None:
-            for name in ("density_kg_m3", "mass_kg"):
-                if getattr(self, name) is not None:
-                    raise broken("must be left out for a body on a path", at=(name,), value=getattr(self, name))
-            if self.wrenches:
-                raise broken("must be left out for a body on a path", at=("wrenches",))
-            if any(self.velocity_m_s):
-                raise broken("must be left out for a body on a path", at=("velocity_m_s",), value=self.velocity_m_s)
-            return self
+        if self.links is not None and not self.fixed:
+            raise broken("must be left out for a body that is not fixed", at=("links",))
+        if self.path is not None or self.fixed:
+            return self._is_not_pushed(
+                "must be left out for a body " + ("that is fixed" if self.fixed else "on a path")
+            )
         if (self.density_kg_m3 is None) == (self.mass_kg is None):
             raise broken("give one of density_kg_m3 and mass_kg", at=("density_kg_m3",), value=self.density_kg_m3)
+        return self
+
+    def _is_not_pushed(self, rule: str) -> LooseBody:
+        for name in ("density_kg_m3", "mass_kg", *(("path",) if self.fixed else ())):
+            if getattr(self, name) is not None:
+                raise broken(rule, at=(name,), value=getattr(self, name))
+        if self.wrenches:
+            raise broken(rule, at=("wrenches",))
+        if any(self.velocity_m_s):
+            raise broken(rule, at=("velocity_m_s",), value=self.velocity_m_s)
+        return self
+
+    @model_validator(mode="after")
+    def _has_own_links(self) -> LooseBody:
+        for name, link in (self.links or {}).items():
+            for joint in ("hinge", "slide"):
+                if getattr(getattr(link, joint), "motor", None) is not None:
+                    raise broken("must be left out: nothing commands it", at=("links", name, joint, "motor"))
+        links_in_order(self.links or {}, "links")
         return self
