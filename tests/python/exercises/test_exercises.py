@@ -8,12 +8,14 @@ from pathlib import Path
 
 import pytest
 
+from arm_pilots import ARM_PILOTS
 from dive_pilots import DIVES
 from uwsim.exercises import Exercise, exercise_names, load_exercise
 from uwsim.exercises.flight import fly_exercise
 from uwsim.exercises.goal import GOALS
 from uwsim.missions import dive_to, follow, goto, hold, turn_to, wait
 from uwsim.scenario import ScenarioError
+from uwsim.scenario.read.validated import validated
 from uwsim.scenario.schema import schema
 
 GUIDE = Path(__file__).parents[3] / "docs/guides/exercises.md"
@@ -195,6 +197,7 @@ PILOTS = {
     "dvl-loss": (dvl_loss, dvl_loss_by_time),
     "night-gates": (night_gates, night_gates_past_the_second),
     **DIVES,
+    **ARM_PILOTS,
 }
 OPTIONS = {"dvl-loss": {"estimate": "filter"}}
 
@@ -215,6 +218,30 @@ def test_full_marks_for_the_good_pilot_and_not_for_the_bad(name):
     course = fly_exercise(name, bad, **options).course
     assert course.score < course.exercise.points, course.sheet()
     assert not course.has_passed
+
+
+@pytest.mark.parametrize("name", ARM_PILOTS)
+def test_what_a_gripper_is_to_do_does_not_happen_by_itself(name):
+    def stay(vehicle):
+        yield from hold(vehicle, 10.0)
+
+    course = fly_exercise(name, stay, sample_sensors=False).course
+    assert [goal["share"] for goal in course.state()["goals"]] == [0.0] * len(course.exercise.goals)
+
+
+@pytest.mark.parametrize(
+    ("goal", "rule"),
+    [
+        ({"kind": "move_joint", "object": "sample", "joint": "handle", "to_deg": 9}, "must be one of valve, lock"),
+        ({"kind": "move_joint", "object": "valve", "joint": "lever", "to_deg": 9}, "must be one of handle"),
+        ({"kind": "move_joint", "object": "valve", "joint": "handle"}, "give one of to_deg and to_m"),
+        ({"kind": "bring", "object": "valve", "position_m": [0, 0, -3]}, "must be one of sample, plug"),
+    ],
+)
+def test_a_goal_for_an_object_that_is_not_there_is_refused(goal, rule):
+    values = {"title": "T", "brief": "B", "scenario": "panel", "pass_points": 5, "time_s": 5}
+    with pytest.raises((ScenarioError, ValueError), match=rule):
+        fly_exercise(validated(Exercise, values | {"goals": [goal | {"name": "g", "title": "G"}]}), hover)
 
 
 def test_the_sheet_and_the_same_flight_twice(tmp_path):

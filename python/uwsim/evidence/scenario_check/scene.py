@@ -21,6 +21,8 @@ from uwsim.scenario.build.station import exit_position, station_at_start
 from uwsim.scenario.build.surface_points import surface_points
 from uwsim.scenario.build.water import build_water, surface_density_kg_m3
 from uwsim.scenario.georeference import georeference
+from uwsim.scenario.read.mesh_file import Triangles, Vertices
+from uwsim.scenario.spec.obstacle import ObstacleModel
 from uwsim.scenario.spec.water import StillSurface
 from uwsim.simulator.simulator import Simulator
 
@@ -32,6 +34,8 @@ STILL_M_S = 0.005
 
 CURRENT_SHARE, CURRENT_TIMES = 0.9, 97
 """The current at a start: the speed not exceeded for this share of the mission, sampled at this many times."""
+
+TOUCHING_M = 0.001
 
 Floats = NDArray[np.float64]
 
@@ -57,7 +61,7 @@ class ObstacleScene:
     lowest_m, highest_m: z of the lowest and highest point. clearance_m: smallest height of its points above the bed;
     negative if it reaches below the bed. size_m: extent along the world's x, y and z. buried_share, above_water_share:
     shares of its surface below the bed and above the water. beside_terrain: whether any part of it is outside the
-    terrain.
+    terrain. held: whether its bounding box touches that of another obstacle.
     """
 
     name: str
@@ -69,6 +73,7 @@ class ObstacleScene:
     buried_share: float
     above_water_share: float
     beside_terrain: bool
+    held: bool
 
 
 @dataclass(frozen=True)
@@ -77,10 +82,10 @@ class VehicleScene:
 
     altitude_m: smallest height of its hull above the bed. beside_terrain: whether any part of the hull is outside the
     terrain. free_m: distance to the nearest surface; for a docked vehicle, from the dock's exit. radius_m: radius of a
-    sphere around its hull. weight_n: weight in air. net_buoyancy_n: buoyancy minus weight, deep in still water;
-    positive if the vehicle rises. lift_n: maximum downward (negative) and upward thrust. current_m_s: current at the
-    start, see CURRENT_SHARE. holds_current: whether it can hold its position in that current. figures: properties of
-    its model in this water.
+    sphere around its hull. weight_n: weight in air. net_buoyancy_n: buoyancy minus weight, arm included, deep in still
+    water; positive if the vehicle rises. lift_n: maximum downward (negative) and upward thrust. current_m_s: current at
+    the start, see CURRENT_SHARE. holds_current: whether it can hold its position in that current. figures: properties
+    of its model in this water.
     """
 
     name: str
@@ -137,6 +142,8 @@ def measured_scene(sim: Simulator) -> Scene:
     terrain = build_terrain(scenario.terrain)
     part = terrain.window(scenario.terrain.window_m)
     station = station_at_start(scenario).position_m
+    solids = [obstacle_solid(obstacle, terrain)[:2] for obstacle in scenario.obstacles]
+    boxes = np.array([(vertices.min(axis=0), vertices.max(axis=0)) for vertices, _ in solids]).reshape(-1, 2, 3)
     return Scene(
         name=scenario.name,
         bed=Bed(part.extent_m, part.lowest_m, float(part.heights_m.max()), float((part.heights_m > 0.0).mean())),
@@ -144,7 +151,10 @@ def measured_scene(sim: Simulator) -> Scene:
         sight_m=sight_m(core_optics(scenario.optics).water.beam_attenuation),
         station_m=station,
         station_bed_m=float(terrain.height_at([station[:2]])[0]),
-        obstacles=tuple(_obstacle(sim, k, terrain) for k in range(len(scenario.obstacles))),
+        obstacles=tuple(
+            _obstacle(obstacle, *solids[k], terrain, held=_touches_another(boxes, k))
+            for k, obstacle in enumerate(scenario.obstacles)
+        ),
         vehicles=tuple(_vehicle(sim, entry, terrain) for entry in scenario.vehicles),
     )
 
@@ -154,9 +164,15 @@ def sight_m(beam_attenuation: Floats) -> float:
     return float(-math.log(CONTRAST) / np.min(beam_attenuation))
 
 
-def _obstacle(sim: Simulator, index: int, terrain: Terrain) -> ObstacleScene:
-    obstacle = sim.scenario.obstacles[index]
-    vertices, triangles, _ = obstacle_solid(obstacle, terrain)
+def _touches_another(boxes: Floats, index: int) -> bool:
+    """Return whether one of the boxes (n, 2, 3), lowest and highest corners, touches another, within 1 mm."""
+    apart_m = np.maximum(boxes[:, 0] - boxes[index, 1], boxes[index, 0] - boxes[:, 1]).max(axis=1)
+    return bool((np.delete(apart_m, index) <= TOUCHING_M).any())
+
+
+def _obstacle(
+    obstacle: ObstacleModel, vertices: Vertices, triangles: Triangles, terrain: Terrain, *, held: bool
+) -> ObstacleScene:
     points = surface_points(vertices, triangles)
     beds = terrain.height_at(points[:, :2])
     beside = bool(np.isnan(beds).any())
@@ -173,6 +189,7 @@ def _obstacle(sim: Simulator, index: int, terrain: Terrain) -> ObstacleScene:
         buried_share=float(np.mean(clear < 0.0)),
         above_water_share=float(np.mean(points[:, 2] > 0.0)),
         beside_terrain=beside,
+        held=held,
     )
 
 
@@ -188,7 +205,7 @@ def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleSc
     water = sim.world.water
     control = sim.vehicles[entry.name].control.model
     current_m_s = _current_m_s(sim, position)
-    net_n = sim.vehicles[entry.name].control.net_buoyancy_n
+    net_n = sim.vehicles[entry.name].control.net_buoyancy_n - _arm_weight_n(sim, entry)
     displaced_kg = float(water.density_at_kg_m3(0.0)) * rigid_body(entry.model, 1000.0).volume_m3
     clear_m = hull[:, 2] - terrain.height_at(hull[:, :2])
     density_kg_m3 = surface_density_kg_m3(sim.scenario.water)
@@ -209,6 +226,14 @@ def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleSc
         holds_current=_holds(control, current_m_s),
         figures=vehicle_figures(entry.model, control, density_kg_m3, entry.trim, water.gravity_m_s2),
     )
+
+
+def _arm_weight_n(sim: Simulator, entry: VehicleEntry) -> float:
+    """Return the weight in water of the vehicle's arm."""
+    water = sim.world.water
+    density_kg_m3 = float(water.density_at_kg_m3(0.0))
+    links = (entry.model.arm or {}).values()
+    return float(water.gravity_m_s2 * sum(link.mass_kg - density_kg_m3 * link.volume_m3 for link in links))
 
 
 def _current_m_s(sim: Simulator, position_m: tuple[float, float, float]) -> float:

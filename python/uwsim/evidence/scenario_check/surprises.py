@@ -61,8 +61,9 @@ def _of_obstacle(obstacle: ObstacleScene, scene: Scene) -> Iterator[str]:
         yield f"{name} is {100 * obstacle.buried_share:.0f} % below the bed; {_hint(obstacle)}"
     if obstacle.above_water_share > HIDDEN:
         yield f"{name} is all above the water"
-    elif obstacle.kind not in HANGING and obstacle.clearance_m > FLOATING_M and obstacle.highest_m < 0.0:
-        # Obstacles that reach the surface may float.
+    elif obstacle.kind in HANGING or obstacle.held or obstacle.highest_m >= 0.0:
+        pass  # obstacles that reach the surface may float
+    elif obstacle.clearance_m > FLOATING_M:
         yield f"{name} hangs {obstacle.clearance_m:.1f} m above the bed; {_hint(obstacle)}"
 
 
