@@ -11,8 +11,8 @@ HEAD = """# Learning environments
 
 The environments registered by `import uwsim.learning`; [Learning](../guides/learning.md) shows how to use them.
 Observations are float32 and clipped to their range, then divided by their usual size (not in version 0, nor with
-`normalise=False`); body axes are x forward, y left, z up. Actions are efforts in [-1, 1]. Values that are not measured
-by a sensor are exact.
+`normalise=False`); body axes are x forward, y left, z up. Actions are efforts in [-1, 1], and `grip`
+the speed at which both jaws close, in [-1, 1]. Values that are not measured by a sensor are exact.
 
 """
 
@@ -24,7 +24,8 @@ def environments_page() -> str:
 
 def _section(name: str, task: type[Task]) -> str:
     text = f"## uwsim/{name}-v0\n\n{plain(task.__doc__ or '')}\n\n"
-    text += f"One action every {task.period_s:g} s: {', '.join(task.axes)}. Truncated after {task.duration_s:g} s. "
+    text += f"One action every {task.period_s:g} s: {', '.join(task.action_names())}. "
+    text += f"Truncated after {task.duration_s:g} s. "
     text += f"Scenario: `learning/{Path(str(task.scenario)).name}` in the assets."
     drawn = [f"`{key}` in ({low:g}, {high:g})" for key, (low, high) in task.randomize.items()]
     text += f" Drawn for each episode: {', '.join(drawn)}.\n\n" if drawn else "\n\n"

@@ -72,6 +72,8 @@ PUBLIC = {
     "Many at once": [
         "uwsim.batch.Batch",
         "uwsim.batch.BatchMotion",
+        "uwsim.batch.BatchObject",
+        "uwsim.batch.BatchJoints",
         "uwsim.batch.BatchSamples",
         "uwsim.batch.BatchPings",
         "uwsim.batch.BatchPhysicsPings",
@@ -92,6 +94,7 @@ PUBLIC = {
         "uwsim.learning.motion.Motion",
         "uwsim.learning.tasks",
         "uwsim.learning.policy.LinearPolicy",
+        "uwsim.learning.baselines",
         "uwsim.learning.episodes.Episodes",
         "uwsim.learning.returns.fly()",
         "uwsim.learning.evolve.evolve()",

@@ -29,7 +29,7 @@ class BodyPath {
   explicit BodyPath(BodyPathSpec spec);
   /// The body at a time from 0 on; at rest once an open path has ended.
   BodyState at(double time_s) const;
-  /// Whether it stays where it is.
+  /// Returns true if it stays where it is.
   bool stands() const;
 
  private:

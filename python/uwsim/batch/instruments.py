@@ -16,7 +16,9 @@ from uwsim.batch.commands import CommandedBatch
 from uwsim.batch.members import Members
 from uwsim.batch.results import (
     BatchEstimate,
+    BatchJoints,
     BatchMotion,
+    BatchObject,
     BatchPings,
     BatchSamples,
     Buffers,
@@ -55,6 +57,41 @@ class InstrumentedBatch(CommandedBatch):
         motion = self._motion[index]
         self._core.motion(index, *motion.writable)
         return motion.shown
+
+    def observe_object(self, name: str) -> BatchObject:
+        """Return the true motion of one of the scenario's `objects` in each member."""
+        names = [body.name for body in self.scenario.objects]
+        if name not in names:
+            rule = f"must be one of {', '.join(names)}" if names else "the scenario has none"
+            raise ValueError(f"object = {name!r}: {rule}{did_you_mean(str(name), names)}")
+        states = [self._core.member(k).object_state(names.index(name)) for k in range(self.n)]
+        return BatchObject(
+            np.array([state.position_world_m for state in states]),
+            np.array([state.orientation_xyzw for state in states]),
+            np.array([state.velocity_body for state in states]),
+        )
+
+    def read_joints(self, body: str | None = None) -> BatchJoints:
+        """Return the joints of an arm, or of an object's links, in each member, like Arm.read.
+
+        body: a vehicle, by default the first, or an object.
+        """
+        carried = {entry.name: entry.model.arm for entry in self.scenario.vehicles}
+        carried |= {one.name: one.links for one in self.scenario.objects}
+        name = self._names[0] if body is None else body
+        known = [one for one, links in carried.items() if links]
+        if name not in known:
+            rule = f"must be one of {', '.join(known)}" if known else "nothing has joints"
+            raise ValueError(f"body = {name!r}: {rule}{did_you_mean(str(name), known)}")
+        index, links = [*carried].index(name), carried[name] or {}
+        readings = [self._core.member(k).arm(index) for k in range(self.n)]
+        moving = [k for k, one in enumerate(readings[0].names) if links[one].hinge or links[one].slide]
+        names = tuple(readings[0].names[k] for k in moving)
+        values = (
+            np.array([getattr(one, what) for one in readings])[:, moving]
+            for what in ("positions", "speeds", "motor_torques")
+        )
+        return BatchJoints(names, *values)
 
     def read(self, sensor: str, vehicle: str | None = None, *, noise: bool = True) -> BatchSamples:
         """Return the latest sample from a sensor in each member, like Sensor.read."""

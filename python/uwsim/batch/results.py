@@ -48,6 +48,32 @@ class BatchEstimate(ShortRepr):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class BatchObject(ShortRepr):
+    """Pose and velocity of one object in each member. The arrays belong to the caller.
+
+    position_world_m (n, 3), of its middle; orientation_xyzw (n, 4); velocity_body (n, 6) [m/s, rad/s]: float64.
+    """
+
+    position_world_m: Floats
+    orientation_xyzw: Floats
+    velocity_body: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BatchJoints(ShortRepr):
+    """The joints of one arm or object in each member; see Arm.read. The arrays belong to the caller.
+
+    names: of the joints that move. positions, speeds, motor_torques (n, joints) float64: hinges in rad, rad/s and N m,
+    slides in m, m/s and N.
+    """
+
+    names: tuple[str, ...]
+    positions: Floats
+    speeds: Floats
+    motor_torques: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class BatchGuidance(ShortRepr):
     """Guidance of one vehicle in each member along its path. All arrays are (n,); see PathFollower.steer."""
 

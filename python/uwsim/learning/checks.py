@@ -38,6 +38,7 @@ def require_task(kind: Any) -> None:
     if not (isinstance(kind.draws, int) and kind.draws >= 0):
         raise ValueError(f"{name}.draws = {kind.draws!r}: must be a whole number, 0 or more")
     _require_axes(name, kind.axes)
+    _require_joints(name, kind)
     _require_fields(name, kind.goal_fields)
     names = [field.name for field in kind.fields()]
     if twice := sorted({one for one in names if names.count(one) > 1}):
@@ -51,6 +52,19 @@ def _require_axes(name: str, axes: Any) -> None:
         if axis not in AXES:
             rule = f"must be one of {', '.join(AXES)}{did_you_mean(str(axis), AXES)}"
             raise ValueError(f"{name}.axes: {axis!r}: {rule}")
+
+
+def _require_joints(name: str, kind: type[Task]) -> None:
+    joints: Any = kind.joints
+    if not isinstance(joints, Mapping) or any(
+        isinstance(each, str) or not isinstance(each, Sequence) or not each for each in joints.values()
+    ):
+        raise ValueError(f"{name}.joints = {joints!r:.60}: must be lists of joints by name")
+    every = [joint for each in joints.values() for joint in each]
+    if twice := sorted({joint for joint in every if every.count(joint) > 1}):
+        raise ValueError(f"{name}.joints: {twice[0]!r}: must be in one list only")
+    if twice := [one for one in joints if one in kind.axes]:
+        raise ValueError(f"{name}.joints: '{twice[0]}': is the name of an axis")
 
 
 def _require_fields(name: str, fields: Any) -> None:

@@ -24,6 +24,7 @@ from uwsim.learning.scales import Scales
 from uwsim.learning.task import AnyScenario, Flags, Floats, Task, Verdict
 from uwsim.learning.view import View
 from uwsim.scenario import Scenario, load
+from uwsim.scenario.build.arm import link_specs
 from uwsim.scenario.read.validated import validated
 
 SEED_MAX = 2**63
@@ -74,7 +75,8 @@ class Episodes:
         self.generators: list[np.random.Generator | None] = [None] * n
         self.generator_seeds: list[int] = [-1] * n
         self._seeds = list(self.batch.seeds)
-        self.actions = np.zeros((n, len(kind.axes)))
+        self.actions = np.zeros((n, len(kind.action_names())))
+        self._fastest = fastest_joints(self.task)
         self._motion: Motion | None = None
 
     def __repr__(self) -> str:
@@ -146,12 +148,15 @@ class Episodes:
         return self.observe()
 
     def step(self, actions: Any, restarting: Flags | None = None) -> Outcome:
-        """Apply actions (n, axes) for one period; members in `restarting` (n,) begin new episodes and get no reward.
+        """Apply actions (n, axes and joints) for one period.
+
+        Members in `restarting` (n,) begin new episodes and get no reward.
 
         Raises ValueError for actions outside [-1, 1].
         """
         self.actions[...] = self._checked(actions)
         before = self.motion
+        self._move_joints()
         diverged = self._advance(checked_efforts(self.task, self.task.efforts(self.actions, before)), before.time_s)
         if restarting is not None:
             self._restart(restarting)
@@ -164,6 +169,14 @@ class Episodes:
         if restarting is not None:
             reward, terminated = np.where(restarting, 0.0, reward), terminated & ~restarting
         return Outcome(observation, reward, terminated, truncated, figures)
+
+    def _move_joints(self) -> None:
+        if self._fastest:
+            shares = dict(zip(self.task.action_names(), self.actions.T, strict=True))
+            speeds = {
+                joint: shares[name] * most for name, each in self._fastest.items() for joint, most in each.items()
+            }
+            self.batch.set_joints(speeds=speeds, vehicle=self.task.vehicle)
 
     def _judged(self) -> Verdict:
         return checked_verdict(self.task, self.task.judge(self.motion, self.actions))
@@ -186,7 +199,7 @@ class Episodes:
         outside = ~(np.abs(values) <= 1.0)  # also true for NaN
         if outside.any():
             member, column = np.argwhere(outside)[0].tolist()
-            name = f"actions[{member}].{self.task.axes[column]}"
+            name = f"actions[{member}].{self.task.action_names()[column]}"
             hint = "gymnasium.wrappers.ClipAction clips them"
             raise ValueError(f"{name} = {values[member, column]:g}: must be in [-1, 1]; {hint}")
         return values
@@ -219,3 +232,19 @@ def require_driven(task: Task) -> None:
     if idle:
         rule = f"nothing drives its {' and '.join(idle)}, which actions of {type(task).__name__} set"
         raise ValueError(f"vehicle '{task.vehicle}': {rule}")
+
+
+def fastest_joints(task: Task) -> dict[str, dict[str, float]]:
+    """Return the fastest speeds [rad/s or m/s] of the joints of each of a task's `joints`, by name.
+
+    Raises ValueError unless the vehicle's arm has motors for them.
+    """
+    if not task.joints:
+        return {}
+    entry = next(entry for entry in task.batch.scenario.vehicles if entry.name == task.vehicle)
+    known = {link.name: link.fastest for link in link_specs(entry.model.arm or {}) if link.strongest > 0.0}
+    for joint in (joint for joints in task.joints.values() for joint in joints):
+        if joint not in known:
+            rule = f"must be one of {', '.join(known)}" if known else "its vehicle has no arm with motors"
+            raise ValueError(f"{type(task).__name__}.joints: {joint!r}: {rule}{did_you_mean(str(joint), known)}")
+    return {name: {joint: known[joint] for joint in joints} for name, joints in task.joints.items()}

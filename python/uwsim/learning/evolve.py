@@ -83,7 +83,7 @@ def free_weights(kind: type[Task]) -> NDArray[np.bool_]:
     """
     fields = kind.fields()
     if not all(field.mirror for field in fields):
-        return np.ones((len(kind.axes), sum(field.width for field in fields) + 1), np.bool_)
+        return np.ones((len(kind.action_names()), sum(field.width for field in fields) + 1), np.bool_)
     seen = np.array([*(factor for field in fields for factor in field.mirror), 1])
     return np.outer(kind.action_mirror(), seen) > 0
 

@@ -11,7 +11,10 @@ from gymnasium.envs import registration
 if TYPE_CHECKING:
     from uwsim.learning.task import Task
 
-NAMES = ("StationKeeping", "Waypoint", "PipelineFollowing", "Docking", "Coverage", "GatePassing", "TetheredReturn")
+NAMES = (
+    "StationKeeping", "Waypoint", "PipelineFollowing", "Docking", "Coverage", "GatePassing", "TetheredReturn", "Grasp",
+    "Valve",
+)  # fmt: skip
 ENVIRONMENTS = tuple(f"uwsim/{name}-v1" for name in NAMES)
 """Names of the current versions of all packaged environments in Gymnasium's registry."""
 

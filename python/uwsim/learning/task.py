@@ -96,11 +96,12 @@ class Task(ABC):
     """A kind of episode, for all members of a batch together: arrays have one row per member.
 
     scenario: a scenario, or the name or path of one, as for Simulator, or the values of one, with the keys of its YAML
-    file. period_s: time between actions, a whole number of steps. duration_s: time after which an episode is
-    truncated. axes: the efforts that an action sets, in [-1, 1]. randomize: (low, high) ranges of the parameters drawn
-    uniformly for each episode. draws: number of random values in [0, 1) that `start` needs per member. pings: whether
-    the task uses the vehicle's first sonar. sensors: the sensors that the task reads; all other observed values are the
-    true motion. goal_fields: what `goal` returns.
+    file. period_s: time between actions, a whole number of steps. duration_s: time after which an episode is truncated.
+    axes: the efforts that an action sets, in [-1, 1]. joints: by the name of a further value of an action, in [-1, 1],
+    the joints of the vehicle's arm whose speeds it sets, as shares of their motors' fastest. randomize: (low, high)
+    ranges of the parameters drawn uniformly for each episode. draws: number of random values in [0, 1) that `start`
+    needs per member. pings: whether the task uses the vehicle's first sonar. sensors: the sensors that the task reads;
+    all other observed values are the true motion. goal_fields: what `goal` returns.
 
     A task may have additional arrays with a row per member; `start` resets the rows of the members that begin. All of
     its arrays, numbers and strings are part of an environment's saved state; other objects must not change.
@@ -112,6 +113,7 @@ class Task(ABC):
     period_s: ClassVar[float] = 0.05
     duration_s: ClassVar[float] = 20.0
     axes: ClassVar[tuple[str, ...]] = AXES
+    joints: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     randomize: ClassVar[Mapping[str, tuple[float, float]]] = {}
     draws: ClassVar[int]
     pings: ClassVar[bool] = False
@@ -145,19 +147,26 @@ class Task(ABC):
             Field("angular_velocity_body", 3, 10.0, "rad/s", "in body axes", None, TURN, (0.5,) * 3),
             Field(
                 "effort",
-                len(cls.axes),
+                len(cls.action_names()),
                 1.0,
                 "1",
                 "the previous action",
                 None,
                 cls.action_mirror(),
-                (0.5,) * len(cls.axes),
+                (0.5,) * len(cls.action_names()),
             ),
         )
 
     @classmethod
+    def action_names(cls) -> tuple[str, ...]:
+        """Return the names of an action's values: axes, then joints."""
+        return (*cls.axes, *cls.joints)
+
+    @classmethod
     def action_mirror(cls) -> tuple[int, ...]:
-        """Return the factor on each action value when port and starboard are exchanged."""
+        """Return the factor on each action value when port and starboard are exchanged; () if there are joints."""
+        if cls.joints:
+            return ()
         return tuple((*ARROW, *TURN)[AXES.index(axis)] for axis in cls.axes)
 
     @property
@@ -167,19 +176,19 @@ class Task(ABC):
 
     @property
     def action_space(self) -> Box:
-        """The Gymnasium space of a member's actions: an effort for each of `axes`."""
-        return Box(-1.0, 1.0, (len(self.axes),), np.float32)
+        """The Gymnasium space of a member's actions: an effort for each of `axes`, a speed for each of `joints`."""
+        return Box(-1.0, 1.0, (len(self.action_names()),), np.float32)
 
     def efforts(self, actions: Floats, now: Motion) -> Floats:
-        """Return efforts (n, 6), surge to yaw, for actions (n, axes)."""
+        """Return efforts (n, 6), surge to yaw, for actions (n, axes and joints)."""
         efforts = np.zeros((len(actions), len(AXES)))
-        efforts[:, self.columns] = actions
+        efforts[:, self.columns] = actions[:, : len(self.columns)]
         return efforts
 
     def observe(self, now: Motion, actions: Floats) -> Any:
         """Return observations, float32 (n, width), clipped to their limits.
 
-        actions: (n, axes), the previous actions.
+        actions: (n, axes and joints), the previous actions.
         """
         width = sum(field.width for field in self.goal_fields)
         goal = rows(f"{type(self).__name__}.goal", "goal", self.goal(now), (len(actions), width))

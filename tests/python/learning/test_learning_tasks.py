@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 from uwsim.base.axes import AXES
+from uwsim.learning.baselines import BASELINES
 from uwsim.learning.episodes import Episodes
 from uwsim.learning.motion import Motion
 from uwsim.learning.options import EpisodeOptions
 from uwsim.learning.returns import Flown, fly
 from uwsim.learning.task import Task
 from uwsim.learning.tasks import (
+    TASKS,
     Coverage,
     Docking,
     GatePassing,
@@ -142,3 +144,22 @@ def test_a_return_on_the_other_side_of_the_pile_leaves_a_turn() -> None:
     with_care, without = (flown(TetheredReturn, round_the_pile(sides)) for sides in ((1.0, 1.0), (1.0, -1.0)))
     assert (with_care.total > without.total + 15.0).all()
     assert [abs(without.figures["turns"][without.steps[k] - 1, k]) for k in range(len(SEEDS))] == [1.0] * len(SEEDS)
+
+
+@pytest.mark.parametrize("name", BASELINES)
+def test_a_baseline_that_sees_only_observations_does_the_task(name: str) -> None:
+    """So that nothing in it has to be known that is not observed; and the jaws have to close on a sample."""
+    episodes = Episodes(TASKS[name], len(SEEDS), EpisodeOptions(threads=1, normalise=False))
+    done = fly(episodes, BASELINES[name], SEEDS)
+    assert [done.figures["success"][done.steps[k] - 1, k] for k in range(len(SEEDS))] == [1.0] * len(SEEDS)
+    idle = fly(episodes, lambda observation: np.zeros((len(SEEDS), 5)), SEEDS)
+    assert (done.total > idle.total + 10.0).all()
+    assert not idle.figures["success"].any()
+
+
+def test_a_sample_is_not_lifted_by_open_jaws() -> None:
+    def with_open_jaws(observation: Any) -> Any:
+        return np.column_stack([BASELINES["Grasp"](observation)[:, :4], np.full(len(SEEDS), -1.0)])
+
+    episodes = Episodes(TASKS["Grasp"], len(SEEDS), EpisodeOptions(threads=1, normalise=False, duration_s=15.0))
+    assert not fly(episodes, with_open_jaws, SEEDS).figures["success"].any()

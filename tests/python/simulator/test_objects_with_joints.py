@@ -124,6 +124,13 @@ def test_joints_are_saved_restored_reset_and_batched() -> None:
         batch.step(round(2.0 / sim.step_s))
         inside = batch.aboard(1).objects["post"].joints
         assert (inside.read().positions == sim.objects["post"].joints.read().positions).all()  # type: ignore[union-attr]
+        assert (batch.read_joints("post").positions[1] == inside.read().positions).all()
+        ball = sim.objects["ball"]
+        assert (batch.observe_object("ball").position_world_m[1] == ball.pose.position_world_m).all()
+        with pytest.raises(ValueError, match=r"body = 'rov': must be one of post"):
+            batch.read_joints()
+        with pytest.raises(ValueError, match=r"object = 'bal': must be one of post, ball; did you mean 'ball'"):
+            batch.observe_object("bal")
         sim.reset()
         assert sim.save_state() == start
 

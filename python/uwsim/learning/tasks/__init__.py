@@ -3,14 +3,26 @@
 from uwsim.learning.tasks.coverage import Coverage
 from uwsim.learning.tasks.docking import Docking
 from uwsim.learning.tasks.gate_passing import GatePassing
+from uwsim.learning.tasks.grasp import Grasp
 from uwsim.learning.tasks.pipeline_following import PipelineFollowing
 from uwsim.learning.tasks.station_keeping import StationKeeping
 from uwsim.learning.tasks.tethered_return import TetheredReturn
+from uwsim.learning.tasks.valve import Valve
 from uwsim.learning.tasks.waypoint import Waypoint
 
 TASKS = {
     task.__name__: task
-    for task in (StationKeeping, Waypoint, PipelineFollowing, Docking, Coverage, GatePassing, TetheredReturn)
+    for task in (
+        StationKeeping,
+        Waypoint,
+        PipelineFollowing,
+        Docking,
+        Coverage,
+        GatePassing,
+        TetheredReturn,
+        Grasp,
+        Valve,
+    )
 }
 
 __all__ = [
@@ -18,8 +30,10 @@ __all__ = [
     "Coverage",
     "Docking",
     "GatePassing",
+    "Grasp",
     "PipelineFollowing",
     "StationKeeping",
     "TetheredReturn",
+    "Valve",
     "Waypoint",
 ]
