@@ -1,13 +1,10 @@
 """Sensors in Python: what is measured by one of the core's kinds becomes the quantities of another kind, with noise.
 
-Each error is a function of the seed, the sensor's name, the quantity and the time of the sample (Philox,
-counter-based). A derived sensor therefore has no state: samples are the same however often they are read, in a replay
-and after `restore_state`.
+Their errors have no memory (errors.py), so that a derived sensor has no state.
 """
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, make_dataclass
 from typing import Any
@@ -15,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.instruments.errors import Errors
 from uwsim.instruments.readings import Reading
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 from uwsim.scenario.spec.sensor_kind import DerivedKind, Widths, figures_of
@@ -62,22 +60,7 @@ class Derivation:
 
     def _with_errors(self, channel: str, value: Floats, stamp_ns: int) -> Floats:
         noise = self.mount.channels.get(channel) or self.mount.noise or Noise(std=self.mount.noise_std or 0.0)
-        std = np.hypot(noise.std, noise.density * np.sqrt(self.rate_hz))
-        if std > 0.0:
-            value = value + std * self._draw(channel, stamp_ns + 1, len(value))
-        if noise.turn_on_std > 0.0:
-            value = value + noise.turn_on_std * self._draw(channel, 0, len(value))
-        if noise.quantum > 0.0:
-            value = noise.quantum * np.round(value / noise.quantum)
-        return value if noise.limits is None else np.clip(value, *noise.limits)
-
-    def _draw(self, channel: str, count: int, width: int) -> Floats:
-        """Return `width` normally distributed numbers for the sample `count`; 0 is the beginning of the run."""
-        words = f"sensor/{self.name}/{channel}".encode()
-        stream = int.from_bytes(hashlib.blake2b(words, digest_size=8).digest(), "little")
-        key = np.array([self.seed(), stream], np.uint64)
-        counter = np.array([0, count, 0, 0], np.uint64)  # the first word counts within a draw
-        return np.random.Generator(np.random.Philox(key=key, counter=counter)).standard_normal(width)
+        return Errors(self.name, self.rate_hz, self.seed).added(noise, channel, value, stamp_ns)
 
 
 def reading_class(kind: DerivedKind) -> type[Reading] | None:

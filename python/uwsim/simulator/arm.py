@@ -12,6 +12,8 @@ from uwsim import _core
 from uwsim.base.arguments import read_only
 from uwsim.base.quaternions import turned
 from uwsim.base.short_repr import ShortRepr
+from uwsim.instruments.errors import Errors
+from uwsim.scenario.spec.arm import JointErrors, Link
 from uwsim.simulator.push import six_numbers
 
 Floats = NDArray[np.float64]
@@ -22,9 +24,9 @@ ByName = Mapping[str, float]
 class ArmReading(ShortRepr):
     """An arm at one time, by joint: hinges in rad, rad/s and N m, slides in m, m/s and N.
 
-    names: of the joints that move, which are their links'. positions, speeds (n,): as encoders without errors read
-    them. motor_torques (n,): at the joints, at the start of the last step. currents_a (n,): of the motors; NaN where
-    the vehicle's file has no torque per ampere.
+    names: of the joints that move, which are their links'. positions, speeds (n,). motor_torques (n,): at the joints,
+    at the start of the last step. currents_a (n,): of the motors; NaN where the vehicle's file has no torque per
+    ampere.
     """
 
     names: tuple[str, ...]
@@ -34,10 +36,35 @@ class ArmReading(ShortRepr):
     currents_a: Floats
 
 
-class Arm:
-    """A vehicle's arm, `Vehicle.arm`, or the links of an object, `LooseBody.joints`. Readings are true, not measured.
+@dataclass(frozen=True)
+class Sensed:
+    """What is measured at joints. joints: their errors by name. vehicle: its name. step_s: the time between samples.
 
-    names: the joints that move; motors: those with a motor, which accept commands.
+    seed: returns the run's.
+    """
+
+    joints: Mapping[str, JointErrors]
+    vehicle: str
+    step_s: float
+    seed: Callable[[], int]
+
+    def of(self, joint: str) -> Errors:
+        """Return what adds errors to the samples of a joint."""
+        return Errors(f"{self.vehicle}/arm/{joint}", 1.0 / self.step_s, self.seed)
+
+
+def sensed(arm: Mapping[str, Link], vehicle: str, step_s: float, seed: Callable[[], int]) -> Sensed | None:
+    """Return what is measured at an arm's joints; None where it has no errors."""
+    joints = {name: (link.hinge or link.slide) for name, link in arm.items()}
+    errors = {name: joint.errors for name, joint in joints.items() if joint is not None and joint.errors is not None}
+    return Sensed(errors, vehicle, step_s, seed) if errors else None
+
+
+class Arm:
+    """A vehicle's arm, `Vehicle.arm`, or the links of an object, `LooseBody.joints`.
+
+    `read` is true, `measure` has errors. names: the joints that move. motors: those with a motor, which accept
+    commands.
     """
 
     def __init__(
@@ -46,10 +73,12 @@ class Arm:
         index: int,
         links: list[_core.ArmLink],
         command: Callable[[ByName | None, ByName | None, ByName | None], None],
+        sensed: Sensed | None = None,
     ) -> None:
         self._simulation = simulation
         self._index = index
         self._command = command
+        self._sensed = sensed
         self._specs = links
         self._moving = [k for k, link in enumerate(links) if link.joint != _core.JointKind.FIXED]
         self.names = tuple(links[k].name for k in self._moving)
@@ -66,6 +95,28 @@ class Arm:
         now, at = self._simulation.arm(self._index), self._moving
         values = [now.positions, now.speeds, now.motor_torques, now.currents_a]
         return ArmReading(self.names, *(read_only(np.array(each)[at]) for each in values))
+
+    def measure(self) -> ArmReading:
+        """Return what encoders and current sensors read now, with the `errors` in the vehicle's file.
+
+        Torques are those that belong to the currents. What has no errors there is read as it is.
+        """
+        true = self.read()
+        if self._sensed is None:
+            return true
+        positions, speeds, torques, currents = (
+            np.array(each) for each in (true.positions, true.speeds, true.motor_torques, true.currents_a)
+        )
+        stamp_ns = self._simulation.time_ns
+        for k, name in enumerate(self.names):
+            if (noise := self._sensed.joints.get(name)) is None:
+                continue
+            errors = self._sensed.of(name)
+            for channel, values in (("position", positions), ("speed", speeds), ("current", currents)):
+                values[k : k + 1] = errors.added(getattr(noise, channel), channel, values[k : k + 1], stamp_ns)
+            if (per_ampere := self._specs[self._moving[k]].torque_per_ampere) > 0.0:
+                torques[k] = per_ampere * currents[k]
+        return ArmReading(self.names, *(read_only(each) for each in (positions, speeds, torques, currents)))
 
     def poses_world(self) -> dict[str, Floats]:
         """Return world_from_link of each link, (4, 4), by name."""

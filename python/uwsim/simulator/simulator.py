@@ -37,6 +37,7 @@ from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, veh
 from uwsim.scenario.build.world import beyond_terrain, fill_with_water, scenario_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint, warn_of_other_build
 from uwsim.scenario.read.collected import Collected
+from uwsim.simulator.arm import sensed
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.failures import Aboard, EventLog, Faults
 from uwsim.simulator.lockstep import Lockstep
@@ -202,6 +203,7 @@ class Simulator(SimulatorProperties):
             control=control,
             beyond_terrain=lambda x_m, y_m: beyond_terrain(self._world, self.scenario, x_m, y_m),
             tether=self._tether(index),
+            joints=sensed(entry.model.arm or {}, entry.name, self.step_s, lambda: self.seed),
         )
 
     def _chain_of(self, index: int, model: _core.MultibeamModel, **options: Any) -> PingToMap:

@@ -21,7 +21,7 @@ from uwsim.scenario.build.control import ControlSettings, floating_text
 from uwsim.scenario.build.vehicle import authority
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
-from uwsim.simulator.arm import Arm
+from uwsim.simulator.arm import Arm, Sensed
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.forces import Wrench, forces_by_name
 from uwsim.simulator.helm import Helm
@@ -86,6 +86,7 @@ class Vehicle(CommandedVehicle):
         control: ControlSettings,
         beyond_terrain: Callable[[float, float], str | None],
         tether: Tether | None = None,
+        joints: Sensed | None = None,
     ) -> None:
         self._simulation = simulation
         self._index = index
@@ -93,7 +94,7 @@ class Vehicle(CommandedVehicle):
         self.control = control
         self._beyond_terrain = beyond_terrain
         self.tether = tether
-        self.arm = Arm(simulation, index, spec.arm, self.set_joints) if spec.arm else None
+        self.arm = Arm(simulation, index, spec.arm, self.set_joints, joints) if spec.arm else None
         sensors: dict[str, Sensor[Any]] = {
             s.name: Sensor(simulation, index, k, s, step_s, mounts[s.name], f"{spec.name}/{s.name}", seed)
             for k, s in enumerate(spec.sensors)

@@ -118,7 +118,8 @@ def _joints(source: Source, sim: Simulator) -> Any:
     angles = _angles(source, sim)
     more: dict[str, NDArray[np.float64]] = {}
     if (arm := source.of(sim).arm) is not None:  # the others have neither; the message has all values or none
-        now, others = arm.read(), np.full(len(angles) - len(arm.names), np.nan)
+        now, others = arm.measure(), np.full(len(angles) - len(arm.names), np.nan)
+        angles |= dict(zip(now.names, now.positions, strict=True))
         more["velocity"] = np.concatenate([others, now.speeds])
         more["effort"] = np.concatenate([others, now.motor_torques])
     return build.message(

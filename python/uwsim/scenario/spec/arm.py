@@ -10,6 +10,7 @@ from pydantic import model_validator
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.obstacle import ObstacleSpec
+from uwsim.scenario.spec.sensor import STATEFUL, Noise
 
 SHAPES = ("box", "cylinder", "mesh", "sphere")
 
@@ -57,11 +58,31 @@ class SlideMotor(Model):
     force_per_ampere_n_a: Annotated[float, InRange(1e-6, 1e7, "N/A")] | None = None
 
 
+class JointErrors(Model):
+    """Errors of what is measured at a joint, for which only those without memory can be given.
+
+    position [rad or m], speed [rad/s or m/s]: of its encoder. current [A]: of its motor.
+    """
+
+    position: Noise = Noise()
+    speed: Noise = Noise()
+    current: Noise = Noise()
+
+    @model_validator(mode="after")
+    def _has_no_memory(self) -> JointErrors:
+        for name in ("position", "speed", "current"):
+            for key in STATEFUL:
+                if value := getattr(getattr(self, name), key):
+                    raise broken("must be 0 for a joint, whose errors have no memory", at=(name, key), value=value)
+        return self
+
+
 class Hinge(Model):
     """A joint that turns about an axis through the link's origin, right-handed. Without a motor it swings freely.
 
     axis: along the link's axes. start_deg: where it is at first. limits_deg: its stops; by default none. viscous and
     Coulomb friction: the latter is the same at any speed, and at most this at rest. motor: what drives it, if anything.
+    errors: of what is measured at it; by default none.
     """
 
     axis: Point3 = (0.0, 0.0, 1.0)
@@ -70,6 +91,7 @@ class Hinge(Model):
     viscous_nm_s_rad: Annotated[float, InRange(0, 1e6, "N m s/rad")] = 0.0
     coulomb_nm: Annotated[float, InRange(0, 1e6, "N m")] = 0.0
     motor: HingeMotor | None = None
+    errors: JointErrors | None = None
 
     @model_validator(mode="after")
     def _starts_within(self) -> Hinge:
@@ -80,7 +102,7 @@ class Hinge(Model):
 class Slide(Model):
     """A joint that moves along an axis. Without a motor it slides freely. Fields as for a hinge.
 
-    motor: what drives it, if anything.
+    motor: what drives it, if anything. errors: of what is measured at it; by default none.
     """
 
     axis: Point3 = (1.0, 0.0, 0.0)
@@ -89,6 +111,7 @@ class Slide(Model):
     viscous_n_s_m: Annotated[float, InRange(0, 1e6, "N s/m")] = 0.0
     coulomb_n: Annotated[float, InRange(0, 1e7, "N")] = 0.0
     motor: SlideMotor | None = None
+    errors: JointErrors | None = None
 
     @model_validator(mode="after")
     def _starts_within(self) -> Slide:

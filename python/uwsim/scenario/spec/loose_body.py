@@ -74,7 +74,8 @@ class LooseBody(Model):
     def _has_own_links(self) -> LooseBody:
         for name, link in (self.links or {}).items():
             for joint in ("hinge", "slide"):
-                if getattr(getattr(link, joint), "motor", None) is not None:
-                    raise broken("must be left out: nothing commands it", at=("links", name, joint, "motor"))
+                for key, rule in (("motor", "nothing commands it"), ("errors", "nothing measures it")):
+                    if getattr(getattr(link, joint), key, None) is not None:
+                        raise broken(f"must be left out: {rule}", at=("links", name, joint, key))
         links_in_order(self.links or {}, "links")
         return self
