@@ -4609,9 +4609,19 @@ class ContactForce:
         (3,), on the body itself; mean over the step
         """
     @property
+    def link(self) -> str:
+        """
+        the link of the body's arm, or of an object's joints; empty: the body itself
+        """
+    @property
     def other(self) -> str:
         """
         the other body's name; empty for terrain and obstacles
+        """
+    @property
+    def other_link(self) -> str:
+        """
+        likewise of the other body
         """
     @property
     def point_world_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:

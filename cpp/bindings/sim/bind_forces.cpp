@@ -21,13 +21,15 @@ struct ContactForce {
   std::string other;
   Eigen::Vector3d point_world_m;
   Eigen::Vector3d force_world_n;
+  std::string link, other_link;
 };
 
-std::vector<ContactForce> named(const Simulation& simulation, const std::vector<Touch>& touches) {
+std::vector<ContactForce> named(const Simulation& simulation, std::size_t body, const std::vector<Touch>& touches) {
   std::vector<ContactForce> all;
   for (const Touch& touch : touches) {
     const bool is_body = touch.other != Touch::kNoBody;
-    all.push_back({is_body ? simulation.body_name(touch.other) : "", touch.point_world_m, touch.force_world_n});
+    all.push_back({is_body ? simulation.body_name(touch.other) : "", touch.point_world_m, touch.force_world_n,
+                   simulation.link_name(body, touch.link), simulation.link_name(touch.other, touch.other_link)});
   }
   return all;
 }
@@ -122,6 +124,9 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .field("other", &ContactForce::other, "the other body's name; empty for terrain and obstacles")
       .field("point_world_m", &ContactForce::point_world_m, "(3,)")
       .field("force_world_n", &ContactForce::force_world_n, "(3,), on the body itself; mean over the step")
+      .field("link", &ContactForce::link,
+             "the link of the body's arm, or of an object's joints; empty: the body itself")
+      .field("other_link", &ContactForce::other_link, "likewise of the other body")
       .done();
   simulation
       .def(
@@ -169,13 +174,13 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .def(
           "contacts",
           [](OwnedSimulation& o, std::size_t v) {
-            return o.with([&](Simulation& s) { return named(s, s.touches(v)); });
+            return o.with([&](Simulation& s) { return named(s, v, s.touches(v)); });
           },
           py::arg("vehicle"), "Return the points at which the vehicle was pressed in the last step. Raises ValueError.")
       .def(
           "object_contacts",
           [](OwnedSimulation& o, std::size_t k) {
-            return o.with([&](Simulation& s) { return named(s, s.object_touches(k)); });
+            return o.with([&](Simulation& s) { return named(s, s.body_of(k), s.object_touches(k)); });
           },
           py::arg("object"))
       .def(

@@ -59,8 +59,9 @@ struct Touch {
   std::uint64_t other = kNoBody;  ///< index of the other body; kNoBody: terrain or a solid
   Eigen::Vector3d point_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d force_world_n = Eigen::Vector3d::Zero();  ///< on the body, mean over the step
+  std::uint64_t link = kNoLink, other_link = kNoLink;       ///< of the arms of the body and of the other one
 
-  static constexpr std::uint64_t kNoBody = std::numeric_limits<std::uint64_t>::max();
+  static constexpr std::uint64_t kNoBody = std::numeric_limits<std::uint64_t>::max(), kNoLink = kNoBody;
 };
 
 /// A body of a RigidBodyWorld.

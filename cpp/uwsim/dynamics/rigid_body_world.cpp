@@ -1,5 +1,6 @@
 #include "uwsim/dynamics/rigid_body_world.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "uwsim/core/check.h"
@@ -207,6 +208,16 @@ void RigidBodyWorld::exchange_tethers(StateArchive& archive) {
   }
 }
 
+namespace {
+
+void exchange_link(StateArchive& archive, std::uint64_t& link, const MovedBody& body) {
+  archive(link);
+  require(link == Touch::kNoLink || (body.arm && link < body.arm->size()), "state.touch.link", link,
+          "must be a link of the arm");
+}
+
+}  // namespace
+
 void RigidBodyWorld::exchange_arms(StateArchive& archive) {
   for (MovedBody& body : bodies_) {
     if (!body.arm) continue;
@@ -214,6 +225,13 @@ void RigidBodyWorld::exchange_arms(StateArchive& archive) {
     for (Motion& motion : body.motions) {
       if (!motion.arm_body) motion.arm_body.emplace();
       for (Vector6d& wrench : *motion.arm_body) archive(wrench);
+    }
+  }
+  if (std::ranges::none_of(bodies_, [](const MovedBody& body) { return body.arm.has_value(); })) return;
+  for (MovedBody& body : bodies_) {
+    for (Touch& touch : body.touches) {
+      exchange_link(archive, touch.link, body);
+      if (touch.other != Touch::kNoBody) exchange_link(archive, touch.other_link, bodies_[touch.other]);
     }
   }
 }

@@ -260,9 +260,11 @@ void UwsimEngine::record_touches() {
     const Contact& contact = contacts_[k];
     const Eigen::Vector3d force_n = impulses_world_[k] / step_s_;
     const auto other = contact.b == kFixedBody ? Touch::kNoBody : static_cast<std::uint64_t>(contact.b);
-    bodies_[static_cast<std::size_t>(contact.a)].touches.push_back({other, contact.point_world_m, force_n});
+    const auto link_a = static_cast<std::uint64_t>(contact.link_a), link_b = static_cast<std::uint64_t>(contact.link_b);
+    const Eigen::Vector3d& point_m = contact.point_world_m;
+    bodies_[static_cast<std::size_t>(contact.a)].touches.push_back({other, point_m, force_n, link_a, link_b});
     if (contact.b != kFixedBody)
-      bodies_[other].touches.push_back({static_cast<std::uint64_t>(contact.a), contact.point_world_m, -force_n});
+      bodies_[other].touches.push_back({static_cast<std::uint64_t>(contact.a), point_m, -force_n, link_b, link_a});
   }
 }
 

@@ -60,6 +60,10 @@ Arm& Simulation::arm(std::size_t body) {
   return *arm;
 }
 
+std::string Simulation::link_name(std::size_t body, std::uint64_t link) const {
+  return link == Touch::kNoLink ? "" : bodies_.spec(body).arm.at(link).name;
+}
+
 Forces Simulation::forces(std::size_t index) const {
   return bodies_.forces(vehicle(index).body, world_.water, time_s());
 }

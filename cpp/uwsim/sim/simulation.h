@@ -64,6 +64,10 @@ class Simulation {
   const BodyState& object_state(std::size_t object) const { return bodies_.state(body_of(object)); }
   /// The name of a body by its index: vehicles come first, then objects.
   const std::string& body_name(std::size_t body) const { return bodies_.spec(body).name; }
+  /// The index of an object among the bodies.
+  std::size_t body_of(std::size_t object) const;
+  /// The name of a link of a body's arm; empty for Touch::kNoLink.
+  std::string link_name(std::size_t body, std::uint64_t link) const;
 
   /// Replaces the water, the simulation's spec and the vehicles' specs from the next step on. All state is kept:
   /// motion, commands and samples. `vehicles`: one spec per vehicle, in order, with the same names of parts; start
@@ -181,7 +185,6 @@ class Simulation {
   Vehicle equipped(const VehicleSpec& vehicle, const SimulationSpec& spec, const Water& water) const;
   Vehicle& changeable(std::size_t index);
   VehicleSnapshot snapshot(const Vehicle& vehicle) const;
-  std::size_t body_of(std::size_t object) const;
   void require_free(const std::string& path, const Eigen::Vector3d& position_world_m) const;
   RayScene scene_around(const Vehicle& vehicle) const;
   void add_attached_surfaces(std::vector<Pose>& poses) const;

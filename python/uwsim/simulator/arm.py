@@ -38,7 +38,7 @@ class ArmReading(ShortRepr):
 
 @dataclass(frozen=True)
 class Sensed:
-    """What is measured at joints. joints: their errors by name. vehicle: its name. step_s: the time between samples.
+    """The measurements at joints. joints: their errors by name. vehicle: its name. step_s: the time between samples.
 
     seed: returns the run's.
     """

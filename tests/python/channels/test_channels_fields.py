@@ -51,6 +51,7 @@ REASONS = {
     "ProjectedSonarImage.beam_directions.x": "its fan is in the plane of y and z",
     "Range.field_of_view": "one ray", "Range.min_range": "from the sensor",
     "Forces.contact_forces": TOUCHES, "Forces.contact_others": TOUCHES, "Forces.contact_points": TOUCHES,
+    "Forces.contact_links": TOUCHES, "Forces.contact_other_links": TOUCHES,
     **{f"MarkerArray.markers.{name}": ARROW for name in (
         "colors", "frame_locked", "lifetime.nanosec", "lifetime.sec", "mesh_file.data", "mesh_file.filename",
         "mesh_resource", "mesh_use_embedded_materials", "points", "pose.orientation.x", "pose.orientation.y",

@@ -53,6 +53,19 @@ def test_a_vehicle_lifts_what_it_grasps_and_tilts_under_it_until_it_lets_go() ->
         sim.advance(8.0)
         block = sim.objects["sample"]
         held = sim.rov.pose.world_from_body[:3, :3].T @ (block.pose.position_world_m - sim.rov.pose.position_world_m)
+        assert {(each.link, each.other, each.other_link) for each in sim.rov.contacts} == {
+            ("left", "sample", ""),
+            ("right", "sample", ""),
+        }
+        assert {(each.link, each.other, each.other_link) for each in block.contacts} == {
+            ("", "rov", "left"),
+            ("", "rov", "right"),
+        }
+        named = [(each.link, each.other_link) for each in sim.rov.contacts]
+        state = sim.save_state()
+        sim.step()
+        sim.restore_state(state)
+        assert [(each.link, each.other_link) for each in sim.rov.contacts] == named
         # No glue: friction alone holds it. Between two motors that both give all they have, it may slide sideways.
         assert held == pytest.approx(at_m, abs=0.03)
         assert held[[0, 2]] == pytest.approx([at_m[0], at_m[2]], abs=3e-3)

@@ -1,4 +1,4 @@
-"""What encoders and motors' current sensors read: the truth with the errors of the vehicle's file, and no others."""
+"""Encoders and motors' current sensors read the truth with the errors of the vehicle's file, and no others."""
 
 from math import sqrt
 from typing import Any

@@ -81,6 +81,7 @@ def test_a_push_turns_a_lever_once_its_moment_exceeds_the_friction_and_the_stop_
         sim.advance(1.0)
         assert abs(sim.objects["post"].joints.read().positions[0]) < 1e-3  # type: ignore[union-attr]
         touched = [contact for contact in sim.objects["post"].contacts if contact.other == "ball"]
+        assert {(each.link, each.other_link) for each in touched} == {("handle", "")}
         moment_nm = sum(contact.force_world_n[0] * contact.point_world_m[1] for contact in touched)
         assert moment_nm == pytest.approx(0.95 * COULOMB_NM, rel=0.02)
         assert label_above(sim, (0.0, 0.5)) == "post lever"

@@ -66,6 +66,8 @@ def _forces(source: Source, sim: Simulator, frame_id: str) -> Any:
         contact_points=[build.xyz("geometry_msgs/msg/Point", point) for point in points],
         contact_forces=[build.vector(push) for push in pushes],
         contact_others=[contact.other for contact in vehicle.contacts],
+        contact_links=[contact.link for contact in vehicle.contacts],
+        contact_other_links=[contact.other_link for contact in vehicle.contacts],
     )  # fmt: skip
 
 

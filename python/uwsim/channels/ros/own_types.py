@@ -89,6 +89,8 @@ geometry_msgs/Wrench[] wrenches # N and N m, of each
 geometry_msgs/Point[] contact_points
 geometry_msgs/Vector3[] contact_forces # N, on the vehicle, at each point
 string[] contact_others        # what it touches there; empty: terrain or an obstacle
+string[] contact_links         # the link of its arm at each point; empty: the vehicle itself
+string[] contact_other_links   # likewise of what it touches
 """,
     PLACED_PING: """\
 std_msgs/Header header         # a ping and its pose, for mapping elsewhere; the pose is in this frame
