@@ -22,6 +22,7 @@ def test_what_others_measured_is_met_within_the_stated_tolerances(tmp_path: Path
         "predicted: Workhorse Navigator, DVL",
         "predicted: EM 302",
         "predicted: Hinsdale, arm and tilt",
+        "predicted: Hinsdale, arm and motion",
         "as measured: T200 bench test",
         "as measured: Workhorse Navigator, DVL",
         "as measured: Ping1D, echosounder",

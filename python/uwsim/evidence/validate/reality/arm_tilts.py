@@ -92,7 +92,7 @@ def arm_at(angles_rad: dict[str, Array]) -> Arm:
 
 
 class Trial:
-    """A trial: joint angles, and measured attitude, with pitch and roll (n, 2) [deg], at times_s (n,)."""
+    """A trial: joint angles, measured attitude, with pitch and roll (n, 2) [deg], and yaw rate, at times_s (n,)."""
 
     def __init__(self, folder: Path, name: str) -> None:
         self.name = name
@@ -103,12 +103,17 @@ class Trial:
         inside = (imu["time_secs"] >= first_s) & (imu["time_secs"] <= last_s)
         self.times_s = imu["time_secs"][inside]
         self.attitude = Rotation.from_quat(np.column_stack([imu[f"{axis}_ori"][inside] for axis in "xyzw"]))
+        self.yaw_rate_rad_s = imu["z_angvel"][inside]
         self.measured_deg = pitch_and_roll_deg(self.attitude)
+
+    def angles_rad(self, times_s: Array) -> dict[str, Array]:
+        """Return the joint angles (n,) at given times (n,), by column b, c, d, e."""
+        joints = self._joints
+        return {c: np.interp(times_s, joints["time_secs"], joints[f"axis_{c}_pos"]) for c in "bcde"}
 
     def arm(self, times_s: Array) -> Arm:
         """Return the arm at given times (n,)."""
-        joints = self._joints
-        return arm_at({c: np.interp(times_s, joints["time_secs"], joints[f"axis_{c}_pos"]) for c in "bcde"})
+        return arm_at(self.angles_rad(times_s))
 
 
 def pitch_and_roll_deg(world_from_body: Rotation) -> Array:
