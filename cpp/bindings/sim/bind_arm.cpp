@@ -255,7 +255,8 @@ void bind_arm(py::module_&, py::class_<OwnedSimulation>& simulation) {
           [](OwnedSimulation& o, std::size_t v) {
             return o.with_briefly([&](Simulation& s) { return arm_reading(s.arm(v)); });
           },
-          py::arg("body"), "Return the arm's ArmReading: of a vehicle or, after those, of an object. Raises ValueError.")
+          py::arg("body"),
+          "Return the arm's ArmReading: of a vehicle or, after those, of an object. Raises ValueError.")
       .def(
           "link_surfaces",
           [](OwnedSimulation& o) { return rows(o.with_briefly([](Simulation& s) { return s.link_surfaces(); })); },
