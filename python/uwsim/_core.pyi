@@ -1099,18 +1099,19 @@ class Radiation:
     ) -> None:
         """
         added_mass: (6, 6), at infinite frequency. sections: R (6, 6), Q (6, 6), frequency [rad/s] and damping
-        ratio of the terms (R s + Q) / (s^2 + 2 zeta omega s + omega^2). diffraction: complex (frequencies,
-        headings, 6), force on a fixed hull per metre of a wave's amplitude, with exp(-i omega t), from
-        least_rad_s to most_rad_s and all around from the body's x. Body frame, about the origin. Raises
-        ValueError.
+        ratio of the terms (R s + Q) / (s^2 + 2 zeta omega s + omega^2). diffraction: complex (4, frequencies,
+        headings, 6), force on a fixed hull beyond that on its slices, in each division, per metre of a wave's
+        amplitude, with exp(-i omega t), from least_rad_s to most_rad_s and all around from the body's x. Body
+        frame, about the origin. Raises ValueError.
         """
     def diffraction(
         self,
         omega_rad_s: typing.SupportsFloat | typing.SupportsIndex,
         heading_rad: typing.SupportsFloat | typing.SupportsIndex,
+        division: typing.SupportsInt | typing.SupportsIndex = 3,
     ) -> typing.Annotated[numpy.typing.NDArray[numpy.complex128], "[6, 1]"]:
         """
-        Return X (6,), complex [N/m, N].
+        Return X (6,), complex [N/m, N], of a hull cut into 2^division slices.
         """
     def impedance(
         self, s: complex | typing.SupportsComplex | typing.SupportsFloat | typing.SupportsIndex
@@ -1223,7 +1224,13 @@ class Craft:
     """
     A rigid body in a fluid: equations of motion after Fossen 2011, ch. 6 and 8.
     """
-    def __init__(self, parameters: CraftParameters, vertices_body_m: typing.Any, triangles: typing.Any) -> None:
+    def __init__(
+        self,
+        parameters: CraftParameters,
+        vertices_body_m: typing.Any,
+        triangles: typing.Any,
+        division: typing.SupportsInt | typing.SupportsIndex | None = None,
+    ) -> None:
         """
         vertices_body_m: (n, 3); triangles: (m, 3), closed and winding outward. Raises ValueError.
         """

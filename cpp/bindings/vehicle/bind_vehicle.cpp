@@ -27,12 +27,13 @@ namespace {
 
 /// Returns a hull that is shared by all vehicles with the same mesh, regardless of their other parameters, since
 /// measuring and tabulating a hull takes 2 ms.
-std::shared_ptr<const BuoyantHull> hull_of(TriangleMesh mesh_body) {
+std::shared_ptr<const BuoyantHull> hull_of(TriangleMesh mesh_body, std::optional<std::size_t> division = std::nullopt) {
   static RecentlyMade<BuoyantHull> known;
   const auto is_wanted = [&](const BuoyantHull& hull) {
-    return hull.mesh_body().triangles == mesh_body.triangles && hull.mesh_body().vertices_m == mesh_body.vertices_m;
+    return hull.division() == division && hull.mesh_body().triangles == mesh_body.triangles &&
+           hull.mesh_body().vertices_m == mesh_body.vertices_m;
   };
-  return known.find_or_make(true, is_wanted, [&] { return std::make_shared<const BuoyantHull>(std::move(mesh_body)); });
+  return known.find_or_make(true, is_wanted, [&] { return std::make_shared<const BuoyantHull>(std::move(mesh_body), division); });
 }
 
 void bind_radiation(py::module_& m) {
@@ -42,16 +43,16 @@ void bind_radiation(py::module_& m) {
       m, "Radiation", "The waves that a floating hull makes and deflects: Cummins' equation, and diffraction.")
       .def(py::init([](const Matrix6d& added_mass, const Sections& sections, const Forces& diffraction,
                        double least_rad_s, double most_rad_s, double wet_volume_m3) {
-             require(diffraction.ndim() == 3 && diffraction.shape(2) == 6, "diffraction", diffraction.ndim(),
-                     "must be of shape (frequencies, headings, 6)");
+             require(diffraction.ndim() == 4 && diffraction.shape(0) == Radiation::kDivisions && diffraction.shape(3) == 6,
+                     "diffraction", diffraction.ndim(), "must be of shape (4, frequencies, headings, 6)");
              auto made = std::make_shared<Radiation>();
              made->added_mass = added_mass;
              for (const auto& [by_speed, by_place, omega, damping] : sections)
                made->sections.push_back({by_speed, by_place, omega, damping});
-             made->frequencies = static_cast<std::size_t>(diffraction.shape(0));
-             made->headings = static_cast<std::size_t>(diffraction.shape(1));
+             made->frequencies = static_cast<std::size_t>(diffraction.shape(1));
+             made->headings = static_cast<std::size_t>(diffraction.shape(2));
              const std::complex<double>* value = diffraction.data();
-             made->diffraction.resize(made->frequencies * made->headings);
+             made->diffraction.resize(Radiation::kDivisions * made->frequencies * made->headings);
              for (Radiation::Force& force : made->diffraction) {
                for (int axis = 0; axis < 6; ++axis, ++value) force.row(axis) << value->real(), value->imag();
              }
@@ -64,21 +65,23 @@ void bind_radiation(py::module_& m) {
            py::arg("added_mass"), py::arg("sections"), py::arg("diffraction"), py::arg("least_rad_s"),
            py::arg("most_rad_s"), py::arg("wet_volume_m3"),
            "added_mass: (6, 6), at infinite frequency. sections: R (6, 6), Q (6, 6), frequency [rad/s] and damping\n"
-           "ratio of the terms (R s + Q) / (s^2 + 2 zeta omega s + omega^2). diffraction: complex (frequencies,\n"
-           "headings, 6), force on a fixed hull per metre of a wave's amplitude, with exp(-i omega t), from\n"
-           "least_rad_s to most_rad_s and all around from the body's x. Body frame, about the origin. Raises\n"
-           "ValueError.")
+           "ratio of the terms (R s + Q) / (s^2 + 2 zeta omega s + omega^2). diffraction: complex (4, frequencies,\n"
+           "headings, 6), force on a fixed hull beyond that on its slices, in each division, per metre of a wave's\n"
+           "amplitude, with exp(-i omega t), from least_rad_s to most_rad_s and all around from the body's x. Body\n"
+           "frame, about the origin. Raises ValueError.")
       .def_property_readonly(
           "added_mass", [](const Radiation& r) { return r.added_mass; }, "(6, 6)")
       .def("impedance", &Radiation::impedance, py::arg("s"),
            "Return K(s) (6, 6), complex: B + i omega (A - A_infinity) at s = i omega.")
       .def(
           "diffraction",
-          [](const Radiation& r, double omega_rad_s, double heading_rad) {
-            const Radiation::Force force = r.diffraction_at(omega_rad_s, heading_rad);
+          [](const Radiation& r, double omega_rad_s, double heading_rad, std::size_t division) {
+            require(division < Radiation::kDivisions, "division", division, "must be at most 3");
+            const Radiation::Force force = r.diffraction_at(division, omega_rad_s, heading_rad);
             return Eigen::Vector<std::complex<double>, 6>(force.col(0) + std::complex<double>(0, 1) * force.col(1));
           },
-          py::arg("omega_rad_s"), py::arg("heading_rad"), "Return X (6,), complex [N/m, N].")
+          py::arg("omega_rad_s"), py::arg("heading_rad"), py::arg("division") = Radiation::kDivisions - 1,
+          "Return X (6,), complex [N/m, N], of a hull cut into 2^division slices.")
       .def("share", &Radiation::share, py::arg("submerged_volume_m3"), py::arg("up"), py::arg("cover"),
            "Return the weight of these terms, from 0 to 1.");
 }
@@ -114,11 +117,13 @@ void bind_vehicle(py::module_& m) {
   py::class_<Craft, std::shared_ptr<Craft>>(
       m, "Craft", "A rigid body in a fluid: equations of motion after Fossen 2011, ch. 6 and 8.")
       .def(py::init(
-               [](const CraftParameters& parameters, const py::object& vertices_body_m, const py::object& triangles) {
+               [](const CraftParameters& parameters, const py::object& vertices_body_m, const py::object& triangles,
+                  std::optional<std::size_t> division) {
                  return std::make_shared<Craft>(parameters, hull_of({as_points(vertices_body_m, "vertices_body_m"),
-                                                                     as_triangles(triangles, "triangles")}));
+                                                                     as_triangles(triangles, "triangles")},
+                                                                    division));
                }),
-           py::arg("parameters"), py::arg("vertices_body_m"), py::arg("triangles"),
+           py::arg("parameters"), py::arg("vertices_body_m"), py::arg("triangles"), py::arg("division") = py::none(),
            "vertices_body_m: (n, 3); triangles: (m, 3), closed and winding outward. Raises ValueError.")
       .def(
           "acceleration_body",

@@ -43,6 +43,7 @@ HullWaves::HullWaves(const std::string& body, std::shared_ptr<const Craft> craft
   if (water.waves) {
     const std::vector<WaveComponent> sea = water.waves->components();
     require_covered(body, table, sea);
+    division_ = craft_->hull().division_afloat(water);
     for (const WaveComponent& wave : sea) {
       const double number = wave_number_rad_m(wave.angular_frequency_rad_s, water.waves->depth_m(), water.gravity_m_s2);
       const Eigen::Vector2d number_rad_m(number * std::cos(wave.heading_rad), number * std::sin(wave.heading_rad));
@@ -68,7 +69,7 @@ void HullWaves::face(double heading_rad, Forces& forces) const {
   const Radiation& table = *craft_->parameters().radiation;
   for (std::size_t k = 0; k < components_.size(); ++k) {
     const WaveComponent& wave = components_[k].wave;
-    forces[k] = table.diffraction_at(wave.angular_frequency_rad_s, wave.heading_rad - heading_rad);
+    forces[k] = table.diffraction_at(division_, wave.angular_frequency_rad_s, wave.heading_rad - heading_rad);
   }
 }
 

@@ -76,6 +76,7 @@ class HullWaves {
 
   std::shared_ptr<const Craft> craft_;
   std::vector<Component> components_;
+  std::size_t division_ = 0;  // of the hull at the surface
   Resonators now_, start_, next_;
   // The step under way, kept so that steps allocate nothing.
   Resonators stage_, rate_;

@@ -106,8 +106,10 @@ struct BuoyantHull::DisplacedMass {
   Eigen::Vector3d moment_kg_m = Eigen::Vector3d::Zero();
 };
 
-BuoyantHull::BuoyantHull(TriangleMesh mesh_body) : mesh_body_(std::move(mesh_body)) {
+BuoyantHull::BuoyantHull(TriangleMesh mesh_body, std::optional<std::size_t> division)
+    : mesh_body_(std::move(mesh_body)), division_(division) {
   require_closed(mesh_body_, "hull");
+  require(division.value_or(0) < parts_.slices.size(), "hull.division", division.value_or(0), "must be at most 3");
   solid_ = solid_properties(mesh_body_);
   whole_ = Slice(mesh_body_, 1);
   const Eigen::Matrix3d& inertia = solid_.inertia_per_density_m5;
@@ -176,7 +178,7 @@ WaterSurface BuoyantHull::surface_over(const Placed& at, const Slice& slice, con
 template <typename Visit>
 void BuoyantHull::visit_wet_slices(const Placed& at, const WaterField& water, double time_s,
                                    const WaterSurface& over_hull, const Visit& visit) const {
-  const std::size_t division = water.division_of(parts_, at.hull.middle_z_m);
+  const std::size_t division = division_ ? *division_ : water.division_of(parts_, at.hull.middle_z_m);
   const std::vector<Slice>& division_slices = in_slices().divisions[division];
   for (std::size_t k = 0; k < division_slices.size(); ++k) {
     const Slice& slice = division_slices[k];

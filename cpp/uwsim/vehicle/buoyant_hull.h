@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "uwsim/core/pose.h"
@@ -47,10 +48,14 @@ struct Buoyancy {
 /// depth.
 class BuoyantHull {
  public:
-  /// Throws InvalidValue unless the mesh is closed and winds outward.
-  explicit BuoyantHull(TriangleMesh mesh_body);
+  /// Throws InvalidValue unless the mesh is closed and winds outward. `division`: that of all waves, an index of
+  /// VolumeParts::slices; by default the one that they require.
+  explicit BuoyantHull(TriangleMesh mesh_body, std::optional<std::size_t> division = std::nullopt);
 
   const TriangleMesh& mesh_body() const { return mesh_body_; }
+  std::optional<std::size_t> division() const { return division_; }
+  /// The division into slices in these waves while the hull is at the surface.
+  std::size_t division_afloat(const WaterField& water) const { return water.division_of(parts_, 0); }
   /// Volume, centroid and inertia of the whole hull, body frame.
   const SolidProperties& solid() const { return solid_; }
   /// The part below the plane z = level_m.
@@ -105,6 +110,7 @@ class BuoyantHull {
   void cut_into_slices(Slices& slices) const;
 
   TriangleMesh mesh_body_;
+  std::optional<std::size_t> division_;
   SolidProperties solid_;
   VolumeParts parts_;  // without slices; for a flat surface
   Slice whole_;

@@ -31,8 +31,9 @@ void Radiation::check() const {
   check_sections();
   require(least_rad_s > 0 && most_rad_s > least_rad_s, "vehicle.radiation.most_rad_s", most_rad_s,
           "must be above the lowest frequency, which must be positive");
-  require(frequencies >= 2 && headings >= 4 && diffraction.size() == frequencies * headings,
-          "vehicle.radiation.diffraction", diffraction.size(), "must have a value for each frequency and heading");
+  require(frequencies >= 2 && headings >= 4 && diffraction.size() == kDivisions * frequencies * headings,
+          "vehicle.radiation.diffraction", diffraction.size(),
+          "must have a value for each division, frequency and heading");
   require(std::ranges::all_of(diffraction, [](const Force& force) { return force.allFinite(); }),
           "vehicle.radiation.diffraction", "non-finite", "must be finite");
   require(wet_volume_m3 > 0, "vehicle.radiation.wet_volume_m3", wet_volume_m3, "must be positive");
@@ -77,7 +78,7 @@ Eigen::Matrix<std::complex<double>, 6, 6> Radiation::impedance(std::complex<doub
   return sum;
 }
 
-Radiation::Force Radiation::diffraction_at(double omega_rad_s, double heading_rad) const {
+Radiation::Force Radiation::diffraction_at(std::size_t division, double omega_rad_s, double heading_rad) const {
   const double omega = std::clamp(omega_rad_s, least_rad_s, most_rad_s);
   const double beyond = omega_rad_s < omega ? omega_rad_s / omega : omega / omega_rad_s;
   const double row = (omega - least_rad_s) / (most_rad_s - least_rad_s) * static_cast<double>(frequencies - 1);
@@ -86,7 +87,7 @@ Radiation::Force Radiation::diffraction_at(double omega_rad_s, double heading_ra
   const double column = (turns - std::floor(turns)) * static_cast<double>(headings);
   const std::size_t left = static_cast<std::size_t>(column) % headings, right = (left + 1) % headings;
   const double up = row - static_cast<double>(low), across = column - std::floor(column);
-  const Force* const at = diffraction.data() + low * headings;
+  const Force* const at = diffraction.data() + (division * frequencies + low) * headings;
   const Force below = (1 - across) * at[left] + across * at[right];
   const Force above = (1 - across) * at[headings + left] + across * at[headings + right];
   return beyond * beyond * ((1 - up) * below + up * above);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "uwsim/core/body_state.h"
+#include "uwsim/core/volume_parts.h"
 
 namespace uwsim {
 
@@ -19,8 +20,8 @@ namespace uwsim {
 /// list: stable, of relative degree one, without memory of a steady velocity, and passive, that is, with a real part at
 /// s = i omega that is positive semi-definite, so that the waves only take energy.
 ///
-/// Diffraction is the force on the fixed hull beyond the pressure of the undisturbed waves, which BuoyantHull has. The
-/// force of a wave a cos(k . x - omega t + phase) on a hull at x is a Re(X exp(i (k . x - omega t + phase))).
+/// Diffraction is the force on the fixed hull beyond the pressure of the undisturbed waves as BuoyantHull has it, which
+/// depends on the division of the hull into slices. The force of a wave a cos(k . x - omega t + phase) on a hull at x is a Re(X exp(i (k . x - omega t + phase))).
 ///
 /// Valid for small motions about the floating pose, a slow hull (its speed much less than the waves') and the depth of
 /// the table. The terms are weighted by share(), beyond which the model of a submerged hull takes over.
@@ -32,11 +33,12 @@ struct Radiation {
     Matrix6d by_place = Matrix6d::Zero();  ///< Q, those per second
     double omega_rad_s = 1, damping_ratio = 0.5;
   };
+  static constexpr std::size_t kDivisions = std::tuple_size_v<decltype(VolumeParts::slices)>;
   using Force = Eigen::Matrix<double, 6, 2>;  ///< real and imaginary part of X [N/m, N]
 
   Matrix6d added_mass = Matrix6d::Zero();  ///< at infinite frequency [kg, kg m, kg m^2]
   std::vector<Section> sections;
-  /// X at `frequencies` evenly spaced frequencies from `least_rad_s` to `most_rad_s`, for each of them at `headings`
+  /// For each division into slices (VolumeParts::slices), X at `frequencies` evenly spaced frequencies from `least_rad_s` to `most_rad_s`, for each of them at `headings`
   /// evenly spaced directions in which the wave travels, from the body's x counter-clockwise.
   std::vector<Force> diffraction;
   std::size_t frequencies = 0, headings = 0;
@@ -47,9 +49,9 @@ struct Radiation {
   void check() const;
   /// K at s [N s/m, ...]: at i omega, it is B + i omega (A - A_infinity) of the table.
   Eigen::Matrix<std::complex<double>, 6, 6> impedance(std::complex<double> s) const;
-  /// X, linear between frequencies and headings. Beyond the table it falls with the square of the frequency to either
+  /// X of a hull in that division, linear between frequencies and headings. Beyond the table it falls with the square of the frequency to either
   /// side, as the force on a hull does in very long waves.
-  Force diffraction_at(double omega_rad_s, double heading_rad) const;
+  Force diffraction_at(std::size_t division, double omega_rad_s, double heading_rad) const;
   /// The weight of these terms, from 0 to 1: 1 for a floating hull. It falls to 0 as the hull leaves the water, from
   /// half its floating volume; as it capsizes, between tilts of 30 and 60 degrees; and as it dives, until its top is
   /// half a hull's length below the surface. `up`: cosine of its tilt. `cover`: depth of its top under the surface over

@@ -20,7 +20,7 @@ KEPT += ["hydrostatic_stiffness", "disp_mass", "center_of_buoyancy"]
 
 def hemisphere() -> cpt.Mesh:
     """Return a ball of radius 0.5 m that floats to its equator."""
-    return cpt.mesh_sphere(radius=0.5, center=(0, 0, 0), resolution=(32, 40))
+    return cpt.mesh_sphere(radius=0.5, center=(0, 0, 0), resolution=(64, 80))
 
 
 def cylinder() -> cpt.Mesh:

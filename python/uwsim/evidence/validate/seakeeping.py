@@ -95,14 +95,13 @@ def recorded(made: _core.Simulation, steps: int) -> Record:
 def _raos(names: tuple[str, ...]) -> Iterator[Check]:
     for name in names:
         hull = floating_hull(name)
-        for omega in hull.heave_rad_s:
+        for omega in hull.tried_rad_s:
             number = omega**2 / GRAVITY_M_S2
             motion = recorded(simulation(hull, _wave(omega)), round(hull.settling_s / STEP_S))
             expected = np.abs(responses(hull, np.array([omega]))[0])
-            tried = [("heave", expected[HEAVE], motion.heave_m, 1.0)]
-            if omega in hull.pitch_rad_s:
-                tried.append(("pitch", expected[PITCH], motion.pitch_rad, number))
-            for label, wanted, values, unit in tried:
+            tried = (("heave", HEAVE, motion.heave_m, 1.0), ("pitch", PITCH, motion.pitch_rad, number))
+            for label, axis, values, unit in tried:
+                wanted = expected[axis]
                 got = _amplitude(motion, values, omega, number) / (CALM_M * unit)
                 scale = max(wanted / unit, hull.least_response)
                 yield within("Capytaine", f"{name}, {label} at {omega:.3g} rad/s", wanted / unit, got, scale, RAO)

@@ -11,9 +11,15 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.scenario.build.radiation_fit import Fit, fitted
-from uwsim.scenario.build.radiation_hull import UprightHull, broken_table, floating_upright, require_same_hull
+from uwsim.scenario.build.radiation_hull import (
+    UprightHull,
+    floating_upright,
+    pressure_forces,
+    require_same_hull,
+)
 from uwsim.scenario.read.disk_cache import cached_arrays
-from uwsim.scenario.read.radiation_file import RadiationTable, read_radiation
+from uwsim.scenario.read.radiation_file import read_radiation
+from uwsim.scenario.read.radiation_table import RadiationTable, broken_file
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -86,7 +92,7 @@ def _made(
     memory = damping + 1j * table.omega_rad_s[:, None, None] * (added - infinite)
     fit = _fit(path, table.omega_rad_s, memory, infinite, hull.half_length_m)
     omega = np.linspace(table.omega_rad_s[0], table.omega_rad_s[-1], FREQUENCIES)
-    forces = denser * _on_grid(path, table, omega) @ to_origin
+    forces = denser * _beyond_pressure(path, table, hull, omega) @ to_origin
     sections = list(zip(*fit[:4], strict=True))
     made = _core.Radiation(infinite, sections, forces, omega[0], omega[-1], hull.wet_volume_m3)
     return made, RadiationReport(len(sections), fit.error, omega[0], omega[-1], table.water_depth_m)
@@ -115,7 +121,7 @@ def _require_symmetric(path: Path, name: str, matrices: Array, half_length_m: fl
     scaled = _in_lengths(matrices, half_length_m)
     off = np.abs(scaled - np.swapaxes(scaled, -1, -2)).max() / np.abs(scaled).max()
     if off > ASYMMETRY:
-        raise broken_table(
+        raise broken_file(
             path, f"{name} is asymmetric by {off:.0%} of its largest value: must be within {ASYMMETRY:.0%}"
         )
 
@@ -125,7 +131,7 @@ def _require_damping(path: Path, omega_rad_s: Array, damping: Array, half_length
     share = lowest[:, 0] / lowest.max()
     worst = int(share.argmin())
     if share[worst] < -ENERGY_SOURCE:
-        raise broken_table(
+        raise broken_file(
             path,
             f"radiation_damping at {omega_rad_s[worst]:.3g} rad/s adds energy, by {-share[worst]:.0%} of the largest "
             f"damping: must be positive semi-definite within {ENERGY_SOURCE:.0%}; irregular frequencies need a lid",
@@ -140,7 +146,7 @@ def _fit(path: Path, omega_rad_s: Array, memory: Complex, added_mass_infinite: A
     by_speed, by_place, omega, ratio, error = (np.asarray(part, np.float64) for part in stored)
     fit = Fit(by_speed, by_place, omega, ratio, float(error[()]))
     if fit.error > WORST_FIT:
-        raise broken_table(
+        raise broken_file(
             path,
             f"the best passive fit is wrong by {fit.error:.0%} of the largest value, must be at most {WORST_FIT:.0%}: "
             "its added mass, infinite-frequency added mass and damping do not belong together, or its frequencies are "
@@ -149,33 +155,44 @@ def _fit(path: Path, omega_rad_s: Array, memory: Complex, added_mass_infinite: A
     return fit
 
 
-def _on_grid(path: Path, table: RadiationTable, omega_rad_s: Array) -> Complex:
-    """Return the diffraction (FREQUENCIES, HEADINGS, 6) all around, about the table's centre."""
+def _beyond_pressure(path: Path, table: RadiationTable, hull: UprightHull, omega_rad_s: Array) -> Complex:
+    """Return the waves' force that a step lacks, (DIVISIONS, frequencies, HEADINGS, 6), about the table's centre.
+
+    That is diffraction, and what the pressure on the hull's slices leaves out of that on its panels.
+    """
     from scipy.interpolate import CubicSpline
 
-    heading, force = _all_around(path, table)
-    around = CubicSpline(np.append(heading, heading[0] + 2.0 * np.pi), np.concatenate([force, force[:, :1]], axis=1),
-                         axis=1, bc_type="periodic")  # fmt: skip
+    def make() -> tuple[Array, ...]:
+        force = pressure_forces(table, hull)
+        return force.real, force.imag
+
+    own = cached_arrays(make, "radiation_pressure", hull.vertices_m, hull.triangles, hull.waterline_m,
+                        table.omega_rad_s, table.heading_rad, table.centre_m, table.density_kg_m3, table.gravity_m_s2,
+                        table.water_depth_m)  # fmt: skip
+    beyond = table.exciting - (np.asarray(own[0], np.complex128) + 1j * np.asarray(own[1], np.complex128))
+    heading, force = _all_around(path, table, beyond)
+    around = CubicSpline(np.append(heading, heading[0] + 2.0 * np.pi), np.concatenate([force, force[:, :, :1]], axis=2),
+                         axis=2, bc_type="periodic")  # fmt: skip
     turned = around(np.arange(HEADINGS) * 2.0 * np.pi / HEADINGS)
-    return np.asarray(CubicSpline(table.omega_rad_s, turned, axis=0)(omega_rad_s), np.complex128)
+    return np.asarray(CubicSpline(table.omega_rad_s, turned, axis=1)(omega_rad_s), np.complex128)
 
 
-def _all_around(path: Path, table: RadiationTable) -> tuple[Array, Complex]:
-    """Return headings in [0, 2 pi) and the diffraction: a table for one side of a hull is mirrored."""
-    heading, force = np.mod(table.heading_rad, 2.0 * np.pi), table.diffraction
+def _all_around(path: Path, table: RadiationTable, force: Complex) -> tuple[Array, Complex]:
+    """Return headings in [0, 2 pi) and the force: a table for one side of a hull is mirrored."""
+    heading = np.mod(table.heading_rad, 2.0 * np.pi)
     order = np.argsort(heading)
-    heading, force = heading[order], force[:, order]
+    heading, force = heading[order], force[:, :, order]
     if np.diff(heading).min(initial=1.0) < 1e-6:  # 0 and 360 degrees
         kept = np.append(True, np.diff(heading) > 1e-6)
-        heading, force = heading[kept], force[:, kept]
+        heading, force = heading[kept], force[:, :, kept]
     if heading.max() <= np.pi + 1e-6 and _has_two_equal_sides(table):
         inner = (heading > 1e-6) & (heading < np.pi - 1e-6)
         mirror = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
         heading = np.concatenate([heading, 2.0 * np.pi - heading[inner][::-1]])
-        force = np.concatenate([force, (mirror * force[:, inner])[:, ::-1]], axis=1)
+        force = np.concatenate([force, (mirror * force[:, :, inner])[:, :, ::-1]], axis=2)
     gap = np.diff(np.append(heading, heading[0] + 2.0 * np.pi)).max()
     if gap > WIDEST_GAP_RAD:
-        raise broken_table(
+        raise broken_file(
             path,
             f"wave_direction leaves a gap of {np.degrees(gap):.0f} deg: must be at most "
             f"{np.degrees(WIDEST_GAP_RAD):.0f} deg, all around or, for a hull with two equal sides, from 0 to 180 deg",

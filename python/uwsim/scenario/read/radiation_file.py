@@ -1,8 +1,7 @@
-"""Reads the table of a floating hull's hydrodynamics that Capytaine writes: its dataset as NetCDF."""
+"""Reads the table of a floating hull's hydrodynamics: Capytaine's dataset as NetCDF, or a file of radiation_bem."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,55 +11,33 @@ from numpy.typing import NDArray
 from uwsim.base.extras import MissingExtraError
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.netcdf_file import NetcdfVariable, NotNetcdfError, read_netcdf
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from uwsim.scenario.read.radiation_bem import read_wamit, read_wec_sim
+from uwsim.scenario.read.radiation_table import Array, Complex, RadiationTable, broken_file, table_of
 
 DOFS = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
+WAMIT, WEC_SIM = ".1", ".h5"
 MATRICES, FORCES = ("added_mass", "radiation_damping"), ("diffraction_force", "Froude_Krylov_force")
 PAIR = "complex"
 """The axis of real and imaginary parts."""
 
 
-@dataclass(frozen=True, eq=False)
-class RadiationTable:
-    """A hull's hydrodynamics by frequency, in the file's frame: x forward, z up from the still surface.
-
-    omega_rad_s: (n,), ascending. added_mass, damping: (n, 6, 6) about centre_m [kg, kg m, kg m2 and per second].
-    added_mass_infinite: (6, 6). heading_rad: (m,), ascending, of the waves' travel. diffraction, froude_krylov: complex
-    (n, m, 6) per metre of amplitude, of exp(-i omega t). centre_m: (3,), the point about which the hull turns.
-    displaced_kg: mass of the displaced water, None if not given. water_depth_m: may be infinite.
-    """
-
-    omega_rad_s: Array
-    added_mass: Array
-    damping: Array
-    added_mass_infinite: Array
-    heading_rad: Array
-    diffraction: Complex
-    froude_krylov: Complex
-    centre_m: Array
-    density_kg_m3: float
-    gravity_m_s2: float
-    displaced_kg: float | None
-    water_depth_m: float
-
-
 def read_radiation(path: Path) -> RadiationTable:
     """Read a table. Raises ScenarioError."""
     try:
+        if path.suffix == WAMIT:
+            return read_wamit(path)
+        if path.suffix == WEC_SIM:
+            return read_wec_sim(path)
         variables = read_netcdf(path, f"radiation '{path}'")
-    except MissingExtraError:
+    except (ScenarioError, MissingExtraError):
         raise
-    except NotNetcdfError as error:
-        raise _broken(path, str(error)) from None
+    except NotNetcdfError:
+        raise broken_file(
+            path, "must be a NetCDF file of Capytaine, WAMIT's .1 or WEC-Sim's .h5: neither classic NetCDF nor HDF5"
+        ) from None
     except Exception as error:  # damaged files raise anything in both readers
-        raise _broken(path, f"is not readable: {type(error).__name__}: {error}") from error
+        raise broken_file(path, f"is not readable: {type(error).__name__}: {error}") from error
     return _Reader(path, variables).table()
-
-
-def _broken(path: Path, text: str) -> ScenarioError:
-    return ScenarioError(f"radiation '{path}': {text}", at=("radiation",))
 
 
 class _Reader:
@@ -77,40 +54,23 @@ class _Reader:
         omega, heading = self._numbers("omega").ravel(), self._numbers("wave_direction").ravel()
         matrices = [self._matrices(name) for name in MATRICES]
         forces = [self._forces(name) for name in FORCES]
-        finite, infinite = np.isfinite(omega) & (omega > 0), np.isposinf(omega)
-        if not infinite.any():
-            raise self._broken(
-                "added mass at infinite frequency missing: compute it with omega = inf beside the others"
-            )
-        if finite.sum() < 4:
-            raise self._broken(f"omega has {finite.sum()} finite frequencies: must be at least 4")
-        order = np.flatnonzero(finite)[np.argsort(omega[finite])]
-        turn = np.argsort(heading)
-        if np.any(np.diff(omega[order]) <= 0) or np.any(np.diff(heading[turn]) <= 0):
-            raise self._broken("omega and wave_direction must not repeat values")
-        table = RadiationTable(
-            omega_rad_s=omega[order],
-            added_mass=matrices[0][order],
-            damping=matrices[1][order],
-            added_mass_infinite=matrices[0][np.flatnonzero(infinite)[0]],
-            heading_rad=heading[turn],
-            diffraction=forces[0][order][:, turn],
-            froude_krylov=forces[1][order][:, turn],
+        if self._is_moving():
+            raise self._broken("forward_speed must be 0 m/s: tables of a moving hull are not read")
+        return table_of(
+            self._path,
+            omega,
+            (matrices[0], matrices[1]),
+            heading,
+            (forces[0] + forces[1], forces[1]),
             centre_m=self._vector("rotation_center"),
             density_kg_m3=self._scalar("rho", 0.0),
             gravity_m_s2=self._scalar("g", 0.0),
             displaced_kg=self._scalar("disp_mass", 0.0) if "disp_mass" in self._all else None,
             water_depth_m=self._scalar("water_depth", 0.0) if "water_depth" in self._all else np.inf,
         )
-        if self._is_moving():
-            raise self._broken("forward_speed must be 0 m/s: tables of a moving hull are not read")
-        for name in ("added_mass", "damping", "added_mass_infinite", "diffraction", "froude_krylov", "centre_m"):
-            if not np.all(np.isfinite(getattr(table, name))):
-                raise self._broken(f"{name} must be finite")
-        return table
 
     def _broken(self, text: str) -> ScenarioError:
-        return _broken(self._path, text)
+        return broken_file(self._path, text)
 
     def _numbers(self, name: str) -> Array:
         try:

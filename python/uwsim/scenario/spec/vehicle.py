@@ -120,8 +120,9 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     geometric mean applies. restitution: the fraction of the approach speed that is kept; for two bodies in contact, the
     larger value applies. material: material of the hull. failsafe: the reaction to loss of contact or to a fault.
     arm: links by name, whose weight, buoyancy and water are beside the vehicle's own; by default none. radiation: the
-    waves that the floating hull makes and deflects, a NetCDF file of Capytaine for this hull as it floats without
-    trim and ballast; by default none are modelled. windage: what it offers the wind; by default nothing.
+    waves that the floating hull makes and deflects, a file of Capytaine (NetCDF), WAMIT (.1) or WEC-Sim (.h5) for this
+    hull as it floats without trim and ballast; by default none are modelled. windage: what it offers the wind; by
+    default nothing.
     """
 
     builds_on: VehicleName | None = None

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.scenario.build.radiation import radiation
-from uwsim.scenario.read.radiation_file import RadiationTable, read_radiation
+from uwsim.scenario.read.radiation_file import read_radiation
+from uwsim.scenario.read.radiation_table import RadiationTable
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -19,14 +20,9 @@ Complex = NDArray[np.complex128]
 FOLDER = Path(__file__).parent
 DENSITY_KG_M3, GRAVITY_M_S2 = 1000.0, 9.81
 HULLS = ("hemisphere", "cylinder", "barge")
-HEAVE_RAD_S = {
+TRIED_RAD_S = {
     "hemisphere": (1.98, 3.13, 3.96, 4.43, 5.05, 6.26),
     "cylinder": (1.5, 2.2, 2.7, 3.0, 3.4, 4.2),
-    "barge": (1.5, 2.5, 3.5, 4.2, 4.8, 5.5),
-}
-PITCH_RAD_S = {
-    "hemisphere": (1.98, 4.43, 5.05, 6.26),
-    "cylinder": (1.5, 2.2, 2.7, 3.0, 4.2),
     "barge": (1.5, 2.5, 3.5, 4.2, 4.8, 5.5),
 }
 
@@ -35,9 +31,8 @@ class FloatingHull(NamedTuple):
     """A hull without drag and the linear terms of its motion about its centre of mass, deep water.
 
     waterline_m: height of the surface in the body frame, whose origin is the middle of the hull's box. mass, stiffness:
-    (6, 6). heave_rad_s, pitch_rad_s: frequencies at which these are tried; the ball's pitch, about a point near its
-    centre, and the cylinder's are left out near their resonances, which have hardly any damping. settling_s: until its
-    own motions have died away. least_response: smaller responses are compared with this one.
+    (6, 6). tried_rad_s: frequencies at which heave and pitch are tried, with both resonances. settling_s: until its own
+    motions have died away. least_response: smaller responses are compared with this one.
     """
 
     name: str
@@ -47,8 +42,7 @@ class FloatingHull(NamedTuple):
     waterline_m: float
     mass: Array
     stiffness: Array
-    heave_rad_s: tuple[float, ...]
-    pitch_rad_s: tuple[float, ...]
+    tried_rad_s: tuple[float, ...]
     settling_s: float
     least_response: float
 
@@ -102,8 +96,7 @@ def floating_hull(name: str) -> FloatingHull:
         waterline_m=shape.waterline_m,
         mass=mass_kg * np.diag([1.0, 1.0, 1.0, *np.square(shape.radii_m)]),
         stiffness=np.diag(stiffness),
-        heave_rad_s=HEAVE_RAD_S[name],
-        pitch_rad_s=PITCH_RAD_S[name],
+        tried_rad_s=TRIED_RAD_S[name],
         settling_s=60.0 if name == "barge" else 200.0,
         least_response=0.1,
     )
@@ -118,7 +111,7 @@ def responses(hull: FloatingHull, omega_rad_s: Array) -> Complex:
 
     table = hull.table
     added, damping = (CubicSpline(table.omega_rad_s, each)(omega_rad_s) for each in (table.added_mass, table.damping))
-    force = CubicSpline(table.omega_rad_s, (table.diffraction + table.froude_krylov)[:, 0])(omega_rad_s)
+    force = CubicSpline(table.omega_rad_s, table.exciting[:, 0])(omega_rad_s)
     omega = omega_rad_s[:, None, None]
     dynamic = -(omega**2) * (hull.mass + added) - 1j * omega * damping + hull.stiffness
     return np.asarray(np.linalg.solve(dynamic, force[:, :, None])[:, :, 0], np.complex128)
