@@ -1,7 +1,8 @@
 """Makes python/uwsim/evidence/validate/peers/seakeeping_*.nc with Capytaine 3.0.0 and its lids.
 
-Run: pip install capytaine, then python make_capytaine_seakeeping.py FOLDER. Each file is Capytaine's own dataset, in
-NetCDF's classic format and single precision. Frames: z = 0 is the waterline, x forward.
+Run: pip install capytaine, then python make_capytaine_seakeeping.py FOLDER. It also writes the barge's motion at speed,
+which is in seakeeping.py. Each file is Capytaine's own dataset, in NetCDF's classic format and single precision. Frames:
+z = 0 is the waterline, x forward.
 """
 
 import sys
@@ -70,6 +71,32 @@ def written(data: xr.Dataset, path: Path) -> None:
     plain.to_netcdf(path, engine="scipy", format="NETCDF3_64BIT", encoding=encoding)
 
 
+def responses_at_speed(speed_m_s: float, omega_rad_s: float) -> tuple[float, float]:
+    """Return heave over amplitude and pitch over slope of the barge of floating_hulls.py, moving into the waves."""
+    wet = barge().immersed_part()
+    centre = (0.0, 0.0, 0.0)
+    body = cpt.FloatingBody(
+        mesh=wet,
+        lid_mesh=wet.generate_lid(),
+        dofs=cpt.rigid_body_dofs(rotation_center=centre),
+        center_of_mass=centre,
+        mass=480.0,
+    )
+    mass = 480.0 * np.diag([1.0, 1.0, 1.0, 0.25**2, 0.58**2, 0.6**2])
+    stiffness = body.compute_hydrostatic_stiffness().values
+    moving = {"body": body, "omega": omega_rad_s, "wave_direction": np.pi, "forward_speed": speed_m_s}
+    fixed = cpt.DiffractionProblem(**moving)
+    radiating = [cpt.RadiationProblem(**moving, radiating_dof=name) for name in body.dofs]
+    diffraction, *moved = cpt.BEMSolver().solve_all([fixed, *radiating])
+    pressure = cpt.bem.airy_waves.froude_krylov_force(fixed)
+    force = np.array([diffraction.forces[name] + pressure[name] for name in body.dofs])
+    added = np.array([[each.added_masses[name] for each in moved] for name in body.dofs])
+    damping = np.array([[each.radiation_dampings[name] for each in moved] for name in body.dofs])
+    omega = fixed.encounter_omega
+    motion = np.abs(np.linalg.solve(-(omega**2) * (mass + added) - 1j * omega * damping + stiffness, force))
+    return motion[2], motion[4] * 9.81 / omega_rad_s**2
+
+
 CASES = (("hemisphere", hemisphere(), -0.1), ("cylinder", cylinder(), -0.5), ("barge", barge(), 0.0))
 
 
@@ -78,3 +105,5 @@ if __name__ == "__main__":
     for name, mesh, centre_z_m in CASES:
         made = dataset(mesh, centre_z_m)
         written(made, folder / f"seakeeping_{name}.nc")
+    rows = [(omega_rad_s, *responses_at_speed(0.268, omega_rad_s)) for omega_rad_s in (2.5, 3.5, 4.2)]
+    np.savetxt(folder / "seakeeping_at_speed.txt", rows, "%.3f", header="rad/s, heave over amplitude, pitch over slope")

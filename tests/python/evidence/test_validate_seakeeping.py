@@ -28,8 +28,8 @@ def test_hulls_move_as_capytaine_computes(
     assert len(checks) == 4 and [check for check in checks if not check.passed] == []
 
 
-@pytest.mark.parametrize("part", ["_decays", "_haskind", "_energy"])
-def test_closed_forms(part: str) -> None:
+@pytest.mark.parametrize("part", ["_forward_speed", "_decays", "_haskind", "_energy"])
+def test_closed_forms_and_speed(part: str) -> None:
     checks = list(getattr(seakeeping, part)())
     assert checks and [check for check in checks if not check.passed] == []
 

@@ -40,6 +40,12 @@ CALM_M = 0.001
 """Amplitude of regular waves and of decays."""
 SEA = {"significant_height_m": 0.02, "peak_period_s": 2.2, "heading_rad": 0.0, "seed": 3}
 SEA_S = 600.0
+START_M_S, SPEED_M_S = 0.3, 0.268
+"""Speeds of the barge into the waves: as released, and as the water that it sets in motion leaves it."""
+AT_SPEED = {2.5: (1.064, 1.063), 3.5: (1.493, 3.257), 4.2: (0.627, 0.663)}
+"""Capytaine's heave over amplitude and pitch over slope at SPEED_M_S, by frequency; make_capytaine_seakeeping.py."""
+HEAVE_AT_SPEED, PITCH_AT_SPEED = 0.07, 0.25
+"""Tolerances: an approximation, see docs/inside/water.md."""
 
 
 class Record(NamedTuple):
@@ -53,7 +59,7 @@ class Record(NamedTuple):
 
 def run(out: Path | None = None) -> list[Check]:
     """Return the checks. It draws nothing."""
-    return [*_raos(HULLS), *_decays(), *_haskind(), *_energy(), *_irregular()]
+    return [*_raos(HULLS), *_forward_speed(), *_decays(), *_haskind(), *_energy(), *_irregular()]
 
 
 def simulation(
@@ -105,6 +111,21 @@ def _raos(names: tuple[str, ...]) -> Iterator[Check]:
                 got = _amplitude(motion, values, omega, number) / (CALM_M * unit)
                 scale = max(wanted / unit, hull.least_response)
                 yield within("Capytaine", f"{name}, {label} at {omega:.3g} rad/s", wanted / unit, got, scale, RAO)
+
+
+def _forward_speed() -> Iterator[Check]:
+    hull = floating_hull("barge")
+    for omega, (heave, pitch) in AT_SPEED.items():
+        number = omega**2 / GRAVITY_M_S2
+        made = simulation(hull, _wave(omega))
+        made.set_state(
+            0, _core.BodyState((0.0, 0.0, -hull.waterline_m), (0.0, 0.0, 0.0, 1.0), (-START_M_S, *[0.0] * 5))
+        )
+        motion = recorded(made, round(hull.settling_s / STEP_S))
+        got = [_amplitude(motion, values, omega, number) / CALM_M for values in (motion.heave_m, motion.pitch_rad)]
+        tried = (("heave", heave, got[0], HEAVE_AT_SPEED), ("pitch", pitch, got[1] / number, PITCH_AT_SPEED))
+        for label, wanted, value, tolerance in tried:
+            yield within("Capytaine", f"barge at speed, {label} at {omega:.3g} rad/s", wanted, value, wanted, tolerance)
 
 
 def _wave(omega_rad_s: float) -> _core.Waves:
