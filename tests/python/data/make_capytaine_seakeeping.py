@@ -1,8 +1,8 @@
 """Makes python/uwsim/evidence/validate/peers/seakeeping_*.nc with Capytaine 3.0.0 and its lids.
 
 Run: pip install capytaine, then python make_capytaine_seakeeping.py FOLDER. It also writes the barge's motion at speed,
-which is in seakeeping.py. Each file is Capytaine's own dataset, in NetCDF's classic format and single precision. Frames:
-z = 0 is the waterline, x forward.
+which is in seakeeping.py. Each file is Capytaine's own dataset, in NetCDF's classic format and single precision.
+Frames: z = 0 is the waterline, x forward.
 """
 
 import sys
