@@ -200,15 +200,25 @@ def attach(flight: Departure) -> RawFlight | None:
         return None
     if not flight.has_map:
         raise ValueError(f"--raw {flight.raw}: needs a flight that maps: give --map")
-    found = survey_format(flight.raw, "--raw")
+    pose: Literal["truth", "filter"] = "truth" if flight.request is None else flight.request.estimate
+    return RawFlight(raw_writer(flight.sim, flight.raw, flight.raw_errors, flight.raw_known, pose))
+
+
+def raw_writer(
+    sim: Simulator, path: Path, errors: PatchErrors | None = None, known: Uncertainties | None = None,
+    pose: Literal["truth", "filter"] = "truth",
+) -> RawSurvey | RawSideScan | RawDvl:  # fmt: skip
+    """Return what writes the first vehicle's multibeam, side scan or Doppler log, by the path's format; see RawSurvey.
+
+    Raises ValueError.
+    """
+    found = survey_format(path, "--raw")
     if found.side_scan is None and found.dvl is None:
-        pose: Literal["truth", "filter"] = "truth" if flight.request is None else flight.request.estimate
-        return RawFlight(RawSurvey(flight.sim, flight.raw, flight.raw_errors, flight.raw_known, pose))
-    if flight.raw_known is not None:
-        raise ValueError(f"--uncertainty: is of a multibeam's soundings, of which {flight.raw.suffix} has none")
-    if flight.raw_errors is not None:
-        raise ValueError(f"--offsets: are those of a multibeam's installation, of which {flight.raw.suffix} has none")
+        return RawSurvey(sim, path, errors, known, pose)
+    for option, given in (("--uncertainty", known), ("--offsets", errors)):
+        if given is not None:
+            raise ValueError(f"{option}: is of a multibeam's soundings, of which {path.suffix} has none")
     if found.side_scan is not None:
-        return RawFlight(RawSideScan(flight.sim, flight.raw, found.side_scan))
+        return RawSideScan(sim, path, found.side_scan)
     assert found.dvl is not None
-    return RawFlight(RawDvl(flight.sim, flight.raw, found.dvl))
+    return RawDvl(sim, path, found.dvl)

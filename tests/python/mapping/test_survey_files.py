@@ -12,12 +12,15 @@ import uwsim
 from command_line import uwsim as uwsim_command
 from flown_survey import LATITUDE, LONGITUDE, POOL, Flown, grids_apart_m, own_soundings, traced
 from uwsim import _core
+from uwsim.channels import Table
 from uwsim.cli.map_build import build
 from uwsim.flight.patch_errors import PatchErrors
 from uwsim.flight.survey import run_survey
+from uwsim.live import LiveSimulator
 from uwsim.mapping.files.gsf_read import read_gsf
 from uwsim.mapping.files.kmall_read import read_kmall
 from uwsim.mapping.files.swath import survey_format
+from uwsim.recording import Recorder
 from uwsim.recording.reader import Recording
 from uwsim.recording.survey_from import survey_from
 from uwsim.scoring.tpu import Uncertainties
@@ -137,6 +140,48 @@ def test_a_recording_gives_the_same_bytes(bent, tmp_path):
         assert ours.time_ns == theirs.time_ns
         np.testing.assert_allclose(ours.travel_time_s, theirs.travel_time_s, rtol=3e-7, atol=2e-8)
         np.testing.assert_allclose(ours.sounding_m, theirs.sounding_m, atol=3e-4)
+
+
+def test_a_live_runs_recording_gives_the_survey_of_its_pings(straight, tmp_path):
+    """Each ping of the recorder, at its time: the bed is where it is."""
+    from uwsim.recording.cli.map_from import from_recording
+
+    path = tmp_path / "live.mcap"
+    with (
+        LiveSimulator(str(straight.folder / "scenario.yaml"), speed="max", paused=True) as live,
+        Recorder(live, path, topics=["sonar_ping"], shared=Table(live.simulator)),
+    ):
+        live.rov.undock()
+        live.step(100)
+        live.rov.set_effort(surge=0.7, yaw=0.2)
+        live.step(300)
+    times_ns = [each.message.header.stamp.nanosec for each in Recording(path).messages("sonar_ping")]
+    for suffix in (".gsf", ".pd0", ".xtf"):
+        from_recording(path, tmp_path / "map.bt", raw=tmp_path / f"live{suffix}")
+        assert (tmp_path / f"live{suffix}").stat().st_size > 1000
+    swaths = list(read_gsf(tmp_path / "live.gsf")[1])
+    assert len(swaths) == len(times_ns) > 10
+    for swath, nanosec in zip(swaths, times_ns, strict=True):
+        assert swath.time_ns % 10**9 == pytest.approx(nanosec, abs=2000)
+        seen = swath.is_detected
+        assert seen.any()
+        assert np.ptp(swath.sounding_m[seen, 2]) < 3.0
+        assert np.median(swath.sounding_m[seen, 2]) == pytest.approx(9.0, abs=1.0)
+
+
+def test_a_run_whose_time_was_reset_gives_no_raw_survey(straight, tmp_path):
+    from uwsim.recording.cli.map_from import from_recording
+
+    with (
+        LiveSimulator(str(straight.folder / "scenario.yaml"), speed="max", paused=True) as live,
+        Recorder(live, tmp_path / "live.mcap", topics=["sonar_ping"], shared=Table(live.simulator)),
+    ):
+        live.step(200)
+        live.reset()
+        live.step(200)
+    with pytest.raises(ValueError, match=r"live\.mcap': tick \d+: its time was set anew, at which a raw survey ends"):
+        from_recording(tmp_path / "live.mcap", tmp_path / "map.bt", raw=tmp_path / "live.gsf")
+    assert not (tmp_path / "live.gsf").exists()
 
 
 def test_errors_of_installation_are_found_back(straight, tmp_path):

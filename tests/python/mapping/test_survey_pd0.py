@@ -98,6 +98,14 @@ def test_cells_and_water_track_have_their_places(tmp_path):
     assert struct.unpack_from("<3H4h", found[0x600], 44) == (10, 10, 20, -100, -400, 0, -32768)
 
 
+def test_a_recording_gives_the_same_bytes(flown):
+    from uwsim.recording.cli.map_from import from_recording
+
+    folder, _ = flown
+    from_recording(folder / "a.mcap", folder / "map.bt", raw=folder / "again.pd0")
+    assert (folder / "again.pd0").read_bytes() == (folder / "a.pd0").read_bytes()
+
+
 def test_each_sample_is_an_ensemble(flown):
     from uwsim.recording.reader import Recording
 

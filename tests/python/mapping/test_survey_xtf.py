@@ -60,6 +60,13 @@ def test_the_first_return_is_that_of_the_bed_on_both_sides(file):
             assert side[bed].max() > side[water & (ranges_m > 0.5)].max() + 20.0
 
 
+def test_a_recording_gives_the_same_bytes(flown, tmp_path):
+    from uwsim.recording.cli.map_from import from_recording
+
+    from_recording(flown.recording, tmp_path / "map.bt", raw=tmp_path / "survey.xtf")
+    assert (tmp_path / "survey.xtf").read_bytes() == flown.raw.read_bytes()
+
+
 def test_port_begins_with_its_farthest_sample(tmp_path):
     from uwsim.mapping.files.side_scan_line import SideScanHead, SideScanLine
     from uwsim.mapping.files.xtf import XtfWriter

@@ -32,7 +32,9 @@ def from_recording(
     """Rebuild the map from a recording, byte for byte as in the run."""
     from uwsim.flight.patch_errors import PatchErrors
     from uwsim.mapping.files.formats import MAP_FORMATS
+    from uwsim.mapping.files.swath import survey_format
     from uwsim.recording.mcap_sink import SURVEY
+    from uwsim.recording.pings import ping_topic
     from uwsim.recording.reader import Recording
     from uwsim.scoring.tpu import Uncertainties
 
@@ -43,21 +45,26 @@ def from_recording(
     errors = None if offsets is None else PatchErrors.parse(offsets)
     known = None if uncertainty is None else Uncertainties.parse(uncertainty)
     recording = Recording(source)
-    if recording.start.kind == SURVEY:
+    is_survey = recording.start.kind == SURVEY
+    has_its_pings = raw is not None and is_survey and survey_format(raw, "--raw").write is not None
+    if is_survey:
         if vehicle is not None:
             raise ValueError("--vehicle: a survey has one vehicle")
         from uwsim.recording.survey_from import survey_from
 
         count = survey_from(
-            recording, out, report, outlier_filter=outlier_filter, raw=raw, raw_errors=errors, raw_known=known
-        )
+            recording, out, report, outlier_filter=outlier_filter, raw=raw if has_its_pings else None,
+            raw_errors=errors, raw_known=known,
+        )  # fmt: skip
     else:
-        if raw is not None:
-            raise ValueError(f"--raw {raw}: '{source}' is no recording of a survey")
         if report is not None:
             raise ValueError(f"--report: '{source}' is no recording of a survey")
         from uwsim.recording.live_map import live_map
 
         occupancy, count = live_map(recording, vehicle, outlier_filter=outlier_filter)
         occupancy.write(out)
+    if raw is not None and not has_its_pings:
+        from uwsim.recording.raw_from import raw_from
+
+        raw_from(recording, ping_topic(recording, vehicle), raw, errors, known)
     typer.echo(f"{out}: {count:,} pings" + ("" if recording.complete else "; the recording was cut off"))
