@@ -21,6 +21,7 @@ from uwsim.mapping.files.kmall_read import _where_cones_meet, read_kmall
 from uwsim.mapping.files.swath import SoundSpeeds, SurveyHead
 from uwsim.recording.cli.map_from import from_recording
 
+KINDS = ("#SPO", "#SKM", "#SDE", "#SVT", "#MRZ")
 METRES = np.array([111_112.2, 81_401.2])  # per degree of latitude and longitude at 43.1 degrees north, GRS 80
 
 
@@ -69,7 +70,7 @@ def test_pykmall_verifies_the_file(flown, reader):
     for complaint in ("warning", "error", "missing mrz", "unable", "not enough", "not interpreted", "traceback"):
         assert complaint not in text.lower(), text
     assert reader.check_ping_count()[2:] == (0, 0)
-    counts = {kind: sum(name == f"b'{kind}'" for name in reader.msgtype) for kind in ("#SPO", "#SKM", "#SDE", "#MRZ")}
+    counts = {kind: sum(name == f"b'{kind}'" for name in reader.msgtype) for kind in KINDS}
     assert set(counts.values()) == {len(flown.record.path_world_m)}
     assert stated["sonar_model_number"] == "EM2040"
     assert stated["active_position_system_number"] == "position_1"
@@ -171,6 +172,30 @@ def test_cones_about_any_two_arrays_meet_in_the_beam_that_made_them():
         beams = beams[beams @ np.cross(forward, starboard) > 0.05]
         found = _where_cones_meet(forward, starboard, beams @ forward, beams @ starboard)
         np.testing.assert_allclose(found, beams, atol=1e-9)
+
+
+def of_revision_f(data: bytes) -> bytes:
+    """Return a file without what Rev G to I added to a ping (8 bytes) and to its sector (12 bytes)."""
+    found, at = [], 0
+    while at < len(data):
+        size = int.from_bytes(data[at : at + 4], "little")
+        body = bytearray(data[at + 4 : at + size - 4])
+        if body[:4] == b"#MRZ":
+            ping = 16 + 4 + 12
+            body[ping : ping + 2] = (144).to_bytes(2, "little")
+            body[ping + 94 : ping + 96] = (36).to_bytes(2, "little")
+            del body[ping + 152 + 36 : ping + 152 + 48], body[ping + 144 : ping + 152]
+        length = (len(body) + 8).to_bytes(4, "little")
+        found.append(length + body + length)
+        at += size
+    return b"".join(found)
+
+
+def test_older_revisions_are_read(flown, tmp_path):
+    (tmp_path / "f.kmall").write_bytes(of_revision_f(flown.raw.read_bytes()))
+    for old, new in zip(read_kmall(tmp_path / "f.kmall")[1], read_kmall(flown.raw)[1], strict=True):
+        np.testing.assert_array_equal(old.axes, new.axes)
+        np.testing.assert_array_equal(old.sounding_m, new.sounding_m)
 
 
 def test_a_map_is_built_from_the_file(flown, tmp_path):

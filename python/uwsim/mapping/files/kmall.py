@@ -1,8 +1,8 @@
 """Writes Kongsberg's .kmall: surveys of multibeam echo sounders as processing software reads them.
 
-A file holds #IIP with the offsets, #IOP with the comment, #SVP, and for each ping #SPO, #SKM, #SDE and #MRZ; their
+A file holds #IIP with the offsets, #IOP with the comment, #SVP, and for each ping #SPO, #SKM, #SDE, #SVT and #MRZ; their
 layouts are in kmall_layout.py. Kongsberg's detection mode "simulator" marks each ping. Attitudes stand at the times of
-the pings, and a ping's beams are formed at the attitude of its transmission.
+the pings, and a ping's beams are formed at the attitude of its transmission. The mean surface is taken for the ellipsoid.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ POSITION_ROLL_HEADING_HEAVE = 0b1111
 INVALID_ACCELERATION_ERRORS_DELAYED = 0b1110000
 KM_BINARY = 1
 EQUIANGLE = 1
-VERSIONS = {"#SKM": 1, "#SVP": 1}
+SPEED = 1
+VERSIONS = {"#SKM": 1, "#SVP": 1, "#SDE": 1, "#MRZ": 3}
 
 
 class KmallWriter:
@@ -50,6 +51,7 @@ class KmallWriter:
         self._put("#SPO", swath, sensor, _position(swath))
         self._put("#SKM", swath, *_attitude(swath, self._last))
         self._put("#SDE", swath, sensor, _depth(swath))
+        self._put("#SVT", swath, _head_speed(swath))
         self._put("#MRZ", swath, *self._ping(swath))
         self._last = swath
         self._number += 1
@@ -80,18 +82,18 @@ class KmallWriter:
             _made(layout.PARTITION, of=1, number=1),
             _made(layout.BODY, bytes=layout.BODY.itemsize, ping=self._number % 65536, fans=1, swaths=1, receivers=1),
             _made(
-                layout.PING, bytes=layout.PING.itemsize, rate_hz=self._rate_hz(swath), spacing=EQUIANGLE,
+                layout.WRITTEN_PING, bytes=layout.WRITTEN_PING.itemsize, rate_hz=self._rate_hz(swath), spacing=EQUIANGLE,
                 detection_mode=SIMULATOR, frequency_hz=frequency_hz, lowest_hz=frequency_hz, highest_hz=frequency_hz,
                 port_edge_deg=edges_deg[0], starboard_edge_deg=edges_deg[1], port_coverage_deg=edges_deg[0],
                 starboard_coverage_deg=edges_deg[1], port_coverage_m=round(ports_m.min(initial=0.0)),
                 starboard_coverage_m=round(ports_m.max(initial=0.0)), sectors=1,
-                bytes_per_sector=layout.SECTOR.itemsize, heading_deg=math.degrees(swath.heading_rad) % 360.0,
+                bytes_per_sector=layout.WRITTEN_SECTOR.itemsize, heading_deg=math.degrees(swath.heading_rad) % 360.0,
                 sound_speed_m_s=swath.sound_speed_m_s,
                 transducer_depth_m=swath.reference_depth_m + float(swath.transducer_m[2]),
                 water_level_m=-swath.reference_depth_m, position_method=2, latitude_deg=swath.latitude_deg,
-                longitude_deg=swath.longitude_deg, height_m=layout.UNAVAILABLE_HEIGHT_M,
+                longitude_deg=swath.longitude_deg, height_m=-swath.reference_depth_m,
             ),
-            _made(layout.SECTOR, frequency_hz=frequency_hz),
+            _made(layout.WRITTEN_SECTOR, frequency_hz=frequency_hz),
             _made(
                 layout.RECEIVER, bytes=layout.RECEIVER.itemsize, soundings=count, valid=int(swath.is_detected.sum()),
                 bytes_per_sounding=layout.SOUNDING.itemsize, bytes_per_class=4,
@@ -161,14 +163,22 @@ def _position(swath: Swath) -> np.ndarray[Any, Any]:
     return _made(
         layout.POSITION, s=seconds, ns=nanoseconds, latitude_deg=swath.latitude_deg,
         longitude_deg=swath.longitude_deg, speed_m_s=swath.speed_m_s,
-        course_deg=math.degrees(swath.course_rad) % 360.0, height_m=layout.UNAVAILABLE_HEIGHT_M,
+        course_deg=math.degrees(swath.course_rad) % 360.0, height_m=-swath.reference_depth_m,
     )  # fmt: skip
 
 
 def _depth(swath: Swath) -> np.ndarray[Any, Any]:
     return _made(
-        layout.DEPTH, depth_m=swath.reference_depth_m, scale=1.0, latitude_deg=swath.latitude_deg,
+        layout.DEPTH, depth_m=swath.reference_depth_m, raw_m=swath.reference_depth_m, scale=1.0, latitude_deg=swath.latitude_deg,
         longitude_deg=swath.longitude_deg,
+    )  # fmt: skip
+
+
+def _head_speed(swath: Swath) -> np.ndarray[Any, Any]:
+    seconds, nanoseconds = divmod(swath.time_ns, 10**9)
+    return _made(
+        layout.HEAD_SPEED, bytes=20, status=ACTIVE, samples=1, bytes_per_sample=24, contents=SPEED, s=seconds,
+        ns=nanoseconds, speed_m_s=swath.sound_speed_m_s,
     )  # fmt: skip
 
 
@@ -186,7 +196,7 @@ def _attitude(swath: Swath, last: Swath | None) -> tuple[np.ndarray[Any, Any], n
     sample = _made(
         layout.ATTITUDE, type="#KMB", bytes=size - 12, version=1, s=seconds, ns=nanoseconds,
         status=INVALID_ACCELERATION_ERRORS_DELAYED, latitude_deg=swath.latitude_deg,
-        longitude_deg=swath.longitude_deg, height_m=layout.UNAVAILABLE_HEIGHT_M, roll_deg=angles[0],
+        longitude_deg=swath.longitude_deg, height_m=-swath.reference_depth_m, roll_deg=angles[0],
         pitch_deg=angles[1], heading_deg=angles[2] % 360.0, rates_deg_s=rates,
         velocity_m_s=[
             swath.speed_m_s * math.cos(swath.course_rad), swath.speed_m_s * math.sin(swath.course_rad), sinking_m_s,

@@ -1,16 +1,16 @@
 """Layouts of Kongsberg's EM datagrams in .kmall files: little-endian, without padding but the named.
 
-From Kongsberg Maritime's public description EMdgmFormat, Rev F of 2018-10-17; later revisions append to the structures,
-whose own lengths are in the file. Angles in degrees: roll starboard down, pitch bow up, heading clockwise from north,
-a beam's angle about the receiver's forward axis, positive to port. Axes forward, starboard, down.
+From Kongsberg Maritime's public description EMdgmFormat, Rev F of 2018-10-17 and Rev I of 2021-06-04, whose structures
+have more at their ends; the lengths are in the file. Angles in degrees: roll starboard down, pitch bow up, heading
+clockwise from north, a beam's angle about the receiver's forward axis, positive to port. Axes forward, starboard, down.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-REVISION = "Rev F 2018-10-17"
-UNAVAILABLE_HEIGHT_M = -999.0
+REVISION = "Rev I 2021-06-04"
+"""As is written."""
 MAX_BEAMS, MAX_LEVELS = 1024, 2000
 
 HEADER = np.dtype([
@@ -25,8 +25,8 @@ POSITION = np.dtype([
     ("speed_m_s", "<f4"), ("course_deg", "<f4"), ("height_m", "<f4"),
 ])  # fmt: skip
 DEPTH = np.dtype([
-    ("depth_m", "<f4"), ("offset_m", "<f4"), ("scale", "<f4"), ("latitude_deg", "<f8"), ("longitude_deg", "<f8"),
-    ("text", "S32"),
+    ("depth_m", "<f4"), ("raw_m", "<f4"), ("offset_m", "<f4"), ("scale", "<f4"), ("latitude_deg", "<f8"),
+    ("longitude_deg", "<f8"), ("text", "S32"),
 ])  # fmt: skip
 ATTITUDES = np.dtype([
     ("bytes", "<u2"), ("system", "u1"), ("status", "u1"), ("input", "<u2"), ("samples", "<u2"),
@@ -46,6 +46,13 @@ PROFILE = np.dtype([
 LEVEL = np.dtype([
     ("depth_m", "<f4"), ("speed_m_s", "<f4"), ("padding", "<u4"), ("temperature_deg_c", "<f4"), ("salinity", "<f4"),
 ])  # fmt: skip
+HEAD_SPEED = np.dtype([
+    ("bytes", "<u2"), ("status", "<u2"), ("input", "<u2"), ("samples", "<u2"), ("bytes_per_sample", "<u2"),
+    ("contents", "<u2"), ("filter_s", "<f4"), ("offset_m_s", "<f4"),
+    ("s", "<u4"), ("ns", "<u4"), ("speed_m_s", "<f4"), ("temperature_deg_c", "<f4"), ("pressure_pa", "<f4"),
+    ("salinity", "<f4"),
+])  # fmt: skip
+"""The body of #SVT with one sample; `bytes` are those of the first two lines."""
 PARTITION = np.dtype([("of", "<u2"), ("number", "<u2")])
 BODY = np.dtype([
     ("bytes", "<u2"), ("ping", "<u2"), ("fans", "u1"), ("fan", "u1"), ("swaths", "u1"), ("swath", "u1"),
@@ -65,10 +72,14 @@ PING = np.dtype([
     ("position_status", "u1"), ("attitude_status", "u1"), ("padding3", "u1"), ("latitude_deg", "<f8"),
     ("longitude_deg", "<f8"), ("height_m", "<f4"),
 ])  # fmt: skip
+WRITTEN_PING = np.dtype([*PING.descr, ("bs_offset_db", "<f4"), ("lambert", "u1"), ("ice", "u1"), ("modes", "<u2")])
 SECTOR = np.dtype([
     ("number", "u1"), ("array", "u1"), ("sub_array", "u1"), ("padding0", "u1"), ("delay_s", "<f4"),
     ("tilt_deg", "<f4"), ("source_level_db", "<f4"), ("focus_m", "<f4"), ("frequency_hz", "<f4"),
     ("bandwidth_hz", "<f4"), ("signal_s", "<f4"), ("shading", "u1"), ("form", "u1"), ("padding1", "<u2"),
+])  # fmt: skip
+WRITTEN_SECTOR = np.dtype([
+    *SECTOR.descr, ("voltage_db", "<f4"), ("tracking_db", "<f4"), ("effective_signal_s", "<f4"),
 ])  # fmt: skip
 RECEIVER = np.dtype([
     ("bytes", "<u2"), ("soundings", "<u2"), ("valid", "<u2"), ("bytes_per_sounding", "<u2"), ("column_hz", "<f4"),
