@@ -48,7 +48,7 @@ def _repeated(recording: Recording, sim: Simulator, topic: str) -> Iterator[_cor
         tick = taken.ping.time_ns // recording.step_ns
         while command is not None and command.tick < tick:
             if command.name in JUMPS:
-                reason = "its time was set anew, at which a raw survey ends"
+                reason = "its time was reset, at which a raw survey ends"
                 raise ValueError(f"recording '{recording.path}': tick {command.tick}: {reason}")
             _step_to(sim, command.tick)
             execute(sim, None, command)

@@ -179,7 +179,7 @@ def test_a_run_whose_time_was_reset_gives_no_raw_survey(straight, tmp_path):
         live.step(200)
         live.reset()
         live.step(200)
-    with pytest.raises(ValueError, match=r"live\.mcap': tick \d+: its time was set anew, at which a raw survey ends"):
+    with pytest.raises(ValueError, match=r"live\.mcap': tick \d+: its time was reset, at which a raw survey ends"):
         from_recording(tmp_path / "live.mcap", tmp_path / "map.bt", raw=tmp_path / "live.gsf")
     assert not (tmp_path / "live.gsf").exists()
 

@@ -1,8 +1,9 @@
 """Writes Kongsberg's .kmall: surveys of multibeam echo sounders as processing software reads them.
 
-A file holds #IIP with the offsets, #IOP with the comment, #SVP, and for each ping #SPO, #SKM, #SDE, #SVT and #MRZ; their
-layouts are in kmall_layout.py. Kongsberg's detection mode "simulator" marks each ping. Attitudes stand at the times of
-the pings, and a ping's beams are formed at the attitude of its transmission. The mean surface is taken for the ellipsoid.
+A file holds #IIP with the offsets, #IOP with the comment, #SVP, and for each ping #SPO, #SKM, #SDE, #SVT and #MRZ,
+whose layouts are in kmall_layout.py. Kongsberg's detection mode "simulator" marks each ping. Attitudes stand at the
+times of the pings, and a ping's beams are formed at the attitude of its transmission. The ellipsoid is at the mean
+surface.
 """
 
 from __future__ import annotations
