@@ -83,8 +83,9 @@ class KmallWriter:
             _made(layout.PARTITION, of=1, number=1),
             _made(layout.BODY, bytes=layout.BODY.itemsize, ping=self._number % 65536, fans=1, swaths=1, receivers=1),
             _made(
-                layout.WRITTEN_PING, bytes=layout.WRITTEN_PING.itemsize, rate_hz=self._rate_hz(swath), spacing=EQUIANGLE,
-                detection_mode=SIMULATOR, frequency_hz=frequency_hz, lowest_hz=frequency_hz, highest_hz=frequency_hz,
+                layout.WRITTEN_PING, bytes=layout.WRITTEN_PING.itemsize, rate_hz=self._rate_hz(swath),
+                spacing=EQUIANGLE, detection_mode=SIMULATOR, frequency_hz=frequency_hz, lowest_hz=frequency_hz,
+                highest_hz=frequency_hz,
                 port_edge_deg=edges_deg[0], starboard_edge_deg=edges_deg[1], port_coverage_deg=edges_deg[0],
                 starboard_coverage_deg=edges_deg[1], port_coverage_m=round(ports_m.min(initial=0.0)),
                 starboard_coverage_m=round(ports_m.max(initial=0.0)), sectors=1,
@@ -170,8 +171,8 @@ def _position(swath: Swath) -> np.ndarray[Any, Any]:
 
 def _depth(swath: Swath) -> np.ndarray[Any, Any]:
     return _made(
-        layout.DEPTH, depth_m=swath.reference_depth_m, raw_m=swath.reference_depth_m, scale=1.0, latitude_deg=swath.latitude_deg,
-        longitude_deg=swath.longitude_deg,
+        layout.DEPTH, depth_m=swath.reference_depth_m, raw_m=swath.reference_depth_m, scale=1.0,
+        latitude_deg=swath.latitude_deg, longitude_deg=swath.longitude_deg,
     )  # fmt: skip
 
 
