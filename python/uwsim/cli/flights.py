@@ -109,8 +109,8 @@ Uncertainty = Annotated[
     str | None,
     typer.Option(
         help="With --raw: standard deviations of the survey's instruments, for the errors that the file states and the "
-        "order of S-44: roll, pitch, heading, mount [deg], position, depth, lever [m], latency [s], sound_speed, "
-        "surface_speed [m/s], such as roll=0.05,position=0.5."
+        "order of S-44: roll, pitch, heading, mount, angle [deg], position, depth, heave, tide, lever, "
+        "range [m], latency [s], sound_speed, surface_speed [m/s], such as roll=0.05,position=0.5."
     ),
 ]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue the flight last saved in --out.")]

@@ -62,7 +62,10 @@ def info(
 def convert(
     source: Annotated[
         Path,
-        typer.Argument(help=f"A map ({', '.join(MAPS)}) or a cloud ({', '.join(CLOUDS)}).", callback=readable),
+        typer.Argument(
+            help=f"A map ({', '.join(MAPS)}), a cloud ({', '.join(CLOUDS)}) or a survey (.gsf, .kmall).",
+            callback=readable,
+        ),
     ],
     target: Annotated[
         Path,
@@ -71,7 +74,7 @@ def convert(
     cell: Annotated[
         float | None,
         typer.Option(
-            help="Width of a .tif's cells [m]. Default: the map's voxels.", callback=within(0.001, 10_000, "m")
+            help="Width of a grid's cells [m]. Default: the map's voxels.", callback=within(0.001, 10_000, "m")
         ),
     ] = None,
     scenario: Annotated[
@@ -80,10 +83,11 @@ def convert(
     ] = None,
     origin: MapOrigin = ZERO,
 ) -> None:
-    """Convert a map or a cloud to another format.
+    """Convert a map, a cloud or the soundings of a survey to another format.
 
-    A .tif contains the median depth and the count of each cell. A .bt contains no probabilities: in an .ot converted
-    from it, all voxels are at the clamping limits.
+    A survey's grid is in its UTM zone, with the uncertainty of its soundings at 95 %. A .tif contains the median depth
+    and the count of each cell. A .bt contains no probabilities: in an .ot converted from it, all voxels are at the
+    clamping limits.
     """
     from uwsim.cli.map_convert import convert as convert_file
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,8 +12,7 @@ from uwsim.cli.bounds import readable, within
 from uwsim.cli.map import MAPS
 
 if TYPE_CHECKING:
-    from uwsim import _core
-    from uwsim.mapping.files.swath import SoundSpeeds, Swath
+    from uwsim.mapping.files.swath import Swath
 
 SHARE = 0.01  # the default voxel, as a share of the first ping's median depth below its sonar
 PLACES = (1.0, 2.0, 5.0)
@@ -47,34 +45,27 @@ def build(
     Travel times are traced through the file's own sound-speed profile at its attitude and offsets, and inserted like a
     simulated ping. Beams that the file flags are left out. The map is in metres east and north of its zero.
     """
+    import numpy as np  # here, since all commands are imported for completion
+
     from uwsim.mapping import OccupancyMap
     from uwsim.mapping.files.georeference import Georeference, metres_about
-    from uwsim.mapping.files.swath import survey_format
     from uwsim.mapping.map_filler import MapFiller
     from uwsim.mapping.occupancy_map import require_map_path
-    from uwsim.mapping.ping_to_map import traced_echoes
+    from uwsim.mapping.ping_to_map import traced_beams
+    from uwsim.mapping.survey_soundings import open_surveys
 
     require_map_path(out)  # before long work
-    surveys = []
-    for path in sources:
-        read = survey_format(path, "--from").read
-        if read is None:
-            raise ValueError(f"--from {path}: holds no pings of a multibeam")
-        head, swaths = read(path)
-        first = list(islice(swaths, 1))
-        if not first:
-            raise ValueError(f"--from {path}: has no ping")
-        surveys.append((head.profile, first[0], chain(first, swaths)))
-    start = surveys[0][1]
+    surveys = open_surveys(sources, "--from")
+    start = surveys[0].first
     latitude, longitude = origin or (start.latitude_deg, start.longitude_deg)
     place = Georeference(metres_about((longitude, latitude)))
     occupancy = OccupancyMap(resolution_m=voxel or _voxel_m(start))
     pings = soundings = 0
     with MapFiller(occupancy, RANGE_MAX_M) as filler:
-        for profile, _, swaths in surveys:
-            traced = _profile(profile)
-            for swath in swaths:
-                echoes, sonar = traced_echoes(swath, traced, place)
+        for survey in surveys:
+            for swath in survey.swaths:
+                ends, sonar = traced_beams(swath, survey.profile, place)
+                echoes = ends[np.isfinite(ends[:, 0])].astype(np.float32)
                 filler.insert(echoes, sonar)
                 pings, soundings = pings + 1, soundings + len(echoes)
     if not soundings:
@@ -86,15 +77,9 @@ def build(
     )
 
 
-def _profile(speeds: SoundSpeeds) -> _core.SoundSpeedProfile:
-    from uwsim import _core
-
-    return _core.SoundSpeedProfile(speeds.depths_m, speeds.speeds_m_s)
-
-
 def _voxel_m(swath: Swath) -> float:
     """Return 1 % of a swath's median depth below its sonar, rounded to 1, 2 or 5 times a power of ten."""
-    import numpy as np  # here, since all commands are imported for completion
+    import numpy as np
 
     seen = swath.is_detected
     if not seen.any():

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.mapping.ranging import CONFIDENCE
+
 MAX_CELLS = 100_000_000
 
 
@@ -15,7 +17,8 @@ class DepthGrid:
     """Depths below the mean water surface, positive down, in square cells.
 
     depth_m: (rows, columns), median depth of the points in a cell, nan in empty cells. count: (rows, columns) int64,
-    number of points in the cell. Rows run from south to north, columns from west to east. The cells are cell_m wide,
+    number of points in the cell. uncertainty_m: (rows, columns), of the depth at 95 %, nan where it is unknown; None if
+    the points state none. Rows run from south to north, columns from west to east. The cells are cell_m wide,
     with corners at multiples of cell_m. west_m, south_m: the south-west corner of the grid in the world.
     """
 
@@ -24,6 +27,7 @@ class DepthGrid:
     cell_m: float
     west_m: float
     south_m: float
+    uncertainty_m: NDArray[np.float64] | None = None
 
     @property
     def extent_m(self) -> tuple[float, float, float, float]:
@@ -37,8 +41,14 @@ class DepthGrid:
         )
 
 
-def depth_grid(points_world_m: NDArray[np.floating], cell_m: float) -> DepthGrid:
+def depth_grid(
+    points_world_m: NDArray[np.floating], cell_m: float, deviation_m: NDArray[np.floating] | None = None
+) -> DepthGrid:
     """Return the median depth and the number of points in each cell, for points (n, 3), n > 0.
+
+    deviation_m (n,): the points' vertical standard deviations, nan where unknown. The uncertainty of a cell is then
+    1.96 times the greater of their root mean square and the standard deviation of its points' depths, as the product
+    uncertainty of BAGs.
 
     Raises ValueError unless cell_m is positive, the points are finite and there are at most MAX_CELLS cells.
     """
@@ -67,4 +77,30 @@ def depth_grid(points_world_m: NDArray[np.floating], cell_m: float) -> DepthGrid
     median[filled] = 0.5 * (depths[first + (count - 1) // 2] + depths[first + count // 2])
     counts[filled] = count
     west, south = low * cell_m
-    return DepthGrid(median.reshape(rows, columns), counts.reshape(rows, columns), cell_m, float(west), float(south))
+    uncertainty = None
+    if deviation_m is not None:
+        deviations = np.asarray(deviation_m, np.float64)[order]
+        uncertainty = np.full(rows * columns, np.nan)
+        uncertainty[filled] = CONFIDENCE * np.fmax(_stated(deviations, first), _spread(depths, first))
+        uncertainty = uncertainty.reshape(rows, columns)
+    return DepthGrid(
+        median.reshape(rows, columns), counts.reshape(rows, columns), cell_m, float(west), float(south), uncertainty
+    )
+
+
+def _stated(deviations: NDArray[np.float64], first: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return the root mean square of the known deviations of each cell, whose points begin at `first`."""
+    known = np.isfinite(deviations)
+    count = np.add.reduceat(known.astype(np.float64), first)
+    squares = np.add.reduceat(np.where(known, deviations, 0.0) ** 2, first)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(np.sqrt(squares / count), np.float64)
+
+
+def _spread(depths: NDArray[np.float64], first: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return the standard deviation of the depths of each cell, nan for a single one."""
+    count = np.diff(first, append=len(depths)).astype(np.float64)
+    mean = np.add.reduceat(depths, first) / count
+    squares = np.add.reduceat((depths - np.repeat(mean, count.astype(int))) ** 2, first)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(np.sqrt(squares / (count - 1.0)), np.float64)

@@ -144,21 +144,23 @@ def received_echoes(echoes_sonar_m: NDArray[np.float64], map_from_sonar: NDArray
     return (echoes_sonar_m @ map_from_sonar[:3, :3].T + map_from_sonar[:3, 3]).astype(np.float32)
 
 
-def traced_echoes(
+def traced_beams(
     swath: Swath, profile: _core.SoundSpeedProfile, place: Georeference
-) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
-    """Return the echoes (n, 3) and the position (3,) of the sonar of a swath from a survey file, in the world of place.
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return where each beam of a swath from a survey file ends (n, 3) and the sonar (3,), in the world of place.
 
     Rays are traced from the transducer for half of the travel times through the profile, at the file's attitude. Beams
-    that the file flags are left out.
+    that the file flags, or that do not arrive, are nan.
     """
     position = place.world_m(swath.latitude_deg, swath.longitude_deg, -swath.reference_depth_m)
     yaw = math.pi / 2 - swath.heading_rad + place.north_rad(position)
     level = np.array([[math.cos(yaw), math.sin(yaw), 0], [math.sin(yaw), -math.cos(yaw), 0], [0, 0, -1]])
     sonar = position + swath.transducer_m @ level
     seen = swath.is_detected & np.isfinite(swath.axes).all(axis=1)
-    ends = _core.soundings(swath.axes[seen] @ level, swath.travel_time_s[seen], sonar, profile)
-    return ends[np.isfinite(ends).all(axis=1)].astype(np.float32), sonar
+    ends = np.full((len(seen), 3), np.nan)
+    ends[seen] = _core.soundings(swath.axes[seen] @ level, swath.travel_time_s[seen], sonar, profile)
+    ends[~np.isfinite(ends).all(axis=1)] = np.nan
+    return ends, sonar
 
 
 def placed_echoes(

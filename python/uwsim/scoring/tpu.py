@@ -10,14 +10,15 @@ from the transducer to the sounding, c the speed of sound and theta the beam's a
 |---|---|---|
 | roll, pitch, heading | axis of rotation x v | vertical: y of v for roll, x for pitch |
 | mount: of the head, about each axis | axis x w | as above, about the transducer |
-| position, east and north each; depth | along that axis | |
+| position, east and north each; depth, heave, tide | along that axis | |
+| range, angle: of the sounder | along the ray; along the arc | vertical: cos(theta); y |
 | lever: of the transducer, along each axis | along that axis | |
 | latency | velocity over ground | horizontal, speed |
 | sound speed of the profile | w / c, and along the arc tan(theta) / (2 c) | vertical: z / c and y tan(theta) / (2 c) |
 | sound speed at a flat array | along the arc tan(steering) / c | vertical: y tan(steering) / c |
 
-Range and angle of the sounder itself are those that a ping in physics mode states. Beyond 85 degrees, the terms of
-sound speed are those at 85 degrees.
+A ping in physics mode states the sounder's own errors, to which `range` and `angle` add. Beyond 85 degrees, the
+terms of sound speed are those at 85 degrees.
 """
 
 from __future__ import annotations
@@ -39,7 +40,8 @@ STEEPEST = math.tan(math.radians(85.0))
 LIMITS = {
     "roll": (0.0, 10.0, "deg"), "pitch": (0.0, 10.0, "deg"), "heading": (0.0, 45.0, "deg"), "mount": (0.0, 10.0, "deg"),
     "position": (0.0, 1000.0, "m"), "depth": (0.0, 100.0, "m"), "lever": (0.0, 10.0, "m"), "latency": (0.0, 10.0, "s"),
-    "sound_speed": (0.0, 100.0, "m/s"), "surface_speed": (0.0, 100.0, "m/s"),
+    "sound_speed": (0.0, 100.0, "m/s"), "surface_speed": (0.0, 100.0, "m/s"), "heave": (0.0, 10.0, "m"),
+    "tide": (0.0, 10.0, "m"), "range": (0.0, 100.0, "m"), "angle": (0.0, 10.0, "deg"),
 }  # fmt: skip
 
 
@@ -57,6 +59,10 @@ class Uncertainties:
     latency: float = 0.0
     sound_speed: float = 0.0
     surface_speed: float = 0.0
+    heave: float = 0.0
+    tide: float = 0.0
+    range: float = 0.0
+    angle: float = 0.0
 
     @classmethod
     def parse(cls, text: str) -> Uncertainties:
@@ -90,7 +96,8 @@ def _covariance(swath: Swath, known: Uncertainties, pose: Array | None) -> Array
     covariance = np.einsum("kni,knj->nij", moved, moved)
     mount_rad, w = math.radians(known.mount), v - swath.transducer_m
     covariance += mount_rad**2 * ((w**2).sum(1)[:, None, None] * np.eye(3) - w[:, :, None] * w[:, None, :])
-    covariance += np.diag([known.position**2, known.position**2, known.depth**2]) + known.lever**2 * np.eye(3)
+    vertical = known.depth**2 + known.heave**2 + known.tide**2
+    covariance += np.diag([known.position**2, known.position**2, vertical]) + known.lever**2 * np.eye(3)
     if pose is not None:
         turned = np.zeros((len(v), 3, 6))
         turned[:, :, :3] = np.eye(3)
@@ -125,5 +132,6 @@ def _of_sound(swath: Swath, known: Uncertainties, w: Array) -> Array:
     )
     return np.stack([
         own_vertical * [0.0, 0.0, 1.0], own_horizontal * outward, profile * w, 0.5 * profile * steep[:, None] * arc,
-        surface * steering[:, None] * arc,
+        surface * steering[:, None] * arc, known.range * w / np.maximum(np.linalg.norm(w, axis=1), 1e-9)[:, None],
+        math.radians(known.angle) * arc,
     ])  # fmt: skip

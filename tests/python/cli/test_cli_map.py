@@ -141,7 +141,7 @@ def test_a_map_and_its_part_merge_into_a_map_of_the_whole(folder, tmp_path):
         (["info", "text.bt"], r"text.bt"),
         (["convert", "pool.bt", "new.e57"], r"target 'new.e57': must end in \.bt, \.ot"),
         (["convert", "cloud.ply", "new.bt"], r"a cloud has no free space, so it cannot become a map"),
-        (["convert", "cloud.ply", "new.tif"], r"cell: missing: a cloud has no voxels"),
+        (["convert", "cloud.ply", "new.tif"], r"cell: missing: points have no voxels"),
         (["convert", "pool.bt", "new.tif", "--cell", "-1"], r"--cell = -1.0 m: must be in"),
         (["convert", "pool.bt", "new.tif", "--cell", "1e-9"], r"--cell = 1e-09 m: must be in"),
         (["convert", "pool.bt", "new.tif", "--scenario", "pol"], r"did you mean 'pool'"),

@@ -30,6 +30,20 @@ def test_every_cell_holds_the_median_and_the_count_of_its_points(n, seed, cell_m
     assert west / cell_m == pytest.approx(round(west / cell_m))
 
 
+def test_a_cells_uncertainty_is_the_greater_of_what_its_points_state_and_their_spread():
+    draw = np.random.default_rng(7)
+    points = draw.uniform(0.0, 5.0, (400, 3))
+    stated = np.where(draw.uniform(size=400) < 0.3, np.nan, draw.uniform(0.1, 3.0, 400))
+    grid = depth_grid(points, 1.0, stated)
+    for row, column in np.ndindex(grid.depth_m.shape):
+        mine = (np.floor(points[:, 0]) == column) & (np.floor(points[:, 1]) == row)
+        known = stated[mine & np.isfinite(stated)]
+        expected = 1.96 * max(np.sqrt(np.mean(known**2)), np.std(points[mine, 2], ddof=1))
+        assert grid.uncertainty_m[row, column] == pytest.approx(expected)
+    alone = depth_grid(np.array([[0.5, 0.5, -1.0], [2.5, 0.5, -1.0]]), 1.0, np.array([0.5, np.nan])).uncertainty_m
+    np.testing.assert_allclose(alone, [[0.98, np.nan, np.nan]])
+
+
 @pytest.mark.parametrize(
     ("points", "cell_m", "message"),
     [

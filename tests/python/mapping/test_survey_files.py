@@ -14,6 +14,7 @@ from flown_survey import LATITUDE, LONGITUDE, POOL, Flown, grids_apart_m, own_so
 from uwsim import _core
 from uwsim.channels import Table
 from uwsim.cli.map_build import build
+from uwsim.cli.map_convert import convert
 from uwsim.flight.patch_errors import PatchErrors
 from uwsim.flight.survey import run_survey
 from uwsim.live import LiveSimulator
@@ -167,6 +168,37 @@ def test_a_live_runs_recording_gives_the_survey_of_its_pings(straight, tmp_path)
         assert seen.any()
         assert np.ptp(swath.sounding_m[seen, 2]) < 3.0
         assert np.median(swath.sounding_m[seen, 2]) == pytest.approx(9.0, abs=1.0)
+
+
+@pytest.mark.parametrize("suffix", [".bag", ".h5", ".tif"])
+def test_a_surveys_grid_has_the_bed_and_the_uncertainty_of_its_soundings(bent, tmp_path, suffix):
+    """In the UTM zone, as GDAL reads it: the bed at 9 m, within the uncertainty that the grid states."""
+    rasterio = pytest.importorskip("rasterio")
+    convert(bent.raw, tmp_path / f"grid{suffix}", cell_m=0.5)
+    with rasterio.open(tmp_path / f"grid{suffix}") as file:
+        layers = dict(zip(file.descriptions, file.read(masked=True).astype(float).filled(np.nan), strict=True))
+        west, south, east, north = rasterio.warp.transform_bounds(file.crs, "EPSG:4326", *file.bounds)
+        assert "UTM zone 32N" in file.crs.to_wkt() or "UTM zone 31N" in file.crs.to_wkt()
+    assert west < LONGITUDE < east
+    assert south < LATITUDE < north
+    depth = np.abs(next(layers[name] for name in ("depth", "elevation") if name in layers))
+    error = layers["uncertainty"]
+    seen = np.isfinite(depth) & np.isfinite(error)
+    assert seen.sum() > 200
+    assert np.median(depth[seen]) == pytest.approx(9.0, abs=0.02)
+    stated = np.concatenate([swath.vertical_deviation_m[swath.is_detected] for swath in read_gsf(bent.raw)[1]])
+    assert np.min(error[seen]) >= 1.96 * np.nanmin(stated) - 1e-6
+    assert np.mean(np.abs(depth[seen] - 9.0) <= error[seen]) > 0.95
+
+
+def test_a_survey_becomes_a_cloud_but_no_map_by_conversion(bent, tmp_path):
+    convert(bent.raw, tmp_path / "cloud.xyz")
+    cloud = np.loadtxt(tmp_path / "cloud.xyz")
+    assert (np.abs(np.median(cloud, axis=0) - [LONGITUDE, LATITUDE, -9.0]) < [1e-4, 1e-4, 0.02]).all()
+    with pytest.raises(ValueError, match="a survey file becomes a map by `uwsim map build"):
+        convert(bent.raw, tmp_path / "map.bt")
+    with pytest.raises(ValueError, match=r"cell: missing: points have no voxels"):
+        convert(bent.raw, tmp_path / "grid.tif")
 
 
 def test_a_run_whose_time_was_reset_gives_no_raw_survey(straight, tmp_path):

@@ -30,6 +30,7 @@ def a_swath(roll_rad=0.0, pitch_rad=0.0, transducer_m=(0.0, 0.0, 0.0), depth_m=4
 @pytest.mark.parametrize(("term", "size"), [
     ("roll", 0.1), ("pitch", 0.1), ("heading", 0.5), ("position", 0.7), ("depth", 0.05), ("lever", 0.02),
     ("latency", 0.1), ("sound_speed", 1.0), ("surface_speed", 1.0), ("mount", 0.05),
+    ("heave", 0.1), ("tide", 0.2), ("range", 0.03), ("angle", 0.05),
 ])  # fmt: skip
 def test_each_term_of_a_level_vehicle_is_hare_s(term, size):
     swath = a_swath()
@@ -43,6 +44,8 @@ def test_each_term_of_a_level_vehicle_is_hare_s(term, size):
         "latency": (0 * y, 2.0 * size + 0 * y),
         "sound_speed": (np.hypot(z * size / C_M_S, y * arc / 2), np.hypot(y * size / C_M_S, z * arc / 2)),
         "surface_speed": (y * arc, z * arc), "mount": (y * turn, r * turn),
+        "heave": (size + 0 * y, 0 * y), "tide": (size + 0 * y, 0 * y), "angle": (y * turn, z * turn),
+        "range": (size * np.cos(angle), size * np.sin(angle)),
     }[term]  # fmt: skip
     np.testing.assert_allclose(vertical, expected[0], rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(horizontal, expected[1], rtol=1e-9, atol=1e-12)

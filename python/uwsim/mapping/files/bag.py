@@ -17,7 +17,7 @@ from uwsim.mapping.files.georeference import Georeference
 
 NO_DATA = np.float32(1e6)  # as the format has it
 METADATA = {
-    "VAR_TITLE": "Depth grid of a simulated survey", "VAR_ABSTRACT": "Made by uwsim; no real sea floor",
+    "VAR_TITLE": "Depth grid", "VAR_ABSTRACT": "Gridded by uwsim: of a simulated survey, no real sea floor",
     "VAR_INDIVIDUAL_NAME": "uwsim", "VAR_ORGANISATION_NAME": "uwsim", "VAR_POSITION_NAME": "simulator",
     "VAR_DATE": "2020-01-01", "VAR_DATETIME": "2020-01-01T00:00:00",
     "VAR_VERTICAL_DATUM": "mean water surface", "VAR_PROCESS_STEP_DESCRIPTION": "median of the points in each cell",
@@ -25,7 +25,7 @@ METADATA = {
 
 
 def write_bag(path: Path, grid: DepthGrid, place: Georeference) -> None:
-    """Write elevations, positive up, and their uncertainty: half a cell, since a grid does not state its points'.
+    """Write elevations, positive up, and their uncertainty: as the grid states it, else half a cell.
 
     Empty cells have no data. Written atomically. Raises OSError, or ValueError without a place on Earth.
     """
@@ -38,7 +38,9 @@ def write_bag(path: Path, grid: DepthGrid, place: Georeference) -> None:
     cell = grid.cell_m * scale
     depth = np.flipud(grid.depth_m)
     known = np.isfinite(depth)
-    layers = np.stack([np.where(known, -depth, NO_DATA), np.where(known, 0.5 * grid.cell_m, NO_DATA)])
+    error = np.where(known, 0.5 * grid.cell_m, np.nan) if grid.uncertainty_m is None else np.flipud(grid.uncertainty_m)
+    layers = np.stack([np.where(np.isfinite(each), each, NO_DATA) for each in (-depth, error)])
+    kind = "unknown" if grid.uncertainty_m is None else "productUncert"
     with MemoryFile() as memory, tempfile.TemporaryDirectory() as folder:
         with memory.open(
             driver="GTiff", width=columns, height=rows, count=2, dtype="float32", nodata=float(NO_DATA), crs=place.crs,
@@ -47,7 +49,7 @@ def write_bag(path: Path, grid: DepthGrid, place: Georeference) -> None:
             file.write(layers.astype(np.float32))
         made = Path(folder) / "grid.bag"
         with memory.open() as file:
-            copy(file, str(made), driver="BAG", **METADATA)
+            copy(file, str(made), driver="BAG", VAR_VERTICAL_UNCERT_CODE=kind, **METADATA)
         content = made.read_bytes()
     write_atomically(path, content)
 

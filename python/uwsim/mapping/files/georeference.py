@@ -39,6 +39,12 @@ def metres_about(centre: tuple[float, float]) -> CRS:
     return CRS.from_string(f"+proj=tmerc +lon_0={centre[0]!r} +lat_0={centre[1]!r} +k=1 +datum=WGS84 +units=m +no_defs")
 
 
+def utm_zone(latitude_deg: float, longitude_deg: float) -> int:
+    """Return the EPSG code of the UTM zone on WGS 84, without the exceptions of Norway and Svalbard."""
+    zone = min(math.floor((longitude_deg + 180.0) / 6.0), 59) + 1
+    return (32600 if latitude_deg >= 0.0 else 32700) + zone
+
+
 @dataclass(frozen=True)
 class Georeference:
     """The world's location on Earth: its origin in a coordinate system, and that system's units per simulated metre.

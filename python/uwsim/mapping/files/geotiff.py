@@ -1,4 +1,4 @@
-"""Exports a depth grid as a GeoTIFF for GIS programs: band 1 is the median depth, band 2 the number of points."""
+"""Exports a depth grid as a GeoTIFF for GIS programs: median depth, count and, if it is known, uncertainty."""
 
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ MIN_TILED_SIZE = 512
 
 
 def write_depth_tiff(path: Path, grid: DepthGrid, place: Georeference) -> None:
-    """Write two float32 bands, rows from north to south: "depth" [m], positive down, nan in empty cells; and "count".
+    """Write float32 bands, rows from north to south: "depth" [m], positive down, nan in empty cells; and "count".
 
+    A grid that states its uncertainty adds "uncertainty" [m], at 95 %, nan where it is unknown.
     Written atomically. Raises OSError.
     """
     rows, columns = grid.depth_m.shape
@@ -31,7 +32,7 @@ def write_depth_tiff(path: Path, grid: DepthGrid, place: Georeference) -> None:
             driver="GTiff",
             width=columns,
             height=rows,
-            count=2,
+            count=2 if grid.uncertainty_m is None else 3,
             dtype="float32",
             nodata=float("nan"),
             crs=place.crs,
@@ -44,7 +45,10 @@ def write_depth_tiff(path: Path, grid: DepthGrid, place: Georeference) -> None:
             file.write(np.flipud(grid.count).astype(np.float32), 2)
             file.set_band_description(1, "depth")
             file.set_band_description(2, "count")
-            file.units = ("m", "")
+            file.units = ("m", "") if grid.uncertainty_m is None else ("m", "", "m")
+            if grid.uncertainty_m is not None:
+                file.write(np.flipud(grid.uncertainty_m).astype(np.float32), 3)
+                file.set_band_description(3, "uncertainty")
             file.update_tags(VERTICAL_DATUM="mean water surface of the simulated world, z = 0")
             file.update_tags(1, STATISTIC="median of the points in the cell", POSITIVE="down")
             file.update_tags(2, STATISTIC="number of points in the cell")

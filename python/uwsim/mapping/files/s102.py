@@ -7,7 +7,6 @@ from south to north, depths positive down. A world in another coordinate system 
 from __future__ import annotations
 
 import io
-import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,7 +19,7 @@ from rasterio.warp import transform
 from uwsim.base.atomic_file import write_atomically
 from uwsim.mapping.depth_grid import DepthGrid
 from uwsim.mapping.files.formats import GridFormat
-from uwsim.mapping.files.georeference import WGS84, Georeference
+from uwsim.mapping.files.georeference import WGS84, Georeference, utm_zone
 
 NO_DATA = np.float32(1e6)
 UTM = frozenset((*range(32601, 32661), *range(32701, 32761)))
@@ -50,16 +49,17 @@ QUANTITIES = [
 
 
 class UtmGrid(NamedTuple):
-    """Depths (rows, columns) from the south, nan where there are none; centre of the first; EPSG code of the zone."""
+    """Depths and uncertainties (rows, columns) from the south, or nan; centre of the first; EPSG code of the zone."""
 
     depth_m: NDArray[np.float64]
+    uncertainty_m: NDArray[np.float64]
     east_m: float
     north_m: float
     epsg: int
 
 
 def write_s102(path: Path, grid: DepthGrid, place: Georeference) -> None:
-    """Write depths and their uncertainty: half a cell, since a grid does not state its points'.
+    """Write depths and their uncertainty at 95 %: as the grid states it, else half a cell.
 
     Empty cells have no data. Written atomically. Raises OSError, or ValueError without a place on Earth in a UTM zone.
     """
@@ -70,7 +70,9 @@ def write_s102(path: Path, grid: DepthGrid, place: Georeference) -> None:
     rows, columns = utm.depth_m.shape
     known = np.isfinite(utm.depth_m)
     values = np.full((rows, columns), NO_DATA, CELL)
-    values["depth"][known], values["uncertainty"][known] = utm.depth_m[known], 0.5 * grid.cell_m
+    values["depth"][known] = utm.depth_m[known]
+    stated = np.isfinite(utm.uncertainty_m)
+    values["uncertainty"][stated] = utm.uncertainty_m[stated]
     memory = io.BytesIO()
     with h5py.File(memory, "w", libver=("earliest", "v110"), track_order=False) as file:
         _put_root(file, utm, grid.cell_m)
@@ -96,10 +98,10 @@ def write_s102(path: Path, grid: DepthGrid, place: Georeference) -> None:
         })  # fmt: skip
         group = coverage.create_group("Group_001")
         depths = utm.depth_m[known]
-        half = np.float32(0.5 * grid.cell_m)
+        errors = utm.uncertainty_m[stated] if stated.any() else np.array([NO_DATA])
         group.attrs.update({
             "minimumDepth": np.float32(depths.min()), "maximumDepth": np.float32(depths.max()),
-            "minimumUncertainty": half, "maximumUncertainty": half,
+            "minimumUncertainty": np.float32(errors.min()), "maximumUncertainty": np.float32(errors.max()),
         })  # fmt: skip
         group.create_dataset("values", data=values, compression="gzip", track_times=False)
     write_atomically(path, memory.getvalue())
@@ -133,16 +135,16 @@ def _in_utm(path: Path, grid: DepthGrid, place: Georeference) -> UtmGrid:
     """Return the grid in its UTM zone: as it is, or the nearest cell of each. Raises ValueError."""
     assert place.crs is not None
     half = 0.5 * grid.cell_m
+    error_m = np.where(np.isfinite(grid.depth_m), half, np.nan) if grid.uncertainty_m is None else grid.uncertainty_m
     own = place.crs.to_epsg()
     if own in UTM and place.units_per_m == 1.0:
         x, y = place.origin
-        return UtmGrid(grid.depth_m, x + grid.west_m + half, y + grid.south_m + half, own)
+        return UtmGrid(grid.depth_m, error_m, x + grid.west_m + half, y + grid.south_m + half, own)
     west, east, south, north = grid.extent_m
     latitude, longitude = place.degrees([0.5 * (west + east), 0.5 * (south + north)]).tolist()
     if not UTM_DEG[0] <= latitude <= UTM_DEG[1]:
         raise ValueError(f"{path}: an S-102 lies in a UTM zone: {latitude:.2f} N must be from 80 S to 84 N")
-    zone = min(math.floor((longitude + 180.0) / 6.0), 59) + 1
-    epsg = (32600 if latitude >= 0.0 else 32700) + zone
+    epsg = utm_zone(latitude, longitude)
     rows, columns = grid.depth_m.shape
     edges = np.meshgrid(np.linspace(west + half, east - half, columns), np.linspace(south + half, north - half, rows))
     to = CRS.from_epsg(epsg)
@@ -157,9 +159,10 @@ def _in_utm(path: Path, grid: DepthGrid, place: Georeference) -> UtmGrid:
         for k in (0, 1)
     )
     inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
-    depths = np.full(len(column), np.nan)
-    depths[inside] = grid.depth_m[row[inside], column[inside]]
-    return UtmGrid(depths.reshape(centres[0].shape), low[0] * grid.cell_m, low[1] * grid.cell_m, epsg)
+    found = np.full((2, len(column)), np.nan)
+    found[:, inside] = grid.depth_m[row[inside], column[inside]], error_m[row[inside], column[inside]]
+    depths, errors = (each.reshape(centres[0].shape) for each in found)
+    return UtmGrid(depths, errors, low[0] * grid.cell_m, low[1] * grid.cell_m, epsg)
 
 
 def _of(place: Georeference, axis: int, world_m: NDArray[np.float64]) -> NDArray[np.float64]:
