@@ -11,7 +11,7 @@ from uwsim.base.options import need
 from uwsim.base.sockets import registered
 from uwsim.mapping.depth_grid import depth_grid
 from uwsim.mapping.files import write_cloud
-from uwsim.mapping.files.formats import CLOUD_FORMATS, GRID_FORMATS, MAP_FORMATS, Origin
+from uwsim.mapping.files.formats import CLOUD_FORMATS, GRID_FORMATS, MAP_FORMATS, Origin, placed_clouds
 from uwsim.mapping.files.georeference import Georeference, utm_zone
 from uwsim.mapping.files.map_files import ZERO, open_map, open_points
 from uwsim.mapping.files.swath import GROUP as SURVEY_FILES
@@ -41,8 +41,10 @@ def convert(
         raise ValueError(f"target '{target}': must end in {', '.join(known)}")
     if suffix not in GRID_FORMATS:
         need(f"a target that ends in {' or '.join(GRID_FORMATS)}", cell=cell_m)
+    placed = [*placed_clouds(), *GRID_FORMATS]
+    if suffix not in placed:
+        need(f"a target that ends in {', '.join(placed)}", scenario=scenario)
     if suffix in MAP_FORMATS:
-        need("a cloud or a depth grid as its target", scenario=scenario)
         if source.suffix.lower() in CLOUD_FORMATS:
             raise ValueError(f"source '{source}': a cloud has no free space, so it cannot become a map")
         if _is_survey(source):

@@ -49,7 +49,7 @@ def ping_message(
     frame_from_sonar: NDArray[np.float64],
 ) -> Any:
     """Return a ping as a message; poses are (4, 4)."""
-    deviation_m = place_deviation_m(ping)
+    deviation_m, horizontal_m = place_deviation_m(ping), getattr(ping, "horizontal_deviation_m", ())
     return build.message(
         SONAR_PING,
         header=build.header(ping.time_ns, frame_id),
@@ -64,5 +64,5 @@ def ping_message(
         proximity_warning=bool(panel.proximity_warning),
         collision_warning=bool(panel.collision_warning),
         deviations=np.empty(0, np.float32) if deviation_m is None else deviation_m,
-        horizontal_deviations=np.asarray(getattr(ping, "horizontal_deviation_m", ()), np.float32),
+        horizontal_deviations=np.asarray([] if deviation_m is None else horizontal_m, np.float32),
     )

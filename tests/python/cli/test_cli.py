@@ -47,7 +47,10 @@ POOL_TERRAIN = "source: noise\n  size_m: [20, 20]\n  spacing_m: 0.5\n  bed_depth
         (["station", "--no-browser", "--wire", "wired"], "wire = 'wired'"),
         (["station", "--no-browser", "--origin", "here"], "origin = 'here'"),
         (["decompose", MESH, "--out", "no/such/pieces.obj"], "cannot write into the folder 'no/such'"),
-        (["map", "convert", MAP, "cloud.ply", "--scenario", "lake"], "--scenario: needs a target that ends in .tif"),
+        (
+            ["map", "convert", MAP, "cloud.ply", "--scenario", "lake"],
+            "--scenario: needs a target that ends in .las, .xyz, .tif",
+        ),
         (["reproduce", "--out", "/proc/self"], "/proc/self"),
         (["survey", "--voxl", "1"], "--voxl"),
         (["map", "score"], "source"),

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.cut_short import warn_if_cut_short
-from uwsim.mapping.files.formats import CLOUD_FORMATS, CloudFormat
+from uwsim.mapping.files.formats import CLOUD_FORMATS, CloudFormat, placed_clouds
 from uwsim.mapping.files.georeference import Georeference
 
 Points = NDArray[np.float64]
@@ -36,8 +36,7 @@ def write_cloud(path: str | os.PathLike[str], points_m: ArrayLike, place: Georef
     if place is None:
         data = cloud_format.encode(points)
     elif cloud_format.encode_at is None:
-        known = ", ".join(suffix for suffix, each in CLOUD_FORMATS.items() if each.encode_at is not None)
-        raise ValueError(f"cloud path '{target}': holds no place on Earth; {known} do")
+        raise ValueError(f"cloud path '{target}': holds no place on Earth; {', '.join(placed_clouds())} do")
     elif place.crs is None:
         raise ValueError(f"cloud path '{target}': the world has no place on Earth: give its scenario the key earth")
     else:

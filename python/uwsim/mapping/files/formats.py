@@ -95,3 +95,8 @@ class Formats(Mapping[str, Format], Generic[Format]):
 MAP_FORMATS = Formats("uwsim.kinds.map_file", MapFileFormat)
 CLOUD_FORMATS = Formats("uwsim.kinds.cloud_file", CloudFormat)
 GRID_FORMATS = Formats("uwsim.kinds.grid_file", GridFormat)
+
+
+def placed_clouds() -> list[str]:
+    """Return the suffixes of the cloud formats that hold a place on Earth."""
+    return [suffix for suffix, each in CLOUD_FORMATS.items() if each.encode_at is not None]
