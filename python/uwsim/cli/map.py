@@ -83,7 +83,7 @@ def convert(
     ] = None,
     origin: MapOrigin = ZERO,
 ) -> None:
-    """Convert a map, a cloud or the soundings of a survey to another format.
+    """Convert a map, a cloud or a survey file to another format.
 
     A survey's grid is in its UTM zone, with the uncertainty of its soundings at 95 %. A .tif contains the median depth
     and the count of each cell. A .bt contains no probabilities: in an .ot converted from it, all voxels are at the

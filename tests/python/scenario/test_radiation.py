@@ -119,7 +119,7 @@ def test_a_table_that_does_not_fit_is_refused_with_what_is_wrong(case: str, tmp_
 def test_other_files_and_other_hulls_are_refused(tmp_path: Path) -> None:
     other = tmp_path / "other.nc"
     other.write_text("no table")
-    with pytest.raises(ScenarioError, match="must be a NetCDF file of Capytaine.*neither classic NetCDF nor HDF5"):
+    with pytest.raises(ScenarioError, match=r"must be a NetCDF file of Capytaine.*neither classic NetCDF nor HDF5"):
         simulator(tmp_path, other)
     other.write_bytes(table_file("barge").read_bytes()[:5000])
     with pytest.raises(ScenarioError, match=r"radiation '.*other.nc'"):
