@@ -33,7 +33,8 @@ std::shared_ptr<const BuoyantHull> hull_of(TriangleMesh mesh_body, std::optional
     return hull.division() == division && hull.mesh_body().triangles == mesh_body.triangles &&
            hull.mesh_body().vertices_m == mesh_body.vertices_m;
   };
-  return known.find_or_make(true, is_wanted, [&] { return std::make_shared<const BuoyantHull>(std::move(mesh_body), division); });
+  return known.find_or_make(true, is_wanted,
+                            [&] { return std::make_shared<const BuoyantHull>(std::move(mesh_body), division); });
 }
 
 void bind_radiation(py::module_& m) {
@@ -43,8 +44,9 @@ void bind_radiation(py::module_& m) {
       m, "Radiation", "The waves that a floating hull makes and deflects: Cummins' equation, and diffraction.")
       .def(py::init([](const Matrix6d& added_mass, const Sections& sections, const Forces& diffraction,
                        double least_rad_s, double most_rad_s, double wet_volume_m3) {
-             require(diffraction.ndim() == 4 && diffraction.shape(0) == Radiation::kDivisions && diffraction.shape(3) == 6,
-                     "diffraction", diffraction.ndim(), "must be of shape (4, frequencies, headings, 6)");
+             require(
+                 diffraction.ndim() == 4 && diffraction.shape(0) == Radiation::kDivisions && diffraction.shape(3) == 6,
+                 "diffraction", diffraction.ndim(), "must be of shape (4, frequencies, headings, 6)");
              auto made = std::make_shared<Radiation>();
              made->added_mass = added_mass;
              for (const auto& [by_speed, by_place, omega, damping] : sections)
@@ -116,13 +118,12 @@ void bind_vehicle(py::module_& m) {
 
   py::class_<Craft, std::shared_ptr<Craft>>(
       m, "Craft", "A rigid body in a fluid: equations of motion after Fossen 2011, ch. 6 and 8.")
-      .def(py::init(
-               [](const CraftParameters& parameters, const py::object& vertices_body_m, const py::object& triangles,
-                  std::optional<std::size_t> division) {
-                 return std::make_shared<Craft>(parameters, hull_of({as_points(vertices_body_m, "vertices_body_m"),
-                                                                     as_triangles(triangles, "triangles")},
-                                                                    division));
-               }),
+      .def(py::init([](const CraftParameters& parameters, const py::object& vertices_body_m,
+                       const py::object& triangles, std::optional<std::size_t> division) {
+             return std::make_shared<Craft>(parameters, hull_of({as_points(vertices_body_m, "vertices_body_m"),
+                                                                 as_triangles(triangles, "triangles")},
+                                                                division));
+           }),
            py::arg("parameters"), py::arg("vertices_body_m"), py::arg("triangles"), py::arg("division") = py::none(),
            "vertices_body_m: (n, 3); triangles: (m, 3), closed and winding outward. Raises ValueError.")
       .def(

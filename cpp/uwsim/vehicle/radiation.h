@@ -21,7 +21,8 @@ namespace uwsim {
 /// s = i omega that is positive semi-definite, so that the waves only take energy.
 ///
 /// Diffraction is the force on the fixed hull beyond the pressure of the undisturbed waves as BuoyantHull has it, which
-/// depends on the division of the hull into slices. The force of a wave a cos(k . x - omega t + phase) on a hull at x is a Re(X exp(i (k . x - omega t + phase))).
+/// depends on the division of the hull into slices. The force of a wave a cos(k . x - omega t + phase) on a hull at x
+/// is a Re(X exp(i (k . x - omega t + phase))).
 ///
 /// Valid for small motions about the floating pose, a slow hull (its speed much less than the waves') and the depth of
 /// the table. The terms are weighted by share(), beyond which the model of a submerged hull takes over.
@@ -38,8 +39,9 @@ struct Radiation {
 
   Matrix6d added_mass = Matrix6d::Zero();  ///< at infinite frequency [kg, kg m, kg m^2]
   std::vector<Section> sections;
-  /// For each division into slices (VolumeParts::slices), X at `frequencies` evenly spaced frequencies from `least_rad_s` to `most_rad_s`, for each of them at `headings`
-  /// evenly spaced directions in which the wave travels, from the body's x counter-clockwise.
+  /// For each division into slices (VolumeParts::slices), X at `frequencies` evenly spaced frequencies from
+  /// `least_rad_s` to `most_rad_s`, for each of them at `headings` evenly spaced directions in which the wave travels,
+  /// from the body's x counter-clockwise.
   std::vector<Force> diffraction;
   std::size_t frequencies = 0, headings = 0;
   double least_rad_s = 0, most_rad_s = 0;
@@ -49,8 +51,8 @@ struct Radiation {
   void check() const;
   /// K at s [N s/m, ...]: at i omega, it is B + i omega (A - A_infinity) of the table.
   Eigen::Matrix<std::complex<double>, 6, 6> impedance(std::complex<double> s) const;
-  /// X of a hull in that division, linear between frequencies and headings. Beyond the table it falls with the square of the frequency to either
-  /// side, as the force on a hull does in very long waves.
+  /// X of a hull in that division, linear between frequencies and headings. Beyond the table it falls with the square
+  /// of the frequency to either side, as the force on a hull does in very long waves.
   Force diffraction_at(std::size_t division, double omega_rad_s, double heading_rad) const;
   /// The weight of these terms, from 0 to 1: 1 for a floating hull. It falls to 0 as the hull leaves the water, from
   /// half its floating volume; as it capsizes, between tilts of 30 and 60 degrees; and as it dives, until its top is
