@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "docs" / "benchmarks"
 PEERS = {
     "sonar": ["--no-growth", "--pings", "100"],
-    "dynamics": ["--plot", os.devnull],
+    "dynamics": [],
     "camera": ["--threads", "1"],
     "mapping": ["--only", "B"],
 }

@@ -9,8 +9,9 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
+import typer
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
@@ -25,16 +26,27 @@ def alternated(
 ) -> dict[Any, list[Any]]:
     """Measure all cases in each round, so that other load affects all of them equally; return each case's values.
 
-    warm_up: precede the rounds by one that does not count.
+    warm_up: precede the rounds by one that does not count. After the first round, the time that is left is shown, or
+    printed once where there is no terminal.
     """
     found: dict[Any, list[Any]] = {name: [] for name in cases}
+    begun_s, left = time.monotonic(), ""
     for turn in range(-warm_up, rounds):
-        with console.status(f"{what}round {turn + 1} of {rounds}"):
+        with console.status(f"{what}round {turn + 1} of {rounds}{left}"):
             for name, case in cases.items():
                 value = case()
                 if turn >= 0:
                     found[name].append(value)
+        done, remaining = turn + warm_up + 1, rounds - turn - 1
+        left_s = remaining * (time.monotonic() - begun_s) / done
+        left = f", about {left_s:.0f} s left"
+        if done == 1 and remaining and left_s > 5.0 and not console.is_terminal:
+            console.print(f"{what}{rounds} rounds, about {left_s:.0f} s")
     return found
+
+
+PlotFile = Annotated[Path | None, typer.Option(help="Write this figure, a PNG. By default none is drawn.")]
+"""The option of a benchmark that can draw what it has measured."""
 
 
 def medians(found: Mapping[Any, Iterable[float]]) -> dict[Any, float]:

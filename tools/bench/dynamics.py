@@ -15,7 +15,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from _harness import alternated, console, goal_cells, medians, native_program, new_table, ratio
+from _harness import PlotFile, alternated, console, goal_cells, medians, native_program, new_table, ratio
 from rich.table import Table
 
 from uwsim import Simulator
@@ -44,9 +44,7 @@ GOALS = {
 
 def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured. Medians are reported.")] = 15,
-    plot: Annotated[Path, typer.Option(help="The file for the plot of cost against the number of vehicles.")] = Path(
-        "dynamics_vehicles.png"
-    ),
+    plot: PlotFile = None,
 ) -> dict[str, Any]:
     """Measure all cases alternately and print medians."""
     cases: dict[str, Callable[[], float]] = {
@@ -70,8 +68,8 @@ def main(
         console.print("without pybullet: not installed (pip install pybullet)")
     results = summarise(alternated(cases, rounds))
     console.print(_table(results))
-    _draw(results, plot)
-    console.print(f"cost against the number of vehicles: {plot}")
+    if plot is not None:
+        _draw(results, plot)
     return results
 
 

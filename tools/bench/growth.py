@@ -1,4 +1,4 @@
-"""The growth of cost with size: triangles, beams, vehicles, voxels, members, seconds of recording and clients.
+"""The growth of cost with size, such as of triangles, beams, vehicles, voxels, pieces of cover or elements of a tether.
 
 The sizes of a panel alternate within each round, so that other load on the machine affects them equally; medians over
 the rounds are reported, in processor time. The slope is that of a straight line through the larger half of the sizes,
@@ -18,14 +18,15 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from _harness import console, new_table, spent_s
+from _harness import PlotFile, alternated, console, new_table, spent_s
 from rich.table import Table
 
 from uwsim import Batch, Simulator, _core, recording
 from uwsim.figures.style import ACCENT, FAINT_INK, INK, label_axes, new_figure, save_figure
 from uwsim.mapping import OccupancyMap
 from uwsim.recording import Recorder
-from uwsim.scenario import VehicleEntry, load
+from uwsim.scenario import Scenario, VehicleEntry, load
+from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.vehicle import load_vehicle
 
 SIDE_M, DEPTH_M = 200.0, 30.0  # of the bed below the pings
@@ -54,9 +55,9 @@ class Growth:
 def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often each size is measured. Medians are reported.")] = 5,
     only: Annotated[list[str] | None, typer.Option(help="Measure only this panel; may be repeated.")] = None,
-    plot: Annotated[Path, typer.Option(help="The file for the sheet of panels.")] = Path("growth.png"),
+    plot: PlotFile = None,
 ) -> dict[str, Any]:
-    """Measure all sizes alternately, print the slopes and draw a sheet with one panel for each kind of size."""
+    """Measure all sizes alternately, print the slopes; the figure has one panel for each kind of size."""
     unknown = set(only or ()) - {growth.name for growth in GROWTHS}
     if unknown:
         names = ", ".join(growth.name for growth in GROWTHS)
@@ -65,20 +66,19 @@ def main(
     for growth in GROWTHS:
         if only and growth.name not in only:
             continue
-        with console.status(growth.name):
-            found[growth.name] = measured(growth, rounds)
+        found[growth.name] = measured(growth, rounds)
     console.print(table(found))
-    draw(found, plot)
-    console.print(str(plot))
+    if plot is not None:
+        draw(found, plot)
     return found
 
 
 def measured(growth: Growth, rounds: int) -> dict[str, Any]:
     """Return the sizes, and the median cost at each size and the slope of each operation."""
     cases = [growth.prepare(size) for size in growth.sizes]
-    turns = [[case() for case in cases] for _ in range(rounds)]
+    turns = alternated(dict(enumerate(cases)), rounds, what=f"{growth.name}: ")
     costs = {
-        name: [statistics.median(turn[k][name] for turn in turns) for k in range(len(cases))] for name in turns[0][0]
+        name: [statistics.median(turn[name] for turn in turns[k]) for k in range(len(cases))] for name in turns[0][0]
     }
     slopes = {name: slope(growth.sizes, values) for name, values in costs.items()}
     return {"of": growth.of, "sizes": list(growth.sizes), "cost_s": costs, "slope": slopes}
@@ -227,6 +227,65 @@ def clients(count: int) -> Callable[[], Costs]:
     return lambda: {"a second in real time": network["load"](sim, scan, picture, count, 0, CLIENTS_S)["cpu_share"]}
 
 
+def water(vehicle: dict[str, Any], **others: Any) -> Simulator:
+    """Return calm water, 20 m deep over a flat bed, with one vehicle."""
+    terrain = {"source": "noise", "size_m": [120, 120], "spacing_m": 1, "bed_depth_m": 20, "hill_height_m": 0}
+    rov = {"name": "rov", "start": {"position_m": [15, 0, -8]}, **vehicle}
+    return Simulator(validated(Scenario, {"name": "bench", "terrain": terrain, "vehicles": [rov], **others}), threads=1)
+
+
+def moved_step_s(sim: Simulator) -> float:
+    """Return the time of a step under way."""
+    sim.rov.set_effort(surge=0.2, yaw=0.1)
+    return spent_s(lambda: sim.step(STEPS)) / STEPS
+
+
+def pieces(count: int) -> Callable[[], Costs]:
+    """Measure a ping over `count` rocks on the bed, and the start of that world."""
+    layer = {"kind": "rock", "name": "rock", "density_per_m2": count / 120.0**2, "size_m": [0.1, 0.5], "seed": 1}
+
+    def start() -> Simulator:
+        sim = water({"model": "bluerov2_heavy", "sonar": {"model": 2, "tilt_deg": 60}}, cover=[layer])
+        sim.rov.release()
+        sim.rov.sonar.ping()
+        return sim
+
+    sim, rng = start(), np.random.default_rng(count)
+
+    def ping() -> None:
+        sim.rov.place((*rng.uniform(-40.0, 40.0, 2), -17.0))
+        sim.rov.sonar.ping()
+
+    return lambda: {"a ping": mean_s(ping), "a start": spent_s(start)}
+
+
+def elements(count: int) -> Callable[[], Costs]:
+    """Measure a step of a vehicle on a tether of `count` elements."""
+    sim = water({"model": "bluerov2_heavy", "tether": {"anchor": [-15, 0, -2], "length_m": 50.0, "elements": count}})
+    return lambda: {"a step": moved_step_s(sim)}
+
+
+def joints(count: int) -> Callable[[], Costs]:
+    """Measure a step of a vehicle with a chain of `count` hinged links that swing freely."""
+    link = {
+        "mass_kg": 0.2,
+        "inertia_kg_m2": [1e-4, 1e-4, 1e-4],
+        "volume_m3": 1.5e-4,
+        "quadratic_drag": [0.1, 1, 1, 0, 0, 0],
+    }
+    arm = {
+        f"link{k}": {
+            **link,
+            "on": f"link{k - 1}" if k else None,
+            "position_m": [0.1 if k else 0.3, 0, 0],
+            "hinge": {"axis": [0, k % 2, 1 - k % 2], "viscous_nm_s_rad": 0.01},
+        }
+        for k in range(count)
+    }
+    sim = water({"model": {"builds_on": "bluerov2_heavy", "arm": arm}})
+    return lambda: {"a step": moved_step_s(sim)}
+
+
 GROWTHS = (
     Growth("triangles", "triangles of the bed", (8_000, 32_000, 128_000, 512_000, 2_000_000), triangles),
     Growth("beams", "beams of a ping", (64, 128, 256, 512, 1024, 2048, 4096, 8192), beams),
@@ -234,6 +293,9 @@ GROWTHS = (
     Growth("voxels", "occupied voxels of the map", (10_000, 40_000, 160_000, 640_000, 2_560_000), voxels),
     Growth("members", "members of a batch", (1, 4, 16, 64, 256), members),
     Growth("seconds", "recorded seconds", (1, 2, 4, 8, 16), seconds),
+    Growth("pieces", "pieces of cover", (1_000, 4_000, 16_000, 64_000, 256_000, 1_024_000), pieces),
+    Growth("elements", "elements of a tether", (10, 20, 40, 80, 160, 320), elements),
+    Growth("joints", "joints of an arm", (1, 2, 4, 8, 16), joints),
     Growth("clients", "clients", (1, 4, 16, 50), clients),
 )
 

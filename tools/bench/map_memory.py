@@ -18,7 +18,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from _harness import child, console, new_table, result_of
+from _harness import PlotFile, child, console, new_table, result_of
 from numpy.typing import NDArray
 from rich.table import Table
 
@@ -38,18 +38,16 @@ def main(
     step: Annotated[float, typer.Option(help="Distance between two pings [m].")] = 0.5,
     limit_mb: Annotated[float, typer.Option(help="Memory limit of the second map [MB].")] = 200.0,
     threads: Annotated[int, typer.Option(min=1)] = 2,
-    plot: Annotated[Path, typer.Option(help="File for the plot of time and memory against distance.")] = Path(
-        "map_memory.png"
-    ),
+    plot: PlotFile = None,
 ) -> dict[str, Any]:
-    """Fly the track twice, compare the maps, print and plot the results."""
+    """Fly the track twice, compare the maps, print the results."""
     cases = {}
     for name, limit in (("no limit", 0.0), (f"limit {limit_mb:g} MB", limit_mb)):
         with console.status(name):
             cases[name] = result_of(child(__file__, track_km, resolution, step, limit, threads), limit_s=None)
     console.print(_table(cases))
-    draw(plot, cases)
-    console.print(str(plot))
+    if plot is not None:
+        draw(plot, cases)
     first, second = cases.values()
     for suffix in ("ot", "bt"):
         if first[suffix] != second[suffix]:

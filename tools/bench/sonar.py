@@ -21,7 +21,18 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from _harness import NativePeer, alternated, console, goal_cells, medians, native_program, new_table, ratio, spent_s
+from _harness import (
+    NativePeer,
+    PlotFile,
+    alternated,
+    console,
+    goal_cells,
+    medians,
+    native_program,
+    new_table,
+    ratio,
+    spent_s,
+)
 from numpy.typing import NDArray
 from rich.table import Table
 from scipy.spatial.transform import Rotation
@@ -81,7 +92,7 @@ def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 15,
     pings: Annotated[int, typer.Option(min=1, help="Number of pings, from different places, in a measurement.")] = 200,
     growth: Annotated[bool, typer.Option(help="Also measure the cost against the number of triangles.")] = True,
-    plot: Annotated[Path, typer.Option(help="The file for the plot of that cost.")] = Path("sonar_triangles.png"),
+    plot: PlotFile = None,
 ) -> dict[str, Any]:
     """Measure all cases alternately and print medians."""
     sim = lake()
@@ -169,14 +180,18 @@ def heads_at(sim: Simulator, places: tuple[NDArray[np.float64], Rotation]) -> He
 
 
 class Pings:
-    """Single pings from Python, each from a new pose; a call returns the pings per second of one thread."""
+    """Single pings from Python, each from a new pose; a call returns the pings per second of one thread.
 
-    def __init__(self, sim: Simulator, heads: Heads) -> None:
+    share: of the poses, for a kind of ping that is slow.
+    """
+
+    def __init__(self, sim: Simulator, heads: Heads, share: float = 1.0) -> None:
         self._rov = sim.rov
         positions = heads.positions_world_m.copy()
         # Coarser terrain may be slightly higher.
         positions[:, 2] = np.maximum(positions[:, 2], sim.world.height_at(positions[:, :2]) + 1.0)
-        self._places = list(zip(positions, heads.orientations_xyzw, strict=True))
+        every = round(1.0 / share)
+        self._places = list(zip(positions, heads.orientations_xyzw, strict=True))[::every]
 
     def __call__(self) -> float:
         """Return pings per second, excluding the time to place the vehicle."""
@@ -202,7 +217,7 @@ def our_cases(sim: Simulator, heads: Heads) -> dict[str, Callable[[], float]]:
         sonar = first.sonar.model_copy(update={"mode": "physics", **more})
         acoustic = Simulator(sim.scenario.model_copy(update={"vehicles": (first.model_copy(update={"sonar": sonar}),)}))
         acoustic.rov.release()
-        cases[name] = Pings(acoustic, heads)
+        cases[name] = Pings(acoustic, heads, 0.1 if "water_column" in more else 1.0)
     return cases
 
 
@@ -326,8 +341,8 @@ def _table(results: dict[str, float]) -> Table:
     return table
 
 
-def _growth(results: dict[str, float], path: Path) -> dict[str, float]:
-    """Plot the cost against the number of triangles, with the best straight line in log n."""
+def _growth(results: dict[str, float], path: Path | None) -> dict[str, float]:
+    """Print the cost against the number of triangles, with the best straight line in log n; draw it if asked for."""
     sizes, slopes, figure = np.array(SIZES), {}, new_figure(7.0, 4.5)
     panel = figure.subplots()
     for suffix, label in GROWTH.items():
@@ -337,9 +352,10 @@ def _growth(results: dict[str, float], path: Path) -> dict[str, float]:
         fitted = offset + slope * np.log10(sizes)
         panel.semilogx(sizes, fitted, "--", color=line.get_color(), alpha=0.6, label=f"{slope:.1f} us per decade")
         rows = ", ".join(f"{size:,}: {cost:.0f}" for size, cost in zip(SIZES, cost_us, strict=True))
-        console.print(f"us per ping {label}, by triangles: {rows}; {slope:.1f} us per decade; drawn in {path}")
+        console.print(f"us per ping {label}, by triangles: {rows}; {slope:.1f} us per decade")
         slopes[f"us_a_decade{suffix}"] = float(slope)
     panel.set(xlabel="triangles", ylabel="us per ping of 1,025 beams", ylim=(0, None), title="Cost by size")
     panel.legend()
-    save_figure(figure, path)
+    if path is not None:
+        save_figure(figure, path)
     return slopes

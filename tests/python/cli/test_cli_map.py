@@ -152,11 +152,11 @@ def test_a_map_and_its_part_merge_into_a_map_of_the_whole(folder, tmp_path):
         (["convert", "pool.bt", "no/new.tif"], r"no/new.tif': cannot be written: No such file"),
         (
             ["convert", "pool.bt", "new.ply", "--scenario", "valley"],
-            r"new.ply': holds no place on Earth; .las, .xyz do",
+            r"--scenario: needs a target that ends in \.las, \.xyz, \.tif",
         ),
         (["convert", "pool.bt", "new.las", "--scenario", "pool"], r"the world has no place on Earth"),
         (["convert", "pool.bt", "new.h5", "--scenario", "pool"], r"an S-102 needs a place on Earth"),
-        (["convert", "pool.bt", "new.ot", "--scenario", "valley"], r"--scenario: needs a cloud or a depth grid"),
+        (["convert", "pool.bt", "new.ot", "--scenario", "valley"], r"--scenario: needs a target that ends in \.las"),
         (["render", "empty.bt"], r"no occupied voxels: there is nothing to draw"),
         (["render", "pool.bt", "--width", "10"], r"width = 10 pixels: must be in \[200, 8000\] pixels"),
         (["render", "pool.bt", "--elevation", "90"], r"elevation = 90.0 deg"),
