@@ -147,6 +147,7 @@ class AcousticMultibeam {
   double lost(const Transmission& sent, double depth_m, double path_m) const;
   double transmitted(double within_rad, double aside_rad) const;
   double received(std::size_t beam, double within_rad) const;
+  double volume_at_1m(const Transmission& sent, std::size_t beam) const;
   double reverberation(const Transmission& sent, std::size_t beam, double range_m) const;
   /// Noise and reverberation in a beam, relative to the noise in an unsteered beam.
   double background(const Transmission& sent, std::size_t beam, double range_m) const;

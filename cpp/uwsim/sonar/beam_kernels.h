@@ -57,6 +57,22 @@ struct NoiseCells {
   const std::uint32_t* field_keys;
 };
 
+/// Sixteen consecutive samples of a beam's water column; see AcousticMultibeam::record_water_column.
+struct ColumnSamples {
+  const float* echoes;    ///< power of the echoes in each sample, as a ratio of the source's intensity (16,)
+  float noise;            ///< of the receiver, in each sample
+  float system_ratio;     ///< of a lossless echo to the noise of an unsteered beam
+  float first_m, step_m;  ///< range of the first sample's middle; from one sample to the next
+  float water_m;          ///< range at which the beam leaves the water
+  float volume;           ///< the water's echo at 1 m without losses; 0 if it returns none
+  float lost;             ///< factor by absorption, there and back, half-way between the eighth sample and the ninth
+  float rate;             ///< its logarithm, from one sample to the next; at most 0.04
+  std::uint32_t key, second_key;  ///< of the beam's speckle
+  std::uint32_t index;            ///< of the first sample
+  std::uint32_t cells;            ///< range cells in a sample
+  float level_db;                 ///< added to the result
+};
+
 /// Loops over sixteen beams or cells, compiled for one instruction set. All instruction sets produce the same bits.
 struct BeamKernels {
   /// Computes the beams' directions in the world from the head's x and y axes (3,) and the cosines and sines of the
@@ -78,6 +94,9 @@ struct BeamKernels {
   /// Computes, for each of the four fields, the sums over all pairs of a row and a column of the product of their
   /// weights and two independent noises (hashed_noise.h), `one` and `two` (4,).
   void (*noise)(const NoiseCells& cells, float* one, float* two);
+  /// Computes levels (16,) of a water column, with speckle. The logarithm is that of `echoes`; levels are accurate to
+  /// 1e-4 dB.
+  void (*column)(const ColumnSamples& samples, float* level_db);
 };
 
 const BeamKernels& baseline_beam_kernels();

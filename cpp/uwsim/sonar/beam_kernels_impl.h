@@ -162,7 +162,35 @@ void noise(const NoiseCells& cells, float* one, float* two) {
   }
 }
 
-constexpr BeamKernels kKernels{&directions, &reach, &echoes, &points, &incidence, &patches, &noise};
+void column(const ColumnSamples& in, float* level_db) {
+  alignas(64) float mean[kLanes], speckle[kLanes] = {};
+  const float volume = in.volume * in.lost;
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    const float range = in.first_m + static_cast<float>(k) * in.step_m;
+    const float near = range > kMinRange_m ? range : kMinRange_m;
+    const float x = in.rate * (static_cast<float>(k) - 7.5f);
+    const float growth = 1 + x * (1 + x * (1.0f / 2 + x * (1.0f / 6 + x * (1.0f / 24))));  // exp(x), |x| <= 0.3
+    const float water = range < in.water_m ? volume * growth / (near * near) : 0.0f;
+    mean[k] = in.system_ratio * (in.echoes[k] + water) + in.noise;
+  }
+  // Each range cell's power is exponentially distributed: -log of a uniform number, a multiple of 2^-24 in (0, 1).
+  for (std::uint32_t cell = 0; cell < in.cells; ++cell) {
+#pragma GCC ivdep
+    for (int k = 0; k < kLanes; ++k) {
+      const std::uint32_t index = (in.index + static_cast<std::uint32_t>(k)) * in.cells + cell;
+      const std::uint32_t hash = mixed(mixed(in.key + index) ^ in.second_key);
+      speckle[k] -= log_series((static_cast<float>(static_cast<std::int32_t>(hash >> 9)) + 0.5f) * 0x1p-23f);
+    }
+  }
+  const float share = 1 / static_cast<float>(in.cells);
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    level_db[k] = 0.5f * kDecibel * log_series(mean[k] * speckle[k] * share) + in.level_db;
+  }
+}
+
+constexpr BeamKernels kKernels{&directions, &reach, &echoes, &points, &incidence, &patches, &noise, &column};
 
 }  // namespace
 }  // namespace uwsim

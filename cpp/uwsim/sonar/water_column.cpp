@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "uwsim/sonar/acoustic_transmission.h"
+#include "uwsim/sonar/beam_kernels.h"
 #include "uwsim/sonar/hashed_noise.h"
 
 // The water as received by a multibeam: targets, volume reverberation, and every sample of a beam's echo.
@@ -12,9 +13,7 @@ namespace {
 
 constexpr double kFaint = 1e-6;  // of the beam's pattern, below which a target is not received
 constexpr float kShapeReach = 15.0f / 16;
-
-/// A uniform number in (0, 1) by hashing.
-double hashed_uniform(std::uint64_t hash) { return (static_cast<double>(hash >> 11) + 0.5) * 0x1p-53; }
+constexpr std::size_t kLanes = 16;  // samples of a kernel
 
 }  // namespace
 
@@ -74,14 +73,18 @@ void AcousticMultibeam::add_targets(const Transmission& sent, double time_s, Oth
   if (count > 0) receive();
 }
 
+/// The volume's echo from a range cell at 1 m without losses, as a ratio of the source's intensity.
+double AcousticMultibeam::volume_at_1m(const Transmission& sent, std::size_t beam) const {
+  return volume_strength_ * spec_.parameters.beam_solid_angle_sr() * footprint_.widening(beam) * sent.cell_m;
+}
+
 /// The volume's echo from one range cell, as a ratio of the source's intensity.
 double AcousticMultibeam::reverberation(const Transmission& sent, std::size_t beam, double range_m) const {
   if (volume_strength_ == 0) return 0;
   const double range = std::max(range_m, 0.01);
   const Eigen::Vector3f axis_world = sent.rotation * footprint_.axes().col(static_cast<Eigen::Index>(beam));
   const double depth_m = std::max(0.0, sent.depth_m - range * axis_world.z());
-  return volume_strength_ * spec_.parameters.beam_solid_angle_sr() * footprint_.widening(beam) * sent.cell_m /
-         (range * range) * lost(sent, depth_m, 2 * range);
+  return volume_at_1m(sent, beam) / (range * range) * lost(sent, depth_m, 2 * range);
 }
 
 double AcousticMultibeam::background(const Transmission& sent, std::size_t beam, double range_m) const {
@@ -92,7 +95,7 @@ void AcousticMultibeam::record_water_column(const Transmission& sent, std::size_
                                             std::span<const RayEcho> surface, std::span<const RayEcho> others,
                                             AcousticPing& ping) const {
   const double sample_m = ping.water_column_sample_m;
-  std::vector<double> power(sent.samples, 0.0);
+  std::vector<float> power((sent.samples + kLanes - 1) / kLanes * kLanes, 0.0f);
   // Each echo keeps its energy: its shape is that of RayEcho, at least as wide as a sample, divided by its sum.
   const auto add = [&](const RayEcho& echo) {
     const double half_m = kShapeReach * std::max(double{echo.width_m}, sample_m);
@@ -106,32 +109,46 @@ void AcousticMultibeam::record_water_column(const Transmission& sent, std::size_
     for (double k = from; k <= to; ++k) sum += shape(k);
     const double end = std::min(to, static_cast<double>(sent.samples) - 1);
     for (double k = std::max(from, 0.0); k <= end && sum > 0; ++k) {
-      power[static_cast<std::size_t>(k)] += shape(k) / sum * echo.energy * sent.cell_m / sample_m;
+      power[static_cast<std::size_t>(k)] += static_cast<float>(shape(k) / sum * echo.energy * sent.cell_m / sample_m);
     }
   };
   for (const RayEcho& echo : surface) add(echo);
   for (const RayEcho& echo : others) add(echo);
-  if (volume_strength_ > 0) {
-    const Eigen::Vector3f axis_world = sent.rotation * footprint_.axes().col(static_cast<Eigen::Index>(beam));
-    double water_m = axis_world.z() > 0 ? sent.depth_m / axis_world.z() : fan_.range_max_m;
-    for (const RayEcho& echo : surface) water_m = std::min(water_m, double{echo.range_m});
-    for (std::size_t k = 0; k < power.size() && (static_cast<double>(k) + 0.5) * sample_m < water_m; ++k) {
-      power[k] += reverberation(sent, beam, (static_cast<double>(k) + 0.5) * sample_m);
-    }
-  }
+  const Eigen::Vector3f axis_world = sent.rotation * footprint_.axes().col(static_cast<Eigen::Index>(beam));
+  double water_m = axis_world.z() > 0 ? sent.depth_m / axis_world.z() : fan_.range_max_m;
+  for (const RayEcho& echo : surface) water_m = std::min(water_m, double{echo.range_m});
+  const auto absorbed = [&](double range_m) {  // there and back, as a natural logarithm
+    const double depth_m = std::max(0.0, sent.depth_m - range_m * axis_world.z());
+    return -0.2 * std::numbers::ln10 * absorption_.mean_db_m(sent.depth_m, sent.absorbed_db, depth_m) * range_m;
+  };
   // Echo and noise are both complex Gaussian, so that each range cell's power is exponential about their sum.
-  const int cells = static_cast<int>(std::lround(sample_m / sent.cell_m));
   std::uint64_t key = mixed(stream_.key() ^ (static_cast<std::uint64_t>(stream_.stream()) << 32));
   key = mixed(mixed(key ^ sent.tick) ^ (static_cast<std::uint64_t>(beam) << 40));
-  for (std::size_t k = 0; k < power.size(); ++k) {
-    double speckle = 0;
-    for (int cell = 0; cell < cells; ++cell) {
-      const std::uint64_t index = k * static_cast<std::uint64_t>(cells) + static_cast<std::uint64_t>(cell);
-      speckle -= std::log(hashed_uniform(mixed(key + index)));
+  ColumnSamples samples{};
+  samples.noise = footprint_.widening(beam);
+  samples.system_ratio = static_cast<float>(detector_.system_ratio());
+  samples.step_m = static_cast<float>(sample_m);
+  samples.water_m = static_cast<float>(water_m);
+  samples.key = static_cast<std::uint32_t>(key);
+  samples.second_key = static_cast<std::uint32_t>(key >> 32);
+  samples.cells = static_cast<std::uint32_t>(std::lround(sample_m / sent.cell_m));
+  samples.level_db = static_cast<float>(-lossless_snr_db_);
+  const BeamKernels& kernels = beam_kernels();
+  float* level_db = ping.water_column_db.data() + beam * sent.samples;
+  for (std::size_t k = 0; k < sent.samples; k += kLanes) {
+    const double from_m = static_cast<double>(k) * sample_m, to_m = from_m + kLanes * sample_m;
+    samples.echoes = power.data() + k;
+    samples.index = static_cast<std::uint32_t>(k);
+    samples.first_m = static_cast<float>(from_m + 0.5 * sample_m);
+    samples.volume = 0;
+    if (volume_strength_ > 0 && from_m < water_m) {
+      samples.volume = static_cast<float>(volume_at_1m(sent, beam));
+      samples.rate = static_cast<float>((absorbed(to_m) - absorbed(from_m)) / kLanes);
+      samples.lost = static_cast<float>(std::exp(absorbed(0.5 * (from_m + to_m))));
     }
-    const double mean = detector_.system_ratio() * power[k] + footprint_.widening(beam);
-    ping.water_column_db[beam * sent.samples + k] =
-        static_cast<float>(10 * std::log10(mean * speckle / cells) - lossless_snr_db_);
+    std::array<float, kLanes> block;
+    kernels.column(samples, block.data());
+    std::copy_n(block.begin(), std::min(kLanes, sent.samples - k), level_db + k);
   }
 }
 

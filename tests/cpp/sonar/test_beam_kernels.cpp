@@ -126,6 +126,39 @@ TEST(BeamKernels, NoiseIsTheWeightedSumOverPairsOfCells) {
   }
 }
 
+TEST(BeamKernels, AWaterColumnIsEchoesWaterAndNoiseTimesExponentialSpeckle) {
+  const RandomStream random(5, "column");
+  for (std::uint64_t tick = 0; tick < 300; ++tick) {
+    const auto uniform = [&](std::uint32_t k) { return static_cast<float>(random.uniform(tick, k)); };
+    Lanes<float> echoes{};
+    for (std::uint32_t k = 0; k < 16; k += 5) echoes[k] = std::pow(10.0f, -14 * uniform(k));
+    ColumnSamples in{};
+    in.echoes = echoes.data(), in.noise = 1 + uniform(20), in.system_ratio = std::pow(10.0f, 12 * uniform(21));
+    in.step_m = 0.01f + 0.2f * uniform(22), in.first_m = (static_cast<float>(tick) + 0.5f) * in.step_m;
+    in.water_m = in.first_m + 20 * in.step_m * uniform(23), in.volume = std::pow(10.0f, -10 * uniform(24));
+    in.lost = uniform(25), in.rate = -0.04f * uniform(26), in.level_db = -100 * uniform(27);
+    in.key = 7 * static_cast<std::uint32_t>(tick), in.second_key = 99, in.index = 3, in.cells = 1 + tick % 3;
+    Lanes<float> first;
+    baseline_beam_kernels().column(in, first.data());
+    for (std::uint32_t k = 0; k < 16; ++k) {
+      const float range = in.first_m + static_cast<float>(k) * in.step_m;
+      const double water = range < in.water_m ? in.volume * in.lost * std::exp(in.rate * (k - 7.5)) / range / range : 0;
+      double speckle = 0;
+      for (std::uint32_t cell = 0; cell < in.cells; ++cell) {
+        const std::uint32_t hash = mixed(mixed(in.key + (in.index + k) * in.cells + cell) ^ in.second_key);
+        speckle -= std::log((std::floor(hash / 512.0) + 0.5) / 8388608);
+      }
+      const double level = 10 * std::log10((in.system_ratio * (echoes[k] + water) + in.noise) * speckle / in.cells);
+      EXPECT_NEAR(first[k], level + in.level_db, 1e-4);
+    }
+    for (const BeamKernels* kernels : all_kernels()) {
+      Lanes<float> level;
+      kernels->column(in, level.data());
+      EXPECT_EQ(level, first);
+    }
+  }
+}
+
 TEST(BeamKernels, APatchExtendsByItsTangentAndItsReliefAndFadesWithTheSquareOfRange) {
   Lanes<float> x, y, z, length, cosine, gain, lost, spacing, relief, energy, width, point;
   const RandomStream random(5, "patches");
