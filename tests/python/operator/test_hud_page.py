@@ -7,8 +7,8 @@ import pytest
 from browser import shows, until, when
 
 START_M = (-4.0, 0.0, -2.5)
-TOUCH = {"has_touch": True, "is_mobile": True}
-SIZES = [(1280, 720), (1366, 768), (1920, 1080), (2560, 1440), (844, 390), (390, 844), (1024, 768)]
+SCREENS = [(1280, 720), (1366, 768), (1920, 1080), (2560, 1440)]
+HELD = [(844, 390), (390, 844), (1024, 768)]
 OVERLAPS = """() => {
   const { station, telemetry, views } = globalThis.station;
   const all = { holds: ['heading', 'depth', 'position'], hold_targets: [1, 4.2, 0.3] };
@@ -107,30 +107,46 @@ SIGNALS_IN_GERMAN = [  # newest first
 DRAWN = ["camera", "contact", "heading", "holds", "ladder", "left", "note", "right"]
 
 
-@pytest.mark.usefixtures("page")  # a pilot who stays
-@pytest.mark.parametrize("locale", ["en", "de"])
-@pytest.mark.parametrize("size", SIZES, ids=str)
-def test_nothing_lies_over_anything(here, page, size, locale):
-    held = TOUCH if size in SIZES[4:] else {}
-    look = here.fly(viewport={"width": size[0], "height": size[1]}, locale=locale, **held)
+def fit(look, size):
+    """Resize a page; return when it has found its new layout."""
+    look.set_viewport_size({"width": size[0], "height": size[1]})
+    look.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())))")
+
+
+@pytest.fixture(params=["en", "de"], scope="module")
+def look(here, page, request):
+    """The page of somebody who watches, beside a pilot who stays, in one language after the other."""
+    look = here.fly(viewport={"width": 1280, "height": 720}, locale=request.param)
+    yield look
+    look.context.close()
+
+
+@pytest.mark.parametrize("size", SCREENS, ids=str)
+def test_nothing_lies_over_anything(look, size):
+    fit(look, size)
     look.evaluate("station.views.enlarge('front')")
     when(look, "station.views.largeView.picture?.drawn > 0 && station.views.largeView.hud.shown")
-    if held:
-        page.evaluate("id => station.station.handOver(id)", look.evaluate("station.station.id"))
-        look.wait_for_selector(".stick.left")
-    found = look.evaluate(OVERLAPS)
-    look.context.close()
-    if held:
-        again = "station.station.isPilot || station.station.takeControl().then(() => false, () => false)"
-        until(lambda: page.evaluate(again), "the controls")
+    assert look.evaluate(OVERLAPS) == {"drawn": DRAWN, "overlaps": [], "outside": []}
+
+
+@pytest.mark.parametrize("locale", ["en", "de"])
+@pytest.mark.parametrize("size", HELD, ids=str)
+def test_nothing_lies_over_anything_in_hands(here, page, size, locale):
+    held = here.fly(viewport={"width": size[0], "height": size[1]}, locale=locale, has_touch=True, is_mobile=True)
+    held.evaluate("station.views.enlarge('front')")
+    when(held, "station.views.largeView.picture?.drawn > 0 && station.views.largeView.hud.shown")
+    page.evaluate("id => station.station.handOver(id)", held.evaluate("station.station.id"))
+    held.wait_for_selector(".stick.left")
+    found = held.evaluate(OVERLAPS)
+    held.context.close()
+    again = "station.station.isPilot || station.station.takeControl().then(() => false, () => false)"
+    until(lambda: page.evaluate(again), "the controls")
     assert found == {"drawn": DRAWN, "overlaps": [], "outside": []}
 
 
-@pytest.mark.parametrize("locale", ["en", "de"])
 @pytest.mark.parametrize("width", [1280, 1366, 1401, 1513, 1701, 1801, 1920, 2001, 2560])
-@pytest.mark.usefixtures("page")
-def test_no_word_of_the_bar_is_cut(here, width, locale):
-    look = here.fly(viewport={"width": width, "height": 800}, locale=locale)
+def test_no_word_of_the_bar_is_cut(look, width):
+    fit(look, (width, 800))
     cut = look.evaluate(
         """() => {
           document.querySelector('#factor').classList.add('is-late');
@@ -140,7 +156,6 @@ def test_no_word_of_the_bar_is_cut(here, width, locale):
         }"""
     )
     end = look.locator("#menu").bounding_box()
-    look.context.close()
     assert cut == [] and end["x"] + end["width"] <= width
 
 
@@ -160,15 +175,12 @@ def test_a_tip_is_the_page_s_own(page, tmp_path):
     page.evaluate("document.documentElement.dataset.theme = 'dark', dispatchEvent(new Event('theme'))")
 
 
-@pytest.mark.parametrize("locale", ["en", "de"])
-@pytest.mark.parametrize("size", [SIZES[0], SIZES[2], SIZES[4]], ids=str)
-@pytest.mark.usefixtures("page")
-def test_the_tapes_labels_are_whole(here, size, locale):
-    look = here.fly(viewport={"width": size[0], "height": size[1]}, locale=locale)
+@pytest.mark.parametrize("size", [SCREENS[0], SCREENS[2], HELD[0]], ids=str)
+def test_the_tapes_labels_are_whole(look, size):
+    fit(look, size)
     look.evaluate("station.views.enlarge('front')")
     when(look, "station.views.largeView.picture?.drawn > 0 && station.views.largeView.hud.shown?.boxes.left")
     labels, wrong = look.evaluate(TAPES)
-    look.context.close()
     assert labels > 1000 and not wrong
 
 
@@ -188,15 +200,11 @@ def test_the_proximity_lamp_follows_echoes_and_not_the_altitude(here, page):
     place(*START_M)
 
 
-@pytest.mark.usefixtures("page")
-@pytest.mark.parametrize("locale", ["en", "de"])
-def test_the_chart_s_tools_are_one_row_and_not_over_the_arrow(here, locale):
-    look = here.fly(viewport={"width": 1280, "height": 720}, locale=locale)
+def test_the_chart_s_tools_are_one_row_and_not_over_the_arrow(look):
+    fit(look, (1280, 720))
     look.evaluate("station.views.enlarge('chart')")
     when(look, "station.chart.frame.scale > 5")
-    found = look.evaluate(NORTH)
-    look.context.close()
-    assert found == [1, False]
+    assert look.evaluate(NORTH) == [1, False]
 
 
 @pytest.mark.usefixtures("page")

@@ -178,12 +178,12 @@ def test_all_stop_is_reachable_in_windows_of_any_size(page, size):
 
 
 @pytest.mark.usefixtures("page")  # a pilot who stays, so that these pages need not wait for one
-@pytest.mark.parametrize("theme", ["dark", "light", "night"])
 @pytest.mark.parametrize("locale", ["en", "de"])
-def test_every_contrast_over_pictures_is_computed(here, theme, locale):
+def test_every_contrast_over_pictures_is_computed(here, locale):
     look = here.fly(viewport={"width": 1280, "height": 720}, locale=locale)
-    look.evaluate(f"document.documentElement.dataset.theme = '{theme}', dispatchEvent(new Event('theme'))")
-    for view in ("front", "chart", "scene", "fan"):
-        look.evaluate(f"station.views.enlarge('{view}')")
-        judge(look, f"{view}, {theme}, {locale}")
+    for theme in ("dark", "light", "night"):
+        look.evaluate(f"document.documentElement.dataset.theme = '{theme}', dispatchEvent(new Event('theme'))")
+        for view in ("front", "chart", "scene", "fan"):
+            look.evaluate(f"station.views.enlarge('{view}')")
+            judge(look, f"{view}, {theme}, {locale}")
     look.context.close()
