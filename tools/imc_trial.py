@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from uwsim import Simulator
-from uwsim.bridges.actions import actions_of
+from uwsim.bridges.aboard import aboard_of
 from uwsim.bridges.imc.link import Address, Identity, ImcLink
 from uwsim.bridges.imc.plug import ImcOptions, ImcPlug
 from uwsim.bridges.imc.readings import Place
@@ -132,7 +132,7 @@ def fly(dune: Path, config: Path) -> tuple[bool, str]:
         stack.callback(end, process)
         live = stack.enter_context(LiveSimulator(Simulator(validated(Scenario, BAY), seed=1)))
         table = served_table(live, wire=None, origin="world", tf="truth", frame_prefix="")
-        context = Context(table.channels, Feed(live), live, table.services, actions_of(live.simulator, table))
+        context = Context(table.channels, Feed(live), live, aboard=aboard_of(live.simulator, table))
         stack.enter_context(ImcPlug(ImcOptions(imc=(f"localhost:{SIMULATOR_PORT}",))).open(context))
         track: list[tuple[float, float, float]] = []
         live.every(0.2, lambda sim: tuple(sim.rov.pose.position_world_m.tolist()), track.append)

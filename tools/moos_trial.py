@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from uwsim import Simulator
-from uwsim.bridges.actions import actions_of
+from uwsim.bridges.aboard import aboard_of
 from uwsim.bridges.moos.client import Address, MoosClient
 from uwsim.bridges.moos.plug import MoosOptions, MoosPlug
 from uwsim.bridges.moos.wire import Message
@@ -124,7 +124,7 @@ def flown(mission: Mission, addresses: dict[str, int], warp: float) -> Iterator[
     ]
     with LiveSimulator(Simulator(validated(Scenario, {**BAY, "vehicles": vehicles}), seed=1), speed=warp) as live:
         table = served_table(live, wire=None, origin="world", tf="truth", frame_prefix="")
-        context = Context(table.channels, Feed(live), live, table.services, actions_of(live.simulator, table))
+        context = Context(table.channels, Feed(live), live, aboard=aboard_of(live.simulator, table))
         there = tuple(f"{name}=localhost:{port}" for name, port in addresses.items())
         with MoosPlug(MoosOptions(moos=there)).open(context):
             yield live

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from uwsim import Simulator
-from uwsim.bridges.actions import actions_of
+from uwsim.bridges.aboard import aboard_of
 from uwsim.bridges.plug import BridgePlug, Context
 from uwsim.channels.delivery.feed import Feed
 from uwsim.channels.served import served_table
@@ -35,6 +35,6 @@ def steered_by(plug: BridgePlug[Any], scenario: Scenario | str, speed: float = 1
     """Run a scenario with a bridge open."""
     with LiveSimulator(Simulator(scenario, seed=3), speed=speed) as live:
         table = served_table(live, wire=None, origin="world", tf="truth", frame_prefix="")
-        context = Context(table.channels, Feed(live), live, table.services, actions_of(live.simulator, table))
+        context = Context(table.channels, Feed(live), live, aboard=aboard_of(live.simulator, table))
         with plug.open(context):
             yield live

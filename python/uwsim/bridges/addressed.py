@@ -1,4 +1,4 @@
-"""Vehicles that other systems steer, each at an address: what `--moos` and `--imc` share."""
+"""Vehicles that systems aboard them steer, each at an address: what `--moos` and `--imc` share."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 from uwsim.bridges.plug import Context
 
 if TYPE_CHECKING:
-    from uwsim.bridges.actions import Action
+    from uwsim.bridges.aboard import Aboard
     from uwsim.channels.delivery.feed import Reading
 
 
@@ -43,26 +43,26 @@ def must_name_vehicles_once(switch: str, texts: Sequence[str], addresses: Sequen
 
 @contextmanager
 def steered_vehicles(
-    switch: str, addresses: Sequence[AddressT], context: Context, make: Callable[[Action, AddressT], SteeredT]
+    switch: str, addresses: Sequence[AddressT], context: Context, make: Callable[[Aboard, AddressT], SteeredT]
 ) -> Iterator[dict[str, SteeredT]]:
     """Open the vehicles of some addresses, and send them the pings of their sonars.
 
-    make: is called with the action that flies the vehicle. Raises ValueError for a vehicle that is not there, that has
-    no estimate, or that is named twice, and what `make` raises.
+    Raises ValueError for a vehicle that is not there, that has no estimate, or that is named twice, and what `make`
+    raises.
     """
-    simulator, flights = context.simulator, context.flights
+    simulator = context.simulator
     with ExitStack() as opened:
         members: dict[str, SteeredT] = {}
         for address in addresses:
             name = address.vehicle or simulator.rov.name
             if name not in simulator.vehicles:
                 raise ValueError(f"{switch}: vehicle '{name[:40]}': must be one of {', '.join(simulator.vehicles)}")
-            if name not in flights:
+            if name not in context.aboard:
                 raise ValueError(f"{switch}: vehicle '{name}' has no estimate to fly by: give it an IMU")
             if name in members:
                 raise ValueError(f"{switch}: vehicle '{name}': must be named once")
-            member = members[name] = opened.enter_context(make(flights[name], address))
-            topic = flights[name].source.topic("scan")
-            for scan in [each for each in context.channels if each.name == topic]:
-                opened.callback(context.feed.listen(scan, member.take_ping))
+            aboard = context.aboard[name]
+            member = members[name] = opened.enter_context(make(aboard, address))
+            if aboard.scan is not None:
+                opened.callback(context.feed.listen(aboard.scan, member.take_ping))
         yield members

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 from uwsim.base.options import Options
 
 if TYPE_CHECKING:
+    from uwsim.bridges.aboard import Aboard
     from uwsim.bridges.actions import Action, Offered
     from uwsim.bridges.doctor.finding import Finding
     from uwsim.channels import Channel, Service
@@ -40,7 +41,7 @@ class Context:
     channels, taken once for all bridges. live: None for a recording that is played back, which accepts no commands and
     has neither services nor actions. origin: the world's origin in odom, as for a Table. namespace: part of the names
     of nodes. access: the arguments host, origins, token, certfile and keyfile that all servers share. opened: the
-    bridges that were opened before, by name.
+    bridges that were opened before, by name. aboard: the vehicles for systems aboard them, by name.
     """
 
     channels: Sequence[Channel]
@@ -52,6 +53,7 @@ class Context:
     namespace: str = ""
     access: Mapping[str, Any] = field(default_factory=dict)
     opened: dict[str, Opened] = field(default_factory=dict)
+    aboard: Mapping[str, Aboard] = field(default_factory=dict)
 
     @property
     def simulator(self) -> Simulator:

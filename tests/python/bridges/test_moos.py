@@ -227,6 +227,70 @@ def test_each_vehicle_has_a_community_of_its_own_which_may_come_late(db: StandIn
     assert db.last("NAV_Y") == pytest.approx(0, abs=1)
 
 
+def apart(distance_m: float, modem: str) -> Scenario:
+    """Return two torpedoes and a station near the first one, with modems."""
+    terrain = {"source": "noise", "size_m": [4000, 400], "spacing_m": 20, "bed_depth_m": 60}
+    other = torpedo("bravo", position_m=[-100 + distance_m, 0, -8])
+    return bay(torpedo(position_m=[-100, 0, -8]), other, terrain=terrain, link=modem)
+
+
+def test_node_reports_travel_by_sound_and_the_helm_is_aboard(db: StandInMoosDB) -> None:
+    with StandInMoosDB("bravo") as other, StandInMoosDB("shoreside") as shore:
+        there = (f"alpha=127.0.0.1:{db.port}", f"bravo=127.0.0.1:{other.port}")
+        shoreside = f"127.0.0.1:{shore.port}"
+        with member(apart(300, "ideal_acoustic"), *there, moos_reports=True, moos_shore=shoreside) as live:
+            until(lambda: db.last("NAV_X") is not None and other.last("NAV_X") is not None and shore.names == ["uwsim"])
+            reports = [f"NAME=alpha,X={number}".encode() for number in range(3)]
+            for report in reports:
+                db.publish(NODE_REPORT_LOCAL=report, DESIRED_THRUST=50.0)
+                until(lambda: other.last("NODE_REPORT") == db.last("NODE_REPORT_LOCAL") == shore.last("NODE_REPORT"))
+            assert [each.value for each in other.seen["NODE_REPORT"]] == reports
+            assert db.last("NODE_REPORT") is None
+
+            def is_steered() -> bool:
+                db.publish(DESIRED_THRUST=50.0)
+                return bool(live.rov.effort[0] == 0.5)
+
+            until(is_steered)
+            until(lambda: db.last("UWSIM_SONAR") is not None)  # its own, without the link
+            network = live.simulator.link
+            assert network is not None
+            for got in [each for each in network.received("bravo") if each.topic == "node_report"]:
+                assert got.arrived_s - got.given_s == pytest.approx(300 / 1500, rel=0.02)
+            other.publish(NODE_REPORT_LOCAL=b"NAME=bravo")
+            until(lambda: db.last("NODE_REPORT") == b"NAME=bravo" == shore.last("NODE_REPORT"))
+
+
+def test_node_reports_beyond_the_modems_range_are_lost(db: StandInMoosDB) -> None:
+    with StandInMoosDB("bravo") as other, StandInMoosDB("shoreside") as shore:
+        there = (f"alpha=127.0.0.1:{db.port}", f"bravo=127.0.0.1:{other.port}")
+        shoreside = f"127.0.0.1:{shore.port}"
+        with member(apart(1500, "s2cm_hs"), *there, moos_reports=True, moos_shore=shoreside) as live:
+            until(lambda: db.last("NAV_X") is not None and shore.names == ["uwsim"] == other.names)
+            live.speed = 10.0
+            db.publish(NODE_REPORT_LOCAL=b"NAME=alpha")
+            until(lambda: shore.last("NODE_REPORT") == b"NAME=alpha")  # which is near
+            network = live.simulator.link
+            assert network is not None
+
+            def report() -> tuple[int, int]:
+                (found,) = [each for each in network.counts() if each.topic == "node_report"]
+                return found.sent, found.delivered
+
+            until(lambda: report() == (2, 1))
+            assert other.last("NODE_REPORT") is None
+
+
+def test_reports_need_a_link_and_a_shoreside_needs_reports(db: StandInMoosDB) -> None:
+    at = f"127.0.0.1:{db.port}"
+    with pytest.raises(ValueError, match="moos_reports: needs a link"), member("pool", at, moos_reports=True):
+        pass
+    with pytest.raises(ValueError, match="moos_shore = 'h:1': needs --moos-reports"):
+        MoosPlug(MoosOptions(moos=(at,), moos_shore="h:1"))
+    with pytest.raises(ValueError, match="must be HOST:PORT"):
+        MoosPlug(MoosOptions(moos=(at,), moos_reports=True, moos_shore="a=h:1"))
+
+
 def test_all_stop_and_a_pilot_outrank_the_community(db: StandInMoosDB) -> None:
     with member(bay(torpedo()), f"127.0.0.1:{db.port}") as live:
         until(lambda: db.last("NAV_X") is not None)

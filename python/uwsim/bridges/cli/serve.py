@@ -100,6 +100,7 @@ def serve(
     from contextlib import ExitStack
 
     from uwsim.bridges import RosbridgeServer
+    from uwsim.bridges.aboard import aboard_of
     from uwsim.bridges.actions import actions_in, actions_of
     from uwsim.bridges.plug import Context
     from uwsim.channels.delivery.feed import Feed
@@ -178,7 +179,10 @@ def serve(
             sinks.enter_context(server)
             places = [f"{scenario} at {server.url}"]
         places += flown
-        context = Context(shown.channels, feed, live, shown.services, actions, origin, namespace, accessible)
+        context = Context(
+            shown.channels, feed, live, shown.services, actions, origin, namespace, accessible,
+            aboard=aboard_of(simulator, shown),
+        )  # fmt: skip
         places += bridges.open(sinks, context)
         run_until_interrupted(live, ", ".join(places))
 

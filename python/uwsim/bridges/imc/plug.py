@@ -12,7 +12,7 @@ from uwsim.bridges.addressed import must_name_vehicles_once, steered_vehicles
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 if TYPE_CHECKING:
-    from uwsim.bridges.actions import Action
+    from uwsim.bridges.aboard import Aboard
     from uwsim.bridges.doctor.finding import Finding
     from uwsim.bridges.imc.link import Address
 
@@ -77,8 +77,8 @@ class ImcPlug(BridgePlug[ImcOptions]):
         )
         models = {entry.name: entry.model for entry in live.simulator.scenario.vehicles}
 
-        def vehicle(action: Action, address: Address) -> ImcVehicle:
-            return ImcVehicle(live, action, models[action.source.name], address, place, settings)
+        def vehicle(aboard: Aboard, address: Address) -> ImcVehicle:
+            return ImcVehicle(live, aboard, models[aboard.source.name], address, place, settings)
 
         with steered_vehicles("imc", self._addresses, context, vehicle) as members:
             where = ", ".join(f"{name} at {member.link.address}" for name, member in members.items())

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.bridges.actions import Action
+from uwsim.bridges.aboard import Aboard
 from uwsim.bridges.imc.announcer import Announcer
 from uwsim.bridges.imc.link import Address, Identity, ImcLink, logger
 from uwsim.bridges.imc.readings import MULTIBEAM, Instruments, Place, servos, simulated_state
@@ -48,22 +48,21 @@ class Settings:
 class ImcVehicle:
     """Publishes a vehicle's motion or instruments, and commands its thrusters and fins as its peer asks.
 
-    action: one that flies the vehicle, with its name and the door through which it is steered. Commands end like a
-    topic's when the peer falls silent, and lose the helm to a pilot. Use it as a context. Raises ValueError for a
-    vehicle without thrusters.
+    Commands end like a topic's when the peer falls silent, and lose the helm to a pilot. Use it as a context. Raises
+    ValueError for a vehicle without thrusters.
     """
 
     def __init__(
         self,
         live: LiveSimulator,
-        action: Action,
+        aboard: Aboard,
         model: VehicleModel,
         address: Address,
         place: Place,
         settings: Settings,
     ) -> None:
         self._live, self._place, self._settings = live, place, settings
-        self.vehicle, self._steering = action.source.name, action.steering
+        self.vehicle, self._steering = aboard.source.name, aboard.steering
         if not model.thrusters:
             raise ValueError(f"imc: vehicle '{self.vehicle}': has no thrusters that could be commanded")
         self._thrusters, fins = list(model.thrusters), servos(model)
@@ -84,7 +83,7 @@ class ImcVehicle:
             self.link = ImcLink(address, identity, self._on_messages, self._on_met, listen_port=settings.listen_port)
         self._channels = {
             argument: Channel(
-                action.source.topic(f"imc_cmd_{ending}"), "IMC", "in", "what a system that speaks IMC commands",
+                aboard.source.topic(f"imc_cmd_{ending}"), "IMC", "in", "what a system that speaks IMC commands",
                 apply=self._applied(f"set_{ending}", argument),
                 authority=ended_by({}, self._applied(f"set_{ending}", argument), self._steering),
             )

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from uwsim.base.axes import AXES
-from uwsim.bridges.actions import Action
+from uwsim.bridges.aboard import Aboard
 from uwsim.bridges.moos.client import Address, MoosClient, logger
+from uwsim.bridges.moos.reports import OWN, NodeReports
 from uwsim.bridges.moos.variables import instruments, is_true, latest, navigation, number, ping_summary
 from uwsim.bridges.moos.wire import Message
 from uwsim.bridges.rare_log import RareLog
@@ -51,32 +52,35 @@ class Settings:
 class CommunityVehicle:
     """Publishes a vehicle's state to a MOOSDB, and steers it as the community desires.
 
-    action: one that flies the vehicle, with its name and the door through which it is steered. What is
-    desired ends like a topic's command when the community falls silent, and loses the helm to a pilot. Use it as a
-    context.
+    What is desired ends like a topic's command when the community falls silent, and loses the helm to a pilot. reports:
+    takes the community's own node reports to the others, if wanted. Use it as a context.
     """
 
     def __init__(
         self,
         live: LiveSimulator,
-        action: Action,
+        aboard: Aboard,
         address: Address,
         place: Georeference,
         settings: Settings,
+        reports: NodeReports | None = None,
     ) -> None:
         self._live, self._place, self._settings = live, place, settings
-        self.vehicle, self._steering = action.source.name, action.steering
+        self.vehicle, self._steering = aboard.source.name, aboard.steering
         self._desired: dict[str, float] = {}
         self._is_overridden = False
         self._rare = RareLog(logger)
         self._drives = frozenset(live.simulator.vehicles[self.vehicle].controllable)
-        names = (*(SETPOINTS if settings.by_setpoints else ACTUATORS), *OVERRIDES, PAUSED)
+        self._reports = reports
+        names = (*(SETPOINTS if settings.by_setpoints else ACTUATORS), *OVERRIDES, PAUSED, *([OWN] if reports else ()))
         self.client = MoosClient(address, settings.name, names, self._on_messages, self._on_met)
         apply: Callable[[LiveSimulator, Any], object] = self._steer if settings.by_setpoints else self._act
         self._channel = Channel(
-            action.source.topic(NAME), "MOOS", "in", "what a MOOS community desires", apply=apply,
+            aboard.source.topic(NAME), "MOOS", "in", "what a MOOS community desires", apply=apply,
             authority=ended_by({}, self._idle, self._steering),
         )  # fmt: skip
+        if reports is not None:
+            reports.join(self.vehicle, self.client)
         self._subscription = live.every(1.0 / settings.rate_hz, self._read, self.client.publish)
 
     def __enter__(self) -> CommunityVehicle:
@@ -120,6 +124,8 @@ class CommunityVehicle:
                     self._is_overridden = is_true(values[name])
             if PAUSED in values:
                 (self._live.pause if is_true(values[PAUSED]) else self._live.resume)()
+            if OWN in values and self._reports is not None:
+                self._reports.send(self.vehicle, values[OWN])
             names = SETPOINTS if self._settings.by_setpoints else ACTUATORS
             desired = {name: found for name in names if name in values and (found := number(values[name])) is not None}
             if desired or (self._is_overridden and self._desired):

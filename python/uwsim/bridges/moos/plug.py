@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ from uwsim.bridges.addressed import must_name_vehicles_once, steered_vehicles
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 if TYPE_CHECKING:
-    from uwsim.bridges.actions import Action
+    from uwsim.bridges.aboard import Aboard
     from uwsim.bridges.doctor.finding import Finding
     from uwsim.bridges.moos.client import Address
 
@@ -37,6 +37,12 @@ class MoosOptions(Options):
     )
     moos_nav: str = option("estimate", "MOOS: what NAV_* is.", choices=("estimate", "truth"))
     moos_elevator: float = option(13.0, "MOOS: DESIRED_ELEVATOR at full effort.", bounds=(1, 100, "deg"))
+    moos_reports: bool = option(
+        False, "MOOS: carry NODE_REPORT_LOCAL of each community to the others as NODE_REPORT, over the link's modems."
+    )
+    moos_shore: str | None = option(
+        None, "MOOS: the shoreside's MOOSDB, for --moos-reports; its modem is the station's.", metavar="HOST:PORT"
+    )
 
 
 class MoosPlug(BridgePlug[MoosOptions]):
@@ -44,9 +50,8 @@ class MoosPlug(BridgePlug[MoosOptions]):
 
     options = MoosOptions
     needs_live = True
-    crosses_link = False
     excluded_by = {"ardusub": "the firmware steers"}  # noqa: RUF012  # read only
-    examined = ("moos", "moos_name")
+    examined = ("moos", "moos_name", "moos_shore")
 
     def __init__(self, options: MoosOptions) -> None:
         super().__init__(options)
@@ -56,25 +61,38 @@ class MoosPlug(BridgePlug[MoosOptions]):
         must_name_vehicles_once("moos", options.moos, self._addresses)
         if not options.moos_name.isidentifier():
             raise ValueError(f"moos_name = '{options.moos_name[:40]}': must have letters, digits and _ only")
+        self._shore = None if options.moos_shore is None else Address.parse(options.moos_shore)
+        if self._shore is not None and (self._shore.vehicle or not options.moos_reports):
+            rule = "must be HOST:PORT" if self._shore.vehicle else "needs --moos-reports"
+            raise ValueError(f"moos_shore = '{options.moos_shore}': {rule}")
 
     @contextmanager
     def open(self, context: Context) -> Iterator[Opened]:
         """Join the communities; those that are not there yet are joined later. Raises ValueError."""
         from uwsim.bridges.moos.community import CommunityVehicle, Settings
+        from uwsim.bridges.moos.reports import NodeReports
         from uwsim.channels import require_live
         from uwsim.scenario.georeference import georeference
 
         live, given = require_live(context.live), self.given
+        if given.moos_reports and live.simulator.link is None:
+            raise ValueError("moos_reports: needs a link, such as --link s2cm_hs, and the scenario has none")
         place = georeference(live.simulator.scenario)
         settings = Settings(
             given.moos_name, given.moos_rate, given.moos_control == "setpoints", given.moos_nav == "truth",
             given.moos_elevator,
         )  # fmt: skip
 
-        def vehicle(action: Action, address: Address) -> CommunityVehicle:
-            return CommunityVehicle(live, action, address, place, settings)
+        reports = NodeReports(live) if given.moos_reports else None
 
-        with steered_vehicles("moos", self._addresses, context, vehicle) as members:
+        def vehicle(aboard: Aboard, address: Address) -> CommunityVehicle:
+            return CommunityVehicle(live, aboard, address, place, settings, reports)
+
+        with steered_vehicles("moos", self._addresses, context, vehicle) as members, ExitStack() as shore:
+            if reports is not None:
+                if self._shore is not None:
+                    shore.enter_context(reports.joined_shore(self._shore, given.moos_name))
+                shore.enter_context(reports)
             where = ", ".join(f"{name} at {member.client.address}" for name, member in members.items())
             yield Opened(f"MOOS: {where}", members)
 
@@ -86,7 +104,7 @@ class MoosPlug(BridgePlug[MoosOptions]):
         from uwsim.bridges.doctor.finding import Finding
         from uwsim.bridges.moos.client import Address, MoosClient
 
-        for text in options.moos:
+        for text in (*options.moos, *filter(None, [options.moos_shore])):
             address = Address.parse(text)
             met: list[str] = []
 

@@ -157,7 +157,7 @@ class Steering:
         """Issue a steering command of a source. Raises ValueError if it would move a vehicle that others steer."""
         if self._is_cut_off(live):
             return nothing_done()
-        if live.simulator.link is None and _moves(arguments):  # over a link, the state aboard is unknown here
+        if self.shore is self.helm and _moves(arguments):  # over a link, the state aboard is unknown ashore
             self.helm.require_at_door(name, by)
         with self.helm.lock:
             self.by_keys = False
