@@ -144,6 +144,63 @@ def test_sdf_obstacles_are_where_their_poses_put_them(tmp_path: Path) -> None:
     )
 
 
+WALL = """<sdf version="1.9"><world name="harbour">
+  <model name="wall"><static>1</static><pose>10 0 -6 0 0 0</pose><link name="l"><collision name="c"><geometry>
+    <box><size>4 2 4</size></box></geometry></collision></link></model>
+  <model name="wreck"><static>1</static><link name="hull"><collision name="c"><geometry>
+    <mesh><uri>model://wreck/hull.stl</uri></mesh></geometry></collision></link></model></world></sdf>"""
+
+
+def test_a_world_without_a_vehicle_gets_one_over_its_objects(tmp_path: Path) -> None:
+    sim, printed = made(tmp_path, "harbour.world", WALL)
+    (rov,) = sim.vehicles.values()
+    assert "no vehicle is in it: 'bluerov2_heavy' starts at (10, 0, -2) m" in printed
+    assert "model 'wreck'/link 'hull'/collision 'c'/geometry/mesh: 'model://wreck/hull.stl': not in" in printed
+    np.testing.assert_allclose(rov.pose.position_world_m, [10.0, 0.0, -2.0])
+    assert sim.scene.distance_m(np.array([[10.0, 0.0, -2.0]])) == pytest.approx([2.0], abs=1e-6)
+    (tmp_path / "high.world").write_text(WALL.replace("10 0 -6", "10 0 -2"))
+    found = read_sdf(tmp_path / "high.world")
+    write_found(found, tmp_path / "high")
+    np.testing.assert_allclose(found.robots[0].place.position_m, [14.0, 0.0, -2.0])  # beside it
+
+
+def test_poses_of_an_sdf_are_relative_to_what_comes_later_and_prefixes_need_no_declaration(tmp_path: Path) -> None:
+    parts = """<link name="eye"><pose relative_to="mast">0 0 0.1 0 0 0</pose>
+        <sensor name="log" type="custom" gz:type="dvl"><update_rate>8</update_rate></sensor></link>
+      <joint name="eye_joint" type="fixed"><parent>base</parent><child>eye</child></joint>
+      <frame name="mast" attached_to="base"><pose>0.5 0 0.2 0 0 1.5707963</pose></frame></model>
+      <model name="pier">"""
+    sim, _ = made(tmp_path, "world.sdf", WORLD.replace('</model>\n  <model name="pier">', parts))
+    log = sim.scenario.vehicles[0].model.sensors["log"]
+    assert (log.kind, log.rate_hz) == ("dvl", 8.0)
+    (tmp_path / "a.sdf").write_text(WORLD.replace("</model>", parts.split("</model>")[0] + "</model>", 1))
+    body = read_sdf(tmp_path / "a.sdf").robots[0].sensors["log"]
+    np.testing.assert_allclose(body["position_m"], [0.5, 0.0, 0.3], atol=1e-9)
+    (tmp_path / "b.sdf").write_text(
+        (tmp_path / "a.sdf").read_text().replace('attached_to="base"><pose>', '><pose relative_to="eye">')
+    )
+    with pytest.raises(ValueError, match="its pose refers to itself: eye - mast - eye"):
+        read_sdf(tmp_path / "b.sdf")
+
+
+def test_uuv_simulators_plugins_are_the_same_in_sdf(tmp_path: Path) -> None:
+    (tmp_path / "sled.urdf").write_text(URDF)
+    wanted = read_urdf(tmp_path / "sled.urdf").robots[0]
+    plugins = "".join(part.split("</gazebo>")[0] for part in URDF.split("<gazebo>")[1:])
+    model = f"""<sdf version="1.6"><model name="sled"><link name="base"><inertial><mass>202</mass></inertial>
+      <collision name="c"><geometry><box><size>1 1 1</size></box></geometry></collision></link>
+      <link name="tail"><pose>-0.6 0 -0.1 0 0 3.141592653589793</pose></link>
+      <joint name="tail_joint" type="revolute"><parent>base</parent><child>tail</child>
+      <axis><xyz>1 0 0</xyz><use_parent_model_frame>1</use_parent_model_frame></axis></joint>{plugins}</model></sdf>"""
+    (tmp_path / "sled.sdf").write_text(model)
+    got = read_sdf(tmp_path / "sled.sdf").robots[0]
+    assert got.volume_m3 == wanted.volume_m3
+    for key in ("added_mass", "linear", "quadratic", "centre_of_buoyancy_m"):
+        np.testing.assert_array_equal(getattr(got, key), getattr(wanted, key))
+    assert got.thrusters[0].thrust_n == wanted.thrusters[0].thrust_n
+    np.testing.assert_allclose(got.thrusters[0].axis, wanted.thrusters[0].axis, atol=1e-9)
+
+
 def test_a_urdf_vehicle_has_the_source_s_speed_and_trim(tmp_path: Path) -> None:
     sim, _ = made(tmp_path, "sled.urdf", URDF)
     model = sim.scenario.vehicles[0].model
@@ -213,6 +270,25 @@ def test_a_stonefish_world_is_turned_from_ned_to_enu(tmp_path: Path) -> None:
     np.testing.assert_allclose(eye.yaw_pitch_roll_deg, [0.0, 0.0, 0.0], atol=1e-3)  # it looks ahead, upright
 
 
+def test_files_of_a_ros_package_are_found_beside_a_stonefish_scenario(tmp_path: Path) -> None:
+    (tmp_path / "rovs" / "scenarios").mkdir(parents=True)
+    (tmp_path / "rovs" / "scenarios" / "robot.scn").write_text(SCN)
+    top = '<scenario><include file="$(find rovs)/scenarios/robot.scn"/></scenario>'
+    (tmp_path / "rovs" / "scenarios" / "top.scn").write_text(top)
+    (found,) = read_stonefish(tmp_path / "rovs" / "scenarios" / "top.scn").robots
+    assert found.volume_m3 == pytest.approx(0.1)
+    (tmp_path / "top.scn").write_text(top.replace("rovs", "lost"))
+    with pytest.raises(ValueError, match=r"\$\(find lost\): has no value here"):
+        read_stonefish(tmp_path / "top.scn")
+
+
+@pytest.mark.parametrize("kind, model", [("CougUV", "remus100"), ("SurfaceVessel", "otter")])
+def test_every_agent_of_holoocean_that_floats_or_dives_has_a_counterpart(kind: str, model: str, tmp_path: Path) -> None:
+    agent = {"agent_type": kind, "location": [0, 0, 0 if model == "otter" else -3]}
+    sim, _ = made(tmp_path, "dive.json", json.dumps({"agents": [agent]}))
+    assert sim.scenario.vehicles[0].model.name == model
+
+
 def test_a_holoocean_agent_becomes_the_vehicle_that_resembles_it(tmp_path: Path) -> None:
     sim, printed = made(tmp_path, "dive.json", HOLO)
     np.testing.assert_allclose(sim.vehicles["auv0"].pose.position_world_m, [-3.0, 10.0, -4.0])  # north, west, up
@@ -245,6 +321,15 @@ def test_formulas_are_numbers_only(text: str, value: float) -> None:
     for bad in ("__import__('os')", "pi**9", "a", "1/0", "(" * 500, ""):
         with pytest.raises(ValueError, match="must consist of numbers"):
             formula(bad)
+
+
+def test_shapes_that_only_stand_in_displace_nothing(tmp_path: Path) -> None:
+    speck = """<collision name="s"><geometry><cylinder><radius>1e-6</radius><length>1e-6</length></cylinder></geometry>
+      </collision><sensor name="nose\""""
+    (tmp_path / "world.sdf").write_text(WORLD.replace('<sensor name="nose"', speck))
+    robot = read_sdf(tmp_path / "world.sdf").robots[0]
+    assert robot.volume_m3 == pytest.approx(2.0 * 0.25 * 0.2)
+    assert len(robot.solids) == 1
 
 
 BOMB = '<!DOCTYPE a [<!ENTITY a "aaaa">]><sdf/>'
@@ -285,6 +370,12 @@ def test_mistakes_are_one_line_and_write_nothing(name: str, text: str, words: st
     done = command("scenario", "from", tmp_path / name, "--out", tmp_path / "out")
     assert done.returncode != 0 and words in done.stderr and len(done.stderr.splitlines()) == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_entities_are_refused_in_any_encoding(tmp_path: Path) -> None:
+    (tmp_path / "a.sdf").write_bytes(('<?xml version="1.0" encoding="UTF-16"?>' + BOMB).encode("utf-16"))
+    with pytest.raises(ValueError, match="declares entities"):
+        read_sdf(tmp_path / "a.sdf")
 
 
 def test_nothing_that_is_not_ours_is_replaced(tmp_path: Path) -> None:

@@ -17,7 +17,13 @@ from uwsim.evidence.robots.robot import Found, Robot, plain_name
 from uwsim.evidence.robots.xml_file import Pose, turned
 
 ENU_FROM_NWU = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-AGENTS = {"HoveringAUV": "bluerov2_heavy", "BlueROV2": "bluerov2_heavy", "TorpedoAUV": "remus100"}
+AGENTS = {
+    "HoveringAUV": "bluerov2_heavy",
+    "BlueROV2": "bluerov2_heavy",
+    "TorpedoAUV": "remus100",
+    "CougUV": "remus100",
+    "SurfaceVessel": "otter",
+}
 SENSORS = {
     "IMUSensor": "imu",
     "DepthSensor": "depth",

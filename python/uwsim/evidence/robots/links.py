@@ -9,7 +9,7 @@ import numpy as np
 
 from uwsim.evidence.robots.robot import Lump, Mesh, Robot
 from uwsim.evidence.robots.shapes import placed, volume_and_centre
-from uwsim.evidence.robots.xml_file import Element, Floats, Pose
+from uwsim.evidence.robots.xml_file import HERE, Element, Floats, Pose
 
 
 @dataclass
@@ -27,19 +27,21 @@ class Joint:
 
 @dataclass
 class Links:
-    """The links of a model. poses: of each in the frame of the model."""
+    """The links of a model. poses: of each in the frame of the model. missing: a line for each absent mesh."""
 
     element: Element
     poses: dict[str, Pose] = field(default_factory=dict)
     lumps: dict[str, Lump] = field(default_factory=dict)
     solids: dict[str, list[Mesh]] = field(default_factory=dict)
     joints: dict[str, Joint] = field(default_factory=dict)
+    missing: list[str] = field(default_factory=list)
 
     def add(self, name: str, other: Links) -> None:
         """Add the links and joints of a model within this one, under its name."""
         self.poses |= {f"{name}::{key}": value for key, value in other.poses.items()}
         self.lumps |= {f"{name}::{key}": value for key, value in other.lumps.items()}
         self.solids |= {f"{name}::{key}": value for key, value in other.solids.items()}
+        self.missing += other.missing
         for key, joint in other.joints.items():
             parent, child = f"{name}::{joint.parent}", f"{name}::{joint.child}"
             self.joints[f"{name}::{key}"] = replace(joint, name=f"{name}::{key}", parent=parent, child=child)
@@ -73,6 +75,35 @@ class Links:
                 turned = there.turn @ lump.inertia_kg_m2 @ there.turn.T
                 robot.lumps.append(Lump(lump.mass_kg, there.points(lump.centre_m[None])[0], turned))
             robot.solids += [placed(solid, there) for solid in self.solids.get(name, [])]
+
+
+class Frames:
+    """The poses of a model's links, joints and frames, each relative to another of them (SDF 1.7).
+
+    inner: the poses of links in models within it, by name.
+    """
+
+    def __init__(self, model: Element, inner: dict[str, Pose]) -> None:
+        self._model, self._poses = model, {"__model__": HERE, **inner}
+        self._elements = {each.name: each for tag in ("link", "joint", "frame") for each in model.all(tag)}
+        self._asked: list[str] = []
+
+    def pose(self, name: str, of: Element) -> Pose:
+        """Return a pose in the model's frame. Raises ValueError for a name that there is not, and for a circle."""
+        if name in self._poses:
+            return self._poses[name]
+        if name not in self._elements:
+            raise of.error(f"there is no link, joint or frame '{name}' among {', '.join(self._elements) or 'none'}")
+        if name in self._asked:
+            raise of.error(f"its pose refers to itself: {' - '.join([*self._asked, name])}")
+        element = self._elements[name]
+        stated, child = element.find("pose"), element.text("child") if element.tag == "joint" else None
+        around = stated.attribute("relative_to") if stated is not None else None
+        self._asked.append(name)
+        base = self.pose(around or child or element.attribute("attached_to") or "__model__", element)
+        self._asked.pop()
+        self._poses[name] = base.then(element.pose())
+        return self._poses[name]
 
 
 def inertia(element: Element | None, number: Callable[[Element, str], float]) -> Floats:

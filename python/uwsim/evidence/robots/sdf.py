@@ -14,10 +14,11 @@ import numpy as np
 
 from uwsim.evidence.robots import shapes
 from uwsim.evidence.robots.lift_drag import is_lift_drag, put_surface
-from uwsim.evidence.robots.links import Joint, Links, inertia, summed_volume
+from uwsim.evidence.robots.links import Frames, Joint, Links, inertia, summed_volume
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, Thruster, plain_name
 from uwsim.evidence.robots.sensors import put_camera, put_sensor
-from uwsim.evidence.robots.xml_file import HERE, Element, Pose, read_xml
+from uwsim.evidence.robots.uuv_plugins import is_uuv_object, is_uuv_thruster, put_uuv_object, uuv_thruster
+from uwsim.evidence.robots.xml_file import HERE, Element, Floats, Pose, read_xml
 
 ROWS, COLUMNS = "xyzkmn", "UVWPQR"
 DENSITY_KG_M3, THRUST_N, DIAMETER_M = 1000.0, 1000.0, 0.02
@@ -42,8 +43,8 @@ def read_sdf(path: Path) -> Found:
         at = model.pose()
         reader.model(model, Pose(at.position_m - (0.0, 0.0, ALONE_M), at.turn), static=False)
         reader.found.assumed(f"a model without a world starts {ALONE_M:g} m below its place")
-    if not reader.found.robots:
-        raise root.error("has no model with a thruster (gz-sim-thruster-system) that has Hydrodynamics or mass")
+    if not (reader.found.robots or reader.found.obstacles):
+        raise root.error("has no model with a thruster (gz-sim-thruster-system), and no fixed model that is here")
     return reader.found
 
 
@@ -81,7 +82,7 @@ class _Reader:
             return None
         model = read_xml(file).find("model")
         if model is None:
-            raise ValueError(f"'{file}': has no <model>")
+            self.found.left_out(f"{include.path} {uri}: '{file}' has no <model>")
         return model
 
     def _resolved(self, uri: str) -> Path | None:
@@ -98,13 +99,15 @@ class _Reader:
 
     def model(self, model: Element, pose: Pose, *, static: bool, include: Element | None = None) -> None:
         """Read a model at a pose in the world. include: what names it, whose plugins are added to its own."""
-        links = self._links(model, HERE)
         own = [*model.all("plugin"), *(() if include is None else include.all("plugin"))]
         plugins = [(plugin, (plugin.attribute("filename") or "").lower()) for plugin in own]
-        thrusters = [plugin for plugin, file in plugins if "thruster" in file]
+        thrusters = [(plugin, file) for plugin, file in plugins if "thruster" in file]
         if not thrusters:
-            self._obstacles(model, links, pose, static)
+            self._obstacles(model, pose, static)
             return
+        links = self._links(model, HERE)
+        if links.missing:
+            raise ValueError(links.missing[0])
         others = [robot.name for robot in self.found.robots]
         base = links.base()
         name = None if include is None else include.text("name")
@@ -112,7 +115,9 @@ class _Reader:
         links.put_into(robot, base)
         self._buoyancy(robot)
         for plugin, file in plugins:
-            if "hydrodynamics" in file:
+            if is_uuv_object(file):
+                put_uuv_object(robot, self.found, plugin, base)
+            elif "hydrodynamics" in file:
                 self._hydrodynamics(robot, plugin, base, links)
             elif "thruster" not in file and not is_lift_drag(file):
                 self.found.left_out(f"{plugin.path}, {plugin.attribute('filename')}")
@@ -121,63 +126,70 @@ class _Reader:
             if is_lift_drag(file):
                 put_surface(robot, plugin, links, to_base, self.found)
         limits = dict(_autopilot_limits(model))
-        for plugin in thrusters:
-            robot.thrusters.append(self._thruster(plugin, links, to_base, limits, robot))
+        for plugin, file in thrusters:
+            if is_uuv_thruster(file):
+                robot.thrusters.append(uuv_thruster(plugin, links, to_base, robot, self.found))
+            else:
+                robot.thrusters.append(self._thruster(plugin, links, to_base, limits, robot))
         for link in model.all("link"):
             for sensor in link.all("sensor"):
                 self._sensor(robot, sensor, to_base.then(links.poses[link.needed("name")]).then(sensor.pose()))
         self.found.robots.append(robot)
 
-    def _links(self, model: Element, at: Pose, level: int = 0) -> Links:
-        """Return the links of a model and of those in it, in the frame of the outermost."""
+    def _links(self, model: Element, at: Pose, level: int = 0, *, heavy: bool = True) -> Links:
+        """Return the links of a model and of those in it, in the frame of the outermost. heavy: with their masses."""
         if level == LEVELS:
             raise model.error(f"is {LEVELS} models deep: must be fewer")
-        links = Links(model)
+        links, inner = Links(model), [(each, each.name, each.pose()) for each in model.all("model")]
+        for include in model.all("include"):
+            named = self._included(include)
+            if named is not None:
+                place = include.pose() if include.find("pose") else named.pose()
+                inner.append((named, include.text("name") or named.name, place))
+        for each, name, place in inner:
+            links.add(name, self._links(each, at.then(place), level + 1, heavy=heavy))
+        frames = Frames(model, {key: at.inverse().then(pose) for key, pose in links.poses.items()})
         for link in model.all("link"):
             key = link.needed("name")
-            links.poses[key] = at.then(self._relative(link, links))
+            links.poses[key] = at.then(frames.pose(key, link))
             inertial = link.find("inertial")
-            if inertial is not None:
+            if heavy and inertial is not None:
                 own = inertial.pose()
                 moments = inertia(inertial.find("inertia"), lambda e, k: e.number(k, 0.0))
                 mass = inertial.number("mass", 1.0)
                 links.lumps[key] = Lump(mass, own.position_m, own.turn @ moments @ own.turn.T)
-            solids = [self._solid(collision) for collision in link.all("collision")]
+            solids = [self._solid(collision, links) for collision in link.all("collision")]
             links.solids[key] = [solid for solid in solids if solid is not None]
         for joint in model.all("joint"):
             child = joint.text("child") or ""
-            there = links.pose(child, joint).then(joint.pose())
+            links.pose(child, joint)
+            there = at.then(frames.pose(joint.name, joint))
             xyz = joint.numbers("axis/xyz", 3)
-            axis = there.turn @ (np.array([0.0, 0.0, 1.0]) if xyz is None else xyz)
+            axis = self._axes(joint, frames, at, there) @ (np.array([0.0, 0.0, 1.0]) if xyz is None else xyz)
             kind = joint.attribute("type") or ""
             limits = joint.number("axis/limit/lower", -np.inf), joint.number("axis/limit/upper", np.inf)
             links.joints[joint.name] = Joint(joint.name, kind, joint.text("parent") or "", child, there, axis, limits)
-        for inner in model.all("model"):
-            below = self._links(inner, at.then(inner.pose()), level + 1)
-            links.add(inner.name, below)
         return links
 
-    def _relative(self, link: Element, links: Links) -> Pose:
-        element, pose = link.find("pose"), link.pose()
-        frame = element.attribute("relative_to") if element is not None else None
-        if frame in (None, "", "__model__"):
-            return pose
-        assert frame is not None
-        if frame in links.joints:
-            return links.joints[frame].pose.then(pose)
-        return links.pose(frame, link).then(pose)
+    def _axes(self, joint: Element, frames: Frames, at: Pose, there: Pose) -> Floats:
+        """Return the rotation from the axes in which a joint's axis is stated, by default its own."""
+        stated = joint.find("axis/xyz")
+        frame = None if stated is None else stated.attribute("expressed_in")
+        if joint.text("axis/use_parent_model_frame") in ("1", "true"):
+            frame = "__model__"
+        return there.turn if frame is None else at.turn @ frames.pose(frame, joint).turn
 
-    def _solid(self, collision: Element) -> Mesh | None:
+    def _solid(self, collision: Element, links: Links) -> Mesh | None:
         geometry = collision.find("geometry")
         if geometry is None:
             raise collision.error("has no geometry")
         for shape in geometry.all("*"):
-            solid = self._shape(shape)
-            if solid is not None:
+            solid = self._shape(shape, links)
+            if solid is not None and shapes.displaces(solid):
                 return shapes.placed(solid, collision.pose())
         return None
 
-    def _shape(self, shape: Element) -> Mesh | None:
+    def _shape(self, shape: Element, links: Links) -> Mesh | None:
         if shape.tag == "box":
             size = shape.numbers("size", 3)
             if size is None or not shapes.are_sizes(*size):
@@ -199,16 +211,21 @@ class _Reader:
         if shape.tag == "mesh":
             file = self._resolved(shape.text("uri") or "")
             if file is None or not file.is_file():
-                raise shape.error(f"{shape.text('uri')!r}: not in {RESOURCE_PATHS[0]} or beside the file")
+                rule = f"{shape.text('uri')!r}: not in {RESOURCE_PATHS[0]} or beside the file"
+                links.missing.append(str(shape.error(rule)))
+                return None
             scale = shape.numbers("scale", 3)
             return shapes.from_file(file, np.ones(3) if scale is None else scale)
         self.found.left_out(f"{shape.path}: shapes of this kind")
         return None
 
-    def _obstacles(self, model: Element, links: Links, pose: Pose, static: bool) -> None:
+    def _obstacles(self, model: Element, pose: Pose, static: bool) -> None:
         if not static:
             self.found.left_out(f"{model.path}: it moves, and has no thrusters")
             return
+        links = self._links(model, HERE, heavy=False)
+        for missing in links.missing:
+            self.found.left_out(missing)
         for key, solids in links.solids.items():
             for solid in solids:
                 name = plain_name(model.name, [item["name"] for item in self.found.obstacles])

@@ -16,6 +16,8 @@ ROUND, BALL = 48, 3
 """Edges of a circle, and subdivisions of an icosahedron: the volume is 0.3 and 0.8 % small, and is scaled to exact."""
 
 SIZE_MAX_M = 1e6
+TINY_M3 = 1e-9
+"""Solids below this volume stand in for a shape that Gazebo needs, and displace nothing."""
 
 
 def are_sizes(*sizes_m: float) -> bool:
@@ -81,6 +83,13 @@ def volume_and_centre(mesh: Mesh) -> tuple[float, Floats]:
     return float(solid.volume), np.asarray(solid.center_mass)
 
 
+def displaces(mesh: Mesh) -> bool:
+    """Return whether a mesh has a volume that matters."""
+    import trimesh
+
+    return float(trimesh.Trimesh(*mesh, process=False).volume) > TINY_M3
+
+
 def solid_lump(mesh: Mesh, mass_kg: float) -> Lump:
     """Return the mass, centre and inertia of a closed mesh that is filled evenly."""
     import trimesh
@@ -127,5 +136,6 @@ def _mesh(solid: Any) -> Mesh:
 
 
 def _exact(solid: Any, volume_m3: float) -> Mesh:
-    solid.apply_scale(float(np.cbrt(volume_m3 / solid.volume)))
+    if volume_m3 > TINY_M3:  # smaller ones lose their faces
+        solid.apply_scale(float(np.cbrt(volume_m3 / solid.volume)))
     return _mesh(solid)

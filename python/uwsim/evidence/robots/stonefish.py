@@ -37,8 +37,8 @@ def read_stonefish(path: Path) -> Found:
     """Return the vehicles and fixed obstacles of a scenario and what it includes. Raises ValueError or OSError."""
     reader = _Reader(path)
     reader.read(path, {})
-    if not reader.robots:
-        raise ValueError(f"'{path}': has no <robot>")
+    if not (reader.robots or reader.found.obstacles):
+        raise ValueError(f"'{path}': has no <robot> and no <static> object")
     for robot, folder in reader.robots:
         reader.robot(robot, folder)
     return reader.found
@@ -64,6 +64,16 @@ def formula(text: str) -> float:
         raise ValueError(f"formula {text[:60]!r}: must consist of numbers, pi, + - * / and parentheses") from None
 
 
+def _package(name: str, path: Path) -> Path | None:
+    """Return the folder of a ROS package: one around a file, or beside one of those."""
+    for folder in path.resolve().parents:
+        if folder.name == name:
+            return folder
+        if (folder / name).is_dir():
+            return folder / name
+    return None
+
+
 class _Reader:
     def __init__(self, path: Path) -> None:
         self.found = Found(plain_name(path.stem), density_kg_m3=DENSITY_KG_M3)
@@ -83,6 +93,8 @@ class _Reader:
 
         def expand(text: str) -> str:
             def argument(match: re.Match[str]) -> str:
+                if match[1] == "find" and (folder := _package(match[2].strip(), path)) is not None:
+                    return str(folder)
                 if match[1] != "arg" or match[2].strip() not in arguments:
                     raise ValueError(f"'{path}': {match[0]}: has no value here: replace it")
                 return arguments[match[2].strip()]
@@ -149,7 +161,9 @@ class _Reader:
             if file is None:
                 raise physical.error("has no <mesh>")
             scale = np.full(3, file.number(None, 1.0, "scale"))
-            mesh = shapes.from_file(folder / file.needed("filename"), scale)
+            name = file.needed("filename")
+            beside = [here / name for here in (folder, folder.parent / "data")]  # as in packages of stonefish_ros
+            mesh = shapes.from_file(next((each for each in beside if each.is_file()), beside[0]), scale)
         elif size is None:
             raise part.error("has no <dimensions>")
         elif kind == "box":

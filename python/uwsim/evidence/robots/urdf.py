@@ -13,18 +13,18 @@ import numpy as np
 from uwsim.evidence.robots import shapes
 from uwsim.evidence.robots.lift_drag import put_uuv_fin
 from uwsim.evidence.robots.links import Joint, Links, inertia
-from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, Thruster, plain_name
+from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, plain_name
 from uwsim.evidence.robots.sensors import put_camera, put_sensor
-from uwsim.evidence.robots.xml_file import HERE, Element, Floats, Pose, read_xml
+from uwsim.evidence.robots.uuv_plugins import (
+    DENSITY_KG_M3,
+    is_uuv_object,
+    is_uuv_thruster,
+    put_uuv_object,
+    uuv_thruster,
+)
+from uwsim.evidence.robots.xml_file import HERE, Element, Pose, read_xml
 
-DENSITY_KG_M3 = 1028.0
-"""UUV Simulator's water."""
-TINY_M3 = 1e-9
-"""Solids below this volume stand in for a shape that Gazebo needs, and displace nothing."""
 SENSOR_PLUGINS = {"dvl": "dvl", "imu": "imu", "subsea_pressure": "pressure", "magnetometer": "compass"}
-POINTS = 41
-THRUST_N = 1000.0
-"""Bound of a thruster that states none: of UUV Simulator's thruster manager in its own tests."""
 
 
 def read_urdf(path: Path) -> Found:
@@ -101,7 +101,7 @@ def _fill(links: Links, link: Element, name: str, path: Path, found: Found) -> N
     links.solids[name] = []
     for collision in link.all("collision"):
         solid = _solid(collision, path, found)
-        if solid is not None and shapes.volume_and_centre(solid)[0] > TINY_M3:
+        if solid is not None and shapes.displaces(solid):
             links.solids[name].append(shapes.placed(solid, collision.origin()))
 
 
@@ -145,15 +145,10 @@ def _mesh_file(address: str, path: Path) -> Path | None:
 def _plugin(robot: Robot, found: Found, links: Links, plugin: Element, base: str) -> None:
     file = plugin.attribute("filename") or ""
     to_base = links.poses[base].inverse()
-    if "underwater_object" in file:
-        if plugin.find("fluid_density"):
-            found.density_kg_m3 = plugin.number("fluid_density")
-        for link in plugin.all("link"):
-            if link.needed("name") != base:
-                raise link.error(f"must be the base link, '{base}'")
-            _hydrodynamics(robot, found, link)
-    elif "uuv_thruster" in file or "thruster_ros" in file:
-        robot.thrusters.append(_thruster(plugin, links, to_base, robot, found))
+    if is_uuv_object(file):
+        put_uuv_object(robot, found, plugin, base)
+    elif is_uuv_thruster(file):
+        robot.thrusters.append(uuv_thruster(plugin, links, to_base, robot, found))
     elif "uuv_fin" in file or "fin_ros" in file:
         put_uuv_fin(robot, plugin, links, to_base, found)
     elif (kind := next((kind for part, kind in SENSOR_PLUGINS.items() if part in file), None)) is not None:
@@ -162,117 +157,6 @@ def _plugin(robot: Robot, found: Found, links: Links, plugin: Element, base: str
         put_sensor(robot, found, plugin.path, kind, kind, at, plugin.number("update_rate", 10.0), noise)
     else:
         found.left_out(f"{plugin.path}, {file}")
-
-
-def _hydrodynamics(robot: Robot, found: Found, link: Element) -> None:
-    """Read UUV Simulator's <link>: volume, centre of buoyancy and Fossen's matrices."""
-    whole = robot.whole()
-    if link.text("neutrally_buoyant") in ("1", "true"):
-        assert found.density_kg_m3 is not None
-        robot.volume_m3 = whole.mass_kg / found.density_kg_m3
-    else:
-        robot.volume_m3 = link.number("volume")
-    if not robot.volume_m3 > 0.0:
-        raise link.error(f"volume = {robot.volume_m3:g} m3: must be positive")
-    centre = link.numbers("center_of_buoyancy", 3)
-    robot.centre_of_buoyancy_m = np.zeros(3) if centre is None else centre
-    sides = [link.number(f"box/{side}", 0.0) for side in ("length", "width", "height")]
-    if not robot.solids and all(side > 0.0 for side in sides):
-        robot.solids = [shapes.box(np.array(sides))]
-        found.assumed(f"{link.path}: the hull is the plugin's box, since the links have no collision shapes here")
-    model = link.find("hydrodynamic_model")
-    if model is None or model.text("type") != "fossen":
-        kind = None if model is None else model.text("type")
-        found.left_out(f"{link.path}: hydrodynamic model {kind}: only fossen is read")
-        return
-    if any(model.number(key, 0.0) != 0.0 for key in ("offset_added_mass", "offset_linear_damping")):
-        found.left_out(f"{model.path}: its offsets")
-    forward = model.numbers("linear_damping_forward_speed")
-    if forward is not None and forward.any():
-        found.left_out(f"{model.path}: linear_damping_forward_speed")
-    scale = model.number("scaling_damping", 1.0)
-    robot.added_mass = _matrix(model, "added_mass", 1.0) * model.number("scaling_added_mass", 1.0)
-    robot.added_mass = 0.5 * (robot.added_mass + robot.added_mass.T)
-    robot.linear = _matrix(model, "linear_damping", -scale)
-    robot.quadratic = _matrix(model, "quadratic_damping", -scale)
-
-
-def _matrix(model: Element, key: str, sign: float) -> Floats:
-    found = model.numbers(key)
-    if found is None:
-        return np.zeros((6, 6))
-    if len(found) not in (6, 36):
-        raise model.error(f"{key}: has {len(found)} numbers: must have 6 or 36")
-    matrix = sign * (np.diag(found) if len(found) == 6 else found.reshape(6, 6))
-    if (np.diagonal(matrix) < 0.0).any():
-        rule = "must not be negative" if sign > 0.0 else "must not be positive: it would drive the hull"
-        raise model.error(f"{key}: {' '.join(f'{value:g}' for value in found[:6])}: {rule}")
-    return np.asarray(matrix)
-
-
-def _limits(plugin: Element, conversion: Element, found: Found) -> tuple[float, float]:
-    """Return the lowest and highest input of a thruster."""
-    low, high = plugin.number("clampMin", -np.inf), plugin.number("clampMax", np.inf)
-    if np.isfinite(low) and np.isfinite(high):
-        if not low < high:
-            raise plugin.error(f"clampMin = {low:g}, clampMax = {high:g}: must increase")
-        return low, high
-    samples = conversion.numbers("inputValues")
-    if samples is not None:
-        return float(samples.min()), float(samples.max())
-    if conversion.text("type") != "Basic" or not (constant := conversion.number("rotorConstant")) > 0.0:
-        raise plugin.error("has no clampMin and clampMax, so its thrust has no bound")
-    found.assumed(
-        f"{plugin.path}: at most {THRUST_N:g} N, as UUV Simulator's thruster manager allows: it has no clampMax"
-    )
-    most = float(np.sqrt(THRUST_N / constant))
-    return -most, most
-
-
-def _thruster(plugin: Element, links: Links, to_base: Pose, robot: Robot, found: Found) -> Thruster:
-    """Read UUV Simulator's thruster: a clamped input, a lag, and a conversion to thrust."""
-    joint_name = plugin.text("jointName")
-    if joint_name is None:
-        raise plugin.error("has no jointName, which gives the thrust its direction")
-    joint = links.joint(joint_name, plugin)
-    at = to_base.then(links.pose(plugin.text("linkName") or "", plugin))
-    conversion = plugin.find("conversion")
-    if conversion is None:
-        raise plugin.error("has no conversion")
-    low, high = _limits(plugin, conversion, found)
-    most = max(abs(low), abs(high)) * plugin.number("gain", 1.0)
-    inputs = np.linspace(-1.0, 1.0, POINTS) * most
-    inputs_kept = np.clip(inputs, low * plugin.number("gain", 1.0), high * plugin.number("gain", 1.0))
-    thrust = _converted(conversion, inputs_kept) * plugin.number("thrust_efficiency", 1.0)
-    thrust = np.clip(thrust, plugin.number("thrustMin", -np.inf), plugin.number("thrustMax", np.inf))
-    dynamics = plugin.find("dynamics")
-    kind = None if dynamics is None else dynamics.text("type")
-    if dynamics is not None and kind not in ("ZeroOrder", "FirstOrder"):
-        raise dynamics.error(f"type {kind}: must be ZeroOrder or FirstOrder")
-    lag = dynamics.number("timeConstant") if dynamics is not None and kind == "FirstOrder" else 0.0
-    name = plain_name(f"thruster_{plugin.text('thrusterID') or len(robot.thrusters)}", [])
-    pairs = [(float(x / most), float(y)) for x, y in zip(inputs, thrust, strict=True)]
-    return Thruster(name, at.position_m, to_base.turn @ joint.axis, pairs, lag, 0.2, None, clockwise=True)
-
-
-def _converted(conversion: Element, x: Floats) -> Floats:
-    """Return the thrust of inputs by a conversion function of UUV Simulator."""
-    kind = conversion.text("type")
-    if kind == "Basic":
-        return conversion.number("rotorConstant") * x * np.abs(x)
-    if kind == "Bessa":
-        square = x * np.abs(x)
-        low, high = conversion.number("deltaL"), conversion.number("deltaR")
-        back, ahead = conversion.number("rotorConstantL"), conversion.number("rotorConstantR")
-        return np.asarray(
-            np.where(square <= low, back * (square - low), np.where(square >= high, ahead * (square - high), 0.0))
-        )
-    if kind == "LinearInterp":
-        inputs, outputs = conversion.numbers("inputValues"), conversion.numbers("outputValues")
-        if inputs is None or outputs is None or len(inputs) != len(outputs) or (np.diff(inputs) <= 0.0).any():
-            raise conversion.error("inputValues must increase, and be as many as outputValues")
-        return np.asarray(np.interp(x, inputs, outputs))
-    raise conversion.error(f"type {kind}: must be Basic, Bessa or LinearInterp")
 
 
 def _sensor(robot: Robot, found: Found, sensor: Element, at: Pose) -> None:

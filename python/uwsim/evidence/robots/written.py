@@ -23,6 +23,8 @@ from uwsim.simulator.simulator import Simulator
 
 ROOM_M, BED_MIN_M, BED_SPACING_M = 60.0, 20.0, 2.0
 """Assumed: the flat bed reaches this far around what was found, and is at least this deep."""
+GUEST, GUEST_DEPTH_M, GUEST_ROOM_M = "bluerov2_heavy", 2.0, 2.0
+"""The vehicle of a world without one, where it starts, and how far from objects."""
 PRODUCTS = 0.01
 """Products of inertia beyond this share of the smallest moment are noted, since they are left out."""
 BEYOND = 1.1
@@ -38,7 +40,7 @@ def write_found(found: Found, out: Path) -> Path:
     `found.notes`. Raises ValueError or OSError.
     """
     if not found.robots:
-        raise ValueError(f"'{found.name}': has no vehicle")
+        found.robots.append(_guest(found))
     if found.name in {robot.name for robot in found.robots}:  # each has a file
         found.name = plain_name(f"{found.name}_water")
     contents: dict[str, bytes] = {}
@@ -67,6 +69,24 @@ def write_found(found: Found, out: Path) -> Path:
     return out / f"{found.name}.yaml"
 
 
+def _guest(found: Found) -> Robot:
+    """Return a packaged vehicle for a world without one: over the middle of its objects, or beside them in x."""
+    if not found.meshes:
+        raise ValueError(f"'{found.name}': has neither a vehicle nor a fixed object")
+    low, high = _extent(found)
+    at = np.array([*(low + high)[:2] / 2.0, -GUEST_DEPTH_M])
+    if high[2] > at[2] - GUEST_ROOM_M:
+        at[0] = high[0] + GUEST_ROOM_M
+    found.assumed(f"no vehicle is in it: '{GUEST}' starts at ({', '.join(f'{value:.4g}' for value in at)}) m")
+    return Robot(GUEST, Pose(at, np.eye(3)), model=GUEST)
+
+
+def _extent(found: Found) -> tuple[Floats, Floats]:
+    """Return the lowest and the highest corner of the box around all fixed objects, (3,) each [m]."""
+    corners = np.array([edge(vertices, axis=0) for vertices, _ in found.meshes.values() for edge in (np.min, np.max)])
+    return corners.min(axis=0), corners.max(axis=0)
+
+
 def require_simulable(name: str, contents: Mapping[str, bytes]) -> None:
     """Raise ValueError for the files of a scenario `name`.yaml if they cannot be simulated."""
     with TemporaryDirectory() as folder:
@@ -80,9 +100,13 @@ def require_simulable(name: str, contents: Mapping[str, bytes]) -> None:
 
 def _scenario(found: Found, vehicles: list[dict[str, Any]], obstacles: list[dict[str, Any]]) -> dict[str, Any]:
     places = [robot.place.position_m for robot in found.robots]
-    places += [np.array(item["position_m"]) for item in obstacles]
+    lowest_m = 0.0
+    if found.meshes:
+        low, high = _extent(found)
+        places += [np.array([*low[:2], 0.0]), np.array([*high[:2], 0.0])]
+        lowest_m = float(low[2])
     across = 2.0 * (max(float(np.abs(place[:2]).max()) for place in places) + ROOM_M)
-    deep = max(BED_MIN_M, max(-float(place[2]) for place in places) + BED_MIN_M)
+    deep = max(BED_MIN_M, max(-float(place[2]) for place in places) + BED_MIN_M, -lowest_m)
     across = BED_SPACING_M * float(np.ceil(across / BED_SPACING_M))
     if found.bed_z_m is not None:
         deep = -found.bed_z_m

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from io import BytesIO
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
+from xml.parsers import expat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -151,24 +151,37 @@ class Element:
 def read_xml(path: Path, expand: Callable[[str], str] | None = None) -> Element:
     """Return the root of an XML file. Entities of its own, which may expand without bound, are refused.
 
-    expand: applied to the value of each attribute. Raises ValueError for what is not XML, is too large or too deep, and
-    OSError.
+    Prefixes such as gz: are parts of names, as simulators read them, and need not be declared. expand: applied to the
+    value of each attribute. Raises ValueError for what is not XML, is too large or too deep, and OSError.
     """
     content = path.read_bytes()
     if len(content) > BYTES_MAX:
         raise ValueError(f"'{path}': has {len(content)} bytes: must have at most {BYTES_MAX}")
-    if b"<!ENTITY" in content:
+    builder, parser, depth = ElementTree.TreeBuilder(), expat.ParserCreate(), 0
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > DEPTH_MAX:
+            raise ValueError(f"'{path}': has elements {depth} deep: must be at most {DEPTH_MAX}")
+        builder.start(tag, attributes)
+
+    def end(tag: str) -> None:
+        nonlocal depth
+        depth -= 1
+        builder.end(tag)
+
+    def refuse(*_: Any) -> None:
         raise ValueError(f"'{path}': declares entities: must have none")
-    depth, root = 0, None
+
+    parser.StartElementHandler, parser.EndElementHandler, parser.EntityDeclHandler = start, end, refuse
+    parser.CharacterDataHandler = builder.data
+    parser.buffer_text = True
     try:
-        for event, node in ElementTree.iterparse(BytesIO(content), ("start", "end")):
-            root = node if root is None else root
-            depth += 1 if event == "start" else -1
-            if depth > DEPTH_MAX:
-                raise ValueError(f"'{path}': has elements {depth} deep: must be at most {DEPTH_MAX}")
-    except ElementTree.ParseError as error:
+        parser.Parse(content, True)
+    except expat.ExpatError as error:
         raise ValueError(f"'{path}': must be XML: {error}") from None
-    assert root is not None
+    root = builder.close()
     if expand is not None:
         for node in root.iter():
             for key, value in node.attrib.items():

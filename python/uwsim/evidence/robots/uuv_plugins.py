@@ -1,0 +1,153 @@
+"""UUV Simulator's plugins for hydrodynamics and thrusters, in URDF and SDF.
+
+Sources: documentation and sources of libuuv_underwater_object_ros_plugin (Manhaes et al. 2016) and
+libuuv_thruster_ros_plugin. Its damping is negative; positive values would drive the hull.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from uwsim.evidence.robots import shapes
+from uwsim.evidence.robots.links import Links
+from uwsim.evidence.robots.robot import Found, Robot, Thruster, plain_name
+from uwsim.evidence.robots.xml_file import Element, Floats, Pose
+
+DENSITY_KG_M3 = 1028.0
+"""UUV Simulator's water."""
+POINTS = 41
+THRUST_N = 1000.0
+"""Bound of a thruster that states none: of UUV Simulator's thruster manager in its own tests."""
+
+
+def is_uuv_object(file: str) -> bool:
+    """Return whether a plugin's file is that of the hydrodynamics."""
+    return "underwater_object" in file
+
+
+def is_uuv_thruster(file: str) -> bool:
+    """Return whether a plugin's file is that of a thruster."""
+    return "uuv_thruster" in file or "thruster_ros" in file
+
+
+def put_uuv_object(robot: Robot, found: Found, plugin: Element, base: str) -> None:
+    """Read the hydrodynamics of a vehicle. Raises ValueError for those of a link other than the base."""
+    if plugin.find("fluid_density"):
+        found.density_kg_m3 = plugin.number("fluid_density")
+    elif found.density_kg_m3 is None:
+        found.density_kg_m3 = DENSITY_KG_M3
+    for link in plugin.all("link"):
+        if link.needed("name") != base:
+            raise link.error(f"must be the base link, '{base}'")
+        _hydrodynamics(robot, found, link)
+
+
+def _hydrodynamics(robot: Robot, found: Found, link: Element) -> None:
+    """Read UUV Simulator's <link>: volume, centre of buoyancy and Fossen's matrices."""
+    whole = robot.whole()
+    if link.text("neutrally_buoyant") in ("1", "true"):
+        assert found.density_kg_m3 is not None
+        robot.volume_m3 = whole.mass_kg / found.density_kg_m3
+    else:
+        robot.volume_m3 = link.number("volume")
+    if not robot.volume_m3 > 0.0:
+        raise link.error(f"volume = {robot.volume_m3:g} m3: must be positive")
+    centre = link.numbers("center_of_buoyancy", 3)
+    robot.centre_of_buoyancy_m = np.zeros(3) if centre is None else centre
+    sides = [link.number(f"box/{side}", 0.0) for side in ("length", "width", "height")]
+    if not robot.solids and all(side > 0.0 for side in sides):
+        robot.solids = [shapes.box(np.array(sides))]
+        found.assumed(f"{link.path}: the hull is the plugin's box, since the links have no collision shapes here")
+    model = link.find("hydrodynamic_model")
+    if model is None or model.text("type") != "fossen":
+        kind = None if model is None else model.text("type")
+        found.left_out(f"{link.path}: hydrodynamic model {kind}: only fossen is read")
+        return
+    if any(model.number(key, 0.0) != 0.0 for key in ("offset_added_mass", "offset_linear_damping")):
+        found.left_out(f"{model.path}: its offsets")
+    forward = model.numbers("linear_damping_forward_speed")
+    if forward is not None and forward.any():
+        found.left_out(f"{model.path}: linear_damping_forward_speed")
+    scale = model.number("scaling_damping", 1.0)
+    robot.added_mass = _matrix(model, "added_mass", 1.0) * model.number("scaling_added_mass", 1.0)
+    robot.added_mass = 0.5 * (robot.added_mass + robot.added_mass.T)
+    robot.linear = _matrix(model, "linear_damping", -scale)
+    robot.quadratic = _matrix(model, "quadratic_damping", -scale)
+
+
+def _matrix(model: Element, key: str, sign: float) -> Floats:
+    found = model.numbers(key)
+    if found is None:
+        return np.zeros((6, 6))
+    if len(found) not in (6, 36):
+        raise model.error(f"{key}: has {len(found)} numbers: must have 6 or 36")
+    matrix = sign * (np.diag(found) if len(found) == 6 else found.reshape(6, 6))
+    if (np.diagonal(matrix) < 0.0).any():
+        rule = "must not be negative" if sign > 0.0 else "must not be positive: it would drive the hull"
+        raise model.error(f"{key}: {' '.join(f'{value:g}' for value in found[:6])}: {rule}")
+    return np.asarray(matrix)
+
+
+def _limits(plugin: Element, conversion: Element, found: Found) -> tuple[float, float]:
+    """Return the lowest and highest input of a thruster."""
+    low, high = plugin.number("clampMin", -np.inf), plugin.number("clampMax", np.inf)
+    if np.isfinite(low) and np.isfinite(high):
+        if not low < high:
+            raise plugin.error(f"clampMin = {low:g}, clampMax = {high:g}: must increase")
+        return low, high
+    samples = conversion.numbers("inputValues")
+    if samples is not None:
+        return float(samples.min()), float(samples.max())
+    if conversion.text("type") != "Basic" or not (constant := conversion.number("rotorConstant")) > 0.0:
+        raise plugin.error("has no clampMin and clampMax, so its thrust has no bound")
+    found.assumed(
+        f"{plugin.path}: at most {THRUST_N:g} N, as UUV Simulator's thruster manager allows: it has no clampMax"
+    )
+    most = float(np.sqrt(THRUST_N / constant))
+    return -most, most
+
+
+def uuv_thruster(plugin: Element, links: Links, to_base: Pose, robot: Robot, found: Found) -> Thruster:
+    """Read UUV Simulator's thruster: a clamped input, a lag, and a conversion to thrust."""
+    joint_name = plugin.text("jointName")
+    if joint_name is None:
+        raise plugin.error("has no jointName, which gives the thrust its direction")
+    joint = links.joint(joint_name, plugin)
+    at = to_base.then(links.pose(plugin.text("linkName") or "", plugin))
+    conversion = plugin.find("conversion")
+    if conversion is None:
+        raise plugin.error("has no conversion")
+    low, high = _limits(plugin, conversion, found)
+    most = max(abs(low), abs(high)) * plugin.number("gain", 1.0)
+    inputs = np.linspace(-1.0, 1.0, POINTS) * most
+    inputs_kept = np.clip(inputs, low * plugin.number("gain", 1.0), high * plugin.number("gain", 1.0))
+    thrust = _converted(conversion, inputs_kept) * plugin.number("thrust_efficiency", 1.0)
+    thrust = np.clip(thrust, plugin.number("thrustMin", -np.inf), plugin.number("thrustMax", np.inf))
+    dynamics = plugin.find("dynamics")
+    kind = None if dynamics is None else dynamics.text("type")
+    if dynamics is not None and kind not in ("ZeroOrder", "FirstOrder"):
+        raise dynamics.error(f"type {kind}: must be ZeroOrder or FirstOrder")
+    lag = dynamics.number("timeConstant") if dynamics is not None and kind == "FirstOrder" else 0.0
+    name = plain_name(f"thruster_{plugin.text('thrusterID') or len(robot.thrusters)}", [])
+    pairs = [(float(x / most), float(y)) for x, y in zip(inputs, thrust, strict=True)]
+    return Thruster(name, at.position_m, to_base.turn @ joint.axis, pairs, lag, 0.2, None, clockwise=True)
+
+
+def _converted(conversion: Element, x: Floats) -> Floats:
+    """Return the thrust of inputs by a conversion function of UUV Simulator."""
+    kind = conversion.text("type")
+    if kind == "Basic":
+        return conversion.number("rotorConstant") * x * np.abs(x)
+    if kind == "Bessa":
+        square = x * np.abs(x)
+        low, high = conversion.number("deltaL"), conversion.number("deltaR")
+        back, ahead = conversion.number("rotorConstantL"), conversion.number("rotorConstantR")
+        return np.asarray(
+            np.where(square <= low, back * (square - low), np.where(square >= high, ahead * (square - high), 0.0))
+        )
+    if kind == "LinearInterp":
+        inputs, outputs = conversion.numbers("inputValues"), conversion.numbers("outputValues")
+        if inputs is None or outputs is None or len(inputs) != len(outputs) or (np.diff(inputs) <= 0.0).any():
+            raise conversion.error("inputValues must increase, and be as many as outputValues")
+        return np.asarray(np.interp(x, inputs, outputs))
+    raise conversion.error(f"type {kind}: must be Basic, Bessa or LinearInterp")
