@@ -1,7 +1,7 @@
 """Fly missions of MOOS-IvP unmodified, but for the lines that launch the simulator and windows; see tools/moos-trial.
 
 A mission's files are copied. Of their ANTLER blocks, lines are taken out that launch uSimMarine, which uwsim replaces,
-and programs with windows. Ports stay as they are. The vehicle is a REMUS 100 in a deep, empty bay.
+and programs with windows. Ports stay as they are. The vehicles are a REMUS 100, or two Otters, in a deep, empty bay.
 """
 
 from __future__ import annotations
@@ -53,7 +53,9 @@ class Mission(NamedTuple):
     """A mission.
 
     files: of communities with a vehicle, by name. starts: x, y, depth [m], yaw [deg] by name. pokes: what starts it.
-    passes: whether the tracks are what the mission is for, and a text with what was measured.
+    passes: whether the tracks are what the mission is for, and a text with what was measured. model: of the vehicles.
+    launcher: its script that makes the files, with the options for that; the warp follows. shore: the shoreside's file,
+    whose community is poked instead of the vehicles'.
     """
 
     files: dict[str, str]
@@ -61,6 +63,9 @@ class Mission(NamedTuple):
     pokes: dict[str, str]
     lasts_s: float
     passes: Callable[[Tracks], tuple[bool, str]]
+    model: str = "remus100"
+    launcher: tuple[str, ...] = ()
+    shore: str = ""
 
 
 def visits(points: list[tuple[float, float]], radius_m: float) -> Callable[[Tracks], tuple[bool, str]]:
@@ -100,6 +105,21 @@ def dives(least_m: float, most_m: float) -> Callable[[Tracks], tuple[bool, str]]
     return check
 
 
+def meet(points: list[tuple[float, float]], radius_m: float, apart_m: float) -> Callable[[Tracks], tuple[bool, str]]:
+    """Return the check that both tracks come near all points, and are never close to each other."""
+
+    def check(tracks: Tracks) -> tuple[bool, str]:
+        first, second = tracks.values()
+        nearest = [float(np.linalg.norm(each[:, 1:3] - p, axis=1).min()) for each in (first, second) for p in points]
+        other = np.column_stack([np.interp(first[:, 0], second[:, 0], second[:, k]) for k in (1, 2)])
+        closest = float(np.linalg.norm(first[:, 1:3] - other, axis=1).min())
+        shown = ", ".join(f"{each:.1f}" for each in nearest)
+        text = f"pass {len(points)} points at {shown} m (at most {radius_m:g}), {closest:.1f} m apart at least"
+        return max(nearest) <= radius_m and closest >= apart_m, f"{text} (at least {apart_m:g})"
+
+    return check
+
+
 DEPLOY = {"DEPLOY": "true", "MOOS_MANUAL_OVERRIDE": "false", "MOOS_MANUAL_OVERIDE": "false"}
 MISSIONS = {
     "s1_alpha": Mission(
@@ -112,6 +132,12 @@ MISSIONS = {
     ),
     # A constant depth of 50 m, limited to 7 m with a tolerance of 1 m, and periods at the surface.
     "s4_delta": Mission({"delta": "delta.moos"}, {"delta": (0, 0, 1, -90)}, DEPLOY, 600, dives(4.0, 8.5)),
+    # Two boats loiter at two places, which a script at the shoreside exchanges; they give way by COLREGS.
+    "m2_berta": Mission(
+        {"abe": "targ_abe.moos", "ben": "targ_ben.moos"}, {"abe": (0, 0, 0, -90), "ben": (180, 0, 0, -90)},
+        {"DEPLOY_ALL": "true", "MOOS_MANUAL_OVERRIDE_ALL": "false", "AVOID_ALL": "true", "RETURN_ALL": "false"}, 600,
+        meet([(0, -75), (125, -75)], 40, 5), "otter", ("./launch.sh", "--just_make", "--nogui"), "targ_shoreside.moos",
+    ),
 }  # fmt: skip
 
 
@@ -119,7 +145,7 @@ MISSIONS = {
 def flown(mission: Mission, addresses: dict[str, int], warp: float) -> Iterator[LiveSimulator]:
     """Return the simulator in the communities."""
     vehicles = [
-        {"name": name, "model": "remus100", "start": {"position_m": [x, y, -depth], "yaw_deg": yaw}}
+        {"name": name, "model": mission.model, "start": {"position_m": [x, y, -depth], "yaw_deg": yaw}}
         for name, (x, y, depth, yaw) in mission.starts.items()
     ]
     with LiveSimulator(Simulator(validated(Scenario, {**BAY, "vehicles": vehicles}), seed=1), speed=warp) as live:
@@ -136,8 +162,11 @@ def fly(name: str, mission: Mission, folder: Path, binaries: Path, warp: float) 
     with ExitStack() as stack:
         work = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="moos-trial-"))) / name
         shutil.copytree(folder / name, work)
+        if mission.launcher:
+            made = [*mission.launcher, f"{warp:g}"]
+            subprocess.run(made, cwd=work, env=environment, stdin=subprocess.DEVNULL, check=True, capture_output=True)
         ports = {vehicle: port_of(work / file) for vehicle, file in mission.files.items()}
-        for file in mission.files.values():
+        for file in [*mission.files.values(), *filter(None, [mission.shore])]:
             (work / file).write_text(TAKEN_OUT.sub("", (work / file).read_text()))
             log = stack.enter_context((work / f"{file}.log").open("w"))
             process = subprocess.Popen(
@@ -149,7 +178,7 @@ def fly(name: str, mission: Mission, folder: Path, binaries: Path, warp: float) 
         rows = {vehicle: watched(stack, port) for vehicle, port in ports.items()}
         pokers = [
             stack.enter_context(MoosClient(Address("", "localhost", port), "poke", (), lambda _: None, lambda *_: None))
-            for port in ports.values()
+            for port in ([port_of(work / mission.shore)] if mission.shore else ports.values())
         ]
         begun_s, at_s, pokes = time.monotonic(), live.simulator.time_s, 0
         while live.simulator.time_s - at_s < mission.lasts_s and time.monotonic() - begun_s < LONGEST_S:
