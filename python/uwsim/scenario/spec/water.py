@@ -168,15 +168,19 @@ class GriddedCurrent(Model):
     file: AssetFile
 
 
-Constituent = Literal["M2", "S2", "N2", "K2", "K1", "O1", "P1", "Q1", "M4", "MS4"]
+Constituent = Literal[
+    "M2", "S2", "N2", "K2", "K1", "O1", "P1", "Q1", "M4", "MS4", "MN4", "M6", "M8", "S4", "S6", "MK3", "2MK3", "2SM2",
+    "M3", "2N2", "MU2", "NU2", "LAM2", "L2", "T2", "R2", "J1", "OO1", "2Q1", "RHO", "MM", "MF", "MSF", "SSA",
+]  # fmt: skip
+"""NOAA's names."""
 
 
 class TideCurrent(Model):
     """The current of one constituent of the tide: an ellipse, as harmonic analyses give it.
 
-    constituent: M2, S2, N2, K2, K1, O1, P1, Q1, M4 or MS4. major_m_s: the largest speed. minor_m_s: the smallest,
-    positive if the current turns counter-clockwise. inclination_deg: direction of the largest, counter-clockwise from
-    east. phase_deg: Greenwich phase lag of the largest. begin: as of a tide.
+    constituent: M2, S2, K1, O1 or another by its name in NOAA's tables. major_m_s: the largest speed. minor_m_s: the
+    smallest, positive if the current turns counter-clockwise. inclination_deg: direction of the largest,
+    counter-clockwise from east. phase_deg: Greenwich phase lag of the largest. begin: as of a tide.
     """
 
     kind: Literal["tide"]
@@ -191,8 +195,8 @@ class TideCurrent(Model):
 class TideConstituent(Model):
     """A constituent of the tide's height.
 
-    constituent: M2, S2, N2, K2, K1, O1, P1, Q1, M4 or MS4. amplitude_m, phase_deg: its harmonic constants; the phase is
-    the Greenwich lag.
+    constituent: M2, S2, K1, O1 or another by its name in NOAA's tables. amplitude_m, phase_deg: its harmonic constants;
+    the phase is the Greenwich lag.
     """
 
     constituent: Constituent
@@ -207,7 +211,7 @@ class Tide(Model):
     8601].
     """
 
-    constituents: Annotated[tuple[TideConstituent, ...], Field(min_length=1, max_length=10)]
+    constituents: Annotated[tuple[TideConstituent, ...], Field(min_length=1, max_length=40)]
     begin: Begin = WORLD_BEGIN
 
 
