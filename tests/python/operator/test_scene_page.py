@@ -24,6 +24,14 @@ LOOK = """([eye]) => {
   scene.aim(position.clone().fromArray(eye).add(position), position);
   return position.toArray();
 }"""
+COLOURS = """() => {
+  const found = [];
+  station.scene.scene.traverse(({ geometry, parent }) => {
+    const { color } = parent === station.scene.scene ? {} : (geometry?.attributes ?? {});
+    for (let k = 0; k < (color?.count ?? 0); k += 1) found.push([color.getX(k), color.getY(k), color.getZ(k)].join());
+  });
+  return [...new Set(found)].map((each) => each.split(',').map(Number));
+}"""
 FADED = """() => {
   let count = 0;
   station.scene.picture(() => 0);
@@ -77,4 +85,17 @@ def test_what_stands_before_the_vehicle_is_transparent(browser, tmp_path, scenar
                 assert (page.evaluate(FADED) > 0) == hides, f"{scenario}: {np.degrees(angle):.0f} deg, {up_m} m up"
                 seen.add(hides)
         assert scenario == "training_pool" or seen == {True, False}
+    assert not here.complaints
+
+
+def test_meshes_are_shown_in_the_colours_of_their_files(browser, tmp_path):
+    with desk(browser, tmp_path, "lake", speed=0.5) as here:
+        station = here.station.present().live.simulator.scenario.station
+        parts = trimesh.load_scene(station.mesh, process=False).dump(concatenate=False)
+        own = {tuple(part.visual.material.main_color[:3] / 255.0) for part in parts}
+        page = here.open()
+        when(page, "globalThis.station?.scene?.scene")
+        until(lambda: len(page.evaluate(COLOURS)) == len(own) > 4, "the station's colours")
+        seen = np.array(sorted(page.evaluate(COLOURS)))
+        np.testing.assert_allclose(seen, sorted(own), atol=2.5 / 255.0)
     assert not here.complaints

@@ -55,7 +55,8 @@ class LooseObjects:
         """Return a body as binary glTF, in its axes. Raises ValueError if there is none with this number."""
         if not 0 <= number < len(self._bodies):
             raise ValueError(f"object {number}: there are {len(self._bodies)}")
-        return glb(self._bodies[number].mesh(), np.zeros(3))
+        body = self._bodies[number]
+        return glb(body.mesh(), np.zeros(3), body.shape.texture())
 
     def _read(self, sim: Simulator) -> tuple[int, Any]:
         transforms = [

@@ -14,11 +14,13 @@ from uwsim import _core
 from uwsim.channels.guest import Values
 from uwsim.channels.source import Source
 from uwsim.scenario import start_pose, vehicle_hull
+from uwsim.scenario.build.camera_scene import obstacle_texture, station_texture
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.station import station_at_start, station_mesh
 from uwsim.scenario.build.terrain import Terrain, build_terrain
 from uwsim.scenario.obstacles.pipeline import Pipeline
 from uwsim.scenario.read.mesh_file import Vertices
+from uwsim.scenario.read.textures import Texture, triangle_means
 from uwsim.scenario.spec.obstacle import ObstacleModel
 from uwsim.simulator.simulator import Simulator
 
@@ -81,6 +83,11 @@ class Scene:
         colour = bodies[name].colour
         return None if colour is None else list(colour)
 
+    def _texture(self, name: str) -> Texture | None:
+        """Return the colours that a mesh has in place of one."""
+        found = next((each for each in self._scenario.obstacles if each.name == name), None)
+        return station_texture(self._scenario.station) if found is None else obstacle_texture(found, self._scenario)
+
     def _outline(self, name: str, make: Callable[[], Mesh]) -> list[list[float]]:
         found = next((each for each in self._scenario.obstacles if each.name == name), None)
         return plan_outline(found, lambda: make()[0], self._origin_m[:2])
@@ -98,8 +105,8 @@ class Scene:
         solids = self._solids()
         if not 0 <= number < len(solids):
             raise ValueError(f"mesh {number}: there are {len(solids)}")
-        _, _, make = solids[number]
-        return self._once(f"mesh {number}", lambda: glb(make(), self._origin_m))
+        name, _, make = solids[number]
+        return self._once(f"mesh {number}", lambda: glb(make(), self._origin_m, self._texture(name)))
 
     def hull(self, name: str) -> bytes:
         """Return a vehicle's hull as GLB, in body axes. Raises ValueError for an unknown vehicle."""
@@ -184,10 +191,17 @@ def rounded(corners_m: NDArray[np.float64]) -> list[list[float]]:
     return [[round(float(x), 3), round(float(y), 3)] for x, y in corners_m]
 
 
-def glb(mesh: Mesh, offset_m: NDArray[np.float64]) -> bytes:
-    """Return a mesh as binary glTF without transforms. The z axis is up, as in the world, despite glTF's convention."""
+def glb(mesh: Mesh, offset_m: NDArray[np.float64], texture: Texture | None = None) -> bytes:
+    """Return a mesh as binary glTF without transforms. The z axis is up, as in the world, despite glTF's convention.
+
+    texture: of its triangles, which then have a colour each; ignored if it is that of other triangles.
+    """
     import trimesh
 
-    vertices, triangles = mesh
-    solid = trimesh.Trimesh(np.asarray(vertices) + offset_m, triangles, process=False)
+    vertices, triangles = np.asarray(mesh[0]) + offset_m, np.asarray(mesh[1])
+    colours = None
+    if texture is not None and len(texture[1]) == len(triangles):
+        colours = np.repeat(np.rint(255.0 * triangle_means(texture)).astype(np.uint8), 3, axis=0)
+        vertices, triangles = vertices[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3)
+    solid = trimesh.Trimesh(vertices, triangles, vertex_colors=colours, process=False)
     return cast(bytes, solid.export(file_type="glb"))

@@ -17,6 +17,7 @@ from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.material import Material
 from uwsim.scenario.spec.obstacle import ObstacleModel
 from uwsim.scenario.spec.scenario import Scenario
+from uwsim.scenario.spec.station import Station
 from uwsim.scenario.spec.vehicle import VehicleModel
 
 
@@ -29,12 +30,11 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
         scene.show_detail()
     label_of = {name: label for label, name in enumerate(world.label_names)}
     for obstacle in scenario.obstacles:
-        label, texture = label_of[obstacle.name], _obstacle_texture(obstacle, scenario)
+        label, texture = label_of[obstacle.name], obstacle_texture(obstacle, scenario)
         _set_appearance(scene, label, obstacle.surface_class, obstacle.surface, texture)
     if "station" in label_of:
         station = scenario.station
-        texture = load_texture(station.mesh) if station.mesh is not None and station.material.colour is None else None
-        _set_appearance(scene, label_of["station"], "station", station.material, texture)
+        _set_appearance(scene, label_of["station"], "station", station.material, station_texture(station))
     for layer in scenario.cover:
         set_cover_appearance(scene, label_of[layer.name], layer)
     for vehicle in scenario.vehicles:
@@ -73,7 +73,12 @@ def _hull_texture(model: VehicleModel, triangles: int) -> Texture | None:
     return texture if texture is not None and len(texture[1]) == triangles else None
 
 
-def _obstacle_texture(obstacle: ObstacleModel, scenario: Scenario) -> Texture | None:
+def station_texture(station: Station) -> Texture | None:
+    """Return the colours of the station's mesh file, unless the material has its own."""
+    return load_texture(station.mesh) if station.mesh is not None and station.material.colour is None else None
+
+
+def obstacle_texture(obstacle: ObstacleModel, scenario: Scenario) -> Texture | None:
     """Return the colours of an obstacle, or of what has grown on it."""
     growth = obstacle.growth
     if growth is None or not growth.age_years:

@@ -16,6 +16,8 @@ PATCH = 4
 """Width and height of a colour patch in pixels."""
 UNCOLOURED = np.array([1.0, 1.0, 1.0])
 """The default base colour of a glTF material: white, as in the specification."""
+SPREAD = np.array([(i, j, 21 - i - j) for i in range(1, 21, 3) for j in range(1, 21 - i, 3)]) / 21.0
+"""Barycentric coordinates of points spread evenly over a triangle."""
 
 Texture = tuple[NDArray[np.uint8], NDArray[np.float32]]
 
@@ -73,6 +75,19 @@ def _face_colours(scene: Any) -> NDArray[np.uint8] | None:
 def _encoded(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)  # IEC 61966-2-1
     return np.asarray(np.rint(255.0 * encoded), np.uint8)
+
+
+def triangle_means(texture: Texture) -> NDArray[np.float64]:
+    """Return the mean albedo (m, 3), linear, of each triangle of a texture, over points spread evenly over it."""
+    image, corners = texture
+    rows, columns = image.shape[:2]
+    found = np.zeros((len(corners), 3))
+    for weights in SPREAD:
+        across, up = np.mod(np.einsum("k,mkc->cm", weights, corners), 1.0)
+        column = (across * columns).astype(int).clip(0, columns - 1)
+        encoded = image[((1.0 - up) * rows).astype(int).clip(0, rows - 1), column] / 255.0
+        found += np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)  # IEC 61966-2-1
+    return found / len(SPREAD)
 
 
 def palette_texture(albedos: NDArray[np.float64]) -> Texture:

@@ -171,7 +171,7 @@ export class SceneView extends Stage {
   }
 }
 
-// A fixed mesh in its material's colour (albedo, linear), or else in that of its kind.
+// A mesh in its own colours, else in its material's (albedo, linear), else in that of its kind.
 export function dressed(node, label, albedo) {
   const colour = albedo
     ? new Color().fromArray(albedo)
@@ -181,7 +181,8 @@ export function dressed(node, label, albedo) {
   node.traverse((part) => {
     if (!(part instanceof Mesh)) return;
     faceted(part);
-    part.material = new MeshLambertMaterial({ color: colour });
+    const isColoured = Boolean(part.geometry.attributes.color);
+    part.material = new MeshLambertMaterial(isColoured ? { vertexColors: true } : { color: colour });
   });
   return node;
 }
