@@ -1,7 +1,8 @@
 """Fly missions of MOOS-IvP unmodified, but for the lines that launch the simulator and windows; see tools/moos-trial.
 
 A mission's files are copied. Of their ANTLER blocks, lines are taken out that launch uSimMarine, which uwsim replaces,
-and programs with windows. Ports stay as they are. The vehicles are a REMUS 100, or two Otters, in a deep, empty bay.
+and programs with windows, and pShare's white lists; see LISTED. Ports stay as they are. The vehicles are REMUS 100s in
+a deep, empty bay.
 """
 
 from __future__ import annotations
@@ -35,6 +36,9 @@ from uwsim.scenario import Scenario
 from uwsim.scenario.read.validated import validated
 
 TAKEN_OUT = re.compile(r"^\s*Run\s*=\s*(uSimMarine\w*|pMarineViewer|uMAC\w*|pRealm|pLogger)\b.*$", re.M | re.I)
+LISTED = re.compile(r",\s*white_list=[^\n]*")
+"""m2_berta's pShare of 2026 admits four variables at the shoreside. NODE_BROKER_PING is not among them, so that no
+vehicle would be found."""
 LONGEST_S, POKES, POKE_S = 600.0, 4, 3.0  # wall time
 BAY = {
     "name": "bay", "description": "an empty bay, 60 m deep", "mission_time_s": 3600, "water": {"density_kg_m3": 1026},
@@ -53,9 +57,9 @@ class Mission(NamedTuple):
     """A mission.
 
     files: of communities with a vehicle, by name. starts: x, y, depth [m], yaw [deg] by name. pokes: what starts it.
-    passes: whether the tracks are what the mission is for, and a text with what was measured. model: of the vehicles.
-    launcher: its script that makes the files, with the options for that; the warp follows. shore: the shoreside's file,
-    whose community is poked instead of the vehicles'.
+    passes: whether the tracks are what the mission is for, and a text with what was measured. launcher: its script that
+    makes the files, with the options for that; the warp follows. shore: the shoreside's file, whose community is poked
+    instead of the vehicles'.
     """
 
     files: dict[str, str]
@@ -63,7 +67,6 @@ class Mission(NamedTuple):
     pokes: dict[str, str]
     lasts_s: float
     passes: Callable[[Tracks], tuple[bool, str]]
-    model: str = "remus100"
     launcher: tuple[str, ...] = ()
     shore: str = ""
 
@@ -132,11 +135,11 @@ MISSIONS = {
     ),
     # A constant depth of 50 m, limited to 7 m with a tolerance of 1 m, and periods at the surface.
     "s4_delta": Mission({"delta": "delta.moos"}, {"delta": (0, 0, 1, -90)}, DEPLOY, 600, dives(4.0, 8.5)),
-    # Two boats loiter at two places, which a script at the shoreside exchanges; they give way by COLREGS.
+    # Two vehicles loiter at two places, which a script at the shoreside exchanges; they give way by COLREGS.
     "m2_berta": Mission(
-        {"abe": "targ_abe.moos", "ben": "targ_ben.moos"}, {"abe": (0, 0, 0, -90), "ben": (180, 0, 0, -90)},
+        {"abe": "targ_abe.moos", "ben": "targ_ben.moos"}, {"abe": (0, 0, 3, -90), "ben": (180, 0, 3, -90)},
         {"DEPLOY_ALL": "true", "MOOS_MANUAL_OVERRIDE_ALL": "false", "AVOID_ALL": "true", "RETURN_ALL": "false"}, 600,
-        meet([(0, -75), (125, -75)], 40, 5), "otter", ("./launch.sh", "--just_make", "--nogui"), "targ_shoreside.moos",
+        meet([(0, -75), (125, -75)], 40, 5), ("./launch.sh", "--just_make", "--nogui"), "targ_shoreside.moos",
     ),
 }  # fmt: skip
 
@@ -145,7 +148,7 @@ MISSIONS = {
 def flown(mission: Mission, addresses: dict[str, int], warp: float) -> Iterator[LiveSimulator]:
     """Return the simulator in the communities."""
     vehicles = [
-        {"name": name, "model": mission.model, "start": {"position_m": [x, y, -depth], "yaw_deg": yaw}}
+        {"name": name, "model": "remus100", "start": {"position_m": [x, y, -depth], "yaw_deg": yaw}}
         for name, (x, y, depth, yaw) in mission.starts.items()
     ]
     with LiveSimulator(Simulator(validated(Scenario, {**BAY, "vehicles": vehicles}), seed=1), speed=warp) as live:
@@ -167,7 +170,7 @@ def fly(name: str, mission: Mission, folder: Path, binaries: Path, warp: float) 
             subprocess.run(made, cwd=work, env=environment, stdin=subprocess.DEVNULL, check=True, capture_output=True)
         ports = {vehicle: port_of(work / file) for vehicle, file in mission.files.items()}
         for file in [*mission.files.values(), *filter(None, [mission.shore])]:
-            (work / file).write_text(TAKEN_OUT.sub("", (work / file).read_text()))
+            (work / file).write_text(LISTED.sub("", TAKEN_OUT.sub("", (work / file).read_text())))
             log = stack.enter_context((work / f"{file}.log").open("w"))
             process = subprocess.Popen(
                 [str(binaries / "pAntler"), file, f"--MOOSTimeWarp={warp:g}"], cwd=work, env=environment, stdout=log,

@@ -14,7 +14,7 @@ from uwsim.simulator.network import STATION, Delivery
 from uwsim.simulator.simulator import Simulator
 
 OWN, RECEIVED = "NODE_REPORT_LOCAL", "NODE_REPORT"
-"""What pNodeReporter publishes of its own vehicle, and what a community knows of the others."""
+"""The report of pNodeReporter on its own vehicle, and a community's reports on the others."""
 TOPIC = "node_report"
 """The messages' name in the link's counts."""
 REPORT_BYTES_MAX = 65_536
