@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
@@ -24,6 +25,21 @@ std::shared_ptr<const Current> gridded(const py::object& x_m, const py::object& 
                                       : as_array<double>(velocity_m_s, "velocity_m_s", {t, z, y, x, 3});
   for (py::ssize_t k = 0; k < velocity.size(); k += 3) grid.values.emplace_back(velocity.data() + k);
   return gridded_current(std::move(grid));
+}
+
+/// speed_rad_s: (n,); cosine_m_s, sine_m_s: (n, 2).
+std::shared_ptr<const Current> harmonic(const py::object& speed_rad_s, const py::object& cosine_m_s,
+                                        const py::object& sine_m_s) {
+  const auto speed = as_numbers(speed_rad_s, "speed_rad_s");
+  const auto n = static_cast<py::ssize_t>(speed.size());
+  const auto cosine = as_array<double>(cosine_m_s, "cosine_m_s", {n, 2}),
+             sine = as_array<double>(sine_m_s, "sine_m_s", {n, 2});
+  std::vector<Harmonic> all;
+  for (py::ssize_t k = 0; k < n; ++k) {
+    all.push_back(
+        {speed[static_cast<std::size_t>(k)], {cosine.at(k, 0), cosine.at(k, 1)}, {sine.at(k, 0), sine.at(k, 1)}});
+  }
+  return harmonic_current(std::move(all));
 }
 
 }  // namespace
@@ -47,6 +63,14 @@ void bind_currents(py::module_& m) {
           },
           py::arg("amplitude_m_s"), py::arg("period_s"), py::arg("phase_rad") = 0.0,
           "Return a tidal current: amplitude_m_s (3,) times sin(2 pi t / period_s + phase_rad).")
+      .def_static(
+          "harmonic",
+          [](const py::object& speed_rad_s, const py::object& cosine_m_s, const py::object& sine_m_s) {
+            return std::const_pointer_cast<Current>(harmonic(speed_rad_s, cosine_m_s, sine_m_s));
+          },
+          py::arg("speed_rad_s"), py::arg("cosine_m_s"), py::arg("sine_m_s"),
+          "Return the sum of cosine_m_s cos(speed t) + sine_m_s sin(speed t): speed_rad_s (n,), others (n, 2), east\n"
+          "and north.")
       .def_static(
           "gusty",
           [](const py::object& sigma, double correlation_time_s, std::uint64_t seed) {

@@ -27,6 +27,21 @@ struct VolumeFlow : WaterFlow {
   Eigen::Vector3d wave_angular_acceleration_rad_s2 = Eigen::Vector3d::Zero();
 };
 
+/// The flow over a volume near a position and a time, to first order in both.
+struct NearbyFlow {
+  VolumeFlow flow;
+  Eigen::Matrix3d gradient_1_s = Eigen::Matrix3d::Zero();  ///< of the current's velocity
+  Eigen::Vector3d centroid_world_m = Eigen::Vector3d::Zero();
+  double time_s = 0;
+
+  VolumeFlow at(const Eigen::Vector3d& other_centroid_world_m, double other_time_s) const {
+    VolumeFlow moved = flow;
+    moved.velocity_m_s += gradient_1_s * (other_centroid_world_m - centroid_world_m) +
+                          (other_time_s - time_s) * flow.current_acceleration_m_s2;
+    return moved;
+  }
+};
+
 /// A layer in which density is linear in height: rho(z) = density_kg_m3 + gradient_kg_m4 (z - reference_m).
 struct DensityLayer {
   double low_m = -std::numeric_limits<double>::infinity();
@@ -70,7 +85,7 @@ class WaterField {
   virtual double density_at(double z_world_m) const = 0;  ///< of still water [kg/m^3]
   virtual bool has_one_density() const = 0;               ///< whether still water has the same density at all depths
   virtual DensityLayer density_layer_at(double z_world_m) const = 0;
-  /// Conservative bound on the surface's distance from z = 0 [m]; 0 if the surface is flat.
+  /// Conservative bound on the surface's distance from z = 0 [m]; 0 if the surface is flat and stands there.
   virtual double wave_bound_m() const = 0;
   /// Everything below low_m is wet, everything above high_m is dry.
   virtual WaterSurface surface_over(const SurfaceArea& area, double time_s) const = 0;
@@ -90,6 +105,15 @@ class WaterField {
   virtual std::size_t division_of(const VolumeParts& parts, double centre_z_m) const = 0;
   /// The load on a volume below the surface due to the gradient of the waves' pressure, world frame.
   virtual VolumeLoad wave_load_on(const VolumePart& wet_world, const WaterSurface& surface, double time_s) const = 0;
+  /// Whether the surface is flat, at `still_level_m`.
+  virtual bool surface_is_flat() const = 0;
+  /// Height of the water's surface without waves [m].
+  virtual double still_level_m(double time_s) const = 0;
+  /// Whether the flow varies in space, and so little over a step that `flow_near` suffices for it.
+  virtual bool flows_smoothly() const { return false; }
+  virtual NearbyFlow flow_near(const PlacedVolume& volume, double time_s) const {
+    return {.flow = flow_over(volume, time_s), .centroid_world_m = volume.centroid_world_m, .time_s = time_s};
+  }
 };
 
 /// Water of uniform density with a flat surface at z = 0 and one steady, uniform current.
@@ -105,6 +129,8 @@ class EvenWater : public WaterField {
   bool has_one_density() const override { return true; }
   DensityLayer density_layer_at(double) const override { return {.density_kg_m3 = density_kg_m3}; }
   double wave_bound_m() const override { return 0; }
+  bool surface_is_flat() const override { return true; }
+  double still_level_m(double) const override { return 0; }
   WaterSurface surface_over(const SurfaceArea&, double) const override { return {}; }
   double surface_height_at(double, double, double) const override { return 0; }
   double gauge_pressure_at(const Eigen::Vector3d& point_world_m, double) const override {

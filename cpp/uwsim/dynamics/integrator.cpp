@@ -1,18 +1,15 @@
 #include "uwsim/dynamics/integrator.h"
 
+#include <optional>
+
 namespace uwsim {
 namespace {
 
-Rate rate_of(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water, double time_s,
-             const Vector6d* extra) {
+Stage stage_at(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water, double time_s,
+               const Vector6d* extra, std::optional<NearbyFlow>* nearby) {
   Vector6d tau_body = loads.at(state.world_from_body.orientation);
   if (extra != nullptr) tau_body += *extra;
-  return rate_at(state, craft.acceleration_body(state, tau_body, water, time_s));
-}
-
-Stage stage_at(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water, double time_s,
-               const Vector6d* extra) {
-  return {state, time_s, rate_of(craft, state, loads, water, time_s, extra)};
+  return {state, time_s, rate_at(state, craft.acceleration_body(state, tau_body, water, time_s, nearby))};
 }
 
 }  // namespace
@@ -61,11 +58,13 @@ std::array<Stage, 4> stages(const Craft& craft, const BodyState& state, const Lo
                             double time_s, double step_s, const std::array<Vector6d, 4>* extra_body) {
   const auto extra = [&](std::size_t k) { return extra_body != nullptr ? &(*extra_body)[k] : nullptr; };
   const double middle_s = time_s + step_s / 2;
+  std::optional<NearbyFlow> kept;  // from the first stage
+  std::optional<NearbyFlow>* const nearby = water.flows_smoothly() ? &kept : nullptr;
   std::array<Stage, 4> k;
-  k[0] = stage_at(craft, state, loads, water, time_s, extra(0));
-  k[1] = stage_at(craft, moved_at(state, k[0].rate, step_s / 2), loads, water, middle_s, extra(1));
-  k[2] = stage_at(craft, moved_at(state, k[1].rate, step_s / 2), loads, water, middle_s, extra(2));
-  k[3] = stage_at(craft, moved_at(state, k[2].rate, step_s), loads, water, time_s + step_s, extra(3));
+  k[0] = stage_at(craft, state, loads, water, time_s, extra(0), nearby);
+  k[1] = stage_at(craft, moved_at(state, k[0].rate, step_s / 2), loads, water, middle_s, extra(1), nearby);
+  k[2] = stage_at(craft, moved_at(state, k[1].rate, step_s / 2), loads, water, middle_s, extra(2), nearby);
+  k[3] = stage_at(craft, moved_at(state, k[2].rate, step_s), loads, water, time_s + step_s, extra(3), nearby);
   return k;
 }
 

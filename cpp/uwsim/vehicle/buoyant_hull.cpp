@@ -15,29 +15,12 @@ namespace {
 
 constexpr double kThinnest = 1e-9;  // parts with less than this fraction of the volume are left out
 constexpr double kWavePitch = 5;    // see CutVolume
-constexpr double kBent = 1e-5;      // see is_nearly
+constexpr double kBent = 1e-4;      // see mass_across_bends
 
 /// Returns 0 for x <= 0, 1 for x >= 1, and in between a cubic with zero slope at both ends.
 double smooth_step(double x) {
   x = std::clamp(x, 0.0, 1.0);
   return x * x * (3 - 2 * x);
-}
-
-/// Returns true if densities between two heights are those of a layer, extended beyond its boundaries, to kBent. The
-/// mass that a hull displaces then differs by at most half of that, and not at all where the layer is that of its
-/// centre.
-bool is_nearly(const DensityLayer& layer, const WaterField& water, double bottom_m, double top_m) {
-  const auto fits = [&layer](double density_kg_m3, double z_m) {
-    return std::abs(density_kg_m3 - layer.at(z_m)) <= kBent * layer.density_kg_m3;
-  };
-  double high_m = top_m;
-  while (true) {
-    const DensityLayer here = water.density_layer_at(high_m);
-    const double low_m = std::max(here.low_m, bottom_m);
-    if (!fits(here.at(high_m), high_m) || !fits(here.at(low_m), low_m)) return false;
-    if (low_m == bottom_m) return true;
-    high_m = std::nextafter(low_m, -std::numeric_limits<double>::infinity());
-  }
 }
 
 /// `moments` are about `origin_m`.
@@ -150,10 +133,13 @@ void BuoyantHull::cut_into_slices(Slices& slices) const {
 }
 
 VolumeFlow BuoyantHull::flow_at(const Placed& at, const Eigen::Vector3d& centre_body_m, const WaterField& water,
-                                double time_s) const {
+                                double time_s, std::optional<NearbyFlow>* nearby) const {
   const Eigen::Vector3d centre = at.position_world_m + at.world_from_body * centre_body_m;
-  const VolumeParts& parts = water.wave_bound_m() == 0 ? parts_ : in_slices().parts;
-  return water.flow_over({parts, centre, at.world_from_body}, time_s);
+  const VolumeParts& parts = water.surface_is_flat() ? parts_ : in_slices().parts;
+  const PlacedVolume placed{parts, centre, at.world_from_body};
+  if (nearby == nullptr) return water.flow_over(placed, time_s);
+  if (*nearby) return (*nearby)->at(centre, time_s);
+  return nearby->emplace(water.flow_near(placed, time_s)).flow;
 }
 
 Displacement BuoyantHull::displacement(const Pose& world_from_body, double level_m) const {
@@ -194,7 +180,7 @@ void BuoyantHull::visit_wet_slices(const Placed& at, const WaterField& water, do
 
 double BuoyantHull::submerged_volume_m3(const Pose& world_from_body, const WaterField& water, double time_s) const {
   const double bound_m = water.wave_bound_m();
-  if (bound_m == 0) return displacement(world_from_body).volume_m3;
+  if (water.surface_is_flat()) return displacement(world_from_body, water.still_level_m(time_s)).volume_m3;
   const Eigen::Matrix3d rotation = world_from_body.rotation();
   const Placed at(*this, world_from_body.position_m, rotation);
   if (at.top_m() <= -bound_m) return solid_.volume_m3;
@@ -239,23 +225,25 @@ WetSurface BuoyantHull::wet_surface(const Eigen::Vector3d& position_world_m, con
 }
 
 Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
-                               const WaterField& water, double time_s) const {
+                               const WaterField& water, double time_s, std::optional<NearbyFlow>* nearby) const {
   const Placed at(*this, position_world_m, world_from_body);
-  const double bound_m = water.wave_bound_m();
-  if (bound_m == 0) {
-    Buoyancy still = in_still_water(at, water, 0);
-    if (still.volume_m3 > 0) still.flow = flow_at(at, still.centre_body_m, water, time_s);
+  if (water.surface_is_flat()) {
+    Eigen::Vector3d above_level = position_world_m;
+    above_level.z() -= water.still_level_m(time_s);
+    Buoyancy still = in_still_water({*this, above_level, world_from_body}, water, 0);
+    if (still.volume_m3 > 0) still.flow = flow_at(at, still.centre_body_m, water, time_s, nearby);
     return still;
   }
+  const double bound_m = water.wave_bound_m();
   if (at.hull.middle_z_m + 2 * whole_.radius_m <= -bound_m) {
-    return below_waves(at, water, time_s, flow_at(at, solid_.centroid_m, water, time_s));
+    return below_waves(at, water, time_s, flow_at(at, solid_.centroid_m, water, time_s, nearby));
   }
   const WaterSurface surface = surface_over(at, whole_, parts_.whole(), water, time_s);
   if (at.bottom_m() >= surface.high_m) return {};
   const double deep = smooth_step((surface.low_m - at.top_m()) / whole_.radius_m);
-  if (deep == 1) return below_waves(at, water, time_s, flow_at(at, solid_.centroid_m, water, time_s));
+  if (deep == 1) return below_waves(at, water, time_s, flow_at(at, solid_.centroid_m, water, time_s, nearby));
   Buoyancy sum = through_waves(at, water, time_s, surface);
-  if (sum.volume_m3 > 0) sum.flow = flow_at(at, sum.centre_body_m, water, time_s);
+  if (sum.volume_m3 > 0) sum.flow = flow_at(at, sum.centre_body_m, water, time_s, nearby);
   if (deep == 0) return sum;
   const Buoyancy below = below_waves(at, water, time_s, sum.flow);
   sum.force_body_n += deep * (below.force_body_n - sum.force_body_n);
@@ -267,14 +255,19 @@ Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Ei
 Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, double surface_m) const {
   const Cut& hull = at.hull;
   const double gravity = water.gravity();
-  DensityLayer layer = water.density_layer_at(std::min(at.top_m(), surface_m));
-  bool in_one_layer = at.bottom_m() >= layer.low_m;
-  if (!in_one_layer && at.top_m() <= surface_m) {
-    const DensityLayer middle = water.density_layer_at(at.position_world_m.z() + hull.up_body.dot(solid_.centroid_m));
-    in_one_layer = is_nearly(middle, water, at.bottom_m(), at.top_m());
-    if (in_one_layer) layer = middle;
-  }
+  const DensityLayer layer = water.density_layer_at(std::min(at.top_m(), surface_m));
+  const bool in_one_layer = at.bottom_m() >= layer.low_m;
   Buoyancy wet;
+  if (!in_one_layer && at.top_m() <= surface_m) {
+    if (const std::optional<DisplacedMass> displaced = mass_across_bends(at, water)) {
+      const Eigen::Vector3d weight_per_kg = gravity * hull.up_body;
+      wet.volume_m3 = solid_.volume_m3;
+      wet.centre_body_m = solid_.centroid_m;
+      wet.force_body_n = displaced->mass_kg * weight_per_kg;
+      wet.moment_body_nm = solid_.centroid_m.cross(wet.force_body_n) + displaced->moment_kg_m.cross(weight_per_kg);
+      return wet;
+    }
+  }
   if (!in_one_layer || (layer.gradient_kg_m4 != 0 && at.top_m() > surface_m)) {
     const VolumeMoments part = hull.moments_below(surface_m, true);
     if (part.volume_m3 <= 0) return {};
@@ -303,6 +296,34 @@ Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, 
     wet.moment_body_nm += layer.gradient_kg_m4 * gravity * shift.cross(hull.up_body);
   }
   return wet;
+}
+
+/// The mass that a submerged hull displaces in layers of which each bends the density by at most kBent over the hull,
+/// and its moment about the centroid; nothing if one bends it more. The hull is taken for the ellipsoid that has its
+/// volume and its second moments: exact within a layer, and otherwise to some hundredths of the bend. At a height of x
+/// half-axes, a share of 3/4 (1 - x^2) of an ellipsoid's volume lies.
+std::optional<BuoyantHull::DisplacedMass> BuoyantHull::mass_across_bends(const Placed& at,
+                                                                         const WaterField& water) const {
+  const Eigen::Vector3d shift_m5 = parts_.whole().second_moment_m5 * at.hull.up_body;
+  const double half_axis_m = std::sqrt(5 * at.hull.up_body.dot(shift_m5) / solid_.volume_m3);
+  const double middle_z_m = at.position_world_m.z() + at.hull.up_body.dot(solid_.centroid_m);
+  DensityLayer layer = water.density_layer_at(at.top_m());
+  DisplacedMass sum{solid_.volume_m3 * layer.at(middle_z_m), layer.gradient_kg_m4 * shift_m5};
+  while (layer.low_m > at.bottom_m()) {
+    const DensityLayer next =
+        water.density_layer_at(std::nextafter(layer.low_m, -std::numeric_limits<double>::infinity()));
+    const double bend = next.gradient_kg_m4 - layer.gradient_kg_m4, jump = next.at(layer.low_m) - layer.at(layer.low_m);
+    const double most = kBent * layer.density_kg_m3;
+    if (std::abs(bend) * whole_.radius_m > most || std::abs(jump) > 1e-6 * most) return std::nullopt;
+    const double s = std::clamp((layer.low_m - middle_z_m) / half_axis_m, -1.0, 1.0), s2 = s * s;
+    // The integrals of 3/4 (1 - x^2) (s - x), and of that times x, from -1 to s.
+    const double depth = 0.75 * (s2 / 2 - s2 * s2 / 12 + 2 * s / 3 + 0.25);
+    const double moment = 0.75 * (s * s2 / 6 - s * s2 * s2 / 20 - s / 4 - 2.0 / 15);
+    sum.mass_kg -= solid_.volume_m3 * bend * half_axis_m * depth;
+    sum.moment_kg_m -= 5 * bend * moment * shift_m5;
+    layer = next;
+  }
+  return sum;
 }
 
 /// The mass displaced in several density layers. The whole wet volume contributes with the top layer's density; for

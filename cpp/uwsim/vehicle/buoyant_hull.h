@@ -66,8 +66,9 @@ class BuoyantHull {
   WetSurface wet_surface(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
                          const WaterField& water, double time_s) const;
   /// `world_from_body` is the rotation of the body located at `position_world_m`.
+  /// `nearby`: where to keep the flow that is found first, from which the others follow; may be null.
   Buoyancy buoyancy(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
-                    const WaterField& water, double time_s) const;
+                    const WaterField& water, double time_s, std::optional<NearbyFlow>* nearby = nullptr) const;
 
  private:
   struct Placed;
@@ -93,6 +94,7 @@ class BuoyantHull {
   };
 
   Buoyancy in_still_water(const Placed& at, const WaterField& water, double surface_m) const;
+  std::optional<DisplacedMass> mass_across_bends(const Placed& at, const WaterField& water) const;
   DisplacedMass mass_in_layers(const Cut& at, const WaterField& water, double surface_m,
                                const VolumeMoments& wet) const;
   WaterSurface surface_over(const Placed& at, const Slice& slice, const VolumePart& part, const WaterField& water,
@@ -103,8 +105,8 @@ class BuoyantHull {
                         const Visit& visit) const;
   Buoyancy through_waves(const Placed& at, const WaterField& water, double time_s, const WaterSurface& over_hull) const;
   Buoyancy below_waves(const Placed& at, const WaterField& water, double time_s, const VolumeFlow& flow) const;
-  VolumeFlow flow_at(const Placed& at, const Eigen::Vector3d& centre_body_m, const WaterField& water,
-                     double time_s) const;
+  VolumeFlow flow_at(const Placed& at, const Eigen::Vector3d& centre_body_m, const WaterField& water, double time_s,
+                     std::optional<NearbyFlow>* nearby) const;
   /// The hull's slices for waves; the first call cuts them.
   const Slices& in_slices() const;
   void cut_into_slices(Slices& slices) const;

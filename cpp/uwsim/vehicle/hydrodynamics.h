@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "uwsim/core/body_state.h"
@@ -94,7 +95,7 @@ class Craft {
     double floating = 0;  ///< the share of Radiation; 0 without one
   };
   Load load(const BodyState& state, const Vector6d& tau_body, const WaterField& water, double time_s) const {
-    return load(state, tau_body, water, time_s, nullptr);
+    return load(state, tau_body, water, time_s, nullptr, nullptr);
   }
   /// The terms that move the rigid body, apart from actuators and contacts, body frame, at the origin [N, N m]. With
   /// these, their sum is M_RB nu'.
@@ -110,8 +111,9 @@ class Craft {
   /// M_RB.
   const Matrix6d& rigid_mass() const { return rigid_mass_; }
   /// nu' [m/s^2, rad/s^2] under the actuators' wrench `tau_body` (body frame, at the origin) in the water at `time_s`.
-  Vector6d acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
-                             double time_s) const;
+  /// `nearby`: as in BuoyantHull::buoyancy.
+  Vector6d acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water, double time_s,
+                             std::optional<NearbyFlow>* nearby = nullptr) const;
   /// nu' of a hull with a Radiation under a load.
   Vector6d accelerated(const Load& load) const;
   /// The mass with that of the water, M_RB + M_A, at these shares.
@@ -126,7 +128,7 @@ class Craft {
 
  private:
   Load load(const BodyState& state, const Vector6d& tau_body, const WaterField& water, double time_s,
-            Terms* terms) const;
+            std::optional<NearbyFlow>* nearby, Terms* terms) const;
   double fraction(double wet_volume_m3) const;
   double floating(const Pose& pose, const Eigen::Matrix3d& world_from_body, double wet_volume_m3,
                   const WaterField& water, double time_s) const;

@@ -16,6 +16,7 @@
 #include "uwsim/core/stream_name.h"
 #include "uwsim/core/with_unit.h"
 #include "uwsim/world/field_cell.h"
+#include "uwsim/world/field_number.h"
 
 namespace uwsim {
 namespace {
@@ -74,6 +75,20 @@ class TidalCurrent : public Current {
   double omega_rad_s_, phase_rad_;
 };
 
+class HarmonicCurrent : public Current {
+ public:
+  explicit HarmonicCurrent(std::vector<Harmonic> harmonics) : sum_(std::move(harmonics)) {}
+  CurrentSample at(const Eigen::Vector3d&, double time_s) const override {
+    const HarmonicSum::Sample now = sum_.at(time_s);
+    return {{now.value(0), now.value(1), 0}, {now.rate_1_s(0), now.rate_1_s(1), 0}};
+  }
+  bool is_uniform() const override { return true; }
+  double bound_m_s() const override { return sum_.bound(); }
+
+ private:
+  HarmonicSum sum_;
+};
+
 class GustyCurrent : public Current {
  public:
   GustyCurrent(const Eigen::Vector3d& sigma_m_s, double correlation_time_s, std::uint64_t seed)
@@ -100,6 +115,7 @@ class GustyCurrent : public Current {
     return {.velocity_m_s = sigma_m_s_.cwiseProduct(value), .rate_m_s2 = sigma_m_s_.cwiseProduct(slope) / block_s_};
   }
   bool is_uniform() const override { return true; }
+  bool is_smooth() const override { return false; }
   double bound_m_s() const override { return 3 * sigma_m_s_.norm(); }
 
  private:
@@ -183,45 +199,53 @@ class GriddedCurrent : public Current {
                  zx = kThird * edges.row(2).dot(edges.row(0));
     const Eigen::Vector3d e = cell.offset(middle);
     const double x = e.x(), y = e.y(), z = e.z();
-    CurrentOver mean{
-        sample(cell, time_s, {1, x, y, z, x * y + xy, y * z + yz, z * x + zx, x * y * z + x * yz + y * zx + z * xy})};
+    const std::array<double, 8> weights = {1,          x,          y,          z,
+                                           x * y + xy, y * z + yz, z * x + zx, x * y * z + x * yz + y * zx + z * xy};
     const FieldCell::Terms c = cell.at(time_s);
+    CurrentOver mean;
+    mean.velocity_m_s = sum_of(c, weights).head<3>();
+    if (cell.changes) mean.rate_m_s2 = sum_of(cell.rate, weights).head<3>();
     const Eigen::Vector4d dx = c[1] + y * c[4] + z * c[6] + y * z * c[7],
                           dy = c[2] + x * c[4] + z * c[5] + z * x * c[7],
                           dz = c[3] + y * c[5] + x * c[6] + x * y * c[7];
     mean.turning_m2_s = spread.col(0).cross(dx.head<3>()) + spread.col(1).cross(dy.head<3>()) +
                         spread.col(2).cross(dz.head<3>()) + skew.cross(c[7].head<3>());
+    mean.gradient_1_s << cell.per_m.x() * dx.head<3>(), cell.per_m.y() * dy.head<3>(), cell.per_m.z() * dz.head<3>();
     return mean;
   }
   double bound_m_s() const override { return largest_speed_m_s(grid_.values); }
 
  private:
+  static Eigen::Vector4d sum_of(const FieldCell::Terms& terms, const std::array<double, 8>& weights) {
+    Eigen::Vector4d sum = weights[0] * terms[0];
+    for (std::size_t k = 1; k < 8; ++k) sum += weights[k] * terms[k];
+    return sum;
+  }
   static CurrentSample sample(const FieldCell& cell, double time_s, const std::array<double, 8>& weights) {
-    const auto sum_of = [&weights](const FieldCell::Terms& terms) {
-      Eigen::Vector4d sum = weights[0] * terms[0];
-      for (std::size_t k = 1; k < 8; ++k) sum += weights[k] * terms[k];
-      return sum;
-    };
-    const Eigen::Vector4d begun = sum_of(cell.value);
+    const Eigen::Vector4d begun = sum_of(cell.value, weights);
     if (!cell.changes) return {.velocity_m_s = begun.head<3>()};
-    const Eigen::Vector4d rate = sum_of(cell.rate);
+    const Eigen::Vector4d rate = sum_of(cell.rate, weights);
     return {.velocity_m_s = (begun + (time_s - cell.begin_s) * rate).head<3>(), .rate_m_s2 = rate.head<3>()};
   }
 
   CurrentGrid grid_;
-  std::uint64_t number_ = next_grid();
+  std::uint64_t number_ = next_field_number();
 };
 
 }  // namespace
 
 CurrentOver Current::over(const Eigen::Vector3d& middle_world_m, const Eigen::Matrix3d& arms_m, double time_s) const {
+  if (is_uniform()) return {at(middle_world_m, time_s)};
   CurrentOver mean;
-  for (int k = 0; k < 6; ++k) {
-    const Eigen::Vector3d arm = (k % 2 == 0 ? 1 : -1) * arms_m.col(k / 2);
-    const CurrentSample here = at(middle_world_m + arm, time_s);
-    mean.velocity_m_s += here.velocity_m_s / 6;
-    mean.rate_m_s2 += here.rate_m_s2 / 6;
-    mean.turning_m2_s += arm.cross(here.velocity_m_s) / 6;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d arm = arms_m.col(k);
+    const CurrentSample ahead = at(middle_world_m + arm, time_s), behind = at(middle_world_m - arm, time_s);
+    const Eigen::Vector3d change = ahead.velocity_m_s - behind.velocity_m_s;
+    mean.velocity_m_s += (ahead.velocity_m_s + behind.velocity_m_s) / 6;
+    mean.rate_m_s2 += (ahead.rate_m_s2 + behind.rate_m_s2) / 6;
+    mean.turning_m2_s += arm.cross(change) / 6;
+    if (const double square_m2 = arm.squaredNorm(); square_m2 > 0)
+      mean.gradient_1_s += change * (0.5 / square_m2 * arm.transpose());
   }
   return mean;
 }
@@ -240,6 +264,14 @@ std::shared_ptr<const Current> tidal_current(const Eigen::Vector3d& amplitude_m_
   require(period_s >= 60 && period_s <= 1e7, "water.current.period_s", period_s, "must be in [60, 1e7] s");
   require(std::isfinite(phase_rad), "water.current.phase_rad", phase_rad, "must be finite");
   return std::make_shared<TidalCurrent>(amplitude_m_s, period_s, phase_rad);
+}
+
+std::shared_ptr<const Current> harmonic_current(std::vector<Harmonic> harmonics) {
+  for (const Harmonic& each : harmonics) {
+    require(each.is_finite() && each.largest() <= kSpeedMax_m_s, "water.current.major_m_s", each.largest(),
+            "must be finite and at most 10 m/s");
+  }
+  return std::make_shared<HarmonicCurrent>(std::move(harmonics));
 }
 
 std::shared_ptr<const Current> gusty_current(const Eigen::Vector3d& sigma_m_s, double correlation_time_s,

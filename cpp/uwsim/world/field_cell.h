@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -111,11 +110,5 @@ class RememberedCells {
   std::array<FieldCell, 8> cells_;
   std::size_t last_ = 0, oldest_ = 0;
 };
-
-/// A new number for a grid.
-inline std::uint64_t next_grid() {
-  static std::atomic<std::uint64_t> made{0};
-  return ++made;
-}
 
 }  // namespace uwsim

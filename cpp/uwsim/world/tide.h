@@ -1,7 +1,8 @@
 #pragma once
 
-#include <memory>
 #include <vector>
+
+#include "uwsim/world/harmonics.h"
 
 namespace uwsim {
 
@@ -16,15 +17,14 @@ struct TidalConstituent {
 class Tide {
  public:
   /// Throws InvalidValue naming water.tide.
-  explicit Tide(std::vector<TidalConstituent> constituents);
+  explicit Tide(const std::vector<TidalConstituent>& constituents);
 
-  double height_m(double time_s) const;
+  double height_m(double time_s) const { return heights_.at(time_s).value(0); }
   /// Bound of the height's magnitude [m].
-  double bound_m() const { return bound_m_; }
+  double bound_m() const { return heights_.bound(); }
 
  private:
-  std::vector<TidalConstituent> constituents_;
-  double bound_m_ = 0;
+  HarmonicSum heights_;
 };
 
 }  // namespace uwsim

@@ -102,9 +102,7 @@ WaterRange Water::range() const {
   return all;
 }
 
-double Water::density_at(double z_world_m) const {
-  return profile ? profile->at(z_world_m).density_kg_m3 : density_kg_m3;
-}
+double Water::density_at(double z_world_m) const { return profile ? profile->density_at(z_world_m) : density_kg_m3; }
 
 DensityLayer Water::density_layer_at(double z_world_m) const {
   if (!profile) return {.density_kg_m3 = density_kg_m3};
@@ -114,7 +112,7 @@ DensityLayer Water::density_layer_at(double z_world_m) const {
 WaterSurface Water::surface_over(const SurfaceArea& area, double time_s) const {
   WaterSurface surface = waves ? waves->surface_over(area, time_s) : WaterSurface{};
   if (!tide) return surface;
-  const double level = level_m(time_s);
+  const double level = still_level_m(time_s);
   surface.low_m += level;
   surface.high_m += level;
   surface.mean_m += level;
@@ -122,7 +120,7 @@ WaterSurface Water::surface_over(const SurfaceArea& area, double time_s) const {
 }
 
 double Water::surface_height_at(double x, double y, double time_s) const {
-  return (waves ? waves->height_at(x, y, time_s) : 0) + level_m(time_s);
+  return (waves ? waves->height_at(x, y, time_s) : 0) + still_level_m(time_s);
 }
 
 double Water::gauge_pressure_at(const Eigen::Vector3d& point_world_m, double time_s) const {
@@ -157,33 +155,46 @@ WaterFlow Water::current_at(const Eigen::Vector3d& point_world_m, double time_s)
   return flow;
 }
 
+bool Water::has_uniform_currents() const {
+  return std::ranges::all_of(currents, [](const auto& current) { return current->is_uniform(); });
+}
+
 /// A current that varies is taken at six points, whose second moment is the volume's: exact where it is linear.
-VolumeFlow Water::current_over(const PlacedVolume& volume, double time_s) const {
+NearbyFlow Water::current_over(const PlacedVolume& volume, double time_s) const {
   const Eigen::Vector3d& middle = volume.centroid_world_m;
-  if (std::ranges::all_of(currents, [](const auto& current) { return current->is_uniform(); })) {
-    return {current_at(middle, time_s)};
-  }
-  VolumeFlow flow{{.velocity_m_s = current_world_m_s}};
+  NearbyFlow near{
+      .flow = {{.velocity_m_s = current_world_m_s}}, .centroid_world_m = volume.centroid_world_m, .time_s = time_s};
   Eigen::Vector3d turning = Eigen::Vector3d::Zero();
   const Eigen::Matrix3d arms = volume.world_from_body * volume.parts.spread_m;
   for (const auto& current : currents) {
     const CurrentOver mean = current->over(middle, arms, time_s);
-    flow.velocity_m_s += mean.velocity_m_s;
-    flow.current_acceleration_m_s2 += mean.rate_m_s2;
+    near.flow.velocity_m_s += mean.velocity_m_s;
+    near.flow.current_acceleration_m_s2 += mean.rate_m_s2;
+    near.gradient_1_s += mean.gradient_1_s;
     turning += volume.parts.whole().volume_m3 * mean.turning_m2_s;
   }
-  flow.angular_velocity_rad_s =
+  near.flow.angular_velocity_rad_s =
       volume.world_from_body * (volume.parts.inverse_inertia_1_m5 * (volume.world_from_body.transpose() * turning));
-  return flow;
+  return near;
 }
 
 VolumeFlow Water::flow_over(const PlacedVolume& volume, double time_s) const {
-  VolumeFlow flow = current_over(volume, time_s);
+  VolumeFlow flow = has_uniform_currents() ? VolumeFlow{current_at(volume.centroid_world_m, time_s)}
+                                           : current_over(volume, time_s).flow;
   if (waves) {
     const Eigen::Vector3d centroid = below_level(volume.centroid_world_m, time_s);
     waves->add_flow_over({volume.parts, centroid, volume.world_from_body}, time_s, flow);
   }
   return flow;
+}
+
+bool Water::flows_smoothly() const {
+  return !waves && !has_uniform_currents() &&
+         std::ranges::all_of(currents, [](const auto& current) { return current->is_smooth(); });
+}
+
+NearbyFlow Water::flow_near(const PlacedVolume& volume, double time_s) const {
+  return flows_smoothly() ? current_over(volume, time_s) : WaterField::flow_near(volume, time_s);
 }
 
 std::size_t Water::division_of(const VolumeParts& parts, double centre_z_m) const {

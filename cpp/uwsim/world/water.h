@@ -74,6 +74,8 @@ class Water : public EvenWater {
   DensityLayer density_layer_at(double z_world_m) const override;
   /// Includes the tide.
   double wave_bound_m() const override { return (waves ? waves->bound_m() : 0) + (tide ? tide->bound_m() : 0); }
+  bool surface_is_flat() const override { return !waves; }
+  double still_level_m(double time_s) const override { return tide ? tide->height_m(time_s) : 0; }
   WaterSurface surface_over(const SurfaceArea& area, double time_s) const override;
   double surface_height_at(double x_world_m, double y_world_m, double time_s) const override;
   double gauge_pressure_at(const Eigen::Vector3d& point_world_m, double time_s) const override;
@@ -81,19 +83,21 @@ class Water : public EvenWater {
   double pressure_head_at(const Eigen::Vector3d& point_world_m, double time_s) const override;
   WaterFlow flow_at(const Eigen::Vector3d& point_world_m, double time_s) const override;
   VolumeFlow flow_over(const PlacedVolume& volume, double time_s) const override;
+  bool flows_smoothly() const override;
+  NearbyFlow flow_near(const PlacedVolume& volume, double time_s) const override;
   std::size_t division_of(const VolumeParts& parts, double centre_z_m) const override;
   VolumeLoad wave_load_on(const VolumePart& wet_world, const WaterSurface& surface, double time_s) const override;
 
  private:
-  double level_m(double time_s) const { return tide ? tide->height_m(time_s) : 0; }
   /// A position relative to the still surface, from which waves and profiles are measured.
   Eigen::Vector3d below_level(const Eigen::Vector3d& point_world_m, double time_s) const {
-    return {point_world_m.x(), point_world_m.y(), point_world_m.z() - level_m(time_s)};
+    return {point_world_m.x(), point_world_m.y(), point_world_m.z() - still_level_m(time_s)};
   }
   double compressed_pa(double still_pa, double depth_m) const;
   /// The currents alone, without waves.
   WaterFlow current_at(const Eigen::Vector3d& point_world_m, double time_s) const;
-  VolumeFlow current_over(const PlacedVolume& volume, double time_s) const;
+  NearbyFlow current_over(const PlacedVolume& volume, double time_s) const;
+  bool has_uniform_currents() const;
 };
 
 }  // namespace uwsim

@@ -66,6 +66,15 @@ WaterLevel WaterProfile::at(double z_world_m) const {
           interpolated(a.sound_speed_m_s, b.sound_speed_m_s, fraction)};
 }
 
+double WaterProfile::density_at(double z_world_m) const {
+  const double depth = -z_world_m;
+  const std::size_t k = first_below(depth);
+  if (k == 0) return levels_.front().density_kg_m3;
+  if (k == levels_.size()) return levels_.back().density_kg_m3;
+  const WaterLevel &a = levels_[k - 1], &b = levels_[k];
+  return interpolated(a.density_kg_m3, b.density_kg_m3, (depth - a.depth_m) / (b.depth_m - a.depth_m));
+}
+
 /// A layer contains z in [low, high): a boundary belongs to the layer above it.
 DensityLayer WaterProfile::density_layer_at(double z_world_m) const {
   const auto deeper = std::lower_bound(levels_.begin(), levels_.end(), -z_world_m,

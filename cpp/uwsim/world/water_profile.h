@@ -28,6 +28,7 @@ class WaterProfile {
   /// Whether the density is the same at all depths.
   bool even() const { return even_; }
   WaterLevel at(double z_world_m) const;
+  double density_at(double z_world_m) const;  ///< that of `at`
   DensityLayer density_layer_at(double z_world_m) const;
   /// Mass of the water between z and 0 per unit area: the integral of rho dz; negative above the surface [kg/m^2].
   double column_kg_m2(double z_world_m) const;

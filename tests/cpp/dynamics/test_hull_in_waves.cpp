@@ -223,6 +223,28 @@ TEST(HullInWaves, ANeutralBodyWithoutDampingIsCarriedByARisingTide) {
   EXPECT_LT((state.velocity_body.head<3>() - current).norm(), 1e-6);
 }
 
+/// Under a tide, a hull is where it would be in still water whose surface stood at the same height above it.
+TEST(HullInWaves, ATideRaisesTheHullsWaterline) {
+  const BuoyantHull hull(testing::box(1.2, 0.8, 1.0));
+  Water water;
+  water.tide = std::make_shared<const Tide>(std::vector<TidalConstituent>{{1.5, 1.4e-4, 0.3}});
+  water.profile = std::make_shared<const WaterProfile>(
+      std::vector<WaterLevel>{{0, 15, 30, 1020}, {2, 10, 33, 1026}, {9, 10, 33, 1027}});
+  Water still = water;
+  still.tide = nullptr;
+  for (const double time_s : {0.0, 9e3, 2e4}) {
+    const double level_m = water.surface_height_at(0, 0, time_s);
+    EXPECT_NEAR(level_m, 1.5 * std::cos(1.4e-4 * time_s - 0.3), 1e-12);
+    for (const double z : {0.3, -0.4, -1.9, -6.0}) {
+      const Pose raised{{2, 1, z + level_m}, tilted(0.4)}, low{{2, 1, z}, tilted(0.4)};
+      const Buoyancy got = buoyancy(hull, raised, water, time_s), expected = buoyancy(hull, low, still, 0);
+      EXPECT_LT((got.force_body_n - expected.force_body_n).norm(), 1e-9 * expected.force_body_n.norm());
+      EXPECT_LT((got.moment_body_nm - expected.moment_body_nm).norm(), 1e-9 * expected.force_body_n.norm());
+      EXPECT_NEAR(hull.submerged_volume_m3(raised, water, time_s), expected.volume_m3, 1e-12);
+    }
+  }
+}
+
 /// The period of the waves is much longer than that of the box, so the box neither lags nor overshoots much.
 TEST(HullInWaves, AFloatingBoxHeavesWithLongWaves) {
   const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);

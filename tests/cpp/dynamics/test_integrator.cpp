@@ -6,6 +6,7 @@
 
 #include "dynamics/bodies.h"
 #include "meshes.h"
+#include "uwsim/world/water.h"
 
 namespace uwsim {
 namespace {
@@ -43,6 +44,45 @@ TEST(Integrator, ATumblingBodyInInviscidWaterConservesEnergyAndMomentum) {
   EXPECT_NEAR(craft.kinetic_energy_j(end), energy, 1e-6 * energy);
   EXPECT_LT((momentum_world(end) - momentum).norm(), 1e-6 * momentum.norm());
   EXPECT_NEAR(end.world_from_body.orientation.norm(), 1, 1e-12);
+}
+
+/// A current in cells of a few metres, as none of the sea's are, and one of a tide.
+Water in_a_field() {
+  CurrentGrid grid{.x_m = {-9, -2, 1, 9}, .y_m = {-9, 0, 9}, .z_m = {-30, -10, -6, 0}, .t_s = {0, 30}, .values = {}};
+  for (std::size_t k = 0; k < grid.size(); ++k) {
+    const double n = static_cast<double>(k);
+    grid.values.emplace_back(0.3 * std::sin(7 * n), 0.3 * std::cos(5 * n), 0.05 * std::sin(3 * n * n));
+  }
+  Water water;
+  water.currents = {gridded_current(grid), harmonic_current({{1e-2, {0.2, 0}, {0, 0.1}}})};
+  return water;
+}
+
+/// The same water, of which each stage of a step finds the flow anew.
+struct Anew : Water {
+  explicit Anew(const Water& water) : Water(water) {}
+  bool flows_smoothly() const override { return false; }
+};
+
+TEST(Integrator, TheFlowOverAStepFollowsFromThatAtItsBeginning) {
+  CraftParameters p = neutral_box();
+  p.linear_damping.diagonal() << 40, 60, 80, 20, 20, 20;
+  const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
+  const Water water = in_a_field();
+  const Anew anew(water);
+  EXPECT_TRUE(water.flows_smoothly());
+  BodyState drifting;
+  const Eigen::Vector3d begin(-2.3, 0.3, -6.3);  // near edges of cells, which it crosses
+  drifting.world_from_body.position_m = begin;
+  BodyState each_stage = drifting;
+  for (int k = 0; k < 4000; ++k) {
+    drifting = advance(craft, drifting, {}, water, kStep_s * k, kStep_s);
+    each_stage = advance(craft, each_stage, {}, anew, kStep_s * k, kStep_s);
+  }
+  const Eigen::Vector3d way = drifting.world_from_body.position_m - begin;
+  EXPECT_GT(way.norm(), 1);
+  EXPECT_LT((drifting.world_from_body.position_m - each_stage.world_from_body.position_m).norm(), 1e-4 * way.norm());
+  EXPECT_LT((drifting.velocity_body - each_stage.velocity_body).norm(), 1e-4);
 }
 
 TEST(Integrator, AWakeThatTakesAwayMunkMomentDoesNoWork) {

@@ -28,6 +28,34 @@ TEST(Current, ATideReversesWithItsPeriodAndItsRateIsItsDerivative) {
   EXPECT_NEAR(tide->at({}, 100).rate_m_s2.x(), slope, 1e-9);
 }
 
+/// M2, K1, M8 and one of a minute: within a window of the series and across its ends.
+TEST(Current, ASumOfHarmonicsIsThatOfItsParts) {
+  std::vector<Harmonic> harmonics = {{1.405189e-4, {0.3, -0.1}, {0.05, 0.2}},
+                                     {7.292117e-5, {-0.02, 0.4}, {0.1, 0.1}},
+                                     {5.620756e-4, {0.01, 0.02}, {-0.03, 0.01}}};
+  for (const double fastest_rad_s : {0.0, 0.1}) {
+    if (fastest_rad_s > 0) harmonics.push_back({fastest_rad_s, {0.2, 0}, {0, 0.3}});
+    const auto current = harmonic_current(harmonics), other = harmonic_current({{0.01, {1, 0}, {0, 0}}});
+    for (double time_s = -5e3; time_s < 9e7; time_s = 1.7 * time_s + (time_s < 0 ? 6e3 : 3.1)) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero(), rate = sum;
+      for (const Harmonic& each : harmonics) {
+        const double c = std::cos(each.speed_rad_s * time_s), s = std::sin(each.speed_rad_s * time_s);
+        sum.head<2>() += (c * each.cosine + s * each.sine).matrix();
+        rate.head<2>() += (each.speed_rad_s * (c * each.sine - s * each.cosine)).matrix();
+      }
+      EXPECT_NEAR(other->at({}, time_s).velocity_m_s.x(), std::cos(0.01 * time_s), 1e-9 + 1e-15 * std::abs(time_s));
+      EXPECT_LT((current->at({}, time_s).velocity_m_s - sum).norm(), 1e-14 + 1e-16 * std::abs(time_s)) << time_s;
+      EXPECT_LT((current->at({}, time_s).rate_m_s2 - rate).norm(), 1e-14 + 1e-17 * std::abs(time_s)) << time_s;
+      EXPECT_LE(sum.norm(), current->bound_m_s());
+    }
+  }
+}
+
+TEST(Current, TheLargestOfAHarmonicIsTheLongHalfAxisOfItsEllipse) {
+  EXPECT_NEAR((Harmonic{1, {0.3, 0}, {0, 0.1}}).largest(), 0.3, 1e-15);
+  EXPECT_NEAR((Harmonic{1, {0.3, 0.4}, {0.3, 0.4}}).largest(), 0.5 * std::numbers::sqrt2, 1e-12);
+}
+
 TEST(Current, GustsHaveTheirStandardDeviationAndCorrelationTime) {
   const double tau = 20, sigma = 0.1;
   const auto gusts = gusty_current({sigma, sigma, 0}, tau, 11);
@@ -90,8 +118,10 @@ TEST(Current, AGridOverAVolumeIsItsMeanAndItsMoment) {
     grid.values.emplace_back(0.3 * std::sin(7 * n), 0.2 * std::cos(5 * n), 0.1 * std::sin(3 * n * n));
   }
   const auto current = gridded_current(grid);
-  Eigen::Matrix3d arms;
-  arms << 0.6, -0.3, 0.1, 0.2, 0.5, -0.2, 0.1, 0.2, 0.4;
+  Eigen::Matrix3d arms;  // at right angles
+  arms << 0.6, -0.2, 0.1, 0.2, 0.6, -0.05, -0.1, 0.1, 0.4;
+  arms.col(1) -= arms.col(1).dot(arms.col(0)) / arms.col(0).squaredNorm() * arms.col(0);
+  arms.col(2) = arms.col(0).cross(arms.col(1));
   const std::vector<Eigen::Vector3d> middles = {{1.5, 1, -6}, {3.1, 1, -4.2}, {-3, 9, 2}, {8.9, 4.9, -8.9}};
   for (const Eigen::Vector3d& middle : middles) {
     for (const double time_s : {-5.0, 0.0, 41.0, 99.0}) {
@@ -100,6 +130,7 @@ TEST(Current, AGridOverAVolumeIsItsMeanAndItsMoment) {
       EXPECT_LT((mean.velocity_m_s - points.velocity_m_s).norm(), 1e-15);
       EXPECT_LT((mean.rate_m_s2 - points.rate_m_s2).norm(), 1e-16);
       EXPECT_LT((mean.turning_m2_s - points.turning_m2_s).norm(), 1e-15);
+      EXPECT_LT((mean.gradient_1_s - points.gradient_1_s).norm(), 0.02) << "the field bends a little along the arms";
     }
   }
 }
@@ -109,6 +140,8 @@ TEST(Current, InvalidCurrentsAreRefused) {
   EXPECT_THROW(layered_current({1}, {kEast, kEast}), InvalidValue);
   EXPECT_THROW(tidal_current(kEast, 0, 0), InvalidValue);
   EXPECT_THROW(gusty_current(-kEast, 1, 0), InvalidValue);
+  EXPECT_THROW(harmonic_current({{1e-4, {11, 0}, {0, 0}}}), InvalidValue);
+  EXPECT_THROW(harmonic_current({{std::nan(""), {1, 0}, {0, 0}}}), InvalidValue);
   EXPECT_THROW(gridded_current({{0, 1}, {0}, {0}, {0}, {kEast}}), InvalidValue);
   EXPECT_THROW(gridded_current({{0}, {0}, {0}, {0}, {kEast * std::nan("")}}), InvalidValue);
 }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -60,6 +62,8 @@ def build_water(
         for index, spec in enumerate(water.current):
             for current in _currents(spec, seed + index, place):
                 native.add_current(current)
+        if tidal := [spec for spec in water.current if isinstance(spec, TideCurrent)]:
+            native.add_current(_ellipses(tidal))
         if water.tide is not None:
             native.set_tide(_tide(water.tide))
         if isinstance(water.profile, FieldProfile):
@@ -141,8 +145,8 @@ def _require_agreement(state: WaterState, where: str, at: tuple[str | int, ...] 
 
 
 def _currents(current: CurrentSpec, seed: int, place: Place | None) -> list[_core.Current]:
-    """Return the parts of a current that vary in space or time."""
-    if isinstance(current, UniformCurrent):
+    """Return the parts of a current that vary in space or time, without those of tides."""
+    if isinstance(current, UniformCurrent | TideCurrent):
         return []
     if isinstance(current, LayeredCurrent):
         levels = current.levels
@@ -151,8 +155,6 @@ def _currents(current: CurrentSpec, seed: int, place: Place | None) -> list[_cor
         return [_core.Current.tidal(current.amplitude_m_s, current.period_s, float(np.radians(current.phase_deg)))]
     if isinstance(current, GustyCurrent):
         return [_core.Current.gusty(current.sigma_m_s, current.correlation_time_s, seed)]
-    if isinstance(current, TideCurrent):
-        return _ellipse(current)
     try:
         if is_ocean(current.file):
             return [ocean_current(current.file, place)]
@@ -163,17 +165,18 @@ def _currents(current: CurrentSpec, seed: int, place: Place | None) -> list[_cor
         raise ScenarioError(f"current '{current.file}': {error}") from None
 
 
-def _ellipse(current: TideCurrent) -> list[_core.Current]:
-    """Return the two axes of a constituent's ellipse; the second is a quarter of the period behind."""
-    factor, speed_rad_s, argument_rad = harmonic(current.constituent, current.begin)
-    lag_rad, turn_rad = np.radians(current.phase_deg) - argument_rad, np.radians(current.inclination_deg)
-    ahead = factor * np.array([np.cos(turn_rad), np.sin(turn_rad), 0.0])
-    left = np.array([-ahead[1], ahead[0], 0.0])
-    period_s = 2.0 * np.pi / speed_rad_s
-    return [
-        _core.Current.tidal(current.major_m_s * ahead, period_s, float(0.5 * np.pi - lag_rad)),
-        _core.Current.tidal(current.minor_m_s * left, period_s, float(-lag_rad)),
-    ]
+def _ellipses(currents: Sequence[TideCurrent]) -> _core.Current:
+    """Return the sum of constituents' ellipses."""
+    speeds_rad_s, cosines_m_s, sines_m_s = [], [], []
+    for each in currents:
+        factor, speed_rad_s, argument_rad = harmonic(each.constituent, each.begin)
+        lag_rad, turn_rad = np.radians(each.phase_deg) - argument_rad, np.radians(each.inclination_deg)
+        ahead = factor * np.array([np.cos(turn_rad), np.sin(turn_rad)])
+        major, minor = each.major_m_s * ahead, each.minor_m_s * np.array([-ahead[1], ahead[0]])
+        speeds_rad_s.append(speed_rad_s)
+        cosines_m_s.append(np.cos(lag_rad) * major - np.sin(lag_rad) * minor)
+        sines_m_s.append(np.sin(lag_rad) * major + np.cos(lag_rad) * minor)
+    return _core.Current.harmonic(speeds_rad_s, cosines_m_s, sines_m_s)
 
 
 def _tide(tide: Tide) -> Floats:
