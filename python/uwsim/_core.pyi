@@ -321,6 +321,12 @@ class Current:
         Return Gauss-Markov gusts with standard deviation sigma_m_s (3,) and zero mean.
         """
     @staticmethod
+    def harmonic(speed_rad_s: typing.Any, cosine_m_s: typing.Any, sine_m_s: typing.Any) -> Current:
+        """
+        Return the sum of cosine_m_s cos(speed t) + sine_m_s sin(speed t): speed_rad_s (n,), others (n, 2), east
+        and north.
+        """
+    @staticmethod
     def layered(depth_m: typing.Any, velocity_m_s: typing.Any) -> Current:
         """
         Return a steady current, linear between levels. depth_m: (n,), increasing; velocity_m_s: (n, 3).
