@@ -19,7 +19,7 @@ from uwsim.scenario.build.ocean import ocean_current
 from uwsim.scenario.build.tides import CONSTITUENTS, harmonic
 from uwsim.scenario.read.ocean_file import read_ocean
 from uwsim.scenario.spec.sensor import SensorMount
-from uwsim.scenario.spec.water import Constituent
+from uwsim.scenario.spec.tides import Constituent
 
 MONTEREY = Path(__file__).parents[4] / "shared/reality/ocean/2003080103_mb_l3_las_1x1km.csv.xz"
 LATITUDE_DEG, LONGITUDE_DEG = 36.8065, -121.824

@@ -14,6 +14,7 @@ from uwsim.scenario.build.tides import harmonic
 from uwsim.scenario.read.current_grid import csv_rows, is_ocean, read_current_grid
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.validated import validated
+from uwsim.scenario.spec.tides import Tide
 from uwsim.scenario.spec.water import (
     AirySurface,
     CurrentSpec,
@@ -25,7 +26,6 @@ from uwsim.scenario.spec.water import (
     StillSurface,
     TableProfile,
     TidalCurrent,
-    Tide,
     TideCurrent,
     UniformCurrent,
     Water,

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from datetime import datetime
 from typing import Annotated, Any, Literal
 
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Field,
     SerializerFunctionWrapHandler,
@@ -17,18 +15,8 @@ from pydantic import (
 )
 
 from uwsim.scenario.spec.fields import AssetFile, Degrees, InRange, Model, broken
+from uwsim.scenario.spec.tides import WORLD_BEGIN, Begin, Constituent, Tide
 from uwsim.scenario.spec.water_state import DEEPEST_M, SALTIEST_PSU, WaterState
-
-
-def _is_time(text: str) -> str:
-    try:
-        year = datetime.fromisoformat(text).year
-    except ValueError:
-        year = 0
-    if not 1900 <= year <= 2100:
-        raise broken("must be a time in quotes, as '2026-05-01T06:00:00Z', from 1900 to 2100", value=text[:40])
-    return text
-
 
 Celsius = Annotated[float, InRange(-2, 40, "deg C")]
 Salinity = Annotated[float, InRange(0, SALTIEST_PSU, "psu")]
@@ -39,9 +27,6 @@ BottomDepth = Annotated[float, InRange(0.1, DEEPEST_M, "m")]
 MetresPerSecond = Annotated[float, InRange(-5, 5, "m/s")]
 Velocity = tuple[MetresPerSecond, MetresPerSecond, MetresPerSecond]
 Deviation = Annotated[float, InRange(0, 5, "m/s")]
-WORLD_BEGIN = "2020-01-01T00:00:00Z"
-"""The time at which worlds begin, in survey files, too."""
-Begin = Annotated[str, AfterValidator(_is_time)]
 
 
 class StillSurface(Model):
@@ -168,13 +153,6 @@ class GriddedCurrent(Model):
     file: AssetFile
 
 
-Constituent = Literal[
-    "M2", "S2", "N2", "K2", "K1", "O1", "P1", "Q1", "M4", "MS4", "MN4", "M6", "M8", "S4", "S6", "MK3", "2MK3", "2SM2",
-    "M3", "2N2", "MU2", "NU2", "LAM2", "L2", "T2", "R2", "J1", "OO1", "2Q1", "RHO", "MM", "MF", "MSF", "SSA",
-]  # fmt: skip
-"""NOAA's names."""
-
-
 class TideCurrent(Model):
     """The current of one constituent of the tide: an ellipse, as harmonic analyses give it.
 
@@ -189,29 +167,6 @@ class TideCurrent(Model):
     minor_m_s: MetresPerSecond = 0.0
     inclination_deg: Degrees = 0.0
     phase_deg: Degrees = 0.0
-    begin: Begin = WORLD_BEGIN
-
-
-class TideConstituent(Model):
-    """A constituent of the tide's height.
-
-    constituent: M2, S2, K1, O1 or another by its name in NOAA's tables. amplitude_m, phase_deg: its harmonic constants;
-    the phase is the Greenwich lag.
-    """
-
-    constituent: Constituent
-    amplitude_m: Annotated[float, InRange(0, 10, "m")]
-    phase_deg: Degrees = 0.0
-
-
-class Tide(Model):
-    """The height of the sea above z = 0, the same in the whole world.
-
-    constituents: add up, with the nodal corrections at the beginning. begin: time of the world's beginning [UTC, ISO
-    8601].
-    """
-
-    constituents: Annotated[tuple[TideConstituent, ...], Field(min_length=1, max_length=40)]
     begin: Begin = WORLD_BEGIN
 
 
