@@ -19,19 +19,26 @@ struct BlockBand {
     second.resize(rows);
   }
 
-  /// Replaces `x` by the solution of A y = x for the first `rows` rows, and the matrix by its factors.
-  void solve(std::size_t rows, std::vector<Eigen::Vector3d>& x) {
+  /// Replaces the matrix of the first `rows` rows by its factors.
+  void factor(std::size_t rows) {
     for (std::size_t i = 0; i < rows; ++i) {
       const Eigen::Matrix3d inverse = diagonal[i].inverse();
       diagonal[i] = inverse;
       if (i + 1 >= rows) break;
       const Eigen::Matrix3d part = inverse * next[i];
       diagonal[i + 1].noalias() -= next[i].transpose() * part;
-      x[i + 1].noalias() -= part.transpose() * x[i];
       if (i + 2 >= rows || second[i] == 0) continue;
       next[i + 1] -= second[i] * part.transpose();
       diagonal[i + 2] -= second[i] * second[i] * inverse;
-      x[i + 2] -= second[i] * (inverse * x[i]);
+    }
+  }
+
+  /// Replaces `x` by the solution of A y = x, after factor().
+  void solve(std::size_t rows, std::vector<Eigen::Vector3d>& x) const {
+    for (std::size_t i = 0; i + 1 < rows; ++i) {
+      const Eigen::Vector3d known = diagonal[i] * x[i];
+      x[i + 1].noalias() -= next[i].transpose() * known;
+      if (i + 2 < rows) x[i + 2] -= second[i] * known;
     }
     for (std::size_t i = rows; i-- > 0;) {
       Eigen::Vector3d known = x[i];
@@ -41,23 +48,29 @@ struct BlockBand {
     }
   }
 
-  /// The same by Cholesky's factors (Golub and Van Loan 2013, "Matrix Computations", 4.3), where a block may be far
+  /// Both by Cholesky's factors (Golub and Van Loan 2013, "Matrix Computations", 4.3), where a block may be far
   /// stiffer in one direction than in another: if by a ratio r, the error of its inverse by cofactors is of the order
   /// of r^3 times that of a number.
-  void solve_stiff(std::size_t rows, std::vector<Eigen::Vector3d>& x) {
+  void factor_stiff(std::size_t rows) {
     for (std::size_t i = 0; i < rows; ++i) {
       diagonal[i] = Eigen::LLT<Eigen::Matrix3d>(diagonal[i]).matrixL();
       const auto lower = diagonal[i].triangularView<Eigen::Lower>();
-      lower.solveInPlace(x[i]);
       if (i + 1 >= rows) break;
       lower.solveInPlace(next[i]);
       diagonal[i + 1].noalias() -= next[i].transpose() * next[i];
-      x[i + 1].noalias() -= next[i].transpose() * x[i];
       if (i + 2 >= rows || second[i] == 0) continue;
       const Eigen::Matrix3d two = lower.solve(Eigen::Matrix3d(second[i] * Eigen::Matrix3d::Identity()));
       next[i + 1].noalias() -= next[i].transpose() * two;
       diagonal[i + 2].noalias() -= two.transpose() * two;
-      x[i + 2].noalias() -= two.transpose() * x[i];
+    }
+  }
+
+  void solve_stiff(std::size_t rows, std::vector<Eigen::Vector3d>& x) const {
+    for (std::size_t i = 0; i < rows; ++i) {
+      diagonal[i].triangularView<Eigen::Lower>().solveInPlace(x[i]);
+      if (i + 1 < rows) x[i + 1].noalias() -= next[i].transpose() * x[i];
+      if (i + 2 < rows && second[i] != 0)
+        x[i + 2] -= second[i] * diagonal[i].transpose().triangularView<Eigen::Upper>().solve(x[i]);
     }
     for (std::size_t i = rows; i-- > 0;) {
       const auto lower = diagonal[i].triangularView<Eigen::Lower>();

@@ -85,7 +85,7 @@ Tether::Tether(const TetherSpec& spec, const World& world, std::span<const Moved
   for (std::vector<Eigen::Vector3d>* vectors :
        {&next_, &gradient_, &change_, &found_, &from_, &way_, &points_, &targets_})
     vectors->resize(most);
-  for (std::vector<double>* values : {&reach_m_, &from_m_}) values->resize(most);
+  for (std::vector<double>* values : {&reach_m_, &from_m_, &half_heights_m_}) values->resize(most);
   contacts_.reserve(kKeptContacts);
   hessian_.resize(most);
   flow_.resize(most);

@@ -96,12 +96,18 @@ class Tether {
   struct Pull {
     double tension, stiffness;
   };
+  /// The weights of a node and its neighbours in what half of whose square is the energy of bending.
+  struct Bending {
+    double before, here, after;
+  };
   /// Constant within a step; and of the element after a node, its pull in the present iteration.
   struct Frozen {
     Eigen::Vector3d target, force, flow, tangent;
     double normal_mass, tangential_mass, normal_drag, tangential_drag;
+    Eigen::Matrix3d inertia;  // mass per squared step
     Eigen::Vector3d bed_normal;
     double bed_level_m, bed_stiffness, friction_n;
+    bool is_on_bed = false, slides = false;  // in the present iteration
     // The element after it, at the start of the step and in the present iteration:
     double stretch_m, tension_n, stiffness, damping;
     Eigen::Vector3d unit;
@@ -138,12 +144,12 @@ class Tether {
              double step_s) const;
   static bool turn_back(End& end, const Eigen::Vector3d& force_n, double step_s);
   void freeze(const WaterField& water, double time_s, double step_s);
-  void freeze_water(std::size_t node, const WaterField& water, double time_s);
+  void freeze_water(std::size_t node, const WaterField& water, double step_s);
   void freeze_bed(std::size_t node);
   void freeze_contacts(std::span<const MovedBody> bodies, double step_s, double least_reach_m, double moving_s);
   void freeze_contact(TetherContact& contact, double step_s);
   void yield_hulls(std::span<const MovedBody> bodies, const WaterField& water, double time_s, double step_s);
-  void add_contacts();
+  void add_contacts(bool with_hessian);
   void press_contacts();
   void push_hulls(std::span<MovedBody> bodies);
   Eigen::Vector3d between(const std::vector<Eigen::Vector3d>& nodes, const TetherContact& contact) const;
@@ -163,11 +169,16 @@ class Tether {
   void be_consistent();
   void find_stiffness(double share, double step_s);
   void find_end_forces(double step_s);
-  void assemble(double step_s);
-  void add_node(std::size_t node, double step_s);
-  void add_element(std::size_t element, double step_s);
-  void add_bending(std::size_t node);
-  void add_ends(double step_s);
+  double find_change_again(double step_s);
+  double solve_factored();
+  bool refine(double step_s, double last_m);
+  void take(double share);
+  void assemble(double step_s, bool with_hessian = true);
+  void add_node(std::size_t node, double step_s, bool with_hessian);
+  void add_element(std::size_t element, double step_s, bool with_hessian);
+  void add_bending(std::size_t node, const Bending& bending, bool with_hessian);
+  Bending bending(std::size_t node) const;
+  void add_ends(double step_s, bool with_hessian);
   Pull pull(std::size_t element, double distance_m, double step_s) const;
   static Pull taut(const Frozen& element, double stretch_m);
   static Eigen::Vector3d scaled(const Eigen::Vector3d& v, const Eigen::Vector3d& unit, double along, double across);
@@ -195,9 +206,10 @@ class Tether {
   BlockBand hessian_;
   std::vector<TetherContact> contacts_;
   std::vector<Eigen::Vector3d> points_, targets_;
-  std::vector<double> reach_m_, from_m_;
+  std::vector<double> reach_m_, from_m_, half_heights_m_;
   FlowAlong flow_;
   std::array<End, 2> ends_;
+  bool is_same_ = false;  // what presses and pulls, as when the Hessian was found
   Drum drum_{};
   std::array<Eigen::Matrix3d, 2> end_next_;  // off the rows that fixed ends remove
   std::array<double, 2> end_second_{};

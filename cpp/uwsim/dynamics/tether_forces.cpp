@@ -57,39 +57,45 @@ void Tether::be_consistent() {
   }
 }
 
-/// The gradient and the Hessian at next_.
-void Tether::assemble(double step_s) {
-  for (std::size_t i = 0; i < nodes_.size(); ++i) add_node(i, step_s);
-  for (std::size_t i = 0; i < elements(); ++i) add_element(i, step_s);
+/// The gradient and the Hessian at next_, or only the gradient, and whether the Hessian still has the parts that it
+/// should.
+void Tether::assemble(double step_s, bool with_hessian) {
+  is_same_ = true;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) add_node(i, step_s, with_hessian);
+  for (std::size_t i = 0; i < elements(); ++i) add_element(i, step_s, with_hessian);
   if (spec_.bending_stiffness_n_m2 > 0) {
-    for (std::size_t i = 1; i < elements(); ++i) add_bending(i);
+    const Bending usual = bending(2);
+    for (std::size_t i = 1; i < elements(); ++i) add_bending(i, i == 1 ? bending(1) : usual, with_hessian);
   }
-  add_contacts();
-  add_ends(step_s);
+  add_contacts(with_hessian);
+  add_ends(step_s, with_hessian);
 }
 
-void Tether::add_node(std::size_t i, double step_s) {
-  const Frozen& f = frozen_[i];
-  const double per_s2 = 1 / (step_s * step_s);
+void Tether::add_node(std::size_t i, double step_s, bool with_hessian) {
+  Frozen& f = frozen_[i];
   const Eigen::Vector3d velocity = (next_[i] - nodes_[i].position) / step_s - f.flow;
-  const Eigen::Matrix3d along = outer(f.tangent);
   const double forward = f.tangent.dot(velocity);
   const Eigen::Vector3d across = velocity - forward * f.tangent;
-  const double speed = across.norm(), drag = f.normal_drag * speed / step_s;
-  gradient_[i] = scaled(next_[i] - f.target, f.tangent, per_s2 * f.tangential_mass, per_s2 * f.normal_mass) - f.force +
-                 f.normal_drag * speed * across + f.tangential_drag * std::abs(forward) * forward * f.tangent;
+  const double speed = across.norm();
+  gradient_[i].noalias() = f.inertia * (next_[i] - f.target);
+  gradient_[i] +=
+      f.normal_drag * speed * across + f.tangential_drag * std::abs(forward) * forward * f.tangent - f.force;
   Eigen::Matrix3d& h = hessian_.diagonal[i];
-  const double normal = per_s2 * f.normal_mass + drag;
-  h = (per_s2 * f.tangential_mass + 2 * f.tangential_drag * std::abs(forward) / step_s - normal) * along;
-  h.diagonal().array() += normal;
-  if (speed > kShortest) h += drag / (speed * speed) * outer(across);
-  hessian_.next[i].setZero();
-  hessian_.second[i] = 0;
+  if (with_hessian) {
+    const double drag = f.normal_drag * speed / step_s;
+    h = f.inertia + (2 * f.tangential_drag * std::abs(forward) / step_s - drag) * outer(f.tangent);
+    h.diagonal().array() += drag;
+    if (speed > kShortest) h += drag / (speed * speed) * outer(across);
+    hessian_.next[i].setZero();
+    hessian_.second[i] = 0;
+  }
   if (f.bed_stiffness == 0) return;
   const double depth = f.bed_level_m - f.bed_normal.dot(next_[i]);
+  is_same_ = is_same_ && f.is_on_bed == (depth > 0);
+  f.is_on_bed = depth > 0;
   if (depth > 0) {
     gradient_[i] -= f.bed_stiffness * depth * f.bed_normal;
-    h += f.bed_stiffness * outer(f.bed_normal);
+    if (with_hessian) h += f.bed_stiffness * outer(f.bed_normal);
   }
   if (f.friction_n == 0) return;
   Eigen::Vector3d slip = next_[i] - nodes_[i].grip;
@@ -97,22 +103,28 @@ void Tether::add_node(std::size_t i, double step_s) {
   const double distance = slip.norm(), most = f.friction_n / f.bed_stiffness;
   const double stiffness = f.bed_stiffness * (distance > most ? most / distance : 1);
   gradient_[i] += stiffness * slip;
+  is_same_ = is_same_ && f.slides == (distance > most);
+  f.slides = distance > most;
+  if (!with_hessian) return;
   h += stiffness * (Eigen::Matrix3d::Identity() - outer(f.bed_normal));
   if (distance > most) h -= stiffness / (distance * distance) * outer(slip);
 }
 
-void Tether::add_element(std::size_t i, double step_s) {
+void Tether::add_element(std::size_t i, double step_s, bool with_hessian) {
   const Eigen::Vector3d between = next_[i + 1] - next_[i];
   const double distance = between.norm();
   Frozen& f = frozen_[i];
+  const Pull last = f.pull;
   f.pull = distance < kShortest ? Pull{0, 0} : pull(i, distance, step_s);
   f.unit = distance < kShortest ? Eigen::Vector3d::Zero() : Eigen::Vector3d(between / distance);
+  is_same_ = is_same_ && last.stiffness == f.pull.stiffness && (last.tension == 0) == (f.pull.tension == 0);
   if (f.pull.tension == 0 && f.pull.stiffness == 0) return;
+  gradient_[i] -= f.pull.tension * f.unit;
+  gradient_[i + 1] += f.pull.tension * f.unit;
+  if (!with_hessian) return;
   const double across = (f.pull.stiffness > 0 ? f.tension_n : f.pull.tension) / distance;
   Eigen::Matrix3d h = (f.pull.stiffness - across) * outer(f.unit);
   h.diagonal().array() += across;
-  gradient_[i] -= f.pull.tension * f.unit;
-  gradient_[i + 1] += f.pull.tension * f.unit;
   hessian_.diagonal[i] += h;
   hessian_.diagonal[i + 1] += h;
   hessian_.next[i] -= h;
@@ -120,36 +132,43 @@ void Tether::add_element(std::size_t i, double step_s) {
 
 /// The energy EI / 2 times the squared second difference of position along the tether, which is its curvature where it
 /// is not stretched much.
-void Tether::add_bending(std::size_t i) {
+Tether::Bending Tether::bending(std::size_t i) const {
+  const double before = i == 1 ? rest_m(0) : spec_.element_m(), after = spec_.element_m();
+  const double root = std::sqrt(2 * spec_.bending_stiffness_n_m2 / (before + after));
+  return {root / before, -(root / before + root / after), root / after};
+}
+
+void Tether::add_bending(std::size_t i, const Bending& bending, bool with_hessian) {
   if (i - 1 == broken_ || i == broken_) return;
-  const double before = 1 / rest_m(i - 1), after = 1 / rest_m(i), here = -(before + after);
-  const double stiffness = 2 * spec_.bending_stiffness_n_m2 / (rest_m(i - 1) + rest_m(i));
-  const Eigen::Vector3d turn = stiffness * (before * next_[i - 1] + here * next_[i] + after * next_[i + 1]);
+  const auto [before, here, after] = bending;
+  const Eigen::Vector3d turn = before * next_[i - 1] + here * next_[i] + after * next_[i + 1];
   gradient_[i - 1] += before * turn;
   gradient_[i] += here * turn;
   gradient_[i + 1] += after * turn;
-  hessian_.diagonal[i - 1].diagonal().array() += stiffness * before * before;
-  hessian_.diagonal[i].diagonal().array() += stiffness * here * here;
-  hessian_.diagonal[i + 1].diagonal().array() += stiffness * after * after;
-  hessian_.next[i - 1].diagonal().array() += stiffness * before * here;
-  hessian_.next[i].diagonal().array() += stiffness * here * after;
-  hessian_.second[i - 1] += stiffness * before * after;
+  if (!with_hessian) return;
+  hessian_.diagonal[i - 1].diagonal().array() += before * before;
+  hessian_.diagonal[i].diagonal().array() += here * here;
+  hessian_.diagonal[i + 1].diagonal().array() += after * after;
+  hessian_.next[i - 1].diagonal().array() += before * here;
+  hessian_.next[i].diagonal().array() += here * after;
+  hessian_.second[i - 1] += before * after;
 }
 
 /// A body's mass, or for a fixed end a row that keeps its node.
-void Tether::add_ends(double step_s) {
+void Tether::add_ends(double step_s, bool with_hessian) {
   const double per_s2 = 1 / (step_s * step_s);
   const std::size_t last = elements();
   for (std::size_t k = 0; k < 2; ++k) {
     const std::size_t row = k == 0 ? 0 : last, off = k == 0 ? 0 : last - 1;
     if (!ends_[k].is_fixed) {
       gradient_[row] += per_s2 * ends_[k].mass * (next_[row] - ends_[k].next);
-      hessian_.diagonal[row] += per_s2 * ends_[k].mass;
+      if (with_hessian) hessian_.diagonal[row] += per_s2 * ends_[k].mass;
       continue;
     }
     end_gradient_[k] = gradient_[row];
-    end_next_[k] = hessian_.next[off];
     gradient_[row].setZero();
+    if (!with_hessian) continue;
+    end_next_[k] = hessian_.next[off];
     hessian_.diagonal[row].setIdentity();
     hessian_.next[off].setZero();
     if (last < 2) continue;

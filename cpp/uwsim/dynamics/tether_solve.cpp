@@ -10,7 +10,11 @@ namespace {
 constexpr int kIterations = 40;
 constexpr int kFull = 12;           // iterations after which changes are halved, in case that they alternate
 constexpr double kSolved_m = 1e-7;  // the change of an iteration after which positions are found
-constexpr double kLost_m = 1e6;     // the change after which they are not
+// Changes with the Hessian of the last iteration, which are cheaper, follow while each is less than this part of the
+// one before. Positions are found where the next such change would be as small as this.
+constexpr double kShrinking = 0.1, kPredicted_m = 1e-9;
+constexpr int kRefinements = 4;
+constexpr double kLost_m = 1e6;  // the change after which they are not
 // Otherwise the tether is made as soft as its nodes' inertia in a step, and then stiffer by stages.
 constexpr double kStiffer = 5;
 constexpr int kDescents = 60;
@@ -49,18 +53,37 @@ void Tether::begin_search(double share) {
 }
 
 bool Tether::solve(double step_s) {
-  const std::size_t rows = nodes_.size();
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const double share = iteration < kFull ? 1 : 0.5;
     const double largest = find_change(step_s);
-    for (std::size_t i = 0; i < rows; ++i) next_[i] += share * change_[i];
-    for (std::size_t i = 0; i + 1 < rows; ++i) {
-      Frozen& f = frozen_[i];
-      f.tension_n = std::max(0.0, f.pull.tension + f.pull.stiffness * f.unit.dot(change_[i + 1] - change_[i]));
-    }
-    press_contacts();
+    take(share);
     if (largest <= kSolved_m) return true;
     if (!(largest < kLost_m)) return false;
+    if (iteration < kFull && refine(step_s, largest)) return true;
+  }
+  return false;
+}
+
+/// Takes a share of an iteration's change, and the forces that follow from it.
+void Tether::take(double share) {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) next_[i] += share * change_[i];
+  for (std::size_t i = 0; i < elements(); ++i) {
+    Frozen& f = frozen_[i];
+    f.tension_n = std::max(0.0, f.pull.tension + f.pull.stiffness * f.unit.dot(change_[i + 1] - change_[i]));
+  }
+  press_contacts();
+}
+
+/// Simplified Newton iterations (Hairer and Wanner 1996, "Solving Ordinary Differential Equations II", IV.8), after a
+/// change of `last_m` and while the same elements pull and the same contacts press. Returns whether positions are
+/// found.
+bool Tether::refine(double step_s, double last_m) {
+  for (int k = 0; k < kRefinements; ++k) {
+    const double largest = find_change_again(step_s);
+    if (!is_same_ || !(largest < kShrinking * last_m)) return false;
+    take(1);
+    if (largest * largest <= kPredicted_m * last_m) return true;
+    last_m = largest;
   }
   return false;
 }
@@ -69,6 +92,22 @@ bool Tether::solve(double step_s) {
 double Tether::find_change(double step_s) {
   const std::size_t rows = nodes_.size();
   assemble(step_s);
+  if (is_stiff_) {
+    hessian_.factor_stiff(rows);
+  } else {
+    hessian_.factor(rows);
+  }
+  return solve_factored();
+}
+
+/// The same with the Hessian of the last find_change().
+double Tether::find_change_again(double step_s) {
+  assemble(step_s, false);
+  return solve_factored();
+}
+
+double Tether::solve_factored() {
+  const std::size_t rows = nodes_.size();
   for (std::size_t i = 0; i < rows; ++i) change_[i] = -gradient_[i];
   if (is_stiff_) {
     hessian_.solve_stiff(rows, change_);
@@ -133,7 +172,7 @@ double Tether::search_line(double step_s, double start, double most) {
   const auto slope = [&](double share) {
     for (std::size_t i = 0; i < rows; ++i) next_[i] = from_[i] + share * way_[i];
     be_consistent();
-    assemble(step_s);
+    assemble(step_s, false);
     double sum = 0;
     for (std::size_t i = 0; i < rows; ++i) sum += gradient_[i].dot(way_[i]);
     return sum;

@@ -116,16 +116,22 @@ void Tether::freeze(const WaterField& water, double time_s, double step_s) {
     from_m_[i] = passed;
     if (i < last) passed += rest_m(i);
   }
-  flow_.find({points_.data(), nodes_.size()}, {from_m_.data(), nodes_.size()}, water, time_s + step_s);
+  for (std::size_t i = 0; i <= last; ++i) {
+    Frozen& f = frozen_[i];
+    const std::size_t before = i == 0 || broken_ == i - 1 ? i : i - 1, after = i == last || broken_ == i ? i : i + 1;
+    const Eigen::Vector3d along = points_[after] - points_[before];
+    const double length = along.norm();
+    f.tangent = length > kLeast ? Eigen::Vector3d(along / length) : Eigen::Vector3d::UnitX();
+    half_heights_m_[i] = 0.5 * (spec_.diameter_m + std::abs(f.tangent.z()) * span_m(i));
+  }
+  const std::size_t count = nodes_.size();
+  flow_.find({{points_.data(), count}, {from_m_.data(), count}, {half_heights_m_.data(), count}}, water,
+             time_s + step_s);
   for (std::size_t i = 0; i <= last; ++i) {
     Frozen& f = frozen_[i];
     const Node& node = nodes_[i];
     f.target = node.position + step_s * node.velocity;
-    const std::size_t before = i == 0 || broken_ == i - 1 ? i : i - 1, after = i == last || broken_ == i ? i : i + 1;
-    const Eigen::Vector3d along = nodes_[after].position - nodes_[before].position;
-    const double length = along.norm();
-    f.tangent = length > kLeast ? Eigen::Vector3d(along / length) : Eigen::Vector3d::UnitX();
-    freeze_water(i, water, time_s + step_s);
+    freeze_water(i, water, step_s);
     freeze_bed(i);
     f.stretch_m = i == last ? 0 : std::max(0.0, (nodes_[i + 1].position - node.position).norm() - rest_m(i));
   }
@@ -133,21 +139,17 @@ void Tether::freeze(const WaterField& water, double time_s, double step_s) {
 }
 
 /// Mass, weight and the water's forces. A node is wet in proportion to what of its height lies below the surface.
-void Tether::freeze_water(std::size_t i, const WaterField& water, double time_s) {
+void Tether::freeze_water(std::size_t i, const WaterField& water, double step_s) {
   Frozen& f = frozen_[i];
-  const Eigen::Vector3d& at = nodes_[i].position;
-  const double length = span_m(i), mass = mass_kg(i);
-  double wet = at.z() < 0 ? 1 : 0;
-  if (std::abs(at.z()) < length + spec_.diameter_m + water.wave_bound_m()) {
-    const double height = spec_.diameter_m + std::abs(f.tangent.z()) * length;
-    wet = std::clamp(0.5 + (water.surface_height_at(at.x(), at.y(), time_s) - at.z()) / height, 0.0, 1.0);
-  }
+  const double length = span_m(i), mass = mass_kg(i), wet = flow_.wet(i);
   f.force = {0, 0, -mass * water.gravity()};
   f.flow.setZero();
   f.normal_mass = f.tangential_mass = mass;
   f.normal_drag = f.tangential_drag = 0;
+  const double per_s2 = 1 / (step_s * step_s);
+  f.inertia = per_s2 * mass * Eigen::Matrix3d::Identity();
   if (wet == 0) return;
-  const double density = wet * water.density_at(at.z());
+  const double density = wet * water.density_at(nodes_[i].position.z());
   const double displaced = density * std::numbers::pi / 4 * spec_.diameter_m * spec_.diameter_m * length;
   const WaterFlow& flow = flow_.at(i);
   const Eigen::Vector3d rate = flow.wave_acceleration_m_s2 + flow.current_acceleration_m_s2;
@@ -156,6 +158,8 @@ void Tether::freeze_water(std::size_t i, const WaterField& water, double time_s)
   f.force += displaced * scaled(rate, f.tangent, 1 + spec_.tangential_added_mass, 1 + spec_.normal_added_mass);
   f.normal_mass += displaced * spec_.normal_added_mass;
   f.tangential_mass += displaced * spec_.tangential_added_mass;
+  f.inertia.diagonal().setConstant(per_s2 * f.normal_mass);
+  f.inertia += per_s2 * (f.tangential_mass - f.normal_mass) * f.tangent * f.tangent.transpose();
   const double area = 0.5 * density * spec_.diameter_m * length;
   f.normal_drag = area * spec_.normal_drag;
   f.tangential_drag = area * std::numbers::pi * spec_.tangential_drag;

@@ -90,7 +90,7 @@ void Tether::yield_hulls(std::span<const MovedBody> bodies, const WaterField& wa
 
 /// A contact presses, and its friction slides, as pull() judges of elements: by the force of the last iteration, and,
 /// as if it were no stiffer than the tether's inertia, by how far its place is from the one at that force.
-void Tether::add_contacts() {
+void Tether::add_contacts(bool with_hessian) {
   for (TetherContact& c : contacts_) {
     const Eigen::Vector3d at = between(next_, c);
     const double weights[] = {1 - c.share, c.share}, depth = c.level_m - c.normal_world.dot(at);
@@ -98,11 +98,13 @@ void Tether::add_contacts() {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
     Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
     const double judged_n = c.force_n + inertia * (depth - c.force_n / c.stiffness);
+    is_same_ = is_same_ && c.is_pressed == (judged_n > 0);
     c.is_pressed = judged_n > 0;
     if (c.is_pressed) {
       force += c.stiffness * depth * c.normal_world;
       h += c.stiffness * c.normal_world * c.normal_world.transpose();
     }
+    const bool slid = c.slides;
     c.slides = false;
     if (c.friction_n > kLeast_n) {
       Eigen::Vector3d slip = at - c.held_m;
@@ -123,8 +125,10 @@ void Tether::add_contacts() {
       force -= c.slide_n;
       h += c.slide_stiffness;
     }
+    is_same_ = is_same_ && c.slides == slid;
+    for (const std::size_t k : {0u, 1u}) gradient_[c.element + k] -= weights[k] * force;
+    if (!with_hessian) continue;
     for (const std::size_t k : {0u, 1u}) {
-      gradient_[c.element + k] -= weights[k] * force;
       hessian_.diagonal[c.element + k] += weights[k] * weights[k] * h;
     }
     hessian_.next[c.element] += weights[0] * weights[1] * h;

@@ -82,6 +82,9 @@ class Water : public EvenWater {
   double still_pressure_at(double z_world_m) const override;
   double pressure_head_at(const Eigen::Vector3d& point_world_m, double time_s) const override;
   WaterFlow flow_at(const Eigen::Vector3d& point_world_m, double time_s) const override;
+  /// See Waves::add_main_flow.
+  WaterFlow main_flow_at(const Eigen::Vector3d& point_world_m, double time_s, double emerged_m,
+                         double* surface_m) const;
   VolumeFlow flow_over(const PlacedVolume& volume, double time_s) const override;
   bool flows_smoothly() const override;
   NearbyFlow flow_near(const PlacedVolume& volume, double time_s) const override;

@@ -13,6 +13,7 @@ namespace {
 
 // Depth, in units of 1 / k, below which less than 2e-7 of a wave's motion remains.
 constexpr double kDepthOfMotion = 15.5;
+constexpr double kDepthOfMainMotion = 7;  // less than 1e-3
 
 }  // namespace
 
@@ -103,9 +104,11 @@ void Waves::put_into_blocks() {
   }
 }
 
-std::size_t Waves::count_reaching(double z_m) const {
+std::size_t Waves::count_reaching(double z_m) const { return count_reaching(z_m, kDepthOfMotion); }
+
+std::size_t Waves::count_reaching(double z_m, double depths) const {
   if (z_m > -kTroughs * bound_m_) return blocks_.size();  // within the stretched layer of the deepest trough
-  const double limit = kDepthOfMotion / -z_m;
+  const double limit = depths / -z_m;
   const auto end =
       std::partition_point(waves_.begin(), waves_.end(), [limit](const Wave& w) { return w.number_rad_m < limit; });
   return (static_cast<std::size_t>(end - waves_.begin()) + WaveBlock::kLanes - 1) / WaveBlock::kLanes;
@@ -196,6 +199,11 @@ WaveMotion Waves::motion_at(const Eigen::Vector3d& p, double time_s, const Eigen
   if (count == 0) return {};
   Crests crests;
   const double height = crests_at(p.x(), p.y(), time_s, count, crests);
+  return motion_of(crests, height, count, p, current_m_s);
+}
+
+WaveMotion Waves::motion_of(const Crests& crests, double height, std::size_t count, const Eigen::Vector3d& p,
+                            const Eigen::Vector3d& current_m_s) const {
   const Stretched at = stretched(p.z(), height);
   WaveMotionSums sums;
   wave_sum_kernels().motion(blocks_.data(), count, crests.data(), at.z_m, sums);
@@ -206,6 +214,22 @@ WaveMotion Waves::motion_at(const Eigen::Vector3d& p, double time_s, const Eigen
 
 void Waves::add_flow(const Eigen::Vector3d& p, double time_s, WaterFlow& flow) const {
   const WaveMotion motion = motion_at(p, time_s, flow.velocity_m_s);
+  flow.velocity_m_s += motion.velocity_m_s;
+  flow.wave_acceleration_m_s2 += motion.local_m_s2 + motion.convective_m_s2;
+}
+
+void Waves::add_main_flow(const Eigen::Vector3d& p, double time_s, WaterFlow& flow, double emerged_m,
+                          double* surface_m) const {
+  const std::size_t moving = count_reaching(p.z(), kDepthOfMainMotion);
+  const std::size_t count = surface_m != nullptr ? blocks_.size() : moving;
+  Crests crests;
+  const double height = count == 0 ? 0 : crests_at(p.x(), p.y(), time_s, count, crests);
+  if (surface_m != nullptr) {
+    *surface_m = height;
+    if (p.z() - height >= emerged_m) return;
+  }
+  if (moving == 0) return;
+  const WaveMotion motion = motion_of(crests, height, moving, p, flow.velocity_m_s);
   flow.velocity_m_s += motion.velocity_m_s;
   flow.wave_acceleration_m_s2 += motion.local_m_s2 + motion.convective_m_s2;
 }

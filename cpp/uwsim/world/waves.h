@@ -104,6 +104,10 @@ class Waves {
   double bernoulli_head_at(const Eigen::Vector3d& point_world_m, double time_s) const;
   /// Adds velocity and acceleration of the orbital motion to a flow that contains the current.
   void add_flow(const Eigen::Vector3d& point_world_m, double time_s, WaterFlow& flow) const;
+  /// The same without waves of which less than 1e-3 remains at that depth. With `surface_m`, sets it to the surface's
+  /// height, and adds nothing if the point is at least `emerged_m` above that.
+  void add_main_flow(const Eigen::Vector3d& point_world_m, double time_s, WaterFlow& flow, double emerged_m,
+                     double* surface_m) const;
   /// The motion of a particle that is carried along by a current.
   WaveMotion motion_at(const Eigen::Vector3d& point_world_m, double time_s, const Eigen::Vector3d& current_m_s) const;
   /// The same for WaterField::flow_over. The volume is cut into up to eight slices, none of which is longer than a
@@ -135,8 +139,11 @@ class Waves {
   static Eigen::Vector3d convective(const WaveMotionSums& sums, const Stretched& at,
                                     const Eigen::Vector3d& current_m_s);
   void put_into_blocks();
-  /// Number of blocks, counted from the longest waves, whose motion reaches `z_m`.
+  /// Number of blocks, counted from the longest waves, whose motion reaches `z_m`: `depths` times 1 / k.
+  std::size_t count_reaching(double z_m, double depths) const;
   std::size_t count_reaching(double z_m) const;
+  WaveMotion motion_of(const Crests& crests, double height_m, std::size_t count, const Eigen::Vector3d& point_m,
+                       const Eigen::Vector3d& current_m_s) const;
   double crests_at(double x, double y, double time_s, std::size_t count, Crests& crests) const;
   /// Depth D of the stretched layer for a surface height of `height_m`.
   double layer_m(double height_m) const;

@@ -44,6 +44,8 @@ TEST(BlockBand, SolvesChainsAtAnyStiffness) {
     std::vector<Eigen::Vector3d> by_stiff(kRows, Eigen::Vector3d(1, -2, 3)), by_usual = by_stiff;
     const Eigen::VectorXd right = Eigen::Map<const Eigen::VectorXd>(by_stiff[0].data(), 3 * kRows);
     const Eigen::VectorXd wanted = dense.cast<long double>().llt().solve(right.cast<long double>()).cast<double>();
+    stiff.factor_stiff(kRows);
+    usual.factor(kRows);
     stiff.solve_stiff(kRows, by_stiff);
     usual.solve(kRows, by_usual);
     const auto error = [&](const std::vector<Eigen::Vector3d>& found) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -55,7 +56,7 @@ Water water_with(const Waves& waves) {
 /// The greatest error of velocities, relative to `speed_m_s`, and of accelerations, to `rate_m_s2`.
 double worst(FlowAlong& flow, const Line& line, const Water& water, double time_s, double speed_m_s, double rate_m_s2) {
   flow.resize(line.points.size());
-  flow.find(line.points, line.along, water, time_s);
+  flow.find({line.points, line.along}, water, time_s);
   double error = 0;
   for (std::size_t i = 0; i < line.points.size(); ++i) {
     const WaterFlow is = flow.at(i), known = water.flow_at(line.points[i], time_s);
@@ -93,6 +94,33 @@ TEST(FlowAlong, EvaluatesFewPointsInASea) {
   const Line shallow = straight({0, 0, -0.3}, {1, 0, 0}, 40);
   EXPECT_EQ(worst(flow, shallow, water, 3, 1, 1), 0);
   EXPECT_EQ(flow.evaluated(), 41);
+}
+
+/// Points stand for parts of the line, which are wet below the surface; what is dry has no flow, though the polynomials
+/// of the points below it begin there.
+TEST(FlowAlong, WetsWhatIsBelowTheSurface) {
+  Water water = water_with(Waves::jonswap({.significant_height_m = 0.2}, 20));
+  water.current_world_m_s.setZero();
+  const Line line = straight({0, 0, 1}, {1, 0, -0.6}, 80);
+  const std::vector<double> half(line.points.size(), 0.05);
+  FlowAlong flow;
+  flow.resize(line.points.size());
+  int dry = 0, between = 0;
+  for (double time_s = 0; time_s < 10; time_s += 0.37) {
+    flow.find({line.points, line.along, half}, water, time_s);
+    for (std::size_t i = 0; i < line.points.size(); ++i) {
+      const Eigen::Vector3d& at = line.points[i];
+      const double above = at.z() - water.surface_height_at(at.x(), at.y(), time_s);
+      EXPECT_NEAR(flow.wet(i), std::clamp(0.5 - above / 0.1, 0.0, 1.0), 1e-12) << i;
+      dry += flow.wet(i) == 0;
+      between += flow.wet(i) > 0 && flow.wet(i) < 1;
+      if (flow.wet(i) == 0) continue;
+      const WaterFlow known = water.flow_at(at, time_s);
+      EXPECT_LT((flow.at(i).velocity_m_s - known.velocity_m_s).norm(), 0.003) << i;
+    }
+  }
+  EXPECT_GT(dry, 100);
+  EXPECT_GT(between, 10);
 }
 
 TEST(FlowAlong, IsExactWithoutWaves) {
