@@ -22,8 +22,8 @@ namespace uwsim {
 /// A point stands for a part of the line with a height. Where all of that is above the surface, there is no flow.
 class FlowAlong {
  public:
-  /// What is searched: points, their lengths from the first, strictly increasing [m], and half of their heights; if
-  /// none is given, they are all taken to be wet.
+  /// Points, their lengths from the first, strictly increasing [m], and half of their heights; if none is given, they
+  /// are all taken to be wet.
   struct Line {
     std::span<const Eigen::Vector3d> points_m;
     std::span<const double> along_m, half_heights_m = {};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/LU>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -21,8 +22,8 @@ namespace uwsim {
 /// A tether of lumped masses: nodes with half of the mass of the elements beside them, as in MoorDyn (Hall and Goupee
 /// 2015, Ocean Engineering 104:590). Elements have axial stiffness and damping in tension only; bending stiffness acts
 /// between neighbours; Morison's drag and added mass, weight and buoyancy act on the nodes, as does the bed, with
-/// Coulomb friction. Elements touch solids and hulls (TetherContactFinder),
-/// and pass through each other.
+/// Coulomb friction. Elements touch solids, hulls and each other
+/// (TetherContactFinder).
 ///
 /// A step is backward Euler's. With directions, masses and friction's normal forces as at its start, each force is the
 /// gradient of a convex potential of the nodes' next positions, so that the step is the minimum of a strictly convex
@@ -138,6 +139,12 @@ class Tether {
     double low_m, high_m, tension_n;
   };
 
+  /// A contact of the tether with itself in an iteration, and the derivative of its force.
+  struct Joint {
+    const TetherContact* contact;
+    Eigen::Matrix3d stiffness;
+  };
+
   double span_m(std::size_t node) const;
   Eigen::Vector3d end_point(const TetherEnd& end, std::span<const MovedBody> bodies) const;
   End end_of(const TetherEnd& end, std::span<MovedBody> bodies, const WaterField& water, double time_s,
@@ -171,6 +178,9 @@ class Tether {
   void find_end_forces(double step_s);
   double find_change_again(double step_s);
   double solve_factored();
+  void solve_band(std::vector<Eigen::Vector3d>& x) const;
+  void factor_joints();
+  void solve_joints();
   bool refine(double step_s, double last_m);
   void take(double share);
   void assemble(double step_s, bool with_hessian = true);
@@ -205,6 +215,11 @@ class Tether {
   std::vector<Eigen::Vector3d> next_, gradient_, change_, found_, from_, way_;
   BlockBand hessian_;
   std::vector<TetherContact> contacts_;
+  std::vector<Joint> joints_;
+  std::vector<std::vector<Eigen::Vector3d>> ways_;  // how the tether moves under a unit force at a joint
+  Eigen::MatrixXd joint_matrix_;
+  Eigen::VectorXd joint_forces_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> joint_factors_;
   std::vector<Eigen::Vector3d> points_, targets_;
   std::vector<double> reach_m_, from_m_, half_heights_m_;
   FlowAlong flow_;

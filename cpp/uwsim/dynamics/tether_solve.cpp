@@ -97,6 +97,7 @@ double Tether::find_change(double step_s) {
   } else {
     hessian_.factor(rows);
   }
+  factor_joints();
   return solve_factored();
 }
 
@@ -106,14 +107,19 @@ double Tether::find_change_again(double step_s) {
   return solve_factored();
 }
 
+void Tether::solve_band(std::vector<Eigen::Vector3d>& x) const {
+  if (is_stiff_) {
+    hessian_.solve_stiff(nodes_.size(), x);
+  } else {
+    hessian_.solve(nodes_.size(), x);
+  }
+}
+
 double Tether::solve_factored() {
   const std::size_t rows = nodes_.size();
   for (std::size_t i = 0; i < rows; ++i) change_[i] = -gradient_[i];
-  if (is_stiff_) {
-    hessian_.solve_stiff(rows, change_);
-  } else {
-    hessian_.solve(rows, change_);
-  }
+  solve_band(change_);
+  solve_joints();
   double largest = 0;
   for (std::size_t i = 0; i < rows; ++i) largest = std::max(largest, change_[i].cwiseAbs().maxCoeff());
   return largest;

@@ -19,7 +19,52 @@ constexpr double kLeast_n = 1e-9;
 }  // namespace
 
 Eigen::Vector3d Tether::between(const std::vector<Eigen::Vector3d>& nodes, const TetherContact& contact) const {
-  return (1 - contact.share) * nodes[contact.element] + contact.share * nodes[contact.element + 1];
+  const Eigen::Vector3d at = (1 - contact.share) * nodes[contact.element] + contact.share * nodes[contact.element + 1];
+  if (!contact.is_itself()) return at;
+  return at - (1 - contact.other_share) * nodes[contact.other] - contact.other_share * nodes[contact.other + 1];
+}
+
+/// Where the tether touches itself, its matrix A has terms W^T H W outside of the band, W the relative motion of such
+/// places. By the formula of Woodbury, (A + W^T H W)^-1 b = y - A^-1 W^T (1 + H W A^-1 W^T)^-1 H W y, y = A^-1 b.
+void Tether::factor_joints() {
+  if (joints_.empty()) return;
+  const std::size_t rows = nodes_.size(), count = 3 * joints_.size();
+  ways_.resize(std::max(ways_.size(), count));
+  const auto size = static_cast<Eigen::Index>(count);
+  joint_matrix_.setIdentity(size, size);
+  for (std::size_t k = 0; k < count; ++k) {
+    std::vector<Eigen::Vector3d>& way = ways_[k];
+    way.assign(rows, Eigen::Vector3d::Zero());
+    const TetherContact& c = *joints_[k / 3].contact;
+    const auto axis = static_cast<Eigen::Index>(k % 3);
+    way[c.element](axis) += 1 - c.share;
+    way[c.element + 1](axis) += c.share;
+    way[c.other](axis) -= 1 - c.other_share;
+    way[c.other + 1](axis) -= c.other_share;
+    for (const std::size_t end : {0u, 1u}) {
+      if (ends_[end].is_fixed) way[end == 0 ? 0 : rows - 1].setZero();
+    }
+    solve_band(way);
+    for (std::size_t n = 0; n < joints_.size(); ++n) {
+      joint_matrix_.block<3, 1>(static_cast<Eigen::Index>(3 * n), static_cast<Eigen::Index>(k)) +=
+          joints_[n].stiffness * between(way, *joints_[n].contact);
+    }
+  }
+  joint_factors_.compute(joint_matrix_);
+}
+
+void Tether::solve_joints() {
+  if (joints_.empty()) return;
+  joint_forces_.resize(static_cast<Eigen::Index>(3 * joints_.size()));
+  for (std::size_t n = 0; n < joints_.size(); ++n) {
+    joint_forces_.segment<3>(static_cast<Eigen::Index>(3 * n)) =
+        joints_[n].stiffness * between(change_, *joints_[n].contact);
+  }
+  joint_forces_ = joint_factors_.solve(joint_forces_).eval();
+  for (std::size_t k = 0; k < 3 * joints_.size(); ++k) {
+    const double force = joint_forces_(static_cast<Eigen::Index>(k));
+    for (std::size_t i = 0; i < nodes_.size(); ++i) change_[i] -= force * ways_[k][i];
+  }
 }
 
 /// Finds the contacts of the step, after freeze(), from the nodes' positions and where they would go.
@@ -45,11 +90,11 @@ void Tether::freeze_contacts(std::span<const MovedBody> bodies, double step_s, d
 }
 
 void Tether::freeze_contact(TetherContact& contact, double step_s) {
-  const double radius = spec_.diameter_m / 2;
+  const double radius = spec_.diameter_m / 2, apart_m = contact.is_itself() ? 2 * radius : radius;
   const double most_n = std::min({spec_.breaking_load_n, kMostStrain * spec_.axial_stiffness_n, kMost_n});
   const Eigen::Vector3d at = between(points_, contact), &normal = contact.normal_world;
   const double depth =
-      std::min(normal.dot(contact.point_world_m - at) + radius, std::max(kOverlap * radius, kParts_m_s * step_s));
+      std::min(normal.dot(contact.point_world_m - at) + apart_m, std::max(kOverlap * radius, kParts_m_s * step_s));
   contact.stiffness = 2 * most_n / (kOverlap * radius);
   contact.level_m = normal.dot(at + contact.moves_m) + depth;
   contact.force_n = contact.stiffness * std::max(0.0, depth);
@@ -60,7 +105,7 @@ void Tether::freeze_contact(TetherContact& contact, double step_s) {
   const double share = contact.share;
   const double mass =
       (1 - share) * frozen_[contact.element].normal_mass + share * frozen_[contact.element + 1].normal_mass;
-  contact.inertia = mass / (step_s * step_s);
+  contact.inertia = (contact.is_itself() ? 0.5 : 1) * mass / (step_s * step_s);
 }
 
 /// A hull gives way in the step like a spring in series, as stiff as its mass is inert. Those of its contacts share
@@ -91,6 +136,7 @@ void Tether::yield_hulls(std::span<const MovedBody> bodies, const WaterField& wa
 /// A contact presses, and its friction slides, as pull() judges of elements: by the force of the last iteration, and,
 /// as if it were no stiffer than the tether's inertia, by how far its place is from the one at that force.
 void Tether::add_contacts(bool with_hessian) {
+  if (with_hessian) joints_.clear();
   for (TetherContact& c : contacts_) {
     const Eigen::Vector3d at = between(next_, c);
     const double weights[] = {1 - c.share, c.share}, depth = c.level_m - c.normal_world.dot(at);
@@ -127,6 +173,12 @@ void Tether::add_contacts(bool with_hessian) {
     }
     is_same_ = is_same_ && c.slides == slid;
     for (const std::size_t k : {0u, 1u}) gradient_[c.element + k] -= weights[k] * force;
+    if (c.is_itself()) {
+      gradient_[c.other] += (1 - c.other_share) * force;
+      gradient_[c.other + 1] += c.other_share * force;
+      if (with_hessian && (c.is_pressed || c.friction_n > kLeast_n)) joints_.push_back({&c, h});
+      continue;
+    }
     if (!with_hessian) continue;
     for (const std::size_t k : {0u, 1u}) {
       hessian_.diagonal[c.element + k] += weights[k] * weights[k] * h;
