@@ -71,6 +71,17 @@ def test_a_reading_is_taken_once_for_rosbridge_foxglove_and_all_other_sinks(live
     assert data in {bytes(reading.cdr) for reading in others if reading.time_ns == times_ns}
 
 
+def test_while_paused_a_second_client_of_a_topic_gets_a_reading_too(live: LiveSimulator) -> None:
+    with (
+        RosbridgeServer(live, channels=[counted()], feed=Feed(live)) as server,
+        connect(server.url) as first,
+        connect(server.url) as second,
+    ):
+        for client in (first, second):
+            client.send(json.dumps({"op": "subscribe", "topic": "/counted"}))
+            assert json.loads(client.recv(PATIENCE_S))["topic"] == "/counted"
+
+
 def test_a_channel_is_read_while_a_peer_demands_it_and_not_after_the_end(live: LiveSimulator) -> None:
     with Kept(live, [counted()]) as bridge:
         live.step(100)

@@ -106,6 +106,7 @@ class Graph:
     """Topics, services, actions and owners. All methods raise ValueError with a message that names the problem.
 
     on_demand: functions called with a topic name and whether the topic has subscribers, whenever that changes.
+    on_joined: functions called with a topic name when it has one more subscriber, who has received nothing.
     on_leave: functions called with an owner that has left. on_abandoned: functions called with a topic name when the
     topic's last publisher has left. silence_s: returns the time since anything was received from an owner. time_ns:
     returns the graph's time. ledger: counts the memory used for clients.
@@ -118,6 +119,7 @@ class Graph:
         self.actions: dict[str, Action] = {}
         self.nodes: dict[str, None] = {}
         self.on_demand: list[Callable[[str, bool], None]] = []
+        self.on_joined: list[Callable[[str], None]] = []
         self.on_leave: list[Callable[[str], None]] = []
         self.on_abandoned: list[Callable[[str], None]] = []
         self.time_ns: Callable[[], int] = time.time_ns
@@ -179,6 +181,9 @@ class Graph:
             sink(topic.latched)
         if not was_wanted:
             self._notify_demand(topic.name, True)
+        elif topic.latched is None:
+            for notify in self.on_joined:
+                notify(topic.name)
         return topic
 
     def unsubscribe(self, owner: str, key: Any, name: str) -> None:

@@ -57,6 +57,7 @@ class SimulatorNode(Bridge):
         self._drain_is_due = False
         graph.nodes[self._name] = None
         graph.on_demand.append(self._notice_demand)
+        graph.on_joined.append(self._notice_joined)
         graph.on_abandoned.append(self._notice_abandoned)
         for channel in channels:
             try:
@@ -79,6 +80,7 @@ class SimulatorNode(Bridge):
             for action in self._actions:
                 action.close()
             self._graph.on_demand.remove(self._notice_demand)
+            self._graph.on_joined.remove(self._notice_joined)
             self._graph.on_abandoned.remove(self._notice_abandoned)
             self._graph.leave(self._name)
         return was_open
@@ -92,6 +94,15 @@ class SimulatorNode(Bridge):
     def _notice_demand(self, name: str, is_wanted: bool) -> None:
         if name in self.outputs:
             self.demand(name, is_wanted)
+
+    def _notice_joined(self, name: str) -> None:
+        """Read a channel once for a further subscriber while time stands still; otherwise the next reading comes."""
+        if name not in self.outputs or self.live is None or not self.live.paused or not self.is_read(name):
+            return
+        try:
+            self.feed.listen(self.outputs[name], self.take)()
+        except NotRunningError:
+            self.log.debug("topic '%s': the simulator does not run", name)
 
     def _notice_abandoned(self, name: str) -> None:
         if name in self.inputs:
