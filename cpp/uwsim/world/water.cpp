@@ -219,7 +219,7 @@ WaterFlow Water::main_flow_at(const Eigen::Vector3d& point_world_m, double time_
   WaterFlow flow = current_at(point_world_m, time_s);
   if (surface_m != nullptr) *surface_m = 0;
   if (waves) waves->add_main_flow(below_level(point_world_m, time_s), time_s, flow, emerged_m, surface_m);
-  if (surface_m != nullptr) *surface_m += level_m(time_s);
+  if (surface_m != nullptr) *surface_m += still_level_m(time_s);
   return flow;
 }
 
