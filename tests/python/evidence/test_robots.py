@@ -71,6 +71,14 @@ def test_an_sdf_vehicle_has_the_source_s_speed_and_trim(tmp_path: Path) -> None:
     assert {*model.cameras} == {"eye"} and {*model.sensors} == {"inertial"}
 
 
+def test_rounded_angles_of_thrusters_are_straight(tmp_path: Path) -> None:
+    """As in bluerov2_gz, where axes of 1.571 rad left 4 N of 141 N to surge, the rest to balance a pitch of nothing."""
+    crooked = WORLD.replace("1.5707963267948966 0</pose><inertial><mass>0.5", "1.571 0</pose><inertial><mass>0.5", 1)
+    sim, _ = made(tmp_path, "world.sdf", crooked)
+    for thruster in sim.scenario.vehicles[0].model.thrusters.values():
+        np.testing.assert_array_equal(thruster.axis, [1.0, 0.0, 0.0])
+
+
 RUDDER = """
     <link name="rudder"><pose>-1 0 0.2 0 0 0</pose><inertial><mass>0.1</mass></inertial></link>
     <joint name="rudder_joint" type="revolute"><parent>base</parent><child>rudder</child>

@@ -29,6 +29,9 @@ PRODUCTS = 0.01
 """Products of inertia beyond this share of the smallest moment are noted, since they are left out."""
 BEYOND = 1.1
 """A stretched hull reaches this much farther than the centre of mass."""
+STRAIGHT = 1e-3
+"""Smaller components of a thruster's axis are errors of angles that a file states to three digits, such as 1.571.
+As levers, they would let an allocation balance a moment by far more thrust than there is."""
 STATES = ("added_mass", "linear", "quadratic")
 KEYS = {"added_mass": "added_mass", "linear": "linear_damping", "quadratic": "quadratic_damping"}
 
@@ -235,7 +238,13 @@ def _thruster(each: Thruster, origin: Floats) -> dict[str, Any]:
             model[key] = value
     spin = "clockwise" if each.clockwise else "counter-clockwise"
     axis = each.axis / np.linalg.norm(each.axis)
-    return {"model": model, "position_m": _row(each.position_m - origin), "axis": _row(axis), "spin": spin}
+    axis = np.where(np.abs(axis) < STRAIGHT, 0.0, axis)
+    return {
+        "model": model,
+        "position_m": _row(each.position_m - origin),
+        "axis": _row(axis),
+        "spin": spin,
+    }
 
 
 def _fin(each: Fin, origin: Floats, density_kg_m3: float) -> dict[str, Any]:
