@@ -239,12 +239,8 @@ def _thruster(each: Thruster, origin: Floats) -> dict[str, Any]:
     spin = "clockwise" if each.clockwise else "counter-clockwise"
     axis = each.axis / np.linalg.norm(each.axis)
     axis = np.where(np.abs(axis) < STRAIGHT, 0.0, axis)
-    return {
-        "model": model,
-        "position_m": _row(each.position_m - origin),
-        "axis": _row(axis),
-        "spin": spin,
-    }
+    axis = axis / np.linalg.norm(axis)
+    return {"model": model, "position_m": _row(each.position_m - origin), "axis": _row(axis), "spin": spin}
 
 
 def _fin(each: Fin, origin: Floats, density_kg_m3: float) -> dict[str, Any]:
