@@ -105,11 +105,11 @@ class WaterField {
   virtual std::size_t division_of(const VolumeParts& parts, double centre_z_m) const = 0;
   /// The load on a volume below the surface due to the gradient of the waves' pressure, world frame.
   virtual VolumeLoad wave_load_on(const VolumePart& wet_world, const WaterSurface& surface, double time_s) const = 0;
-  /// Whether the surface is flat, at `still_level_m`.
+  /// Returns true if the surface is flat, at `still_level_m`.
   virtual bool surface_is_flat() const = 0;
   /// Height of the water's surface without waves [m].
   virtual double still_level_m(double time_s) const = 0;
-  /// Whether the flow varies in space, and so little over a step that `flow_near` suffices for it.
+  /// Returns true if the flow varies in space, and so little over a step that `flow_near` suffices for it.
   virtual bool flows_smoothly() const { return false; }
   virtual NearbyFlow flow_near(const PlacedVolume& volume, double time_s) const {
     return {.flow = flow_over(volume, time_s), .centroid_world_m = volume.centroid_world_m, .time_s = time_s};

@@ -35,7 +35,7 @@ class Current {
   virtual double bound_m_s() const = 0;
   /// Whether the current is the same everywhere.
   virtual bool is_uniform() const { return false; }
-  /// Whether the current may be taken for linear in time over a step.
+  /// Returns true if the current may be taken for linear in time over a step.
   virtual bool is_smooth() const { return true; }
 };
 

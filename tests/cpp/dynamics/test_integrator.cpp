@@ -58,9 +58,9 @@ Water in_a_field() {
   return water;
 }
 
-/// The same water, of which each stage of a step finds the flow anew.
-struct Anew : Water {
-  explicit Anew(const Water& water) : Water(water) {}
+/// The same water, of which each stage of a step finds the flow itself.
+struct ByStage : Water {
+  explicit ByStage(const Water& water) : Water(water) {}
   bool flows_smoothly() const override { return false; }
 };
 
@@ -69,7 +69,7 @@ TEST(Integrator, TheFlowOverAStepFollowsFromThatAtItsBeginning) {
   p.linear_damping.diagonal() << 40, 60, 80, 20, 20, 20;
   const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
   const Water water = in_a_field();
-  const Anew anew(water);
+  const ByStage by_stage(water);
   EXPECT_TRUE(water.flows_smoothly());
   BodyState drifting;
   const Eigen::Vector3d begin(-2.3, 0.3, -6.3);  // near edges of cells, which it crosses
@@ -77,7 +77,7 @@ TEST(Integrator, TheFlowOverAStepFollowsFromThatAtItsBeginning) {
   BodyState each_stage = drifting;
   for (int k = 0; k < 4000; ++k) {
     drifting = advance(craft, drifting, {}, water, kStep_s * k, kStep_s);
-    each_stage = advance(craft, each_stage, {}, anew, kStep_s * k, kStep_s);
+    each_stage = advance(craft, each_stage, {}, by_stage, kStep_s * k, kStep_s);
   }
   const Eigen::Vector3d way = drifting.world_from_body.position_m - begin;
   EXPECT_GT(way.norm(), 1);
