@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kShort = 0.5, kLong = 1.5;  // lengths of the first element, relative to the others'
 constexpr double kMostElements = 1000;
-constexpr std::size_t kKeptContacts = 1024;  // with more, a step allocates memory
-constexpr double kReach = 1 + 1e-9;          // for rounding
+constexpr std::size_t kKeptContacts = 1024, kKeptJoints = 16;  // with more, a step allocates memory
+constexpr double kReach = 1 + 1e-9;                            // for rounding
 // A tether that is laid settles in steps, each from rest, which grow while they can be solved.
 constexpr double kFirstSettling_s = 0.02, kLastSettling_s = 20, kGrows = 1.5, kShrinks = 0.3, kSettled_m = 1e-6;
 constexpr int kSettlings = 400;
@@ -87,6 +87,11 @@ Tether::Tether(const TetherSpec& spec, const World& world, std::span<const Moved
     vectors->resize(most);
   for (std::vector<double>* values : {&reach_m_, &from_m_, &half_heights_m_}) values->resize(most);
   contacts_.reserve(kKeptContacts);
+  joints_.reserve(kKeptJoints);
+  ways_.resize(3 * kKeptJoints);
+  for (std::vector<Eigen::Vector3d>& way : ways_) way.reserve(most);
+  for (std::vector<double>* values : {&joint_matrix_, &joint_forces_}) values->reserve(9 * kKeptJoints * kKeptJoints);
+  joint_pivots_.reserve(3 * kKeptJoints);
   hessian_.resize(most);
   flow_.resize(most);
   for (Eigen::Vector3d& force : end_forces_) force.setZero();

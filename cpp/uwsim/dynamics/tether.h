@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/LU>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -180,6 +179,7 @@ class Tether {
   double solve_factored();
   void solve_band(std::vector<Eigen::Vector3d>& x) const;
   void factor_joints();
+  void factor_joint_matrix();
   void solve_joints();
   bool refine(double step_s, double last_m);
   void take(double share);
@@ -216,10 +216,9 @@ class Tether {
   BlockBand hessian_;
   std::vector<TetherContact> contacts_;
   std::vector<Joint> joints_;
-  std::vector<std::vector<Eigen::Vector3d>> ways_;  // how the tether moves under a unit force at a joint
-  Eigen::MatrixXd joint_matrix_;
-  Eigen::VectorXd joint_forces_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> joint_factors_;
+  std::vector<std::vector<Eigen::Vector3d>> ways_;   // how the tether moves under a unit force at a joint
+  std::vector<double> joint_matrix_, joint_forces_;  // by rows
+  std::vector<std::size_t> joint_pivots_;
   std::vector<Eigen::Vector3d> points_, targets_;
   std::vector<double> reach_m_, from_m_, half_heights_m_;
   FlowAlong flow_;

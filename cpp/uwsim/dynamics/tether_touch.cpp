@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "uwsim/dynamics/point_jacobian.h"
 #include "uwsim/dynamics/tether.h"
@@ -29,9 +30,8 @@ Eigen::Vector3d Tether::between(const std::vector<Eigen::Vector3d>& nodes, const
 void Tether::factor_joints() {
   if (joints_.empty()) return;
   const std::size_t rows = nodes_.size(), count = 3 * joints_.size();
-  ways_.resize(std::max(ways_.size(), count));
-  const auto size = static_cast<Eigen::Index>(count);
-  joint_matrix_.setIdentity(size, size);
+  if (ways_.size() < count) ways_.resize(count);
+  joint_matrix_.assign(count * count, 0);
   for (std::size_t k = 0; k < count; ++k) {
     std::vector<Eigen::Vector3d>& way = ways_[k];
     way.assign(rows, Eigen::Vector3d::Zero());
@@ -46,24 +46,53 @@ void Tether::factor_joints() {
     }
     solve_band(way);
     for (std::size_t n = 0; n < joints_.size(); ++n) {
-      joint_matrix_.block<3, 1>(static_cast<Eigen::Index>(3 * n), static_cast<Eigen::Index>(k)) +=
-          joints_[n].stiffness * between(way, *joints_[n].contact);
+      const Eigen::Vector3d part = joints_[n].stiffness * between(way, *joints_[n].contact);
+      for (std::size_t m = 0; m < 3; ++m) {
+        const std::size_t row = 3 * n + m;
+        joint_matrix_[row * count + k] = part(static_cast<Eigen::Index>(m)) + (row == k ? 1 : 0);
+      }
     }
   }
-  joint_factors_.compute(joint_matrix_);
+  factor_joint_matrix();
+}
+
+/// Gaussian elimination with partial pivoting, in place (Golub and Van Loan 2013, "Matrix Computations", 3.4).
+void Tether::factor_joint_matrix() {
+  const std::size_t count = 3 * joints_.size();
+  joint_pivots_.resize(count);
+  const auto at = [&](std::size_t row, std::size_t column) -> double& { return joint_matrix_[row * count + column]; };
+  for (std::size_t c = 0; c < count; ++c) {
+    std::size_t pivot = c;
+    for (std::size_t r = c + 1; r < count; ++r) {
+      if (std::abs(at(r, c)) > std::abs(at(pivot, c))) pivot = r;
+    }
+    joint_pivots_[c] = pivot;
+    for (std::size_t k = 0; pivot != c && k < count; ++k) std::swap(at(c, k), at(pivot, k));
+    for (std::size_t r = c + 1; r < count; ++r) {
+      const double factor = at(r, c) /= at(c, c);
+      for (std::size_t k = c + 1; k < count; ++k) at(r, k) -= factor * at(c, k);
+    }
+  }
 }
 
 void Tether::solve_joints() {
   if (joints_.empty()) return;
-  joint_forces_.resize(static_cast<Eigen::Index>(3 * joints_.size()));
+  const std::size_t count = 3 * joints_.size();
+  joint_forces_.resize(count);
   for (std::size_t n = 0; n < joints_.size(); ++n) {
-    joint_forces_.segment<3>(static_cast<Eigen::Index>(3 * n)) =
-        joints_[n].stiffness * between(change_, *joints_[n].contact);
+    const Eigen::Vector3d part = joints_[n].stiffness * between(change_, *joints_[n].contact);
+    std::copy_n(part.data(), 3, joint_forces_.begin() + static_cast<std::ptrdiff_t>(3 * n));
   }
-  joint_forces_ = joint_factors_.solve(joint_forces_).eval();
-  for (std::size_t k = 0; k < 3 * joints_.size(); ++k) {
-    const double force = joint_forces_(static_cast<Eigen::Index>(k));
-    for (std::size_t i = 0; i < nodes_.size(); ++i) change_[i] -= force * ways_[k][i];
+  for (std::size_t c = 0; c < count; ++c) std::swap(joint_forces_[c], joint_forces_[joint_pivots_[c]]);
+  for (std::size_t r = 1; r < count; ++r) {
+    for (std::size_t c = 0; c < r; ++c) joint_forces_[r] -= joint_matrix_[r * count + c] * joint_forces_[c];
+  }
+  for (std::size_t r = count; r-- > 0;) {
+    for (std::size_t c = r + 1; c < count; ++c) joint_forces_[r] -= joint_matrix_[r * count + c] * joint_forces_[c];
+    joint_forces_[r] /= joint_matrix_[r * count + r];
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    for (std::size_t i = 0; i < nodes_.size(); ++i) change_[i] -= joint_forces_[k] * ways_[k][i];
   }
 }
 
