@@ -52,7 +52,7 @@ OTHERS: dict[str, set[str]] = {
     "install": {"manylinux_2_35", "manylinux_2_39", "manylinux_2_NN"},  # wheel tags
     "maps": {"octomap_rviz_plugins", "read_point_cloud"},  # from ROS and Open3D
     "missions": {"out/"},
-    "moos": {"speed_factor", "start_pos"},  # of pMarinePID and uSimMarine
+    "moos": {"speed_factor", "start_pos", "terse_reports"},  # of pMarinePID, uSimMarine, pNodeReporter
     "recording": {"uwsim.end"},  # name of a record
     "ros1": {"octomap_rviz_plugins"},
     "ros2": {"rqt_console"},  # from ROS 2
