@@ -115,7 +115,7 @@ def fit(look, size):
 
 @pytest.fixture(params=["en", "de"], scope="module")
 def look(here, page, request):
-    """The page of somebody who watches, beside a pilot who stays, in one language after the other."""
+    """A watcher's page beside a pilot who stays, in one language after the other."""
     look = here.fly(viewport={"width": 1280, "height": 720}, locale=request.param)
     yield look
     look.context.close()
