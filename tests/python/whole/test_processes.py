@@ -193,7 +193,7 @@ print("usable", flush=True)
         time.sleep(1.0)
         process.send_signal(signal.SIGINT)
         out, errors = process.communicate(timeout=60)
-    assert (process.returncode, out.splitlines()[-1]) == (0, b"usable"), errors.decode()
+    assert (process.returncode, out.splitlines()[-1:]) == (0, [b"usable"]), errors.decode()
 
 
 @pytest.mark.parametrize("after_s", [0.0, 0.3])

@@ -110,7 +110,7 @@ def _surface(body: MovingShape) -> Surface:
     vertices, triangles = body.mesh()
     if len(triangles) <= TRIANGLES_MAX:
         return vertices, triangles
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     hull = trimesh.convex.convex_hull(vertices)
     return np.asarray(hull.vertices), np.asarray(hull.faces)

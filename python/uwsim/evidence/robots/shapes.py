@@ -27,28 +27,28 @@ def are_sizes(*sizes_m: float) -> bool:
 
 def box(size_m: Floats) -> Mesh:
     """Return a cuboid about its centre."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     return _mesh(trimesh.creation.box(size_m))
 
 
 def cylinder(radius_m: float, length_m: float) -> Mesh:
     """Return a cylinder along z about its centre, with the exact volume."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     return _exact(trimesh.creation.cylinder(radius_m, length_m, sections=ROUND), np.pi * radius_m**2 * length_m)
 
 
 def sphere(radius_m: float) -> Mesh:
     """Return a sphere about its centre, with the exact volume."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     return _exact(trimesh.creation.icosphere(BALL, radius_m), 4.0 / 3.0 * np.pi * radius_m**3)
 
 
 def capsule(radius_m: float, length_m: float) -> Mesh:
     """Return a cylinder of a length with half spheres at its ends, along z about its centre, with the exact volume."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     solid = trimesh.creation.capsule(length_m, radius_m, count=[24, ROUND])
     return _exact(solid, np.pi * radius_m**2 * (length_m + 4.0 / 3.0 * radius_m))
@@ -56,7 +56,7 @@ def capsule(radius_m: float, length_m: float) -> Mesh:
 
 def ellipsoid(radii_m: Floats) -> Mesh:
     """Return an ellipsoid about its centre, with the exact volume."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     solid = trimesh.creation.icosphere(BALL, 1.0)
     solid.apply_scale(radii_m)
@@ -77,7 +77,7 @@ def placed(mesh: Mesh, pose: Pose) -> Mesh:
 
 def volume_and_centre(mesh: Mesh) -> tuple[float, Floats]:
     """Return the volume that a closed mesh encloses [m3], and its centroid [m]."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     solid = trimesh.Trimesh(*mesh, process=False)
     return float(solid.volume), np.asarray(solid.center_mass)
@@ -91,7 +91,7 @@ def displaces(mesh: Mesh) -> bool:
 
 def solid_lump(mesh: Mesh, mass_kg: float) -> Lump:
     """Return the mass, centre and inertia of a closed mesh that is filled evenly."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     solid = trimesh.Trimesh(*mesh, process=False)
     return Lump(mass_kg, np.asarray(solid.center_mass), np.asarray(solid.moment_inertia) * (mass_kg / solid.volume))

@@ -265,6 +265,6 @@ def _row(values: Floats) -> list[float]:
 
 
 def _ply(mesh: Mesh) -> bytes:
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     return cast(bytes, trimesh.Trimesh(*mesh, process=False).export(file_type="ply"))

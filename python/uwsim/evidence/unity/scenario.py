@@ -113,7 +113,7 @@ class _Files:
         self._contents[name] = content
 
     def mesh(self, name: str, vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> None:
-        import trimesh
+        from uwsim.base.whole_trimesh import trimesh
 
         mesh = trimesh.Trimesh(vertices, triangles, process=False)
         mesh.merge_vertices(merge_tex=True, merge_norm=True)

@@ -220,7 +220,7 @@ def _matrix(position: list[float], turn_xyzw: list[float], scale: list[float]) -
 
 def _built_in(kind: str) -> NodeMesh:
     """Return one of Unity's own meshes: 1 m wide; the cylinder is 2 m high, the plane 10 m wide."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     upright = np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1.0]])  # from z up to y up
     makers: dict[str, Callable[[], Any]] = {

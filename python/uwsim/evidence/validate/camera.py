@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
+from uwsim.base.whole_trimesh import trimesh
 from uwsim.evidence.validate.check import Check, along, relative, within
 
 Floats = NDArray[np.float64]

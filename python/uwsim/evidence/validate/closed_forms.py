@@ -8,8 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import trimesh
 
+from uwsim.base.whole_trimesh import trimesh
 from uwsim.evidence.validate.check import Check, along, relative, within
 from uwsim.evidence.validate.flights import attitude_error_rad, deep_water, fly
 from uwsim.evidence.validate.published import BLUEROV2_HEAVY

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import trimesh
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.whole_trimesh import trimesh
 from uwsim.evidence.validate.check import Check, relative, within
 from uwsim.evidence.validate.closed_forms import ZERO_6, simulator_with_body
 from uwsim.evidence.validate.flights import BED_DEPTH_M

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.whole_trimesh import trimesh
 from uwsim.evidence.validate.check import Check, along, relative, within
 from uwsim.figures.style import save_figure
 from uwsim.instruments.sonars import imaging

@@ -63,7 +63,7 @@ def drafted(
     direction of the bow, with z up; by default x, or y for a hull that is LONG_ALONG_Y. The body's origin is the
     centroid of the hull. Raises ScenarioError.
     """
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RepairWarning)  # the check of the draft issues it again

@@ -196,7 +196,7 @@ def glb(mesh: Mesh, offset_m: NDArray[np.float64], texture: Texture | None = Non
 
     texture: of its triangles, which then have a colour each; ignored if it is that of other triangles.
     """
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     vertices, triangles = np.asarray(mesh[0]) + offset_m, np.asarray(mesh[1])
     colours = None

@@ -92,7 +92,7 @@ def decompose(
 
 def write_pieces(pieces: list[Vertices], path: str | Path, *, made_from: str) -> None:
     """Write the pieces as objects of a single OBJ file, which any modelling program can open."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     lines = [f"# convex pieces of {made_from}: uwsim decompose (CoACD)"]
     first = 1

@@ -141,7 +141,7 @@ def _solid(vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32]) -> _S
     """Return the properties of a closed mesh as a solid of density 1."""
 
     def measure() -> tuple[NDArray[np.float64], ...]:
-        import trimesh
+        from uwsim.base.whole_trimesh import trimesh
 
         solid = trimesh.Trimesh(vertices_m, triangles, process=False)
         return np.array(solid.volume), np.asarray(solid.center_mass), np.diagonal(solid.moment_inertia).copy()

@@ -151,8 +151,7 @@ def _flow(vertices: Vertices, triangles: Triangles) -> tuple[Floats, Floats, Flo
     """
 
     def make() -> tuple[Floats, ...]:
-        import trimesh
-
+        from uwsim.base.whole_trimesh import trimesh
         from uwsim.scenario.build.potential_flow import simplified  # it needs scipy, which is slow to import
 
         added = _core.added_mass(*simplified(vertices, triangles, PANELS), 1.0, PANELS)

@@ -63,7 +63,7 @@ def simplified(
 
 def _middle_and_gyration(vertices_m: Floats, triangles: NDArray[np.integer]) -> tuple[Floats, Floats]:
     """Return the centroid of a solid, and the root of its mean square distance from it along each axis, (3,) each."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     solid = trimesh.Trimesh(vertices_m, triangles, process=False)
     inertia = np.diagonal(solid.moment_inertia) / solid.volume

@@ -171,7 +171,7 @@ def _unit_inertia(mass_kg: float, vertices_m: Array) -> _core.CraftParameters:
 
 def _wet_panels(hull: UprightHull) -> Panels:
     """Return centres (n, 3) in the table's frame, outward normals (n, 3) and areas (n,) of the hull under water."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     at = hull.vertices_m - [0.0, 0.0, hull.waterline_m]
     mesh = trimesh.Trimesh(at, hull.triangles, process=False)

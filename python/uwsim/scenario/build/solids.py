@@ -30,7 +30,7 @@ def created(shape: str, *arguments: Any) -> Mesh:
     """Return a mesh created by a function in trimesh.creation."""
 
     def make() -> Mesh:
-        import trimesh
+        from uwsim.base.whole_trimesh import trimesh
 
         solid = getattr(trimesh.creation, shape)(*arguments)
         return np.asarray(solid.vertices, np.float64), np.asarray(solid.faces, np.uint32)

@@ -32,7 +32,7 @@ def read_parts(path: str) -> tuple[list[str], list[Array]]:
     Points are in the node's frame; the transform (4, 4) is that to the file's.
     """
     if path.lower().endswith((".step", ".stp")):
-        import trimesh
+        from uwsim.base.whole_trimesh import trimesh
 
         try:
             mesh = trimesh.load_scene(path, process=False).to_mesh()  # by cascadio

@@ -18,7 +18,8 @@ from uwsim.scenario.read.mesh_union import crossings, volume
 
 if TYPE_CHECKING:
     import manifold3d
-    import trimesh
+
+    from uwsim.base.whole_trimesh import trimesh
 
 WRAP_CELLS = 48
 SHEET = 1e-4
@@ -30,7 +31,8 @@ FEW_CROSSINGS = 0.01
 def closed(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, list[str]]:
     """Return a closed mesh and a description of the changes. Raises ValueError if it encloses nothing."""
     import manifold3d
-    import trimesh
+
+    from uwsim.base.whole_trimesh import trimesh
 
     given_m3 = abs(volume(mesh.triangles))
     parts, done = _capped_parts(mesh)
@@ -54,7 +56,7 @@ def closed(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, list[str]]:
 
 def _capped_parts(mesh: trimesh.Trimesh) -> tuple[list[trimesh.Trimesh], list[str]]:
     """Return the connected parts that enclose a volume, capped and turned outward, and a description of the changes."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     parts, holes, turned, sheets = [], 0, 0, 0
     for faces in trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1):
@@ -91,7 +93,7 @@ def _solid(part: trimesh.Trimesh) -> manifold3d.Manifold | None:
 
 def _capped(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> tuple[trimesh.Trimesh, int]:
     """Return a part with a fan on each of its rims, and their number."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     uses = Counter(map(tuple, faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).tolist()))
     onward: dict[int, list[int]] = {}
@@ -133,9 +135,10 @@ def _simple_cycles(onward: dict[int, list[int]]) -> list[list[int]]:
 def _wrapped(part: trimesh.Trimesh) -> manifold3d.Manifold:
     """Return the space that cannot be reached from outside through gaps of less than two cells, as a solid."""
     import manifold3d
-    import trimesh
     from scipy.ndimage import distance_transform_edt, label
     from scipy.spatial import cKDTree
+
+    from uwsim.base.whole_trimesh import trimesh
 
     low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
     cell_m = float((high - low).max()) / WRAP_CELLS

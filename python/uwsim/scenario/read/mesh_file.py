@@ -115,7 +115,7 @@ def _require_readable(path: Path) -> None:
 
 
 def _read_with_trimesh(path: Path, suffix: str, content: bytes) -> tuple[Vertices, NDArray[Any]]:
-    import trimesh  # takes a second to import, and is not needed for a cached mesh
+    from uwsim.base.whole_trimesh import trimesh  # takes a second to import, and is not needed for a cached mesh
 
     if suffix == ".obj":  # comments and names may be in any encoding
         text = content.decode("utf-8", errors="replace")

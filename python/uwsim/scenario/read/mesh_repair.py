@@ -14,7 +14,7 @@ from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.read.mesh_union import crossings, united, volume
 
 if TYPE_CHECKING:  # takes a second to import, and is not needed for a cached hull
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
 
 def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh") -> tuple[Vertices, Triangles]:
@@ -25,7 +25,7 @@ def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh
     part, see mesh_closing. Merging vertices that STL duplicates is
     silent; any other repair issues a RepairWarning.
     """
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     if not len(triangles):
         raise ScenarioError(f"mesh '{name}': has no triangles")
@@ -75,7 +75,7 @@ def _without_overlaps(mesh: trimesh.Trimesh, repairs: list[str]) -> trimesh.Trim
 
 def _repair(mesh: trimesh.Trimesh) -> list[str]:
     """Repair the mesh in place; return descriptions of the repairs."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     repairs = []
     if not mesh.is_watertight:
@@ -97,7 +97,7 @@ def _is_closed(mesh: trimesh.Trimesh) -> bool:
 
 def _turn_outward(mesh: trimesh.Trimesh) -> bool:
     """Flip parts with negative volume, except cavities inside another part; return whether any was flipped."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     parts = trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1)
     volumes = [volume(mesh.triangles[part]) for part in parts]

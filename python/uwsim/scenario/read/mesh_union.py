@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from uwsim.scenario.read.mesh_file import Vertices
 
 if TYPE_CHECKING:
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
 Faces = NDArray[Any]
 
@@ -31,7 +31,8 @@ def united(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, int] | None:
     if len(solids) < 2 or not _boxes_meet(mesh, solids):
         return None
     import manifold3d
-    import trimesh
+
+    from uwsim.base.whole_trimesh import trimesh
 
     def manifold(triangles: Faces) -> Any:
         body = manifold3d.Manifold(
@@ -118,7 +119,7 @@ def _pierces(ends: Vertices, corners: Vertices) -> NDArray[np.bool_]:
 
 
 def _components(mesh: trimesh.Trimesh) -> list[NDArray[np.int64]]:
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     return list(trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1))
 

@@ -32,7 +32,7 @@ def load_texture(path: Path) -> Texture | None:
     """
     if path.suffix.lower() not in TEXTURED_SUFFIXES:
         return None
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     try:
         scene = trimesh.load_scene(path, process=False)

@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from uwsim.base.axes import AXES
 from uwsim.base.texts.json_text import read_json
+from uwsim.base.whole_trimesh import trimesh
 from uwsim.evidence.validate.check import Check, relative
 from uwsim.scenario.build.potential_flow import added_mass_of_mesh
 

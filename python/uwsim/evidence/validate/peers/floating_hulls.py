@@ -119,7 +119,7 @@ def responses(hull: FloatingHull, omega_rad_s: Array) -> Complex:
 
 def hemisphere(volume_m3: float) -> Shape:
     """Return a ball that floats to its equator, its centre of mass at 0.2 radii below."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     radius = (1.5 * volume_m3 / np.pi) ** (1.0 / 3.0)
     ball = trimesh.creation.icosphere(subdivisions=3, radius=1.0)
@@ -131,7 +131,7 @@ def hemisphere(volume_m3: float) -> Shape:
 
 def cylinder(volume_m3: float) -> Shape:
     """Return a vertical cylinder of draught 0.75 m."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     draught, height = 0.75, 1.25
     radius = np.sqrt(volume_m3 / (np.pi * draught))
@@ -145,7 +145,7 @@ def cylinder(volume_m3: float) -> Shape:
 
 def barge(volume_m3: float) -> Shape:
     """Return a box of 2 x 0.8 m."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     length, width, height = 2.0, 0.8, 0.5
     draught = volume_m3 / (length * width)

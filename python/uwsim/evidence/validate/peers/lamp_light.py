@@ -13,12 +13,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.base.texts.json_text import read_json
+from uwsim.base.whole_trimesh import trimesh
 from uwsim.evidence.validate.camera import BANDS, NIGHT_DEG, Light, View
 from uwsim.evidence.validate.check import Check, along
 

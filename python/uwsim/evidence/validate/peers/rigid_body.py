@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import mujoco
 import numpy as np
-import trimesh
 
+from uwsim.base.whole_trimesh import trimesh
 from uwsim.evidence.validate.check import Check, along, within
 from uwsim.evidence.validate.closed_forms import TUMBLE, ZERO_6, simulator_with_body, undamped_heavy
 from uwsim.evidence.validate.flights import attitude_error_rad, fly

@@ -90,7 +90,7 @@ def _spec(case: dict[str, Any], end: _core.TetherEnd) -> _core.TetherSpec:
 
 def _mass(mass_kg: float, position_m: list[float]) -> _core.ObjectSpec:
     """Return a cube so small that water does not act on it."""
-    import trimesh
+    from uwsim.base.whole_trimesh import trimesh
 
     cube = trimesh.creation.box((SIDE_M / 100, SIDE_M / 100, SIDE_M / 100))
     parameters = _core.CraftParameters()
