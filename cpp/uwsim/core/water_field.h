@@ -49,6 +49,7 @@ struct DensityLayer {
   double reference_m = 0;
   double density_kg_m3 = 1000;
   double gradient_kg_m4 = 0;
+  std::size_t number = 0;  ///< from the surface down
 
   double at(double z_world_m) const { return density_kg_m3 + gradient_kg_m4 * (z_world_m - reference_m); }
 };
@@ -85,6 +86,8 @@ class WaterField {
   virtual double density_at(double z_world_m) const = 0;  ///< of still water [kg/m^3]
   virtual bool has_one_density() const = 0;               ///< whether still water has the same density at all depths
   virtual DensityLayer density_layer_at(double z_world_m) const = 0;
+  /// The next deeper layer, which must exist.
+  virtual DensityLayer density_layer_below(const DensityLayer& layer) const = 0;
   /// Conservative bound on the surface's distance from z = 0 [m]; 0 if the surface is flat and stands there.
   virtual double wave_bound_m() const = 0;
   /// Everything below low_m is wet, everything above high_m is dry.
@@ -128,6 +131,7 @@ class EvenWater : public WaterField {
   double density_at(double) const override { return density_kg_m3; }
   bool has_one_density() const override { return true; }
   DensityLayer density_layer_at(double) const override { return {.density_kg_m3 = density_kg_m3}; }
+  DensityLayer density_layer_below(const DensityLayer& layer) const override { return layer; }
   double wave_bound_m() const override { return 0; }
   bool surface_is_flat() const override { return true; }
   double still_level_m(double) const override { return 0; }

@@ -259,7 +259,7 @@ Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, 
   const bool in_one_layer = at.bottom_m() >= layer.low_m;
   Buoyancy wet;
   if (!in_one_layer && at.top_m() <= surface_m) {
-    if (const std::optional<DisplacedMass> displaced = mass_across_bends(at, water)) {
+    if (const std::optional<DisplacedMass> displaced = mass_across_bends(at, water, layer)) {
       const Eigen::Vector3d weight_per_kg = gravity * hull.up_body;
       wet.volume_m3 = solid_.volume_m3;
       wet.centre_body_m = solid_.centroid_m;
@@ -302,24 +302,24 @@ Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, 
 /// and its moment about the centroid; nothing if one bends it more. The hull is taken for the ellipsoid that has its
 /// volume and its second moments: exact within a layer, and otherwise to some hundredths of the bend. At a height of x
 /// half-axes, a share of 3/4 (1 - x^2) of an ellipsoid's volume lies.
-std::optional<BuoyantHull::DisplacedMass> BuoyantHull::mass_across_bends(const Placed& at,
-                                                                         const WaterField& water) const {
+std::optional<BuoyantHull::DisplacedMass> BuoyantHull::mass_across_bends(const Placed& at, const WaterField& water,
+                                                                         const DensityLayer& top) const {
   const Eigen::Vector3d shift_m5 = parts_.whole().second_moment_m5 * at.hull.up_body;
-  const double half_axis_m = std::sqrt(5 * at.hull.up_body.dot(shift_m5) / solid_.volume_m3);
+  const double half_axis_volume_m4 = std::sqrt(5 * solid_.volume_m3 * at.hull.up_body.dot(shift_m5));
+  const double per_half_axis_1_m = solid_.volume_m3 / half_axis_volume_m4;
   const double middle_z_m = at.position_world_m.z() + at.hull.up_body.dot(solid_.centroid_m);
-  DensityLayer layer = water.density_layer_at(at.top_m());
+  DensityLayer layer = top;
   DisplacedMass sum{solid_.volume_m3 * layer.at(middle_z_m), layer.gradient_kg_m4 * shift_m5};
   while (layer.low_m > at.bottom_m()) {
-    const DensityLayer next =
-        water.density_layer_at(std::nextafter(layer.low_m, -std::numeric_limits<double>::infinity()));
+    const DensityLayer next = water.density_layer_below(layer);
     const double bend = next.gradient_kg_m4 - layer.gradient_kg_m4, jump = next.at(layer.low_m) - layer.at(layer.low_m);
     const double most = kBent * layer.density_kg_m3;
     if (std::abs(bend) * whole_.radius_m > most || std::abs(jump) > 1e-6 * most) return std::nullopt;
-    const double s = std::clamp((layer.low_m - middle_z_m) / half_axis_m, -1.0, 1.0), s2 = s * s;
+    const double s = std::clamp((layer.low_m - middle_z_m) * per_half_axis_1_m, -1.0, 1.0), s2 = s * s;
     // The integrals of 3/4 (1 - x^2) (s - x), and of that times x, from -1 to s.
-    const double depth = 0.75 * (s2 / 2 - s2 * s2 / 12 + 2 * s / 3 + 0.25);
-    const double moment = 0.75 * (s * s2 / 6 - s * s2 * s2 / 20 - s / 4 - 2.0 / 15);
-    sum.mass_kg -= solid_.volume_m3 * bend * half_axis_m * depth;
+    const double depth = s2 * (0.375 - 0.0625 * s2) + 0.5 * s + 0.1875;
+    const double moment = s * (s2 * (0.125 - 0.0375 * s2) - 0.1875) - 0.1;
+    sum.mass_kg -= bend * half_axis_volume_m4 * depth;
     sum.moment_kg_m -= 5 * bend * moment * shift_m5;
     layer = next;
   }
@@ -340,8 +340,7 @@ BuoyantHull::DisplacedMass BuoyantHull::mass_in_layers(const Cut& at, const Wate
   DensityLayer layer = water.density_layer_at(std::min(at.middle_z_m + at.half_height_m, surface_m));
   add(wet, layer.at(at.middle_z_m), layer.gradient_kg_m4);
   while (layer.low_m > bottom_m) {
-    const DensityLayer next =
-        water.density_layer_at(std::nextafter(layer.low_m, -std::numeric_limits<double>::infinity()));
+    const DensityLayer next = water.density_layer_below(layer);
     add(at.moments_below(layer.low_m, true), next.at(at.middle_z_m) - layer.at(at.middle_z_m),
         next.gradient_kg_m4 - layer.gradient_kg_m4);
     layer = next;

@@ -94,7 +94,8 @@ class BuoyantHull {
   };
 
   Buoyancy in_still_water(const Placed& at, const WaterField& water, double surface_m) const;
-  std::optional<DisplacedMass> mass_across_bends(const Placed& at, const WaterField& water) const;
+  std::optional<DisplacedMass> mass_across_bends(const Placed& at, const WaterField& water,
+                                                 const DensityLayer& top) const;
   DisplacedMass mass_in_layers(const Cut& at, const WaterField& water, double surface_m,
                                const VolumeMoments& wet) const;
   WaterSurface surface_over(const Placed& at, const Slice& slice, const VolumePart& part, const WaterField& water,

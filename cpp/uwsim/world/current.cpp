@@ -184,13 +184,32 @@ class GriddedCurrent : public Current {
     return sample(cell, time_s, {1, x, y, z, x * y, y * z, z * x, x * y * z});
   }
 
-  /// In closed form, if all points are in one cell: terms that are even in the arm add to the mean, odd ones turn.
+  /// In closed form, if all points are in one cell or on both sides of one level. Others are sampled one by one.
   CurrentOver over(const Eigen::Vector3d& middle, const Eigen::Matrix3d& arms_m, double time_s) const override {
     const FieldCell& cell = RememberedCells::of_this_thread().find(grid_, number_, middle, time_s);
-    const Eigen::Vector3d reach = arms_m.cwiseAbs().rowwise().maxCoeff();
-    if (!cell.holds(number_, middle - reach, time_s) || !cell.holds(number_, middle + reach, time_s)) {
+    const Eigen::Vector3d reach = arms_m.cwiseAbs().rowwise().maxCoeff(), low = middle - reach, high = middle + reach;
+    if ((low.array() < cell.low_m.array()).head<2>().any() || (high.array() >= cell.high_m.array()).head<2>().any()) {
       return Current::over(middle, arms_m, time_s);
     }
+    const bool below = low.z() < cell.low_m.z(), above = high.z() >= cell.high_m.z();
+    if (!below && !above) return in_cell(cell, middle, arms_m, time_s);
+    if (below && above) return Current::over(middle, arms_m, time_s);
+    const double level_m = below ? cell.low_m.z() : cell.high_m.z();
+    const Slopes slopes(cell, time_s);
+    const CurrentOver unbent = in_cell(cell, middle, arms_m, time_s);
+    const Eigen::Vector3d beyond(middle.x(), middle.y(), below ? low.z() : high.z());
+    const FieldCell& other = RememberedCells::of_this_thread().find(grid_, number_, beyond, time_s);  // moves `cell`
+    if ((below ? other.high_m : other.low_m).z() != level_m) return Current::over(middle, arms_m, time_s);
+    return bent(unbent, Slopes(other, time_s) - slopes, other, level_m, middle, arms_m, below);
+  }
+  double bound_m_s() const override { return largest_speed_m_s(grid_.values); }
+
+ private:
+  static constexpr double kSixth = 1.0 / 6;
+
+  /// Terms that are even in the arm add to the mean, odd ones turn.
+  static CurrentOver in_cell(const FieldCell& cell, const Eigen::Vector3d& middle, const Eigen::Matrix3d& arms_m,
+                             double time_s) {
     constexpr double kThird = 1.0 / 3;
     const Eigen::Matrix3d edges = cell.per_m.asDiagonal() * arms_m;
     const Eigen::Matrix3d third_arms = kThird * arms_m, spread = third_arms * edges.transpose();
@@ -213,9 +232,53 @@ class GriddedCurrent : public Current {
     mean.gradient_1_s << cell.per_m.x() * dx.head<3>(), cell.per_m.y() * dy.head<3>(), cell.per_m.z() * dz.head<3>();
     return mean;
   }
-  double bound_m_s() const override { return largest_speed_m_s(grid_.values); }
 
- private:
+  /// The upward gradient of a cell's field: its terms of 1, e_x, e_y and e_x e_y, and their rates.
+  struct Slopes {
+    std::array<Eigen::Vector4d, 4> now, rate;
+
+    Slopes(const FieldCell& cell, double time_s) {
+      constexpr std::array<std::size_t, 4> kOfHeight = {3, 6, 5, 7};
+      const double since_s = cell.changes ? time_s - cell.begin_s : 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        rate[k] = cell.changes ? Eigen::Vector4d(cell.per_m.z() * cell.rate[kOfHeight[k]]) : Eigen::Vector4d::Zero();
+        now[k] = cell.per_m.z() * cell.value[kOfHeight[k]] + since_s * rate[k];
+      }
+    }
+    Slopes operator-(const Slopes& other) const {
+      Slopes change = *this;
+      for (std::size_t k = 0; k < 4; ++k) {
+        change.now[k] -= other.now[k];
+        change.rate[k] -= other.rate[k];
+      }
+      return change;
+    }
+  };
+
+  /// The mean in a field that bends at a level: beyond it, its upward gradient changes.
+  static CurrentOver bent(const CurrentOver& unbent, const Slopes& change, const FieldCell& beyond, double level_m,
+                          const Eigen::Vector3d& middle, const Eigen::Matrix3d& arms_m, bool below) {
+    CurrentOver mean = unbent;
+    Eigen::Vector4d all = Eigen::Vector4d::Zero();
+    for (int k = 0; k < 3; ++k) {
+      Eigen::Vector3d arm = arms_m.col(k);
+      for (int end = 0; end < 2; ++end, arm = -arm) {
+        const double height_m = middle.z() + arm.z() - level_m;
+        if ((height_m < 0) != below) continue;
+        const Eigen::Vector3d e = beyond.offset(middle + arm);
+        const Eigen::Vector4d weights(height_m, height_m * e.x(), height_m * e.y(), height_m * e.x() * e.y());
+        const Eigen::Vector4d more = weights[0] * change.now[0] + weights[1] * change.now[1] +
+                                     weights[2] * change.now[2] + weights[3] * change.now[3];
+        mean.velocity_m_s += kSixth * more.head<3>();
+        mean.turning_m2_s += kSixth * arm.cross(more.head<3>());
+        mean.gradient_1_s += more.head<3>() * (0.5 / arm.squaredNorm() * arm.transpose());
+        all += kSixth * weights;
+      }
+    }
+    for (std::size_t k = 0; k < 4; ++k) mean.rate_m_s2 += all[static_cast<int>(k)] * change.rate[k].head<3>();
+    return mean;
+  }
+
   static Eigen::Vector4d sum_of(const FieldCell::Terms& terms, const std::array<double, 8>& weights) {
     Eigen::Vector4d sum = weights[0] * terms[0];
     for (std::size_t k = 1; k < 8; ++k) sum += weights[k] * terms[k];

@@ -25,7 +25,7 @@ double Harmonic::largest() const {
 
 struct HarmonicSum::Series {
   std::uint64_t number = 0;  ///< of the sum; 0: none
-  double window = 0;
+  double from_s = 0, until_s = 0;
   double middle_s = 0;
   std::array<Eigen::Array2d, kTerms> terms;  ///< of the powers of the time since the middle
 };
@@ -40,8 +40,11 @@ HarmonicSum::HarmonicSum(std::vector<Harmonic> harmonics)
   window_s_ = kWindow_rad / fastest_rad_s;
 }
 
-HarmonicSum::Series HarmonicSum::series(double window) const {
-  Series found{number_, window, (window + 0.5) * window_s_, {}};
+HarmonicSum::Series HarmonicSum::series(double time_s) const {
+  double window = std::floor(time_s / window_s_);
+  if (time_s < window * window_s_) --window;  // the quotient was rounded
+  if (time_s >= (window + 1) * window_s_) ++window;
+  Series found{number_, window * window_s_, (window + 1) * window_s_, (window + 0.5) * window_s_, {}};
   found.terms.fill(Eigen::Array2d::Zero());
   for (const Harmonic& each : harmonics_) {
     const double cosine = std::cos(each.speed_rad_s * found.middle_s),
@@ -58,17 +61,16 @@ HarmonicSum::Series HarmonicSum::series(double window) const {
 }
 
 HarmonicSum::Sample HarmonicSum::at(double time_s) const {
-  static thread_local std::array<Series, 4> kept;
-  static thread_local std::size_t oldest = 0;
-  const double window = std::floor(time_s / window_s_);
-  const Series* found = nullptr;
-  for (const Series& each : kept) {
-    if (each.number == number_ && each.window == window) found = &each;
-  }
-  if (found == nullptr) {
-    kept[oldest] = series(window);
-    found = &kept[oldest];
-    oldest = (oldest + 1) % kept.size();
+  static thread_local struct {
+    std::array<Series, 4> series;
+    std::size_t oldest = 0;
+  } kept;
+  const Series* found = kept.series.data();
+  while (found->number != number_ || time_s < found->from_s || time_s >= found->until_s) {
+    if (++found != kept.series.data() + kept.series.size()) continue;
+    found = &(kept.series[kept.oldest] = series(time_s));
+    kept.oldest = (kept.oldest + 1) % kept.series.size();
+    break;
   }
   const double since_s = time_s - found->middle_s;
   Sample sum{found->terms[kTerms - 1], Eigen::Array2d::Zero()};

@@ -32,7 +32,7 @@ class HarmonicSum {
 
  private:
   struct Series;
-  Series series(double window) const;
+  Series series(double time_s) const;  ///< of the window that contains the time
 
   std::vector<Harmonic> harmonics_;
   double window_s_ = 0, bound_ = 0;

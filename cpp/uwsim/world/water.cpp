@@ -109,6 +109,10 @@ DensityLayer Water::density_layer_at(double z_world_m) const {
   return profile->density_layer_at(z_world_m);
 }
 
+DensityLayer Water::density_layer_below(const DensityLayer& layer) const {
+  return profile ? profile->density_layers()[layer.number + 1] : layer;
+}
+
 WaterSurface Water::surface_over(const SurfaceArea& area, double time_s) const {
   WaterSurface surface = waves ? waves->surface_over(area, time_s) : WaterSurface{};
   if (!tide) return surface;

@@ -72,6 +72,7 @@ class Water : public EvenWater {
   double density_at(double z_world_m) const override;
   bool has_one_density() const override { return !profile || profile->even(); }
   DensityLayer density_layer_at(double z_world_m) const override;
+  DensityLayer density_layer_below(const DensityLayer& layer) const override;
   /// Includes the tide.
   double wave_bound_m() const override { return (waves ? waves->bound_m() : 0) + (tide ? tide->bound_m() : 0); }
   bool surface_is_flat() const override { return !waves; }

@@ -45,6 +45,25 @@ WaterProfile::WaterProfile(std::span<const WaterLevel> levels) : levels_(levels.
                              0.5 * (level.density_kg_m3 + upper.density_kg_m3) * (level.depth_m - upper.depth_m));
     even_ = even_ && level.density_kg_m3 == upper.density_kg_m3;
   }
+  set_layers();
+}
+
+void WaterProfile::set_layers() {
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    const WaterLevel& deeper = levels_[k];
+    DensityLayer layer{.low_m = -deeper.depth_m,
+                       .reference_m = -deeper.depth_m,
+                       .density_kg_m3 = deeper.density_kg_m3,
+                       .number = k};
+    if (k > 0) {
+      const WaterLevel& upper = levels_[k - 1];
+      layer.high_m = -upper.depth_m;
+      layer.gradient_kg_m4 = (upper.density_kg_m3 - deeper.density_kg_m3) / (deeper.depth_m - upper.depth_m);
+    }
+    layers_.push_back(layer);
+  }
+  const WaterLevel& deepest = levels_.back();
+  layers_.push_back({.high_m = -deepest.depth_m, .density_kg_m3 = deepest.density_kg_m3, .number = levels_.size()});
 }
 
 std::size_t WaterProfile::first_below(double depth_m) const {
@@ -79,20 +98,7 @@ double WaterProfile::density_at(double z_world_m) const {
 DensityLayer WaterProfile::density_layer_at(double z_world_m) const {
   const auto deeper = std::lower_bound(levels_.begin(), levels_.end(), -z_world_m,
                                        [](const WaterLevel& level, double depth) { return level.depth_m < depth; });
-  DensityLayer layer;
-  if (deeper == levels_.end()) {
-    layer.high_m = -levels_.back().depth_m;
-    layer.density_kg_m3 = levels_.back().density_kg_m3;
-    return layer;
-  }
-  layer.low_m = -deeper->depth_m;
-  layer.reference_m = layer.low_m;
-  layer.density_kg_m3 = deeper->density_kg_m3;
-  if (deeper == levels_.begin()) return layer;
-  const WaterLevel& upper = *(deeper - 1);
-  layer.high_m = -upper.depth_m;
-  layer.gradient_kg_m4 = (upper.density_kg_m3 - deeper->density_kg_m3) / (deeper->depth_m - upper.depth_m);
-  return layer;
+  return layers_[static_cast<std::size_t>(deeper - levels_.begin())];
 }
 
 double WaterProfile::column_kg_m2(double z_world_m) const {

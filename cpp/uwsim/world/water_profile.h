@@ -30,13 +30,17 @@ class WaterProfile {
   WaterLevel at(double z_world_m) const;
   double density_at(double z_world_m) const;  ///< that of `at`
   DensityLayer density_layer_at(double z_world_m) const;
+  /// From the layer above the first level to the one below the last.
+  const std::vector<DensityLayer>& density_layers() const { return layers_; }
   /// Mass of the water between z and 0 per unit area: the integral of rho dz; negative above the surface [kg/m^2].
   double column_kg_m2(double z_world_m) const;
 
  private:
+  void set_layers();
   std::size_t first_below(double depth_m) const;  // index of the first level deeper than this
 
   std::vector<WaterLevel> levels_;
+  std::vector<DensityLayer> layers_;
   std::vector<double> columns_kg_m2_;  // from the surface to each level
   bool even_ = true;
 };

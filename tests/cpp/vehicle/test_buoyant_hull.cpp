@@ -34,6 +34,9 @@ class LayeredWater : public EvenWater {
     }
     return {.high_m = z_m.back(), .density_kg_m3 = rho_kg_m3.back()};
   }
+  DensityLayer density_layer_below(const DensityLayer& layer) const override {
+    return density_layer_at(std::nextafter(layer.low_m, -1e9));
+  }
   /// The integrals of rho and of rho z between two heights, by Simpson's rule between knots, which is exact.
   Eigen::Vector2d mass_between(double low, double high) const {
     std::vector<double> cuts = {low, high};

@@ -61,6 +61,8 @@ def _robot(agent: dict[str, Any], path: str, found: Found) -> Robot:
     name = plain_name(str(agent.get("agent_name") or kind), others)
     place = Pose(ENU_FROM_NWU @ at, ENU_FROM_NWU @ turned(roll, pitch, yaw))
     found.assumed(f"agent '{name}': {kind} becomes the packaged vehicle '{AGENTS[kind]}' with its own sensors")
+    for key in sorted(agent.keys() - {"agent_type", "agent_name", "location", "rotation", "sensors"}):
+        found.left_out(f"agent '{name}': '{key}'")
     for sensor in _objects(agent.get("sensors", []), f"{path}/sensors"):
         if (type_of := sensor.get("sensor_type")) not in SENSORS:
             found.left_out(f"agent '{name}': sensor {type_of}")

@@ -92,14 +92,14 @@ def _put(
         raise plugin.error("forward and upward must be two directions")
     span /= np.linalg.norm(span)
     if (pose.turn @ lift.forward)[0] < STRAIGHT or abs(span[0]) > 1e-6:
-        found.left_out(f"{plugin.path} of link '{link}': its forward direction is not the vehicle's")
+        found.dropped(plugin, f" of link '{link}': its forward direction is not the vehicle's")
         return False
     joint = next((each for each in links.joints.values() if each.child == link), None)
     travel_rad = 0.0
     if joint is not None and joint.kind in ("revolute", "continuous"):
         axis = to_base.turn @ joint.axis
         if abs(axis @ span) < STRAIGHT:
-            found.left_out(f"{plugin.path} of link '{link}': joint '{joint.name}' does not turn it about its span")
+            found.dropped(plugin, f" of link '{link}': joint '{joint.name}' does not turn it about its span")
             return False
         span, travel_rad = span * np.sign(axis @ span), _travel_rad(plugin, joint, found)
     if stated.number("a0", 0.0) != 0.0:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.evidence.robots.xml_file import Floats, Pose
+from uwsim.evidence.robots.xml_file import Element, Floats, Pose
 
 Mesh = tuple[Floats, NDArray[np.int64]]
 """Vertices (n, 3) [m] and triangles (m, 3)."""
@@ -114,6 +115,20 @@ class Found:
         """Note an element that is not used, once."""
         if (note := f"left out: {what}") not in self.notes:
             self.notes.append(note)
+
+    def dropped(self, element: Element, more: str = "") -> None:
+        """Note an element that is not used, with all below it. more: follows its path."""
+        self.left_out(f"{element.path}{more}")
+        element.use_all()
+
+    def note_unused(self, root: Element) -> None:
+        """Note what was not asked for in a document, a line for each kind of element, with how often it occurs."""
+        kinds: dict[str, Counter[str]] = {}
+        for kind, path in root.unused():
+            kinds.setdefault(kind, Counter())[path] += 1
+        for kind, paths in kinds.items():
+            each = (f"{path} ({count})" if count > 1 else path for path, count in sorted(paths.items()))
+            self.left_out(f"{kind}: {', '.join(each)}")
 
     def assumed(self, what: str) -> None:
         """Note a value that the file does not state, once."""

@@ -16,7 +16,7 @@ from uwsim.evidence.robots import shapes
 from uwsim.evidence.robots.lift_drag import is_lift_drag, put_surface
 from uwsim.evidence.robots.links import Frames, Joint, Links, inertia, summed_volume
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, Thruster, plain_name
-from uwsim.evidence.robots.sensors import put_camera, put_sensor
+from uwsim.evidence.robots.sensors import Errors, put_camera, put_sensor
 from uwsim.evidence.robots.uuv_plugins import is_uuv_object, is_uuv_thruster, put_uuv_object, uuv_thruster
 from uwsim.evidence.robots.xml_file import HERE, Element, Floats, Pose, read_xml
 
@@ -45,12 +45,15 @@ def read_sdf(path: Path) -> Found:
         reader.found.assumed(f"a model without a world starts {ALONE_M:g} m below its place")
     if not (reader.found.robots or reader.found.obstacles):
         raise root.error("has no model with a thruster (gz-sim-thruster-system), and no fixed model that is here")
+    for document in [root, *reader.included]:
+        reader.found.note_unused(document)
     return reader.found
 
 
 class _Reader:
     def __init__(self, path: Path, found: Found) -> None:
         self.path, self.found = path, found
+        self.included: list[Element] = []
 
     def world(self, world: Element) -> None:
         for plugin in world.all("plugin"):
@@ -67,22 +70,25 @@ class _Reader:
                 self.model(model_of, pose, static=static, include=include)
         for tag in ("light", "road", "population", "actor"):
             for element in world.all(tag):
-                self.found.left_out(element.path)
+                self.found.dropped(element)
 
     def _included(self, include: Element) -> Element | None:
         """Return the model that an <include> names, or None, with a note, if there is none here."""
         uri = include.text("uri") or ""
         folder = self._resolved(uri)
         if folder is None:
-            self.found.left_out(f"{include.path} {uri}: not in {', '.join(RESOURCE_PATHS[:1])} or beside the file")
+            self.found.dropped(include, f" {uri}: not in {', '.join(RESOURCE_PATHS[:1])} or beside the file")
             return None
         file = folder / "model.sdf" if folder.is_dir() else folder
         if not file.is_file():
-            self.found.left_out(f"{include.path} {uri}: '{folder}' has no model.sdf")
+            self.found.dropped(include, f" {uri}: '{folder}' has no model.sdf")
             return None
-        model = read_xml(file).find("model")
+        document = read_xml(file)
+        model = document.find("model")
         if model is None:
-            self.found.left_out(f"{include.path} {uri}: '{file}' has no <model>")
+            self.found.dropped(include, f" {uri}: '{file}' has no <model>")
+        else:
+            self.included.append(document)
         return model
 
     def _resolved(self, uri: str) -> Path | None:
@@ -120,7 +126,7 @@ class _Reader:
             elif "hydrodynamics" in file:
                 self._hydrodynamics(robot, plugin, base, links)
             elif "thruster" not in file and not is_lift_drag(file):
-                self.found.left_out(f"{plugin.path}, {plugin.attribute('filename')}")
+                self.found.dropped(plugin, f", {plugin.attribute('filename')}")
         to_base = links.poses[base].inverse()
         for plugin, file in plugins:
             if is_lift_drag(file):
@@ -221,7 +227,7 @@ class _Reader:
 
     def _obstacles(self, model: Element, pose: Pose, static: bool) -> None:
         if not static:
-            self.found.left_out(f"{model.path}: it moves, and has no thrusters")
+            self.found.dropped(model, ": it moves, and has no thrusters")
             return
         links = self._links(model, HERE, heavy=False)
         for missing in links.missing:
@@ -306,10 +312,22 @@ class _Reader:
             robot.sonar = at.position_m.tolist()
             self.found.assumed(f"{sensor.path}: its place is the multibeam's mount")
         elif kind in SENSORS or (kind == "custom" and "dvl" in (sensor.attribute("gz:type") or sensor.name)):
-            noise = sensor.number("imu/angular_velocity/x/noise/stddev", 0.0)
-            put_sensor(robot, self.found, sensor.path, sensor.name, SENSORS.get(kind, "dvl"), at, rate, noise)
+            mine = SENSORS.get(kind, "dvl")
+            put_sensor(robot, self.found, sensor.path, sensor.name, mine, at, rate, _errors(sensor, kind))
         else:
-            self.found.left_out(f"{sensor.path}, of type {kind}")
+            self.found.dropped(sensor, f", of type {kind}")
+
+
+def _errors(sensor: Element, kind: str) -> Errors:
+    """Return the white noise of an IMU, the largest of its axes, as in a vehicle's file."""
+    if kind != "imu":
+        return {}
+    channels = {
+        channel: {"std": max(sensor.number(f"imu/{channel}/{axis}/noise/stddev", 0.0) for axis in "xyz")}
+        for channel in ("angular_velocity", "linear_acceleration")
+    }
+    stated = {channel: errors for channel, errors in channels.items() if errors["std"] > 0.0}
+    return {"channels": stated} if stated else {}
 
 
 def _autopilot_limits(model: Element) -> Iterator[tuple[str, tuple[float, float]]]:

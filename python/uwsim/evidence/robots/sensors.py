@@ -9,21 +9,21 @@ import numpy as np
 from uwsim.evidence.robots.robot import Found, Robot, plain_name
 from uwsim.evidence.robots.xml_file import Floats, Pose, yaw_pitch_roll_deg
 
+Errors = dict[str, dict[str, Any]]
 RATES_HZ = (0.1, 1000.0)
 PLACED = ("dvl", "usbl", "altitude", "proximity", "depth", "pressure", "temperature", "imu", "velocity", "position")
 """The kinds that have a position."""
 
 
 def put_sensor(
-    robot: Robot, found: Found, path: str, name: str, kind: str, at: Pose, rate_hz: float, turn_rad_s: float = 0.0
+    robot: Robot, found: Found, path: str, name: str, kind: str, at: Pose, rate_hz: float, errors: Errors | None = None
 ) -> None:
-    """Add a sensor to a vehicle. path: of its element. at: its pose on the vehicle. turn_rad_s: noise of an IMU."""
+    """Add a sensor to a vehicle. path: of its element. at: its pose on the vehicle. errors: as in a vehicle's file."""
     rate = float(np.clip(rate_hz if rate_hz > 0.0 else 10.0, *RATES_HZ))
     sensor: dict[str, Any] = {"kind": kind, "rate_hz": rate}
     if kind in PLACED:
         sensor["position_m"] = at.position_m.tolist()
-    if kind == "imu" and turn_rad_s > 0.0:
-        sensor["channels"] = {"angular_velocity": {"std": turn_rad_s}}
+    sensor |= errors or {}
     if kind not in ("dvl", "compass", "depth", "pressure") and not np.allclose(at.turn, np.eye(3), atol=1e-3):
         found.left_out(f"{path}: its axes are turned against the vehicle's; here they are the vehicle's")
     robot.sensors[plain_name(name, robot.sensors)] = sensor

@@ -41,6 +41,8 @@ def read_stonefish(path: Path) -> Found:
         raise ValueError(f"'{path}': has no <robot> and no <static> object")
     for robot, folder in reader.robots:
         reader.robot(robot, folder)
+    for document in reader.documents:
+        reader.found.note_unused(document)
     return reader.found
 
 
@@ -79,6 +81,7 @@ class _Reader:
         self.found = Found(plain_name(path.stem), density_kg_m3=DENSITY_KG_M3)
         self.materials: dict[str, float] = {}
         self.robots: list[tuple[Element, Path]] = []
+        self.documents: list[Element] = []
         self.files = 0
 
     @property
@@ -104,6 +107,7 @@ class _Reader:
         root = read_xml(path, expand)
         if root.tag != "scenario":
             raise root.error("must be <scenario>")
+        self.documents.append(root)
         self._ocean(root)
         for material in (each for group in root.all("materials") for each in group.all("material")):
             self.materials[material.needed("name")] = material.number(None, None, "density")
@@ -116,7 +120,7 @@ class _Reader:
             elif element.tag == "robot":
                 self.robots.append((element, path.parent))
             elif element.tag in ("dynamic", "animated", "light", "comm", "cable", "actuator", "sensor", "contact"):
-                self.found.left_out(element.path)
+                self.found.dropped(element)
 
     def _ocean(self, root: Element) -> None:
         ocean = root.find("environment/ocean")
@@ -128,7 +132,7 @@ class _Reader:
             if current.attribute("type") == "uniform" and velocity is not None:
                 self.found.current_m_s = ENU_FROM_NED @ velocity
             else:
-                self.found.left_out(f"{current.path}, of type {current.attribute('type')}")
+                self.found.dropped(current, f", of type {current.attribute('type')}")
         if ocean.number("waves", 0.0, "height") > 0.0:
             self.found.left_out(f"{ocean.path}/waves")
 
@@ -138,7 +142,7 @@ class _Reader:
             self.found.bed_z_m = -float(static.origin("world_transform").position_m[2])
             return
         if kind not in ("box", "cylinder", "sphere", "model"):
-            self.found.left_out(f"{static.path}, of type {kind}")
+            self.found.dropped(static, f", of type {kind}")
             return
         mesh, _ = self._solid(static, folder)
         vertices, triangles = shapes.placed(mesh, static.origin("world_transform"))
@@ -203,12 +207,12 @@ class _Reader:
             if actuator.needed("type") in ("thruster", "simple_thruster"):
                 robot.thrusters.append(self._thruster(actuator, poses, robot))
             else:
-                self.found.left_out(f"{actuator.path}, of type {actuator.needed('type')}")
+                self.found.dropped(actuator, f", of type {actuator.needed('type')}")
         for sensor in element.all("sensor"):
             self._sensor(robot, sensor, poses)
         for tag in ("comm", "light"):
             for other in element.all(tag):
-                self.found.left_out(other.path)
+                self.found.dropped(other)
         self.found.robots.append(robot)
 
     def _poses(self, robot: Element, base: Element) -> dict[str, Pose]:
@@ -359,4 +363,4 @@ class _Reader:
             at = Pose(self._mount(sensor, poses).position_m, np.eye(3))
             put_sensor(robot, self.found, sensor.path, sensor.name, SENSORS[kind], at, rate)
         else:
-            self.found.left_out(f"{sensor.path}, of type {kind}")
+            self.found.dropped(sensor, f", of type {kind}")

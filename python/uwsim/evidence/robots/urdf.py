@@ -20,6 +20,7 @@ from uwsim.evidence.robots.uuv_plugins import (
     is_uuv_object,
     is_uuv_thruster,
     put_uuv_object,
+    uuv_errors,
     uuv_thruster,
 )
 from uwsim.evidence.robots.xml_file import HERE, Element, Pose, read_xml
@@ -51,6 +52,7 @@ def read_urdf(path: Path) -> Found:
     if robot.volume_m3 is None:
         found.assumed("the collision shapes displace water: no plugin states a volume")
     found.robots.append(robot)
+    found.note_unused(root)
     return found
 
 
@@ -124,7 +126,7 @@ def _solid(collision: Element, path: Path, found: Found) -> Mesh | None:
         if shape.tag == "mesh":
             file = _mesh_file(shape.needed("filename"), path)
             if file is None:
-                found.left_out(f"{shape.path} {shape.needed('filename')}: not beside the file")
+                found.dropped(shape, f" {shape.needed('filename')}: not beside the file")
                 return None
             scale = shape.numbers(None, 3, "scale")
             return shapes.from_file(file, np.ones(3) if scale is None else scale)
@@ -153,16 +155,16 @@ def _plugin(robot: Robot, found: Found, links: Links, plugin: Element, base: str
         put_uuv_fin(robot, plugin, links, to_base, found)
     elif (kind := next((kind for part, kind in SENSOR_PLUGINS.items() if part in file), None)) is not None:
         at = to_base.then(links.pose(plugin.text("link_name") or "", plugin))
-        noise = plugin.number("noise_sigma", 0.0) if kind == "imu" else 0.0
-        put_sensor(robot, found, plugin.path, kind, kind, at, plugin.number("update_rate", 10.0), noise)
+        rate = plugin.number("update_rate", 10.0)
+        put_sensor(robot, found, plugin.path, kind, kind, at, rate, uuv_errors(plugin, kind))
     else:
-        found.left_out(f"{plugin.path}, {file}")
+        found.dropped(plugin, f", {file}")
 
 
 def _sensor(robot: Robot, found: Found, sensor: Element, at: Pose) -> None:
     kind = sensor.needed("type")
     if kind not in ("camera", "depth", "rgbd_camera"):
-        found.left_out(f"{sensor.path}, of type {kind}")
+        found.dropped(sensor, f", of type {kind}")
         return
     angle = sensor.number("camera/horizontal_fov", 1.047)
     size = int(sensor.number("camera/image/width", 320.0)), int(sensor.number("camera/image/height", 240.0))

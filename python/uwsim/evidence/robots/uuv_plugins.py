@@ -6,11 +6,14 @@ libuuv_thruster_ros_plugin. Its damping is negative; positive values would drive
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from uwsim.evidence.robots import shapes
 from uwsim.evidence.robots.links import Links
 from uwsim.evidence.robots.robot import Found, Robot, Thruster, plain_name
+from uwsim.evidence.robots.sensors import Errors
 from uwsim.evidence.robots.xml_file import Element, Floats, Pose
 
 DENSITY_KG_M3 = 1028.0
@@ -62,6 +65,8 @@ def _hydrodynamics(robot: Robot, found: Found, link: Element) -> None:
     if model is None or model.text("type") != "fossen":
         kind = None if model is None else model.text("type")
         found.left_out(f"{link.path}: hydrodynamic model {kind}: only fossen is read")
+        if model is not None:
+            model.use_all()
         return
     if any(model.number(key, 0.0) != 0.0 for key in ("offset_added_mass", "offset_linear_damping")):
         found.left_out(f"{model.path}: its offsets")
@@ -73,6 +78,29 @@ def _hydrodynamics(robot: Robot, found: Found, link: Element) -> None:
     robot.added_mass = 0.5 * (robot.added_mass + robot.added_mass.T)
     robot.linear = _matrix(model, "linear_damping", -scale)
     robot.quadratic = _matrix(model, "quadratic_damping", -scale)
+
+
+def uuv_errors(plugin: Element, kind: str) -> Errors:
+    """Return the errors of UUV Simulator's sensors that uwsim has, too, as in a vehicle's file.
+
+    Source: its IMUROSPlugin.cc, after RotorS: white noise, and a bias that decays within a correlation time and is
+    driven by a random walk; and SubseaPressureROSPlugin.cc, in kPa.
+    """
+    if kind == "pressure":
+        sigma_pa = 1000.0 * plugin.number("noise_sigma", 0.0)
+        return {"noise": {"std": sigma_pa}} if sigma_pa > 0.0 else {}
+    if kind != "imu":
+        return {}
+    channels: dict[str, Any] = {}
+    for channel, of in (("angular_velocity", "gyroscope"), ("linear_acceleration", "accelerometer")):
+        walk, time_s = plugin.number(f"{of}_random_walk", 0.0), plugin.number(f"{of}_bias_correlation_time", 0.0)
+        channels[channel] = {
+            "density": plugin.number(f"{of}_noise_density", 0.0),
+            "turn_on_std": plugin.number(f"{of}_turn_on_bias_sigma", 0.0),
+        } | ({"bias_std": walk * np.sqrt(0.5 * time_s).item(), "bias_time_s": time_s} if walk * time_s > 0.0 else {})
+    channels["orientation"] = {"std": plugin.number("orientation_noise", 0.0)}
+    stated = {name: errors for name, errors in channels.items() if any(errors.values())}
+    return {"channels": stated} if stated else {}
 
 
 def _matrix(model: Element, key: str, sign: float) -> Floats:

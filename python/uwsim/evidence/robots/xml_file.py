@@ -64,10 +64,14 @@ def yaw_pitch_roll_deg(turn: Floats) -> list[float]:
 
 
 class Element:
-    """An element of a document, with its path for messages, such as `model 'rov'/link 'base'`."""
+    """An element of a document, with its path for messages, such as `model 'rov'/link 'base'`.
 
-    def __init__(self, node: ElementTree.Element, file: Path, path: str) -> None:
+    The document notes which elements and attributes were asked for by name; `unused` lists the others.
+    """
+
+    def __init__(self, node: ElementTree.Element, file: Path, path: str, used: set[tuple[int, str]]) -> None:
         self._node, self.file, self.path = node, file, path
+        self._used = used  # (id, attribute), or (id, "") for an element
 
     @property
     def tag(self) -> str:
@@ -85,11 +89,12 @@ class Element:
 
     def attribute(self, key: str) -> str | None:
         """Return an attribute's text, if any."""
+        self._used |= {(id(self._node), key), (id(self._node), "")}
         return self._node.get(key)
 
     def needed(self, key: str) -> str:
         """Return an attribute's text. Raises ValueError."""
-        text = self._node.get(key)
+        text = self.attribute(key)
         if text is None:
             raise self.error(f"has no attribute {key}")
         return text
@@ -97,21 +102,55 @@ class Element:
     def text(self, path: str | None = None) -> str | None:
         """Return the text of this element, or of the one at a path of tags below it; None if there is none."""
         node = self._node if path is None else self._node.find(path)
-        return None if node is None else (node.text or "").strip()
+        if node is None:
+            return None
+        self._used.add((id(node), ""))
+        return (node.text or "").strip()
 
     def find(self, path: str) -> Element | None:
         """Return the first element at a path of tags, if any."""
         node = self._node.find(path)
-        return None if node is None else self._below(node)
+        if node is None:
+            return None
+        self._used.add((id(node), ""))
+        return self._below(node)
 
     def all(self, tag: str) -> Iterator[Element]:
-        """Yield the children with a tag; `*` is any."""
+        """Yield the children with a tag; `*` is any, which are not used by that."""
         for node in self._node.findall(tag):
+            if tag != "*":
+                self._used.add((id(node), ""))
             yield self._below(node)
 
     def _below(self, node: ElementTree.Element) -> Element:
         named = node.get("name")
-        return Element(node, self.file, f"{self.path}/{node.tag}" + (f" '{named}'" if named else ""))
+        return Element(node, self.file, f"{self.path}/{node.tag}" + (f" '{named}'" if named else ""), self._used)
+
+    def use_all(self) -> None:
+        """Note this element and all below it as used, such as those that a message has named."""
+        for node in self._node.iter():
+            self._used |= {(id(node), ""), *((id(node), key) for key in node.attrib)}
+
+    def unused(self) -> Iterator[tuple[str, str]]:
+        """Yield the elements and attributes below this one that nobody asked for, as pairs of a kind and a path.
+
+        The kind is that of the nearest element with a filename or a type, such as "sensor of type camera", and the
+        path leads there from it, such as "camera/image/format" or "axis/xyz@expressed_in".
+        """
+        yield from self._unused(self._node, self._node.tag, "")
+
+    def _unused(self, node: ElementTree.Element, kind: str, path: str) -> Iterator[tuple[str, str]]:
+        for key in node.attrib.keys() - {"name", "filename", "type", "version"}:
+            if (id(node), key) not in self._used:
+                yield kind, f"{path}@{key}"
+        for child in node:
+            inner, below = kind, f"{path}/{child.tag}" if path else child.tag
+            if (of := child.get("filename") or child.get("type")) is not None:
+                inner, below = f"{child.tag} of {'file' if child.get('filename') else 'type'} {of}", ""
+            if not any((id(each), "") in self._used for each in child.iter()):
+                yield kind, f"{path}/{child.tag}" if path else child.tag
+            else:
+                yield from self._unused(child, inner, below)
 
     def numbers(self, path: str | None, count: int | None = None, key: str | None = None) -> Floats | None:
         """Return the finite numbers in a text, or in the attribute `key`, or None if absent. Raises ValueError."""
@@ -187,4 +226,4 @@ def read_xml(path: Path, expand: Callable[[str], str] | None = None) -> Element:
             for key, value in node.attrib.items():
                 node.attrib[key] = expand(value)
     named = root.get("name")
-    return Element(root, path, root.tag + (f" '{named}'" if named else ""))
+    return Element(root, path, root.tag + (f" '{named}'" if named else ""), set())
