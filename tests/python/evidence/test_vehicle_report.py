@@ -212,3 +212,11 @@ def test_a_mistake_in_the_file_is_one_line(tmp_path: Path) -> None:
     assert ran.returncode == 1 and not page.exists()
     assert len(ran.stderr.splitlines()) == 1 and "added_mass" in ran.stderr, ran.stderr
     assert ran.stdout == ""
+
+
+def test_a_thrust_without_a_speed_is_one_line(tmp_path: Path) -> None:
+    slippery = {"linear_damping": [1e-3] * 6, "quadratic_damping": [0.0] * 6, "max_force_n": [1e5, 300, 300]}
+    done = uwsim("vehicle", vehicle_file(tmp_path, **slippery))
+    assert done.returncode != 0
+    assert done.stderr.strip().startswith("uwsim: error: vehicle 'box': full effort on surge drives it beyond 99 m/s")
+    assert "\n" not in done.stderr.strip()

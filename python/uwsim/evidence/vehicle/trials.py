@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.axes import AXES
 from uwsim.base.quaternions import heading_rad
 from uwsim.batch.batch import Batch
 from uwsim.evidence.validate.flights import deep_scenario
@@ -26,7 +27,7 @@ CIRCLE_S, LAST_S, SAMPLE_S = 120.0, 40.0, 0.1
 RUN_S, RUN_LAST_S = 30.0, 10.0
 TILT_DEG = 15.0
 """Tilt on a straight run beyond which a warning is given; propeller torques roll sound vehicles by up to 12 degrees."""
-STEADY = 0.05
+STEADY, FASTEST = 0.05, 99.0  # FASTEST [m/s, rad/s]: a vehicle can be placed with up to 100
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,8 @@ def _straight_run(model: VehicleModel, density_kg_m3: float, trim: Trim | None) 
 def terminal_speeds(scenario: Scenario) -> Floats:
     """Return the speeds (6, 2) [m/s, rad/s] at full effort ahead and astern on each axis alone.
 
-    NaN on axes without an actuator that works at rest, such as those driven only by fins.
+    NaN on axes without an actuator that works at rest, such as those driven only by fins. Raises ValueError if a speed
+    exceeds FASTEST.
 
     As in a towing tank, only the motion on that axis is free; the others are held at zero and the attitude level. A
     vehicle that would pitch or turn at full effort therefore still has a speed. Thrust falls with speed as in any
@@ -141,6 +143,10 @@ def terminal_speeds(scenario: Scenario) -> Floats:
         motion = batch.observe()
         gained = np.einsum("ij,ij->i", kept, motion.velocity_body - velocity)
         velocity = velocity + free * gained[:, None]
+        if np.abs(velocity).max() > FASTEST:
+            axis = AXES[np.abs(velocity).max(axis=0).argmax()]
+            rule = f"drives it beyond {FASTEST:g} m/s or rad/s: its thrust is too large, or its drag too small"
+            raise ValueError(f"vehicle '{entry.model.name}': full effort on {axis} {rule}")
         batch.place(place, velocity_body=velocity)
         if k % second == 0:
             speeds = np.abs(velocity).sum(axis=1)
