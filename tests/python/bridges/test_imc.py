@@ -193,6 +193,20 @@ def test_instruments_have_units_and_entities_of_the_peer(dune: StandInDune) -> N
         assert dune.field("GpsFix", "lat") == pytest.approx(math.radians(43.8253), abs=1e-5)
 
 
+def test_with_a_link_dune_is_aboard_and_consoles_are_not(dune: StandInDune) -> None:
+    scenario = bay(torpedo(), link="ideal_acoustic")
+    with member(scenario, f"127.0.0.1:{dune.port}", imc_sends="instruments", speed=5.0) as live:
+        until(lambda: {"EstimatedState", "SonarData"} <= dune.seen.keys())
+
+        def is_driven() -> bool:
+            dune.send("SetThrusterActuation", id=0, value=0.8)
+            return live.rov.thrusters["propeller"].command == pytest.approx(0.8)
+
+        until(is_driven)
+    with pytest.raises(ValueError, match="consoles are ashore"), member(scenario, "announce:127.0.0.1", imc_id=1):
+        pass
+
+
 def test_a_system_of_our_own_lists_its_entities(dune: StandInDune) -> None:
     with member(bay(torpedo()), f"127.0.0.1:{dune.port}", imc_id=0x0D00):
         until(lambda: "SimulatedState" in dune.seen)

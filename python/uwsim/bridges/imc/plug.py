@@ -45,7 +45,6 @@ class ImcPlug(BridgePlug[ImcOptions]):
 
     options = ImcOptions
     needs_live = True
-    crosses_link = False
     excluded_by = {"ardusub": "the firmware steers"}  # noqa: RUF012  # read only
     examined = ("imc", "imc_port")
 
@@ -71,6 +70,8 @@ class ImcPlug(BridgePlug[ImcOptions]):
         from uwsim.scenario.georeference import georeference
 
         live, given = require_live(context.live), self.given
+        if live.simulator.link is not None and any(each.kind == "announce" for each in self._addresses):
+            raise ValueError("imc = announce: consoles are ashore, and the link's modems do not carry IMC")
         place = Place.of(georeference(live.simulator.scenario))
         settings = Settings(
             given.imc_rate, given.imc_sends == "instruments", given.imc_id, given.imc_rpm, given.imc_port
