@@ -3248,7 +3248,7 @@ class NavigationFilter:
     arms from the IMU.
     """
 
-    save_version: typing.ClassVar[int] = 4
+    save_version: typing.ClassVar[int] = 5
     def __init__(
         self,
         *,
@@ -3342,6 +3342,18 @@ class NavigationFilter:
     ) -> None:
         """
         Add readings of an aid. times_ns, arrivals_ns (n,) uint64; readings (n, width).
+        """
+    def add_satellites(
+        self,
+        lever_body_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        horizontal_std: typing.SupportsFloat | typing.SupportsIndex,
+        vertical_std: typing.SupportsFloat | typing.SupportsIndex,
+        velocity_std: typing.SupportsFloat | typing.SupportsIndex,
+        horizontal_bias: BiasModel,
+        vertical_bias: BiasModel,
+    ) -> int:
+        """
+        Add an aid that measures the position [m] and velocity [m/s] of a satellite receiver's antenna, world axes.
         """
     def add_silence(self, time_ns: typing.SupportsInt | typing.SupportsIndex) -> None:
         """

@@ -113,6 +113,16 @@ void bind_aids(py::class_<NavigationFilter>& filter) {
           "Add an aid that measures the position relative to the station, world axes [m]. range_step: that to which\n"
           "ranges are rounded, or 0 if their noise is larger. period_s: time between fixes.")
       .def(
+          "add_satellites",
+          [](NavigationFilter& f, const Eigen::Vector3d& lever, double horizontal_std, double vertical_std,
+             double velocity_std, const BiasModel& horizontal_bias, const BiasModel& vertical_bias) {
+            return f.add_aid(satellite_aid(
+                lever, {horizontal_std, vertical_std, velocity_std, horizontal_bias, vertical_bias}));
+          },
+          py::arg("lever_body_m"), py::arg("horizontal_std"), py::arg("vertical_std"), py::arg("velocity_std"),
+          py::arg("horizontal_bias"), py::arg("vertical_bias"),
+          "Add an aid that measures the position [m] and velocity [m/s] of a satellite receiver's antenna, world axes.")
+      .def(
           "add_orientation",
           [](NavigationFilter& f, double std, const BiasModel& bias) { return f.add_aid(orientation_aid(std, bias)); },
           py::arg("std"), py::arg("bias"), "Add an aid that measures the orientation x, y, z, w, world from body.")

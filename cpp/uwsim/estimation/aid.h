@@ -87,6 +87,13 @@ struct FixErrors {
 /// surface, and its range and bearing are those of a mirrored station.
 std::unique_ptr<Aid> acoustic_fix_aid(const Eigen::Vector3d& lever_body_m, const Eigen::Vector3d& station_world_m,
                                       const FixErrors& errors);
+/// The errors of a satellite receiver: white noise, and biases along east and north, and up.
+struct SatelliteErrors {
+  double horizontal_std_m = 0, vertical_std_m = 0, velocity_std_m_s = 0;
+  BiasModel horizontal_bias, vertical_bias;
+};
+/// An aid whose reading is the position [m] and the velocity [m/s] of an antenna along east, north and up, (6,).
+std::unique_ptr<Aid> satellite_aid(const Eigen::Vector3d& lever_body_m, const SatelliteErrors& errors);
 /// An aid whose reading is the orientation, a quaternion x, y, z, w that rotates body axes to world axes, (4,), with
 /// errors in body axes.
 std::unique_ptr<Aid> orientation_aid(double std, const BiasModel& bias);

@@ -33,8 +33,8 @@ class NavigationFilter {
   static constexpr double kHorizon_s = 4;
   /// Version of the bytes that save() returns. Version 2 added the parameters of the filter's instruments, the IMU's
   /// last sample, and all three axes of a compass's hard iron. Version 3 added the waves' pressure at a depth gauge and
-  /// the dock.
-  static constexpr std::uint64_t kVersion = 4;
+  /// the dock. Version 5 added satellite receivers.
+  static constexpr std::uint64_t kVersion = 5;
 
   /// `imu_body_m`: position of the IMU on the body.
   NavigationFilter(const ImuErrors& imu, const Eigen::Vector3d& imu_body_m, double gravity_m_s2);

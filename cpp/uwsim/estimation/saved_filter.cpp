@@ -123,7 +123,7 @@ std::string NavigationFilter::save() {
 
 void NavigationFilter::restore(std::string_view bytes, std::uint64_t version) {
   require(version >= 1 && version <= kVersion, "state.version", version,
-          "must be 1 to 4: another version of uwsim saved it, in a format that this one lacks");
+          "must be 1 to 5: another version of uwsim saved it, in a format that this one lacks");
   start({});
   StateArchive archive(bytes);
   exchange(archive, version);

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from steered import bay
 from uwsim import Simulator
 from uwsim.navigation.estimation import Navigator, Start
 from uwsim.navigation.estimation.aids import AIDS, Surroundings
-from uwsim.scenario import Scenario, load
+from uwsim.scenario import Scenario, load, load_vehicle
 from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.read.validated import validated
+from uwsim.scenario.spec.sensor import SensorMount
 
 WALK = np.random.default_rng(4).uniform(-0.4, 0.4, (40, 6)) * [1.0, 1.0, 0.3, 0.1, 0.1, 1.0]
 
@@ -249,3 +252,44 @@ def test_a_fix_from_a_reflected_ray_above_the_water_is_not_a_position() -> None:
     readings = np.array([[20.0, 0.0, -5.0, 20.6, 0.0, 0.0], [20.0, 0.0, 60.0, 63.2, 0.0, 0.0]])
     samples = SimpleNamespace(valid=np.array([True, True]), readings=readings)
     assert aid.readings(sensor, samples, around)[0].tolist() == [True, False]
+
+
+GPS = {
+    "kind": "gps", "position_m": [0.1, 0.0, 0.5], "rate_hz": 5,
+    "channels": {"horizontal": {"std": 0.3, "bias_std": 0.5, "bias_time_s": 300}, "velocity": {"std": 0.05}},
+}  # fmt: skip
+
+
+def test_satellites_correct_a_vehicle_that_surfaces() -> None:
+    rov = load_vehicle("rov")
+    model = rov.model_copy(update={"sensors": rov.sensors | {"gps": validated(SensorMount, GPS)}})
+    vehicle = {"name": "rov", "model": model, "start": {"position_m": [0, 0, -8]}}
+    sim = Simulator(bay(vehicle), seed=4)
+    sensors = {name: each for name, each in sim.rov.sensors.items() if each.kind in ("imu", "depth", "compass", "gps")}
+    estimate = Navigator(SimpleNamespace(name="rov", sensors=sensors), Start((0.0, 0.0, -8.0), 0.1))
+    for k in range(40):
+        sim.rov.set_effort(surge=0.5, yaw=0.3 * (-1) ** k)
+        sim.advance(3.0)
+    dived = errors(sim, estimate), estimate.position_std_m
+    sim.rov.set_effort(heave=0.6)
+    sim.advance(60.0)
+    found = errors(sim, estimate), estimate.position_std_m
+    for error, std_m in (dived, found):
+        assert (np.abs(error[:3]) < 4.0 * std_m).all()
+    assert dived[1][:2].min() > 3.0 and found[1][:2].max() < 0.6  # its bias remains
+    assert np.abs(found[0][3:5]).max() < 0.1 and estimate.counts["gps"][0] > 300
+
+
+def test_a_boat_knows_its_place_by_satellites() -> None:
+    sim = Simulator(bay({"name": "boat", "model": "otter", "start": {"position_m": [0, 0, 0]}}), seed=3)
+    beside = Navigator(sim.rov, station_world_m=None)  # it begins by its first fixes
+    for k in range(30):
+        sim.rov.set_effort(surge=0.6, yaw=0.2 * (-1) ** k)
+        sim.advance(4.0)
+        if k > 3:
+            for estimate in (sim.rov.estimate, beside):
+                assert np.abs(errors(sim, estimate)[:6]).max() < 0.12
+    saved = sim.rov.estimate.pose.position_world_m, sim.save_state()
+    sim.advance(1.0)
+    sim.restore_state(saved[1])
+    np.testing.assert_array_equal(sim.rov.estimate.pose.position_world_m, saved[0])

@@ -164,6 +164,25 @@ class AcousticFix:
         return samples.valid & (heights_m < GHOST_STDS * errors_m + GHOST_M), fixes_m
 
 
+class Satellites:
+    """A satellite receiver, while it has a fix."""
+
+    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
+        """See Aid."""
+        return filter_.add_satellites(
+            lever(sensor, around),
+            white_std(sensor, "horizontal"),
+            white_std(sensor, "vertical"),
+            white_std(sensor, "velocity"),
+            bias_model(sensor, "horizontal"),
+            bias_model(sensor, "vertical"),
+        )
+
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+        """See Aid."""
+        return samples.valid & np.isfinite(samples.readings[:, :6]).all(axis=1), samples.readings[:, :6]
+
+
 class Orientation:
     """The orientation measured by an IMU, for vehicles without a compass."""
 
@@ -185,6 +204,7 @@ AIDS: dict[str, Aid] = {
     "pressure": Pressure(),
     "compass": Compass(),
     "usbl": AcousticFix(),
+    "gps": Satellites(),
     "imu": Orientation(),
 }
 """The aids by sensor kind."""

@@ -7,7 +7,10 @@ import math
 from uwsim import _core
 from uwsim.navigation.estimation.protocols import InstrumentLike
 
-LEAST_STD = {"beam_velocity": 1e-3, "depth": 1e-3, "pressure": 10.0, "heading": 1e-4, "orientation": 1e-4}
+LEAST_STD = {
+    "beam_velocity": 1e-3, "depth": 1e-3, "pressure": 10.0, "heading": 1e-4, "orientation": 1e-4,
+    "horizontal": 5e-3, "vertical": 5e-3, "velocity": 5e-3,
+}  # fmt: skip
 """The assumed error of an exact sensor, in its unit, since the filter's equations are not exact either."""
 FLICKER_TIME_S = 100.0
 """Correlation time of the filter's drifting bias for a sensor that has flicker noise but no drifting bias of its

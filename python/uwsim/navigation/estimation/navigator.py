@@ -40,15 +40,15 @@ YAW_STD_RAD = 0.1  # the initial heading has little weight, since its aid will m
 
 
 class Navigator(Attached):
-    """An error-state Kalman filter on a vehicle's IMU, corrected by its DVL, depth, compass and USBL, if present.
+    """An error-state Kalman filter on a vehicle's IMU, corrected by its DVL, depth, compass, USBL and GPS, if present.
 
     vehicle: provides named sensors; the first of each kind is used. start: the initial motion; by default, at rest at
-    the position of the first USBL fixes. station_world_m: the origin of the USBL fixes;
+    the position of the first fixes of its USBL or GPS. station_world_m: the origin of the USBL fixes;
     None: it moves, and they are not used. gravity_m_s2: the acceleration
     due to gravity. density_kg_m3: water density, used with a pressure sensor if there is no depth sensor. wave_std_m:
     expected standard deviation of the water's surface, a quarter of the significant wave height; the filter starts with
     it and adapts to the waves that the depth or pressure sensor then measures. The filter's error models follow from
-    the sensors' noise parameters. Raises ValueError for a vehicle without an IMU, or with neither a start nor a USBL.
+    the sensors' noise parameters. Raises ValueError for a vehicle without an IMU, or with none of a start, a USBL and a GPS.
 
     Readings are processed whenever `pose` and the other results are read; the estimate does not depend on how often
     that happens. See docs/guides/estimation.md.
@@ -74,8 +74,8 @@ class Navigator(Attached):
         fixed = station_world_m is not None
         self._aids = chosen_aids({name: one for name, one in sensors.items() if fixed or one.kind != "usbl"})
         self._silence_ns = max(SILENCE_NS, round(20e9 * self._imu.period_s))
-        if start is None and not any(aid.kind == "usbl" for aid in self._aids.values()):
-            raise ValueError(f"vehicle '{vehicle.name}': has no USBL, so navigation needs start=Start(...)")
+        if start is None and not any(aid.kind in ("usbl", "gps") for aid in self._aids.values()):
+            raise ValueError(f"vehicle '{vehicle.name}': has no USBL and no GPS, so navigation needs start=Start(...)")
         self._around = Surroundings(
             np.asarray(self._imu.spec.position_m),
             np.zeros(3) if station_world_m is None else np.asarray(station_world_m, float),
@@ -112,7 +112,7 @@ class Navigator(Attached):
         return f"<Navigator by IMU, {aids}: at ({east:.2f}, {north:.2f}, {up:.2f}) m, std {std_m:.2g} m>"
 
     def restart(self, start: Start | None = None) -> None:
-        """Restart now. start: defaults to the first USBL fixes."""
+        """Restart now. start: defaults to the first fixes of the USBL or GPS."""
         with self._lock:
             self._restart(start)
 

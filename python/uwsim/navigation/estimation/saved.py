@@ -28,12 +28,12 @@ class HeldState(State):
 
 
 class NavigatorState(State):
-    """A saved Navigator. version: the version of `filter`; 1 lacks `figures`, 1 and 2 lack `held`.
+    """A saved Navigator. version: that of `filter`; 1 lacks `figures`, 1 and 2 lack `held`.
 
     from_ns: the earliest possible stamp of each sensor's next sample.
     """
 
-    version: Literal[1, 2, 3, 4] = 1
+    version: Literal[1, 2, 3, 4, 5] = 1
     figures: WaterState | None = None
     held: HeldState | None = None
     filter: Base64Bytes
