@@ -16,7 +16,6 @@ from scipy.spatial.transform import Rotation
 
 from uwsim import Simulator
 from uwsim.figures.contact_sheet import contact_sheet
-from uwsim.instruments.cameras.image_file import write_image
 from uwsim.scenario import load
 
 OUT = Path(__file__).resolve().parents[2] / "docs" / "guides" / "cameras.jpg"
@@ -73,7 +72,7 @@ def main() -> None:
             at_the_station,
         ]
     )
-    write_image(OUT, contact_sheet(rows))
+    Image.fromarray(contact_sheet(rows)).save(OUT, quality=90)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ const STEPS = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500]; // between contours, in
 const CONTOURS = 8; // at most, between the surface and the deepest place
 const LINE_PX = 14; // of names, and how often one gives way by half of that
 const LINES = 8;
+const BROAD = 4; // lines of a name
 const LABEL_PX = 150; // between two labels of contours
 
 /** @typedef {{ rows: number, columns: number, west_m: number, south_m: number, spacing_m: [number, number] }} Grid
@@ -123,14 +124,17 @@ export class ChartGround {
     c.stroke();
   }
 
-  // The names of obstacles, each below those that it would hide.
+  // The names of obstacles, each below those that it would hide: in the middle, but of a broad one at its north edge, as
+  // others may lie in it.
   #paintNames(c, frame) {
     /** @type {[number, number, number][]} */
     const taken = [];
     for (const { name, outline_m: outline } of this.meshes) {
       const text = name.replaceAll('_', ' ');
       const middle = [0, 1].map((axis) => outline.reduce((sum, point) => sum + point[axis], 0) / outline.length);
-      const [x, top] = frame.at(middle);
+      const [x, y0] = frame.at(middle);
+      const north = northEdge(outline.map((point) => frame.at(point)));
+      const top = north === null ? y0 : north + LINE_PX;
       const half = c.measureText(text).width / 2;
       const hides = (y) => taken.some(([a, b, w]) => Math.abs(a - x) < half + w && Math.abs(b - y) < LINE_PX);
       let y = top;
@@ -139,6 +143,17 @@ export class ChartGround {
       label(c, text, x, y, this.colours);
     }
   }
+}
+
+// The least y of an outline [px] that fills half of its box and is several lines high; null of others.
+function northEdge(points) {
+  const [xs, ys] = [0, 1].map((axis) => points.map((point) => point[axis]));
+  const [wide, high] = [xs, ys].map((values) => Math.max(...values) - Math.min(...values));
+  const twice = points.reduce((sum, [x, y], k) => {
+    const [nextX, nextY] = points[(k + 1) % points.length];
+    return sum + x * nextY - nextX * y;
+  }, 0);
+  return high > BROAD * LINE_PX && Math.abs(twice) > wide * high ? Math.min(...ys) : null;
 }
 
 // The bed as a picture with one pixel per grid point: the deeper, the nearer to the colour of the deep.
