@@ -116,8 +116,8 @@ void bind_aids(py::class_<NavigationFilter>& filter) {
           "add_satellites",
           [](NavigationFilter& f, const Eigen::Vector3d& lever, double horizontal_std, double vertical_std,
              double velocity_std, const BiasModel& horizontal_bias, const BiasModel& vertical_bias) {
-            return f.add_aid(satellite_aid(
-                lever, {horizontal_std, vertical_std, velocity_std, horizontal_bias, vertical_bias}));
+            return f.add_aid(
+                satellite_aid(lever, {horizontal_std, vertical_std, velocity_std, horizontal_bias, vertical_bias}));
           },
           py::arg("lever_body_m"), py::arg("horizontal_std"), py::arg("vertical_std"), py::arg("velocity_std"),
           py::arg("horizontal_bias"), py::arg("vertical_bias"),

@@ -27,8 +27,7 @@ class SatelliteAid final : public Aid {
       ErrorVector h = ErrorVector::Zero(state.errors());
       h[kPosition + k] = h[first_bias + k] = 1;
       h.segment<3>(kAttitude) = lever_.cross(axis_body);
-      const double expected_m =
-          state.position_m[k] + axis_body.dot(lever_) + state.aid_bias[first_bias - kAidBias + k];
+      const double expected_m = state.position_m[k] + axis_body.dot(lever_) + state.aid_bias[first_bias - kAidBias + k];
       Aid::correct(state, reading[k] - expected_m, h, std_m * std_m);
     }
     for (int k = 0; k < 3; ++k) {

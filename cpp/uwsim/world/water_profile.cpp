@@ -51,10 +51,8 @@ WaterProfile::WaterProfile(std::span<const WaterLevel> levels) : levels_(levels.
 void WaterProfile::set_layers() {
   for (std::size_t k = 0; k < levels_.size(); ++k) {
     const WaterLevel& deeper = levels_[k];
-    DensityLayer layer{.low_m = -deeper.depth_m,
-                       .reference_m = -deeper.depth_m,
-                       .density_kg_m3 = deeper.density_kg_m3,
-                       .number = k};
+    DensityLayer layer{
+        .low_m = -deeper.depth_m, .reference_m = -deeper.depth_m, .density_kg_m3 = deeper.density_kg_m3, .number = k};
     if (k > 0) {
       const WaterLevel& upper = levels_[k - 1];
       layer.high_m = -upper.depth_m;

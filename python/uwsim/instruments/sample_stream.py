@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
-from weakref import WeakSet
+from weakref import ref
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Take = Callable[[], tuple[Any, Any, Any, Any]]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False, slots=True)  # frozen, one would take three times as long to make
 class Samples:
     """Samples in order of arrival, without dropped samples.
 
@@ -55,10 +55,11 @@ class SampleStream:
         self._source = source
         self._from_ns = from_ns
         self._pieces: list[Samples] = []
+        self.is_fed = True
 
     def take(self) -> Samples:
         """Return the samples that have arrived since the previous call."""
-        if not self._source.feeds(self):
+        if not self.is_fed:
             raise ValueError("the stream has ended, as its simulator was reset or restored: ask the sensor for another")
         newest = self._source.hand_out()
         if not self._pieces:
@@ -66,9 +67,9 @@ class SampleStream:
         pieces, self._pieces = self._pieces, []
         return Samples.joined(pieces)
 
-    def receive(self, samples: Samples) -> None:
-        """Store samples for the next `take`."""
-        self._pieces.append(samples.since(self._from_ns))
+    def receive(self, samples: Samples, oldest_ns: int) -> None:
+        """Store samples, which are from `oldest_ns` or later, for the next `take`."""
+        self._pieces.append(samples if self._from_ns <= oldest_ns else samples.since(self._from_ns))
 
     def close(self) -> None:
         """Stop the stream."""
@@ -78,16 +79,17 @@ class SampleStream:
 
 
 class SampleSource:
-    """Distributes a sensor's samples to all its streams.
+    """Distributes a sensor's samples to all its streams, which it does not keep alive.
 
-    take: returns the sensor's new samples. watch: called with from_ns to start collecting samples, or with None to
-    stop.
+    take: returns the sensor's new samples. watch: called with from_ns to start collecting samples from then on, or with
+    None to stop.
     """
 
     def __init__(self, take: Take, watch: Callable[[int | None], None]) -> None:
         self._take = take
         self._watch = watch
-        self._streams: WeakSet[SampleStream] = WeakSet()
+        self._streams: list[ref[SampleStream]] = []
+        self._from_ns = 0
 
     def stream(self, from_ns: int) -> SampleStream:
         """Return a new stream."""
@@ -95,24 +97,25 @@ class SampleSource:
             self.hand_out()
         else:
             self._watch(from_ns)
+            self._from_ns = from_ns
         stream = SampleStream(self, from_ns)
-        self._streams.add(stream)
+        self._streams.append(ref(stream))
         return stream
-
-    def feeds(self, stream: SampleStream) -> bool:
-        """Return whether a stream is still active."""
-        return stream in self._streams
 
     def leave(self, stream: SampleStream) -> None:
         """Remove a stream; once the last one is gone, samples are no longer collected."""
-        if self.feeds(stream):
-            self._streams.discard(stream)
+        if stream.is_fed:
+            stream.is_fed = False
+            self._streams = [each for each in self._streams if (fed := each()) is not None and fed is not stream]
             if not self._streams:
                 self._watch(None)
 
     def close(self) -> None:
         """End all streams because the simulator is going back in time."""
-        self._streams.clear()
+        for each in self._streams:
+            if (stream := each()) is not None:
+                stream.is_fed = False
+        self._streams = []
         self._watch(None)
 
     def settle(self) -> None:
@@ -123,7 +126,8 @@ class SampleSource:
     def hand_out(self) -> Samples:
         """Deliver everything that has arrived to all streams, and return it."""
         samples = Samples(*self._take())
-        if len(samples):  # a filter takes from each sensor at each step of a controller, mostly in vain
-            for stream in self._streams:
-                stream.receive(samples)
+        if len(samples.stamps_ns):  # a filter takes from each sensor at each step of a controller, mostly in vain
+            for each in self._streams:
+                if (stream := each()) is not None:
+                    stream.receive(samples, self._from_ns)
         return samples

@@ -146,7 +146,7 @@ class Sensor(Attached, Generic[R]):
             readings = self._derived.rows(stamps_ns, readings, self._source_fields)
         if self._distortion is not None:
             readings = self._distortion.of_rows(readings, self._fields)
-        return stamps_ns, arrivals_ns, readings, valid & self.on
+        return stamps_ns, arrivals_ns, readings, valid if self.on else np.zeros_like(valid)
 
     def change(self, spec: _core.SensorSpec, mount: SensorMount) -> None:
         """Replace the sensor's errors and timing. Simulator.parameters calls this."""

@@ -132,7 +132,7 @@ class Element:
             self._used |= {(id(node), ""), *((id(node), key) for key in node.attrib)}
 
     def unused(self) -> Iterator[tuple[str, str]]:
-        """Yield the elements and attributes below this one that nobody asked for, as pairs of a kind and a path.
+        """Yield the elements and attributes below this one that were not asked for, as pairs of a kind and a path.
 
         The kind is that of the nearest element with a filename or a type, such as "sensor of type camera", and the
         path leads there from it, such as "camera/image/format" or "axis/xyz@expressed_in".

@@ -48,7 +48,8 @@ class Navigator(Attached):
     due to gravity. density_kg_m3: water density, used with a pressure sensor if there is no depth sensor. wave_std_m:
     expected standard deviation of the water's surface, a quarter of the significant wave height; the filter starts with
     it and adapts to the waves that the depth or pressure sensor then measures. The filter's error models follow from
-    the sensors' noise parameters. Raises ValueError for a vehicle without an IMU, or with none of a start, a USBL and a GPS.
+    the sensors' noise parameters. Raises ValueError for a vehicle without an IMU, or with none of a start, a USBL and a
+    GPS.
 
     Readings are processed whenever `pose` and the other results are read; the estimate does not depend on how often
     that happens. See docs/guides/estimation.md.
