@@ -49,11 +49,15 @@ class Samples:
 
 
 class SampleStream:
-    """Delivers the samples that a sensor measures from a given time onwards; see Sensor.stream."""
+    """Delivers the samples that a sensor measures from a given time onwards; see Sensor.stream.
 
-    def __init__(self, source: SampleSource, from_ns: int) -> None:
+    gets_all: whether the sensor collects no others, as for its first stream.
+    """
+
+    def __init__(self, source: SampleSource, from_ns: int, *, gets_all: bool) -> None:
         self._source = source
         self._from_ns = from_ns
+        self._gets_all = gets_all
         self._pieces: list[Samples] = []
         self.is_fed = True
 
@@ -67,9 +71,9 @@ class SampleStream:
         pieces, self._pieces = self._pieces, []
         return Samples.joined(pieces)
 
-    def receive(self, samples: Samples, oldest_ns: int) -> None:
-        """Store samples, which are from `oldest_ns` or later, for the next `take`."""
-        self._pieces.append(samples if self._from_ns <= oldest_ns else samples.since(self._from_ns))
+    def receive(self, samples: Samples) -> None:
+        """Store samples for the next `take`."""
+        self._pieces.append(samples if self._gets_all else samples.since(self._from_ns))
 
     def close(self) -> None:
         """Stop the stream."""
@@ -89,16 +93,14 @@ class SampleSource:
         self._take = take
         self._watch = watch
         self._streams: list[ref[SampleStream]] = []
-        self._from_ns = 0
 
     def stream(self, from_ns: int) -> SampleStream:
         """Return a new stream."""
-        if self._streams:
-            self.hand_out()
-        else:
+        if is_first := not self._streams:
             self._watch(from_ns)
-            self._from_ns = from_ns
-        stream = SampleStream(self, from_ns)
+        else:
+            self.hand_out()
+        stream = SampleStream(self, from_ns, gets_all=is_first)
         self._streams.append(ref(stream))
         return stream
 
@@ -129,5 +131,5 @@ class SampleSource:
         if len(samples.stamps_ns):  # a filter takes from each sensor at each step of a controller, mostly in vain
             for each in self._streams:
                 if (stream := each()) is not None:
-                    stream.receive(samples, self._from_ns)
+                    stream.receive(samples)
         return samples

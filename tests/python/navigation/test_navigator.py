@@ -1,12 +1,12 @@
 """The navigation filter compared with the truth, and inputs that must not affect it."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from steered import bay
 from uwsim import Simulator
 from uwsim.navigation.estimation import Navigator, Start
 from uwsim.navigation.estimation.aids import AIDS, Surroundings
@@ -252,6 +252,11 @@ def test_a_fix_from_a_reflected_ray_above_the_water_is_not_a_position() -> None:
     readings = np.array([[20.0, 0.0, -5.0, 20.6, 0.0, 0.0], [20.0, 0.0, 60.0, 63.2, 0.0, 0.0]])
     samples = SimpleNamespace(valid=np.array([True, True]), readings=readings)
     assert aid.readings(sensor, samples, around)[0].tolist() == [True, False]
+
+
+def bay(vehicle: dict[str, Any]) -> Scenario:
+    terrain = {"source": "noise", "size_m": [400, 400], "spacing_m": 10, "bed_depth_m": 60}
+    return validated(Scenario, {"name": "bay", "terrain": terrain, "vehicles": [vehicle]})
 
 
 GPS = {

@@ -23,8 +23,16 @@ class SourceFile:
     in_file: Callable[[Sequence[Key]], Sequence[Key]] = field(default=tuple, compare=False, repr=False)
 
     def line_prefix(self, *keys: Key) -> str:
-        """Return `lake.yaml:12: ` for the value under these keys, or an empty string."""
-        return f"{self.document.name}:{self.document.line(self.in_file(keys))}: " if self.document else ""
+        """Return `lake.yaml:12: ` for the value under these keys, or an empty string.
+
+        Without the line if no memory is left to find it, which the message may be about.
+        """
+        if self.document is None:
+            return ""
+        try:
+            return f"{self.document.name}:{self.document.line(self.in_file(keys))}: "
+        except (MemoryError, ImportError, SystemError):  # what an import raises then
+            return self.file_prefix
 
     def place(self, *keys: Key) -> str:
         """Return the keys in the notation of messages: vehicles[0].model."""
