@@ -1,4 +1,4 @@
-"""What an import of a robot's description leaves out is named, and the errors of its sensors are kept."""
+"""An import of a robot's description names what it leaves out, and keeps the errors of its sensors."""
 
 from collections.abc import Callable
 from pathlib import Path
