@@ -100,7 +100,7 @@ def test_clients_of_both_dds_middlewares_call_services_of_another_host(hosts):
             words, on = ("at", THEIRS, "call", "dock", "std_srvs::srv::dds_::Trigger", "2"), netns(theirs)
             with fast_dds_peer(domain, *words, on=on) as other:
                 until(lambda: len(other.answers("dock")) == 2, "two responses")
-                assert all(one["is_answer_of_last"] for one in other.answers("dock"))
+                assert other.answers("dock")[-1]["is_answer_of_last"]  # the first may arrive after the second request
 
 
 def test_a_client_of_zenoh_calls_services_of_another_host_through_its_router(hosts):

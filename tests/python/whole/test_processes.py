@@ -173,7 +173,7 @@ LONG = {
 }
 
 IMPORTING = {"survey": "import uwsim.flight.fly; uwsim.Simulator('lake')"}
-"""What imports the modules that a call needs: Python itself changes a KeyboardInterrupt in some imports to an error."""
+"""The imports of a call: Python itself changes a KeyboardInterrupt in some imports to an error."""
 
 
 @pytest.mark.parametrize("name", LONG)
