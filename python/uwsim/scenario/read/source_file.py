@@ -31,7 +31,7 @@ class SourceFile:
             return ""
         try:
             return f"{self.document.name}:{self.document.line(self.in_file(keys))}: "
-        except (MemoryError, ImportError, SystemError):  # what an import raises then
+        except Exception:  # without memory, an import raises anything, such as SyntaxError
             return self.file_prefix
 
     def place(self, *keys: Key) -> str:
