@@ -49,7 +49,7 @@ UWSIM_LANES DaylightAtDepth daylight_at_start(const View& view, Vector origin, B
 void apply_water(const View& view, Block& block) {
   const Vector origin = load(block.origin), direction = load(block.direction);
   const Float distance = load(block.distance.at);
-  const Int active = load(block.active.at), in_water = load(block.in_water.at);
+  const Int active = load(block.active.at), in_water = load(block.in_water.at), wet = in_water & active;
   const Int hit = distance < sight_m(view, direction, in_water);
   Int crosses = Int{};
   Float end = select(hit, distance, splat(kFarthest_m));
@@ -66,16 +66,16 @@ void apply_water(const View& view, Block& block) {
     end = select(crosses, reach, end);
   }
   Vector throughput = load(block.throughput), light = load(block.radiance);
-  if (any(in_water & active)) {
+  if (any(wet)) {
     const Vector before = throughput;
     const bool is_open = is_opaque(view) && !any(active & (end < kFarthest_m));
     if (view.has_attenuation) throughput = is_open ? zero() : throughput * transmission(view.c, end);
-    throughput = select(in_water, throughput, before);
+    throughput = select(wet, throughput, before);
     if (view.has_backscatter) {
       Vector diffuse, beam;
       daylight_backscatter(view, daylight_at_start(view, origin, block), direction, end, is_open, diffuse, beam);
-      light = select(in_water, light + before * diffuse, light);
-      const Vector sunlit = select(in_water, load(block.sun_backscatter) + before * beam, load(block.sun_backscatter));
+      light = select(wet, light + before * diffuse, light);
+      const Vector sunlit = select(wet, load(block.sun_backscatter) + before * beam, load(block.sun_backscatter));
       store(block.sun_backscatter, sunlit);
     }
   }
