@@ -558,6 +558,7 @@ class World:
         patch_m: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         patch_share: typing.SupportsFloat | typing.SupportsIndex = 1.0,
         seed: typing.SupportsInt | typing.SupportsIndex = 0,
+        leans_at_m_s: typing.SupportsFloat | typing.SupportsIndex = ...,
     ) -> int:
         """
         Add a layer of pieces on the terrain and return its label; solids must be added before. meshes: pairs
@@ -699,6 +700,7 @@ class FixedWorld(World):
         patch_m: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         patch_share: typing.SupportsFloat | typing.SupportsIndex = 1.0,
         seed: typing.SupportsInt | typing.SupportsIndex = 0,
+        leans_at_m_s: typing.SupportsFloat | typing.SupportsIndex = ...,
     ) -> int:
         """
         Raise AttributeError.

@@ -113,11 +113,13 @@ void CameraScene::add_school(const camera::Material& material, const std::string
 RayScene CameraScene::rays_among(std::span<const Pose> poses, std::optional<std::size_t> hidden, double time_s) const {
   require(poses.empty() || poses.size() == vehicles(), "vehicles", poses.size(),
           "must be a pose for each vehicle, or none");
-  if (poses.empty()) return *rays_;
+  const std::shared_ptr<const Sway> sway = Sway::of(world_, time_s);
+  const RayScene rays = sway ? rays_->with_plants(sway) : *rays_;
+  if (poses.empty()) return rays;
   const auto placed = std::make_shared<MovingBodies>(hulls_);
   for (std::size_t k = 0; k < poses.size(); ++k) placed->place(k, poses[k]);
   placed->place_schools(time_s);
-  return rays_->with(placed, hidden.value_or(MovingBodies::kNone));
+  return rays.with(placed, hidden.value_or(MovingBodies::kNone));
 }
 
 std::vector<std::string> CameraScene::label_names() const {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "uwsim/core/check.h"
@@ -15,34 +15,6 @@
 #include "uwsim/rays/triangle_hit.h"
 
 namespace uwsim {
-namespace {
-
-/// A mesh in an Embree tree of its own.
-RayTree mesh_tree(RTCDeviceTy* device, const std::vector<Eigen::Vector3f>& vertices,
-                  const std::vector<Triangle>& triangles) {
-  GeometryOwner owner(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
-  void* vertex = rtcSetNewGeometryBuffer(owner.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                         sizeof(Eigen::Vector3f), vertices.size());
-  void* index = rtcSetNewGeometryBuffer(owner.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle),
-                                        triangles.size());
-  require(vertex != nullptr && index != nullptr, "cover.triangles", triangles.size(), "not enough memory for them");
-  std::memcpy(vertex, vertices.data(), vertices.size() * sizeof(Eigen::Vector3f));
-  std::memcpy(index, triangles.data(), triangles.size() * sizeof(Triangle));
-  RayTree tree = make_ray_tree(device, true);
-  attach(tree.get(), owner, 0);
-  commit(device, tree.get(), triangles.size());
-  return tree;
-}
-
-}  // namespace
-
-struct CoverTrees::Tile {
-  Eigen::Vector3d middle_m;
-  Eigen::AlignedBox3d box;
-  std::vector<CoverPiece> pieces;
-  RayTree tree;
-  mutable std::atomic<std::uint32_t> used = 0;  ///< when it was last used
-};
 
 /// Keeps the tiles in memory while it lives: each thread has a stripe, which is free except while tiles are released.
 class CoverTrees::InUse {
@@ -70,6 +42,7 @@ class CoverTrees::InUse {
 CoverTrees::CoverTrees(RTCDeviceTy* device, const World& surfaces, std::size_t most_pieces)
     : device_(device),
       plan_(surfaces),
+      reach_m_(plan_.reach_m()),
       first_label_(surfaces.first_cover()),
       most_pieces_(most_pieces),
       lowest_m_(surfaces.terrain()->lowest_m()),
@@ -77,13 +50,10 @@ CoverTrees::CoverTrees(RTCDeviceTy* device, const World& surfaces, std::size_t m
       heights_(std::size_t{plan_.columns()} * plan_.rows()),
       tiles_(heights_.size()) {
   for (const auto& layer : surfaces.cover()) {
-    for (const TriangleMesh& mesh : layer->meshes) {
-      Mesh made;
-      for (const Eigen::Vector3d& v : mesh.vertices_m) made.vertices.push_back(v.cast<float>());
-      made.triangles = mesh.triangles;
-      made.tree = mesh_tree(device, made.vertices, made.triangles);
-      meshes_.push_back(std::move(made));
-    }
+    layers_.push_back(layer);
+    for (const TriangleMesh& mesh : layer->meshes) shapes_.emplace_back(device, mesh, *layer);
+    // A plant that leans reaches farther aside, by at most its height.
+    if (layer->sways()) reach_m_ = std::numbers::sqrt2 * plan_.reach_m();
   }
   const Heightfield& terrain = *surfaces.terrain();
   // The first and last node around a tile, along one axis.
@@ -107,52 +77,24 @@ CoverTrees::CoverTrees(RTCDeviceTy* device, const World& surfaces, std::size_t m
 }
 
 CoverTrees::~CoverTrees() {
-  for (const std::atomic<const Tile*>& tile : tiles_) delete tile.load();
+  for (const std::atomic<const CoverTile*>& tile : tiles_) delete tile.load();
 }
 
-const CoverTrees::Tile& CoverTrees::tile(std::uint32_t column, std::uint32_t row) const {
-  std::atomic<const Tile*>& slot = tiles_[std::size_t{row} * plan_.columns() + column];
-  const Tile* found = slot.load(std::memory_order_acquire);
+const CoverTile& CoverTrees::tile(std::uint32_t column, std::uint32_t row) const {
+  std::atomic<const CoverTile*>& slot = tiles_[std::size_t{row} * plan_.columns() + column];
+  const CoverTile* found = slot.load(std::memory_order_acquire);
   if (found == nullptr) {
-    std::unique_ptr<const Tile> made = make_tile(column, row);
+    auto made = std::make_unique<const CoverTile>(device_, shapes_, plan_.pieces(column, row));
     made->used = ++clock_;
     // If another thread was faster, its tile, which is equal, is used.
     if (slot.compare_exchange_strong(found, made.get(), std::memory_order_acq_rel)) {
-      pieces_in_memory_ += made->pieces.size();
+      pieces_in_memory_ += made->pieces().size();
       found = made.release();
     }
   }
   const std::uint32_t now = clock_.load(std::memory_order_relaxed);
   if (found->used.load(std::memory_order_relaxed) != now) found->used.store(now, std::memory_order_relaxed);
   return *found;
-}
-
-std::unique_ptr<const CoverTrees::Tile> CoverTrees::make_tile(std::uint32_t column, std::uint32_t row) const {
-  auto made = std::make_unique<Tile>();
-  CoverTilePlan plan = plan_.pieces(column, row);
-  made->middle_m = plan.middle_m;
-  made->pieces = std::move(plan.pieces);
-  made->tree = make_ray_tree(device_, true);
-  for (std::uint32_t k = 0; k < made->pieces.size(); ++k) {
-    const CoverPiece& piece = made->pieces[k];
-    GeometryOwner owner(rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE));
-    rtcSetGeometryInstancedScene(owner.get(), meshes_[piece.mesh].tree.get());
-    std::array<float, 12> place;  // columns of the rotation, then the translation
-    std::copy_n(piece.turn.data(), 9, place.begin());
-    std::copy_n(piece.at_m.data(), 3, place.begin() + 9);
-    rtcSetGeometryTransform(owner.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, place.data());
-    attach(made->tree.get(), owner, k);
-  }
-  commit(device_, made->tree.get(), made->pieces.size());
-  if (made->pieces.empty()) return made;  // its box is empty, so that no ray enters it
-  RTCBounds bounds;
-  rtcGetSceneBounds(made->tree.get(), &bounds);
-  constexpr double kMargin_m = 1e-3;
-  made->box = {made->middle_m + Eigen::Vector3d(bounds.lower_x, bounds.lower_y, bounds.lower_z) -
-                   Eigen::Vector3d::Constant(kMargin_m),
-               made->middle_m + Eigen::Vector3d(bounds.upper_x, bounds.upper_y, bounds.upper_z) +
-                   Eigen::Vector3d::Constant(kMargin_m)};
-  return made;
 }
 
 /// Releases the tiles that were not used for longest, until half of the limit is free, unless another thread has.
@@ -165,30 +107,20 @@ void CoverTrees::release_oldest() const {
   if (pieces_in_memory_ <= most_pieces_) return;
   std::vector<std::pair<std::uint32_t, std::size_t>> used;
   for (std::size_t n = 0; n < tiles_.size(); ++n) {
-    if (const Tile* tile = tiles_[n].load()) used.emplace_back(tile->used, n);
+    if (const CoverTile* tile = tiles_[n].load()) used.emplace_back(tile->used, n);
   }
   std::ranges::sort(used);
   for (const auto& [when, n] : used) {
     if (pieces_in_memory_ <= most_pieces_ / 2) return;
-    const Tile* tile = tiles_[n].exchange(nullptr);
-    pieces_in_memory_ -= tile->pieces.size();
+    const CoverTile* tile = tiles_[n].exchange(nullptr);
+    pieces_in_memory_ -= tile->pieces().size();
     delete tile;
   }
 }
 
-Corners CoverTrees::corners(const Tile& tile, const CoverPiece& piece, std::uint32_t triangle) const {
-  const Mesh& mesh = meshes_[piece.mesh];
-  const Eigen::Matrix3d turn = piece.turn.cast<double>();
-  const Eigen::Vector3d at = tile.middle_m + piece.at_m.cast<double>();
-  Corners corners;
-  for (std::size_t k = 0; k < 3; ++k)
-    corners[k] = at + turn * mesh.vertices[mesh.triangles[triangle][k]].cast<double>();
-  return corners;
-}
-
 /// The box of all that a tile may hold.
 Eigen::AlignedBox3d CoverTrees::box_of(std::uint32_t column, std::uint32_t row) const {
-  const double reach = plan_.reach_m(), width = plan_.tile_m();
+  const double reach = reach_m_, width = plan_.tile_m();
   const Eigen::AlignedBox1d& z = heights_[std::size_t{row} * plan_.columns() + column];
   const Eigen::Vector2d low = plan_.origin_m() + width * Eigen::Vector2d(column, row);
   return {Eigen::Vector3d(low.x() - reach, low.y() - reach, z.min()(0) - reach),
@@ -197,8 +129,8 @@ Eigen::AlignedBox3d CoverTrees::box_of(std::uint32_t column, std::uint32_t row) 
 
 /// Calls visit(tile, lanes) for the tiles that rays enter before their end, the nearest first.
 template <typename Visit>
-void CoverTrees::for_each_tile(Walk& walk, const Visit& visit) const {
-  const double reach = plan_.reach_m(), width = plan_.tile_m();
+void CoverTrees::for_each_tile(Walk& walk, const std::shared_ptr<const Sway>& sway, const Visit& visit) const {
+  const double reach = reach_m_, width = plan_.tile_m();
   // The part of the grid that the rays may enter: for each lane, the ends of its way through the whole grid.
   Eigen::AlignedBox3d whole(box_of(0, 0)), way;
   whole.extend(box_of(plan_.columns() - 1, plan_.rows() - 1));
@@ -231,7 +163,10 @@ void CoverTrees::for_each_tile(Walk& walk, const Visit& visit) const {
   };
   struct Entered {
     double first_m = 0;
-    const Tile* tile = nullptr;
+    const Eigen::AlignedBox3d* box = nullptr;
+    const CoverTile* tile = nullptr;
+    const CoverTile::Target* target = nullptr;  // null: the plants'
+    std::shared_ptr<const CoverTile::Plants> plants = nullptr;
   };
   thread_local std::vector<Entered> entered;
   entered.clear();
@@ -245,33 +180,46 @@ void CoverTrees::for_each_tile(Walk& walk, const Visit& visit) const {
                         right = number(east, 0, reach, plan_.columns());
     for (std::uint32_t column = left; column <= right; ++column) {
       // A tile in memory has the smaller box.
-      const std::atomic<const Tile*>& known = tiles_[std::size_t{row} * plan_.columns() + column];
+      const std::atomic<const CoverTile*>& known = tiles_[std::size_t{row} * plan_.columns() + column];
       if (known.load(std::memory_order_acquire) == nullptr && walk.enter(box_of(column, row)) == kInfinity) continue;
-      const Tile& next = tile(column, row);
-      const double first = next.pieces.empty() ? kInfinity : walk.enter(next.box);
-      if (first == kInfinity) continue;
-      entered.insert(std::ranges::upper_bound(entered, first, {}, &Entered::first_m), {first, &next});
+      const CoverTile& next = tile(column, row);
+      const auto consider = [&](const Eigen::AlignedBox3d& box, Entered as) {
+        as.first_m = box.isEmpty() ? kInfinity : walk.enter(box);
+        if (as.first_m == kInfinity) return;
+        as.box = &box;
+        entered.insert(std::ranges::upper_bound(entered, as.first_m, {}, &Entered::first_m), std::move(as));
+      };
+      const bool sways = sway != nullptr && next.sways();
+      const CoverTile::Target& target = sways ? next.stiff() : next.still();
+      consider(target.box, {.tile = &next, .target = &target});
+      if (!sways) continue;
+      std::shared_ptr<const CoverTile::Plants> plants = next.plants(sway);
+      consider(plants->box(), {.tile = &next, .plants = plants});
     }
   }
   for (const Entered& next : entered) {
     alignas(64) std::array<std::int32_t, kPacketRays> lanes;  // as Embree requires
-    if (walk.enter(next.tile->box, first_m) == kInfinity) continue;
+    if (walk.enter(*next.box, first_m) == kInfinity) continue;
     for (std::size_t k = 0; k < kPacketRays; ++k) lanes[k] = first_m[k] < kInfinity ? -1 : 0;
-    visit(*next.tile, lanes);
+    const CoverTile::Target& target = next.plants ? next.plants->target() : *next.target;
+    visit(CoverTarget{*next.tile, target.tree.get(), next.plants ? next.plants->leans() : std::span<const Lean>()},
+          lanes);
   }
+  entered.clear();
 }
 
-void CoverTrees::cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const {
+void CoverTrees::cast(std::span<const ExactRays> rays, const std::shared_ptr<const Sway>& sway,
+                      std::span<ExactHits> hits) const {
   const InUse in_use(*this);
   for (std::size_t p = 0; p < rays.size(); ++p) {
     Walk walk(Eigen::Vector3d::Zero(), rays[p], hits[p].distance_m);
-    for_each_tile(walk, [&](const Tile& tile, const std::array<std::int32_t, kPacketRays>& lanes) {
-      const RTCRayHit16 packet = met(tile.tree.get(), walk, tile.middle_m, lanes);
+    for_each_tile(walk, sway, [&](const CoverTarget& target, const std::array<std::int32_t, kPacketRays>& lanes) {
+      const RTCRayHit16 packet = met(target, walk, lanes);
       for (std::size_t k = 0; k < kPacketRays; ++k) {
         if (lanes[k] == 0 || packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
-        const CoverPiece& piece = tile.pieces[packet.hit.instID[0][k]];
-        const PieceHit hit = solve(corners(tile, piece, packet.hit.primID[k]), origin_of(rays[p], k),
-                                   direction_of(rays[p], k), double{packet.ray.tfar[k]});
+        const CoverPiece& piece = target.tile.pieces()[packet.hit.instID[0][k]];
+        const PieceHit hit = solve(target.tile.corners(piece, packet.hit.primID[k], target.leans),
+                                   origin_of(rays[p], k), direction_of(rays[p], k), double{packet.ray.tfar[k]});
         if (!(hit.distance_m < walk.far_m[k])) continue;
         walk.far_m[k] = hit.distance_m;
         set_hit(hits[p], k, hit.distance_m, hit.normal, static_cast<Label>(first_label_ + piece.layer));
@@ -280,19 +228,20 @@ void CoverTrees::cast(std::span<const ExactRays> rays, std::span<ExactHits> hits
   }
 }
 
-void CoverTrees::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder, HitPacket& hits) const {
+void CoverTrees::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder,
+                      const std::shared_ptr<const Sway>& sway, HitPacket& hits) const {
   const InUse in_use(*this);
   hits.piece.fill(0);
   Walk walk(anchor_world_m, rays, hits.distance_m);
   for (std::size_t k = 0; k < kPacketRays; ++k) walk.near_m[k] = rays.near_m[k];
-  for_each_tile(walk, [&](const Tile& tile, const std::array<std::int32_t, kPacketRays>& lanes) {
-    const RTCRayHit16 packet = met(tile.tree.get(), walk, tile.middle_m, lanes);
+  for_each_tile(walk, sway, [&](const CoverTarget& target, const std::array<std::int32_t, kPacketRays>& lanes) {
+    const RTCRayHit16 packet = met(target, walk, lanes);
     for (std::size_t k = 0; k < kPacketRays; ++k) {
       if (lanes[k] == 0 || packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
-      const CoverPiece& piece = tile.pieces[packet.hit.instID[0][k]];
+      const CoverPiece& piece = target.tile.pieces()[packet.hit.instID[0][k]];
       const Eigen::Vector3d origin = anchor_world_m + origin_of(rays, k), direction = direction_of(rays, k);
-      const PieceHit hit =
-          solve(corners(tile, piece, packet.hit.primID[k]), origin, direction, double{packet.ray.tfar[k]});
+      const PieceHit hit = solve(target.tile.corners(piece, packet.hit.primID[k], target.leans), origin, direction,
+                                 double{packet.ray.tfar[k]});
       if (!(hit.distance_m < walk.far_m[k])) continue;
       walk.far_m[k] = hit.distance_m;
       hits.distance_m[k] = static_cast<float>(hit.distance_m);
@@ -308,17 +257,17 @@ void CoverTrees::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& ra
 }
 
 void CoverTrees::occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder,
-                         Blocked& blocked) const {
+                         const std::shared_ptr<const Sway>& sway, Blocked& blocked) const {
   const InUse in_use(*this);
   Walk walk(anchor_world_m, rays, rays.far_m);
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     walk.near_m[k] = rays.near_m[k];
     if (blocked[k] != 0) walk.active[k] = 0;
   }
-  for_each_tile(walk, [&](const Tile& tile, const std::array<std::int32_t, kPacketRays>& lanes) {
+  for_each_tile(walk, sway, [&](const CoverTarget& target, const std::array<std::int32_t, kPacketRays>& lanes) {
     RTCRay16 packet;
-    fill(walk, tile.middle_m, lanes, packet);
-    occluded(tile.tree.get(), {}, RayOrder::kIncoherent, lanes.data(), packet);
+    fill(walk, target.tile.middle_m(), lanes, packet);
+    occluded(target.tree, {}, RayOrder::kIncoherent, lanes.data(), packet);
     for (std::size_t k = 0; k < kPacketRays; ++k) {
       if (lanes[k] == 0 || packet.tfar[k] != -std::numeric_limits<float>::infinity()) continue;
       blocked[k] = -1;
@@ -327,33 +276,11 @@ void CoverTrees::occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket&
   });
 }
 
-namespace {
-
-struct NearestOnMesh {
-  Eigen::Vector3d point;
-  double distance;
-  const std::vector<Eigen::Vector3f>* vertices;
-  const std::vector<Triangle>* triangles;
-};
-
-bool visit_mesh_triangle(RTCPointQueryFunctionArguments* args) {
-  auto* nearest = static_cast<NearestOnMesh*>(args->userPtr);
-  Corners corners;
-  for (std::size_t k = 0; k < 3; ++k)
-    corners[k] = (*nearest->vertices)[(*nearest->triangles)[args->primID][k]].cast<double>();
-  const double own = (closest_on_triangle(nearest->point, corners) - nearest->point).norm();
-  if (!(own < nearest->distance)) return false;
-  nearest->distance = own;
-  args->query->radius = static_cast<float>(own * (1 + kFartherSearch));
-  return true;
-}
-
-}  // namespace
-
-double CoverTrees::distance(const Eigen::Vector3d& point_world_m, double nearest_m) const {
+double CoverTrees::distance(const Eigen::Vector3d& point_world_m, const std::shared_ptr<const Sway>& sway,
+                            double nearest_m) const {
   if (!point_world_m.allFinite()) return nearest_m;
   const InUse in_use(*this);
-  const double reach = plan_.reach_m(), width = plan_.tile_m();
+  const double reach = reach_m_, width = plan_.tile_m();
   const auto numbers = [&](int axis, std::uint32_t count) {
     const double at = point_world_m(axis) - plan_.origin_m()(axis), far = std::min(nearest_m, 1e7) + reach;
     return std::pair(static_cast<std::int64_t>(std::clamp(std::floor((at - far) / width), 0.0, 1.0 * count)),
@@ -365,22 +292,13 @@ double CoverTrees::distance(const Eigen::Vector3d& point_world_m, double nearest
     for (std::int64_t column = left; column <= right; ++column) {
       const auto i = static_cast<std::uint32_t>(column), j = static_cast<std::uint32_t>(row);
       if (box_of(i, j).exteriorDistance(point_world_m) >= nearest_m) continue;
-      const Tile& near = tile(i, j);
-      if (near.pieces.empty() || near.box.exteriorDistance(point_world_m) >= nearest_m) continue;
-      for (const CoverPiece& piece : near.pieces) {
-        const Eigen::Vector3d from = point_world_m - near.middle_m - piece.at_m.cast<double>();
-        const double size = piece.size_m;
-        if (from.norm() - plan_.reach_m() >= nearest_m) continue;
-        const Mesh& mesh = meshes_[piece.mesh];
-        NearestOnMesh nearest{piece.turn.cast<double>().inverse() * from, nearest_m / size, &mesh.vertices,
-                              &mesh.triangles};
-        const Eigen::Vector3f at = nearest.point.cast<float>();
-        RTCPointQuery query{at.x(), at.y(), at.z(), 0,
-                            static_cast<float>(std::min(nearest.distance * (1 + kFartherSearch), 1e30))};
-        RTCPointQueryContext context;
-        rtcInitPointQueryContext(&context);
-        rtcPointQuery(mesh.tree.get(), &query, &context, &visit_mesh_triangle, &nearest);
-        nearest_m = std::min(nearest_m, nearest.distance * size);
+      const CoverTile& near = tile(i, j);
+      if (near.pieces().empty()) continue;
+      if (sway == nullptr || !near.sways()) {
+        if (near.still().box.exteriorDistance(point_world_m) >= nearest_m) continue;
+        nearest_m = near.distance(point_world_m, nearest_m, {});
+      } else {
+        nearest_m = near.distance(point_world_m, nearest_m, near.plants(sway)->leans());
       }
     }
   }

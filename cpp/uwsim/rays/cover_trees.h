@@ -11,9 +11,9 @@
 
 #include "uwsim/core/fork_safe_mutex.h"
 #include "uwsim/rays/cover_plan.h"
+#include "uwsim/rays/cover_tile.h"
 #include "uwsim/rays/embree_tree.h"
 #include "uwsim/rays/ray_packet.h"
-#include "uwsim/rays/triangle_hit.h"
 
 namespace uwsim {
 
@@ -30,48 +30,47 @@ class CoverTrees {
   CoverTrees(RTCDeviceTy* device, const World& surfaces, std::size_t most_pieces = kMostPieces);
   ~CoverTrees();
 
+  // With `sway`, plants lean; if it is null, they stand upright.
+
   /// Replaces each hit by a hit on a piece if that is nearer. Embree finds the piece and its triangle in float; the
   /// distance and the normal are computed in double, on that triangle.
-  void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const;
+  void cast(std::span<const ExactRays> rays, const std::shared_ptr<const Sway>& sway, std::span<ExactHits> hits) const;
   /// The same for pictures; sets the number of the piece as well.
-  void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order, HitPacket& hits) const;
+  void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order,
+            const std::shared_ptr<const Sway>& sway, HitPacket& hits) const;
   /// Marks the lanes that a piece blocks.
-  void occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order, Blocked& blocked) const;
+  void occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order,
+               const std::shared_ptr<const Sway>& sway, Blocked& blocked) const;
   /// The smaller of `nearest_m` and the distance to the nearest triangle of a piece.
-  double distance(const Eigen::Vector3d& point_world_m, double nearest_m) const;
+  double distance(const Eigen::Vector3d& point_world_m, const std::shared_ptr<const Sway>& sway,
+                  double nearest_m) const;
 
   const CoverPlan& plan() const { return plan_; }
   std::size_t pieces_in_memory() const { return pieces_in_memory_; }
 
  private:
-  struct Tile;
   struct Walk;
   class InUse;
-  struct Mesh {
-    std::vector<Eigen::Vector3f> vertices;
-    std::vector<Triangle> triangles;
-    RayTree tree;
-  };
   struct alignas(64) Stripe {
     ForkSafeMutex<std::mutex> mutex;
   };
 
   Eigen::AlignedBox3d box_of(std::uint32_t column, std::uint32_t row) const;
-  const Tile& tile(std::uint32_t column, std::uint32_t row) const;
-  std::unique_ptr<const Tile> make_tile(std::uint32_t column, std::uint32_t row) const;
+  const CoverTile& tile(std::uint32_t column, std::uint32_t row) const;
   void release_oldest() const;
-  Corners corners(const Tile& tile, const CoverPiece& piece, std::uint32_t triangle) const;
   template <typename Visit>
-  void for_each_tile(Walk& walk, const Visit& visit) const;
+  void for_each_tile(Walk& walk, const std::shared_ptr<const Sway>& sway, const Visit& visit) const;
 
   RTCDeviceTy* device_;
   CoverPlan plan_;
+  double reach_m_;  ///< how far a piece extends at most from its origin
   Label first_label_;
   std::size_t most_pieces_;
-  std::vector<Mesh> meshes_;
+  std::vector<std::shared_ptr<const CoverLayer>> layers_;
+  std::vector<CoverShape> shapes_;            ///< of all layers
   double lowest_m_, highest_m_;               ///< of the terrain
   std::vector<Eigen::AlignedBox1d> heights_;  ///< of the tiles that are not in memory: bounds of their pieces' z
-  mutable std::vector<std::atomic<const Tile*>> tiles_;
+  mutable std::vector<std::atomic<const CoverTile*>> tiles_;
   mutable std::array<Stripe, kStripes> stripes_;  ///< a thread that uses tiles holds its own; releasing tiles takes all
   mutable std::atomic<std::size_t> pieces_in_memory_ = 0;
   mutable std::atomic<std::uint32_t> clock_ = 0;

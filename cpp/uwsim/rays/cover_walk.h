@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 
 #include "uwsim/core/infinity.h"
@@ -109,15 +110,21 @@ void fill(const Walk& walk, const Eigen::Vector3d& middle_m, const std::array<st
   }
 }
 
+/// Some of a tile's pieces as the target of a cast.
+struct CoverTarget {
+  const CoverTile& tile;
+  RTCScene tree;
+  std::span<const Lean> leans;
+};
+
 /// Embree's hits on the pieces of a tile.
 template <typename Walk>
-RTCRayHit16 met(RTCScene tree, const Walk& walk, const Eigen::Vector3d& middle_m,
-                const std::array<std::int32_t, kPacketRays>& lanes) {
+RTCRayHit16 met(const CoverTarget& target, const Walk& walk, const std::array<std::int32_t, kPacketRays>& lanes) {
   RTCRayHit16 packet;
-  fill(walk, middle_m, lanes, packet.ray);
+  fill(walk, target.tile.middle_m(), lanes, packet.ray);
   std::ranges::fill(packet.hit.geomID, RTC_INVALID_GEOMETRY_ID);
   std::ranges::fill(packet.hit.instID[0], RTC_INVALID_GEOMETRY_ID);
-  intersect(tree, {}, RayOrder::kIncoherent, lanes.data(), packet);
+  intersect(target.tree, {}, RayOrder::kIncoherent, lanes.data(), packet);
   return packet;
 }
 

@@ -177,11 +177,17 @@ RayScene RayScene::with(std::shared_ptr<const MovingBodies> bodies, std::size_t 
   return scene;
 }
 
+RayScene RayScene::with_plants(std::shared_ptr<const Sway> sway) const {
+  RayScene scene = *this;
+  scene.sway_ = std::move(sway);
+  return scene;
+}
+
 bool RayScene::bodies_in(const RayCone& cone) const { return bodies_ && bodies_->may_be_in(cone, hidden_); }
 
 void RayScene::cast_packets(std::span<const ExactRays> rays, std::span<ExactHits> hits) const {
   fixed_->cast(rays, hits);
-  if (const CoverTrees* cover = fixed_->cover()) cover->cast(rays, hits);
+  if (const CoverTrees* cover = fixed_->cover()) cover->cast(rays, sway_, hits);
   if (bodies_) bodies_->cast(rays, hidden_, hits);
 }
 
@@ -224,7 +230,7 @@ void RayScene::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays
                     RayOrder order) const {
   fixed_->cast(anchor_world_m, rays, hits, order);
   if (const CoverTrees* cover = fixed_->cover()) {
-    cover->cast(anchor_world_m, rays, order, hits);
+    cover->cast(anchor_world_m, rays, order, sway_, hits);
   } else {
     hits.piece.fill(0);
   }
@@ -234,7 +240,7 @@ void RayScene::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays
 void RayScene::occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, Blocked& blocked,
                         RayOrder order) const {
   fixed_->occluded(anchor_world_m, rays, blocked, order);
-  if (const CoverTrees* cover = fixed_->cover()) cover->occlude(anchor_world_m, rays, order, blocked);
+  if (const CoverTrees* cover = fixed_->cover()) cover->occlude(anchor_world_m, rays, order, sway_, blocked);
   if (bodies_) bodies_->occlude(anchor_world_m, rays, order, hidden_, blocked);
 }
 
@@ -284,7 +290,7 @@ void RayScene::distance(std::span<const Eigen::Vector3d> points_world_m, std::sp
     double nearest_m = kInfinity;
     for (std::size_t k = first; k < last; ++k) {
       double fixed_m = fixed_->distance_to(points_world_m[k], nearest_m);
-      if (const CoverTrees* cover = fixed_->cover()) fixed_m = cover->distance(points_world_m[k], fixed_m);
+      if (const CoverTrees* cover = fixed_->cover()) fixed_m = cover->distance(points_world_m[k], sway_, fixed_m);
       distances_m[k] = bodies_ ? bodies_->distance(points_world_m[k], fixed_m, hidden_) : fixed_m;
       // Neighbours in the list are usually neighbours in space. The next point's distance to the nearest surface
       // exceeds this one's by at most the distance between the two points.

@@ -7,6 +7,7 @@
 
 #include "uwsim/rays/moving_bodies.h"
 #include "uwsim/rays/ray_packet.h"
+#include "uwsim/world/sway.h"
 #include "uwsim/world/world.h"
 
 namespace uwsim {
@@ -50,6 +51,8 @@ class RayScene {
   /// Returns a scene with the same surfaces and these bodies (null for none) instead of the present ones. Each cast
   /// uses the bodies' poses at that time and ignores the body `hidden`, such as the vehicle that carries the sensor.
   RayScene with(std::shared_ptr<const MovingBodies> bodies, std::size_t hidden = MovingBodies::kNone) const;
+  /// Returns the same scene with plants that lean so; null: they stand upright.
+  RayScene with_plants(std::shared_ptr<const Sway> sway) const;
   /// Whether any of the cone's rays may hit a body; conservative.
   bool bodies_in(const RayCone& cone) const;
 
@@ -95,6 +98,7 @@ class RayScene {
 
   std::shared_ptr<const Fixed> fixed_;
   std::shared_ptr<const MovingBodies> bodies_;  // null if there are none
+  std::shared_ptr<const Sway> sway_;
   std::size_t hidden_ = MovingBodies::kNone;
 };
 

@@ -70,6 +70,7 @@ void Simulation::change(const Water& water, const SimulationSpec& spec, const st
   if (link_) join_instruments();
   hulls_ = std::move(hulls);
   hulls_version_ = kUnplaced;
+  sway_tick_ = kUnplaced;
   ++version_;
 }
 

@@ -51,7 +51,8 @@ Simulation::Simulation(const World& world, std::shared_ptr<const RayScene> scene
       step_ns_(static_cast<std::uint64_t>(std::llround(spec.step_s * 1e9))),
       bodies_(world, spec.step_s, spec.engine),
       hulls_(std::make_shared<MovingBodies>(world.labels_end(), world.schools())),
-      hulls_version_(kUnplaced) {
+      hulls_version_(kUnplaced),
+      sway_tick_(kUnplaced) {
   require(scene_ != nullptr, "scene", "none", "must be a RayScene");
 }
 
@@ -219,9 +220,18 @@ const MovingBodies& Simulation::vehicles_for_rays() const {
 }
 
 RayScene Simulation::scene_around(const Vehicle& vehicle) const {
-  if (bodies_.size() < 2 && tethers() == 0 && !hulls_->has_schools() && !has_link_surfaces(bodies_)) return *scene_;
+  const RayScene scene = scene_with_plants();
+  if (bodies_.size() < 2 && tethers() == 0 && !hulls_->has_schools() && !has_link_surfaces(bodies_)) return scene;
   vehicles_for_rays();
-  return scene_->with(hulls_, static_cast<std::size_t>(&vehicle - vehicles_.data()));
+  return scene.with(hulls_, static_cast<std::size_t>(&vehicle - vehicles_.data()));
+}
+
+RayScene Simulation::scene_with_plants() const {
+  if (sway_tick_ != tick_) {
+    sway_ = Sway::of(world_, time_s());
+    sway_tick_ = tick_;
+  }
+  return sway_ ? scene_->with_plants(sway_) : *scene_;
 }
 
 std::vector<Pose> Simulation::link_surfaces() const {

@@ -187,6 +187,7 @@ class Simulation {
   VehicleSnapshot snapshot(const Vehicle& vehicle) const;
   void require_free(const std::string& path, const Eigen::Vector3d& position_world_m) const;
   RayScene scene_around(const Vehicle& vehicle) const;
+  RayScene scene_with_plants() const;
   void add_attached_surfaces(std::vector<Pose>& poses) const;
   void step_once();
   void drive(Vehicle& vehicle);
@@ -210,9 +211,11 @@ class Simulation {
   std::vector<Vehicle> vehicles_;
   std::vector<Pushes> object_pushes_;  // one for each object
   std::optional<Link> link_;
-  std::shared_ptr<MovingBodies> hulls_;  // the bodies as ray targets
-  mutable std::uint64_t hulls_version_;  // the version for which they were placed
-  mutable std::vector<Pose> attached_;   // in vehicles_for_rays
+  std::shared_ptr<MovingBodies> hulls_;       // the bodies as ray targets
+  mutable std::uint64_t hulls_version_;       // the version for which they were placed
+  mutable std::shared_ptr<const Sway> sway_;  // of plants; null if they stand still
+  mutable std::uint64_t sway_tick_;
+  mutable std::vector<Pose> attached_;  // in vehicles_for_rays
 };
 
 }  // namespace uwsim

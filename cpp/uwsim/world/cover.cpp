@@ -28,6 +28,7 @@ void CoverLayer::check() const {
   for (const CoverRange& range : {depth_m, slope_rad, from_solids_m})
     require(range.low <= range.high, path + "range", range.low, "must not be above its end");
   require(patch_share > 0 && patch_share <= 1, path + "patch_share", patch_share, "must be in (0, 1]");
+  require(leans_at_m_s > 0, path + "leans_at_m_s", leans_at_m_s, "must be positive");
 }
 
 }  // namespace uwsim

@@ -43,7 +43,10 @@ struct CoverLayer {
   double patch_m = 0;        ///< size of the patches in which the layer grows; 0: everywhere
   double patch_share = 1;    ///< the share of the area that the patches take
   std::uint64_t seed = 0;
+  /// The speed of a steady current in which a piece leans by 45 degrees (Sway); infinite: pieces stand still.
+  double leans_at_m_s = std::numeric_limits<double>::infinity();
 
+  bool sways() const { return leans_at_m_s < std::numeric_limits<double>::infinity(); }
   /// Throws InvalidValue.
   void check() const;
 };

@@ -117,6 +117,11 @@ class Waves {
   /// WaterField::wave_load_on: the integrals over the volume of -g grad h and of its moment, where h is the waves'
   /// pressure head, stretched. The stretching is assumed linear over the volume.
   VolumeLoad load_on(const VolumePart& wet_world, const WaterSurface& surface, double time_s) const;
+  /// The horizontal displacement x of what the waves at a point move and a spring holds: dx/dt = u - rate x, without its
+  /// start. At a rate of 0, it is the displacement of the water itself.
+  Eigen::Vector2d held_m(const Eigen::Vector3d& point_world_m, double time_s, double rate_1_s) const;
+  /// The mean square of the horizontal velocity at a depth [m2/s2].
+  double mean_square_m2_s2(double z_world_m) const;
   /// WaterField::division_of
   std::size_t division_of(const VolumeParts& parts, double centre_z_m) const;
 
@@ -145,6 +150,8 @@ class Waves {
   WaveMotion motion_of(const Crests& crests, double height_m, std::size_t count, const Eigen::Vector3d& point_m,
                        const Eigen::Vector3d& current_m_s) const;
   double crests_at(double x, double y, double time_s, std::size_t count, Crests& crests) const;
+  /// Horizontal velocity at a depth, for each metre of the surface's height.
+  double speed_1_s(const Wave& wave, double z_world_m) const;
   /// Depth D of the stretched layer for a surface height of `height_m`.
   double layer_m(double height_m) const;
   Stretched stretched(double z_m, double height_m) const;

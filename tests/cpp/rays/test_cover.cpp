@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -34,8 +36,36 @@ World bed_with_boxes(double density_per_m2 = 0.5) {
   return world;
 }
 
+/// The same bed with boxes that lean in a current and sway in waves.
+World bed_with_plants() {
+  World world = bed_with_boxes();
+  World swaying;
+  swaying.set_terrain(*world.terrain());
+  CoverLayer layer = *world.cover()[0];
+  layer.leans_at_m_s = 0.5;
+  swaying.add_cover(layer);
+  swaying.water.current_world_m_s = {0.1, -0.2, 0};
+  const WaveComponent wave{.amplitude_m = 0.5, .angular_frequency_rad_s = 1.1, .heading_rad = 0.4, .phase_rad = 0.3};
+  swaying.water.waves = std::make_shared<const Waves>(std::span(&wave, 1), kDepth_m);
+  return swaying;
+}
+
+/// How far a point of a piece moves as it leans.
+Eigen::Vector3d lean(const World& world, const CoverTilePlan& tile, const CoverPiece& piece, const Sway* sway,
+                     double height_m) {
+  if (sway == nullptr) return Eigen::Vector3d::Zero();
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const CoverPiece& each : tile.pieces)
+    middle += each.at_m.cast<double>() / static_cast<double>(tile.pieces.size());
+  const Eigen::Vector2d top = sway->lean(*world.cover()[0], tile.middle_m + middle);
+  const double uneven = 0.2 * (2 * std::fmod(0.6180339887498949 * piece.number, 1.0) - 1);
+  const double angle = std::atan((1 + uneven) * top.norm());
+  const Eigen::Vector2d aside = std::sin(angle) * top.normalized();
+  return height_m * Eigen::Vector3d(aside.x(), aside.y(), std::cos(angle) - 1);
+}
+
 /// The same pieces as fixed solids.
-World with_solids(const World& world) {
+World with_solids(const World& world, const Sway* sway) {
   const CoverPlan plan(world);
   World fixed;
   fixed.set_terrain(*world.terrain());
@@ -45,7 +75,8 @@ World with_solids(const World& world) {
       for (const CoverPiece& piece : tile.pieces) {
         TriangleMesh mesh = world.cover()[0]->meshes[piece.mesh];
         for (Eigen::Vector3d& v : mesh.vertices_m) {
-          v = tile.middle_m + piece.at_m.cast<double>() + piece.turn.cast<double>() * v.cast<float>().cast<double>();
+          const Eigen::Vector3d upright = piece.turn.cast<double>() * v.cast<float>().cast<double>();
+          v = tile.middle_m + piece.at_m.cast<double>() + upright + lean(world, tile, piece, sway, upright.z());
         }
         fixed.add_solid("piece" + std::to_string(piece.number), mesh);
       }
@@ -65,9 +96,19 @@ std::vector<Ray> rays_from_above(int count) {
   return rays;
 }
 
-TEST(Cover, RaysMeetPiecesAsTheyMeetEqualSolids) {
-  const World world = bed_with_boxes(), fixed = with_solids(world);
-  const RayScene cover(world), solids(fixed);
+/// Pieces that stand still, and pieces that lean.
+class CoverInWater : public ::testing::TestWithParam<bool> {
+ protected:
+  World world = GetParam() ? bed_with_plants() : bed_with_boxes();
+  std::shared_ptr<const Sway> sway = Sway::of(world, 7.3);
+  RayScene cover = RayScene(world).with_plants(sway);
+};
+
+INSTANTIATE_TEST_SUITE_P(Cover, CoverInWater, ::testing::Bool());
+
+TEST_P(CoverInWater, RaysMeetPiecesAsTheyMeetEqualSolids) {
+  EXPECT_EQ(sway != nullptr, GetParam());
+  const RayScene solids(with_solids(world, sway.get()));
   const std::vector<Ray> rays = rays_from_above(4000);
   std::vector<RayHit> met(rays.size()), expected(rays.size());
   cover.cast(rays, 60, met, 2);
@@ -100,8 +141,8 @@ TEST(Cover, RaysMeetPiecesOverACoarseBed) {
   EXPECT_GT(pieces, 5000);
 }
 
-TEST(Cover, PicturesAndShadowsAgreeWithExactRays) {
-  const RayScene scene(bed_with_boxes());
+TEST_P(CoverInWater, PicturesAndShadowsAgreeWithExactRays) {
+  const RayScene& scene = cover;
   const std::vector<Ray> rays = rays_from_above(1600);
   int other = 0;
   for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
@@ -137,9 +178,8 @@ TEST(Cover, PicturesAndShadowsAgreeWithExactRays) {
   EXPECT_LE(other, 4);
 }
 
-TEST(Cover, DistancesIncludePieces) {
-  const World world = bed_with_boxes();
-  const RayScene cover(world), solids(with_solids(world));
+TEST_P(CoverInWater, DistancesIncludePieces) {
+  const RayScene solids(with_solids(world, sway.get()));
   std::vector<Eigen::Vector3d> points;
   for (const Ray& ray : rays_from_above(300)) points.push_back(ray.origin_world_m);
   std::vector<double> found(points.size()), expected(points.size());
@@ -160,7 +200,7 @@ TEST(Cover, ReleasedTilesReturnAsTheyWere) {
       set_ray(packet, k, rays[first + k].origin_world_m, rays[first + k].direction_world, 60, true);
     }
     set_all_missed(hits);
-    trees.cast({&packet, 1}, {&hits, 1});
+    trees.cast({&packet, 1}, nullptr, {&hits, 1});
     return hits.distance_m;
   };
   std::vector<std::jthread> threads;

@@ -7,19 +7,20 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from uwsim.scenario.build.cover_meshes import Floats, merged, ribbon, tube, unit
-from uwsim.scenario.spec.cover import CoverModel, Mesh
+from uwsim.scenario.spec.cover import CoverModel, LeansAt, Mesh
 from uwsim.scenario.spec.fields import Name
 from uwsim.scenario.spec.material import Material, MaterialSpec
 
 
 class Kelp(CoverModel):
-    """Tall plants with stipes and blades; they stand still. size_m: their height."""
+    """Tall plants with stipes and blades; they lean in a current and sway in waves. size_m: their height."""
 
     sunk: ClassVar = 0.0
 
     kind: Literal["kelp"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="leaf", colour=(0.23, 0.17, 0.05))
+    leans_at_m_s: LeansAt = 0.4  # assumed
 
     def meshes(self, random: np.random.Generator) -> list[Mesh]:
         """See CoverModel."""

@@ -7,7 +7,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from uwsim.scenario.build.cover_meshes import merged, ribbon, unit
-from uwsim.scenario.spec.cover import CoverModel, Mesh
+from uwsim.scenario.spec.cover import CoverModel, LeansAt, Mesh
 from uwsim.scenario.spec.fields import Name
 from uwsim.scenario.spec.material import Material, MaterialSpec
 
@@ -15,13 +15,14 @@ BLADES = 14
 
 
 class Seagrass(CoverModel):
-    """Tufts of long, narrow leaves; they stand still. size_m: their height."""
+    """Tufts of long, narrow leaves; they lean in a current and sway in waves. size_m: their height."""
 
     sunk: ClassVar = 0.02
 
     kind: Literal["seagrass"]
     name: Name
     material: MaterialSpec = Material.model_construct(kind="leaf")
+    leans_at_m_s: LeansAt = 0.12  # assumed
 
     def meshes(self, random: np.random.Generator) -> list[Mesh]:
         """See CoverModel."""

@@ -22,6 +22,7 @@ Depth = Annotated[float, InRange(0, 12_000, "m")]
 Slope = Annotated[float, InRange(0, 90, "deg")]
 ANYWHERE_M = 100_000.0
 Clearance = Annotated[float, InRange(0, ANYWHERE_M, "m")]
+LeansAt = Annotated[float, InRange(0.001, 100, "m/s")] | None
 Mesh = tuple[Vertices, Triangles]
 
 
@@ -34,7 +35,9 @@ class CoverModel(Model):
     of broken rock (Turcotte 1986, J. Geophys. Res. 91(B2):1921). depth_m, slope_deg: depth below z = 0 and slope of
     the bed where it grows. obstacles_m: distance from the nearest obstacle or station; up to 100,000 m: anywhere.
     patch_m: size of the patches in which it grows; 0: everywhere. patch_share: share of the area that they take.
-    seed: of its places, which do not depend on the scenario's seed.
+    seed: of its places, which do not depend on the scenario's seed. leans_at_m_s: the speed of a steady current in
+    which a plant leans by 45 degrees, its drag as large as its buoyancy; plants lean with currents and sway with waves.
+    Without it, pieces stand still.
     """
 
     if TYPE_CHECKING:
@@ -58,6 +61,7 @@ class CoverModel(Model):
     patch_m: Annotated[float, InRange(0, 1000, "m")] = 0.0
     patch_share: Annotated[float, InRange(0.01, 1)] = 1.0
     seed: Annotated[int, InRange(0, 2**63 - 1)] = 0
+    leans_at_m_s: LeansAt = None
 
     def meshes(self, random: np.random.Generator) -> list[Mesh]:
         """Return the shapes, of which each piece has one: their origin on the bed, z up, the largest extent 1.
