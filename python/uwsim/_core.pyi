@@ -566,6 +566,21 @@ class World:
         upright, on_bed or tumbled. The other values are as in CoverLayer (cpp/uwsim/world/cover.h). Raises
         ValueError.
         """
+    def add_plume(
+        self,
+        name: str,
+        count: typing.SupportsInt | typing.SupportsIndex,
+        shapes: collections.abc.Sequence[collections.abc.Sequence[tuple[typing.Any, typing.Any]]],
+        source_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        top_z_m: typing.SupportsFloat | typing.SupportsIndex,
+        drift_m_s: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        seed: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None:
+        """
+        Add a plume of bubbles after all schools. shapes: for each part of the way up, the meshes (vertices (n, 3),
+        triangles (m, 3)) that a cluster may have there. source_m: where it begins. top_z_m: where it ends. drift_m_s:
+        of the water. Raises ValueError.
+        """
     def add_school(
         self,
         name: str,
@@ -702,6 +717,19 @@ class FixedWorld(World):
         seed: typing.SupportsInt | typing.SupportsIndex = 0,
         leans_at_m_s: typing.SupportsFloat | typing.SupportsIndex = ...,
     ) -> int:
+        """
+        Raise AttributeError.
+        """
+    def add_plume(
+        self,
+        name: str,
+        count: typing.SupportsInt | typing.SupportsIndex,
+        shapes: collections.abc.Sequence[collections.abc.Sequence[tuple[typing.Any, typing.Any]]],
+        source_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        top_z_m: typing.SupportsFloat | typing.SupportsIndex,
+        drift_m_s: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        seed: typing.SupportsInt | typing.SupportsIndex,
+    ) -> None:
         """
         Raise AttributeError.
         """

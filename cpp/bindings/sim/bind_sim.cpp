@@ -247,7 +247,8 @@ void bind_sim(py::module_& m) {
             return o.with([&](Simulation& s) {
               if (vehicle) s.vehicle(*vehicle);  // throws if it is unknown
               const auto placed = std::make_shared<const MovingBodies>(s.vehicles_for_rays());
-              return std::make_shared<RayScene>(s.scene().with(placed, vehicle.value_or(MovingBodies::kNone)));
+              return std::make_shared<RayScene>(
+                  s.scene_with_plants().with(placed, vehicle.value_or(MovingBodies::kNone)));
             });
           },
           py::arg("vehicle") = py::none(),

@@ -89,6 +89,12 @@ void bind_fixed_world(py::module_& m) {
          const std::vector<std::vector<std::pair<py::object, py::object>>>&, const Eigen::Vector3d&, double, double,
          const Eigen::Vector3d&, double, double, std::uint64_t) { refuse("world.add_school"); },
       "Raise AttributeError.");
+  def_add_plume(
+      world,
+      [](FixedWorld&, const std::string&, std::size_t,
+         const std::vector<std::vector<std::pair<py::object, py::object>>>&, const Eigen::Vector3d&, double,
+         const Eigen::Vector3d&, std::uint64_t) { refuse("world.add_plume"); },
+      "Raise AttributeError.");
 }
 
 }  // namespace uwsim::bindings

@@ -68,6 +68,17 @@ Label add_cover(World& world, std::string name, const std::vector<std::pair<py::
   return world.add_cover(std::move(layer));
 }
 
+std::vector<std::vector<TriangleMesh>> as_shapes(
+    const std::vector<std::vector<std::pair<py::object, py::object>>>& shapes) {
+  std::vector<std::vector<TriangleMesh>> all;
+  for (const auto& phases : shapes) {
+    std::vector<TriangleMesh>& meshes = all.emplace_back();
+    for (const auto& [vertices, triangles] : phases)
+      meshes.push_back({as_points(vertices, "vertices_m"), as_triangles(triangles, "triangles")});
+  }
+  return all;
+}
+
 void add_school(World& world, std::string name, std::size_t count,
                 const std::vector<std::vector<std::pair<py::object, py::object>>>& shapes,
                 const Eigen::Vector3d& position_m, double round_m, double speed_m_s, const Eigen::Vector3d& spread_m,
@@ -82,19 +93,29 @@ void add_school(World& world, std::string name, std::size_t count,
                   .stroke_hz = stroke_hz,
                   .clear_m = clear_m,
                   .seed = seed};
-  for (const auto& phases : shapes) {
-    std::vector<TriangleMesh>& meshes = spec.shapes_m.emplace_back();
-    for (const auto& [vertices, triangles] : phases)
-      meshes.push_back({as_points(vertices, "vertices_m"), as_triangles(triangles, "triangles")});
-  }
+  spec.shapes_m = as_shapes(shapes);
   world.add_school(std::move(spec));
+}
+
+void add_plume(World& world, std::string name, std::size_t count,
+               const std::vector<std::vector<std::pair<py::object, py::object>>>& shapes,
+               const Eigen::Vector3d& source_m, double top_z_m, const Eigen::Vector3d& drift_m_s, std::uint64_t seed) {
+  PlumeSpec spec;
+  spec.name = std::move(name);
+  spec.count = count;
+  spec.shapes_m = as_shapes(shapes);
+  spec.source_world_m = source_m;
+  spec.top_z_m = top_z_m;
+  spec.drift_m_s = drift_m_s;
+  spec.seed = seed;
+  world.add_plume(std::move(spec));
 }
 
 /// positions (n, 3), directions ahead (n, 3)
 py::typing::Tuple<py::array_t<double>, py::array_t<double>> school_at(const World& world, std::size_t index,
                                                                       double time_s) {
   require(index < world.schools().size(), "school", index, "must be an index");
-  const School& school = *world.schools()[index];
+  const Swarm& school = *world.schools()[index];
   std::vector<Swimmer> fish(school.size());
   school.place(time_s, fish);
   std::vector<double> positions, ahead;
@@ -251,6 +272,11 @@ void bind_world(py::module_& m) {
       "Add a school of fish. shapes: for each size, the meshes (vertices (n, 3), triangles (m, 3)) of a fish in each\n"
       "phase of a stroke, x ahead and z up. The other values are as in SchoolSpec (cpp/uwsim/world/school.h). Raises\n"
       "ValueError.");
+  def_add_plume(
+      world, &add_plume,
+      "Add a plume of bubbles after all schools. shapes: for each part of the way up, the meshes (vertices (n, 3),\n"
+      "triangles (m, 3)) that a cluster may have there. source_m: where it begins. top_z_m: where it ends. drift_m_s:\n"
+      "of the water. Raises ValueError.");
   world.def("school_at", &school_at, py::arg("school"), py::arg("time_s"),
             "Return where the fish of a school are at a time: positions (n, 3) [m] and unit vectors ahead (n, 3).\n"
             "Raises ValueError.");

@@ -28,6 +28,14 @@ Class& def_add_school(Class& world, Function add, const char* doc) {
                    arg("speed_m_s"), arg("spread_m"), arg("stroke_hz"), arg("clear_m"), arg("seed"), doc);
 }
 
+/// Defines add_plume.
+template <typename Class, typename Function>
+Class& def_add_plume(Class& world, Function add, const char* doc) {
+  using pybind11::arg;
+  return world.def("add_plume", add, arg("name"), arg("count"), arg("shapes"), arg("source_m"), arg("top_z_m"),
+                   arg("drift_m_s"), arg("seed"), doc);
+}
+
 void bind_currents(pybind11::module_& m);
 void bind_fixed_world(pybind11::module_& m);
 void bind_surface_sampler(pybind11::module_& m);

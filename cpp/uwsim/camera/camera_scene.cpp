@@ -126,7 +126,7 @@ std::vector<std::string> CameraScene::label_names() const {
   std::vector<std::string> names = world_.label_names();
   const auto schools = vehicle_names_.begin() + static_cast<std::ptrdiff_t>(before_schools_);
   names.insert(names.end(), vehicle_names_.begin(), schools);
-  for (const auto& school : world_.schools()) names.push_back(school->spec().name);
+  for (const auto& school : world_.schools()) names.push_back(school->name());
   names.insert(names.end(), schools, vehicle_names_.end());
   return names;
 }

@@ -75,7 +75,7 @@ class CoverTile {
     Plants(const CoverTile& tile, std::shared_ptr<const Sway> sway);
     const Sway& sway() const { return *sway_; }
     const Eigen::AlignedBox3d& box() const { return box_; }
-    /// Of each shape's layer, by the number of the shape.
+    /// The lean of each shape's layer, by the number of the shape.
     std::span<const Lean> leans() const { return leans_; }
     /// Built when a ray first enters the box.
     const Target& target() const;

@@ -84,9 +84,9 @@ std::size_t MovingBodies::add(const TriangleMesh& surface_body_m) {
   return bodies_.size() - 1;
 }
 
-MovingBodies::SwimmingSchool::SwimmingSchool(std::shared_ptr<const School> swims)
+MovingBodies::SwimmingSchool::SwimmingSchool(std::shared_ptr<const Swarm> swims)
     : school(std::move(swims)), radius_m(0) {
-  for (const std::vector<TriangleMesh>& phases : school->spec().shapes_m) {
+  for (const std::vector<TriangleMesh>& phases : school->shapes_m()) {
     std::vector<Body>& bodies = shapes.emplace_back();
     for (const TriangleMesh& mesh : phases) {
       bodies.push_back(prepared(mesh));
@@ -98,7 +98,7 @@ MovingBodies::SwimmingSchool::SwimmingSchool(std::shared_ptr<const School> swims
 }
 
 /// All of a world's simulations and cameras share the fishes' trees.
-MovingBodies::MovingBodies(Label first_label, std::span<const std::shared_ptr<const School>> schools)
+MovingBodies::MovingBodies(Label first_label, std::span<const std::shared_ptr<const Swarm>> schools)
     : first_label_(first_label) {
   static auto& made = *new RecentlyMade<SwimmingSchool>;  // never destroyed, like the scenes in RayScene
   for (const auto& school : schools) {
@@ -157,7 +157,7 @@ void MovingBodies::for_each_reached(std::size_t hidden, const Reaches& may_reach
   }
   for (std::size_t k = 0; k < placed_.size(); ++k) {
     const SwimmingSchool& school = *placed_[k]->school;
-    if (!may_reach(school.school->spec().home_world_m, school.reach_m)) continue;
+    if (!may_reach(school.school->middle_world_m(), school.reach_m)) continue;
     const Shoal& shoal = placed_[k]->reached();
     for (std::size_t g = 0; g < shoal.groups.size(); ++g) {
       if (!may_reach(shoal.groups[g].centre_world_m, shoal.groups[g].radius_m)) continue;

@@ -11,7 +11,7 @@
 #include "uwsim/core/pose.h"
 #include "uwsim/core/triangle_mesh.h"
 #include "uwsim/rays/ray_packet.h"
-#include "uwsim/world/school.h"
+#include "uwsim/world/swarm.h"
 #include "uwsim/world/world.h"
 
 namespace uwsim {
@@ -37,7 +37,7 @@ class MovingBodies {
 
   /// `first_label`: the label of the first body; the labels of the other bodies follow consecutively, then those of the
   /// schools of fish. A fish is a body of its own for rays and is never hidden.
-  explicit MovingBodies(Label first_label, std::span<const std::shared_ptr<const School>> schools = {});
+  explicit MovingBodies(Label first_label, std::span<const std::shared_ptr<const Swarm>> schools = {});
 
   /// Adds a body and returns its index. Throws InvalidValue for a mesh that is not well formed.
   std::size_t add(const TriangleMesh& surface_body_m);
@@ -90,10 +90,10 @@ class MovingBodies {
   };
   struct PlacedSchool;  // at one time; immutable, and therefore shared by copies
   struct SwimmingSchool {
-    std::shared_ptr<const School> school;
+    std::shared_ptr<const Swarm> school;
     std::vector<std::vector<Body>> shapes;  // by size and phase, without a place
     double reach_m, radius_m;               // of the school, and of its largest fish about its origin
-    explicit SwimmingSchool(std::shared_ptr<const School> swims);
+    explicit SwimmingSchool(std::shared_ptr<const Swarm> swims);
     Shoal at(double time_s) const;
     Body placed(const Swimmer& fish) const;
   };

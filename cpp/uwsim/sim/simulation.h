@@ -159,6 +159,8 @@ class Simulation {
   AcousticPing acoustic_ping(std::size_t vehicle, std::size_t sonar, int threads = 1, bool water_column = false) const;
   /// The surfaces of the world, without vehicles.
   const RayScene& scene() const { return *scene_; }
+  /// The fixed world, with its plants as they lean now.
+  RayScene scene_with_plants() const;
   /// The surroundings of the vehicle's instruments: the world, and all other vehicles, objects, arms, its
   /// own as well, and tethers at their present poses. Valid until time advances or a vehicle is moved.
   RayScene scene_around(std::size_t vehicle) const;
@@ -187,7 +189,6 @@ class Simulation {
   VehicleSnapshot snapshot(const Vehicle& vehicle) const;
   void require_free(const std::string& path, const Eigen::Vector3d& position_world_m) const;
   RayScene scene_around(const Vehicle& vehicle) const;
-  RayScene scene_with_plants() const;
   void add_attached_surfaces(std::vector<Pose>& poses) const;
   void step_once();
   void drive(Vehicle& vehicle);

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "uwsim/core/triangle_mesh.h"
 #include "uwsim/world/heightfield.h"
+#include "uwsim/world/swarm.h"
 
 namespace uwsim {
 
@@ -30,30 +30,22 @@ struct SchoolSpec {
   void check() const;
 };
 
-/// A fish at one time: its place, and which of the meshes it has.
-struct Swimmer {
-  Eigen::Vector3d position_world_m;
-  Eigen::Vector3d velocity_world;  ///< of any length
-  std::size_t size, phase;
-
-  /// World from body: x along the velocity, y level.
-  Eigen::Matrix3d rotation() const;
-};
-
 /// A school of fish, whose places are a function of time, so that nothing of it is saved. Its middle swims a closed
 /// course, a circle with a second harmonic; each fish keeps a place in the school, as far behind as its lag, and sways
 /// about it. Heights are pressed smoothly between bed and surface. The school does not react to vehicles or obstacles.
-class School {
+class School final : public Swarm {
  public:
   /// Throws InvalidValue. Shares the terrain, which may be null.
   School(SchoolSpec spec, std::shared_ptr<const Heightfield> terrain);
 
   const SchoolSpec& spec() const { return spec_; }
-  std::size_t size() const { return spec_.count; }
+  const std::string& name() const override { return spec_.name; }
+  const std::vector<std::vector<TriangleMesh>>& shapes_m() const override { return spec_.shapes_m; }
+  std::size_t size() const override { return spec_.count; }
   /// Consecutive fish are neighbours: the place in the school of each is near that of the next.
-  void place(double time_s, std::span<Swimmer> fish) const;
-  /// The radius about `home_world_m` within which the middles of all fish stay.
-  double reach_m() const;
+  void place(double time_s, std::span<Swimmer> fish) const override;
+  Eigen::Vector3d middle_world_m() const override { return spec_.home_world_m; }
+  double reach_m() const override;
 
  private:
   struct Place {

@@ -28,7 +28,7 @@ class Sway {
   /// Null if no cover of the world sways, or if its water never moves.
   static std::shared_ptr<const Sway> of(const World& world, double time_s);
 
-  /// Whether the other's plants lean the same, as far as is known without comparing waters part by part.
+  /// Returns true if the other's plants lean the same, as far as is known without comparing waters part by part.
   bool same_as(const Sway& other) const;
   /// The horizontal displacement of a plant's top, of its height: the tangent of its lean, by its direction.
   Eigen::Vector2d lean(const CoverLayer& layer, const Eigen::Vector3d& foot_world_m) const;

@@ -117,8 +117,8 @@ class Waves {
   /// WaterField::wave_load_on: the integrals over the volume of -g grad h and of its moment, where h is the waves'
   /// pressure head, stretched. The stretching is assumed linear over the volume.
   VolumeLoad load_on(const VolumePart& wet_world, const WaterSurface& surface, double time_s) const;
-  /// The horizontal displacement x of what the waves at a point move and a spring holds: dx/dt = u - rate x, without its
-  /// start. At a rate of 0, it is the displacement of the water itself.
+  /// The horizontal displacement x of what the waves at a point move and a spring holds: dx/dt = u - rate x, without
+  /// its start. At a rate of 0, it is the displacement of the water itself.
   Eigen::Vector2d held_m(const Eigen::Vector3d& point_world_m, double time_s, double rate_1_s) const;
   /// The mean square of the horizontal velocity at a depth [m2/s2].
   double mean_square_m2_s2(double z_world_m) const;

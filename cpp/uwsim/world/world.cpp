@@ -33,10 +33,14 @@ Label World::add_solid(std::string name, TriangleMesh mesh_world, std::vector<Ro
   return static_cast<Label>(kTerrain + solids_.size());
 }
 
-void World::add_school(SchoolSpec school) {
+void World::add_school(SchoolSpec school) { add_swarm(std::make_shared<const School>(std::move(school), terrain_)); }
+
+void World::add_plume(PlumeSpec plume) { add_swarm(std::make_shared<const Plume>(std::move(plume))); }
+
+void World::add_swarm(std::shared_ptr<const Swarm> swarm) {
   for (const auto& known : schools_)
-    require(known->spec().name != school.name, "life.name", school.name, "must be unique");
-  schools_.push_back(std::make_shared<const School>(std::move(school), terrain_));
+    require(known->name() != swarm->name(), "life.name", swarm->name(), "must be unique");
+  schools_.push_back(std::move(swarm));
 }
 
 Label World::add_cover(CoverLayer layer) {

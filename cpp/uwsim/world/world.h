@@ -8,6 +8,7 @@
 #include "uwsim/core/triangle_mesh.h"
 #include "uwsim/world/cover.h"
 #include "uwsim/world/heightfield.h"
+#include "uwsim/world/plume.h"
 #include "uwsim/world/round_shape.h"
 #include "uwsim/world/school.h"
 #include "uwsim/world/water.h"
@@ -44,11 +45,13 @@ class World {
   /// Adds a school of fish, which only instruments meet. Its label follows those of all bodies: MovingBodies. Throws
   /// InvalidValue.
   void add_school(SchoolSpec school);
+  /// Adds a plume of bubbles in the same way.
+  void add_plume(PlumeSpec plume);
 
   const std::shared_ptr<const Heightfield>& terrain() const { return terrain_; }
   const std::vector<std::shared_ptr<const Solid>>& solids() const { return solids_; }
   const std::vector<std::shared_ptr<const CoverLayer>>& cover() const { return cover_; }
-  const std::vector<std::shared_ptr<const School>>& schools() const { return schools_; }
+  const std::vector<std::shared_ptr<const Swarm>>& schools() const { return schools_; }
   Label first_cover() const { return static_cast<Label>(kTerrain + 1 + solids_.size()); }
   /// The first label that no surface of the world has.
   Label labels_end() const { return static_cast<Label>(first_cover() + cover_.size()); }
@@ -58,10 +61,12 @@ class World {
   std::vector<std::string> label_names() const;
 
  private:
+  void add_swarm(std::shared_ptr<const Swarm> swarm);
+
   std::shared_ptr<const Heightfield> terrain_;
   std::vector<std::shared_ptr<const Solid>> solids_;
   std::vector<std::shared_ptr<const CoverLayer>> cover_;
-  std::vector<std::shared_ptr<const School>> schools_;
+  std::vector<std::shared_ptr<const Swarm>> schools_;  // and plumes
 };
 
 }  // namespace uwsim

@@ -104,6 +104,37 @@ def test_a_users_mesh_is_a_kind_of_cover(tmp_path: Path) -> None:
         assert hit.labels[0] in (1, 2)
 
 
+KELP = "  - {kind: kelp, name: kelp, density_per_m2: 2, size_m: [1, 2], seed: 3}\n"
+WAVES = "water: {surface: {kind: airy, amplitude_m: 0.3, period_s: 5, heading_deg: 30}}\n"
+
+
+def test_plants_sway_with_the_waves_for_all_instruments_and_repeat(tmp_path: Path) -> None:
+    path = written(tmp_path, KELP)
+    path.write_text(path.read_text() + WAVES)
+
+    def seen(threads: int) -> list[tuple[bytes, ...]]:
+        found = []
+        down = np.tile([0.3, 0.1, -1.0] / np.sqrt(1.1), (400, 1))
+        eyes = np.column_stack([np.random.default_rng(1).uniform(-8, 8, (400, 2)), np.full(400, -2.0)])
+        with uwsim.Simulator(path, threads=threads) as sim:
+            sim.rov.release()
+            for _ in range(3):
+                sim.rov.place((0.0, 0.0, -3.0), (0.0, np.sin(0.3), 0.0, np.cos(0.3)))
+                frame = sim.rov.cameras["front"].resized(80, 60).capture(geometry_only=True)
+                rays = sim.around().scene.cast(eyes, down, 20.0)
+                found.append(
+                    (rays.ranges_m.tobytes(), sim.rov.sonar.ping().ranges_m.tobytes(), frame.depth_m.tobytes())
+                )
+                sim.step(50)
+        return found
+
+    one, two = seen(1), seen(2)
+    assert one == two
+    assert all(len({part[k] for part in one}) == 3 for k in range(3))
+    path.write_text(path.read_text().replace("seed: 3}", "seed: 3, leans_at_m_s: null}"))
+    assert len({part[0] for part in seen(1)}) == 1
+
+
 def test_a_world_without_cover_has_no_pieces() -> None:
     world = _core.World()
     world.set_terrain(np.full((5, 5), -3.0, np.float32), 1.0, (-2.0, -2.0))

@@ -81,6 +81,25 @@ def test_a_vehicle_rests_on_the_growth() -> None:
     assert heights[1] - heights[0] == pytest.approx(0.1, abs=0.06)
 
 
+def test_a_leak_is_a_mark_from_which_bubbles_rise() -> None:
+    leak = {"kind": "leak", "at_m": 30.0, "rate_l_min": 5.0}
+    sim = site(PIPE | {"condition": {"features": [leak]}}, PILE)
+    source = places_by_kind(sim.scenario.obstacles[0].parts(build_terrain(sim.scenario.terrain)))["leak"][0]
+    assert sim.label_names[-1] == "pipe leak"
+    at, _ = sim.world.school_at(0, 77.0)
+    assert at[:, 2].min() >= source[2] and at[:, 2].max() <= 0
+    assert np.median(np.linalg.norm(at[:, :2] - source[:2], axis=1)) < 0.1 * -source[2]
+    sim.rov.release()
+    sim.rov.place(np.add(source, (-2.5, 0, 1.5)), (0, 0, 0, 1))
+    frame = sim.rov.cameras["front"].resized(320, 240).capture(geometry_only=True)
+    bubbles = frame.label_names.index("pipe leak")
+    assert (frame.labels == bubbles).sum() > 50
+    assert {frame.class_names[k] for k in np.unique(frame.classes[frame.labels == bubbles])} == {"bubbles"}
+    rays = np.repeat([[0.0, 0.0, 1.0]], 400, axis=0)
+    from_m = source + np.column_stack([np.random.default_rng(1).normal(0, 0.05, (400, 2)), np.full(400, 0.2)])
+    assert bubbles in sim.around().scene.cast(from_m, rays, 10.0).labels
+
+
 def test_a_pipe_has_joints_anodes_and_features_where_they_were_put() -> None:
     condition = {
         "features": [{"kind": "damage", "at_m": 20.0, "clock_h": 12}, {"kind": "span", "at_m": 40.0, "height_m": 0.5}]
@@ -126,6 +145,7 @@ def test_a_seed_draws_features_that_do_not_overlap() -> None:
         ({"growth": {"age_years": 1, "latitude_deg": 20}}, "latitude_deg = 20"),
         ({"condition": {"features": [{"kind": "span", "at_m": 90}]}}, "must be at most 60.2"),
         ({"condition": {"spans": 40}}, "no room for another span"),
+        ({"condition": {"features": [{"kind": "leak", "at_m": 9, "rate_l_min": -1}]}}, "rate_l_min = -1 l/min"),
         ({"condition": {"features": [{"kind": "span", "at_m": 9}, {"kind": "span", "at_m": 12}]}}, "features overlap"),
     ],
 )  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from uwsim import _core
 from uwsim.scenario.build.arm import all_shaped_links, link_mesh
+from uwsim.scenario.build.bubbles import plume_names
 from uwsim.scenario.build.cover import set_cover_appearance
 from uwsim.scenario.build.growth import growth_texture
 from uwsim.scenario.build.hull import vehicle_hull
@@ -13,6 +14,7 @@ from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.build.tether import tether_specs
 from uwsim.scenario.read.textures import Texture, load_texture
 from uwsim.scenario.spec.arm import Link
+from uwsim.scenario.spec.bubble_plume import BUBBLES
 from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.material import Material
 from uwsim.scenario.spec.obstacle import ObstacleModel
@@ -50,6 +52,8 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
         )  # fmt: skip
     for animals in scenario.life or ():
         scene.add_school(animals.material.kind, animals.surface_class, animals.material.colour)
+    for _ in plume_names(scenario):
+        scene.add_school(BUBBLES.kind, "bubbles", BUBBLES.colour)
     for carrier, link in all_shaped_links(scenario):
         _add_link(scene, carrier, link)
     for index, spec in tether_specs(scenario).items():

@@ -16,16 +16,19 @@ from uwsim.scenario.build.pipe_shape import (
     COVER_M,
     DAMAGE_HALF_RAD,
     JOINT_M,
+    LEAK_HALF_RAD,
     all_features,
     anodes_m,
     clock_angle,
     joints_m,
 )
+from uwsim.scenario.spec.bubble_plume import BubblePlume
 from uwsim.scenario.spec.part import Mask, Part, Seen
 from uwsim.scenario.spec.pipe_condition import PipeCondition, PipeFeature
 
 Floats = NDArray[np.float64]
 TOP_H = 12.0
+LEAK_L_MIN = 3.0
 DEBRIS_SUNK = 0.03
 """How far debris has sunk into the coating, relative to its length."""
 
@@ -80,7 +83,8 @@ def pipe_parts(condition: PipeCondition, course: Course, length_m: float) -> lis
     parts = [_band(one.kind, one.at_m, one.extent_m, course) for one in features if one.kind in ("burial", "span")]
     parts += [_band("joint", float(at), JOINT_M, course) for at in joints_m(condition, length_m)]
     parts += [_band("anode", float(at), ANODE_M, course) for at in anodes_m(condition, length_m)]
-    parts += [_damage(one, course) for one in features if one.kind == "damage"]
+    parts += [_patch(one, course, DAMAGE_HALF_RAD) for one in features if one.kind == "damage"]
+    parts += [_patch(one, course, LEAK_HALF_RAD) for one in features if one.kind == "leak"]
     lying = [one for one in features if one.kind == "debris"]
     meshes = pipe_debris(condition, course, length_m)
     return parts + [_lump(mesh, one, course) for mesh, one in zip(meshes, lying, strict=True)]
@@ -90,6 +94,14 @@ def pipe_debris(condition: PipeCondition, course: Course, length_m: float) -> li
     """Return the meshes, in the world, of the debris that lies across the pipe."""
     lying = [one for one in all_features(condition, length_m) if one.kind == "debris"]
     return [_dropped(one, course, [condition.seed, 0x64656272, k]) for k, one in enumerate(lying)]
+
+
+def pipe_leaks(condition: PipeCondition, course: Course, length_m: float) -> list[BubblePlume]:
+    """Return the plumes of the leaks."""
+    leaks = [one for one in all_features(condition, length_m) if one.kind == "leak"]
+    return [
+        BubblePlume(course.surface(one.at_m, clock_angle(one.clock_h)), one.rate_l_min or LEAK_L_MIN) for one in leaks
+    ]
 
 
 def _dropped(one: PipeFeature, course: Course, seed: Sequence[int]) -> Mesh:
@@ -130,12 +142,13 @@ def _band(kind: str, at_m: float, extent_m: float, course: Course) -> Part:
     return Part(kind, place, extent_m / 2 + 3 * course.radius_m + 1.0, shows)
 
 
-def _damage(one: PipeFeature, course: Course) -> Part:
+def _patch(one: PipeFeature, course: Course, half_rad: float) -> Part:
+    """Return a part that goes around the pipe by an angle to both sides of an hour."""
     hour = clock_angle(one.clock_h)
 
     def shows(seen: Seen) -> Mask:
         along, aside, above = course.around(seen.points_m, one.at_m - one.extent_m, one.at_m + one.extent_m)
         off = np.abs(np.angle(np.exp(1j * (np.arctan2(above, aside) - hour))))
-        return np.asarray(seen.is_on & (np.abs(along - one.at_m) <= one.extent_m / 2) & (off <= DAMAGE_HALF_RAD))
+        return np.asarray(seen.is_on & (np.abs(along - one.at_m) <= one.extent_m / 2) & (off <= half_rad))
 
-    return Part("damage", course.surface(one.at_m, hour), one.extent_m / 2 + 3 * course.radius_m, shows)
+    return Part(one.kind, course.surface(one.at_m, hour), one.extent_m / 2 + 3 * course.radius_m, shows)

@@ -15,6 +15,7 @@ JOINT_M, JOINT_DEEP = 0.30, 0.06
 """Length of a field joint, where the coating ends, and its depth in radii."""
 ANODE_M, ANODE_HIGH = 0.50, 0.12
 DAMAGE_DEEP, DAMAGE_HALF_RAD = 0.12, 0.9
+LEAK_HALF_RAD = 0.4
 STEP_M = 0.5
 COVER_M = 0.1
 """Height of the bed above the top of a buried pipe."""
@@ -48,7 +49,7 @@ def all_features(condition: PipeCondition, length_m: float) -> list[PipeFeature]
     random = np.random.default_rng([condition.seed, 0x70697065])
     wanted: list[FeatureKind] = []
     counts = {"span": condition.spans, "burial": condition.burials, "damage": condition.damages}
-    for name, count in {**counts, "debris": condition.debris or 0}.items():
+    for name, count in {**counts, "debris": condition.debris or 0, "leak": condition.leaks or 0}.items():
         wanted += [cast("FeatureKind", name)] * count
     for kind in wanted:
         for _ in range(500):
@@ -73,7 +74,7 @@ def pipe_rings(condition: PipeCondition, length_m: float, corners_m: Floats, rad
     bands = [(at - JOINT_M / 2, at + JOINT_M / 2) for at in joints] + [
         (at - ANODE_M / 2, at + ANODE_M / 2) for at in anodes
     ]
-    bands += [_ends(one) for one in features if one.kind == "damage"]
+    bands += [_ends(one) for one in features if one.kind in ("damage", "leak")]
     edges = np.array(bands).reshape(-1, 2).ravel()
     evenly = np.linspace(0, length_m, max(int(np.ceil(length_m / STEP_M)), 1) + 1)
     along = np.concatenate([evenly, corners_m, edges - 5e-4, edges + 5e-4])
@@ -94,7 +95,10 @@ def pipe_rings(condition: PipeCondition, length_m: float, corners_m: Floats, rad
             sides = np.abs(np.angle(np.exp(1j * (side_angles() - clock_angle(one.clock_h))))) < DAMAGE_HALF_RAD
             radius[np.ix_(on, sides)] = radius_m * (1 - DAMAGE_DEEP)
             albedo[np.ix_(on, sides)] = RUST
-        if one.kind in ("damage", "debris"):
+        if one.kind == "leak":
+            sides = np.abs(np.angle(np.exp(1j * (side_angles() - clock_angle(one.clock_h))))) < LEAK_HALF_RAD
+            albedo[np.ix_(on, sides)] = RUST
+        if one.kind in ("damage", "debris", "leak"):
             continue
         swell = np.sin(np.pi * (along - start) / (end - start)) ** 2
         deep_m = 2 * radius_m - buried_m + COVER_M

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.scenario.build.bubbles import add_plumes
 from uwsim.scenario.build.cover import add_cover
 from uwsim.scenario.build.gravity import gravity_m_s2
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
@@ -80,6 +81,8 @@ def build_world(scenario: Scenario) -> _core.World:
             _require_free(world, terrain, body)
     with found.noted():
         fill_with_water(world, scenario)
+    with found.noted():
+        add_plumes(world, terrain, scenario)
     found.raise_any()
     return world
 

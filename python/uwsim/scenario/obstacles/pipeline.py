@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from uwsim import _core
-from uwsim.scenario.build.pipe_parts import Course, pipe_debris, pipe_parts
+from uwsim.scenario.build.pipe_parts import Course, pipe_debris, pipe_leaks, pipe_parts
 from uwsim.scenario.build.pipe_shape import DEBRIS, Rings, all_features, pipe_rings, triangle_albedos
 from uwsim.scenario.build.solids import SIDES, Mesh, bed_below
 from uwsim.scenario.read.mesh_file import joined
 from uwsim.scenario.read.textures import Texture, palette_texture
+from uwsim.scenario.spec.bubble_plume import BubblePlume
 from uwsim.scenario.spec.fields import InRange, Name, Point2, broken
 from uwsim.scenario.spec.material import Material, MaterialSpec
 from uwsim.scenario.spec.obstacle import Bed, OnBed, Solid
@@ -29,7 +30,7 @@ class Pipeline(OnBed):
     """A pipe that follows the terrain below a line through points_m (x, y).
 
     points_m: corners of the line, x and y. radius_m: outer radius. buried_fraction: fraction of the diameter below the
-    bed. condition: its joints and anodes, damage, spans and burial; without it, the pipe is smooth.
+    bed. condition: its joints and anodes, damage, spans, burial, debris and leaks; without it, the pipe is smooth.
     """
 
     surface_class: ClassVar = "pipeline"
@@ -91,6 +92,19 @@ class Pipeline(OnBed):
         if self.condition is None:
             return []
         return pipe_parts(self.condition, self._course(self._rings(self.condition), terrain), self._length_m)
+
+    @property
+    def leaks(self) -> int:
+        """See ObstacleModel."""
+        if self.condition is None:
+            return 0
+        return sum(one.kind == "leak" for one in all_features(self.condition, self._length_m))
+
+    def plumes(self, terrain: Bed) -> list[BubblePlume]:
+        """See ObstacleModel."""
+        if self.condition is None:
+            return []
+        return pipe_leaks(self.condition, self._course(self._rings(self.condition), terrain), self._length_m)
 
     @property
     def _length_m(self) -> float:

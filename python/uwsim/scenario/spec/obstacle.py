@@ -17,6 +17,7 @@ from pydantic import StrictBool
 from uwsim import _core
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.read.textures import Texture
+from uwsim.scenario.spec.bubble_plume import BubblePlume
 from uwsim.scenario.spec.fields import Model, Point3
 from uwsim.scenario.spec.growth import Growth
 from uwsim.scenario.spec.kinds import Kinds
@@ -86,6 +87,15 @@ class ObstacleModel(Model):
 
     def parts(self, terrain: Bed) -> list[Part]:
         """Return what an inspection looks for, in the world; where parts overlap, later ones count. May raise."""
+        return []
+
+    @property
+    def leaks(self) -> int:
+        """How many plumes of bubbles rise from it."""
+        return 0
+
+    def plumes(self, terrain: Bed) -> list[BubblePlume]:
+        """Return those plumes."""
         return []
 
     def texture(self) -> Texture | None:
