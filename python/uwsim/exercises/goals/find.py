@@ -25,8 +25,8 @@ class Find(Sight):
     """Find what there is to be found on an obstacle, such as the holes in a net, with the vehicle's cameras.
 
     obstacle: its name. marks: kinds of what is to be found there: hole of a net; damage, span, burial, debris, leak,
-    anode and joint of a pipeline; by default all but anodes and joints. The share is that of the places that a camera has
-    seen, each for_s without interruption.
+    anode and joint of a pipeline; by default all but anodes and joints. The share is that of the places that a camera
+    has seen, each for_s without interruption.
     """
 
     kind: Literal["find"]
