@@ -112,7 +112,7 @@ class WaterField {
   virtual bool surface_is_flat() const = 0;
   /// Height of the water's surface without waves [m].
   virtual double still_level_m(double time_s) const = 0;
-  /// Whether the flow is the same at all places.
+  /// Returns true if the flow is the same at all places.
   virtual bool flows_evenly() const { return false; }
   /// Returns true if the flow varies in space, and so little over a step that `flow_near` suffices for it.
   virtual bool flows_smoothly() const { return false; }

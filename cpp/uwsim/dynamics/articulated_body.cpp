@@ -91,7 +91,7 @@ void ArticulatedBody::place(const BodyState& base, std::span<const double> posit
   if (is_pushed_) add_pushes(around.world_from_base.transpose());
 }
 
-/// Whether all links are deep in water that is the same everywhere.
+/// Returns true if all links are deep in water that is the same everywhere.
 bool ArticulatedBody::is_immersed(const BodyState& base, std::span<const double> positions,
                                   const WaterField& water) const {
   return !has_directions_ && base.world_from_body.position_m.z() + reach_m(positions) < 0 && water.calm_and_even() &&

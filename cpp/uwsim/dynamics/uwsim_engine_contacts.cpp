@@ -144,7 +144,7 @@ void UwsimEngine::find_reaches(double step_s) {
   }
 }
 
-/// Whether nothing is where the body's arm could touch it within the interval.
+/// Returns true if nothing is where the body's arm could touch it within the interval.
 bool UwsimEngine::is_clear(std::size_t body) const {
   for (std::size_t other = 0; other < bodies_.size(); ++other) {
     if (other != body && are_near(body, other)) return false;
