@@ -29,14 +29,26 @@ void LinkSum::add_point(double point_kg, const Eigen::Vector3d& at_m) {
   yz -= my * z;
 }
 
-/// In the order of the memory: what is stored one by one and read in pairs waits for it.
 void LinkSum::write(Matrix6d& mass, Vector6d& bias) const {
-  const double m = mass_kg;
   const double x = first_moment_kg_m.x(), y = first_moment_kg_m.y(), z = first_moment_kg_m.z();
-  const double columns[36] = {m, 0,  0, 0,  z,  -y, 0, m, 0,  -z, 0,  x,  0,  0, m, y,  -x, 0,
-                              0, -z, y, xx, xy, xz, z, 0, -x, xy, yy, yz, -y, x, 0, xz, yz, zz};
-  mass = Eigen::Map<const Matrix6d>(columns);
-  bias << force_n, moment_nm;
+  mass.setZero();
+  for (int k = 0; k < 3; ++k) {
+    mass(k, k) = mass_kg;
+    bias(k) = force_n(k);
+    bias(k + 3) = moment_nm(k);
+  }
+  mass(4, 0) = mass(0, 4) = z;
+  mass(5, 0) = mass(0, 5) = -y;
+  mass(3, 1) = mass(1, 3) = -z;
+  mass(5, 1) = mass(1, 5) = x;
+  mass(3, 2) = mass(2, 3) = y;
+  mass(4, 2) = mass(2, 4) = -x;
+  mass(3, 3) = xx;
+  mass(4, 4) = yy;
+  mass(5, 5) = zz;
+  mass(4, 3) = mass(3, 4) = xy;
+  mass(5, 3) = mass(3, 5) = xz;
+  mass(5, 4) = mass(4, 5) = yz;
 }
 
 void RigidPart::add(double mass_kg, const Eigen::Vector3d& centre_m, const Eigen::Matrix3d& inertia_kg_m2) {
