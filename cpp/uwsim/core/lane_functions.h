@@ -2,7 +2,7 @@
 
 #include "uwsim/core/double_lanes.h"
 
-// Sine, cosine and exponential of eight values at a time, within 2e-16 of the largest value, with the same bits on
+// Sine, cosine and exponential of several values at a time, within 2e-16 of the largest value, with the same bits on
 // every instruction set. Taylor series after argument reduction (Muller 2016, Elementary Functions, ch. 3 and 11).
 namespace uwsim {
 namespace {

@@ -112,6 +112,8 @@ class WaterField {
   virtual bool surface_is_flat() const = 0;
   /// Height of the water's surface without waves [m].
   virtual double still_level_m(double time_s) const = 0;
+  /// Returns true if the flow is the same at all places.
+  virtual bool flows_evenly() const { return false; }
   /// Returns true if the flow varies in space, and so little over a step that `flow_near` suffices for it.
   virtual bool flows_smoothly() const { return false; }
   virtual NearbyFlow flow_near(const PlacedVolume& volume, double time_s) const {
@@ -135,6 +137,7 @@ class EvenWater : public WaterField {
   double wave_bound_m() const override { return 0; }
   bool surface_is_flat() const override { return true; }
   double still_level_m(double) const override { return 0; }
+  bool flows_evenly() const override { return true; }
   WaterSurface surface_over(const SurfaceArea&, double) const override { return {}; }
   double surface_height_at(double, double, double) const override { return 0; }
   double gauge_pressure_at(const Eigen::Vector3d& point_world_m, double) const override {

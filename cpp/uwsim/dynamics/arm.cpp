@@ -180,9 +180,11 @@ Vector6d Arm::solve_joints(const ArmBase::Load& load, bool held, double step_s) 
     // All at once converges sooner; one at a time, the first, always does.
     const bool one_by_one = iteration > static_cast<int>(2 * size());
     bool moves = false;
-    for (std::size_t k = 0; k < size() && !(moves && one_by_one); ++k) {
+    for (std::size_t k = 0; k < size(); ++k) {
       if (links()[k].joint == ArmLink::Joint::kFixed) continue;
-      moves = laws_[k].leave(body_.torque(k), start_.speeds[k] + step_s * body_.acceleration(k)) || moves;
+      law_torques_[k] = body_.torque(k);
+      if (moves && one_by_one) continue;
+      moves = laws_[k].leave(law_torques_[k], start_.speeds[k] + step_s * body_.acceleration(k)) || moves;
     }
     if (!moves) break;
   }
@@ -192,8 +194,7 @@ Vector6d Arm::solve_joints(const ArmBase::Load& load, bool held, double step_s) 
 void Arm::record_motors() {
   for (std::size_t k = 0; k < size(); ++k) {
     const bool moves = links()[k].joint != ArmLink::Joint::kFixed;
-    law_torques_[k] = moves ? body_.torque(k) : 0;
-    next_.motor_torques[k] = moves ? laws_[k].motor_torque(body_.torque(k)) : 0;
+    next_.motor_torques[k] = moves ? laws_[k].motor_torque(law_torques_[k]) : 0;
   }
 }
 

@@ -89,6 +89,11 @@ class Arm {
     Pose world_from_link;           ///< at its start
     double linear_m_s, turn_rad_s;  ///< the greater of start and end; of the link's origin
   };
+  /// Bounds of the same: how far from the base's origin the links' surfaces extend, and how fast their points are.
+  struct Bounds {
+    double extent_m, fastest_m_s;
+  };
+  Bounds bounds(const BodyState& from, const BodyState& to) const;
   void find_motions(const BodyState& from, const BodyState& to, std::span<LinkMotion> motions);
   /// Describes the joints at the start of that step for contacts. `base`: the mass of the base.
   void describe(const Matrix6d& base_mass, const BodyState& from, const WaterField& water, double time_s, double step_s,

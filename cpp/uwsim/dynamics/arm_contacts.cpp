@@ -3,6 +3,7 @@
 
 #include "uwsim/dynamics/arm.h"
 #include "uwsim/dynamics/contact_arm.h"
+#include "uwsim/dynamics/resting.h"
 
 // The part of Arm that contacts of its links need.
 namespace uwsim {
@@ -32,6 +33,14 @@ void Arm::find_motions(const BodyState& from, const BodyState& to, std::span<Lin
       motion.turn_rad_s = std::max(motion.turn_rad_s, turn_rad_s);
     }
   }
+}
+
+Arm::Bounds Arm::bounds(const BodyState& from, const BodyState& to) const {
+  const double extent_m = std::max(body_.reach_m(start_.positions), body_.reach_m(next_.positions));
+  const double joints_m_s =
+      std::max(body_.fastest_m_s(start_.positions, start_.speeds), body_.fastest_m_s(next_.positions, next_.speeds));
+  return {extent_m, joints_m_s + std::max(uwsim::fastest_m_s(from.velocity_body, extent_m),
+                                          uwsim::fastest_m_s(to.velocity_body, extent_m))};
 }
 
 void Arm::describe(const Matrix6d& base_mass, const BodyState& from, const WaterField& water, double time_s,

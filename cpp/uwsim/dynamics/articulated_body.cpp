@@ -1,6 +1,7 @@
 #include "uwsim/dynamics/articulated_body.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -42,6 +43,14 @@ ArticulatedBody::ArticulatedBody(std::vector<ArmLink> links) : links_(std::move(
     water_.emplace_back(link, in_carrier_[k]);
     Carrier& carrier = carriers_[carrier_[k] == ArmLink::kBase ? size() : carrier_[k]];
     carrier.rigid.add(in_carrier_[k], link);
+    carrier.immersed.add(in_carrier_[k], link, water_[k]);
+    has_directions_ = has_directions_ || water_[k].has_directions();
+    way_m_.push_back((on_base ? 0 : way_m_[link.parent]) + link.parent_from_link.position_m.norm());
+    double extent_m = water_[k].extent_m();
+    if (link.surface_m != nullptr) {
+      for (const Eigen::Vector3d& corner : link.surface_m->vertices_m) extent_m = std::max(extent_m, corner.norm());
+    }
+    reach_m_ = std::max(reach_m_, way_m_[k] + extent_m);
     carrier.links.push_back(k);
   }
 }
@@ -51,13 +60,58 @@ void ArticulatedBody::place(const BodyState& base, std::span<const double> posit
   base_ = base;
   const BaseSurroundings around{water, time_s, water.gravity(), base.world_from_body.rotation(),
                                 base.world_from_body.position_m};
-  add_loads(carriers_[size()], {}, base.velocity_body, around, fixed_.inertia, fixed_.bias);
-  for (const std::size_t k : moving_) {
-    place_link(k, positions[k], speeds[k]);
-    Work& at = work_[k];
-    add_loads(carriers_[k], at.placed, at.velocity, around, at.mass, at.own_bias);
+  for (const std::size_t k : moving_) place_link(k, positions[k], speeds[k]);
+  const auto each = [&](const auto& add) {
+    add(carriers_[size()], PlacedLink{}, base.velocity_body, fixed_.inertia, fixed_.bias);
+    for (const std::size_t k : moving_) {
+      Work& at = work_[k];
+      add(carriers_[k], at.placed, at.velocity, at.mass, at.own_bias);
+    }
+  };
+  if (is_immersed(base, positions, water)) {
+    const Eigen::Matrix3d base_from_world = around.world_from_base.transpose();
+    const WaterFlow flow = water.flow_at(base.world_from_body.position_m, time_s);
+    const EvenSurroundings even{water.density_at(base.world_from_body.position_m.z()),
+                                around.gravity_m_s2 * base_from_world.col(2), base_from_world * flow.velocity_m_s,
+                                base_from_world * flow.current_acceleration_m_s2};
+    for (std::size_t k = 0; k < size(); ++k) {
+      weight_n_[k] = links_[k].mass_kg * around.gravity_m_s2;
+      lift_n_[k] = links_[k].volume_m3 * even.density_kg_m3 * around.gravity_m_s2;
+    }
+    each([&](const Carrier& carrier, const PlacedLink& at, const Vector6d& velocity, Matrix6d& mass, Vector6d& bias) {
+      LinkSum sum;
+      carrier.immersed.add_to(sum, at, velocity, even);
+      sum.write(mass, bias);
+    });
+  } else {
+    each([&](const Carrier& carrier, const PlacedLink& at, const Vector6d& velocity, Matrix6d& mass, Vector6d& bias) {
+      add_loads(carrier, at, velocity, around, mass, bias);
+    });
   }
   if (is_pushed_) add_pushes(around.world_from_base.transpose());
+}
+
+/// Returns true if all links are deep in water that is the same everywhere.
+bool ArticulatedBody::is_immersed(const BodyState& base, std::span<const double> positions,
+                                  const WaterField& water) const {
+  return !has_directions_ && base.world_from_body.position_m.z() + reach_m(positions) < 0 && water.calm_and_even() &&
+         water.flows_evenly();
+}
+
+double ArticulatedBody::reach_m(std::span<const double> positions) const {
+  double reach_m = reach_m_;
+  for (const std::size_t k : moving_) {
+    if (links_[k].joint == ArmLink::Joint::kSlide) reach_m += std::abs(positions[k]);
+  }
+  return reach_m;
+}
+
+double ArticulatedBody::fastest_m_s(std::span<const double> positions, std::span<const double> speeds) const {
+  const double reach_m = this->reach_m(positions);
+  double fastest = 0;
+  for (const std::size_t k : moving_)
+    fastest += std::abs(speeds[k]) * (links_[k].joint == ArmLink::Joint::kSlide ? 1 : reach_m - way_m_[k]);
+  return fastest;
 }
 
 void ArticulatedBody::add_pushes(const Eigen::Matrix3d& base_from_world) {
@@ -121,7 +175,7 @@ void ArticulatedBody::add_loads(const Carrier& carrier, const PlacedLink& at, co
   Vector6d directed_bias;
   bool is_directed = false;
   LinkSum sum;
-  carrier.rigid.add_to(sum, at, velocity, around);
+  carrier.rigid.add_to(sum, at, velocity, around.gravity_m_s2 * around.world_from_base.row(2).transpose());
   for (const std::size_t link : carrier.links) {
     if (water_[link].has_directions() && !is_directed) {
       directed_mass.setZero();

@@ -58,6 +58,11 @@ class ArticulatedBody {
   /// The moving link whose joint is `joint` of those that describe() writes.
   std::size_t link_of_joint(std::size_t joint) const { return moving_[joint]; }
 
+  /// How far from the base's origin the links' surfaces, and what of them may be wet, may reach, whatever the positions
+  /// of hinges.
+  double reach_m(std::span<const double> positions) const;
+  /// How fast a point of a link may move relative to the base.
+  double fastest_m_s(std::span<const double> positions, std::span<const double> speeds) const;
   double acceleration(std::size_t link) const { return carrier_[link] == link ? work_[link].acceleration : 0; }
   /// The torque at the joint besides viscous friction: the given one, or the one that its given acceleration takes.
   double torque(std::size_t link) const;
@@ -80,6 +85,7 @@ class ArticulatedBody {
   /// All that moves with a link, or with the base.
   struct Carrier {
     RigidPart rigid;
+    ImmersedPart immersed;
     std::vector<std::size_t> links;
   };
   struct Work {
@@ -92,6 +98,7 @@ class ArticulatedBody {
   };
 
   void place_link(std::size_t link, double position, double speed);
+  bool is_immersed(const BodyState& base, std::span<const double> positions, const WaterField& water) const;
   void add_pushes(const Eigen::Matrix3d& base_from_world);
   void add_loads(const Carrier& carrier, const PlacedLink& at, const Vector6d& velocity, const BaseSurroundings& around,
                  Matrix6d& mass, Vector6d& bias);
@@ -103,6 +110,9 @@ class ArticulatedBody {
   std::vector<std::size_t> moving_;     // the links whose joints move
   std::vector<Joint> joints_;           // by link
   std::vector<Carrier> carriers_;       // by link, and that of the base
+  std::vector<double> way_m_;           // by link: the length of the way from the base along the joints at their zeros
+  double reach_m_ = 0;                  // with all joints at their zeros
+  bool has_directions_ = false;         // added mass of some link is not alike in all directions
   std::vector<Work> work_;
   std::vector<Vector6d> pushes_world_;  // by moving link, and that of the base
   bool is_pushed_ = false;

@@ -134,6 +134,11 @@ double ContactFinder::thickness_m(std::size_t body) const {
   return 2 * impl_->bodies.at(body)->box.half_size_body_m.minCoeff();
 }
 
+bool ContactFinder::may_touch_world(const Eigen::Vector3d& centre_world_m, double radius_m) const {
+  const Eigen::Array3d out = Eigen::Array3d::Constant(radius_m + kRestGap_m);
+  return impl_->fixed->broad_phase.may_touch(centre_world_m.array() - out, centre_world_m.array() + out);
+}
+
 void ContactFinder::find(std::span<const MovingBody> bodies, std::vector<Contact>& contacts) {
   impl_->find(bodies, contacts);
 }

@@ -45,6 +45,9 @@ class ContactFinder {
   /// The smallest edge of the body's bounding box, which is aligned with its axes [m].
   double thickness_m(std::size_t body) const;
 
+  /// False only if neither terrain nor a solid is within reach of what a sphere encloses.
+  bool may_touch_world(const Eigen::Vector3d& centre_world_m, double radius_m) const;
+
   /// Replaces `contacts`. They are ordered by body; for each body, contacts with terrain and solids come first, then
   /// those with bodies of lower index. The caller sets friction and restitution. Throws ContactBudgetExceeded
   /// (contact_budget.h).

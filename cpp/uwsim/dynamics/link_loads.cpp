@@ -51,17 +51,16 @@ void LinkSum::write(Matrix6d& mass, Vector6d& bias) const {
   mass(5, 4) = mass(4, 5) = yz;
 }
 
-void RigidPart::add(const PlacedLink& at, const ArmLink& link) {
-  const Eigen::Vector3d centre_m = at.origin_m + at.base_from_link * link.centre_of_mass_m;
-  const Eigen::Vector3d both_m = (mass_kg_ * centre_m_ + link.mass_kg * centre_m) / (mass_kg_ + link.mass_kg);
-  inertia_kg_m2_ += moment_of_point(mass_kg_, centre_m_ - both_m) + moment_of_point(link.mass_kg, centre_m - both_m) +
-                    at.base_from_link * link.inertia_kg_m2 * at.base_from_link.transpose();
+void RigidPart::add(double mass_kg, const Eigen::Vector3d& centre_m, const Eigen::Matrix3d& inertia_kg_m2) {
+  const Eigen::Vector3d both_m = (mass_kg_ * centre_m_ + mass_kg * centre_m) / (mass_kg_ + mass_kg);
+  inertia_kg_m2_ +=
+      moment_of_point(mass_kg_, centre_m_ - both_m) + moment_of_point(mass_kg, centre_m - both_m) + inertia_kg_m2;
   centre_m_ = both_m;
-  mass_kg_ += link.mass_kg;
+  mass_kg_ += mass_kg;
 }
 
 void RigidPart::add_to(LinkSum& sum, const PlacedLink& at, const Vector6d& velocity,
-                       const BaseSurroundings& around) const {
+                       const Eigen::Vector3d& lift_m_s2) const {
   if (mass_kg_ == 0) return;
   const Eigen::Matrix3d& r = at.base_from_link;
   const Eigen::Matrix3d& i = inertia_kg_m2_;
@@ -78,9 +77,8 @@ void RigidPart::add_to(LinkSum& sum, const PlacedLink& at, const Vector6d& veloc
   const Eigen::Vector3d turning(xx * spin.x() + xy * spin.y() + xz * spin.z(),
                                 xy * spin.x() + yy * spin.y() + yz * spin.z(),
                                 xz * spin.x() + yz * spin.y() + zz * spin.z());
-  const Eigen::Vector3d up = around.world_from_base.row(2).transpose();
   sum.moment_nm += spin.cross(turning);
-  sum.add_force(centre_m, mass_kg_ * (spin.cross(linear + spin.cross(centre_m)) + around.gravity_m_s2 * up));
+  sum.add_force(centre_m, mass_kg_ * (spin.cross(linear + spin.cross(centre_m)) + lift_m_s2));
   sum.add_point(mass_kg_, centre_m);
   sum.xx += xx;
   sum.xy += xy;
@@ -130,6 +128,16 @@ Eigen::Vector3d ArmLinkWater::drag_along_link(const Eigen::Vector3d& v, int firs
   return {along(0), along(1), along(2)};
 }
 
+void ArmLinkWater::add_drag(LinkSum& sum, const PlacedLink& frame, const Eigen::Vector3d& centre_m,
+                            const Eigen::Vector3d& relative_m_s, const Eigen::Vector3d& spin, double wet) const {
+  if (!has_drag_) return;
+  const Eigen::Matrix3d turned =
+      is_turned_ ? Eigen::Matrix3d(frame.base_from_link * at_.base_from_link) : frame.base_from_link;
+  const Eigen::Vector3d through = turned.transpose() * (relative_m_s + spin.cross(centre_m));
+  sum.add_force(centre_m, turned * (-wet * drag_along_link(through, 0)));
+  if (has_turning_drag_) sum.moment_nm += turned * (-wet * drag_along_link(turned.transpose() * spin, 3));
+}
+
 double ArmLinkWater::add_to(LinkSum& sum, Matrix6d& mass, Vector6d& bias, const PlacedLink& frame,
                             const Vector6d& velocity, const BaseSurroundings& around) const {
   const Eigen::Vector3d centre_m = frame.origin_m + frame.base_from_link * centre_m_;
@@ -144,18 +152,9 @@ double ArmLinkWater::add_to(LinkSum& sum, Matrix6d& mass, Vector6d& bias, const 
       around.world_from_base.transpose() * (flow.wave_acceleration_m_s2 + flow.current_acceleration_m_s2);
   const Eigen::Vector3d relative = linear - moving;
   const double lift_n = displaced_kg * around.gravity_m_s2;
-  Eigen::Vector3d at_centre_n = lift_n * around.world_from_base.row(2).transpose() + displaced_kg * rate;
-  if (has_drag_) {
-    const auto drag = [&](const Eigen::Vector3d& through, int first) -> Eigen::Vector3d {
-      const Eigen::Vector3d along_frame = frame.base_from_link.transpose() * through;
-      if (!is_turned_) return frame.base_from_link * drag_along_link(along_frame, first);
-      return frame.base_from_link *
-             (at_.base_from_link * drag_along_link(at_.base_from_link.transpose() * along_frame, first));
-    };
-    at_centre_n += wet * drag(relative + spin.cross(centre_m), 0);
-    if (has_turning_drag_) sum.moment_nm -= wet * drag(spin, 3);
-  }
+  const Eigen::Vector3d at_centre_n = lift_n * around.world_from_base.row(2).transpose() + displaced_kg * rate;
   sum.add_force(centre_m, -at_centre_n);
+  add_drag(sum, frame, centre_m, relative, spin, wet);
   const Eigen::Vector3d water_rate = rate - spin.cross(moving);
   if (has_any_added_mass_) {
     const PlacedLink at = frame * at_;
@@ -171,6 +170,34 @@ double ArmLinkWater::add_to(LinkSum& sum, Matrix6d& mass, Vector6d& bias, const 
     sum.add_point(added_kg, origin_m);
   }
   return lift_n;
+}
+
+void ImmersedPart::add(const PlacedLink& at, const ArmLink& link, const ArmLinkWater& water) {
+  all_.add(at, link);
+  if (water.added_kg_ > 0) all_.add(water.added_kg_, water.added_at_m_, Eigen::Matrix3d::Zero());
+  mass_kg_ += link.mass_kg;
+  volume_m3_ += link.volume_m3;
+  added_kg_ += water.added_kg_;
+  mass_moment_ += link.mass_kg * (at.origin_m + at.base_from_link * link.centre_of_mass_m);
+  volume_moment_ += link.volume_m3 * water.centre_m_;
+  added_moment_ += water.added_kg_ * water.added_at_m_;
+  if (water.has_drag_) dragged_.push_back(water);
+}
+
+void ImmersedPart::add_to(LinkSum& sum, const PlacedLink& at, const Vector6d& velocity,
+                          const EvenSurroundings& around) const {
+  all_.add_to(sum, at, velocity, Eigen::Vector3d::Zero());
+  const auto add = [&](double kg, const Eigen::Vector3d& moment_kg_m, const Eigen::Vector3d& rate_m_s2) {
+    sum.force_n += kg * rate_m_s2;
+    sum.moment_nm += (kg * at.origin_m + at.base_from_link * moment_kg_m).cross(rate_m_s2);
+  };
+  const double displaced_kg = around.density_kg_m3 * volume_m3_;
+  const Eigen::Vector3d displaced_moment = around.density_kg_m3 * volume_moment_;
+  add(mass_kg_ - displaced_kg, mass_moment_ - displaced_moment, around.lift_m_s2);
+  if (!around.rate_m_s2.isZero(0)) add(-displaced_kg - added_kg_, -displaced_moment - added_moment_, around.rate_m_s2);
+  const Eigen::Vector3d relative = velocity.head<3>() - around.velocity_m_s, spin = velocity.tail<3>();
+  for (const ArmLinkWater& link : dragged_)
+    link.add_drag(sum, at, at.origin_m + at.base_from_link * link.centre_m_, relative, spin, 1);
 }
 
 }  // namespace uwsim

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "uwsim/core/water_field.h"
 #include "uwsim/dynamics/arm_link.h"
 
@@ -43,9 +45,16 @@ struct LinkSum {
 /// A rigid body in a frame that moves with it.
 class RigidPart {
  public:
-  void add(const PlacedLink& at, const ArmLink& link);
-  /// Adds M_RB, V x* M_RB V and the weight of the body, which moves at `velocity`.
-  void add_to(LinkSum& sum, const PlacedLink& at, const Vector6d& velocity, const BaseSurroundings& around) const;
+  void add(const PlacedLink& at, const ArmLink& link) {
+    add(link.mass_kg, at.origin_m + at.base_from_link * link.centre_of_mass_m,
+        at.base_from_link * link.inertia_kg_m2 * at.base_from_link.transpose());
+  }
+  void add(double mass_kg, const Eigen::Vector3d& centre_m, const Eigen::Matrix3d& inertia_kg_m2);
+  /// Adds M_RB, V x* M_RB V and the weight of the body, which moves at `velocity`. `lift_m_s2`: against gravity.
+  void add_to(LinkSum& sum, const PlacedLink& at, const Vector6d& velocity, const Eigen::Vector3d& lift_m_s2) const;
+
+  double mass_kg() const { return mass_kg_; }
+  Eigen::Vector3d moment_kg_m() const { return mass_kg_ * centre_m_; }
 
  private:
   double mass_kg_ = 0;
@@ -74,9 +83,14 @@ class ArmLinkWater {
   double add_to(LinkSum& sum, Matrix6d& mass, Vector6d& bias, const PlacedLink& at, const Vector6d& velocity,
                 const BaseSurroundings& around) const;
   bool has_directions() const { return has_any_added_mass_; }
+  /// Within this distance of the link's origin, all is wet that may be.
+  double extent_m() const { return (centre_m_ - at_.origin_m).norm() + diameter_m_; }
 
  private:
+  friend class ImmersedPart;
   double submerged(const Eigen::Vector3d& centre_world_m, const BaseSurroundings& around) const;
+  void add_drag(LinkSum& sum, const PlacedLink& frame, const Eigen::Vector3d& centre_m,
+                const Eigen::Vector3d& relative_m_s, const Eigen::Vector3d& spin, double wet) const;
   Eigen::Vector3d drag_along_link(const Eigen::Vector3d& velocity, int first) const;
 
   double volume_m3_, diameter_m_;
@@ -87,6 +101,32 @@ class ArmLinkWater {
   Eigen::Vector3d added_at_m_;
   Matrix6d added_mass_;
   Vector6d linear_drag_, quadratic_drag_;
+};
+
+/// Water that is the same everywhere at an instant, along the axes of a base in it.
+struct EvenSurroundings {
+  double density_kg_m3;
+  Eigen::Vector3d lift_m_s2;  ///< against gravity
+  Eigen::Vector3d velocity_m_s, rate_m_s2;
+};
+
+/// Links that move as one, entirely in such water, with added mass that is alike in all directions. The equation of
+/// ArmLinkWater then has a closed form: the relative motion's part of V_r x* M_A V_r - M_A a_c that is due to the water
+/// cancels but for its rate, so that added mass moves as if it were the body's, and weight, buoyancy and the water's
+/// rate act as two forces.
+class ImmersedPart {
+ public:
+  void add(const PlacedLink& at, const ArmLink& link, const ArmLinkWater& water);
+  /// Adds mass and loads of a frame at `at` that moves at `velocity`.
+  void add_to(LinkSum& sum, const PlacedLink& at, const Vector6d& velocity, const EvenSurroundings& around) const;
+
+ private:
+  RigidPart all_;  // with added mass
+  double mass_kg_ = 0, volume_m3_ = 0, added_kg_ = 0;
+  // Each of the above times where it is.
+  Eigen::Vector3d mass_moment_ = Eigen::Vector3d::Zero(), volume_moment_ = Eigen::Vector3d::Zero(),
+                  added_moment_ = Eigen::Vector3d::Zero();
+  std::vector<ArmLinkWater> dragged_;
 };
 
 }  // namespace uwsim

@@ -41,7 +41,8 @@ void UwsimEngine::add_body(const BodySpec& spec) {
   asleep_at_.resize(count);
   free_ends_.resize(count);
   moves_.reserve(count);
-  for (std::vector<std::uint8_t>* flags : {&takes_part_, &rests_, &may_stop_, &sleeps_}) flags->resize(count);
+  for (std::vector<std::uint8_t>* flags : {&takes_part_, &rests_, &may_stop_, &is_clear_, &sleeps_})
+    flags->resize(count);
   for (std::vector<ContactBody>* bodies : {&contact_bodies_, &stopped_bodies_}) bodies->resize(count);
   for (std::vector<Contact>* contacts : {&contacts_, &stopped_contacts_}) contacts->reserve(kContactsPerBody * count);
   impulses_world_.reserve(kContactsPerBody * count);

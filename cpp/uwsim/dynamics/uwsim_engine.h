@@ -47,6 +47,7 @@ class UwsimEngine final : public DynamicsEngine {
   void stop(std::size_t body);
   void find_reaches(double step_s);
   bool are_near(std::size_t a, std::size_t b) const;
+  bool is_clear(std::size_t body) const;
   void describe_arm(std::size_t body, const Interval& now);
   Vector6d push_arm(std::size_t body, const Interval& now);
   void find_contacts();
@@ -93,12 +94,12 @@ class UwsimEngine final : public DynamicsEngine {
   // Kept so that steps allocate nothing; indexed by body, except for contacts.
   std::vector<BodyState> states_;  // at the start of an interval
   std::vector<Vector6d> free_velocities_body_;
-  std::vector<std::uint8_t> takes_part_, rests_, may_stop_;
+  std::vector<std::uint8_t> takes_part_, rests_, may_stop_, is_clear_;
   std::vector<int> parts_;  // number of parts of the step
   // How far from its origin a body extends, with its arm, and how far it or its links may go in the interval.
   std::vector<double> extents_m_, reaches_m_;
   std::vector<ContactArm> arms_;               // of bodies that have one, while they are in contact
-  std::vector<Arm::LinkMotion> link_motions_;  // by collider, but those of hulls are unused
+  std::vector<Arm::LinkMotion> link_motions_;  // by collider, but those of hulls and clear arms are unused
   std::vector<MovingBody> moving_;
   std::vector<ContactBody> contact_bodies_, stopped_bodies_;
   std::vector<Contact> contacts_, stopped_contacts_;

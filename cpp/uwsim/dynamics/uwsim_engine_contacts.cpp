@@ -120,7 +120,17 @@ void UwsimEngine::find_reaches(double step_s) {
                                     fastest_m_s(next_states_[k].velocity_body, extents_m_[k]));
     reaches_m_[k] = moving_[hull].reach_m = reach_m(fastest);
     if (!bodies_[k].arm) continue;
-    const std::size_t links = bodies_[k].arm->size();
+    const Arm::Bounds bounds = bodies_[k].arm->bounds(states_[k], next_states_[k]);
+    extents_m_[k] = std::max(extents_m_[k], bounds.extent_m);
+    reaches_m_[k] = std::max(reaches_m_[k], reach_m(bounds.fastest_m_s));
+  }
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (!bodies_[k].arm) continue;
+    is_clear_[k] = is_clear(k) ? 1 : 0;
+    if (is_clear_[k] != 0) continue;
+    const std::size_t hull = hulls_[k], links = bodies_[k].arm->size();
+    extents_m_[k] = finder_.radius_m(hull);
+    reaches_m_[k] = moving_[hull].reach_m;
     bodies_[k].arm->find_motions(states_[k], next_states_[k], std::span(link_motions_).subspan(hull + 1, links));
     for (std::size_t link = hull + 1; link <= hull + links; ++link) {
       const Arm::LinkMotion& motion = link_motions_[link];
@@ -134,13 +144,21 @@ void UwsimEngine::find_reaches(double step_s) {
   }
 }
 
+/// Returns true if nothing is where the body's arm could touch it within the interval.
+bool UwsimEngine::is_clear(std::size_t body) const {
+  for (std::size_t other = 0; other < bodies_.size(); ++other) {
+    if (other != body && are_near(body, other)) return false;
+  }
+  return !finder_.may_touch_world(states_[body].world_from_body.position_m, extents_m_[body] + reaches_m_[body]);
+}
+
 /// Finds the contacts at the present poses whose gaps this interval could close.
 void UwsimEngine::find_contacts() {
   for (std::size_t k = 0; k < colliders_.size(); ++k) {
     const std::size_t body = colliders_[k].body;
-    const bool is_hull = colliders_[k].link == kHull;
+    const bool is_hull = colliders_[k].link == kHull, may_touch = is_hull || is_clear_[body] == 0;
     moving_[k] = {is_hull ? states_[body].world_from_body : link_motions_[k].world_from_link, moving_[k].reach_m,
-                  takes_part_[body] != 0 && rests_[body] == 0, bodies_[body].spec.path == nullptr, body};
+                  may_touch && takes_part_[body] != 0 && rests_[body] == 0, bodies_[body].spec.path == nullptr, body};
   }
   try {
     finder_.find(moving_, contacts_);

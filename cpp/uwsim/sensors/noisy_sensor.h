@@ -37,6 +37,8 @@ class NoisySensor {
 
   /// The next tick whose snapshot must be recorded; kNever for a sensor that only measures the present.
   std::uint64_t next_due() const { return next_due_; }
+  /// Returns true if a measurement with the vehicle there casts rays.
+  bool casts_rays(const Pose& world_from_body) const { return sensor_->rays(world_from_body).has_value(); }
   /// Stores the snapshot for later samples. A sensor whose rays may hit another body observes immediately, because
   /// bodies move; other sensors observe when they are read.
   void record(const VehicleSnapshot& snapshot, const Surroundings& around);

@@ -32,6 +32,12 @@ class SensorRack {
   /// Whether the snapshot of `tick` must be recorded before the next step. In most steps, this comparison is the only
   /// cost.
   bool due(std::uint64_t tick) const { return tick >= next_due_; }
+  /// Returns true if a sensor that is due casts rays; otherwise `record` needs no other bodies in the scene.
+  bool casts_rays(const VehicleSnapshot& snapshot) const {
+    return std::ranges::any_of(sensors_, [&](const NoisySensor& sensor) {
+      return snapshot.tick >= sensor.next_due() && sensor.casts_rays(snapshot.state.world_from_body);
+    });
+  }
   /// Does not allocate or free memory.
   void record(const VehicleSnapshot& snapshot, const Surroundings& around) {
     next_due_ = NoisySensor::kNever;

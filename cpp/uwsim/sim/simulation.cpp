@@ -121,7 +121,10 @@ void Simulation::step_once() {
       vehicle.sensors.collect(snapshot(vehicle), {scene_around(vehicle), world_.water, sound_, station_world_m()});
     }
     if (vehicle.sensors.due(tick_)) {
-      vehicle.sensors.record(snapshot(vehicle), {scene_around(vehicle), world_.water, sound_, station_world_m()});
+      const VehicleSnapshot now = snapshot(vehicle);
+      const bool among_bodies = vehicle.sensors.casts_rays(now);  // placing them takes time
+      vehicle.sensors.record(now,
+                             {among_bodies ? scene_around(vehicle) : *scene_, world_.water, sound_, station_world_m()});
     }
   }
   if (link_) transmit();

@@ -7,26 +7,23 @@
 namespace uwsim {
 namespace {
 
-inline bool any_of(IndexLanes mask) {
-  using Flags = signed char __attribute__((vector_size(8)));
-  const Flags flags = __builtin_convertvector(mask, Flags);
-  std::uint64_t bits = 0;
-  std::memcpy(&bits, &flags, sizeof bits);
-  return bits != 0;
-}
-
 enum class Side { dry, cut, wet };
 
 /// The side of the plane on which a block's triangles lie, if all lie on the same side.
 inline Side side_of(const CutBlock& block, double ux, double uy, double uz, double level_m) {
-  const auto is_wet = [&](int corner) {
-    const double(*const at)[kCutLanes] = block.corner_m + 3 * corner;
-    const DoubleLanes height = ux * load_lanes(at[0]) + uy * load_lanes(at[1]) + uz * load_lanes(at[2]) - level_m;
-    return reinterpret_cast<IndexLanes>(height < 0);
-  };
-  const IndexLanes a = is_wet(0), b = is_wet(1), c = is_wet(2);
-  if (!any_of(a | b | c)) return Side::dry;
-  return any_of(~(a & b & c)) ? Side::cut : Side::wet;
+  IndexLanes any{}, all = ~IndexLanes{};
+  for (std::size_t lane = 0; lane < kCutLanes; lane += kLanes) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const double(*const at)[kCutLanes] = block.corner_m + 3 * corner;
+      const DoubleLanes height =
+          ux * load_lanes(at[0] + lane) + uy * load_lanes(at[1] + lane) + uz * load_lanes(at[2] + lane) - level_m;
+      const IndexLanes is_wet = height < 0;
+      any |= is_wet;
+      all &= is_wet;
+    }
+  }
+  if (!any_of(any)) return Side::dry;
+  return any_of(~all) ? Side::cut : Side::wet;
 }
 
 /// The contribution of one tetrahedron from the origin to r r^T, without the factor volume / 20: a_i a_j + b_i b_j +

@@ -87,6 +87,7 @@ class Water : public EvenWater {
   WaterFlow main_flow_at(const Eigen::Vector3d& point_world_m, double time_s, double emerged_m,
                          double* surface_m) const;
   VolumeFlow flow_over(const PlacedVolume& volume, double time_s) const override;
+  bool flows_evenly() const override { return !waves && has_uniform_currents(); }
   bool flows_smoothly() const override;
   NearbyFlow flow_near(const PlacedVolume& volume, double time_s) const override;
   std::size_t division_of(const VolumeParts& parts, double centre_z_m) const override;

@@ -214,6 +214,77 @@ TEST(ArticulatedBody, ANeutralLinkDriftsWithTheCurrentWithoutLoad) {
   EXPECT_LT(body.fold(loose).bias.norm(), 1e-12);
 }
 
+/// The same water, of which the arm does not know that it is the same everywhere.
+class UnknownWater final : public EvenWater {
+ public:
+  explicit UnknownWater(const EvenWater& water) : EvenWater(water) {}
+  bool flows_evenly() const override { return false; }
+};
+
+std::vector<ArmLink> wet_tree(int seed) {
+  std::mt19937 draw(seed);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::vector<ArmLink> links = tree(seed, 7);
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    ArmLink& link = links[k];
+    if (k % 3 == 0) link.joint = ArmLink::Joint::kFixed;
+    link.volume_m3 = 0.002;
+    link.centre_of_buoyancy_m = {unit(draw), unit(draw), unit(draw)};
+    if (k % 2 == 0) link.added_mass.topLeftCorner<3, 3>() = 0.7 * Eigen::Matrix3d::Identity();
+    link.linear_drag = Vector6d::Constant(0.3);
+    link.quadratic_drag = Vector6d(1, 2, 3, 0.1, 0.2, 0);
+  }
+  return links;
+}
+
+TEST(ArticulatedBody, DeepInEvenWaterItHasTheLoadsOfItsLinksOneByOne) {
+  std::mt19937 draw(2);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  EvenWater water;
+  water.current_world_m_s = {0.4, -0.3, 0.1};
+  for (int seed = 0; seed < 20; ++seed) {
+    ArticulatedBody known(wet_tree(seed)), one_by_one(wet_tree(seed));
+    BodyState base;
+    base.world_from_body = {{1, 2, -50}, Eigen::Quaterniond(1, unit(draw), unit(draw), unit(draw)).normalized()};
+    for (double& value : base.velocity_body) value = unit(draw);
+    std::vector<double> positions(7), speeds(7);
+    for (double& value : positions) value = unit(draw);
+    for (double& value : speeds) value = unit(draw);
+    known.place(base, positions, speeds, water, 0);
+    one_by_one.place(base, positions, speeds, UnknownWater(water), 0);
+    const std::vector<JointDrive> drives(7);
+    const auto &a = known.fold(drives), &b = one_by_one.fold(drives);
+    EXPECT_LT((a.inertia - b.inertia).norm(), 1e-12 * b.inertia.norm()) << seed;
+    EXPECT_LT((a.bias - b.bias).norm(), 1e-12 * (1 + b.bias.norm())) << seed;
+    EXPECT_NEAR(known.potential_energy_j(), one_by_one.potential_energy_j(), 1e-9) << seed;
+    // Where a link may reach the surface, the two are one.
+    base.world_from_body.position_m.z() = -1;
+    known.place(base, positions, speeds, water, 0);
+    one_by_one.place(base, positions, speeds, UnknownWater(water), 0);
+    EXPECT_EQ(known.fold(drives).bias, one_by_one.fold(drives).bias) << seed;
+  }
+}
+
+TEST(Arm, NoLinkLeavesItsBounds) {
+  for (int seed = 0; seed < 20; ++seed) {
+    Arm arm(tree(seed, 7), kStep_s);
+    BodyState base, next;
+    std::mt19937 draw(seed);
+    std::uniform_real_distribution<double> unit(-3, 3);
+    for (std::size_t k = 0; k < arm.size(); ++k) arm.place(k, unit(draw), unit(draw));
+    for (double& value : base.velocity_body) value = unit(draw);
+    arm.begin();
+    next = arm.advance(HeldBase(), base, air(), 0, kStep_s);
+    const Arm::Bounds bounds = arm.bounds(base, next);
+    std::vector<Arm::LinkMotion> motions(arm.size());
+    arm.find_motions(base, next, motions);
+    for (const Arm::LinkMotion& motion : motions) {
+      EXPECT_LE(motion.world_from_link.position_m.norm(), bounds.extent_m) << seed;
+      EXPECT_LE(motion.linear_m_s, bounds.fastest_m_s) << seed;
+    }
+  }
+}
+
 TEST(Arm, FrictionHoldsAJointUpToItsTorque) {
   const double torque = kGravity * 0.2;  // of the link's weight, level
   for (const double share : {1.01, 0.99}) {
