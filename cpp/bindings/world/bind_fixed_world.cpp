@@ -80,8 +80,8 @@ void bind_fixed_world(py::module_& m) {
   def_add_cover(
       world,
       [](FixedWorld&, const std::string&, const std::vector<std::pair<py::object, py::object>>&, const std::string&,
-         double, double, const Pair&, double, const Pair&, const Pair&, const Pair&, double, double,
-         std::uint64_t) -> Label { refuse("world.add_cover"); },
+         double, double, const Pair&, double, const Pair&, const Pair&, const Pair&, double, double, std::uint64_t,
+         bool, double) -> Label { refuse("world.add_cover"); },
       "Raise AttributeError.");
   def_add_school(
       world,

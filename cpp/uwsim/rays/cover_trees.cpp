@@ -36,46 +36,14 @@ RayTree mesh_tree(RTCDeviceTy* device, const std::vector<Eigen::Vector3f>& verti
 
 }  // namespace
 
-struct CoverTrees::Tile {
-  Eigen::Vector3d middle_m;
-  Eigen::AlignedBox3d box;
-  std::vector<CoverPiece> pieces;
-  RayTree tree;
-  mutable std::atomic<std::uint32_t> used = 0;  ///< when it was last used
-};
-
-/// Keeps the tiles in memory while it lives: each thread has a stripe, which is free except while tiles are released.
-class CoverTrees::InUse {
- public:
-  explicit InUse(const CoverTrees& trees)
-      : trees_(trees), lock_(trees.stripes_[own_number() % trees.stripes_.size()].mutex) {}
-  ~InUse() {
-    lock_.unlock();
-    if (trees_.pieces_in_memory_ > trees_.most_pieces_) trees_.release_oldest();
-  }
-  InUse(const InUse&) = delete;
-  InUse& operator=(const InUse&) = delete;
-
- private:
-  static unsigned own_number() {
-    static std::atomic<unsigned> threads = 0;
-    thread_local const unsigned number = threads++;
-    return number;
-  }
-
-  const CoverTrees& trees_;
-  std::unique_lock<ForkSafeMutex<std::mutex>> lock_;
-};
-
 CoverTrees::CoverTrees(RTCDeviceTy* device, const World& surfaces, std::size_t most_pieces)
     : device_(device),
       plan_(surfaces),
       first_label_(surfaces.first_cover()),
-      most_pieces_(most_pieces),
       lowest_m_(surfaces.terrain()->lowest_m()),
       highest_m_(surfaces.terrain()->highest_m()),
       heights_(std::size_t{plan_.columns()} * plan_.rows()),
-      tiles_(heights_.size()) {
+      tiles_(heights_.size(), most_pieces) {
   for (const auto& layer : surfaces.cover()) {
     for (const TriangleMesh& mesh : layer->meshes) {
       Mesh made;
@@ -106,74 +74,33 @@ CoverTrees::CoverTrees(RTCDeviceTy* device, const World& surfaces, std::size_t m
   }
 }
 
-CoverTrees::~CoverTrees() {
-  for (const std::atomic<const Tile*>& tile : tiles_) delete tile.load();
-}
-
 const CoverTrees::Tile& CoverTrees::tile(std::uint32_t column, std::uint32_t row) const {
-  std::atomic<const Tile*>& slot = tiles_[std::size_t{row} * plan_.columns() + column];
-  const Tile* found = slot.load(std::memory_order_acquire);
-  if (found == nullptr) {
-    std::unique_ptr<const Tile> made = make_tile(column, row);
-    made->used = ++clock_;
-    // If another thread was faster, its tile, which is equal, is used.
-    if (slot.compare_exchange_strong(found, made.get(), std::memory_order_acq_rel)) {
-      pieces_in_memory_ += made->pieces.size();
-      found = made.release();
-    }
-  }
-  const std::uint32_t now = clock_.load(std::memory_order_relaxed);
-  if (found->used.load(std::memory_order_relaxed) != now) found->used.store(now, std::memory_order_relaxed);
-  return *found;
+  return tiles_.get(std::size_t{row} * plan_.columns() + column, [&] { return make_tile(column, row); });
 }
 
-std::unique_ptr<const CoverTrees::Tile> CoverTrees::make_tile(std::uint32_t column, std::uint32_t row) const {
-  auto made = std::make_unique<Tile>();
+CoverTrees::Tile CoverTrees::make_tile(std::uint32_t column, std::uint32_t row) const {
   CoverTilePlan plan = plan_.pieces(column, row);
-  made->middle_m = plan.middle_m;
-  made->pieces = std::move(plan.pieces);
-  made->tree = make_ray_tree(device_, true);
-  for (std::uint32_t k = 0; k < made->pieces.size(); ++k) {
-    const CoverPiece& piece = made->pieces[k];
+  Tile made{plan.middle_m, {}, std::move(plan.pieces), make_ray_tree(device_, true)};
+  for (std::uint32_t k = 0; k < made.pieces.size(); ++k) {
+    const CoverPiece& piece = made.pieces[k];
     GeometryOwner owner(rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE));
     rtcSetGeometryInstancedScene(owner.get(), meshes_[piece.mesh].tree.get());
     std::array<float, 12> place;  // columns of the rotation, then the translation
     std::copy_n(piece.turn.data(), 9, place.begin());
     std::copy_n(piece.at_m.data(), 3, place.begin() + 9);
     rtcSetGeometryTransform(owner.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, place.data());
-    attach(made->tree.get(), owner, k);
+    attach(made.tree.get(), owner, k);
   }
-  commit(device_, made->tree.get(), made->pieces.size());
-  if (made->pieces.empty()) return made;  // its box is empty, so that no ray enters it
+  commit(device_, made.tree.get(), made.pieces.size());
+  if (made.pieces.empty()) return made;  // its box is empty, so that no ray enters it
   RTCBounds bounds;
-  rtcGetSceneBounds(made->tree.get(), &bounds);
+  rtcGetSceneBounds(made.tree.get(), &bounds);
   constexpr double kMargin_m = 1e-3;
-  made->box = {made->middle_m + Eigen::Vector3d(bounds.lower_x, bounds.lower_y, bounds.lower_z) -
-                   Eigen::Vector3d::Constant(kMargin_m),
-               made->middle_m + Eigen::Vector3d(bounds.upper_x, bounds.upper_y, bounds.upper_z) +
-                   Eigen::Vector3d::Constant(kMargin_m)};
+  made.box = {made.middle_m + Eigen::Vector3d(bounds.lower_x, bounds.lower_y, bounds.lower_z) -
+                  Eigen::Vector3d::Constant(kMargin_m),
+              made.middle_m + Eigen::Vector3d(bounds.upper_x, bounds.upper_y, bounds.upper_z) +
+                  Eigen::Vector3d::Constant(kMargin_m)};
   return made;
-}
-
-/// Releases the tiles that were not used for longest, until half of the limit is free, unless another thread has.
-void CoverTrees::release_oldest() const {
-  std::array<std::unique_lock<ForkSafeMutex<std::mutex>>, kStripes> all;
-  for (std::size_t k = 0; k < kStripes; ++k) {
-    if (!stripes_[k].mutex.lock_unless_forked()) return;  // a thread of the parent process keeps it
-    all[k] = {stripes_[k].mutex, std::adopt_lock};
-  }
-  if (pieces_in_memory_ <= most_pieces_) return;
-  std::vector<std::pair<std::uint32_t, std::size_t>> used;
-  for (std::size_t n = 0; n < tiles_.size(); ++n) {
-    if (const Tile* tile = tiles_[n].load()) used.emplace_back(tile->used, n);
-  }
-  std::ranges::sort(used);
-  for (const auto& [when, n] : used) {
-    if (pieces_in_memory_ <= most_pieces_ / 2) return;
-    const Tile* tile = tiles_[n].exchange(nullptr);
-    pieces_in_memory_ -= tile->pieces.size();
-    delete tile;
-  }
 }
 
 Corners CoverTrees::corners(const Tile& tile, const CoverPiece& piece, std::uint32_t triangle) const {
@@ -245,8 +172,8 @@ void CoverTrees::for_each_tile(Walk& walk, const Visit& visit) const {
                         right = number(east, 0, reach, plan_.columns());
     for (std::uint32_t column = left; column <= right; ++column) {
       // A tile in memory has the smaller box.
-      const std::atomic<const Tile*>& known = tiles_[std::size_t{row} * plan_.columns() + column];
-      if (known.load(std::memory_order_acquire) == nullptr && walk.enter(box_of(column, row)) == kInfinity) continue;
+      const bool is_made = tiles_.is_made(std::size_t{row} * plan_.columns() + column);
+      if (!is_made && walk.enter(box_of(column, row)) == kInfinity) continue;
       const Tile& next = tile(column, row);
       const double first = next.pieces.empty() ? kInfinity : walk.enter(next.box);
       if (first == kInfinity) continue;
@@ -262,7 +189,7 @@ void CoverTrees::for_each_tile(Walk& walk, const Visit& visit) const {
 }
 
 void CoverTrees::cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const {
-  const InUse in_use(*this);
+  const InUse in_use(tiles_);
   for (std::size_t p = 0; p < rays.size(); ++p) {
     Walk walk(Eigen::Vector3d::Zero(), rays[p], hits[p].distance_m);
     for_each_tile(walk, [&](const Tile& tile, const std::array<std::int32_t, kPacketRays>& lanes) {
@@ -281,7 +208,7 @@ void CoverTrees::cast(std::span<const ExactRays> rays, std::span<ExactHits> hits
 }
 
 void CoverTrees::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder, HitPacket& hits) const {
-  const InUse in_use(*this);
+  const InUse in_use(tiles_);
   hits.piece.fill(0);
   Walk walk(anchor_world_m, rays, hits.distance_m);
   for (std::size_t k = 0; k < kPacketRays; ++k) walk.near_m[k] = rays.near_m[k];
@@ -309,7 +236,7 @@ void CoverTrees::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& ra
 
 void CoverTrees::occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder,
                          Blocked& blocked) const {
-  const InUse in_use(*this);
+  const InUse in_use(tiles_);
   Walk walk(anchor_world_m, rays, rays.far_m);
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     walk.near_m[k] = rays.near_m[k];
@@ -352,15 +279,9 @@ bool visit_mesh_triangle(RTCPointQueryFunctionArguments* args) {
 
 double CoverTrees::distance(const Eigen::Vector3d& point_world_m, double nearest_m) const {
   if (!point_world_m.allFinite()) return nearest_m;
-  const InUse in_use(*this);
-  const double reach = plan_.reach_m(), width = plan_.tile_m();
-  const auto numbers = [&](int axis, std::uint32_t count) {
-    const double at = point_world_m(axis) - plan_.origin_m()(axis), far = std::min(nearest_m, 1e7) + reach;
-    return std::pair(static_cast<std::int64_t>(std::clamp(std::floor((at - far) / width), 0.0, 1.0 * count)),
-                     static_cast<std::int64_t>(std::clamp(std::floor((at + far) / width), -1.0, count - 1.0)));
-  };
-  const auto [left, right] = numbers(0, plan_.columns());
-  const auto [low, high] = numbers(1, plan_.rows());
+  const InUse in_use(tiles_);
+  const Eigen::Vector2d at = point_world_m.head<2>();
+  const auto [left, right, low, high] = plan_.tiles_near(at, at, std::min(nearest_m, 1e7) + plan_.reach_m());
   for (std::int64_t row = low; row <= high; ++row) {
     for (std::int64_t column = left; column <= right; ++column) {
       const auto i = static_cast<std::uint32_t>(column), j = static_cast<std::uint32_t>(row);

@@ -1,19 +1,15 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <array>
-#include <atomic>
 #include <cstdint>
-#include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
-#include "uwsim/core/fork_safe_mutex.h"
-#include "uwsim/rays/cover_plan.h"
+#include "uwsim/core/kept_tiles.h"
 #include "uwsim/rays/embree_tree.h"
 #include "uwsim/rays/ray_packet.h"
 #include "uwsim/rays/triangle_hit.h"
+#include "uwsim/world/cover_plan.h"
 
 namespace uwsim {
 
@@ -25,10 +21,8 @@ class CoverTrees {
  public:
   /// The pieces in memory, at about 0.5 kB each, above which tiles are released.
   static constexpr std::size_t kMostPieces = 1'000'000;
-  static constexpr std::size_t kStripes = 32;
 
   CoverTrees(RTCDeviceTy* device, const World& surfaces, std::size_t most_pieces = kMostPieces);
-  ~CoverTrees();
 
   /// Replaces each hit by a hit on a piece if that is nearer. Embree finds the piece and its triangle in float; the
   /// distance and the normal are computed in double, on that triangle.
@@ -41,25 +35,28 @@ class CoverTrees {
   double distance(const Eigen::Vector3d& point_world_m, double nearest_m) const;
 
   const CoverPlan& plan() const { return plan_; }
-  std::size_t pieces_in_memory() const { return pieces_in_memory_; }
+  std::size_t pieces_in_memory() const { return tiles_.items(); }
 
  private:
-  struct Tile;
+  struct Tile {
+    Eigen::Vector3d middle_m;
+    Eigen::AlignedBox3d box;
+    std::vector<CoverPiece> pieces;
+    RayTree tree;
+
+    std::size_t items() const { return pieces.size(); }
+  };
+  using InUse = KeptTiles<Tile>::InUse;
   struct Walk;
-  class InUse;
   struct Mesh {
     std::vector<Eigen::Vector3f> vertices;
     std::vector<Triangle> triangles;
     RayTree tree;
   };
-  struct alignas(64) Stripe {
-    ForkSafeMutex<std::mutex> mutex;
-  };
 
   Eigen::AlignedBox3d box_of(std::uint32_t column, std::uint32_t row) const;
   const Tile& tile(std::uint32_t column, std::uint32_t row) const;
-  std::unique_ptr<const Tile> make_tile(std::uint32_t column, std::uint32_t row) const;
-  void release_oldest() const;
+  Tile make_tile(std::uint32_t column, std::uint32_t row) const;
   Corners corners(const Tile& tile, const CoverPiece& piece, std::uint32_t triangle) const;
   template <typename Visit>
   void for_each_tile(Walk& walk, const Visit& visit) const;
@@ -67,14 +64,10 @@ class CoverTrees {
   RTCDeviceTy* device_;
   CoverPlan plan_;
   Label first_label_;
-  std::size_t most_pieces_;
   std::vector<Mesh> meshes_;
   double lowest_m_, highest_m_;               ///< of the terrain
   std::vector<Eigen::AlignedBox1d> heights_;  ///< of the tiles that are not in memory: bounds of their pieces' z
-  mutable std::vector<std::atomic<const Tile*>> tiles_;
-  mutable std::array<Stripe, kStripes> stripes_;  ///< a thread that uses tiles holds its own; releasing tiles takes all
-  mutable std::atomic<std::size_t> pieces_in_memory_ = 0;
-  mutable std::atomic<std::uint32_t> clock_ = 0;
+  KeptTiles<Tile> tiles_;
 };
 
 }  // namespace uwsim
