@@ -558,6 +558,8 @@ class World:
         patch_m: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         patch_share: typing.SupportsFloat | typing.SupportsIndex = 1.0,
         seed: typing.SupportsInt | typing.SupportsIndex = 0,
+        solid: bool = False,
+        drag_coefficient: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> int:
         """
         Add a layer of pieces on the terrain and return its label; solids must be added before. meshes: pairs
@@ -699,6 +701,8 @@ class FixedWorld(World):
         patch_m: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         patch_share: typing.SupportsFloat | typing.SupportsIndex = 1.0,
         seed: typing.SupportsInt | typing.SupportsIndex = 0,
+        solid: bool = False,
+        drag_coefficient: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> int:
         """
         Raise AttributeError.

@@ -26,7 +26,7 @@ class Canopy {
   /// Keeps references to both, which are those of this world.
   Canopy(const World& world, const CoverPlan& plan, const BroadPhase& broad_phase);
 
-  /// Whether a layer of the world consists of plants.
+  /// True if a layer of the world consists of plants.
   static bool grows_in(const World& world);
   /// The wrench on a hull about its body's origin, world axes [N, N m].
   Vector6d drag_world(const Craft& craft, const BodyState& state, const WaterField& water, double time_s,

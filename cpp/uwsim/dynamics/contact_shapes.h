@@ -48,7 +48,7 @@ struct ConvexBody {
 /// Shared by all bodies of the same shape: a vehicle's convex hull takes 0.3 MB and 0.7 ms to build.
 std::shared_ptr<const ConvexBody> convex_body(std::span<const ConvexPiece> pieces_body_m);
 
-/// What is fixed in the world, as far as bodies meet it; immutable.
+/// The world as far as bodies meet it; immutable.
 struct FixedSurfaces {
   World world;  ///< without water
   BroadPhase broad_phase;

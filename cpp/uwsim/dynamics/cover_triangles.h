@@ -24,7 +24,7 @@ class CoverTriangles {
   /// Keeps references to `plan`, the plan of this world, and to the layers.
   CoverTriangles(const World& world, const CoverPlan& plan);
 
-  /// Whether a layer of the world is solid.
+  /// True if a layer of the world is solid.
   static bool lie_in(const World& world);
   /// How far a piece extends at most from its origin, which lies on the bed.
   double reach_m() const { return plan_.reach_m(CoverPlan::Of::kSolid); }

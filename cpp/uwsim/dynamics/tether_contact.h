@@ -64,7 +64,7 @@ class TetherContactFinder {
   bool may_touch(const WorldBox& box) const;
   /// The name of a solid whose surface the segment passes through, or "".
   std::string crossed(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m) const;
-  /// Whether the segment passes through a solid piece of cover.
+  /// True if the segment passes through a solid piece of cover.
   bool crosses_cover(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m) const;
 
  private:

@@ -10,7 +10,7 @@
 #include "uwsim/dynamics/contact_shapes.h"
 #include "uwsim/dynamics/rigid_body_world.h"
 
-// What bodies and tethers do among the pieces of a world's cover.
+// Bodies and tethers among the pieces of a world's cover.
 namespace uwsim::cover_contact_tests {
 namespace {
 

@@ -116,9 +116,12 @@ def test_bodies_rest_on_solid_kinds_and_sink_through_others(tmp_path: Path, kind
     is_solid = kind in ("rock", "coral", "mesh")
     file = ", file: meshes/diver.glb" if kind.startswith("mesh") else ""
     layer = f"  - {{kind: {kind}{file}, name: layer, density_per_m2: 8, size_m: [0.5, 0.6]}}\n"
-    crate = "objects:\n  - {shape: {kind: box, name: crate, position_m: [0, 0, -4.5], size_m: [1, 1, 0.4]}, mass_kg: 900}\n"
+    shape = "{kind: box, name: crate, position_m: [0, 0, -4.5], size_m: [1, 1, 0.4]}"
     path = written(tmp_path, layer)
-    path.write_text(path.read_text().replace("hill_height_m: 0.5", "hill_height_m: 0.0") + crate)
+    path.write_text(
+        path.read_text().replace("hill_height_m: 0.5", "hill_height_m: 0.0")
+        + f"objects:\n  - {{shape: {shape}, mass_kg: 900}}\n"
+    )
     with uwsim.Simulator(path) as sim:
         sim.advance(8.0)
         height_m = sim.objects["crate"].pose.position_world_m[2] + 6

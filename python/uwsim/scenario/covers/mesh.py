@@ -18,7 +18,7 @@ class MeshCover(CoverModel):
     """Pieces from a mesh file, upright.
 
     file: FBX, glTF, OBJ, STL, PLY and others. up: the file's axis that points up, as for the obstacle `mesh`. size_m:
-    the largest extent of a piece, whatever the file's unit; its lowest point stands on the bed. solid: whether bodies and
+    the largest extent of a piece, whatever the file's unit; its lowest point stands on the bed. solid: bodies and
     tethers touch the pieces; otherwise, they pass through.
     """
 
