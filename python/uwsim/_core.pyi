@@ -558,6 +558,8 @@ class World:
         patch_m: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         patch_share: typing.SupportsFloat | typing.SupportsIndex = 1.0,
         seed: typing.SupportsInt | typing.SupportsIndex = 0,
+        solid: bool = False,
+        drag_coefficient: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         leans_at_m_s: typing.SupportsFloat | typing.SupportsIndex = ...,
     ) -> int:
         """
@@ -715,6 +717,8 @@ class FixedWorld(World):
         patch_m: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         patch_share: typing.SupportsFloat | typing.SupportsIndex = 1.0,
         seed: typing.SupportsInt | typing.SupportsIndex = 0,
+        solid: bool = False,
+        drag_coefficient: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         leans_at_m_s: typing.SupportsFloat | typing.SupportsIndex = ...,
     ) -> int:
         """

@@ -81,7 +81,7 @@ void bind_fixed_world(py::module_& m) {
       world,
       [](FixedWorld&, const std::string&, const std::vector<std::pair<py::object, py::object>>&, const std::string&,
          double, double, const Pair&, double, const Pair&, const Pair&, const Pair&, double, double, std::uint64_t,
-         double) -> Label { refuse("world.add_cover"); },
+         bool, double, double) -> Label { refuse("world.add_cover"); },
       "Raise AttributeError.");
   def_add_school(
       world,

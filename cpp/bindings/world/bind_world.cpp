@@ -47,7 +47,7 @@ constexpr std::array<std::string_view, 3> kStanceNames = {"upright", "on_bed", "
 Label add_cover(World& world, std::string name, const std::vector<std::pair<py::object, py::object>>& meshes,
                 const std::string& stance, double sunk, double density_per_m2, const Pair& size_m, double size_exponent,
                 const Pair& depth_m, const Pair& slope_rad, const Pair& from_solids_m, double patch_m,
-                double patch_share, std::uint64_t seed, double leans_at_m_s) {
+                double patch_share, std::uint64_t seed, bool solid, double drag_coefficient, double leans_at_m_s) {
   CoverLayer layer;
   layer.name = std::move(name);
   for (const auto& [vertices, triangles] : meshes) {
@@ -64,6 +64,8 @@ Label add_cover(World& world, std::string name, const std::vector<std::pair<py::
   layer.patch_m = patch_m;
   layer.patch_share = patch_share;
   layer.seed = seed;
+  layer.solid = solid;
+  layer.drag_coefficient = drag_coefficient;
   layer.leans_at_m_s = leans_at_m_s;
   return world.add_cover(std::move(layer));
 }

@@ -17,7 +17,8 @@ Class& def_add_cover(Class& world, Function add, const char* doc) {
   return world.def("add_cover", add, arg("name"), arg("meshes"), arg("stance") = "upright", arg("sunk") = 0.0,
                    arg("density_per_m2") = 1.0, arg("size_m") = Pair(0.1, 0.1), arg("size_exponent") = 0.0,
                    arg("depth_m") = any, arg("slope_rad") = any, arg("from_solids_m") = any, arg("patch_m") = 0.0,
-                   arg("patch_share") = 1.0, arg("seed") = 0, arg("leans_at_m_s") = HUGE_VAL, doc);
+                   arg("patch_share") = 1.0, arg("seed") = 0, arg("solid") = false, arg("drag_coefficient") = 0.0,
+                   arg("leans_at_m_s") = HUGE_VAL, doc);
 }
 
 /// Defines add_school.

@@ -11,12 +11,16 @@
 namespace uwsim {
 
 using Triangle = std::array<std::uint32_t, 3>;
+using Corners = std::array<Eigen::Vector3d, 3>;
 
 /// Triangles wind counter-clockwise seen from outside.
 struct TriangleMesh {
   std::vector<Eigen::Vector3d> vertices_m;
   std::vector<Triangle> triangles;
 };
+
+/// The closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5); edges may have zero length.
+Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Corners& triangle);
 
 /// Volume, centroid and inertia of the solid inside a closed mesh.
 struct SolidProperties {

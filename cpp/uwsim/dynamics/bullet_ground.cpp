@@ -3,19 +3,61 @@
 #include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
+#include <LinearMath/btAabbUtil2.h>
 
+#include <cstddef>
 #include <optional>
 
 #include "uwsim/core/recently_made.h"
 #include "uwsim/dynamics/bullet_memory.h"
+#include "uwsim/dynamics/contact_shapes.h"
 #include "uwsim/world/same_surfaces.h"
 
 namespace uwsim {
+
+namespace {
+
+/// The solid pieces of cover, of which Bullet asks for the triangles near a body.
+class CoverShape final : public btConcaveShape {
+ public:
+  explicit CoverShape(const World& world) : surfaces_(fixed_surfaces(world)) {
+    m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;  // Bullet takes its custom type for a field of distances
+    const Heightfield& terrain = *world.terrain();
+    const Eigen::Vector2d low = terrain.origin_m(), high = terrain.far_corner_m();
+    const double reach_m = surfaces_->cover->reach_m();
+    low_ = {low.x() - reach_m, low.y() - reach_m, terrain.lowest_m() - reach_m};
+    high_ = {high.x() + reach_m, high.y() + reach_m, terrain.highest_m() + reach_m};
+  }
+
+  void processAllTriangles(btTriangleCallback* callback, const btVector3& low, const btVector3& high) const override {
+    const auto from_bullet = [](const btVector3& v) { return Eigen::Vector3d(v.x(), v.y(), v.z()); };
+    int number = 0;
+    surfaces_->cover->visit(from_bullet(low), from_bullet(high), [&](const Corners& corners) {
+      btVector3 triangle[3];
+      for (std::size_t k = 0; k < 3; ++k) triangle[k] = {corners[k].x(), corners[k].y(), corners[k].z()};
+      callback->processTriangle(triangle, 0, number++);
+    });
+  }
+  void getAabb(const btTransform& placed, btVector3& low, btVector3& high) const override {
+    btTransformAabb(low_, high_, 0, placed, low, high);
+  }
+  void setLocalScaling(const btVector3&) override {}
+  const btVector3& getLocalScaling() const override { return scaling_; }
+  void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setZero(); }
+  const char* getName() const override { return "cover"; }
+
+ private:
+  std::shared_ptr<const FixedSurfaces> surfaces_;
+  btVector3 low_, high_, scaling_{1, 1, 1};
+};
+
+}  // namespace
 
 struct BulletGround::Shapes {
   std::optional<btHeightfieldTerrainShape> terrain;
   btTriangleIndexVertexArray arrays;
   std::optional<btBvhTriangleMeshShape> solids;
+  std::optional<CoverShape> cover;
 };
 
 BulletGround::BulletGround(const World& source) : world_(source), shapes_(std::make_unique<Shapes>()) {
@@ -45,6 +87,10 @@ BulletGround::BulletGround(const World& source) : world_(source), shapes_(std::m
     // Without compression, there is no limit on the number of solids.
     shapes_->solids.emplace(&shapes_->arrays, false);
     parts_.push_back({&*shapes_->solids, Eigen::Vector3d::Zero()});
+  }
+  if (CoverTriangles::lie_in(world_)) {
+    shapes_->cover.emplace(world_);
+    parts_.push_back({&*shapes_->cover, Eigen::Vector3d::Zero()});
   }
 }
 

@@ -9,8 +9,8 @@ class btCollisionShape;
 
 namespace uwsim {
 
-/// Terrain and solids as fixed shapes for Bullet's dynamics; immutable, and shared by all worlds with the same
-/// surfaces.
+/// Terrain, solids and solid pieces of cover as fixed shapes for Bullet's dynamics; immutable, and shared by all worlds
+/// with the same surfaces.
 class BulletGround {
  public:
   struct Part {
@@ -22,7 +22,7 @@ class BulletGround {
   ~BulletGround();
   static std::shared_ptr<const BulletGround> of(const World& world);
 
-  /// The terrain, if there is one, and all solids as one part, if there are any.
+  /// The terrain, all solids as one part, and the cover, as far as there are any.
   const std::vector<Part>& parts() const { return parts_; }
 
  private:

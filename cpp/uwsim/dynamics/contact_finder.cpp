@@ -57,12 +57,12 @@ struct ContactFinder::Impl {
     const Eigen::Matrix3d rotation = pose.rotation();
     const double reach_m = moving.reach_m + kRestGap_m;
     const WorldBox whole = body.box.in_world(pose.position_m, rotation, reach_m);
-    if (!fixed->broad_phase.may_touch(whole.low_m, whole.high_m)) return;
+    if (!fixed->may_touch(whole.low_m, whole.high_m)) return;
     first_of_pair = contacts->size();
     terrain_patch.clear();
     if (const auto& terrain = fixed->world.terrain())
       add_terrain(*terrain, whole.low_m, whole.high_m, terrain_patch, budget);
-    const std::size_t solid_count = fixed->solids.find(whole.low_m, whole.high_m, solids_stack, solid_patches, budget);
+    const std::size_t solid_count = fixed->find(whole.low_m, whole.high_m, solids_stack, solid_patches, budget);
     if (terrain_patch.triangles.empty() && solid_count == 0) return;
     for (const ConvexBody::Piece& piece : body.pieces) {
       const WorldBox box = piece.box.in_world(pose.position_m, rotation, reach_m);
@@ -136,7 +136,7 @@ double ContactFinder::thickness_m(std::size_t body) const {
 
 bool ContactFinder::may_touch_world(const Eigen::Vector3d& centre_world_m, double radius_m) const {
   const Eigen::Array3d out = Eigen::Array3d::Constant(radius_m + kRestGap_m);
-  return impl_->fixed->broad_phase.may_touch(centre_world_m.array() - out, centre_world_m.array() + out);
+  return impl_->fixed->may_touch(centre_world_m.array() - out, centre_world_m.array() + out);
 }
 
 void ContactFinder::find(std::span<const MovingBody> bodies, std::vector<Contact>& contacts) {

@@ -24,7 +24,8 @@ struct MovingBody {
   std::size_t owner = 0;    ///< those of the same owner, a vehicle and its links, pass through each other
 };
 
-/// Finds the places where bodies made of convex pieces come close to each other, to the terrain or to solids.
+/// Finds the places where bodies made of convex pieces come close to each other, to the terrain, to solids or to
+/// solid pieces of cover.
 ///
 /// The result is a pure function of the poses: nothing is kept from one step to the next, so equal states evolve
 /// equally. Shapes have no margin: a contact's gap is the distance between the surfaces minus kRestGap_m. The terrain
@@ -45,11 +46,11 @@ class ContactFinder {
   /// The smallest edge of the body's bounding box, which is aligned with its axes [m].
   double thickness_m(std::size_t body) const;
 
-  /// False only if neither terrain nor a solid is within reach of what a sphere encloses.
+  /// False only if neither terrain, a solid nor cover is within reach of what a sphere encloses.
   bool may_touch_world(const Eigen::Vector3d& centre_world_m, double radius_m) const;
 
-  /// Replaces `contacts`. They are ordered by body; for each body, contacts with terrain and solids come first, then
-  /// those with bodies of lower index. The caller sets friction and restitution. Throws ContactBudgetExceeded
+  /// Replaces `contacts`. They are ordered by body; for each body, contacts with terrain, solids and cover come first,
+  /// then those with bodies of lower index. The caller sets friction and restitution. Throws ContactBudgetExceeded
   /// (contact_budget.h).
   void find(std::span<const MovingBody> bodies, std::vector<Contact>& contacts);
 

@@ -50,6 +50,27 @@ std::shared_ptr<const ConvexBody> convex_body(std::span<const ConvexPiece> piece
       [&] { return std::make_shared<const ConvexBody>(made_body(pieces_body_m)); });
 }
 
+FixedSurfaces::FixedSurfaces(const World& source) : world(source), broad_phase(source), solids(source) {
+  world.water = {};
+  const bool is_solid = CoverTriangles::lie_in(world), has_plants = Canopy::grows_in(world);
+  if (is_solid || has_plants) plan.emplace(world);
+  if (is_solid) cover.emplace(world, *plan);
+  if (has_plants) canopy.emplace(world, *plan, broad_phase);
+}
+
+bool FixedSurfaces::may_touch(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m) const {
+  if (!cover) return broad_phase.may_touch(low_world_m, high_world_m);
+  const Eigen::Vector3d beyond = Eigen::Vector3d::Constant(cover->reach_m());
+  return broad_phase.may_touch(low_world_m - beyond, high_world_m + beyond);
+}
+
+std::size_t FixedSurfaces::find(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m,
+                                SolidTriangles::Stack& stack, std::vector<SurfacePatch>& patches,
+                                ContactBudget& budget) const {
+  const std::size_t count = solids.find(low_world_m, high_world_m, stack, patches, budget);
+  return cover ? cover->find(low_world_m, high_world_m, count, patches, budget) : count;
+}
+
 std::shared_ptr<const FixedSurfaces> fixed_surfaces(const World& world) {
   static RecentlyMade<FixedSurfaces> known;
   return known.find_or_make(

@@ -2,12 +2,15 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "uwsim/dynamics/broad_phase.h"
+#include "uwsim/dynamics/canopy.h"
 #include "uwsim/dynamics/collision_shape.h"
 #include "uwsim/dynamics/convex_contact.h"
+#include "uwsim/dynamics/cover_triangles.h"
 #include "uwsim/dynamics/solid_triangles.h"
 #include "uwsim/world/world.h"
 
@@ -45,13 +48,25 @@ struct ConvexBody {
 /// Shared by all bodies of the same shape: a vehicle's convex hull takes 0.3 MB and 0.7 ms to build.
 std::shared_ptr<const ConvexBody> convex_body(std::span<const ConvexPiece> pieces_body_m);
 
-/// The part of terrain and solids that contacts need; immutable.
+/// The world as far as bodies meet it; immutable.
 struct FixedSurfaces {
   World world;  ///< without water
   BroadPhase broad_phase;
   SolidTriangles solids;
+  std::optional<CoverPlan> plan;
+  std::optional<CoverTriangles> cover;  ///< if a layer is solid
+  std::optional<Canopy> canopy;         ///< if plants grow
 
-  explicit FixedSurfaces(const World& source) : world(source), broad_phase(source), solids(source) { world.water = {}; }
+  explicit FixedSurfaces(const World& source);
+  FixedSurfaces(const FixedSurfaces&) = delete;
+  FixedSurfaces& operator=(const FixedSurfaces&) = delete;
+
+  bool has_solids() const { return cover.has_value() || !world.solids().empty(); }
+  /// False only if neither terrain nor a solid nor a solid piece of cover reaches into the box.
+  bool may_touch(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m) const;
+  /// As SolidTriangles::find, with the pieces of cover after the solids.
+  std::size_t find(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m,
+                   SolidTriangles::Stack& stack, std::vector<SurfacePatch>& patches, ContactBudget& budget) const;
 };
 
 /// Shared in worlds with the same surfaces: those of the lake scenario take several megabytes.

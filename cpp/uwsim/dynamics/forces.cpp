@@ -25,7 +25,8 @@ Vector6d arm_at_instant(Arm arm, const MovedBody& body, const WaterField& water,
   return arm.stage_wrenches()[0];
 }
 
-Forces at_instant(const MovedBody& body, const WaterField& water, double time_s, double step_s) {
+Forces at_instant(const MovedBody& body, const Vector6d& canopy_world, const WaterField& water, double time_s,
+                  double step_s) {
   const Craft& craft = *body.spec.craft;
   Forces forces;
   if (body.arm) forces.arm = arm_at_instant(*body.arm, body, water, time_s, step_s);
@@ -34,9 +35,12 @@ Forces at_instant(const MovedBody& body, const WaterField& water, double time_s,
     forces.radiation = radiation;
     forces.diffraction = diffraction;
   }
-  const Vector6d of_parts = body.hull_waves ? Vector6d(forces.radiation + forces.diffraction) : forces.arm;
+  Vector6d of_parts = body.hull_waves ? Vector6d(forces.radiation + forces.diffraction) : forces.arm;
+  const Vector6d canopy = in_body_axes(canopy_world, body.state.world_from_body.orientation);
+  if (!canopy.isZero(0)) of_parts += canopy;
   const Vector6d rate = body.held ? Vector6d::Zero() : craft.acceleration_body(body.state, of_parts, water, time_s);
   forces.craft = craft.terms(body.state, rate, water, time_s);
+  if (!canopy.isZero(0)) forces.craft.drag += canopy;
   if (body.held) forces.dock = -forces.sum();
   return forces;
 }
@@ -62,7 +66,7 @@ std::optional<std::array<Vector6d, 4>> of_parts(const Motion& motion) {
   return sum;
 }
 
-Forces that_move(const Craft& craft, const Motion& motion, const WaterField& water) {
+Forces that_move(const Craft& craft, const Motion& motion, const Vector6d& canopy_world, const WaterField& water) {
   Forces forces;
   forces.actuators = motion.actuators_body;
   const std::optional<std::array<Vector6d, 4>> parts = of_parts(motion);
@@ -79,7 +83,12 @@ Forces that_move(const Craft& craft, const Motion& motion, const WaterField& wat
     }
     forces.applied += kStageShares[k] * (motion.applied.body + in_body_axes(motion.applied.world, q));
     forces.tether += kStageShares[k] * in_body_axes(motion.tether_world, q);
-    forces.contact += kStageShares[k] * in_body_axes(motion.all.world - motion.applied.world - motion.tether_world, q);
+    Vector6d contact = motion.all.world - motion.applied.world - motion.tether_world;
+    if (!canopy_world.isZero(0)) {
+      contact -= canopy_world;
+      forces.craft.drag += kStageShares[k] * in_body_axes(canopy_world, q);
+    }
+    forces.contact += kStageShares[k] * in_body_axes(contact, q);
   }
   return forces;
 }
@@ -95,12 +104,13 @@ Vector6d Forces::sum() const {
   return sum;
 }
 
-Forces forces_on(const MovedBody& body, const WaterField& water, double time_s, double step_s) {
-  if (body.held || body.motions.empty()) return at_instant(body, water, time_s, step_s);
+Forces forces_on(const MovedBody& body, const Vector6d& canopy_world, const WaterField& water, double time_s,
+                 double step_s) {
+  if (body.held || body.motions.empty()) return at_instant(body, canopy_world, water, time_s, step_s);
   const Craft& craft = *body.spec.craft;
   Forces mean;
   for (const Motion& motion : body.motions) {
-    const Forces part = motion.stops ? that_stop(craft, motion, water) : that_move(craft, motion, water);
+    const Forces part = motion.stops ? that_stop(craft, motion, water) : that_move(craft, motion, canopy_world, water);
     const double share = motion.step_s / step_s;
     add(mean, share, part.craft);
     mean.actuators += share * part.actuators;

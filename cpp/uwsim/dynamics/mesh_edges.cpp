@@ -27,11 +27,6 @@ std::vector<std::uint32_t> welded(const std::vector<Eigen::Vector3d>& vertices_m
   return first;
 }
 
-bool has_area(const std::array<Eigen::Vector3d, 3>& corners) {
-  const auto& [a, b, c] = corners;
-  return (b - a).cross(c - a).squaredNorm() > 0 && b != c;
-}
-
 struct Side {
   std::uint32_t low, high;  // ends of the edge, as welded vertices
   std::uint32_t triangle, edge;
@@ -75,7 +70,7 @@ MeshEdges::MeshEdges(const TriangleMesh& mesh) : mesh_(mesh) {
   find_peaks(first);
 }
 
-std::array<Eigen::Vector3d, 3> MeshEdges::corners(std::uint32_t triangle) const {
+Corners MeshEdges::corners(std::uint32_t triangle) const {
   const auto& [a, b, c] = mesh_.triangles[triangle];
   return {mesh_.vertices_m[a], mesh_.vertices_m[b], mesh_.vertices_m[c]};
 }
@@ -128,24 +123,6 @@ void MeshEdges::find_peaks(const std::vector<std::uint32_t>& first) {
     if (directions.size() >= 3 && points_away(directions)) peaks_.push_back({v, triangle_of[v], std::move(around[v])});
   }
   std::stable_sort(peaks_.begin(), peaks_.end(), [](const Peak& a, const Peak& b) { return a.triangle < b.triangle; });
-}
-
-void MeshEdges::add_triangle(std::uint32_t index, SurfacePatch& patch) const {
-  const std::array<Eigen::Vector3d, 3> points = corners(index);
-  if (!has_area(points)) return;
-  SurfaceTriangle& triangle = patch.triangles.emplace_back(points);
-  triangle.bends = bends_[index];
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (triangle.bends[k] == Bend::kConvex && beyond_[index][k] != kNone)
-      patch.edges.emplace_back(triangle, k, mesh_.vertices_m[beyond_[index][k]]);
-  }
-  auto peak = std::lower_bound(peaks_.begin(), peaks_.end(), index,
-                               [](const Peak& a, std::uint32_t triangle_index) { return a.triangle < triangle_index; });
-  for (; peak != peaks_.end() && peak->triangle == index; ++peak) {
-    patch.peaks.push_back({mesh_.vertices_m[peak->vertex], static_cast<std::uint32_t>(patch.neighbours_m.size()),
-                           static_cast<std::uint32_t>(peak->neighbours.size())});
-    for (const std::uint32_t end : peak->neighbours) patch.neighbours_m.push_back(mesh_.vertices_m[end]);
-  }
 }
 
 }  // namespace uwsim

@@ -36,6 +36,7 @@ Loads MovedBody::loads(const Vector6d& impulse_world, double step_s) const {
   if (!applied.body.isZero(0)) all.body += applied.body;
   if (!applied.world.isZero(0)) all.world += applied.world;
   if (!tether_world.isZero(0)) all.world += tether_world;
+  if (!canopy_world.isZero(0)) all.world += canopy_world;
   return all;
 }
 

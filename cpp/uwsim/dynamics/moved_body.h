@@ -56,7 +56,7 @@ struct Motion {
 
 /// A point at which a body was pressed in a step.
 struct Touch {
-  std::uint64_t other = kNoBody;  ///< index of the other body; kNoBody: terrain or a solid
+  std::uint64_t other = kNoBody;  ///< index of the other body; kNoBody: terrain, a solid or cover
   Eigen::Vector3d point_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d force_world_n = Eigen::Vector3d::Zero();  ///< on the body, mean over the step
   std::uint64_t link = kNoLink, other_link = kNoLink;       ///< of the arms of the body and of the other one
@@ -71,6 +71,7 @@ struct MovedBody {
   Vector6d tau_body = Vector6d::Zero();      ///< of the actuators
   Loads applied = {};                        ///< by apply_wrench
   Vector6d tether_world = Vector6d::Zero();  ///< of the tethers at it, in the step under way or the last one
+  Vector6d canopy_world = Vector6d::Zero();  ///< of plants, in the step under way
   Vector6d acceleration_body = Vector6d::Zero();
   std::optional<Arm> arm = {};               ///< with the state of its joints
   std::optional<HullWaves> hull_waves = {};  ///< with their memory

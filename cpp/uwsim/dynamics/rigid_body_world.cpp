@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "uwsim/core/check.h"
+#include "uwsim/dynamics/contact_shapes.h"
 
 namespace uwsim {
 namespace {
@@ -35,7 +36,11 @@ Vector6d mean_rate(const BodyState& before, const BodyState& now, double step_s)
 }  // namespace
 
 RigidBodyWorld::RigidBodyWorld(const World& world, double step_s, EngineKind engine)
-    : step_s_(step_s), kind_(engine), engine_(make_engine(engine, world, step_s)), world_(world) {}
+    : step_s_(step_s),
+      kind_(engine),
+      engine_(make_engine(engine, world, step_s)),
+      world_(world),
+      covered_(world.cover().empty() ? nullptr : fixed_surfaces(world)) {}
 
 std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
   spec = checked(std::move(spec));
@@ -131,6 +136,9 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
   if (!tethers_.empty()) {
     for (MovedBody& body : bodies_) body.tether_world.setZero();
     for (Tether& tether : tethers_) tether.step(bodies_, water, time_s, step_s_);
+  }
+  if (has_plants()) {
+    for (MovedBody& body : bodies_) body.canopy_world = canopy_drag(body, body.state, water, time_s);
   }
   engine_->step(bodies_, next_states_, water, time_s);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
@@ -259,7 +267,25 @@ Forces RigidBodyWorld::forces(std::size_t body, const WaterField& water, double 
   require_forces();
   const BodySpec& spec = bodies_.at(body).spec;
   require(!spec.path, "forces", spec.name, "must not follow a path, on which no force moves it");
-  return forces_on(bodies_.at(body), water, time_s, step_s_);
+  const MovedBody& moved = bodies_.at(body);
+  if (!has_plants()) return forces_on(moved, Vector6d::Zero(), water, time_s, step_s_);
+  const bool has_moved = !moved.held && !moved.motions.empty();
+  const Vector6d drag = has_moved ? canopy_drag(moved, moved.motions.front().start, water, moved.motions.front().time_s)
+                                  : canopy_drag(moved, moved.state, water, time_s);
+  return forces_on(moved, drag, water, time_s, step_s_);
+}
+
+bool RigidBodyWorld::has_plants() const { return covered_ && covered_->canopy; }
+
+const CoverLayer* RigidBodyWorld::cover_around(const Eigen::Vector3d& point_world_m) const {
+  return covered_ && covered_->cover ? covered_->cover->layer_around(point_world_m) : nullptr;
+}
+
+/// The drag of plants on a body in a step that begins at this state.
+Vector6d RigidBodyWorld::canopy_drag(const MovedBody& body, const BodyState& state, const WaterField& water,
+                                     double time_s) const {
+  if (body.held || body.spec.path) return Vector6d::Zero();
+  return covered_->canopy->drag_world(*body.spec.craft, state, water, time_s, step_s_);
 }
 
 const std::vector<Touch>& RigidBodyWorld::touches(std::size_t body) const {

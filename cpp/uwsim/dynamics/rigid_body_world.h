@@ -12,7 +12,9 @@
 
 namespace uwsim {
 
-/// Bodies with six degrees of freedom among terrain and solids.
+struct FixedSurfaces;
+
+/// Bodies with six degrees of freedom among terrain, solids and cover.
 ///
 /// The state is pose and velocity and, for Bullet's engine, its contacts; a step depends on nothing else. A
 /// DynamicsEngine moves the bodies.
@@ -63,6 +65,8 @@ class RigidBodyWorld {
   /// Where the body was pressed in the last step; contacts without a force are left out. Throws InvalidValue for
   /// Bullet's engine.
   const std::vector<Touch>& touches(std::size_t body) const;
+  /// The layer of cover of which a solid piece encloses the point; null if there is none.
+  const CoverLayer* cover_around(const Eigen::Vector3d& point_world_m) const;
   /// Whether the body touched anything in the last step.
   bool in_contact(std::size_t body) const { return bodies_.at(body).in_contact; }
   /// Mean nu' over the last step, including contacts, defined so that nu' + w x v is the mean acceleration along the
@@ -90,11 +94,14 @@ class RigidBodyWorld {
 
  private:
   void require_forces() const;
+  bool has_plants() const;
+  Vector6d canopy_drag(const MovedBody& body, const BodyState& state, const WaterField& water, double time_s) const;
 
   double step_s_;
   EngineKind kind_;
   std::unique_ptr<DynamicsEngine> engine_;
-  World world_;  // for tethers
+  World world_;                                   // for tethers
+  std::shared_ptr<const FixedSurfaces> covered_;  // null without cover
   std::vector<MovedBody> bodies_;
   std::vector<Tether> tethers_;
   std::vector<BodyState> next_states_;  // kept so that steps allocate nothing

@@ -143,9 +143,13 @@ void Tether::lay(std::span<const MovedBody> bodies, const WaterField& water, dou
   if (sag.norm() < 1e-6) sag = along.unitOrthogonal();
   sag.normalize();
   const Eigen::Vector3d beside = along.cross(sag);
-  for (const Eigen::Vector3d& way : {sag, Eigen::Vector3d(-sag), beside, Eigen::Vector3d(-beside)}) {
-    lay_arc(start, between, way);
-    if (first_crossed().empty()) break;
+  bool is_clear = false;
+  for (const bool may_cross_cover : {false, true}) {
+    for (const Eigen::Vector3d& way : {sag, Eigen::Vector3d(-sag), beside, Eigen::Vector3d(-beside)}) {
+      if (is_clear) break;
+      lay_arc(start, between, way);
+      is_clear = first_crossed().empty() && (may_cross_cover || !crosses_cover());
+    }
   }
   if (first_crossed().empty()) settle(bodies, water, time_s);
   const std::string solid = first_crossed();

@@ -160,6 +160,7 @@ class Tether {
   void push_hulls(std::span<MovedBody> bodies);
   Eigen::Vector3d between(const std::vector<Eigen::Vector3d>& nodes, const TetherContact& contact) const;
   std::string first_crossed() const;
+  bool crosses_cover() const;
   bool may_meet_solids(const Eigen::Vector3d& first, const Eigen::Vector3d& second) const;
   void require_length(std::span<const MovedBody> bodies) const;
   void lay_arc(const Eigen::Vector3d& start, const Eigen::Vector3d& between, const Eigen::Vector3d& sag);

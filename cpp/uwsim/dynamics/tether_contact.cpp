@@ -82,7 +82,7 @@ void TetherContactFinder::set_bodies(std::span<const MovedBody> bodies) {
 }
 
 bool TetherContactFinder::may_touch(const WorldBox& box) const {
-  return !fixed_->world.solids().empty() && fixed_->broad_phase.may_touch(box.low_m, box.high_m);
+  return fixed_->has_solids() && fixed_->may_touch(box.low_m, box.high_m);
 }
 
 std::string TetherContactFinder::crossed(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m) const {
@@ -95,6 +95,16 @@ std::string TetherContactFinder::crossed(const Eigen::Vector3d& from_m, const Ei
     }
   }
   return "";
+}
+
+bool TetherContactFinder::crosses_cover(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m) const {
+  const WorldBox box{from_m.cwiseMin(to_m), from_m.cwiseMax(to_m)};
+  if (!fixed_->cover || !fixed_->may_touch(box.low_m, box.high_m)) return false;
+  bool found = false;
+  fixed_->cover->visit(box.low_m, box.high_m, [&](const Corners& triangle) {
+    found = found || passes(from_m, to_m - from_m, triangle[0], triangle[1], triangle[2]);
+  });
+  return found;
 }
 
 Eigen::Vector3d TetherContactFinder::point(std::size_t element, double share) const {
@@ -213,12 +223,12 @@ void TetherContactFinder::find_solids(const WorldBox& whole) {
     return box.meets({solid.low_world_m, solid.high_world_m});
   };
   const auto& solids = fixed_->world.solids();
-  if (std::ranges::none_of(solids, [&](const auto& solid) { return near(whole, *solid); })) return;
+  if (!fixed_->cover && std::ranges::none_of(solids, [&](const auto& solid) { return near(whole, *solid); })) return;
   for (std::size_t i = 0; i + 1 < line_.points_m.size(); ++i) {
     if (i == line_.broken) continue;
     const WorldBox box = box_of(i, i);
-    if (!fixed_->broad_phase.may_touch(box.low_m, box.high_m)) continue;
-    const std::size_t count = fixed_->solids.find(box.low_m, box.high_m, *stack_, patches_, budget_);
+    if (!fixed_->may_touch(box.low_m, box.high_m)) continue;
+    const std::size_t count = fixed_->find(box.low_m, box.high_m, *stack_, patches_, budget_);
     for (std::size_t k = 0; k < count; ++k) {
       const SurfacePatch& patch = patches_[k];
       meet_node(i, 0, patch);

@@ -60,10 +60,12 @@ class TetherContactFinder {
   void set_bodies(std::span<const MovedBody> bodies);
   /// Replaces `contacts`. Throws ContactBudgetExceeded.
   void find(const TetherLine& line, std::span<const MovedBody> bodies, std::vector<TetherContact>& contacts);
-  /// False only if no solid is near the box.
+  /// False only if no solid or solid piece of cover is near the box.
   bool may_touch(const WorldBox& box) const;
   /// The name of a solid whose surface the segment passes through, or "".
   std::string crossed(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m) const;
+  /// True if the segment passes through a solid piece of cover.
+  bool crosses_cover(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m) const;
 
  private:
   void find_solids(const WorldBox& whole);

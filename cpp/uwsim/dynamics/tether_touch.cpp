@@ -269,6 +269,13 @@ std::string Tether::first_crossed() const {
   return "";
 }
 
+bool Tether::crosses_cover() const {
+  for (std::size_t i = 0; i < elements(); ++i) {
+    if (i != broken_ && finder_.crosses_cover(nodes_[i].position, nodes_[i + 1].position)) return true;
+  }
+  return false;
+}
+
 /// False only if it is too short to meet a solid when its ends are here.
 bool Tether::may_meet_solids(const Eigen::Vector3d& first, const Eigen::Vector3d& second) const {
   const Eigen::Vector3d middle = 0.5 * (first + second);

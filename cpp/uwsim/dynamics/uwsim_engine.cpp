@@ -118,7 +118,7 @@ void UwsimEngine::watch(const WaterField& water) {
 
 bool UwsimEngine::is_unloaded(const MovedBody& body) const {
   return body.tau_body.isZero(0) && body.applied.body.isZero(0) && body.applied.world.isZero(0) &&
-         body.tether_world.isZero(0);
+         body.tether_world.isZero(0) && body.canopy_world.isZero(0);
 }
 
 void UwsimEngine::begin_step(std::size_t body) {

@@ -13,7 +13,7 @@ namespace uwsim {
 
 /// The default engine: Runge-Kutta with the full 6x6 mass (Craft). ContactFinder finds where bodies come near surfaces;
 /// ContactSolver computes the impulses with the same mass. Physics engines' own integrators and solvers use a scalar
-/// mass for each body, which cannot represent added mass. Terrain and solids adopt the material of the body that
+/// mass for each body, which cannot represent added mass. Terrain, solids and cover adopt the material of the body that
 /// touches them.
 ///
 /// Contacts are linear within a step: contact points are assumed to move with the initial velocity of the body. Near a

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -11,9 +10,9 @@
 
 #include "uwsim/core/built_when_used.h"
 #include "uwsim/core/fork_safe_mutex.h"
-#include "uwsim/rays/cover_plan.h"
 #include "uwsim/rays/embree_tree.h"
 #include "uwsim/rays/triangle_hit.h"
+#include "uwsim/world/cover_plan.h"
 #include "uwsim/world/sway.h"
 
 namespace uwsim {
@@ -61,6 +60,7 @@ class CoverTile {
   CoverTile& operator=(const CoverTile&) = delete;
 
   const std::vector<CoverPiece>& pieces() const { return pieces_; }
+  std::size_t items() const { return pieces_.size(); }
   const Eigen::Vector3d& middle_m() const { return middle_m_; }
   bool sways() const { return soft_ > 0; }
 
@@ -98,8 +98,6 @@ class CoverTile {
   Corners corners(const CoverPiece& piece, std::uint32_t triangle, std::span<const Lean> leans) const;
   /// The smaller of `nearest_m` and the distance to the nearest triangle of a piece.
   double distance(const Eigen::Vector3d& point_world_m, double nearest_m, std::span<const Lean> leans) const;
-
-  mutable std::atomic<std::uint32_t> used = 0;  ///< when it was last used
 
  private:
   enum class Which : std::uint8_t { kAll, kStiff, kSoft };

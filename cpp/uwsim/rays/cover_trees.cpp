@@ -16,39 +16,15 @@
 
 namespace uwsim {
 
-/// Keeps the tiles in memory while it lives: each thread has a stripe, which is free except while tiles are released.
-class CoverTrees::InUse {
- public:
-  explicit InUse(const CoverTrees& trees)
-      : trees_(trees), lock_(trees.stripes_[own_number() % trees.stripes_.size()].mutex) {}
-  ~InUse() {
-    lock_.unlock();
-    if (trees_.pieces_in_memory_ > trees_.most_pieces_) trees_.release_oldest();
-  }
-  InUse(const InUse&) = delete;
-  InUse& operator=(const InUse&) = delete;
-
- private:
-  static unsigned own_number() {
-    static std::atomic<unsigned> threads = 0;
-    thread_local const unsigned number = threads++;
-    return number;
-  }
-
-  const CoverTrees& trees_;
-  std::unique_lock<ForkSafeMutex<std::mutex>> lock_;
-};
-
 CoverTrees::CoverTrees(RTCDeviceTy* device, const World& surfaces, std::size_t most_pieces)
     : device_(device),
       plan_(surfaces),
       reach_m_(plan_.reach_m()),
       first_label_(surfaces.first_cover()),
-      most_pieces_(most_pieces),
       lowest_m_(surfaces.terrain()->lowest_m()),
       highest_m_(surfaces.terrain()->highest_m()),
       heights_(std::size_t{plan_.columns()} * plan_.rows()),
-      tiles_(heights_.size()) {
+      tiles_(heights_.size(), most_pieces) {
   for (const auto& layer : surfaces.cover()) {
     layers_.push_back(layer);
     for (const TriangleMesh& mesh : layer->meshes) shapes_.emplace_back(device, mesh, *layer);
@@ -76,46 +52,9 @@ CoverTrees::CoverTrees(RTCDeviceTy* device, const World& surfaces, std::size_t m
   }
 }
 
-CoverTrees::~CoverTrees() {
-  for (const std::atomic<const CoverTile*>& tile : tiles_) delete tile.load();
-}
-
 const CoverTile& CoverTrees::tile(std::uint32_t column, std::uint32_t row) const {
-  std::atomic<const CoverTile*>& slot = tiles_[std::size_t{row} * plan_.columns() + column];
-  const CoverTile* found = slot.load(std::memory_order_acquire);
-  if (found == nullptr) {
-    auto made = std::make_unique<const CoverTile>(device_, shapes_, plan_.pieces(column, row));
-    made->used = ++clock_;
-    // If another thread was faster, its tile, which is equal, is used.
-    if (slot.compare_exchange_strong(found, made.get(), std::memory_order_acq_rel)) {
-      pieces_in_memory_ += made->pieces().size();
-      found = made.release();
-    }
-  }
-  const std::uint32_t now = clock_.load(std::memory_order_relaxed);
-  if (found->used.load(std::memory_order_relaxed) != now) found->used.store(now, std::memory_order_relaxed);
-  return *found;
-}
-
-/// Releases the tiles that were not used for longest, until half of the limit is free, unless another thread has.
-void CoverTrees::release_oldest() const {
-  std::array<std::unique_lock<ForkSafeMutex<std::mutex>>, kStripes> all;
-  for (std::size_t k = 0; k < kStripes; ++k) {
-    if (!stripes_[k].mutex.lock_unless_forked()) return;  // a thread of the parent process keeps it
-    all[k] = {stripes_[k].mutex, std::adopt_lock};
-  }
-  if (pieces_in_memory_ <= most_pieces_) return;
-  std::vector<std::pair<std::uint32_t, std::size_t>> used;
-  for (std::size_t n = 0; n < tiles_.size(); ++n) {
-    if (const CoverTile* tile = tiles_[n].load()) used.emplace_back(tile->used, n);
-  }
-  std::ranges::sort(used);
-  for (const auto& [when, n] : used) {
-    if (pieces_in_memory_ <= most_pieces_ / 2) return;
-    const CoverTile* tile = tiles_[n].exchange(nullptr);
-    pieces_in_memory_ -= tile->pieces().size();
-    delete tile;
-  }
+  return tiles_.get(std::size_t{row} * plan_.columns() + column,
+                    [&] { return CoverTile(device_, shapes_, plan_.pieces(column, row)); });
 }
 
 /// The box of all that a tile may hold.
@@ -180,8 +119,8 @@ void CoverTrees::for_each_tile(Walk& walk, const std::shared_ptr<const Sway>& sw
                         right = number(east, 0, reach, plan_.columns());
     for (std::uint32_t column = left; column <= right; ++column) {
       // A tile in memory has the smaller box.
-      const std::atomic<const CoverTile*>& known = tiles_[std::size_t{row} * plan_.columns() + column];
-      if (known.load(std::memory_order_acquire) == nullptr && walk.enter(box_of(column, row)) == kInfinity) continue;
+      const bool is_made = tiles_.is_made(std::size_t{row} * plan_.columns() + column);
+      if (!is_made && walk.enter(box_of(column, row)) == kInfinity) continue;
       const CoverTile& next = tile(column, row);
       const auto consider = [&](const Eigen::AlignedBox3d& box, Entered as) {
         as.first_m = box.isEmpty() ? kInfinity : walk.enter(box);
@@ -210,7 +149,7 @@ void CoverTrees::for_each_tile(Walk& walk, const std::shared_ptr<const Sway>& sw
 
 void CoverTrees::cast(std::span<const ExactRays> rays, const std::shared_ptr<const Sway>& sway,
                       std::span<ExactHits> hits) const {
-  const InUse in_use(*this);
+  const InUse in_use(tiles_);
   for (std::size_t p = 0; p < rays.size(); ++p) {
     Walk walk(Eigen::Vector3d::Zero(), rays[p], hits[p].distance_m);
     for_each_tile(walk, sway, [&](const CoverTarget& target, const std::array<std::int32_t, kPacketRays>& lanes) {
@@ -230,7 +169,7 @@ void CoverTrees::cast(std::span<const ExactRays> rays, const std::shared_ptr<con
 
 void CoverTrees::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder,
                       const std::shared_ptr<const Sway>& sway, HitPacket& hits) const {
-  const InUse in_use(*this);
+  const InUse in_use(tiles_);
   hits.piece.fill(0);
   Walk walk(anchor_world_m, rays, hits.distance_m);
   for (std::size_t k = 0; k < kPacketRays; ++k) walk.near_m[k] = rays.near_m[k];
@@ -258,7 +197,7 @@ void CoverTrees::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& ra
 
 void CoverTrees::occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder,
                          const std::shared_ptr<const Sway>& sway, Blocked& blocked) const {
-  const InUse in_use(*this);
+  const InUse in_use(tiles_);
   Walk walk(anchor_world_m, rays, rays.far_m);
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     walk.near_m[k] = rays.near_m[k];
@@ -279,7 +218,7 @@ void CoverTrees::occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket&
 double CoverTrees::distance(const Eigen::Vector3d& point_world_m, const std::shared_ptr<const Sway>& sway,
                             double nearest_m) const {
   if (!point_world_m.allFinite()) return nearest_m;
-  const InUse in_use(*this);
+  const InUse in_use(tiles_);
   const double reach = reach_m_, width = plan_.tile_m();
   const auto numbers = [&](int axis, std::uint32_t count) {
     const double at = point_world_m(axis) - plan_.origin_m()(axis), far = std::min(nearest_m, 1e7) + reach;

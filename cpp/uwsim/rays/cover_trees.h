@@ -1,19 +1,16 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <array>
-#include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
-#include "uwsim/core/fork_safe_mutex.h"
-#include "uwsim/rays/cover_plan.h"
+#include "uwsim/core/kept_tiles.h"
 #include "uwsim/rays/cover_tile.h"
 #include "uwsim/rays/embree_tree.h"
 #include "uwsim/rays/ray_packet.h"
+#include "uwsim/world/cover_plan.h"
 
 namespace uwsim {
 
@@ -25,10 +22,8 @@ class CoverTrees {
  public:
   /// The pieces in memory, at about 0.5 kB each, above which tiles are released.
   static constexpr std::size_t kMostPieces = 1'000'000;
-  static constexpr std::size_t kStripes = 32;
 
   CoverTrees(RTCDeviceTy* device, const World& surfaces, std::size_t most_pieces = kMostPieces);
-  ~CoverTrees();
 
   // With `sway`, plants lean; if it is null, they stand upright.
 
@@ -46,18 +41,14 @@ class CoverTrees {
                   double nearest_m) const;
 
   const CoverPlan& plan() const { return plan_; }
-  std::size_t pieces_in_memory() const { return pieces_in_memory_; }
+  std::size_t pieces_in_memory() const { return tiles_.items(); }
 
  private:
+  using InUse = KeptTiles<CoverTile>::InUse;
   struct Walk;
-  class InUse;
-  struct alignas(64) Stripe {
-    ForkSafeMutex<std::mutex> mutex;
-  };
 
   Eigen::AlignedBox3d box_of(std::uint32_t column, std::uint32_t row) const;
   const CoverTile& tile(std::uint32_t column, std::uint32_t row) const;
-  void release_oldest() const;
   template <typename Visit>
   void for_each_tile(Walk& walk, const std::shared_ptr<const Sway>& sway, const Visit& visit) const;
 
@@ -65,15 +56,11 @@ class CoverTrees {
   CoverPlan plan_;
   double reach_m_;  ///< how far a piece extends at most from its origin
   Label first_label_;
-  std::size_t most_pieces_;
   std::vector<std::shared_ptr<const CoverLayer>> layers_;
   std::vector<CoverShape> shapes_;            ///< of all layers
   double lowest_m_, highest_m_;               ///< of the terrain
   std::vector<Eigen::AlignedBox1d> heights_;  ///< of the tiles that are not in memory: bounds of their pieces' z
-  mutable std::vector<std::atomic<const CoverTile*>> tiles_;
-  mutable std::array<Stripe, kStripes> stripes_;  ///< a thread that uses tiles holds its own; releasing tiles takes all
-  mutable std::atomic<std::size_t> pieces_in_memory_ = 0;
-  mutable std::atomic<std::uint32_t> clock_ = 0;
+  KeptTiles<CoverTile> tiles_;
 };
 
 }  // namespace uwsim

@@ -21,22 +21,4 @@ std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray
   return TileHit{-normal.dot(from_a) / along, normal / area, clear};
 }
 
-Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Corners& triangle) {
-  const auto& [a, b, c] = triangle;
-  const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d1 <= 0 && d2 <= 0) return a;
-  if (d3 >= 0 && d4 <= d3) return b;
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return a + d1 / (d1 - d3) * ab;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return a + d2 / (d2 - d6) * ac;
-  const double va = d3 * d6 - d5 * d4;
-  const double along_bc = (d4 - d3) + (d5 - d6);
-  if (va <= 0 && d4 >= d3 && d5 >= d6 && along_bc > 0) return b + (d4 - d3) / along_bc * (c - b);
-  const double whole = va + vb + vc;
-  return whole > 0 ? Eigen::Vector3d(a + (vb * ab + vc * ac) / whole) : a;
-}
-
 }  // namespace uwsim

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <optional>
+
+#include "uwsim/core/triangle_mesh.h"
 
 namespace uwsim {
 
@@ -20,13 +21,8 @@ struct TileHit {
   bool clear_of_edges;
 };
 
-using Corners = std::array<Eigen::Vector3d, 3>;
-
 /// The hit of a ray's line on a triangle, including its edges (Moeller and Trumbore 1997, J. Graphics Tools 2(1)), in
 /// double; the distance may be negative or beyond `far_m`. A ray in the triangle's plane misses it.
 std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray, double edge_margin_m);
-
-/// The closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5); edges may have zero length.
-Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Corners& triangle);
 
 }  // namespace uwsim

@@ -12,13 +12,17 @@ constexpr double kSpeedMax = 100;  // m/s and rad/s
 
 }  // namespace
 
-/// Throws if the position is below the ground or inside a solid. Contacts push a body away from a surface towards the
-/// side on which the body is, so they would keep a body inside a solid if it started there.
+/// Throws if the position is below the ground, inside a solid or inside a solid piece of cover. Contacts push a body
+/// away from a surface towards the side on which the body is, so they would keep a body inside a solid if it started
+/// there.
 void Simulation::require_free(const std::string& path, const Eigen::Vector3d& position) const {
   const double bed_m = world_.terrain() ? world_.terrain()->height_at(position.x(), position.y()) : -kWorldEnd_m;
   require(!(position.z() <= bed_m), path, position.transpose(), "must be above the ground");
   const Solid* const around = world_.solid_around(position);
   if (around != nullptr) require(false, path, position.transpose(), "must be outside '" + around->name + "'");
+  const CoverLayer* const cover = bodies_.cover_around(position);
+  if (cover != nullptr)
+    require(false, path, position.transpose(), "must be outside the pieces of '" + cover->name + "'");
 }
 
 void Simulation::set_state(std::size_t index, const BodyState& state) {

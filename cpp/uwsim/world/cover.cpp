@@ -10,6 +10,7 @@ namespace {
 constexpr double kMostPerM2 = 1000;
 constexpr double kSmallest_m = 1e-3, kLargest_m = 100;
 constexpr double kSmallestPatch_m = 0.01;
+constexpr double kMostDrag = 10;
 
 }  // namespace
 
@@ -27,6 +28,8 @@ void CoverLayer::check() const {
           "must be 0, or finite and at least 0.01 m");
   for (const CoverRange& range : {depth_m, slope_rad, from_solids_m})
     require(range.low <= range.high, path + "range", range.low, "must not be above its end");
+  require(drag_coefficient >= 0 && drag_coefficient <= kMostDrag, path + "drag_coefficient", drag_coefficient,
+          "must be in [0, 10]");
   require(patch_share > 0 && patch_share <= 1, path + "patch_share", patch_share, "must be in (0, 1]");
   require(leans_at_m_s > 0, path + "leans_at_m_s", leans_at_m_s, "must be positive");
 }

@@ -24,7 +24,7 @@ struct CoverRange {
 
 /// Many small pieces of one kind that lie or grow on the terrain. The layer states how they are distributed; where each
 /// piece is follows from the layer, its seed, the terrain and the solids, and from the density of all layers together,
-/// by which the terrain is divided into tiles (rays/cover_plan.h).
+/// by which the terrain is divided into tiles (cover_plan.h).
 struct CoverLayer {
   std::string name;
   /// The shapes, of which each piece has one. Their origin lies on the bed, z up, and their largest extent is 1, so
@@ -43,6 +43,8 @@ struct CoverLayer {
   double patch_m = 0;        ///< size of the patches in which the layer grows; 0: everywhere
   double patch_share = 1;    ///< the share of the area that the patches take
   std::uint64_t seed = 0;
+  bool solid = false;           ///< whether bodies touch the pieces
+  double drag_coefficient = 0;  ///< of plants, on the frontal area of their meshes
   /// The speed of a steady current in which a piece leans by 45 degrees (Sway); infinite: pieces stand still.
   double leans_at_m_s = std::numeric_limits<double>::infinity();
 

@@ -36,7 +36,8 @@ bool are_same(const CoverLayer& one, const CoverLayer& other) {
          are_same(one.size_m, other.size_m) && one.size_exponent == other.size_exponent &&
          are_same(one.depth_m, other.depth_m) && are_same(one.slope_rad, other.slope_rad) &&
          are_same(one.from_solids_m, other.from_solids_m) && one.patch_m == other.patch_m &&
-         one.patch_share == other.patch_share && one.seed == other.seed && one.leans_at_m_s == other.leans_at_m_s;
+         one.patch_share == other.patch_share && one.seed == other.seed && one.solid == other.solid &&
+         one.drag_coefficient == other.drag_coefficient && one.leans_at_m_s == other.leans_at_m_s;
 }
 
 /// Whether both are null, or point to the same surface.

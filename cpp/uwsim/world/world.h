@@ -39,8 +39,7 @@ class World {
   void set_terrain(Heightfield terrain);
   /// Returns the solid's label. Names are unique. Throws InvalidValue.
   Label add_solid(std::string name, TriangleMesh mesh_world, std::vector<RoundShape> shapes = {});
-  /// Adds a layer of pieces on the terrain, which rays meet but bodies pass through, and returns its label; no solid
-  /// may be added after it. Throws InvalidValue.
+  /// Adds a layer of pieces on the terrain and returns its label; no solid may be added after it. Throws InvalidValue.
   Label add_cover(CoverLayer layer);
   /// Adds a school of fish, which only instruments meet. Its label follows those of all bodies: MovingBodies. Throws
   /// InvalidValue.

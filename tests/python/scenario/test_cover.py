@@ -140,3 +140,20 @@ def test_a_world_without_cover_has_no_pieces() -> None:
     world.set_terrain(np.full((5, 5), -3.0, np.float32), 1.0, (-2.0, -2.0))
     positions, _, labels, _ = _core.RayScene(world).cover_in([-2, -2], [2, 2])
     assert len(positions) == len(labels) == 0
+
+
+@pytest.mark.parametrize("kind", ["rock", "coral", "mesh", "coral, form: fan", "mesh, solid: false", "urchin", "kelp"])
+def test_bodies_rest_on_solid_kinds_and_sink_through_others(tmp_path: Path, kind: str) -> None:
+    is_solid = kind in ("rock", "coral", "mesh")
+    file = ", file: meshes/diver.glb" if kind.startswith("mesh") else ""
+    layer = f"  - {{kind: {kind}{file}, name: layer, density_per_m2: 8, size_m: [0.5, 0.6]}}\n"
+    shape = "{kind: box, name: crate, position_m: [0, 0, -4.5], size_m: [1, 1, 0.4]}"
+    path = written(tmp_path, layer)
+    path.write_text(
+        path.read_text().replace("hill_height_m: 0.5", "hill_height_m: 0.0")
+        + f"objects:\n  - {{shape: {shape}, mass_kg: 900}}\n"
+    )
+    with uwsim.Simulator(path) as sim:
+        sim.advance(8.0)
+        height_m = sim.objects["crate"].pose.position_world_m[2] + 6
+    assert (height_m > 0.25) == is_solid

@@ -28,6 +28,8 @@ def add_cover(world: _core.World, layer: CoverModel) -> None:
         patch_m=layer.patch_m,
         patch_share=layer.patch_share,
         seed=layer.seed,
+        solid=layer.is_solid(),
+        drag_coefficient=layer.drag_coefficient,
         leans_at_m_s=np.inf if layer.leans_at_m_s is None else layer.leans_at_m_s,
     )
 

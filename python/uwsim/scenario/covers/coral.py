@@ -22,6 +22,10 @@ class Coral(CoverModel):
     material: MaterialSpec = Material.model_construct(kind="coral")
     form: Literal["branching", "massive", "plate", "fan"] = "branching"
 
+    def is_solid(self) -> bool:
+        """See CoverModel: fans bend."""
+        return self.form != "fan"
+
     def meshes(self, random: np.random.Generator) -> list[Mesh]:
         """See CoverModel."""
         make = {"branching": _branching, "massive": _massive, "plate": _plate, "fan": _fan}[self.form]

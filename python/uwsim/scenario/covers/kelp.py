@@ -13,9 +13,13 @@ from uwsim.scenario.spec.material import Material, MaterialSpec
 
 
 class Kelp(CoverModel):
-    """Tall plants with stipes and blades; they lean in a current and sway in waves. size_m: their height."""
+    """Tall plants with stipes and blades; they lean in a current, sway in waves, and brake what moves through them.
+
+    size_m: their height.
+    """
 
     sunk: ClassVar = 0.0
+    drag_coefficient: ClassVar = 1.0
 
     kind: Literal["kelp"]
     name: Name

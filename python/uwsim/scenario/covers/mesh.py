@@ -18,7 +18,8 @@ class MeshCover(CoverModel):
     """Pieces from a mesh file, upright.
 
     file: FBX, glTF, OBJ, STL, PLY and others. up: the file's axis that points up, as for the obstacle `mesh`. size_m:
-    the largest extent of a piece, whatever the file's unit; its lowest point stands on the bed.
+    the largest extent of a piece, whatever the file's unit; its lowest point stands on the bed. solid: bodies and
+    tethers touch the pieces; otherwise, they pass through.
     """
 
     kind: Literal["mesh"]
@@ -26,6 +27,11 @@ class MeshCover(CoverModel):
     material: MaterialSpec = Material.model_construct(kind="rock")
     file: AssetFile
     up: Literal["y", "z"] | None = None
+    solid: bool = True
+
+    def is_solid(self) -> bool:
+        """See CoverModel: as the file states."""
+        return self.solid
 
     def meshes(self, random: np.random.Generator) -> list[Mesh]:
         """See CoverModel."""

@@ -15,9 +15,13 @@ BLADES = 14
 
 
 class Seagrass(CoverModel):
-    """Tufts of long, narrow leaves; they lean in a current and sway in waves. size_m: their height."""
+    """Tufts of long, narrow leaves; they lean in a current, sway in waves, and brake what moves through them.
+
+    size_m: their height.
+    """
 
     sunk: ClassVar = 0.02
+    drag_coefficient: ClassVar = 1.0
 
     kind: Literal["seagrass"]
     name: Name

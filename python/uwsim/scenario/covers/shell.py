@@ -24,6 +24,10 @@ class Shell(CoverModel):
     name: Name
     material: MaterialSpec = Material.model_construct(kind="coral", colour=(0.72, 0.64, 0.55))
 
+    def is_solid(self) -> bool:
+        """See CoverModel: a body pushes them aside."""
+        return False
+
     def meshes(self, random: np.random.Generator) -> list[Mesh]:
         """See CoverModel."""
         return [_valve(random) for _ in range(3)]

@@ -22,6 +22,10 @@ class Starfish(CoverModel):
     name: Name
     material: MaterialSpec = Material.model_construct(kind="coral", colour=(0.60, 0.20, 0.07))
 
+    def is_solid(self) -> bool:
+        """See CoverModel: they are soft."""
+        return False
+
     def meshes(self, random: np.random.Generator) -> list[Mesh]:
         """See CoverModel."""
         return [_star(random) for _ in range(3)]

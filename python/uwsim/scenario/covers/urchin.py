@@ -24,6 +24,10 @@ class Urchin(CoverModel):
     name: Name
     material: MaterialSpec = Material.model_construct(kind="rock", colour=(0.09, 0.05, 0.09))
 
+    def is_solid(self) -> bool:
+        """See CoverModel: spines break."""
+        return False
+
     def meshes(self, random: np.random.Generator) -> list[Mesh]:
         """See CoverModel."""
         return [_urchin(random) for _ in range(3)]

@@ -1,7 +1,7 @@
 """Cover: many small pieces that lie or grow on the bed, as layers, selected by `kind`. All that casts rays meets them.
 
 Each kind is one file in `covers`, registered in the entry point group `uwsim.kinds.cover`; docs/inside/extend.md adds
-one from another package. Vehicles pass through the pieces.
+one from another package. Bodies and tethers touch the solid kinds; plants add drag.
 """
 
 from __future__ import annotations
@@ -51,6 +51,12 @@ class CoverModel(Model):
     """How pieces stand: upright, along the bed's normal, or turned at random."""
     sunk: ClassVar[float] = 0.03
     """How deep the meshes' origin lies below the bed, as a fraction of the size."""
+    drag_coefficient: ClassVar[float] = 0.0
+    """C_d of plants, by which they brake what moves through them; 0: they do not.
+
+    The drag per volume is 1/2 rho C_d a |u| u (Nepf 1999, Water Resour. Res. 35(2):479), where u is the velocity
+    relative to the water and a [1/m] the frontal area per volume, that of the meshes seen from the side.
+    """
 
     density_per_m2: Annotated[float, InRange(0, 1000, "1/m2")]
     size_m: tuple[PieceSize, PieceSize]
@@ -69,6 +75,13 @@ class CoverModel(Model):
         Raises ScenarioError.
         """
         raise NotImplementedError
+
+    def is_solid(self) -> bool:
+        """Return whether vehicles, loose bodies, arms and tethers touch the pieces, if those are 5 cm or larger.
+
+        Otherwise, they move through them, braked by plants.
+        """
+        return self.drag_coefficient == 0
 
     def texture(self) -> Texture | None:
         """Return the colours of the only mesh's triangles; None for those of the material."""

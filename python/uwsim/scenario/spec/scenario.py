@@ -67,7 +67,7 @@ class Scenario(Model):
     none. optics: optical conditions for cameras. terrain: the bed. ground: its materials. detail: `fine` lets cameras
     see the relief and patterns of fixed surfaces down to a pixel's footprint (pebbles, pits, grain), and ripples of
     sand across the waves; no other sensor perceives them. obstacles: fixed obstacles in the water. cover: layers of
-    stones, plants and animals on the bed, which vehicles pass through. life: fish, which instruments meet.
+    stones, plants and animals on the bed: stones stop bodies, plants brake them. life: fish, which instruments meet.
     water_targets: fish and bubbles, which a multibeam in physics mode receives. station: the reference for distances;
     it has the dock. vehicles: at least one. objects: loose bodies and bodies on paths. warnings: when the panel issues
     warnings. survey: the survey flown by `uwsim survey`. mission_time_s: battery life after the release of a vehicle
