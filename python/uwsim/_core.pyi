@@ -2865,6 +2865,7 @@ class CameraScene:
         colour: typing.Any = None,
         texture_image: typing.Any = None,
         texture_corners: typing.Any = None,
+        texture_normals: typing.Any = None,
         surface_class: str = "vehicle",
     ) -> int:
         """
@@ -2906,10 +2907,13 @@ class CameraScene:
         colour: typing.Any = None,
         texture_image: typing.Any = None,
         texture_corners: typing.Any = None,
+        texture_normals: typing.Any = None,
     ) -> None:
         """
-        Set a solid's appearance. colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners:
-        (triangles, 3, 2), from the lower left. Raises ValueError.
+        Set a solid's appearance. colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB, or (H, W, 8) with normal,
+        roughness and metalness of glTF 2.0; texture_corners: (triangles, 3, 2), from the lower left;
+        texture_normals: (triangles, 3, 3), unit vectors along the first edge, across it and along the triangle's
+        normal. Raises ValueError.
         """
     def set_cover_appearance(
         self,
@@ -2919,6 +2923,7 @@ class CameraScene:
         colour: typing.Any = None,
         texture_image: typing.Any = None,
         texture_corners: typing.Any = None,
+        texture_normals: typing.Any = None,
     ) -> None:
         """
         Set the appearance of a layer of cover, as set_appearance; a new surface_class is added to class_names.

@@ -29,17 +29,20 @@ Effects as_effects(const std::vector<std::string>& names) {
   return effects;
 }
 
-std::shared_ptr<const Texture> as_texture(const py::object& image, const py::object& corners) {
-  if (image.is_none()) return nullptr;
+std::optional<TextureImage> as_texture(const py::object& image, const py::object& corners, const py::object& normals) {
+  if (image.is_none()) return std::nullopt;
   const auto pixels = py::array_t<std::uint8_t, py::array::c_style>::ensure(image);
-  require(pixels && pixels.ndim() == 3 && pixels.shape(2) == 3, "texture.image", "another shape",
-          "must be (H, W, 3) uint8");
+  require(pixels && pixels.ndim() == 3, "texture.image", "another shape", "must be (H, W, 3) or (H, W, 8) uint8");
   const auto places = as_array<float>(corners, "texture.corners", {-1, 3, 2});
-  auto texture = std::make_shared<Texture>();
-  texture->width = static_cast<int>(pixels.shape(1));
-  texture->height = static_cast<int>(pixels.shape(0));
-  texture->rgb.assign(pixels.data(), pixels.data() + pixels.size());
-  texture->corners.assign(places.data(), places.data() + places.size());
+  TextureImage texture;
+  texture.width = static_cast<int>(pixels.shape(1));
+  texture.height = static_cast<int>(pixels.shape(0));
+  texture.bands = static_cast<int>(pixels.shape(2));
+  texture.pixels.assign(pixels.data(), pixels.data() + pixels.size());
+  texture.corners.assign(places.data(), places.data() + places.size());
+  if (normals.is_none()) return texture;
+  const auto units = as_array<float>(normals, "texture.normals", {-1, 3, 3});
+  texture.normals.assign(units.data(), units.data() + units.size());
   return texture;
 }
 
@@ -171,23 +174,29 @@ void bind_camera_scene(py::module_& m) {
       .def(
           "set_appearance",
           [](CameraScene& scene, Label label, const std::string& material_name, const std::string& surface_class,
-             const py::object& colour, const py::object& image, const py::object& corners) {
+             const py::object& colour, const py::object& image, const py::object& corners, const py::object& normals) {
             const auto kind = static_cast<SurfaceClass>(index_of("class", surface_class, kSurfaceClassNames));
-            scene.set_appearance(label, {as_material(material_name, colour), kind, as_texture(image, corners)});
+            scene.set_appearance(label,
+                                 {as_material(material_name, colour), kind, as_texture(image, corners, normals)});
           },
           py::arg("label"), py::arg("material"), py::arg("surface_class"), py::arg("colour") = py::none(),
           py::arg("texture_image") = py::none(), py::arg("texture_corners") = py::none(),
-          "Set a solid's appearance. colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners:\n"
-          "(triangles, 3, 2), from the lower left. Raises ValueError.")
+          py::arg("texture_normals") = py::none(),
+          "Set a solid's appearance. colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB, or (H, W, 8) with "
+          "normal,\n"
+          "roughness and metalness of glTF 2.0; texture_corners: (triangles, 3, 2), from the lower left;\n"
+          "texture_normals: (triangles, 3, 3), unit vectors along the first edge, across it and along the triangle's\n"
+          "normal. Raises ValueError.")
       .def(
           "set_cover_appearance",
           [](CameraScene& scene, Label label, const std::string& material_name, const std::string& surface_class,
-             const py::object& colour, const py::object& image, const py::object& corners) {
+             const py::object& colour, const py::object& image, const py::object& corners, const py::object& normals) {
             scene.set_cover_appearance(label, as_material(material_name, colour), surface_class,
-                                       as_texture(image, corners));
+                                       as_texture(image, corners, normals));
           },
           py::arg("label"), py::arg("material"), py::arg("surface_class"), py::arg("colour") = py::none(),
           py::arg("texture_image") = py::none(), py::arg("texture_corners") = py::none(),
+          py::arg("texture_normals") = py::none(),
           "Set the appearance of a layer of cover, as set_appearance; a new surface_class is added to class_names.\n"
           "Raises ValueError.")
       .def(
@@ -203,15 +212,16 @@ void bind_camera_scene(py::module_& m) {
           "add_vehicle",
           [](CameraScene& scene, std::string name, const py::object& vertices_body_m, const py::object& triangles,
              const std::string& material_name, const py::object& colour, const py::object& image,
-             const py::object& corners, const std::string& surface_class) {
+             const py::object& corners, const py::object& normals, const std::string& surface_class) {
             const auto kind = static_cast<SurfaceClass>(index_of("class", surface_class, kSurfaceClassNames));
             return scene.add_vehicle(
                 std::move(name), {as_points(vertices_body_m, "vertices_body_m"), as_triangles(triangles, "triangles")},
-                {as_material(material_name, colour), kind, as_texture(image, corners)});
+                {as_material(material_name, colour), kind, as_texture(image, corners, normals)});
           },
           py::arg("name"), py::arg("vertices_body_m"), py::arg("triangles"), py::arg("material"),
           py::arg("colour") = py::none(), py::arg("texture_image") = py::none(),
-          py::arg("texture_corners") = py::none(), py::arg("surface_class") = "vehicle",
+          py::arg("texture_corners") = py::none(), py::arg("texture_normals") = py::none(),
+          py::arg("surface_class") = "vehicle",
           "Add a hull, vertices (n, 3) and triangles (m, 3), and return the vehicle's index. texture: as for\n"
           "set_appearance. Raises ValueError.")
       .def(

@@ -8,11 +8,8 @@
 namespace uwsim {
 namespace {
 
-void require_fits(const Texture* texture, const TriangleMesh& mesh) {
-  if (texture == nullptr) return;
-  texture->check();
-  require(texture->corners.size() == 6 * mesh.triangles.size(), "texture.corners", texture->corners.size(),
-          "must be six for each triangle");
+std::shared_ptr<const Texture> laid_on(const TriangleMesh& mesh, const std::optional<TextureImage>& image) {
+  return image ? std::make_shared<const Texture>(*image, mesh) : nullptr;
 }
 
 }  // namespace
@@ -43,6 +40,7 @@ CameraScene::CameraScene(const CameraScene& like, const Water& water, std::uint6
       class_names_(like.class_names_),
       textures_(like.textures_),
       has_textures_(like.has_textures_),
+      has_gloss_(like.has_gloss_),
       has_detail_(like.has_detail_),
       vehicle_names_(like.vehicle_names_),
       before_schools_(like.before_schools_),
@@ -52,22 +50,24 @@ CameraScene::CameraScene(const CameraScene& like, const Water& water, std::uint6
 
 void CameraScene::set_appearance(Label label, const SurfaceAppearance& appearance) {
   require(label > kTerrain && label < world_.first_cover(), "label", label, "must be a solid's label");
-  require_fits(appearance.texture.get(), world_.solids()[label - kTerrain - 1]->mesh_world);
+  set_texture(label, laid_on(world_.solids()[label - kTerrain - 1]->mesh_world, appearance.texture));
   materials_[static_cast<std::size_t>(material_of(label))] = appearance.material;
   classes_[label] = static_cast<std::uint8_t>(appearance.kind);
-  textures_[label] = appearance.texture;
-  has_textures_ = has_textures_ || appearance.texture;
 }
 
 void CameraScene::set_cover_appearance(Label label, const camera::Material& material, const std::string& surface_class,
-                                       std::shared_ptr<const Texture> texture) {
+                                       const std::optional<TextureImage>& texture) {
   require(label >= world_.first_cover() && label < world_.labels_end(), "label", label, "must be a cover's label");
   const std::vector<TriangleMesh>& meshes = world_.cover()[label - world_.first_cover()]->meshes;
-  require(texture == nullptr || meshes.size() == 1, "texture", meshes.size(), "needs a layer with one mesh");
-  require_fits(texture.get(), meshes.front());
+  require(!texture || meshes.size() == 1, "texture", meshes.size(), "needs a layer with one mesh");
+  set_texture(label, laid_on(meshes.front(), texture));
   materials_[static_cast<std::size_t>(material_of(label))] = material;
   classes_[label] = class_of(surface_class);
+}
+
+void CameraScene::set_texture(std::size_t label, std::shared_ptr<const Texture> texture) {
   has_textures_ = has_textures_ || texture;
+  has_gloss_ = has_gloss_ || (texture && texture->has_gloss());
   textures_[label] = std::move(texture);
 }
 
@@ -86,7 +86,7 @@ void CameraScene::set_ground(const camera::Material& bed, const camera::Material
 
 std::size_t CameraScene::add_vehicle(std::string name, const TriangleMesh& hull_body_m,
                                      const SurfaceAppearance& appearance) {
-  require_fits(appearance.texture.get(), hull_body_m);
+  std::shared_ptr<const Texture> texture = laid_on(hull_body_m, appearance.texture);
   const std::size_t labels = world_.labels_end() + vehicles();
   const bool is_before = classes_.size() == labels;
   require(is_before || classes_.size() == labels + world_.schools().size(), "vehicle", name,
@@ -97,8 +97,8 @@ std::size_t CameraScene::add_vehicle(std::string name, const TriangleMesh& hull_
   vehicle_names_.push_back(std::move(name));
   materials_.push_back(appearance.material);
   classes_.push_back(static_cast<std::uint8_t>(appearance.kind));
-  textures_.push_back(appearance.texture);
-  has_textures_ = has_textures_ || appearance.texture;
+  textures_.emplace_back();
+  set_texture(textures_.size() - 1, std::move(texture));
   return vehicle_names_.size() - 1;
 }
 

@@ -29,7 +29,7 @@ inline constexpr std::array<std::string_view, 7> kSurfaceClassNames = {"nothing"
 struct SurfaceAppearance {
   camera::Material material;
   SurfaceClass kind = SurfaceClass::kStructure;
-  std::shared_ptr<const Texture> texture;
+  std::optional<TextureImage> texture;
 };
 
 /// The scene that cameras view: the world, as used for physics and rays, with materials and textures, and the vehicles'
@@ -48,7 +48,7 @@ class CameraScene {
   /// Sets the material and the class of a layer of cover; a new name adds a class. Throws InvalidValue for an unknown
   /// label, or a texture where the layer has more than one mesh.
   void set_cover_appearance(Label label, const camera::Material& material, const std::string& surface_class,
-                            std::shared_ptr<const Texture> texture = nullptr);
+                            const std::optional<TextureImage>& texture = std::nullopt);
   /// Sets the material of the terrain: under water, where it is steep, and above water.
   void set_ground(const camera::Material& bed, const camera::Material& steep, const camera::Material& land);
   /// Shows relief and patterns of fixed surfaces down to the footprint of a pixel.
@@ -81,6 +81,7 @@ class CameraScene {
   static int material_of(std::uint32_t label) { return label <= kTerrain ? 0 : static_cast<int>(label) + 1; }
   const Texture* texture_of(std::uint32_t label) const { return textures_[label].get(); }
   bool has_textures() const { return has_textures_; }
+  bool has_gloss() const { return has_gloss_; }
 
   /// The ripples caused by a wind, at one time, with the caustics from `first_level` on. The last result is cached,
   /// because several cameras may render pictures of the same time.
@@ -88,6 +89,7 @@ class CameraScene {
                                                    double index, int first_level, int threads) const;
 
  private:
+  void set_texture(std::size_t label, std::shared_ptr<const Texture> texture);
   std::uint8_t class_of(const std::string& surface_class);
   struct CachedRipples {
     double wind_m_s, towards_rad, time_s, index;
@@ -101,7 +103,7 @@ class CameraScene {
   std::vector<std::uint8_t> classes_;
   std::vector<std::string> class_names_;
   std::vector<std::shared_ptr<const Texture>> textures_;
-  bool has_textures_ = false, has_detail_ = false;
+  bool has_textures_ = false, has_gloss_ = false, has_detail_ = false;
   std::vector<std::string> vehicle_names_;
   std::size_t before_schools_ = 0;  // of the vehicles
   MovingBodies hulls_;

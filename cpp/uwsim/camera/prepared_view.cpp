@@ -88,6 +88,7 @@ PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const
   view.has_caustics = has_ripples && on.has(Effect::kCaustics) && view.has_sunlight && view.beam_level[1] > 0;
   set_lamps(request);
   view.materials = scene.materials().data();
+  view.has_gloss = scene.has_gloss() ? 1 : 0;
   view.steep_material = 1;
   view.land_material = 2;
 }

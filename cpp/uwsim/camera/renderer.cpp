@@ -15,6 +15,7 @@
 #include "uwsim/camera/particles.h"
 #include "uwsim/camera/prepared_view.h"
 #include "uwsim/camera/shafts.h"
+#include "uwsim/camera/texturing.h"
 #include "uwsim/camera/tracer.h"
 #include "uwsim/core/check.h"
 #include "uwsim/core/parallel.h"
@@ -221,21 +222,8 @@ class Rendering {
   }
 
   void set_materials(Block& block, const HitPacket& hits) const {
-    for (int k = 0; k < kBlockPixels; ++k) {
-      block.material.at[k] = CameraScene::material_of(block.label[k]);
-      block.has_texture.at[k] = 0;
-    }
-    if (!scene_.has_textures()) return;
-    for (int k = 0; k < kBlockPixels; ++k) {
-      const Texture* texture = scene_.texture_of(block.label[k]);
-      if (texture == nullptr) continue;
-      const auto lane = static_cast<std::size_t>(k);
-      const std::array<float, 3> albedo = texture->at(block.primitive[k], hits.u[lane], hits.v[lane]);
-      block.has_texture.at[k] = -1;
-      block.texture_albedo.x.at[k] = albedo[0];
-      block.texture_albedo.y.at[k] = albedo[1];
-      block.texture_albedo.z.at[k] = albedo[2];
-    }
+    for (int k = 0; k < kBlockPixels; ++k) block.material.at[k] = CameraScene::material_of(block.label[k]);
+    set_textures(scene_, tracer_, view_, hits, block);
   }
 
   /// Converts radiance to bytes. Particles come last because they need the depth of the whole picture.

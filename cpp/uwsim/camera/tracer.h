@@ -21,6 +21,8 @@ class Tracer {
   /// own, in single precision, depend on its instruction set.
   void locate_hits(const camera::View& view, const camera::Kernels& kernels, HitPacket& hits,
                    camera::Block& block) const;
+  /// See RayScene::mesh_turn.
+  Eigen::Matrix3f mesh_turn(Label label, std::uint32_t piece) const { return rays_.mesh_turn(label, piece); }
   /// Marks the lanes that need a shadow ray and whose light is blocked.
   void occluded(const camera::Block& block, camera::BlockMask& blocked, RayOrder order) const;
 

@@ -215,6 +215,15 @@ void CoverTrees::occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket&
   });
 }
 
+Eigen::Matrix3f CoverTrees::turn_of(std::uint32_t piece) const {
+  const InUse in_use(tiles_);
+  const auto [column, row] = plan_.tile_of(piece);
+  if (row >= plan_.rows()) return Eigen::Matrix3f::Identity();
+  const std::vector<CoverPiece>& pieces = tile(column, row).pieces();
+  const auto found = std::ranges::find(pieces, piece, &CoverPiece::number);
+  return found == pieces.end() ? Eigen::Matrix3f::Identity() : found->turn;
+}
+
 double CoverTrees::distance(const Eigen::Vector3d& point_world_m, const std::shared_ptr<const Sway>& sway,
                             double nearest_m) const {
   if (!point_world_m.allFinite()) return nearest_m;

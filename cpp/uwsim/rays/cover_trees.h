@@ -40,6 +40,8 @@ class CoverTrees {
   double distance(const Eigen::Vector3d& point_world_m, const std::shared_ptr<const Sway>& sway,
                   double nearest_m) const;
 
+  /// The rotation times size of the piece with a number, upright; the identity if there is none.
+  Eigen::Matrix3f turn_of(std::uint32_t piece) const;
   const CoverPlan& plan() const { return plan_; }
   std::size_t pieces_in_memory() const { return tiles_.items(); }
 

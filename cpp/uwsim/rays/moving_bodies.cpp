@@ -255,6 +255,13 @@ void MovingBodies::cast_at(const Body& body, Label label, const Eigen::Vector3d&
   }
 }
 
+Eigen::Matrix3f MovingBodies::turn_of(Label body_label) const {
+  std::size_t body = body_label - first_label_;
+  if (body >= before_schools_) body -= std::min(body, schools_.size());
+  if (body >= bodies_.size()) return Eigen::Matrix3f::Identity();
+  return bodies_[body].body_from_world.transpose().cast<float>();
+}
+
 void MovingBodies::occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order,
                            std::size_t hidden, Blocked& blocked) const {
   if (!has_targets(hidden)) return;

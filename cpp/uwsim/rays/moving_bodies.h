@@ -52,6 +52,8 @@ class MovingBodies {
   Label label(std::size_t body) const {
     return static_cast<Label>(first_label_ + body + (body < before_schools_ ? 0 : schools_.size()));
   }
+  /// The rotation of the body with a label; the identity for fish.
+  Eigen::Matrix3f turn_of(Label body_label) const;
   Label school_label(std::size_t school) const {
     return static_cast<Label>(first_label_ + std::min(before_schools_, bodies_.size()) + school);
   }

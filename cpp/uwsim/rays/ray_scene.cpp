@@ -244,6 +244,12 @@ void RayScene::occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& 
   if (bodies_) bodies_->occlude(anchor_world_m, rays, order, hidden_, blocked);
 }
 
+Eigen::Matrix3f RayScene::mesh_turn(Label label, std::uint32_t piece) const {
+  if (label < fixed_->surfaces.first_cover()) return Eigen::Matrix3f::Identity();
+  if (label < fixed_->surfaces.labels_end()) return fixed_->cover()->turn_of(piece);
+  return bodies_ ? bodies_->turn_of(label) : Eigen::Matrix3f::Identity();
+}
+
 const Heightfield* RayScene::terrain() const { return fixed_->surfaces.terrain().get(); }
 
 bool RayScene::under_ground(const Eigen::Vector3d& point_world_m) const {

@@ -75,6 +75,9 @@ class RayScene {
   void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, Blocked& blocked,
                 RayOrder order = RayOrder::kIncoherent) const;
 
+  /// How the mesh of a hit lies in the world: rotation times size, for the label and the piece of a HitPacket.
+  Eigen::Matrix3f mesh_turn(Label label, std::uint32_t piece) const;
+
   /// The terrain; null if there is none.
   const Heightfield* terrain() const;
   /// Whether the point lies on or below the terrain; false outside its extent.

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "uwsim/core/random.h"
@@ -50,6 +51,11 @@ class CoverPlan {
   CoverTiles tiles_near(const Eigen::Vector2d& low_m, const Eigen::Vector2d& high_m, double far_m) const;
   /// The pieces of a tile, in an order that depends on the world alone.
   CoverTilePlan pieces(std::uint32_t column, std::uint32_t row, Of layers = Of::kAll) const;
+  /// The column and the row of the tile of the piece with a number.
+  std::pair<std::uint32_t, std::uint32_t> tile_of(std::uint32_t number) const {
+    const std::uint32_t tile = (number - 1) / numbers_a_tile_;
+    return {tile % columns_, tile / columns_};
+  }
   /// The expected number of a layer's pieces per square metre of the horizontal plane; 0 outside the terrain.
   double density_at(std::size_t layer, const Eigen::Vector2d& at_m) const;
   /// The mean over a layer's pieces of the part of their frontal area that lies lower than a height above the bed

@@ -68,7 +68,7 @@ class Renderer : public ::testing::Test {
  protected:
   Renderer() : scene(world, std::make_shared<RayScene>(world), 7) {
     scene.add_vehicle("vehicle", box_mesh({0, 0, 0}, {1, 0.6, 0.4}),
-                      {material("paint"), SurfaceClass::kVehicle, nullptr});
+                      {material("paint"), SurfaceClass::kVehicle, std::nullopt});
     Lens lens;
     lens.width = 101, lens.height = 67;  // not multiples of a block's edge
     lens.fx = lens.fy = 60, lens.cx = 50, lens.cy = 33;

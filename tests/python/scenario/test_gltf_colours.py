@@ -5,11 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
 from uwsim import Simulator
 from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.read.mesh_file import load_mesh
 from uwsim.scenario.read.textures import load_texture
 
 
@@ -26,7 +28,7 @@ def test_each_triangle_has_the_colour_of_its_material(tmp_path: Path) -> None:
     trimesh.Scene([block(0.0, (255, 0, 0)), block(5.0, (0, 128, 0))]).export(tmp_path / "two.glb")
     texture = load_texture(tmp_path / "two.glb")
     assert texture is not None
-    image, corners = texture
+    image, corners, _ = texture
     height, width, _ = image.shape
     places = (corners[:, 0] * (width, -height) + (0, height)).astype(int)
     seen = image[places[:, 1], places[:, 0]].astype(int)
@@ -56,3 +58,25 @@ def test_a_camera_sees_the_colour(colour: tuple[int, int, int], strongest: int, 
         middle = frame.rgb[frame.labels == sim.label_names.index("block")].astype(float).mean(axis=0)
     assert middle.argmax() == strongest
     assert middle[strongest] > 2.0 * np.delete(middle, strongest).max()
+
+
+def test_relief_gloss_and_smooth_normals_of_a_file_count(tmp_path: Path) -> None:
+    """Half the red light is 188 of 255 in sRGB; a sphere's corners have the normals of the sphere."""
+    ball = trimesh.creation.uv_sphere(radius=2.0, count=[16, 16])
+    material = PBRMaterial(
+        baseColorTexture=Image.new("RGB", (8, 4), (255, 255, 255)), baseColorFactor=[128, 255, 255, 255],
+        normalTexture=Image.new("RGB", (2, 2), (140, 128, 254)), roughnessFactor=0.4, metallicFactor=0.2,
+    )  # fmt: skip
+    ball.visual = TextureVisuals(uv=np.zeros((len(ball.vertices), 2)), material=material)
+    ball.vertex_normals = ball.vertices / 2.0
+    ball.export(tmp_path / "ball.glb", include_normals=True)
+    texture = load_texture(tmp_path / "ball.glb")
+    assert texture is not None and texture.normals is not None
+    assert texture.image.shape == (4, 8, 8)
+    assert texture.image[0, 0].tolist() == [188, 255, 255, 140, 128, 254, 102, 51]
+    vertices, triangles = load_mesh(tmp_path / "ball.glb")
+    first, second, third = vertices[triangles].swapaxes(0, 1)
+    own = np.cross(second - first, third - first)
+    along, own = ((way.T / np.linalg.norm(way, axis=1)).T for way in (second - first, own))
+    axes = np.stack([along, np.cross(own, along), own], axis=1)
+    assert np.allclose(np.einsum("mck,mka->mca", texture.normals, axes), vertices[triangles] / 2.0, atol=1e-5)

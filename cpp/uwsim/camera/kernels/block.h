@@ -37,11 +37,13 @@ struct Block {
   BlockVectors point, albedo;
   BlockVectors texture_albedo;  ///< replaces the material's albedo where has_texture is set
   BlockMask has_texture;
-  BlockVectors throughput;       ///< fraction of the light from beyond that reaches the eye
-  BlockVectors radiance;         ///< light gathered so far
-  BlockVectors sun_backscatter;  ///< the sun beam's part of the backscatter, which shafts modulate
-  BlockVectors veil;             ///< radiance scattered by the water on the first segment; for forward scattering
-  BlockFloats first_reach;       ///< of the first segment
+  BlockMask is_glossy;               ///< and the material of gloss.h:
+  BlockFloats roughness, metalness;  ///< in [0, 1]
+  BlockVectors throughput;           ///< fraction of the light from beyond that reaches the eye
+  BlockVectors radiance;             ///< light gathered so far
+  BlockVectors sun_backscatter;      ///< the sun beam's part of the backscatter, which shafts modulate
+  BlockVectors veil;                 ///< radiance scattered by the water on the first segment; for forward scattering
+  BlockFloats first_reach;           ///< of the first segment
   // The light under test, which is added only if the path's shadow ray is not blocked:
   BlockVectors unshadowed;   ///< radiance that it adds unless blocked
   BlockVectors shadow_from;  ///< where its shadow ray starts; finite in all lanes

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "uwsim/camera/kernels/caustics.h"
+#include "uwsim/camera/kernels/gloss.h"
 #include "uwsim/camera/kernels/materials.h"
 
 /// Daylight on surfaces, and the addition of light that passes its shadow test. Included only by the kernels.
@@ -9,10 +10,6 @@ namespace {
 
 constexpr float kShadowReach_m = 5.0f;     // above the water; anything higher casts no shadow into it
 constexpr float kStrongestCaustic = 9.0f;  // caustic_at returns at most this
-
-UWSIM_LANES Vector reflected_per_irradiance(const Block& block) {
-  return load(block.albedo) * load(block.throughput) * splat(1 / kPi);
-}
 
 /// Shadow rays start slightly off the surface, on the eye's side. The distance is infinite where nothing is hit.
 UWSIM_LANES Vector shadow_start(const Block& block, Vector point, Vector normal) {
@@ -59,11 +56,13 @@ void shade_daylight(const View& view, Block& block) {
   const Vector before = load(block.radiance);
   const Vector so_far = select(lit, before + reflected * select(under, in_water, in_air), before);
   store(block.radiance, so_far);
-  Vector beam = reflected * select(under, day.beam * cosine_in_water, broadcast(view.beam) * cosine_in_air);
+  const Vector to_sun = select(under, broadcast(view.to_sun_in_water), broadcast(view.to_sun));
+  Vector beam = reflected_from(view, block, normal, to_sun, under) *
+                select(under, day.beam * cosine_in_water, broadcast(view.beam) * cosine_in_air);
   if (view.has_caustics && any(lit & under & matters(view, beam * splat(kStrongestCaustic), so_far))) {
     beam = beam * select(under, caustic_at(view, point), splat(1));
   }
-  store(block.to_light, select(under, broadcast(view.to_sun_in_water), broadcast(view.to_sun)));
+  store(block.to_light, to_sun);
   store(block.light_distance.at,
         select(under, max(depth, Float{}) * (1 / view.to_sun_in_water[2]) + kShadowReach_m, splat(3000.0f)));
   add_or_test(view, lit, beam, block);

@@ -28,7 +28,8 @@ void shade_lamp(const View& view, int index, Block& block) {
   if (view.has_attenuation) light = light * transmission(view.c, distance);
   store(block.to_light, direction);
   store(block.light_distance.at, distance - 0.02f);
-  add_or_test(view, lit, reflected_per_irradiance(block) * light, block);
+  const Int in_water = load(block.in_water.at);
+  add_or_test(view, lit, reflected_from(view, block, normal, direction, in_water) * light, block);
 }
 
 /// The part of a ray, from `begin` to `end`, inside the lamp's outer cone: from..to along the ray, empty if from >= to.

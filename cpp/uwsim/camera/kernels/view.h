@@ -94,6 +94,7 @@ struct View {
   WaveNodes waves;
 
   const Material* materials;
+  int has_gloss;                      ///< whether any surface may be glossy
   int steep_material, land_material;  ///< indices of steep and of dry ground; the bed's index is 0
   int detail_end;  ///< materials below this index have detail; 0: none. Vehicles move through the patterns' frame
   float ripple_x, ripple_y;  ///< horizontal unit vector across the crests of the sand's ripples

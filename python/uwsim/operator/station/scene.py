@@ -200,7 +200,7 @@ def glb(mesh: Mesh, offset_m: NDArray[np.float64], texture: Texture | None = Non
 
     vertices, triangles = np.asarray(mesh[0]) + offset_m, np.asarray(mesh[1])
     colours = None
-    if texture is not None and len(texture[1]) == len(triangles):
+    if texture is not None and len(texture.corners) == len(triangles):
         colours = np.repeat(np.rint(255.0 * triangle_means(texture)).astype(np.uint8), 3, axis=0)
         vertices, triangles = vertices[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3)
     solid = trimesh.Trimesh(vertices, triangles, vertex_colors=colours, process=False)

@@ -45,10 +45,10 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
         scene.add_vehicle(vehicle.name, vertices, triangles, material.kind, material.colour, *texture or ())
     for body in scenario.objects:
         shape, mesh = body.shape, object_mesh(scenario, body)
-        image, corners = _body_texture(body, len(mesh[1])) or (None, None)
+        image, corners, normals = _body_texture(body, len(mesh[1])) or (None, None, None)
         scene.add_vehicle(
-            body.name, *mesh, shape.material.kind, shape.material.colour,
-            surface_class=shape.surface_class, texture_image=image, texture_corners=corners,
+            body.name, *mesh, shape.material.kind, shape.material.colour, surface_class=shape.surface_class,
+            texture_image=image, texture_corners=corners, texture_normals=normals,
         )  # fmt: skip
     for animals in scenario.life or ():
         scene.add_school(animals.material.kind, animals.surface_class, animals.material.colour)
@@ -66,7 +66,7 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
 def _add_link(scene: _core.CameraScene, carrier: str, link: Link) -> None:
     assert link.shape is not None
     mesh, material, texture = link_mesh(link), link.shape.material, link.shape.texture()
-    if texture is not None and len(texture[1]) != len(mesh[1]):  # closing the mesh changed its triangles
+    if texture is not None and len(texture.corners) != len(mesh[1]):  # closing the mesh changed its triangles
         texture = None
     scene.add_vehicle(f"{carrier} {link.shape.name}", *mesh, material.kind, material.colour, *texture or ())
 
@@ -74,7 +74,7 @@ def _add_link(scene: _core.CameraScene, carrier: str, link: Link) -> None:
 def _hull_texture(model: VehicleModel, triangles: int) -> Texture | None:
     """Return the colours of the mesh file, unless the material has one or closing the mesh changed its triangles."""
     texture = load_texture(model.mesh) if model.material.colour is None else None
-    return texture if texture is not None and len(texture[1]) == triangles else None
+    return texture if texture is not None and len(texture.corners) == triangles else None
 
 
 def station_texture(station: Station) -> Texture | None:
@@ -93,7 +93,7 @@ def obstacle_texture(obstacle: ObstacleModel, scenario: Scenario) -> Texture | N
 def _body_texture(body: LooseBody, triangles: int) -> Texture | None:
     """Return the colours of a body's shape, unless closing its mesh changed its triangles."""
     texture = body.shape.texture()
-    return texture if texture is not None and len(texture[1]) == triangles else None
+    return texture if texture is not None and len(texture.corners) == triangles else None
 
 
 def _set_appearance(

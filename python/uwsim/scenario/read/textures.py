@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,16 +19,31 @@ UNCOLOURED = np.array([1.0, 1.0, 1.0])
 SPREAD = np.array([(i, j, 21 - i - j) for i in range(1, 21, 3) for j in range(1, 21 - i, 3)]) / 21.0
 """Barycentric coordinates of points spread evenly over a triangle."""
 
-Texture = tuple[NDArray[np.uint8], NDArray[np.float32]]
+MATT = np.array([128, 128, 255, 255, 0], np.uint8)
+"""The bands beyond the colours of a surface without relief: a normal that points out of it, rough, no metal."""
+
+
+class Texture(NamedTuple):
+    """An image laid on a mesh of m triangles.
+
+    image: (h, w, 3) uint8, sRGB; or (h, w, 8), followed by the normal in the image's frame (x right, y up), roughness
+    and metalness, as in glTF 2.0. corners: (m, 3, 2) float32, coordinates of the triangles' corners from the lower
+    left. normals: (m, 3, 3) float32 or None, unit normals of the corners along each triangle's first edge, across it
+    and along the triangle's own normal.
+    """
+
+    image: NDArray[np.uint8]
+    corners: NDArray[np.float32]
+    normals: NDArray[np.float32] | None = None
 
 
 def load_texture(path: Path) -> Texture | None:
-    """Return a mesh file's image (h, w, 3) uint8, sRGB, and texture coordinates (m, 3, 2) float32 of the corners.
+    """Return the texture of a mesh file, whose triangles are those of load_mesh, in the same order.
 
-    Coordinates are measured from the lower left. For a glTF file without images whose materials or vertices have
-    colours, the image contains one patch per colour. Returns None for files with neither, for unreadable images, and
-    for formats other than glTF and OBJ. The triangles are those of load_mesh, in the same order. Several images are
-    placed side by side. Images are reduced to at most 4,096 pixels per side.
+    From glTF files, it has normal maps, roughness and metalness, where a material gives any of them, and the normals of
+    the vertices. For a glTF file without images whose materials or vertices have colours, the image contains one patch
+    per colour. Returns None for files with neither, for unreadable images, and for formats other than glTF and OBJ.
+    Several images are placed side by side. Images are reduced to at most 4,096 pixels per side.
     """
     if path.suffix.lower() not in TEXTURED_SUFFIXES:
         return None
@@ -40,7 +55,8 @@ def load_texture(path: Path) -> Texture | None:
             return _palette(colours) if len(colours) == len(load_mesh(path)[1]) else None
         mesh: Any = scene.to_mesh()
         uv = getattr(mesh.visual, "uv", None)
-        image = _image_of(mesh.visual)
+        image = _bands_of(mesh.visual)
+        normals = _normals_of(scene)
     except Exception:  # readers raise any error for malformed files; load_mesh has already read the geometry
         return None
     if uv is None or image is None or not np.isfinite(uv).all():
@@ -48,7 +64,36 @@ def load_texture(path: Path) -> Texture | None:
     triangles = load_mesh(path)[1]
     if len(triangles) != len(mesh.faces):
         return None
-    return image, np.ascontiguousarray(np.asarray(uv, np.float32)[mesh.faces])
+    corners = np.ascontiguousarray(np.asarray(uv, np.float32)[mesh.faces])
+    return Texture(image, corners, normals if normals is not None and len(normals) == len(corners) else None)
+
+
+def _normals_of(scene: Any) -> NDArray[np.float32] | None:
+    """Return the Texture.normals that a scene's file gives, in the order of its nodes; None without all of them."""
+    parts = []
+    for node in scene.graph.nodes_geometry:
+        placed, name = scene.graph[node]
+        part = scene.geometry[name]
+        if "vertex_normals" not in part._cache or np.linalg.det(placed[:3, :3]) <= 0:
+            return None
+        parts.append(_in_triangles(part.vertex_normals[part.faces], part.triangles))
+    return np.concatenate(parts)
+
+
+def _in_triangles(normals: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Return corners' normals (m, 3, 3) in the frames of their triangles, given the corners' places (m, 3, 3)."""
+    first, second = places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]
+    own = _unit(np.cross(first, second))
+    along = _unit(first)
+    axes = np.stack([along, np.cross(own, along), own], axis=1)
+    found = np.einsum("mak,mck->mca", axes, _unit(normals))
+    found[~(found[:, :, 2] > 0).all(axis=1)] = (0.0, 0.0, 1.0)  # normals that contradict the triangle
+    return np.ascontiguousarray(found, np.float32)
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.asarray(vectors / np.where(length > 0, length, 1.0))
 
 
 def _face_colours(scene: Any) -> NDArray[np.uint8] | None:
@@ -79,7 +124,7 @@ def _encoded(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
 
 def triangle_means(texture: Texture) -> NDArray[np.float64]:
     """Return the mean albedo (m, 3), linear, of each triangle of a texture, over points spread evenly over it."""
-    image, corners = texture
+    image, corners = texture.image[:, :, :3], texture.corners
     rows, columns = image.shape[:2]
     found = np.zeros((len(corners), 3))
     for weights in SPREAD:
@@ -107,7 +152,35 @@ def _palette(colours: NDArray[np.uint8]) -> Texture:
     image = np.repeat(np.repeat(patches.reshape(rows, across, 3), PATCH, axis=0), PATCH, axis=1)
     row, column = np.divmod(which.ravel(), across)
     middle = np.column_stack([(column + 0.5) / across, 1.0 - (row + 0.5) / rows]).astype(np.float32)
-    return np.ascontiguousarray(image), np.ascontiguousarray(np.repeat(middle[:, None], 3, axis=1))
+    return Texture(np.ascontiguousarray(image), np.ascontiguousarray(np.repeat(middle[:, None], 3, axis=1)))
+
+
+def _bands_of(visual: Any) -> NDArray[np.uint8] | None:
+    """Return the bands of a Texture's image; only the colours of a material that is matt."""
+    colours = _image_of(visual)
+    if colours is None:
+        return None
+    material = visual.material
+    if (factor := getattr(material, "baseColorFactor", None)) is not None:
+        tint = np.asarray(factor[:3], np.float64) / (255.0 if np.asarray(factor).dtype.kind in "ui" else 1.0)
+        if (tint < 1.0).any():
+            shown = colours / 255.0
+            linear = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)  # IEC 61966-2-1
+            colours = _encoded(linear * tint)
+    size = (colours.shape[1], colours.shape[0])
+    relief, gloss = (getattr(material, name, None) for name in ("normalTexture", "metallicRoughnessTexture"))
+    factors = [getattr(material, name, None) for name in ("roughnessFactor", "metallicFactor")]
+    if relief is None and gloss is None and factors in ([None, None], [None, 0.0], [1.0, 0.0]):  # matt
+        return colours
+    bands = np.concatenate([colours, np.broadcast_to(MATT, (*colours.shape[:2], len(MATT)))], axis=2)
+    if relief is not None:
+        bands[:, :, 3:6] = np.asarray(relief.convert("RGB").resize(size))
+    given = np.ones((*colours.shape[:2], 2))  # roughness and metalness are 1 in glTF, unless stated
+    if gloss is not None:
+        given = np.asarray(gloss.convert("RGB").resize(size))[:, :, 1:3] / 255.0
+    if gloss is not None or factors != [None, None]:
+        bands[:, :, 6:] = np.rint(255.0 * given * [1.0 if factor is None else factor for factor in factors])
+    return bands
 
 
 def _image_of(visual: Any) -> NDArray[np.uint8] | None:
