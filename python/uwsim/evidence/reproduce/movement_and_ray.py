@@ -35,7 +35,9 @@ def movements(sim: Simulator, path: Path) -> Figure:
     figure = new_figure(8.0, 6.4)
     axes = _axes_3d(figure, elevation_deg=24, azimuth_deg=-38)
     texture = load_texture(model.mesh)
-    _draw_mesh(axes, vertices[triangles], np.full(3, 0.6) if texture is None else _colours(texture.image, texture.corners))
+    _draw_mesh(
+        axes, vertices[triangles], np.full(3, 0.6) if texture is None else _colours(texture.image, texture.corners)
+    )
     rows: list[tuple[Any, ...]] = []
     for axis, (along, about) in enumerate(MOVEMENTS):
         direction, reach = np.eye(3)[axis], (1.15, 0.95, 0.75)[axis]
