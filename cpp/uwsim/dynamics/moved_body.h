@@ -77,6 +77,7 @@ struct MovedBody {
   std::optional<HullWaves> hull_waves = {};  ///< with their memory
   bool held = false;
   bool in_contact = false;
+  bool sleeps = false;  ///< in the step under way or the last one: it stays at rest, and its engine leaves it out
   // The last step, from which the forces in it can be computed; empty if there is none.
   std::vector<Motion> motions = {};
   std::vector<Touch> touches = {};

@@ -142,6 +142,7 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
   }
   engine_->step(bodies_, next_states_, water, time_s);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (bodies_[k].sleeps) continue;
     if (bodies_[k].spec.path)
       next_states_[k] = bodies_[k].spec.path->at(time_s + step_s_);  // whatever the step's parts
     bodies_[k].require_plausible(next_states_[k], time_s, step_s_);
@@ -149,6 +150,7 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
   // Either all bodies move, or, if the step fails, none.
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     MovedBody& body = bodies_[k];
+    if (body.sleeps) continue;
     body.acceleration_body = mean_rate(body.state, next_states_[k], step_s_);
     body.state = next_states_[k];
     if (body.arm) body.arm->accept();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <typeinfo>
 #include <utility>
 
@@ -38,11 +39,9 @@ void UwsimEngine::add_body(const BodySpec& spec) {
   resting_.emplace_back();
   const std::size_t count = resting_.size();
   states_.resize(count);
-  asleep_at_.resize(count);
-  free_ends_.resize(count);
-  moves_.reserve(count);
-  for (std::vector<std::uint8_t>* flags : {&takes_part_, &rests_, &may_stop_, &is_clear_, &sleeps_})
-    flags->resize(count);
+  free_steps_.resize(count);
+  for (std::vector<std::size_t>* indices : {&awake_, &moves_}) indices->reserve(count);
+  for (std::vector<std::uint8_t>* flags : {&takes_part_, &rests_, &may_stop_, &is_clear_}) flags->resize(count);
   for (std::vector<ContactBody>* bodies : {&contact_bodies_, &stopped_bodies_}) bodies->resize(count);
   for (std::vector<Contact>* contacts : {&contacts_, &stopped_contacts_}) contacts->reserve(kContactsPerBody * count);
   impulses_world_.reserve(kContactsPerBody * count);
@@ -70,7 +69,7 @@ void UwsimEngine::change_body(std::size_t body, const BodySpec& from, const Body
 /// Forgets all, because a body that is known to be at rest may have been supported by another.
 void UwsimEngine::forget(std::size_t) {
   for (Resting& resting : resting_) resting.forget();
-  std::ranges::fill(sleeps_, 0);
+  for (FreeStep& step : free_steps_) step.is_known = false;
 }
 
 void UwsimEngine::exchange_contacts(StateArchive& archive) {
@@ -83,7 +82,8 @@ void UwsimEngine::step(std::span<MovedBody> bodies, std::span<BodyState> next_st
   next_states_ = next_states;
   const Interval whole{water, time_s, step_s_};
   watch(water);
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+  find_sleepers(whole);
+  for (const std::size_t k : awake_) {
     takes_part_[k] = bodies_[k].held ? 0 : 1;
     begin_step(k);
     if (bodies_[k].held && bodies_[k].hull_waves) bodies_[k].hull_waves->run_out(step_s_);
@@ -94,6 +94,31 @@ void UwsimEngine::step(std::span<MovedBody> bodies, std::span<BodyState> next_st
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     if (parts_[k] > 1) repeat_in_parts(k, whole);
   }
+}
+
+/// Lets those bodies sleep of which is known that the whole step will leave them at rest, unless another comes near.
+void UwsimEngine::find_sleepers(const Interval& whole) {
+  awake_.clear();
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    MovedBody& body = bodies_[k];
+    const FreeStep& free = free_steps_[k];
+    body.sleeps = free.is_known && rests_[k] != 0 && is_unloaded(body);
+    if (!body.sleeps) {
+      awake_.push_back(k);
+      continue;
+    }
+    takes_part_[k] = rests_[k] = 1;
+    reaches_m_[k] = moving_[hulls_[k]].reach_m = free.reach_m;
+    moving_[hulls_[k]].collides = false;
+    body.motions.back().time_s = whole.time_s;  // the rest of the last step holds for this one
+  }
+}
+
+/// Makes a body that sleeps take part in the step under way.
+void UwsimEngine::wake(std::size_t body) {
+  bodies_[body].sleeps = bodies_[body].in_contact = bodies_[body].motions.back().stops = false;
+  next_states_[body] = free_steps_[body].to;
+  awake_.push_back(body);
 }
 
 /// Wakes all bodies if the water is not as it was in the last step.
@@ -112,18 +137,22 @@ void UwsimEngine::watch(const WaterField& water) {
     now.gravity_m_s2 = even->gravity_m_s2;
     now.current_world_m_s = even->current_world_m_s;
   }
-  if (now != calm_) std::ranges::fill(sleeps_, 0);
+  if (now != calm_) {
+    for (FreeStep& step : free_steps_) step.is_known = false;
+  }
   calm_ = now;
 }
 
-bool UwsimEngine::is_unloaded(const MovedBody& body) const {
-  return body.tau_body.isZero(0) && body.applied.body.isZero(0) && body.applied.world.isZero(0) &&
-         body.tether_world.isZero(0) && body.canopy_world.isZero(0);
+bool UwsimEngine::is_unloaded(const MovedBody& body) {
+  Vector6d size = body.tau_body.cwiseAbs();
+  for (const Vector6d* load : {&body.applied.body, &body.applied.world, &body.tether_world, &body.canopy_world})
+    size += load->cwiseAbs();
+  return size.sum() == 0;
 }
 
 void UwsimEngine::begin_step(std::size_t body) {
   states_[body] = next_states_[body] = bodies_[body].state;
-  bodies_[body].in_contact = false;
+  bodies_[body].in_contact = bodies_[body].sleeps = false;
   bodies_[body].motions.clear();
   if (bodies_[body].arm) bodies_[body].arm->begin();
   if (bodies_[body].hull_waves) bodies_[body].hull_waves->begin();
@@ -159,6 +188,8 @@ void UwsimEngine::find_parts() {
 
 /// Repeats the step, in parts, for a body and for all bodies that it could touch, directly or through others.
 void UwsimEngine::repeat_in_parts(std::size_t body, const Interval& whole) {
+  awake_.resize(bodies_.size());
+  std::iota(awake_.begin(), awake_.end(), 0);
   std::ranges::fill(takes_part_, 0);
   takes_part_[body] = 1;
   find_reaches(whole.step_s);

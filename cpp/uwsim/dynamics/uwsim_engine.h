@@ -37,12 +37,14 @@ class UwsimEngine final : public DynamicsEngine {
   };
 
   void begin_step(std::size_t body);
+  void find_sleepers(const Interval& whole);
+  void wake(std::size_t body);
   void find_parts();
   void repeat_in_parts(std::size_t body, const Interval& whole);
   void move(const Interval& now);
   BodyState state_after(std::size_t body, const BodyState& state, const Loads& loads, const Interval& now) const;
   void watch(const WaterField& water);
-  bool is_unloaded(const MovedBody& body) const;
+  static bool is_unloaded(const MovedBody& body);
   void find_rests(const Interval& now);
   void stop(std::size_t body);
   void find_reaches(double step_s);
@@ -82,12 +84,18 @@ class UwsimEngine final : public DynamicsEngine {
   std::vector<Resting> resting_;     // by body
   std::vector<Collider> colliders_;  // those of a body follow each other, its hull first
   std::vector<std::size_t> hulls_;   // by body: the collider of its hull
-  // A body at rest with nothing but weight and water on it, in steady water, sleeps: where it would be at the end of a
-  // step without contacts is known. This is a pure cache.
+  // Where a body at rest with nothing but weight and water on it, in steady water, would be at the end of a step
+  // without contacts: the same in each step. While nothing comes near it, such a body sleeps: a step leaves it out.
+  // This is a pure cache.
+  struct FreeStep {
+    bool is_known = false;
+    BodyState from, to;
+    double reach_m = 0;
+  };
   Calm calm_;
-  std::vector<std::uint8_t> sleeps_;
-  std::vector<BodyState> asleep_at_, free_ends_;  // of bodies that sleep
-  std::vector<std::size_t> moves_;                // the bodies that do not rest
+  std::vector<FreeStep> free_steps_;  // by body
+  std::vector<std::size_t> awake_;    // the bodies that do not sleep, in order
+  std::vector<std::size_t> moves_;    // those that do not rest
   // The step under way.
   std::span<MovedBody> bodies_;
   std::span<BodyState> next_states_;

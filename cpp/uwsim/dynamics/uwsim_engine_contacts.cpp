@@ -24,7 +24,7 @@ bool same(const BodyState& a, const BodyState& b) {
 }  // namespace
 
 void UwsimEngine::move(const Interval& now) {
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+  for (const std::size_t k : awake_) {
     if (takes_part_[k] == 0) continue;
     MovedBody& body = bodies_[k];
     body.motions.push_back({.start = states_[k],
@@ -35,11 +35,12 @@ void UwsimEngine::move(const Interval& now) {
                             .time_s = now.time_s,
                             .step_s = now.step_s});
     if (body.arm) body.arm->clear_pushes();
-    if (sleeps_[k] != 0 && now.step_s == step_s_ && is_unloaded(body) && same(states_[k], asleep_at_[k])) {
-      next_states_[k] = free_ends_[k];
+    FreeStep& free = free_steps_[k];
+    if (free.is_known && now.step_s == step_s_ && is_unloaded(body) && same(states_[k], free.from)) {
+      next_states_[k] = free.to;
       continue;
     }
-    sleeps_[k] = 0;
+    free.is_known = false;
     next_states_[k] = state_after(k, states_[k], body.motions.back().all, now);
     body.record_stages();
     body.require_plausible(next_states_[k], now.time_s, step_s_);  // before it hits another body
@@ -64,26 +65,27 @@ BodyState UwsimEngine::state_after(std::size_t body, const BodyState& state, con
 /// that moves wakes those near it.
 void UwsimEngine::find_rests(const Interval& now) {
   moves_.clear();
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+  for (const std::size_t k : awake_) {
     const bool lasts =
         takes_part_[k] != 0 && now.step_s == step_s_ && resting_[k].lasts(states_[k], next_states_[k].velocity_body);
     rests_[k] = lasts ? 1 : 0;
     if (takes_part_[k] != 0 && !lasts) moves_.push_back(k);
     const bool has_parts = bodies_[k].arm || bodies_[k].hull_waves;  // with states of their own, which go on
     if (lasts && calm_.is_steady && !has_parts && is_unloaded(bodies_[k])) {
-      sleeps_[k] = 1;
-      asleep_at_[k] = states_[k];
-      free_ends_[k] = next_states_[k];
+      free_steps_[k] = {true, states_[k], next_states_[k], reaches_m_[k]};
     }
   }
+  const std::size_t awake = awake_.size();
   for (std::size_t next = 0; next < moves_.size(); ++next) {
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
       if (rests_[k] == 0 || !are_near(k, moves_[next])) continue;
       rests_[k] = 0;
       moves_.push_back(k);
+      if (bodies_[k].sleeps) wake(k);
     }
   }
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+  if (awake_.size() > awake) std::ranges::sort(awake_);
+  for (const std::size_t k : awake_) {
     if (takes_part_[k] == 0) continue;
     if (rests_[k] != 0) {
       stop(k);
@@ -113,7 +115,7 @@ void UwsimEngine::find_reaches(double step_s) {
     // A diverged state is rejected later; its reach must not be infinite.
     return std::isfinite(fastest) ? std::max(kLeastReach_m, kReachPerMotion * fastest * step_s) : 0;
   };
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+  for (const std::size_t k : awake_) {
     const std::size_t hull = hulls_[k];
     extents_m_[k] = finder_.radius_m(hull);
     const double fastest = std::max(fastest_m_s(states_[k].velocity_body, extents_m_[k]),
@@ -124,7 +126,7 @@ void UwsimEngine::find_reaches(double step_s) {
     extents_m_[k] = std::max(extents_m_[k], bounds.extent_m);
     reaches_m_[k] = std::max(reaches_m_[k], reach_m(bounds.fastest_m_s));
   }
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+  for (const std::size_t k : awake_) {
     if (!bodies_[k].arm) continue;
     is_clear_[k] = is_clear(k) ? 1 : 0;
     if (is_clear_[k] != 0) continue;
@@ -154,11 +156,16 @@ bool UwsimEngine::is_clear(std::size_t body) const {
 
 /// Finds the contacts at the present poses whose gaps this interval could close.
 void UwsimEngine::find_contacts() {
-  for (std::size_t k = 0; k < colliders_.size(); ++k) {
-    const std::size_t body = colliders_[k].body;
-    const bool is_hull = colliders_[k].link == kHull, may_touch = is_hull || is_clear_[body] == 0;
-    moving_[k] = {is_hull ? states_[body].world_from_body : link_motions_[k].world_from_link, moving_[k].reach_m,
-                  may_touch && takes_part_[body] != 0 && rests_[body] == 0, bodies_[body].spec.path == nullptr, body};
+  for (const std::size_t body : awake_) {
+    const std::size_t hull = hulls_[body];
+    const bool meets_world = bodies_[body].spec.path == nullptr,
+               may_touch = takes_part_[body] != 0 && rests_[body] == 0;
+    moving_[hull] = {states_[body].world_from_body, moving_[hull].reach_m, may_touch, meets_world, body};
+    const std::size_t links = bodies_[body].arm ? bodies_[body].arm->size() : 0;
+    for (std::size_t k = hull + 1; k <= hull + links; ++k) {
+      moving_[k] = {link_motions_[k].world_from_link, moving_[k].reach_m, may_touch && is_clear_[body] == 0,
+                    meets_world, body};
+    }
   }
   try {
     finder_.find(moving_, contacts_);
@@ -193,7 +200,7 @@ void UwsimEngine::name_contact(Contact& contact) const {
 /// Impulses are found for the velocities at the end of an interval without contacts, and then act as constant forces
 /// over it. Thus the momentum of two bodies is conserved, and the work done equals that of the impulses.
 void UwsimEngine::solve_contacts(const Interval& now) {
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+  for (const std::size_t k : awake_) {
     contact_bodies_[k] = {.world_from_body = states_[k].world_from_body,
                           .velocity_body = next_states_[k].velocity_body,
                           .start_velocity_body = states_[k].velocity_body};
@@ -224,7 +231,7 @@ void UwsimEngine::solve_contacts(const Interval& now) {
   }
   stop_groups(now);
   record_touches();
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+  for (const std::size_t k : awake_) {
     const ContactBody& solved = contact_bodies_[k];
     if (rests_[k] != 0 || (bodies_[k].spec.path && !bodies_[k].arm)) continue;
     if (solved.impulse_body.isZero(0) && solved.push_body.isZero(0)) continue;
@@ -300,15 +307,15 @@ void UwsimEngine::stop_groups(const Interval& now) {
       groups_.join(a, static_cast<std::size_t>(contacts_[k].b));
     }
   }
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+  for (const std::size_t k : awake_) {
     if (may_stop_[k] != 0) may_stop_[groups_.of(k)] = 1;
   }
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+  for (const std::size_t k : awake_) {
     // A body with an arm never stops: its joints may move, or its arm may pull it away. Nor does one on a path.
     const bool is_slow = fastest_m_s(states_[k].velocity_body, finder_.radius_m(hulls_[k])) <= kSlow_m_s;
     if (!is_slow || bodies_[k].arm || bodies_[k].spec.path) may_stop_[groups_.of(k)] = 0;
   }
-  for (std::size_t group = 0; group < bodies_.size(); ++group) {
+  for (const std::size_t group : awake_) {
     if (groups_.of(group) == group && may_stop_[group] != 0) stop_if_held(group, now);
   }
 }
@@ -316,7 +323,7 @@ void UwsimEngine::stop_groups(const Interval& now) {
 void UwsimEngine::stop_if_held(std::size_t group, const Interval& now) {
   const bool is_new = try_stopping(group, now);
   bool holds = true, is_firm = true, pushes = false;
-  for (std::size_t k = group; k < bodies_.size(); ++k) {
+  for (const std::size_t k : awake_) {
     if (groups_.of(k) != group) continue;
     const Hold hold(stopped_bodies_[k], free_velocities_body_[k], finder_.radius_m(hulls_[k]), now.step_s);
     holds = holds && hold.holds;
@@ -328,10 +335,11 @@ void UwsimEngine::stop_if_held(std::size_t group, const Interval& now) {
     if (!is_within(contacts_[k], group)) continue;
     impulses_world_[k] = solver_.impulse_world(contacts_[k], stopped++);
   }
-  for (std::size_t k = group; k < bodies_.size(); ++k) {
+  for (const std::size_t k : awake_) {
     if (groups_.of(k) != group) continue;
     stop(k);
     if (pushes) {
+      free_steps_[k].is_known = false;
       next_states_[k].world_from_body = displaced(states_[k].world_from_body, stopped_bodies_[k].push_body, now.step_s);
     } else if (now.step_s == step_s_) {
       resting_[k].begin(states_[k].world_from_body, free_velocities_body_[k], is_firm);
@@ -348,14 +356,14 @@ bool UwsimEngine::is_within(const Contact& contact, std::size_t group) const {
 /// `free_velocities_body_` without them. Returns false if they are still, so that this is what was solved last.
 bool UwsimEngine::try_stopping(std::size_t group, const Interval& now) {
   bool are_still = true;
-  for (std::size_t k = group; k < bodies_.size(); ++k) {
+  for (const std::size_t k : awake_) {
     if (groups_.of(k) != group) continue;
     are_still = are_still && states_[k].velocity_body.isZero(0);
     stopped_bodies_[k] = contact_bodies_[k];
     free_velocities_body_[k] = next_states_[k].velocity_body;
   }
   if (are_still) return false;
-  for (std::size_t k = group; k < bodies_.size(); ++k) {
+  for (const std::size_t k : awake_) {
     if (groups_.of(k) != group) continue;
     const BodyState stopped{.world_from_body = states_[k].world_from_body};
     free_velocities_body_[k] = state_after(k, stopped, bodies_[k].motions.back().all, now).velocity_body;

@@ -129,7 +129,8 @@ void Simulation::step_once() {
   }
   if (link_) transmit();
   for (Vehicle& vehicle : vehicles_) drive(vehicle);
-  for (std::size_t k = 0; k < object_pushes_.size(); ++k) bodies_.apply(body_of(k), object_pushes_[k].at(tick_));
+  for (std::size_t k = 0; k < object_pushes_.size(); ++k)
+    bodies_.apply(vehicles_.size() + k, object_pushes_[k].at(tick_));
   bodies_.step(world_.water, time_s());
   if (spec_.carried_station) carry_docked();
   for (Vehicle& vehicle : vehicles_) {

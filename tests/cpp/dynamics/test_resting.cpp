@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "dynamics/bodies.h"
@@ -116,6 +117,46 @@ TEST(Resting, WhatIsRememberedOfAStackChangesNoBit) {
   const std::vector<double> places_m = pulled(false);
   EXPECT_EQ(places_m, pulled(true));
   EXPECT_GT(places_m.back() - places_m[2], 0.001);
+}
+
+void exchange(RigidBodyWorld& bodies, StateArchive& archive) {
+  bodies.exchange_state(archive);
+  bodies.exchange_contacts(archive);
+  bodies.exchange_last_step(archive);
+}
+
+/// A row of blocks that sleep until one is pushed against the next, and a block that tumbles along the row, in parts of
+/// a step.
+TEST(Resting, WhetherBodiesSleepChangesNoBitOfTheSavedState) {
+  constexpr double kLong_s = 0.02;
+  const auto saved = [](bool forgets) {
+    RigidBodyWorld bodies(bed(), kLong_s);
+    const auto add = [&](const BodyState& state) {
+      bodies.add_body({"block", block(), CollisionShape::kHull, kFriction, 0.1}, state);
+    };
+    for (int k = 0; k < 12; ++k) add(at(1.7 * k - 14, 3, kBed_m + kHeight_m / 2 + 0.01));
+    BodyState fast = at(13, 3.1, kBed_m + 4);
+    add(fast);
+    fast.velocity_body << -15, 0, -5, 0, 25, 0;
+    std::vector<std::string> states;
+    for (int k = 0; k < 500; ++k) {
+      Vector6d push = Vector6d::Zero();
+      push[0] = k > 100 && k < 200 ? 1.5 * weight_in_water_n() : 0;
+      bodies.set_wrench(0, push);
+      if (k == 250) bodies.set_state(12, fast);
+      bodies.step(EvenWater{}, k * kLong_s);
+      StateArchive saved;
+      exchange(bodies, saved);
+      states.push_back(saved.bytes());
+      if (!forgets) continue;
+      StateArchive restored(saved.bytes());
+      exchange(bodies, restored);
+    }
+    EXPECT_GT(bodies.state(1).world_from_body.position_m.x(), -12.6) << "the push reached the second block";
+    EXPECT_LT(bodies.state(12).world_from_body.position_m.x(), 3) << "the fast block passed some";
+    return states;
+  };
+  EXPECT_EQ(saved(false), saved(true));
 }
 
 TEST(Resting, ABodyFallsWhenWhatHoldsItUpIsTakenAway) {
