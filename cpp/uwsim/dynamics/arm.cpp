@@ -157,7 +157,6 @@ Vector6d Arm::accelerate(const ArmBase::Load& load, bool held) {
   if (!held) acceleration = solved(load.mass + reaction.inertia, load.wrench - reaction.bias);
   body_.unfold(acceleration);
   wrench_ = -(reaction.inertia * acceleration + reaction.bias);
-  stage_inertia_ = reaction.inertia;
   return acceleration;
 }
 
@@ -213,7 +212,7 @@ BodyState Arm::advance(const ArmBase& base, const BodyState& state, const WaterF
     if (k == 0) {
       acceleration = solve_joints(load, held, step_s);
       record_motors();
-      inertia_ = stage_inertia_;
+      inertia_ = body_.reaction().inertia;
     } else {
       acceleration = accelerate(load, held);
     }

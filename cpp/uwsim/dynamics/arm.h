@@ -138,7 +138,7 @@ class Arm {
   Joints stage_, sum_;
   std::array<Vector6d, 4> wrenches_;
   Vector6d wrench_ = Vector6d::Zero();
-  Matrix6d inertia_ = Matrix6d::Zero(), stage_inertia_ = Matrix6d::Zero();
+  Matrix6d inertia_ = Matrix6d::Zero();
 };
 
 }  // namespace uwsim

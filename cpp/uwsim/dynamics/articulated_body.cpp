@@ -256,9 +256,9 @@ const ArticulatedBody::Reaction& ArticulatedBody::fold(std::span<const JointDriv
     const bool on_base = joints_[k].parent == ArmLink::kBase;
     Matrix6d& inertia = on_base ? reaction_.inertia : work_[joints_[k].parent].inertia;
     Vector6d& bias = on_base ? reaction_.bias : work_[joints_[k].parent].bias;
-    inertia += at.inertia;
     at.is_given = drives[k].has_acceleration;
     if (at.is_given) {
+      inertia += at.inertia;
       at.acceleration = drives[k].value;
       bias += at.bias + at.inertia * (at.bias_velocity + at.acceleration * at.axis);
       continue;
@@ -268,7 +268,8 @@ const ArticulatedBody::Reaction& ArticulatedBody::fold(std::span<const JointDriv
     at.scale = at.axis.dot(at.reach) + links_[k].reflected_inertia();
     at.force = at.torque - links_[k].viscous_friction * at.speed - at.axis.dot(at.bias);
     const Vector6d share = at.reach / at.scale;
-    for (int column = 0; column < 6; ++column) inertia.col(column) -= share(column) * at.reach;
+    for (int column = 0; column < 6; ++column)
+      inertia.col(column) = inertia.col(column) + at.inertia.col(column) - share(column) * at.reach;
     bias += at.bias + at.inertia * at.bias_velocity + (at.force - at.reach.dot(at.bias_velocity)) * share;
   }
   return reaction_;

@@ -45,6 +45,8 @@ class ArticulatedBody {
   };
   /// After place().
   const Reaction& fold(std::span<const JointDrive> drives);
+  /// As the last fold() found it.
+  const Reaction& reaction() const { return reaction_; }
   /// Finds how the joints accelerate when the base does at `base_acceleration`, nu'. After fold().
   void unfold(const Vector6d& base_acceleration);
 
