@@ -164,3 +164,35 @@ def poses(sim: Simulator) -> list[list[float]]:
 def test_what_cannot_be_is_refused_with_the_reason(wrong: dict, rule: str) -> None:
     with pytest.raises(ScenarioError, match=rule):
         site(wrong)
+
+
+def test_scattered_bodies_have_their_density_keep_apart_and_depend_on_their_own_seed() -> None:
+    def scattered(own_seed: int, **changes: object) -> dict[str, np.ndarray]:
+        spread = {"per_100_m2": 6, "area_m": [30, 20], "seed": own_seed}
+        crate = body("box", "crate", [5, -3, 0], on_bed=True, density_kg_m3=1500.0, scatter=spread)
+        sim = site(crate, body("sphere", "ball", [0, 20, 0], density_kg_m3=500.0), **changes)
+        assert [*sim.objects][-1] == "ball"
+        return {name: each.pose.position_world_m for name, each in sim.objects.items() if name != "ball"}
+
+    one = scattered(1)
+    assert list(one) == [f"crate_{number}" for number in range(1, 37)]  # 6 per 100 m2 of 600 m2
+    xy_m = np.array([position_m[:2] for position_m in one.values()])
+    assert (abs(xy_m - [5, -3]) <= [15, 10]).all()
+    assert (np.ptp(xy_m, axis=0) > [24, 16]).all(), "they fill the area"
+    assert min(np.linalg.norm(a - b) for k, a in enumerate(xy_m) for b in xy_m[:k]) > np.hypot(1.0, 0.8)
+    for other, is_same in ((scattered(1, seed=7), True), (scattered(2), False)):
+        assert np.array_equal([*one.values()], [*other.values()]) is is_same
+
+
+@pytest.mark.parametrize(
+    ("changes", "rule"),
+    [
+        ({"per_100_m2": 0.01}, "gives 0 bodies"),
+        ({"per_100_m2": 40}, "gives 240 bodies: must be at least 1, and at most 200"),
+        ({"per_100_m2": 30, "apart_m": 4}, "leaves no room for 180 bodies"),
+    ],
+)
+def test_bodies_that_cannot_be_scattered_are_refused(changes: dict, rule: str) -> None:
+    spread = {"area_m": [30, 20]} | changes
+    with pytest.raises(ScenarioError, match=rf"objects\[0\]\.scatter: {rule}"):
+        site(body("box", "crate", [5, -3, 0], on_bed=True, density_kg_m3=1500.0, scatter=spread))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any, cast
 
 from pydantic import Field, StrictBool, model_validator
 
@@ -10,7 +10,8 @@ from uwsim.scenario.spec.applied_wrench import AppliedWrench
 from uwsim.scenario.spec.arm import Link, links_in_order
 from uwsim.scenario.spec.body_path import BodyPath
 from uwsim.scenario.spec.fields import InRange, Model, Name, broken
-from uwsim.scenario.spec.obstacle import ObstacleSpec
+from uwsim.scenario.spec.obstacle import ObstacleSpec, Placed
+from uwsim.scenario.spec.scatter import Scatter
 
 LOOSE_KINDS = ("box", "cylinder", "mesh", "sphere")
 Speed = Annotated[float, InRange(-100, 100, "m/s")]
@@ -27,6 +28,7 @@ class LooseBody(Model):
     path: what the body follows instead, such as a diver or a boat: no force moves it, so it has neither density nor
     mass, and it pushes what it meets. fixed: it stands where its shape is, like an obstacle. links: of a fixed body,
     what joints hold on it, by name, as in a vehicle's `arm` but without motors: a valve's handle, a pin, a door.
+    scatter: many of it at random places, such as debris; by default there is one.
     """
 
     shape: ObstacleSpec
@@ -40,6 +42,7 @@ class LooseBody(Model):
     path: BodyPath | None = None
     fixed: StrictBool = False
     links: Annotated[dict[Name, Link], Field(min_length=1, max_length=64)] | None = None
+    scatter: Scatter | None = None
 
     @property
     def name(self) -> str:
@@ -69,6 +72,24 @@ class LooseBody(Model):
         if any(self.velocity_m_s):
             raise broken(rule, at=("velocity_m_s",), value=self.velocity_m_s)
         return self
+
+    @model_validator(mode="after")
+    def _can_be_scattered(self) -> LooseBody:
+        if self.scatter is not None and self.path is not None:
+            raise broken("must be left out for a body on a path", at=("scatter",))
+        return self
+
+    def scattered(self) -> list[LooseBody]:
+        """Return the bodies that the entry stands for: itself, or its copies; none if these do not fit."""
+        if self.scatter is None:
+            return [self]
+        bodies, shape = [], cast(Placed, self.shape)  # as LOOSE_KINDS are
+        for number, (x_m, y_m, heading_deg) in enumerate(self.scatter.places(shape), start=1):
+            changes: dict[str, Any] = {"name": f"{self.name}_{number}", "position_m": (x_m, y_m, shape.position_m[2])}
+            if (turn := getattr(shape, "yaw_pitch_roll_deg", None)) is not None:
+                changes["yaw_pitch_roll_deg"] = ((turn[0] + heading_deg + 180.0) % 360.0 - 180.0, *turn[1:])
+            bodies.append(self.model_copy(update={"shape": shape.model_copy(update=changes), "scatter": None}))
+        return bodies
 
     @model_validator(mode="after")
     def _has_own_links(self) -> LooseBody:

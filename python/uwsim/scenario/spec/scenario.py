@@ -33,6 +33,7 @@ from uwsim.scenario.spec.water import Water
 from uwsim.scenario.spec.water_target import WaterTargetSpec
 from uwsim.scenario.spec.wind import LINK_MOST_M_S, OPTICS_MOST_M_S, Wind, in_wind
 
+MOST_OBJECTS = 200
 RESERVED_NAMES = ("nothing", "terrain", "station")
 WITHOUT_STATION = Station.model_construct(dock_m=(0.0, 0.0, -2.0))
 """The default station: a point on the water above the world's origin, with its dock 2 m below."""
@@ -96,7 +97,7 @@ class Scenario(Model):
     water_targets: Annotated[tuple[WaterTargetSpec, ...], Field(max_length=100)] = ()
     station: Station = WITHOUT_STATION
     vehicles: Annotated[tuple[VehicleEntry, ...], Field(min_length=1, max_length=64)]
-    objects: Annotated[tuple[LooseBody, ...], Field(max_length=200)] = ()
+    objects: Annotated[tuple[LooseBody, ...], Field(max_length=MOST_OBJECTS)] = ()
     warnings: WarningLimits = WarningLimits.model_construct()
     link: LinkSpec | None = None
     survey: Survey | None = None
@@ -111,6 +112,24 @@ class Scenario(Model):
         return f"<Scenario '{self.name}': {about}; {' '.join(self.description.split())}>"
 
     __str__ = __repr__
+
+    @model_validator(mode="after")
+    def _objects_are_scattered(self) -> Scenario:
+        if all(entry.scatter is None for entry in self.objects):
+            return self
+        bodies: list[LooseBody] = []
+        for index, entry in enumerate(self.objects):
+            count, at = 1 if entry.scatter is None else entry.scatter.count, ("objects", index, "scatter")
+            if not 1 <= count <= MOST_OBJECTS - len(bodies):
+                rule = f"gives {count} bodies: must be at least 1, and at most {MOST_OBJECTS} with all other objects"
+                raise broken(rule, at=at)
+            scattered = entry.scattered()
+            if not scattered:
+                rule = f"leaves no room for {count} bodies; give fewer, a larger area_m or a smaller apart_m"
+                raise broken(rule, at=at)
+            bodies += scattered
+        self.__dict__["objects"] = tuple(bodies)
+        return self
 
     @model_validator(mode="after")
     def _names_are_unique(self) -> Scenario:
