@@ -62,6 +62,10 @@ Tether::End Tether::end_of(const TetherEnd& end, std::span<MovedBody> bodies, co
   now.next = end_point(end, bodies);
   if (end.body == TetherEnd::kNoBody || bodies[end.body].held) return now;
   MovedBody& body = bodies[end.body];
+  if (body.spec.path) {
+    now.next = body.spec.path->at(time_s + step_s).world_from_body.point(end.point_m);
+    return now;
+  }
   if (body.arm) body.arm->begin();
   const Pose& pose = body.state.world_from_body;
   const BodyState free = body.advanced(body.state, body.loads(Vector6d::Zero(), step_s), water, time_s, step_s);

@@ -11,6 +11,7 @@ from uwsim.scenario.spec.arm import Link, links_in_order
 from uwsim.scenario.spec.body_path import BodyPath
 from uwsim.scenario.spec.fields import InRange, Model, Name, broken
 from uwsim.scenario.spec.obstacle import ObstacleSpec
+from uwsim.scenario.spec.tether import Tether
 
 LOOSE_KINDS = ("box", "cylinder", "mesh", "sphere")
 Speed = Annotated[float, InRange(-100, 100, "m/s")]
@@ -27,6 +28,7 @@ class LooseBody(Model):
     path: what the body follows instead, such as a diver or a boat: no force moves it, so it has neither density nor
     mass, and it pushes what it meets. fixed: it stands where its shape is, like an obstacle. links: of a fixed body,
     what joints hold on it, by name, as in a vehicle's `arm` but without motors: a valve's handle, a pin, a door.
+    tether: a cable from it to anything else; by default none.
     """
 
     shape: ObstacleSpec
@@ -40,6 +42,7 @@ class LooseBody(Model):
     path: BodyPath | None = None
     fixed: StrictBool = False
     links: Annotated[dict[Name, Link], Field(min_length=1, max_length=64)] | None = None
+    tether: Tether | None = None
 
     @property
     def name(self) -> str:
