@@ -66,6 +66,20 @@ def test_a_buoy_on_a_cable_to_the_bed_rests_at_the_closed_form() -> None:
     assert force_n == pytest.approx([0, 0, -net_n], abs=1e-2 * net_n)
 
 
+@pytest.mark.parametrize("step_s", [0.005, 0.02])
+def test_a_buoy_that_is_held_off_its_middle_comes_to_rest(step_s: float) -> None:
+    """It turns at about 10 rad/s about where it is held, with no damping but quadratic drag: nothing may feed that."""
+    held = CABLE | {"anchor": [0, 0, BED_M], "at_m": [0, 0, -0.2], "length_m": 5.0, "breaking_load_n": 1e9}
+    sim = Simulator(site(held).with_changes(step_s=step_s))
+    sim.advance(30.0)
+    fastest_rad_s = 0.0
+    for _ in range(200):
+        sim.advance(0.1)
+        turns_rad_s = sim.objects["buoy"].velocity.angular_body_rad_s[:2]  # about its vertical axis, nothing holds it
+        fastest_rad_s = max(fastest_rad_s, np.linalg.norm(turns_rad_s))
+    assert fastest_rad_s < 0.02
+
+
 def test_three_lines_share_the_lift_of_a_buoy() -> None:
     """The bases of the lines stand on the bed in a regular triangle, and each line is as long as the way to it."""
     bases = [
