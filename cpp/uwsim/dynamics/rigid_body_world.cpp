@@ -109,8 +109,6 @@ std::size_t RigidBodyWorld::add_tether(const TetherSpec& spec, const WaterField&
   for (const TetherEnd* end : {&spec.first, &spec.second}) {
     require(end->body < bodies_.size() || end->body == TetherEnd::kNoBody, spec.name + " end", end->body,
             "must be a body");
-    require(end->body == TetherEnd::kNoBody || !bodies_[end->body].spec.path, spec.name + " end",
-            end->body == TetherEnd::kNoBody ? "" : bodies_[end->body].spec.name, "must not follow a path");
   }
   tethers_.emplace_back(spec, world_, bodies_).lay(bodies_, water, time_s);
   return tethers_.size() - 1;

@@ -113,7 +113,7 @@ class Tether {
     Eigen::Vector3d unit;
     Pull pull;
   };
-  /// An end in a step: fixed, or a mass that moves.
+  /// An end in a step: one that moves whatever pulls it, if at all, or a mass that moves.
   struct End {
     bool is_fixed = true, turns_back = false;
     Eigen::Vector3d next = Eigen::Vector3d::Zero();  // without the tether's force

@@ -62,6 +62,10 @@ Tether::End Tether::end_of(const TetherEnd& end, std::span<MovedBody> bodies, co
   now.next = end_point(end, bodies);
   if (end.body == TetherEnd::kNoBody || bodies[end.body].held) return now;
   MovedBody& body = bodies[end.body];
+  if (body.spec.path) {
+    now.next = body.spec.path->at(time_s + step_s).world_from_body.point(end.point_m);
+    return now;
+  }
   if (body.arm) body.arm->begin();
   const Pose& pose = body.state.world_from_body;
   const BodyState free = body.advanced(body.state, body.loads(Vector6d::Zero(), step_s), water, time_s, step_s);
@@ -78,14 +82,14 @@ Tether::End Tether::end_of(const TetherEnd& end, std::span<MovedBody> bodies, co
 
 /// Takes the torque of a force on a body as it will be once the body has turned in the step: -H times the turn, where H
 /// is the part of (r . F) 1 - (r F^T + F r^T) / 2 that turns back. Otherwise a body that swings at a taut tether gains
-/// energy if its angular frequency times the step exceeds 2. Returns false and changes nothing where the force would
-/// turn the body by little more than the one at hand, which at first is none.
+/// energy: a share of (w dt)^2 / 2 of it in each step, where w is its angular frequency. Returns false and changes
+/// nothing where the force would turn the body by little more than the one at hand.
 bool Tether::turn_back(End& end, const Eigen::Vector3d& force_n, double step_s) {
   if (end.is_fixed) return false;
   const Eigen::Vector3d force_body = end.body_from_world * force_n;
   const Eigen::Matrix3d inverse_inertia = end.inverse_mass.bottomRightCorner<3, 3>();
   const double changes = (force_body - end.force_body_n).norm() * end.lever_body_m.norm() * inverse_inertia.trace();
-  if (step_s * step_s * changes < kTurnsLittle) return false;
+  if (step_s * step_s * changes <= (end.turns_back ? kTurnsLittle : 0)) return false;
   Eigen::Matrix3d turning =
       -0.5 * (end.lever_body_m * force_body.transpose() + force_body * end.lever_body_m.transpose());
   turning.diagonal().array() += end.lever_body_m.dot(force_body);

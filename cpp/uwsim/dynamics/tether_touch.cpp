@@ -243,6 +243,7 @@ void Tether::freeze_bed(std::size_t i) {
   Frozen& f = frozen_[i];
   const Eigen::Vector3d& at = nodes_[i].position;
   f.bed_stiffness = f.friction_n = 0;
+  if ((i == 0 && ends_[0].is_fixed) || (i == elements() && ends_[1].is_fixed)) return;
   const double spacing = terrain_ ? terrain_->spacing_m() : 0;
   if (!terrain_ || at.z() > terrain_->highest_m() + spacing) return;
   const double height = terrain_->height_at(at.x(), at.y());

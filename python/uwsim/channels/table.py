@@ -32,7 +32,7 @@ from uwsim.channels.families.plain_link import plain_link_channels
 from uwsim.channels.families.published import TRUE_TOPICS, published_channels, station_picture
 from uwsim.channels.families.scans import scan_channels
 from uwsim.channels.families.telemetry import telemetry_channel
-from uwsim.channels.families.tether import tether_channels
+from uwsim.channels.families.tether import object_tether_channels, tether_channels
 from uwsim.channels.families.twins import twin_channels
 from uwsim.channels.families.water_column import water_column_channels
 from uwsim.channels.families.wet_triangles import wet_triangles_channel
@@ -137,6 +137,7 @@ class Table:
             self.sources, self.tf, self.frame_prefix, rate_hz=self.tf_rate_hz, joint_frames=self.joint_frames
         )
         found += station_cameras(sim, self.pictures, self.frame_prefix)
+        found += object_tether_channels(sim) if self.truth else []
         for source in self.sources:
             found += self._vehicles(source, self._standard_of(source, sim))
         return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NoReturn
 
 from uwsim import _core
@@ -14,23 +14,31 @@ from uwsim.scenario.spec.scenario import Scenario
 from uwsim.simulator.arm import Arm
 from uwsim.simulator.forces import Wrench, forces_by_name
 from uwsim.simulator.push import Vector, push
+from uwsim.simulator.tether import Tether
 from uwsim.simulator.wet_triangles import WetTriangles
 
 
 class LooseBody:
     """One of a simulator's `objects`, of the scenario's `objects:`. Its origin is the middle of its volume.
 
-    joints: those of its links; None without any. Nothing commands them.
+    joints: those of its links; None without any. Nothing commands them. tether: None without one.
     """
 
     def __init__(
-        self, simulation: _core.Simulation, index: int, name: str, journal: Journal, joints: Arm | None = None
+        self,
+        simulation: _core.Simulation,
+        index: int,
+        name: str,
+        journal: Journal,
+        joints: Arm | None = None,
+        tether: Tether | None = None,
     ) -> None:
         self._simulation = simulation
         self._journal = journal
         self._index = index
         self.name = name
         self.joints = joints
+        self.tether = tether
 
     def __repr__(self) -> str:
         east, north, up = self.pose.position_world_m.tolist()
@@ -78,14 +86,40 @@ class LooseBody:
         if self._journal.observers:
             self._journal.note("push_object", object=self.name, **pushed.noted)
 
+    def set_winch(self, rate_m_s: float | None = None, tension_n: float | None = None) -> None:
+        """Command the winch of the body's tether; see Vehicle.set_winch.
 
-def loose_bodies(simulation: _core.Simulation, scenario: Scenario, journal: Journal) -> dict[str, LooseBody]:
+        It is the command `set_object_winch`. Raises ValueError, changing nothing.
+        """
+        noted = self._own_tether.wind(rate_m_s, tension_n)
+        if self._journal.observers:
+            self._journal.note("set_object_winch", object=self.name, **noted)
+
+    def cut_tether(self, at_m: float) -> None:
+        """Cut the body's tether at this length from its anchor.
+
+        It is the command `cut_object_tether`. Raises ValueError, changing nothing.
+        """
+        noted = self._own_tether.cut(at_m)
+        if self._journal.observers:
+            self._journal.note("cut_object_tether", object=self.name, **noted)
+
+    @property
+    def _own_tether(self) -> Tether:
+        if self.tether is None:
+            raise ValueError(f"object '{self.name}': has no tether")
+        return self.tether
+
+
+def loose_bodies(
+    simulation: _core.Simulation, scenario: Scenario, journal: Journal, tethers: Mapping[str, Tether]
+) -> dict[str, LooseBody]:
     """Return the objects of a simulation, which has them, by name."""
     found = {}
     for index, body in enumerate(scenario.objects):
         links, number = link_specs(body.links or {}), len(scenario.vehicles) + index  # vehicles come first
         joints = Arm(simulation, number, links, _refuse) if links else None
-        found[body.name] = LooseBody(simulation, index, body.name, journal, joints)
+        found[body.name] = LooseBody(simulation, index, body.name, journal, joints, tethers.get(body.name))
     return found
 
 

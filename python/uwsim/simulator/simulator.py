@@ -32,7 +32,7 @@ from uwsim.scenario.build.ping_chain import ping_chain
 from uwsim.scenario.build.short_waves import ShortWavesWarning, short_wave_warning
 from uwsim.scenario.build.simulation import simulation_spec
 from uwsim.scenario.build.station import carrier_index, dock_position, exit_position, fixed_station_m
-from uwsim.scenario.build.tether import tether_errors_at, tether_specs
+from uwsim.scenario.build.tether import add_tethers
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.world import beyond_terrain, fill_with_water, scenario_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint, warn_of_other_build
@@ -46,8 +46,7 @@ from uwsim.simulator.network import Network
 from uwsim.simulator.onboard_navigation import Estimates, new_navigator
 from uwsim.simulator.parameters import Parameters
 from uwsim.simulator.properties import SimulatorProperties
-from uwsim.simulator.tether import Tether
-from uwsim.simulator.tether_turns import upright_axes
+from uwsim.simulator.tether import Tether, tethers_of
 from uwsim.simulator.vehicle import Vehicle
 
 STEP_TOLERANCE = 1e-6  # relative amount by which a duration may differ from a whole number of steps
@@ -63,8 +62,8 @@ class Simulator(SimulatorProperties):
     by default one per core; results do not depend on it. Raises ScenarioError, with file, line, key, value and rule.
 
     Reading, pinging and telemetry do not advance time; repeated at the same time, they return the same sample.
-    Concurrent calls are serialised. cameras: the station's. objects: loose bodies. events: faults, alarms and failsafe
-    reactions so far.
+    Concurrent calls are serialised. cameras: the station's. objects: loose bodies. tethers: by
+    the name of the vehicle or object at their second end. events: faults, alarms and failsafe reactions so far.
     """
 
     _copied_by = "create another one from sim.scenario, and transfer the state with save_state() and restore_state()"
@@ -76,6 +75,7 @@ class Simulator(SimulatorProperties):
     lockstep: Lockstep
     cameras: Named[Camera]
     objects: Named[LooseBody]
+    tethers: Named[Tether]
     events: EventLog
     faults: Faults
     _changed_by = MappingProxyType(
@@ -145,6 +145,7 @@ class Simulator(SimulatorProperties):
         self._shared_scene = SharedScene(running, world, scene, core, threads, self.journal, like)
         self.cameras = Named(station_cameras(self.scenario.station, self._shared_scene), "cameras")
         dock = self._dock = self._made_dock()
+        self.tethers = Named(tethers_of(core, scenario), "tethers")
         vehicles, found = dict[str, Vehicle](), Collected()
         for index, entry in enumerate(running.vehicles):
             with found.noted(), vehicle_errors_at(running, index):
@@ -153,14 +154,14 @@ class Simulator(SimulatorProperties):
         self.vehicles = Named(vehicles, "vehicles")
         self._add_objects()
         self._add_tethers()
-        self.objects = Named(loose_bodies(core, running, self.journal), "objects")
+        self.objects = Named(loose_bodies(core, running, self.journal, self.tethers), "objects")
         for index, rov in enumerate(vehicles.values()):
             if (text := short_wave_warning(running, index, world.water, rov.control.net_buoyancy_n)) is not None:
                 warnings.warn(text, ShortWavesWarning, stacklevel=3)
         self._link = self._joined()
         lamps = {f"{name}.lamps.{lamp.name}.on": lamp for name, rov in vehicles.items() for lamp in rov.lamps.values()}
         self.faults = Faults(
-            self.scenario, vehicles, events=self.events, journal=self.journal, agenda=self.agenda,
+            self.scenario, vehicles, self.tethers, events=self.events, journal=self.journal, agenda=self.agenda,
             apply=lambda: self.parameters.reapply(), network=self._link, has_channels=self._has_channels,
         )  # fmt: skip
         self._parameters = Parameters(self.scenario, self._change, self.journal.note, lamps, self.faults.overlay)
@@ -202,7 +203,7 @@ class Simulator(SimulatorProperties):
             navigate=lambda rov, start: new_navigator(rov, start, self.world.water, fixed_station_m(self.scenario)),
             control=control,
             beyond_terrain=lambda x_m, y_m: beyond_terrain(self._world, self.scenario, x_m, y_m),
-            tether=self._tether(index),
+            tether=self.tethers.get(entry.name),
             joints=sensed(entry.model.arm or {}, entry.name, self.step_s, lambda: self.seed),
         )
 
@@ -232,19 +233,8 @@ class Simulator(SimulatorProperties):
                 self._core.add_object(spec)
 
     def _add_tethers(self) -> None:
-        """Add the tethers to the native simulation, in the order of their vehicles. Raises ScenarioError."""
-        for index, spec in tether_specs(self.scenario).items():
-            with tether_errors_at(self.scenario, index):
-                self._core.add_tether(spec)
-
-    def _tether(self, index: int) -> Tether | None:
-        """Return a vehicle's tether, whose number is how many vehicles before it have one."""
-        entries = self.scenario.vehicles
-        tether = entries[index].tether
-        if tether is None:
-            return None
-        number = sum(entry.tether is not None for entry in entries[:index])
-        return Tether(self._core, number, tether.length_m / tether.elements, upright_axes(self.scenario))
+        """Add the tethers to the native simulation. Raises ScenarioError."""
+        add_tethers(self.scenario, self._core)
 
     def _made_dock(self) -> Dock:
         station = self.scenario.station

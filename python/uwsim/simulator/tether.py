@@ -1,4 +1,4 @@
-"""A vehicle's tether: its shape, tension and length, and its winch."""
+"""A tether of a vehicle or a loose body: its shape, tension and length, and its winch."""
 
 from __future__ import annotations
 
@@ -9,19 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.base.arguments import read_only
+from uwsim.base.arguments import number, read_only
 from uwsim.base.short_repr import ShortRepr
-from uwsim.simulator.tether_turns import turns
+from uwsim.scenario.spec.scenario import Scenario
+from uwsim.simulator.tether_turns import turns, upright_axes
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TetherReading(ShortRepr):
-    """A tether at one time, from its anchor to the vehicle.
+    """A tether at one time, from its anchor to the vehicle or loose body that has it.
 
     points_world_m (n + 1, 3): the nodes between its elements. tensions_n (n,): of the elements. anchor_force_world_n,
-    vehicle_force_world_n (3,): of the tether on what holds its ends, in the last step. length_m: out, without load.
+    vehicle_force_world_n (3,): of the tether on what holds its ends, the second on the vehicle or body, in the last
+    step. length_m: out, without load.
     rate_m_s: paid out in the last step. broken_at_m: the length from the anchor at which it has broken, or None.
     is_whole (n,): False for the element that has broken. turns: about each upright obstacle of the scenario, by
     its name (tether_turns.turns_about); 0 once it has broken.
@@ -49,12 +51,12 @@ class TetherReading(ShortRepr):
 
     @property
     def vehicle_tension_n(self) -> float:
-        """The tension at the vehicle."""
+        """The tension at the vehicle or body."""
         return float(np.linalg.norm(self.vehicle_force_world_n))
 
 
 class Tether:
-    """A vehicle's tether, `Vehicle.tether`. Readings are true, not measured."""
+    """A tether, `Vehicle.tether` or `LooseBody.tether`. Readings are true, not measured."""
 
     def __init__(
         self, simulation: _core.Simulation, index: int, element_m: float, axes: Mapping[str, tuple[float, float]]
@@ -98,13 +100,20 @@ class Tether:
         """True if it has broken or been cut."""
         return self._simulation.tether(self._index).broken is not None
 
-    def wind(self, rate_m_s: float | None, tension_n: float | None) -> None:
-        """Command the winch; see Vehicle.wind."""
-        self._simulation.command_winch(self._index, rate_m_s, tension_n)
+    def wind(self, rate_m_s: float | None, tension_n: float | None) -> dict[str, float | None]:
+        """Command the winch; see Vehicle.set_winch. Returns the command as plain numbers. Raises ValueError."""
+        if rate_m_s is not None and tension_n is not None:
+            raise ValueError(f"tension_n = {tension_n} N: give either rate_m_s or tension_n")
+        rate = None if rate_m_s is None else number(rate_m_s, "rate_m_s", "m/s")
+        tension = None if tension_n is None else number(tension_n, "tension_n", "N")
+        self._simulation.command_winch(self._index, rate, tension)
+        return {"rate_m_s": rate, "tension_n": tension}
 
-    def cut(self, at_m: float) -> None:
-        """Cut it; see Vehicle.cut_tether."""
-        self._simulation.cut_tether(self._index, at_m)
+    def cut(self, at_m: float) -> dict[str, float]:
+        """Cut it; see Vehicle.cut_tether. Returns the command as plain numbers. Raises ValueError."""
+        at = number(at_m, "at_m", "m")
+        self._simulation.cut_tether(self._index, at)
+        return {"at_m": at}
 
     @property
     def length_m(self) -> float:
@@ -114,3 +123,12 @@ class Tether:
     def weaken(self, load_n: float) -> None:
         """From now on, break also where the tension exceeds this load; infinite: no longer."""
         self._simulation.weaken_tether(self._index, load_n)
+
+
+def tethers_of(simulation: _core.Simulation, scenario: Scenario) -> dict[str, Tether]:
+    """Return the tethers of a simulation by the name of what has them."""
+    axes = upright_axes(scenario) if scenario.tethered else {}
+    return {
+        one.name: Tether(simulation, number, one.tether.length_m / one.tether.elements, axes)
+        for number, one in enumerate(scenario.tethered)
+    }

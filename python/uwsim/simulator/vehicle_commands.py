@@ -214,18 +214,11 @@ class CommandedVehicle(Attached, Placeable):
         It stops at its shortest and its greatest length. rate_m_s: negative to recover, which the tension slows: at the
         winch's `strongest_n` it recovers nothing. Raises ValueError, changing nothing.
         """
-        if rate_m_s is not None and tension_n is not None:
-            raise ValueError(f"tension_n = {tension_n} N: give either rate_m_s or tension_n")
-        rate = None if rate_m_s is None else number(rate_m_s, "rate_m_s", "m/s")
-        tension = None if tension_n is None else number(tension_n, "tension_n", "N")
-        self._own_tether.wind(rate, tension)
-        self._note("set_winch", rate_m_s=rate, tension_n=tension)
+        self._note("set_winch", **self._own_tether.wind(rate_m_s, tension_n))
 
     def cut_tether(self, at_m: float) -> None:
         """Cut the vehicle's tether at this length from its anchor. Raises ValueError, changing nothing."""
-        at = number(at_m, "at_m", "m")
-        self._own_tether.cut(at)
-        self._note("cut_tether", at_m=at)
+        self._note("cut_tether", **self._own_tether.cut(at_m))
 
     @property
     def _own_tether(self) -> Tether:

@@ -16,6 +16,10 @@ vehicles:
     model: bluerov2_heavy
     start: {position_m: [5, 0, -4]}
     tether: {anchor: [0, 0, -4], length_m: 6, elements: 12, winch: {longest_m: 12, fastest_m_s: 0.4}}
+objects:
+  - shape: {kind: sphere, name: buoy, position_m: [-3, 0, -4], radius_m: 0.2}
+    density_kg_m3: 300
+    tether: {anchor: [-3, 0, -6], length_m: 3, elements: 8}
 """
 
 
@@ -25,6 +29,7 @@ def test_the_page_draws_it_and_winds_its_winch(browser, tmp_path: Path) -> None:
         page = here.fly()
         when(page, "station.station.isPilot")
         until(lambda: len(page.evaluate("station.tethers.elementsOf('rov')")) == 12, "the whole tether")
+        until(lambda: len(page.evaluate("station.tethers.elementsOf('buoy')")) == 8, "the tether of a loose body")
 
         def agrees() -> bool:
             drawn = page.evaluate("station.tethers.elementsOf('rov')")

@@ -45,7 +45,9 @@ vehicles:
     tether: {anchor: [0, 2, -4], length_m: 20, winch: {longest_m: 30}}
   - {name: torpedo, model: remus100, start: {position_m: [0, 10, -5]}}
 objects:
-  - {shape: {kind: sphere, name: ball, position_m: [9, 9, -3], radius_m: 0.2}, density_kg_m3: 1000}
+  - shape: {kind: sphere, name: ball, position_m: [9, 9, -3], radius_m: 0.2}
+    density_kg_m3: 1000
+    tether: {anchor: [9, 6, -4], length_m: 5, winch: {longest_m: 8}}
 """
 BETWEEN_S = 0.1
 EPISODE: list[tuple[str, dict[str, Any]]] = [
@@ -82,6 +84,8 @@ EPISODE: list[tuple[str, dict[str, Any]]] = [
     ("set_effort", {"vehicle": "rov", "sway": 0.3}),
     ("set_winch", {"vehicle": "scout", "rate_m_s": 0.4}),
     ("cut_tether", {"vehicle": "scout", "at_m": 5.0}),
+    ("set_object_winch", {"object": "ball", "rate_m_s": 0.4}),
+    ("cut_object_tether", {"object": "ball", "at_m": 2.0}),
     ("set_joints", {"vehicle": "scout", "positions": {"shoulder": 0.4}, "torques": {"wrist": 0.3}}),
     ("apply_wrench", {"vehicle": "rov", "force_n": [40.0, 0.0, 10.0], "axes": "world", "duration_s": 0.3}),
     ("push_object", {"object": "ball", "force_n": [5.0, 0.0, 0.0], "torque_nm": [0.0, 0.1, 0.0], "duration_s": 2.0}),

@@ -40,7 +40,7 @@ IN_DOCK = ("release", "undock")
 FREE = {
     "dock", "override_failsafe", "all_stop", "aim", "set_lamp", "aim_camera",  # only into the dock
     "place", "inject_fault", "end_fault", "set_parameter", "set_parameters", "reset_parameters", "set_optics",  # world
-    "apply_wrench", "push_object", "set_winch", "cut_tether",
+    "apply_wrench", "push_object", "set_winch", "cut_tether", "set_object_winch", "cut_object_tether",
     "start_navigation", "link_send", "note",
 }  # fmt: skip
 """Commands that all stop does not affect. Commands sent over a link are checked on arrival."""

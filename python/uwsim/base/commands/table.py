@@ -55,6 +55,16 @@ def _push_object(sim: Any, **how: Any) -> None:
     item(sim.objects, how.pop("object"), "object").apply_wrench(**how)
 
 
+def _set_object_winch(sim: Any, **how: Any) -> None:
+    item(sim.objects, how.pop("object"), "object").set_winch(**how)
+
+
+def _cut_object_tether(sim: Any, **how: Any) -> None:
+    item(sim.objects, how.pop("object"), "object").cut_tether(**how)
+
+
+WIND = (Argument("rate_m_s", unit="m/s", default=None), Argument("tension_n", unit="N", default=None))
+CUT = Argument("at_m", unit="m", low=0.0)
 PUSH = (
     Argument("force_n", "numbers", "N", length=3),
     Argument("torque_nm", "numbers", "N m", length=3, default=(0.0, 0.0, 0.0)),
@@ -123,13 +133,19 @@ STEERING = [
         ),
         is_piloted=False, changes_world=True,
     ),
+    Command("set_winch", "pay out a tether at a rate, or keep a tension; without either, hold", WIND),
     Command(
-        "set_winch", "pay out a tether at a rate, or keep a tension; without either, hold",
-        (Argument("rate_m_s", unit="m/s", default=None), Argument("tension_n", unit="N", default=None)),
+        "cut_tether", "cut a vehicle's tether at this length from its anchor", (CUT,),
+        is_piloted=False, changes_world=True,
     ),
     Command(
-        "cut_tether", "cut a vehicle's tether at this length from its anchor", (Argument("at_m", unit="m", low=0.0),),
+        "set_object_winch", "command the winch of a loose body's tether like set_winch",
+        (Argument("object", "text"), *WIND), _set_object_winch, of="simulator", notes_itself=True,
         is_piloted=False, changes_world=True,
+    ),
+    Command(
+        "cut_object_tether", "cut a loose body's tether like cut_tether", (Argument("object", "text"), CUT),
+        _cut_object_tether, of="simulator", notes_itself=True, is_piloted=False, changes_world=True,
     ),
     Command(
         "apply_wrench", "push a vehicle from outside, at its origin, for a while or until the next such command",

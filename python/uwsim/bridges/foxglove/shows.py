@@ -167,7 +167,7 @@ class TetherShow(Show):
 
 
 def _tethers(sim: Simulator) -> tuple[dict[str, TetherReading], int]:
-    return {name: rov.tether.read() for name, rov in sim.vehicles.items() if rov.tether is not None}, sim.time_ns
+    return {name: tether.read() for name, tether in sim.tethers.items()}, sim.time_ns
 
 
 class MapShow(Show):
@@ -238,12 +238,8 @@ def _shows_of_world(
         TrackShow("scene/track", outgoing, send, live, received_places(live, channels, feed, origin_m)),
         *([TrackShow("scene/true_track", outgoing, send, live, true_places(live))] if has_truth else []),
         *([BodyShow(outgoing, send, live)] if moving_shapes(scenario) and not has_link else []),
-        *([TetherShow(outgoing, send, live)] if _has_tethers(live.simulator) and not has_link else []),
+        *([TetherShow(outgoing, send, live)] if live.simulator.tethers and not has_link else []),
     ]
-
-
-def _has_tethers(sim: Simulator) -> bool:
-    return any(vehicle.tether is not None for vehicle in sim.vehicles.values())
 
 
 def _body_frame(prefix: str, channels: Sequence[Channel]) -> str:

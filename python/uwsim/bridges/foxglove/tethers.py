@@ -1,4 +1,4 @@
-"""The vehicles' tethers in Foxglove's 3D panel, coloured by tension."""
+"""The tethers in Foxglove's 3D panel, coloured by tension."""
 
 from __future__ import annotations
 
@@ -26,18 +26,16 @@ def tension_colours(tensions_n: ArrayLike, breaking_load_n: float) -> NDArray[np
 
 
 def tethers(now: Mapping[str, TetherReading], scenario: Scenario, time_ns: int) -> SceneUpdate:
-    """Return the tethers by vehicle as lines in the world frame, without the elements that have broken."""
+    """Return the tethers by name as lines in the world frame, without the elements that have broken."""
     entities = []
-    for entry in scenario.vehicles:
-        if entry.tether is None:
-            continue
-        reading = now[entry.name]
+    for one in scenario.tethered:
+        reading = now[one.name]
         ends = np.stack([reading.points_world_m[:-1], reading.points_world_m[1:]], axis=1)[reading.is_whole]
-        colours = np.repeat(tension_colours(reading.tensions_n, entry.tether.breaking_load_n)[reading.is_whole], 2, 0)
+        colours = np.repeat(tension_colours(reading.tensions_n, one.tether.breaking_load_n)[reading.is_whole], 2, 0)
         lines = LinePrimitive(
             type=LinePrimitiveLineType.LineList, points=points(ends.reshape(-1, 3)), thickness=WIDTH_PX,
             scale_invariant=True, colors=[Color(r=r, g=g, b=b, a=1.0) for r, g, b in colours.tolist()],
         )  # fmt: skip
-        name = f"tether of {entry.name}"
+        name = f"tether of {one.name}"
         entities.append(SceneEntity(timestamp=timestamp(time_ns), id=name, frame_id="world", lines=[lines]))
     return SceneUpdate(entities=entities)

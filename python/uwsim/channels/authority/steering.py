@@ -246,8 +246,7 @@ def is_cut_off(sim: Simulator, vehicle: str) -> bool:
         return False
     if sim.faults.link_is_down(vehicle):
         return True
-    tethers = (sim.vehicles[name].tether for name in tethered_through(sim.scenario, vehicle))
-    return any(tether is not None and tether.is_broken for tether in tethers)
+    return any(sim.tethers[name].is_broken for name in tethered_through(sim.scenario, vehicle))
 
 
 def require_link(live: LiveSimulator, vehicle: str, command: str) -> None:

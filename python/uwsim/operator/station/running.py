@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from uwsim.channels.delivery.feed import Feed
 from uwsim.channels.families.body_frames import body_frames
 from uwsim.channels.families.imaging import picture_geometry
 from uwsim.channels.families.map import PLACED
+from uwsim.channels.families.tether import object_topic
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.served import served_table
 from uwsim.channels.source import Source
@@ -40,6 +42,7 @@ from uwsim.operator.station.user_rosbridge import UserRosbridge
 from uwsim.operator.station.views import View, Views, title
 from uwsim.recording import Recorder
 from uwsim.scenario.spec.imaging_kind import core_kind
+from uwsim.scenario.spec.tether import Tether
 from uwsim.simulator.vehicle import Vehicle
 
 SHOWN = ("telemetry", PLACED, "image_raw/compressed", "picture/compressed")
@@ -227,6 +230,12 @@ class Running:
             "vehicles": [self._vehicle(source, optional) for source in self.table.sources],
             "views": [self._camera_view(view) for view in self.views.views.values()] + self._sonar_views(),
             "scene": "/scene/scene.json",
+            "tethers": {
+                one.name: found
+                for one in scenario.tethered
+                if one.name in sim.objects
+                and (found := self._tether(one.tether, _offered(partial(object_topic, one.name), optional)))
+            },
             "objects": f"/{OBJECTS}" if self.objects is not None and self.objects.topics() else None,
             "commands": self.commands(),
             "is_supervised": self.is_supervised,
@@ -285,9 +294,7 @@ class Running:
     def _vehicle(self, source: Source, optional: set[str]) -> Values:
         vehicle = source.of(self.live.simulator)
 
-        def topic(name: str) -> str | None:
-            return f"/{source.topic(name)}" if source.topic(name) in optional else None
-
+        topic = _offered(source.topic, optional)
         has_map = source.name in self.maps
         tilt = sonar = None
         if vehicle.sonars:
@@ -326,21 +333,26 @@ class Running:
             "tilt": tilt,
             "sonar": sonar,
             "motors": motors,
-            "tether": self._tether(source, topic),
+            "tether": self._tether(source.entry.tether, topic),
             "arm": _arm(source, vehicle),
         }
 
-    def _tether(self, source: Source, topic: Callable[[str], str | None]) -> Values | None:
-        shape, tension, spec = topic("tether/shape"), topic("tether/tension"), source.entry.tether
+    def _tether(self, spec: Tether | None, topic: Callable[[str], str | None]) -> Values | None:
+        shape, tension = topic("tether/shape"), topic("tether/tension")
         if spec is None or shape is None or tension is None:
             return None
         winch = spec.winch
         return {
             "shape": shape, "tension": tension, "turns": topic("tether/turns"),
-            "origin_m": np.asarray(source.origin_m, float).tolist(), "breaking_load_n": spec.breaking_load_n,
+            "origin_m": np.asarray(self.table.origin_m, float).tolist(), "breaking_load_n": spec.breaking_load_n,
             "fastest_m_s": None if winch is None else winch.fastest_m_s,
             "strongest_n": None if winch is None else winch.strongest_n,
         }  # fmt: skip
+
+
+def _offered(full: Callable[[str], str], optional: set[str]) -> Callable[[str], str | None]:
+    """Return what finds a topic's name for pages; None where it is not offered."""
+    return lambda name: f"/{full(name)}" if full(name) in optional else None
 
 
 def _arm(source: Source, vehicle: Vehicle) -> list[Values]:

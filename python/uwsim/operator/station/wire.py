@@ -177,7 +177,7 @@ class Proximity(Message):
 
 
 class TetherDescription(Message):
-    """A vehicle's tether. turns: null without upright obstacles. fastest_m_s: null without a winch."""
+    """A tether of a vehicle or loose body. turns: null without upright obstacles. fastest_m_s: null without a winch."""
 
     shape: str
     tension: str
@@ -295,7 +295,7 @@ class ReplayDescription(Message):
 
 
 class Description(Message):
-    """The running simulator."""
+    """The running simulator. tethers: those of loose bodies, by name."""
 
     success: Literal[True]
     session: int
@@ -312,6 +312,7 @@ class Description(Message):
     vehicles: list[VehicleDescription]
     views: list[ViewDescription]
     scene: str
+    tethers: dict[str, TetherDescription]
     objects: str | None
     commands: list[str]
     has_exercise: bool

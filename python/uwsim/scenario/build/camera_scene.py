@@ -56,10 +56,10 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
         scene.add_school(BUBBLES.kind, "bubbles", BUBBLES.colour)
     for carrier, link in all_shaped_links(scenario):
         _add_link(scene, carrier, link)
-    for index, spec in tether_specs(scenario).items():
+    for name, spec in tether_specs(scenario).items():
         tube = spec.tube()
         for _ in range(spec.tubes):
-            scene.add_vehicle(f"{scenario.vehicles[index].name} tether", *tube, "paint")
+            scene.add_vehicle(f"{name} tether", *tube, "paint")
     return scene
 
 

@@ -14,7 +14,7 @@ def label_names(scenario: Scenario) -> list[str]:
     """Return the names by label: World.label_names, vehicles, objects, life, plumes, links of arms, then tethers.
 
     An arm has a label for each link with a shape, `<vehicle> <shape>`, and a tether one for each of its elements, all
-    with the name `<vehicle> tether`.
+    with the name `<vehicle or object> tether`.
     """
     station = ["station"] if scenario.station.mesh is not None else []
     parts = (scenario.obstacles, scenario.cover, scenario.vehicles, scenario.objects, scenario.life or ())
@@ -39,5 +39,4 @@ def backscatter_by_label(scenario: Scenario) -> list[Backscatter]:
 
 
 def _tethers(scenario: Scenario) -> list[str]:
-    specs = tether_specs(scenario).items()
-    return [f"{scenario.vehicles[index].name} tether" for index, spec in specs for _ in range(spec.tubes)]
+    return [f"{name} tether" for name, spec in tether_specs(scenario).items() for _ in range(spec.tubes)]

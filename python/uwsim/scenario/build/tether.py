@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 from uwsim import _core
 from uwsim.scenario.build.station import carrier_index, dock_position
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.scenario import Scenario
-from uwsim.scenario.spec.tether import Anchor, BodyAnchor, Tether
+from uwsim.scenario.spec.tether import Anchor, BodyAnchor, Tethered
 
 SAME = (
     "length_m", "elements", "diameter_m", "mass_kg_m", "axial_stiffness_n", "bending_stiffness_n_m2",
@@ -18,34 +15,30 @@ SAME = (
 )  # fmt: skip
 
 
-def tether_specs(scenario: Scenario) -> dict[int, _core.TetherSpec]:
-    """Return the core's spec of each tether by its vehicle's index."""
-    return {
-        index: _spec(scenario, index, entry.tether)
-        for index, entry in enumerate(scenario.vehicles)
-        if entry.tether is not None
-    }
+def tether_specs(scenario: Scenario) -> dict[str, _core.TetherSpec]:
+    """Return the core's spec of each tether by the name of its vehicle or object, in order."""
+    return {one.name: _spec(scenario, one) for one in scenario.tethered}
 
 
-def tethered_through(scenario: Scenario, vehicle: str) -> list[str]:
-    """Return the vehicles whose tethers a vehicle's cable goes through: its own, that of its anchor, and so on."""
-    tethers = {entry.name: entry.tether for entry in scenario.vehicles if entry.tether is not None}
+def tethered_through(scenario: Scenario, name: str) -> list[str]:
+    """Return whose tethers the cable of a vehicle or object goes through: its own, that of its anchor, and so on."""
+    tethers = {one.name: one.tether for one in scenario.tethered}
     found: list[str] = []
-    while vehicle in tethers and vehicle not in found:
-        found.append(vehicle)
-        anchor = tethers[vehicle].anchor
-        vehicle = anchor.to if isinstance(anchor, BodyAnchor) else ""
+    while name in tethers and name not in found:
+        found.append(name)
+        anchor = tethers[name].anchor
+        name = anchor.to if isinstance(anchor, BodyAnchor) else ""
     return found
 
 
-@contextmanager
-def tether_errors_at(scenario: Scenario, index: int) -> Iterator[None]:
-    """Prefix errors of a vehicle's tether with file, line and path."""
-    file, keys = scenario.source_file, ("vehicles", index)
-    try:
-        yield
-    except ValueError as error:
-        raise ScenarioError(f"{file.line_prefix(*keys, 'tether')}{file.place(*keys)}.{error}") from None
+def add_tethers(scenario: Scenario, simulation: _core.Simulation) -> None:
+    """Add the tethers to a simulation, after all vehicles and objects. Raises ScenarioError, with its place."""
+    file = scenario.source_file
+    for one in scenario.tethered:
+        try:
+            simulation.add_tether(_spec(scenario, one))
+        except ValueError as error:
+            raise ScenarioError(f"{file.line_prefix(*one.keys, 'tether')}{file.place(*one.keys)}.{error}") from None
 
 
 def _first_end(scenario: Scenario, anchor: Anchor) -> _core.TetherEnd:
@@ -59,11 +52,11 @@ def _first_end(scenario: Scenario, anchor: Anchor) -> _core.TetherEnd:
     return _core.TetherEnd(dock_m) if carrier is None else _core.TetherEnd(dock_m, carrier)
 
 
-def _spec(scenario: Scenario, index: int, tether: Tether) -> _core.TetherSpec:
-    spec = _core.TetherSpec()
-    spec.name = f"tether of '{scenario.vehicles[index].name}'"
+def _spec(scenario: Scenario, one: Tethered) -> _core.TetherSpec:
+    spec, tether = _core.TetherSpec(), one.tether
+    spec.name = f"tether of '{one.name}'"
     spec.first = _first_end(scenario, tether.anchor)
-    spec.second = _core.TetherEnd(tether.at_m, index)
+    spec.second = _core.TetherEnd(tether.at_m, one.body)
     for name in SAME:
         setattr(spec, name, getattr(tether, name))
     if tether.winch is not None:

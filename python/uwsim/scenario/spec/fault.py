@@ -48,19 +48,22 @@ class FaultyTether(Protocol):
     def length_m(self) -> float:
         """The length that is out, without load."""
 
-    def cut(self, at_m: float) -> None:
+    def cut(self, at_m: float) -> object:
         """Cut it at this length from its anchor."""
 
 
 @dataclass(frozen=True)
 class FaultyVehicle:
-    """The vehicle that a fault affects. sensors: by name. sonars: the names of its multibeams. tether: if any."""
+    """The vehicle that a fault affects. sensors: by name. sonars: the names of its multibeams.
+
+    tethers: all of the scenario, by the vehicle or object that has them.
+    """
 
     name: str
     model: VehicleModel
     sensors: Mapping[str, FaultySensor]
     sonars: Collection[str]
-    tether: FaultyTether | None = None
+    tethers: Mapping[str, FaultyTether]
 
     def parts(self, of: str) -> list[str]:
         """Return the names of its parts of a sort: "sensors", "thrusters", "cameras" and so on."""
@@ -147,8 +150,8 @@ class FaultModel(Model):
         """Return the mass of water [kg] that the fault has let in, some steps after it was water_kg."""
         return water_kg
 
-    def tether_bears_n(self) -> float:
-        """Return the load at which the fault lets the vehicle's tether break while it is active [N]."""
+    def tether_bears_n(self, of: str, vehicle: str) -> float:
+        """Return the load at which it lets the tether of a vehicle or object break while it affects `vehicle` [N]."""
         return math.inf
 
     def unnoticed(self, observer: Observer) -> str:

@@ -12,6 +12,7 @@ from uwsim.scenario.spec.body_path import BodyPath
 from uwsim.scenario.spec.fields import InRange, Model, Name, broken
 from uwsim.scenario.spec.obstacle import ObstacleSpec, Placed
 from uwsim.scenario.spec.scatter import Scatter
+from uwsim.scenario.spec.tether import Tether
 
 LOOSE_KINDS = ("box", "cylinder", "mesh", "sphere")
 Speed = Annotated[float, InRange(-100, 100, "m/s")]
@@ -29,6 +30,7 @@ class LooseBody(Model):
     mass, and it pushes what it meets. fixed: it stands where its shape is, like an obstacle. links: of a fixed body,
     what joints hold on it, by name, as in a vehicle's `arm` but without motors: a valve's handle, a pin, a door.
     scatter: many of it at random places, such as debris; by default there is one.
+    tether: a cable from it to anything else; by default none.
     """
 
     shape: ObstacleSpec
@@ -43,6 +45,7 @@ class LooseBody(Model):
     fixed: StrictBool = False
     links: Annotated[dict[Name, Link], Field(min_length=1, max_length=64)] | None = None
     scatter: Scatter | None = None
+    tether: Tether | None = None
 
     @property
     def name(self) -> str:

@@ -26,7 +26,7 @@ from uwsim.scenario.spec.sonar import ARGUMENT_ONCE_IN_KHZ
 from uwsim.scenario.spec.station import Station
 from uwsim.scenario.spec.survey import Survey
 from uwsim.scenario.spec.terrain import TerrainSpec
-from uwsim.scenario.spec.tether import BodyAnchor
+from uwsim.scenario.spec.tether import BodyAnchor, Tethered
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.scenario.spec.water import Water
@@ -195,15 +195,15 @@ class Scenario(Model):
 
     @model_validator(mode="after")
     def _tethers_are_fastened(self) -> Scenario:
-        for index, vehicle in enumerate(self.vehicles):
-            anchor = None if vehicle.tether is None else vehicle.tether.anchor
+        for one in self.tethered:
+            anchor = one.tether.anchor
             if not isinstance(anchor, BodyAnchor):
                 continue
-            names = [other.name for other in self.vehicles if other is not vehicle]
-            names += [body.name for body in self.objects if body.path is None]
+            names = [vehicle.name for vehicle in self.vehicles] + [body.name for body in self.objects]
+            names.remove(one.name)
             if anchor.to not in names:
                 rule = f"must be another vehicle or a loose body: {', '.join(names) or 'there is none'}"
-                at = ("vehicles", index, "tether", "anchor", "to")
+                at = (*one.keys, "tether", "anchor", "to")
                 raise broken(rule + did_you_mean(anchor.to, names), at=at, value=anchor.to)
         return self
 
@@ -223,6 +223,17 @@ class Scenario(Model):
             rule = "the dock holds one vehicle; give this one a position_m"
             raise broken(rule, at=("vehicles", docked[1], "start"), value="station")
         return self
+
+    @property
+    def tethered(self) -> list[Tethered]:
+        """The vehicles and objects with a tether, in the order of the core's tethers."""
+        vehicles = [(("vehicles", index), each.name, each.tether) for index, each in enumerate(self.vehicles)]
+        objects = [(("objects", index), each.name, each.tether) for index, each in enumerate(self.objects)]
+        return [
+            Tethered(number, keys, name, tether)
+            for number, (keys, name, tether) in enumerate(vehicles + objects)
+            if tether is not None
+        ]
 
     @property
     def source_file(self) -> SourceFile:

@@ -1,9 +1,9 @@
-"""A vehicle's tether: its cable, where it is fastened, and its winch."""
+"""A tether of a vehicle or a loose body: its cable, where it is fastened, and its winch."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Discriminator, Tag, model_validator
 
@@ -26,7 +26,7 @@ class Winch(Model):
 
 
 class BodyAnchor(Model):
-    """A tether's first end at another vehicle or a loose body.
+    """A tether's first end at another vehicle or body.
 
     to: its name. at_m: where it is fastened, in its frame.
     """
@@ -50,10 +50,12 @@ Anchor = Annotated[
 
 
 class Tether(Model):
-    """A vehicle's tether. Its defaults are a Fathom ROV tether's (docs.bluerobotics.com/fathom-r2, specifications).
+    """A tether of a vehicle or of a body under `objects:`, which is at its second end.
 
-    anchor: `station`, at its dock, a fixed point of the world, or another vehicle or a loose body. at_m: where it is
-    fastened to the vehicle, in its frame. length_m: out at the start, without load; at least the distance of its ends.
+    Its defaults are a Fathom ROV tether's (docs.bluerobotics.com/fathom-r2, specifications).
+    anchor: its first end: `station`, at its dock, a fixed point of the world, or another vehicle or body. at_m: where
+    its second end is fastened, in the frame of its vehicle or body, whose origin is, for a body, the middle of its
+    volume. length_m: out at the start, without load; at least the distance of its ends.
     elements: into which that is divided; an element that the winch pays out is as long. diameter_m, mass_kg_m: 7.6 mm
     and 0.043 kg/m by its sheet. axial_stiffness_n: EA; by default its breaking load over the 2.4 % at which aramid
     fibres break (DuPont, "Kevlar technical guide"). bending_stiffness_n_m2: EI; by default a solid polyurethane rod's
@@ -97,3 +99,15 @@ class Tether(Model):
             rule = f"must be at least one element, {element_m:g} m, and at most length_m"
             raise broken(rule, at=("winch", "shortest_m"), value=least_m, unit="m")
         return self
+
+
+class Tethered(NamedTuple):
+    """A vehicle or object with a tether, at the second end of which it is.
+
+    body: its number among the core's bodies, vehicles and then objects. keys: its place in the scenario.
+    """
+
+    body: int
+    keys: tuple[str, int]
+    name: str
+    tether: Tether

@@ -31,6 +31,7 @@ from uwsim.simulator.failures.events import EventLog
 from uwsim.simulator.failures.fault import Fault, FaultState, checked_fault
 from uwsim.simulator.network import Network
 from uwsim.simulator.parameters.tree import find
+from uwsim.simulator.tether import Tether
 from uwsim.simulator.vehicle import Vehicle
 
 FILL_S = 1.0  # interval at which the water from a leak is updated
@@ -63,6 +64,7 @@ class Faults(Sealed):
         self,
         scenario: Scenario,
         vehicles: Mapping[str, Vehicle],
+        tethers: Mapping[str, Tether],
         *,
         events: EventLog,
         journal: Journal,
@@ -76,6 +78,7 @@ class Faults(Sealed):
         has_channels: whether commands may arrive over channels, which a link fault cuts off if there is no network.
         """
         self._vehicles = vehicles
+        self._tethers = tethers
         self._events = events
         self._journal = journal
         self._apply = apply
@@ -178,7 +181,7 @@ class Faults(Sealed):
     def _faulty(self, vehicle: str, scenario: Scenario) -> FaultyVehicle:
         model = next(entry.model for entry in scenario.vehicles if entry.name == vehicle)
         its = self._vehicles[vehicle]
-        return FaultyVehicle(vehicle, model, its.sensors, its.sonars, its.tether)
+        return FaultyVehicle(vehicle, model, its.sensors, its.sonars, self._tethers)
 
     @property
     def due_tick(self) -> int:
@@ -295,13 +298,10 @@ class Faults(Sealed):
             self._network.cut_off(fault.vehicle, self.link_is_down(fault.vehicle))  # another fault may still be active
 
     def _load_tethers(self) -> None:
-        """Let each tether bear what its vehicle's active faults leave; saved states do not include it."""
-        for vehicle in self._vehicles.values():
-            if vehicle.tether is not None:
-                loads = (
-                    f.spec.tether_bears_n() for f in self._faults.values() if f.is_active and f.vehicle == vehicle.name
-                )
-                vehicle.tether.weaken(min(loads, default=math.inf))
+        """Let each tether bear what active faults leave; saved states do not include it."""
+        for name, tether in self._tethers.items():
+            loads = (f.spec.tether_bears_n(name, f.vehicle) for f in self._faults.values() if f.is_active)
+            tether.weaken(min(loads, default=math.inf))
 
     def _fill(self, fault: Fault, tick: int) -> None:
         """Update the mass of water that a fault has let in."""

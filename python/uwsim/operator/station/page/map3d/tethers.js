@@ -1,4 +1,4 @@
-// The vehicles' tethers in the 3D view and on the chart, coloured by tension.
+// The tethers of vehicles and loose bodies in the 3D view and on the chart, coloured by tension.
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments } from '../vendor/three.js';
 
 const MOST = 1024; // elements
@@ -74,10 +74,11 @@ export class Tethers {
   }
 
   // Show another simulator's tethers; returns the ends of the subscriptions.
-  begin(bridge, { vehicles }, options) {
+  begin(bridge, { vehicles, tethers }, options) {
     this.scene.hide(...[...this.#drawn.values()].map(({ line }) => line));
     this.#drawn.clear();
-    return vehicles.flatMap(({ name, tether }) => {
+    const all = [...vehicles, ...Object.entries(tethers).map(([name, tether]) => ({ name, tether }))];
+    return all.flatMap(({ name, tether }) => {
       if (!tether) return [];
       const drawn = new Drawn(tether);
       this.#drawn.set(name, drawn);
@@ -104,7 +105,7 @@ export class Tethers {
     this.scene.redraw();
   }
 
-  // The elements of a vehicle's tether, for tests: [from, to, colour].
+  // The elements of a vehicle's or loose body's tether, for tests: [from, to, colour].
   elementsOf(name) {
     return [...(this.#drawn.get(name)?.elements() ?? [])];
   }

@@ -184,7 +184,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number[]} tilt_deg
  */
 
-/** A vehicle's tether. turns: null without upright obstacles. fastest_m_s: null without a winch.
+/** A tether of a vehicle or loose body. turns: null without upright obstacles. fastest_m_s: null without a winch.
  * @typedef {object} TetherDescription
  * @property {string} shape
  * @property {string} tension
@@ -283,7 +283,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {FlightEvent[]} events
  */
 
-/** The running simulator.
+/** The running simulator. tethers: those of loose bodies, by name.
  * @typedef {object} Description
  * @property {true} success
  * @property {number} session
@@ -300,6 +300,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {VehicleDescription[]} vehicles
  * @property {ViewDescription[]} views
  * @property {string} scene
+ * @property {Record<string, TetherDescription>} tethers
  * @property {string | null} objects
  * @property {string[]} commands
  * @property {boolean} has_exercise
