@@ -1136,13 +1136,15 @@ class Radiation:
         least_rad_s: typing.SupportsFloat | typing.SupportsIndex,
         most_rad_s: typing.SupportsFloat | typing.SupportsIndex,
         wet_volume_m3: typing.SupportsFloat | typing.SupportsIndex,
+        drift: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
     ) -> None:
         """
         added_mass: (6, 6), at infinite frequency. sections: R (6, 6), Q (6, 6), frequency [rad/s] and damping
         ratio of the terms (R s + Q) / (s^2 + 2 zeta omega s + omega^2). diffraction: complex (4, frequencies,
         headings, 6), force on a fixed hull beyond that on its slices, in each division, per metre of a wave's
         amplitude, with exp(-i omega t), from least_rad_s to most_rad_s and all around from the body's x. Body
-        frame, about the origin. Raises ValueError.
+        frame, about the origin. drift: (4, frequencies, headings, 3), the mean force along x and y and moment
+        about z that the rest of the model lacks, per squared metre of amplitude. Raises ValueError.
         """
     def diffraction(
         self,

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tests.fuzz import bridge_seeds, charts, fields
+from tests.fuzz import bridge_seeds, charts, fields, radiation
 from tests.fuzz.readers import CDR_TYPES, simulator_to_restore
 from tests.fuzz.surveys import side_scan, survey
 
@@ -368,6 +368,9 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "current_csv": lambda: [CSV],
     "ocean_csv": fields.ocean_csv,
     "ocean_netcdf": fields.ocean_netcdf,
+    "capytaine": radiation.capytaine,
+    "wamit": radiation.wamit_run,
+    "wec_sim": radiation.wec_sim,
     "scenario": _scenarios,
     **{kind: _parts(f"{kind.removesuffix('s')}s") for kind in ("vehicle", "thruster", "sensors", "sonar", "modem")},
     "sweep": lambda: [SWEEP],

@@ -3,6 +3,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <complex>
 #include <memory>
 #include <optional>
@@ -40,37 +41,48 @@ std::shared_ptr<const BuoyantHull> hull_of(TriangleMesh mesh_body, std::optional
 void bind_radiation(py::module_& m) {
   using Sections = std::vector<std::tuple<Matrix6d, Matrix6d, double, double>>;
   using Forces = py::array_t<std::complex<double>, py::array::c_style | py::array::forcecast>;
+  using Drifts = py::array_t<double, py::array::c_style | py::array::forcecast>;
   py::class_<Radiation, std::shared_ptr<Radiation>>(
       m, "Radiation", "The waves that a floating hull makes and deflects: Cummins' equation, and diffraction.")
-      .def(py::init([](const Matrix6d& added_mass, const Sections& sections, const Forces& diffraction,
-                       double least_rad_s, double most_rad_s, double wet_volume_m3) {
-             require(
-                 diffraction.ndim() == 4 && diffraction.shape(0) == Radiation::kDivisions && diffraction.shape(3) == 6,
-                 "diffraction", diffraction.ndim(), "must be of shape (4, frequencies, headings, 6)");
-             auto made = std::make_shared<Radiation>();
-             made->added_mass = added_mass;
-             for (const auto& [by_speed, by_place, omega, damping] : sections)
-               made->sections.push_back({by_speed, by_place, omega, damping});
-             made->frequencies = static_cast<std::size_t>(diffraction.shape(1));
-             made->headings = static_cast<std::size_t>(diffraction.shape(2));
-             const std::complex<double>* value = diffraction.data();
-             made->diffraction.resize(Radiation::kDivisions * made->frequencies * made->headings);
-             for (Radiation::Force& force : made->diffraction) {
-               for (int axis = 0; axis < 6; ++axis, ++value) force.row(axis) << value->real(), value->imag();
-             }
-             made->least_rad_s = least_rad_s;
-             made->most_rad_s = most_rad_s;
-             made->wet_volume_m3 = wet_volume_m3;
-             made->check();
-             return made;
-           }),
-           py::arg("added_mass"), py::arg("sections"), py::arg("diffraction"), py::arg("least_rad_s"),
-           py::arg("most_rad_s"), py::arg("wet_volume_m3"),
-           "added_mass: (6, 6), at infinite frequency. sections: R (6, 6), Q (6, 6), frequency [rad/s] and damping\n"
-           "ratio of the terms (R s + Q) / (s^2 + 2 zeta omega s + omega^2). diffraction: complex (4, frequencies,\n"
-           "headings, 6), force on a fixed hull beyond that on its slices, in each division, per metre of a wave's\n"
-           "amplitude, with exp(-i omega t), from least_rad_s to most_rad_s and all around from the body's x. Body\n"
-           "frame, about the origin. Raises ValueError.")
+      .def(
+          py::init([](const Matrix6d& added_mass, const Sections& sections, const Forces& diffraction,
+                      double least_rad_s, double most_rad_s, double wet_volume_m3, const std::optional<Drifts>& drift) {
+            require(
+                diffraction.ndim() == 4 && diffraction.shape(0) == Radiation::kDivisions && diffraction.shape(3) == 6,
+                "diffraction", diffraction.ndim(), "must be of shape (4, frequencies, headings, 6)");
+            auto made = std::make_shared<Radiation>();
+            made->added_mass = added_mass;
+            for (const auto& [by_speed, by_place, omega, damping] : sections)
+              made->sections.push_back({by_speed, by_place, omega, damping});
+            made->frequencies = static_cast<std::size_t>(diffraction.shape(1));
+            made->headings = static_cast<std::size_t>(diffraction.shape(2));
+            const std::complex<double>* value = diffraction.data();
+            made->diffraction.resize(Radiation::kDivisions * made->frequencies * made->headings);
+            for (Radiation::Force& force : made->diffraction) {
+              for (int axis = 0; axis < 6; ++axis, ++value) force.row(axis) << value->real(), value->imag();
+            }
+            if (drift) {
+              require(drift->ndim() == 4 && drift->shape(3) == 3 &&
+                          std::equal(drift->shape(), drift->shape() + 3, diffraction.shape()),
+                      "drift", drift->ndim(), "must be of shape (4, frequencies, headings, 3)");
+              const double* each = drift->data();
+              for (py::ssize_t k = 0; k < drift->size(); k += 3)
+                made->drift.emplace_back(each[k], each[k + 1], each[k + 2]);
+            }
+            made->least_rad_s = least_rad_s;
+            made->most_rad_s = most_rad_s;
+            made->wet_volume_m3 = wet_volume_m3;
+            made->check();
+            return made;
+          }),
+          py::arg("added_mass"), py::arg("sections"), py::arg("diffraction"), py::arg("least_rad_s"),
+          py::arg("most_rad_s"), py::arg("wet_volume_m3"), py::arg("drift") = py::none(),
+          "added_mass: (6, 6), at infinite frequency. sections: R (6, 6), Q (6, 6), frequency [rad/s] and damping\n"
+          "ratio of the terms (R s + Q) / (s^2 + 2 zeta omega s + omega^2). diffraction: complex (4, frequencies,\n"
+          "headings, 6), force on a fixed hull beyond that on its slices, in each division, per metre of a wave's\n"
+          "amplitude, with exp(-i omega t), from least_rad_s to most_rad_s and all around from the body's x. Body\n"
+          "frame, about the origin. drift: (4, frequencies, headings, 3), the mean force along x and y and moment\n"
+          "about z that the rest of the model lacks, per squared metre of amplitude. Raises ValueError.")
       .def_property_readonly(
           "added_mass", [](const Radiation& r) { return r.added_mass; }, "(6, 6)")
       .def("impedance", &Radiation::impedance, py::arg("s"),

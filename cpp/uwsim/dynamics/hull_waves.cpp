@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <sstream>
 #include <utility>
 
@@ -56,7 +57,8 @@ HullWaves::HullWaves(const std::string& body, std::shared_ptr<const Craft> craft
             "rad/s, must be at most 1 / step_s: the step is too long for the waves of so small a hull");
   }
   for (Resonators* each : {&now_, &start_, &next_, &stage_, &rate_}) each->resize(table.sections.size());
-  forces_.resize(components_.size(), Radiation::Force::Zero());
+  forces_.first_order.resize(components_.size(), Radiation::Force::Zero());
+  if (!table.drift.empty()) forces_.drift.resize(components_.size(), Radiation::Drift::Zero());
 }
 
 void HullWaves::remember(const HullWaves& other) {
@@ -69,8 +71,34 @@ void HullWaves::face(double heading_rad, Forces& forces) const {
   const Radiation& table = *craft_->parameters().radiation;
   for (std::size_t k = 0; k < components_.size(); ++k) {
     const WaveComponent& wave = components_[k].wave;
-    forces[k] = table.diffraction_at(division_, wave.angular_frequency_rad_s, wave.heading_rad - heading_rad);
+    const double omega = wave.angular_frequency_rad_s, toward = wave.heading_rad - heading_rad;
+    forces.first_order[k] = table.diffraction_at(division_, omega, toward);
+    if (!forces.drift.empty()) forces.drift[k] = table.drift_at(division_, omega, toward);
   }
+}
+
+/// The wrench of the sea beyond the pressure of the undisturbed waves, in the level axes that the hull heads along.
+Vector6d HullWaves::deflected(const Forces& forces, const Eigen::Vector3d& position_m, double time_s) const {
+  Vector6d level = Vector6d::Zero();
+  std::complex<double> sum = 0;                        // a exp(i phase)
+  Eigen::Vector3cd drifts = Eigen::Vector3cd::Zero();  // a D exp(i phase)
+  for (std::size_t k = 0; k < components_.size(); ++k) {
+    const Component& wave = components_[k];
+    const double phase = wave.number_rad_m.x() * position_m.x() + wave.number_rad_m.y() * position_m.y() -
+                         wave.wave.angular_frequency_rad_s * time_s + wave.wave.phase_rad;
+    const double cosine = std::cos(phase), sine = std::sin(phase);
+    const Radiation::Force& force = forces.first_order[k];
+    level += wave.wave.amplitude_m * (cosine * force.col(0) - sine * force.col(1));
+    if (forces.drift.empty()) continue;
+    const std::complex<double> of_wave = wave.wave.amplitude_m * std::complex<double>(cosine, sine);
+    sum += of_wave;
+    drifts += of_wave * forces.drift[k];
+  }
+  if (forces.drift.empty()) return level;
+  const Radiation::Drift slow = (std::conj(sum) * drifts).real();
+  level.head<2>() += slow.head<2>();
+  level(5) += slow(2);
+  return level;
 }
 
 HullWaveWrenches HullWaves::wrenches(const Resonators& resonators, const Forces& forces, const BodyState& state,
@@ -84,14 +112,7 @@ HullWaveWrenches HullWaves::wrenches(const Resonators& resonators, const Forces&
     all.radiation -= root * (sections[k].by_place * resonators[k].place);
   }
   if (components_.empty()) return all;
-  const Eigen::Vector3d& at = state.world_from_body.position_m;
-  Vector6d level = Vector6d::Zero();
-  for (std::size_t k = 0; k < forces.size(); ++k) {
-    const Component& wave = components_[k];
-    const double phase = wave.number_rad_m.x() * at.x() + wave.number_rad_m.y() * at.y() -
-                         wave.wave.angular_frequency_rad_s * time_s + wave.wave.phase_rad;
-    level += wave.wave.amplitude_m * (std::cos(phase) * forces[k].col(0) - std::sin(phase) * forces[k].col(1));
-  }
+  const Vector6d level = deflected(forces, state.world_from_body.position_m, time_s);
   Vector6d world;
   const Eigen::AngleAxisd turn(heading_of(state), Eigen::Vector3d::UnitZ());
   world << turn * Eigen::Vector3d(level.head<3>()), turn * Eigen::Vector3d(level.tail<3>());
@@ -149,7 +170,7 @@ void HullWaves::run_out(double step_s) {
 }
 
 HullWaveWrenches HullWaves::wrenches_at(const BodyState& state, const WaterField& water, double time_s) const {
-  Forces forces(components_.size());
+  Forces forces = forces_;
   face(heading_of(state), forces);
   return wrenches(now_, forces, state, craft_->load(state, Vector6d::Zero(), water, time_s).floating, time_s);
 }

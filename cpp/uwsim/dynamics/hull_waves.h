@@ -24,7 +24,8 @@ struct HullWaveWrenches {
 ///
 ///   y'' = sqrt(s) nu - 2 zeta omega y' - omega^2 y,   force = -sqrt(s) (R y' + Q y)
 ///
-/// Diffraction is the sum over the sea's waves at the body's position, for its heading at the start of the step.
+/// Diffraction is the sum over the sea's waves at the body's position, for its heading at the start of the step, with
+/// the slow drift, if the table has it.
 class HullWaves {
  public:
   /// Throws InvalidValue, which names the body, if more than `kLeftOut` of the energy of the water's waves is beyond
@@ -66,9 +67,14 @@ class HullWaves {
     Eigen::Vector2d number_rad_m;
   };
   using Resonators = std::vector<Resonator>;
-  using Forces = std::vector<Radiation::Force>;
+  /// On the hull in each component, in the level axes that it heads along; no drift if the table has none.
+  struct Forces {
+    std::vector<Radiation::Force> first_order;
+    std::vector<Radiation::Drift> drift;
+  };
 
   void face(double heading_rad, Forces& forces) const;
+  Vector6d deflected(const Forces& forces, const Eigen::Vector3d& position_m, double time_s) const;
   HullWaveWrenches wrenches(const Resonators& resonators, const Forces& forces, const BodyState& state, double share,
                             double time_s) const;
   void rates(const Resonators& resonators, const Vector6d& drive_body, Resonators& out) const;
@@ -80,7 +86,7 @@ class HullWaves {
   Resonators now_, start_, next_;
   // The step under way, kept so that steps allocate nothing.
   Resonators stage_, rate_;
-  Forces forces_;  // of each component, in the level axes that the body heads along
+  Forces forces_;
   std::array<HullWaveWrenches, 4> wrenches_;
 };
 

@@ -36,6 +36,10 @@ void Radiation::check() const {
           "must have a value for each division, frequency and heading");
   require(std::ranges::all_of(diffraction, [](const Force& force) { return force.allFinite(); }),
           "vehicle.radiation.diffraction", "non-finite", "must be finite");
+  require(drift.empty() || drift.size() == diffraction.size(), "vehicle.radiation.drift", drift.size(),
+          "must have a value for each one of diffraction, or none");
+  require(std::ranges::all_of(drift, [](const Drift& force) { return force.allFinite(); }), "vehicle.radiation.drift",
+          "non-finite", "must be finite");
   require(wet_volume_m3 > 0, "vehicle.radiation.wet_volume_m3", wet_volume_m3, "must be positive");
 }
 
@@ -78,7 +82,9 @@ Eigen::Matrix<std::complex<double>, 6, 6> Radiation::impedance(std::complex<doub
   return sum;
 }
 
-Radiation::Force Radiation::diffraction_at(std::size_t division, double omega_rad_s, double heading_rad) const {
+template <class Value>
+Value Radiation::between(const std::vector<Value>& values, std::size_t division, double omega_rad_s,
+                         double heading_rad) const {
   const double omega = std::clamp(omega_rad_s, least_rad_s, most_rad_s);
   const double beyond = omega_rad_s < omega ? omega_rad_s / omega : omega / omega_rad_s;
   const double row = (omega - least_rad_s) / (most_rad_s - least_rad_s) * static_cast<double>(frequencies - 1);
@@ -87,10 +93,18 @@ Radiation::Force Radiation::diffraction_at(std::size_t division, double omega_ra
   const double column = (turns - std::floor(turns)) * static_cast<double>(headings);
   const std::size_t left = static_cast<std::size_t>(column) % headings, right = (left + 1) % headings;
   const double up = row - static_cast<double>(low), across = column - std::floor(column);
-  const Force* const at = diffraction.data() + (division * frequencies + low) * headings;
-  const Force below = (1 - across) * at[left] + across * at[right];
-  const Force above = (1 - across) * at[headings + left] + across * at[headings + right];
+  const Value* const at = values.data() + (division * frequencies + low) * headings;
+  const Value below = (1 - across) * at[left] + across * at[right];
+  const Value above = (1 - across) * at[headings + left] + across * at[headings + right];
   return beyond * beyond * ((1 - up) * below + up * above);
+}
+
+Radiation::Force Radiation::diffraction_at(std::size_t division, double omega_rad_s, double heading_rad) const {
+  return between(diffraction, division, omega_rad_s, heading_rad);
+}
+
+Radiation::Drift Radiation::drift_at(std::size_t division, double omega_rad_s, double heading_rad) const {
+  return between(drift, division, omega_rad_s, heading_rad);
 }
 
 double Radiation::share(double submerged_volume_m3, double up, double cover) const {

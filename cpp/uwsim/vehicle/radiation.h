@@ -24,6 +24,12 @@ namespace uwsim {
 /// depends on the division of the hull into slices. The force of a wave a cos(k . x - omega t + phase) on a hull at x
 /// is a Re(X exp(i (k . x - omega t + phase))).
 ///
+/// The slow horizontal force of second order is, likewise, what the pressure and the terms above lack of the mean drift
+/// D a^2 of a free hull in regular waves. In a sea it is Newman's approximation (1974, "Second-order, slowly-varying
+/// forces on vessels in irregular waves"), with (D_i + D_j) / 2 for the waves i and j: the sum over both of a_i a_j D_i
+/// cos(phase_i - phase_j). Its mean is exact to second order; it varies as it should if D changes little between waves
+/// whose frequencies differ by as much as the hull's slow motions.
+///
 /// Valid for small motions about the floating pose, a slow hull (its speed much less than the waves') and the depth of
 /// the table. The terms are weighted by share(), beyond which the model of a submerged hull takes over.
 struct Radiation {
@@ -36,6 +42,7 @@ struct Radiation {
   };
   static constexpr std::size_t kDivisions = std::tuple_size_v<decltype(VolumeParts::slices)>;
   using Force = Eigen::Matrix<double, 6, 2>;  ///< real and imaginary part of X [N/m, N]
+  using Drift = Eigen::Vector3d;              ///< along x, along y, about z [N/m^2, N/m]
 
   Matrix6d added_mass = Matrix6d::Zero();  ///< at infinite frequency [kg, kg m, kg m^2]
   std::vector<Section> sections;
@@ -43,6 +50,7 @@ struct Radiation {
   /// `least_rad_s` to `most_rad_s`, for each of them at `headings` evenly spaced directions in which the wave travels,
   /// from the body's x counter-clockwise.
   std::vector<Force> diffraction;
+  std::vector<Drift> drift;  ///< D likewise; empty: none is modelled
   std::size_t frequencies = 0, headings = 0;
   double least_rad_s = 0, most_rad_s = 0;
   double wet_volume_m3 = 0;  ///< of the floating hull
@@ -54,6 +62,8 @@ struct Radiation {
   /// X of a hull in that division, linear between frequencies and headings. Beyond the table it falls with the square
   /// of the frequency to either side, as the force on a hull does in very long waves.
   Force diffraction_at(std::size_t division, double omega_rad_s, double heading_rad) const;
+  /// D of a hull in that division, likewise.
+  Drift drift_at(std::size_t division, double omega_rad_s, double heading_rad) const;
   /// The weight of these terms, from 0 to 1: 1 for a floating hull. It falls to 0 as the hull leaves the water, from
   /// half its floating volume; as it capsizes, between tilts of 30 and 60 degrees; and as it dives, until its top is
   /// half a hull's length below the surface. `up`: cosine of its tilt. `cover`: depth of its top under the surface over
@@ -62,6 +72,8 @@ struct Radiation {
 
  private:
   void check_sections() const;
+  template <class Value>
+  Value between(const std::vector<Value>& values, std::size_t division, double omega_rad_s, double heading_rad) const;
 };
 
 }  // namespace uwsim

@@ -28,7 +28,7 @@ def test_hulls_move_as_capytaine_computes(
     assert len(checks) == 4 and [check for check in checks if not check.passed] == []
 
 
-@pytest.mark.parametrize("part", ["_forward_speed", "_decays", "_haskind", "_energy"])
+@pytest.mark.parametrize("part", ["_forward_speed", "_drift", "_decays", "_haskind", "_energy"])
 def test_closed_forms_and_speed(part: str) -> None:
     checks = list(getattr(seakeeping, part)())
     assert checks and [check for check in checks if not check.passed] == []
@@ -36,6 +36,14 @@ def test_closed_forms_and_speed(part: str) -> None:
 
 def test_a_sea_moves_hulls_as_the_sum_of_its_waves() -> None:
     assert [check for check in seakeeping._irregular() if not check.passed] == []
+
+
+def test_short_waves_push_as_on_a_wall_and_long_ones_not_at_all() -> None:
+    """rho g a^2 / 2 per width (Maruo 1960): a wall reflects all; a ball's sides, by their slope, two thirds of it."""
+    for name, width_m, share in (("barge", 0.8, 1.0), ("hemisphere", 1.0, 2.0 / 3.0)):
+        drift = floating_hull(name).table.drift[:, 0, 0]
+        assert drift[-1] == pytest.approx(share * 0.5 * 9810.0 * width_m, rel=0.06)
+        assert np.abs(drift[:8]).max() < 0.01
 
 
 def test_the_tables_are_those_of_finer_panels_within_a_few_per_cent() -> None:

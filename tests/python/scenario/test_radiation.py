@@ -96,7 +96,35 @@ def first_headings(variables: Variables) -> None:
             variables[key] = axes, np.take(values, [0, 1, 2], axes.index("wave_direction"))
 
 
+DRIFTS = ("drift_force_surge", "drift_force_sway", "drift_force_yaw")
+
+
+def drift_of_pairs(variables: Variables) -> None:
+    """Write the drift as Capytaine has it: complex, for each pair of headings."""
+    for name in DRIFTS:
+        values = variables[name][1]
+        pairs = np.zeros((*values.shape, values.shape[1], 2))
+        pairs[:, np.arange(values.shape[1]), np.arange(values.shape[1]), 0] = values
+        variables[name] = (("omega", "wave_direction_k", "wave_direction_l", "complex"), pairs)
+
+
+def drift_of_other_headings(variables: Variables) -> None:
+    drift_of_pairs(variables)
+    variables["wave_direction_k"] = (("wave_direction_k",), variables["wave_direction"][1] + 0.1)
+
+
+def drift_of_fewer_headings(variables: Variables) -> None:
+    variables[DRIFTS[0]] = ("omega", "fewer"), variables[DRIFTS[0]][1][:, :-1]
+
+
 REFUSED = {
+    "half a drift": (lambda v: v.pop("drift_force_yaw"), "has drift_force_surge, drift_force_sway alone: must have"),
+    "no number": (scaled("drift_force_sway", np.nan), "drift must be finite"),
+    "axes": (drift_of_fewer_headings, "drift_force_surge has 12 values along fewer: must be 1"),
+    "other headings": (
+        drift_of_other_headings,
+        "wave_direction_k and wave_direction_l must have the values of wave_dir",
+    ),
     "no infinite frequency": (drop_infinity, "added mass at infinite frequency missing"),
     "no damping": (lambda v: v.pop("radiation_damping"), "radiation_damping missing"),
     "displacement": (scaled("disp_mass", 1.2), "displaces 0.576 m3: this hull of 480 kg displaces 0.48 m3"),
@@ -152,6 +180,11 @@ def test_a_table_in_hdf5_is_the_same(tmp_path: Path) -> None:
     one, other = read_radiation(table_file("barge")), read_radiation(path)
     for name in ("omega_rad_s", "added_mass", "damping", "exciting", "froude_krylov", "added_mass_infinite"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+def test_capytaines_drift_of_pairs_of_headings_is_that_of_their_diagonal(tmp_path: Path) -> None:
+    one, other = read_radiation(table_file("barge")), read_radiation(table(tmp_path / "pairs.nc", drift_of_pairs))
+    np.testing.assert_array_equal(one.drift, other.drift)
 
 
 def test_the_fit_follows_the_table() -> None:
@@ -277,6 +310,8 @@ def test_short_waves_are_warned_of_only_where_the_table_is_not_valid(tmp_path: P
 
 def test_a_report_states_the_fit() -> None:
     shape = floating_hulls.barge(0.48)
-    report = radiation_report(table_file("barge"), MASS_KG, shape.vertices_m, shape.triangles, 1000.0)
+    report = radiation_report(
+        table_file("barge"), floating_hulls.rigid_body(shape), shape.vertices_m, shape.triangles, 1000.0
+    )
     assert report.sections <= 9 and report.error < 0.04 and np.isinf(report.water_depth_m)
     assert (report.least_rad_s, report.most_rad_s) == pytest.approx((0.8, 11.0))

@@ -1,12 +1,13 @@
 """Tables as WAMIT and WEC-Sim's BEMIO write them are those of Capytaine from which these were made."""
 
+import re
 from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from uwsim.evidence.validate.peers.floating_hulls import barge, table_file
+from uwsim.evidence.validate.peers.floating_hulls import barge, rigid_body, table_file
 from uwsim.scenario.build.radiation import radiation
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.radiation_file import read_radiation
@@ -42,6 +43,15 @@ def wamit_files(folder: Path, length_m: float = 1.0, with_pressure: bool = True)
                 for w, h, i in np.ndindex(scaled.shape)
             )
         )
+    assert table.drift is not None
+    mean = table.drift / (9810.0 * length_m * np.array([1.0, 1.0, length_m]))
+    (folder / "barge.8").write_text(
+        "\n".join(
+            f" {2 * np.pi / table.omega_rad_s[w]:.9e} {beta} {beta} {(1, 2, 6)[i]} 0 0 {mean[w, h, i]:.9e} 0"
+            for w, h, i in np.ndindex(mean.shape)
+            for beta in [f"{np.degrees(table.heading_rad[h]):.6f}"]
+        )
+    )
     (folder / "barge.out").write_text(OUT.format(length=length_m, volume=table.displaced_kg / 1000.0))
     return folder / "barge.1"
 
@@ -66,6 +76,9 @@ def wec_sim_file(folder: Path) -> Path:
     for name, force in (("excitation", table.exciting), ("excitation/froude-krylov", table.froude_krylov)):
         values[f"{body}/{name}/re"] = force.real.transpose(2, 1, 0) / 9810.0
         values[f"{body}/{name}/im"] = -force.imag.transpose(2, 1, 0) / 9810.0
+    assert table.drift is not None
+    values[f"{body}/mean_drift/momentum_conservation/val"] = np.zeros((6, *table.drift.shape[1::-1]))
+    values[f"{body}/mean_drift/momentum_conservation/val"][[0, 1, 5]] = table.drift.transpose(2, 1, 0) / 9810.0
     with h5py.File(folder / "barge.h5", "w") as data:
         for name, value in values.items():
             data[name] = value
@@ -88,6 +101,19 @@ def test_wamits_files_are_the_table(length_m: float, tmp_path: Path) -> None:
     require_same(read_radiation(wamit_files(tmp_path, length_m)))
 
 
+@pytest.mark.parametrize("suffix", [".7", ".9"])
+def test_each_of_wamits_ways_to_the_drift_is_read(suffix: str, tmp_path: Path) -> None:
+    path = wamit_files(tmp_path)
+    (tmp_path / "barge.8").rename(tmp_path / f"barge{suffix}")
+    require_same(read_radiation(path))
+
+
+def test_without_files_of_drift_there_is_none(tmp_path: Path) -> None:
+    path = wamit_files(tmp_path)
+    (tmp_path / "barge.8").unlink()
+    assert read_radiation(path).drift is None
+
+
 def test_wec_sims_file_is_the_table(tmp_path: Path) -> None:
     require_same(read_radiation(wec_sim_file(tmp_path)))
 
@@ -99,12 +125,12 @@ def test_a_hull_is_made_with_wamits_files_in_any_water_and_another_is_refused(
     path = wamit_files(tmp_path, with_pressure=with_pressure)
     mass_kg = 1100.0 * float(read_radiation(path).displaced_kg or 0.0) / 1000.0
     shape = barge(mass_kg / 1100.0)
-    one = radiation(table_file("barge"), mass_kg / 1.1, shape.vertices_m, shape.triangles, 1000.0)
-    other = radiation(path, mass_kg, shape.vertices_m, shape.triangles, 1100.0)
+    one = radiation(table_file("barge"), rigid_body(shape), shape.vertices_m, shape.triangles, 1000.0)
+    other = radiation(path, rigid_body(shape, 1100.0), shape.vertices_m, shape.triangles, 1100.0)
     np.testing.assert_allclose(other.added_mass, 1.1 * one.added_mass, rtol=1e-3, atol=0.1)
     np.testing.assert_allclose(other.diffraction(2.5, 0.3), 1.1 * one.diffraction(2.5, 0.3), rtol=1e-3, atol=1.0)
     with pytest.raises(ScenarioError, match="another hull"):
-        radiation(path, mass_kg, shape.vertices_m * [1.25, 1.0, 1.0], shape.triangles, 1100.0)
+        radiation(path, rigid_body(shape, 1100.0), shape.vertices_m * [1.25, 1.0, 1.0], shape.triangles, 1100.0)
 
 
 @pytest.mark.parametrize(
@@ -117,6 +143,17 @@ def test_a_hull_is_made_with_wamits_files_in_any_water_and_another_is_refused(
         ("barge.1", " 0.0 ", " -1.0 ", "added mass at infinite frequency missing"),
         ("barge.1", " 1 1 ", " 7 1 ", "mode 7: must be 1 to 6"),
         ("barge.3", " 0 0 ", " zero 0 ", "line 2 must be numbers"),
+        ("barge.8", " 0 0 ", " 0 ", "line 1 has 7 values, must have 8"),
+        ("barge.8", " 6 0 0 ", " 5 0 0 ", "barge.8': must have a force for each period"),
+        ("barge.8", "(?m) \\S+ 0$", " nan 0", "barge.8': must have a force for each period"),
+        ("barge.8", "(?m) \\S+ 0$", " inf 0", "drift must be finite"),
+        (
+            "barge.8",
+            " 15.000000 15.000000 ",
+            " 15.000000 30.000000 ",
+            "barge.8': its headings must be those of the file .3",
+        ),
+        ("barge.8", "^ ", " 9", "barge.8': period .* s is not in the file .1"),
         ("barge.3", " 0 0 ", " 0 ", "line 1 has 6 values, must have 7"),
     ],
 )
@@ -126,7 +163,27 @@ def test_what_is_wrong_is_reported(name: str, old: str | None, new: str, text: s
     if old is None:
         broken.unlink()
     else:
-        broken.write_text(broken.read_text().replace(old, new))
+        broken.write_text(re.sub(old, new, broken.read_text()))
     with pytest.raises(ScenarioError, match=text) as caught:
+        read_radiation(path)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (np.zeros((6, 13)), "mean_drift must have 6 modes, 13 headings, 36 frequencies"),
+        (np.full((6, 13, 36), np.nan), "drift must be finite"),
+        ("none", "mean_drift/momentum_conservation/val must be numbers"),
+    ],
+)
+def test_what_is_wrong_with_wec_sims_drift_is_reported(value: np.ndarray | str, text: str, tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py", reason="pip install 'uwsim[seakeeping]'")
+    path = wec_sim_file(tmp_path)
+    with h5py.File(path, "a") as data:
+        name = "body1/hydro_coeffs/mean_drift/momentum_conservation/val"
+        del data[name]
+        data[name] = value
+    with pytest.raises(ScenarioError, match=rf"barge.h5': .*{text}") as caught:
         read_radiation(path)
     assert "\n" not in str(caught.value)

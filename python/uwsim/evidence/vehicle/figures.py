@@ -124,7 +124,7 @@ def vehicle_figures(
 def _radiation(model: VehicleModel, body: RigidBody, density_kg_m3: float) -> RadiationReport | None:
     if model.radiation is None:
         return None
-    return radiation_report(model.radiation, body.mass_kg, *vehicle_hull(model), density_kg_m3)
+    return radiation_report(model.radiation, body, *vehicle_hull(model), density_kg_m3)
 
 
 def _straight(model: VehicleModel, density_kg_m3: float, trim: Trim | None) -> StraightRun | None:

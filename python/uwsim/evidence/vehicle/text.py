@@ -53,7 +53,8 @@ def vehicle_lines(figures: VehicleFigures) -> Iterator[str]:
         water = "deep water" if np.isinf(depth_m) else f"{depth_m:.4g} m of water"
         yield (
             f"waves of its own: table from {fit.least_rad_s:.3g} to {fit.most_rad_s:.3g} rad/s in {water}, fitted "
-            f"within {100.0 * fit.error:.1f} % by {fit.sections} sections"
+            f"within {100.0 * fit.error:.1f} % by {fit.sections} sections, "
+            f"{'with' if fit.drifts else 'without'} mean drift"
         )
     farthest = max(figures.mounts, key=lambda mount: mount.away_m, default=None)
     if farthest is not None:

@@ -45,8 +45,8 @@ def craft(
     if model.radiation is not None:
         from uwsim.scenario.build.radiation import radiation  # it needs scipy, which is slow to import
 
-        mass_kg = rigid_body(model, water_density_kg_m3).mass_kg  # without weights and leaks
-        parameters.radiation = radiation(model.radiation, mass_kg, *hull, water_density_kg_m3)
+        body = rigid_body(model, water_density_kg_m3)  # without weights and leaks
+        parameters.radiation = radiation(model.radiation, body, *hull, water_density_kg_m3)
     return _core.Craft(parameters, *hull)
 
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.scenario.build.hull import RigidBody
+from uwsim.scenario.build.radiation_drift import HORIZONTAL, own_drift
 from uwsim.scenario.build.radiation_fit import Fit, fitted
 from uwsim.scenario.build.radiation_hull import (
     UprightHull,
@@ -34,51 +37,52 @@ FREQUENCIES, HEADINGS = 160, 72
 
 @dataclass(frozen=True)
 class RadiationReport:
-    """The quality of a fit: its sections, its largest error as a share, and the table's frequencies."""
+    """The quality of a fit: its sections, its largest error as a share, the table's frequencies, and mean drift."""
 
     sections: int
     error: float
     least_rad_s: float
     most_rad_s: float
     water_depth_m: float
+    drifts: bool
 
 
 def radiation(
     path: Path,
-    mass_kg: float,
+    body: RigidBody,
     vertices_m: Array,
     triangles: NDArray[np.uint32],
     density_kg_m3: float,
 ) -> _core.Radiation:
     """Return the waves that a hull makes and deflects, from its table.
 
-    mass_kg: with which the hull floats upright in water of this density, as the table has it. Raises ScenarioError for
-    a table of another hull, and one that no passive fit follows.
+    body: with which the hull floats upright in water of this density, as the table has it. Raises ScenarioError for a
+    table of another hull, and one that no passive fit follows.
     """
-    return _made(path, mass_kg, vertices_m, triangles, density_kg_m3)[0]
+    return _made(path, body, vertices_m, triangles, density_kg_m3)[0]
 
 
 def radiation_report(
     path: Path,
-    mass_kg: float,
+    body: RigidBody,
     vertices_m: Array,
     triangles: NDArray[np.uint32],
     density_kg_m3: float,
 ) -> RadiationReport:
     """Return the quality of the same. Raises ScenarioError."""
-    return _made(path, mass_kg, vertices_m, triangles, density_kg_m3)[1]
+    return _made(path, body, vertices_m, triangles, density_kg_m3)[1]
 
 
 def _made(
     path: Path,
-    mass_kg: float,
+    body: RigidBody,
     vertices_m: Array,
     triangles: NDArray[np.uint32],
     density_kg_m3: float,
 ) -> tuple[_core.Radiation, RadiationReport]:
     table = _read(path, (path.stat().st_mtime_ns, path.stat().st_size))
-    hull = floating_upright(path, mass_kg, vertices_m, triangles, density_kg_m3)
-    require_same_hull(path, table, hull, mass_kg, density_kg_m3)
+    hull = floating_upright(path, body.mass_kg, vertices_m, triangles, density_kg_m3)
+    require_same_hull(path, table, hull, body.mass_kg, density_kg_m3)
     to_origin = _turned_about_origin(table, hull)
     denser = density_kg_m3 / table.density_kg_m3
     added, damping, infinite = (
@@ -94,8 +98,14 @@ def _made(
     omega = np.linspace(table.omega_rad_s[0], table.omega_rad_s[-1], FREQUENCIES)
     forces = denser * _beyond_pressure(path, table, hull, omega) @ to_origin
     sections = list(zip(*fit[:4], strict=True))
-    made = _core.Radiation(infinite, sections, forces, omega[0], omega[-1], hull.wet_volume_m3)
-    return made, RadiationReport(len(sections), fit.error, omega[0], omega[-1], table.water_depth_m)
+    numbers = (infinite, sections, forces, omega[0], omega[-1], hull.wet_volume_m3)
+    made = _core.Radiation(*numbers)
+    if table.drift is not None:
+        drift = denser * _around(path, table, _about_origin(table, table.drift), omega)
+        own = _own_drift(table, hull, body, made, density_kg_m3, omega, (*fit[:4], forces))
+        made = _core.Radiation(*numbers, drift - _around(path, table, own))
+    drifts = table.drift is not None
+    return made, RadiationReport(len(sections), fit.error, omega[0], omega[-1], table.water_depth_m, drifts)
 
 
 @lru_cache(maxsize=16)
@@ -160,7 +170,6 @@ def _beyond_pressure(path: Path, table: RadiationTable, hull: UprightHull, omega
 
     That is diffraction, and what the pressure on the hull's slices leaves out of that on its panels.
     """
-    from scipy.interpolate import CubicSpline
 
     def make() -> tuple[Array, ...]:
         force = pressure_forces(table, hull)
@@ -170,26 +179,58 @@ def _beyond_pressure(path: Path, table: RadiationTable, hull: UprightHull, omega
                         table.omega_rad_s, table.heading_rad, table.centre_m, table.density_kg_m3, table.gravity_m_s2,
                         table.water_depth_m)  # fmt: skip
     beyond = table.exciting - (np.asarray(own[0], np.complex128) + 1j * np.asarray(own[1], np.complex128))
-    heading, force = _all_around(path, table, beyond)
-    around = CubicSpline(np.append(heading, heading[0] + 2.0 * np.pi), np.concatenate([force, force[:, :, :1]], axis=2),
-                         axis=2, bc_type="periodic")  # fmt: skip
-    turned = around(np.arange(HEADINGS) * 2.0 * np.pi / HEADINGS)
-    return np.asarray(CubicSpline(table.omega_rad_s, turned, axis=1)(omega_rad_s), np.complex128)
+    return np.asarray(_around(path, table, beyond, omega_rad_s), np.complex128)
 
 
-def _all_around(path: Path, table: RadiationTable, force: Complex) -> tuple[Array, Complex]:
-    """Return headings in [0, 2 pi) and the force: a table for one side of a hull is mirrored."""
+def _about_origin(table: RadiationTable, drift: Array) -> Array:
+    """Return the mean drift, (1, frequencies, headings, 3), with the moment about the origin."""
+    surge, sway, yaw = np.moveaxis(drift, -1, 0)
+    return np.stack([surge, sway, yaw + table.centre_m[0] * sway - table.centre_m[1] * surge], axis=-1)[None]
+
+
+def _own_drift(
+    table: RadiationTable, hull: UprightHull, body: RigidBody, model: _core.Radiation, density_kg_m3: float,
+    omega_rad_s: Array, numbers: tuple[NDArray[Any], ...],
+) -> Array:  # fmt: skip
+    """Return own_drift, which is slow, from the cache if it is there. numbers: those of the model."""
+
+    def make() -> tuple[Array, ...]:
+        return (own_drift(table, hull, body, model, density_kg_m3, omega_rad_s),)
+
+    parts = (*numbers[:-1], numbers[-1].real, numbers[-1].imag, model.added_mass)
+    stored = cached_arrays(make, "radiation_drift", hull.vertices_m, hull.triangles, hull.waterline_m, *parts,
+                           body.mass_kg, body.centre_of_mass_m, body.inertia_kg_m2, density_kg_m3, table.gravity_m_s2,
+                           table.water_depth_m, table.heading_rad, omega_rad_s)  # fmt: skip
+    return np.asarray(stored[0], np.float64)
+
+
+def _around(path: Path, table: RadiationTable, values: NDArray[Any], omega_rad_s: Array | None = None) -> NDArray[Any]:
+    """Return values (..., frequencies, headings, axes) at HEADINGS, and at other frequencies than the table's."""
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
+    heading, given = _all_around(path, table, values)
+    closed = np.concatenate([given, given[:, :, :1]], axis=2)
+    around = CubicSpline(np.append(heading, heading[0] + 2.0 * np.pi), closed, axis=2, bc_type="periodic")
+    turned = np.asarray(around(np.arange(HEADINGS) * 2.0 * np.pi / HEADINGS))
+    if omega_rad_s is None:
+        return turned
+    series = CubicSpline if values.shape[-1] == 6 else PchipInterpolator  # drift has peaks, beside which it would swing
+    return np.asarray(series(table.omega_rad_s, turned, axis=1)(omega_rad_s))
+
+
+def _all_around(path: Path, table: RadiationTable, values: NDArray[Any]) -> tuple[Array, NDArray[Any]]:
+    """Return headings in [0, 2 pi) and the values: a table for one side of a hull is mirrored."""
     heading = np.mod(table.heading_rad, 2.0 * np.pi)
     order = np.argsort(heading)
-    heading, force = heading[order], force[:, :, order]
+    heading, values = heading[order], values[:, :, order]
     if np.diff(heading).min(initial=1.0) < 1e-6:  # 0 and 360 degrees
         kept = np.append(True, np.diff(heading) > 1e-6)
-        heading, force = heading[kept], force[:, :, kept]
+        heading, values = heading[kept], values[:, :, kept]
     if heading.max() <= np.pi + 1e-6 and _has_two_equal_sides(table):
         inner = (heading > 1e-6) & (heading < np.pi - 1e-6)
-        mirror = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+        mirror = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])[list(HORIZONTAL) if values.shape[-1] == 3 else slice(6)]
         heading = np.concatenate([heading, 2.0 * np.pi - heading[inner][::-1]])
-        force = np.concatenate([force, (mirror * force[:, :, inner])[:, :, ::-1]], axis=2)
+        values = np.concatenate([values, (mirror * values[:, :, inner])[:, :, ::-1]], axis=2)
     gap = np.diff(np.append(heading, heading[0] + 2.0 * np.pi)).max()
     if gap > WIDEST_GAP_RAD:
         raise broken_file(
@@ -197,7 +238,7 @@ def _all_around(path: Path, table: RadiationTable, force: Complex) -> tuple[Arra
             f"wave_direction leaves a gap of {np.degrees(gap):.0f} deg: must be at most "
             f"{np.degrees(WIDEST_GAP_RAD):.0f} deg, all around or, for a hull with two equal sides, from 0 to 180 deg",
         )
-    return heading, force
+    return heading, values
 
 
 def _has_two_equal_sides(table: RadiationTable) -> bool:

@@ -80,7 +80,9 @@ def _beyond_table(entry: VehicleEntry, water: _core.Water) -> str | None:
         )
     depth_m = read_radiation(entry.model.radiation).water_depth_m
     amplitude_m, omega_rad_s = water.waves.components.T[:2]
-    here, there = (_wave_numbers(omega_rad_s, depth, water.gravity_m_s2) for depth in (water.waves.depth_m, depth_m))
+    here, there = (
+        wave_numbers_rad_m(omega_rad_s, depth, water.gravity_m_s2) for depth in (water.waves.depth_m, depth_m)
+    )
     energy = amplitude_m**2
     share = float(energy[np.abs(here / there - 1.0) > DEPTH_CHANGE].sum() / energy.sum()) if energy.any() else 0.0
     if share > ENERGY_SHARE:
@@ -93,7 +95,7 @@ def _beyond_table(entry: VehicleEntry, water: _core.Water) -> str | None:
     return None
 
 
-def _wave_numbers(omega_rad_s: NDArray[np.float64], depth_m: float, gravity_m_s2: float) -> NDArray[np.float64]:
+def wave_numbers_rad_m(omega_rad_s: NDArray[np.float64], depth_m: float, gravity_m_s2: float) -> NDArray[np.float64]:
     """Return the solutions k of omega^2 = g k tanh(k h) [rad/m]."""
     deep = omega_rad_s**2 / gravity_m_s2
     if np.isinf(depth_m):

@@ -3,7 +3,7 @@
 Both are dimensionless (WAMIT, "User Manual", ch. 4; BEMIO's normalizeBEM.m): with the length L, which BEMIO leaves out,
 and u = 1 for forces, L for moments,
 
-  A = rho L^3 u_i u_j A',   B = rho omega L^3 u_i u_j B',   X = rho g L^2 u_i X'
+  A = rho L^3 u_i u_j A',   B = rho omega L^3 u_i u_j B',   X = rho g L^2 u_i X',   D = rho g L u_i D'
 
 so that they are valid for any density. Their forces are those of exp(+i omega t), the conjugates of Capytaine's.
 """
@@ -24,6 +24,9 @@ MAX_BYTES = 200_000_000
 RHO = 1000.0
 """The density [kg/m3] in which values are kept; the table is valid for any."""
 SAME_PERIOD = 1e-5
+DRIFTS = {".8": "momentum_conservation", ".7": "control_surface", ".9": "pressure_integration"}
+"""WAMIT's mean drift, with BEMIO's names; the first that is there is read."""
+DRIFT_MODES = (1, 2, 6)
 HEADER = {
     "gravity": re.compile(r"Gravity:\s+([\d.Ee+-]+)"),
     "length": re.compile(r"Length scale:\s+([\d.Ee+-]+)"),
@@ -34,7 +37,7 @@ HEADER = {
 
 
 def read_wamit(path: Path) -> RadiationTable:
-    """Read NAME.1, and beside it NAME.3, NAME.3fk if it is there, and NAME.out. Raises ScenarioError."""
+    """Read NAME.1, and beside it NAME.3, NAME.out, and NAME.3fk, .8, .7 or .9 if there. Raises ScenarioError."""
     header = _header(path)
     gravity, length = float(header["gravity"][0]), float(header["length"][0])
     depth = header["depth"][0]
@@ -52,12 +55,14 @@ def read_wamit(path: Path) -> RadiationTable:
         if not np.array_equal(same, heading):
             raise broken_file(path.with_suffix(".3fk"), "its headings must be those of the file .3")
         froude_krylov = of_wave * froude_krylov
+    drift = _drift(path, omega, heading)
     return table_of(
         path,
         omega,
         (of_pair * mass, of_pair * waves * damping),
         heading,
         (of_wave * exciting, froude_krylov),
+        None if drift is None else RHO * gravity * length * np.array([1.0, 1.0, length]) * drift,
         centre_m=np.array(centre),
         density_kg_m3=RHO,
         gravity_m_s2=gravity,
@@ -135,18 +140,47 @@ def _matrices(path: Path) -> tuple[Array, Array, Array]:
 
 def _forces(path: Path, omega_rad_s: Array) -> tuple[Array, Complex]:
     """Return headings [rad] and the forces at each frequency; not a number at 0 and infinity. Raises ScenarioError."""
-    rows = _rows(path, (7,))
-    headings = sorted({row[1] for row in rows})
+    values = [
+        (period, heading, _axis(path, mode), real - 1j * imaginary)
+        for period, heading, mode, _, _, real, imaginary in _rows(path, (7,))
+    ]
+    return _by_wave(path, omega_rad_s, values, 6)
+
+
+def _drift(path: Path, omega_rad_s: Array, headings_rad: Array) -> Array | None:
+    """Return the mean drift at each frequency and heading, None without a file. Raises ScenarioError."""
+    given = [file for suffix in DRIFTS if (file := path.with_suffix(suffix)).exists()]
+    if not given:
+        return None
+    values = [
+        (period, heading, DRIFT_MODES.index(int(abs(mode))), complex(real))
+        for period, heading, other, mode, _, _, real, _ in _rows(given[0], (8,))
+        if heading == other and abs(mode) in DRIFT_MODES
+    ]
+    same, found = _by_wave(given[0], omega_rad_s, values, len(DRIFT_MODES))
+    if not np.array_equal(same, headings_rad):
+        raise broken_file(given[0], "its headings must be those of the file .3")
+    return np.asarray(found.real, np.float64)
+
+
+def _by_wave(
+    path: Path, omega_rad_s: Array, values: list[tuple[float, float, int, complex]], modes: int
+) -> tuple[Array, Complex]:
+    """Return headings [rad] and an array (frequencies, headings, modes) of period, heading [deg], mode and value."""
+    headings = sorted({value[1] for value in values})
     column = {heading: k for k, heading in enumerate(headings)}
     finite = np.isfinite(omega_rad_s) & (omega_rad_s > 0.0)
-    found = np.full((len(omega_rad_s), len(headings), 6), np.nan, np.complex128)
-    for period, heading, axis, _, _, real, imaginary in rows:
+    missing = broken_file(path, "must have a force for each period of the file .1, heading and mode")
+    if len(values) < np.count_nonzero(finite) * len(headings) * modes:
+        raise missing  # before memory is taken for a file of many headings
+    found = np.full((len(omega_rad_s), len(headings), modes), np.nan, np.complex128)
+    for period, heading, mode, value in values:
         near = np.abs(omega_rad_s / _omega(period) - 1.0)
         if not near[finite].min(initial=1.0) <= SAME_PERIOD:
             raise broken_file(path, f"period {period:g} s is not in the file .1")
-        found[np.nanargmin(near), column[heading], _axis(path, axis)] = real - 1j * imaginary
+        found[np.nanargmin(near), column[heading], mode] = value
     if np.isnan(found[finite]).any():
-        raise broken_file(path, "must have a force for each period of the file .1, heading and mode")
+        raise missing
     return np.radians(headings), found
 
 
@@ -196,6 +230,15 @@ def read_wec_sim(path: Path) -> RadiationTable:
         parts = [RHO * gravity * force("excitation")]
         if "body1/hydro_coeffs/excitation/froude-krylov/re" in data:
             parts.append(RHO * gravity * force("excitation/froude-krylov"))
+        drift = None
+        if given := [name for name in DRIFTS.values() if f"body1/hydro_coeffs/mean_drift/{name}/val" in data]:
+            drift = numbers(f"body1/hydro_coeffs/mean_drift/{given[0]}/val")
+            if drift.shape != (6, len(heading), len(omega)):
+                raise broken_file(
+                    path, f"mean_drift must have 6 modes, {len(heading)} headings, {len(omega)} frequencies"
+                )
+            drift = RHO * gravity * drift[[mode - 1 for mode in DRIFT_MODES]].transpose(2, 1, 0)
+            drift = np.concatenate([drift, np.full_like(drift[:1], np.nan)])
         whole_force, *pressure = (np.concatenate([part, np.full_like(part[:1], np.nan)]) for part in parts)
         return table_of(
             path,
@@ -203,6 +246,7 @@ def read_wec_sim(path: Path) -> RadiationTable:
             (np.concatenate([mass, infinite[None]]), np.concatenate([damping, np.zeros((1, 6, 6))])),
             heading,
             (whole_force, pressure[0] if pressure and np.isfinite(parts[1]).all() else None),
+            drift,
             centre_m=numbers("body1/properties/cg").ravel(),
             density_kg_m3=RHO,
             gravity_m_s2=gravity,

@@ -17,6 +17,9 @@ from uwsim.scenario.read.radiation_table import Array, Complex, RadiationTable, 
 DOFS = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
 WAMIT, WEC_SIM = ".1", ".h5"
 MATRICES, FORCES = ("added_mass", "radiation_damping"), ("diffraction_force", "Froude_Krylov_force")
+DRIFTS = ("drift_force_surge", "drift_force_sway", "drift_force_yaw")
+"""The mean drift, as Capytaine's far_field_mean_drift_force returns it: for pairs of headings, complex."""
+HEADING_PAIR = ("wave_direction_k", "wave_direction_l")
 PAIR = "complex"
 """The axis of real and imaginary parts."""
 
@@ -52,7 +55,7 @@ class _Reader:
         if missing:
             raise self._broken(f"{', '.join(missing)} missing: must be a dataset of Capytaine with radiation and waves")
         omega, heading = self._numbers("omega").ravel(), self._numbers("wave_direction").ravel()
-        matrices = [self._matrices(name) for name in MATRICES]
+        matrices, centre_m = [self._matrices(name) for name in MATRICES], self._vector("rotation_center")
         forces = [self._forces(name) for name in FORCES]
         if self._is_moving():
             raise self._broken("forward_speed must be 0 m/s: tables of a moving hull are not read")
@@ -62,7 +65,8 @@ class _Reader:
             (matrices[0], matrices[1]),
             heading,
             (forces[0] + forces[1], forces[1]),
-            centre_m=self._vector("rotation_center"),
+            self._drift(centre_m),
+            centre_m=centre_m,
             density_kg_m3=self._scalar("rho", 0.0),
             gravity_m_s2=self._scalar("g", 0.0),
             displaced_kg=self._scalar("disp_mass", 0.0) if "disp_mass" in self._all else None,
@@ -110,20 +114,42 @@ class _Reader:
         return values[:, self._dofs("influenced_dof")][:, :, self._dofs("radiating_dof")]
 
     def _forces(self, name: str) -> Complex:
-        wanted = ("omega", "wave_direction", "influenced_dof")
+        both = self._complex(name, ("omega", "wave_direction", "influenced_dof"))
+        return both[:, :, self._dofs("influenced_dof")]
+
+    def _complex(self, name: str, wanted: tuple[str, ...]) -> Complex:
         values = self._all[name].values
         if values.dtype.names is not None and len(values.dtype.names) == 2:  # HDF5's complex numbers
             real, imaginary = (np.asarray(values[part], np.float64) for part in values.dtype.names)
-            both = self._in_order(name, wanted, real + 1j * imaginary)
-            return np.asarray(both[:, :, self._dofs("influenced_dof")], np.complex128)
+            return np.asarray(self._in_order(name, wanted, real + 1j * imaginary), np.complex128)
         if PAIR not in self._all[name].axes:
             raise self._broken(f"{name} must have real and imaginary parts along '{PAIR}'")
         pairs = self._in_order(name, (*wanted, PAIR), self._numbers(name))
         names = self._names(PAIR) if PAIR in self._all else ["re", "im"]
         if sorted(names) != ["im", "re"] or pairs.shape[-1] != 2:
             raise self._broken(f"{PAIR} = {names}: must be re and im")
-        both = pairs[..., names.index("re")] + 1j * pairs[..., names.index("im")]
-        return np.asarray(both[:, :, self._dofs("influenced_dof")], np.complex128)
+        return np.asarray(pairs[..., names.index("re")] + 1j * pairs[..., names.index("im")], np.complex128)
+
+    def _drift(self, centre_m: Array) -> Array | None:
+        """Return the mean drift about the centre, None if the file has none. Capytaine's moment is about its origin."""
+        given = [name for name in DRIFTS if name in self._all]
+        if not given:
+            return None
+        if len(given) < len(DRIFTS):
+            raise self._broken(f"has {', '.join(given)} alone: must have {', '.join(DRIFTS)}, or none of them")
+        surge, sway, yaw = (self._drift_along(name) for name in DRIFTS)
+        return np.stack([surge, sway, yaw - centre_m[0] * sway + centre_m[1] * surge], axis=-1)
+
+    def _drift_along(self, name: str) -> Array:
+        if HEADING_PAIR[0] not in self._all[name].axes:
+            return np.asarray(self._in_order(name, ("omega", "wave_direction"), self._numbers(name)), np.float64)
+        pairs = self._complex(name, ("omega", *HEADING_PAIR))
+        heading = self._numbers("wave_direction").ravel()
+        if any(not np.array_equal(self._numbers(axis).ravel(), heading) for axis in HEADING_PAIR if axis in self._all):
+            raise self._broken(f"{' and '.join(HEADING_PAIR)} must have the values of wave_direction")
+        if pairs.shape[1:] != (heading.size, heading.size):
+            raise self._broken(f"{name} must have a value for each pair of the {heading.size} headings")
+        return np.asarray(np.diagonal(pairs.real, axis1=1, axis2=2), np.float64)
 
     def _names(self, axis: str) -> list[str]:
         values = self._all[axis].values

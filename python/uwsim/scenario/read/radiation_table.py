@@ -26,9 +26,10 @@ class RadiationTable:
     omega_rad_s: (n,), ascending. added_mass, damping: (n, 6, 6) about centre_m [kg, kg m, kg m2 and per second].
     added_mass_infinite: (6, 6). heading_rad: (m,), ascending, of the waves' travel. exciting: complex (n, m, 6), the
     whole force on the fixed hull per metre of amplitude, of exp(-i omega t). froude_krylov: the part of the undisturbed
-    waves' pressure, None if not given. centre_m: (3,), the point about which the hull turns. displaced_kg: mass of the
-    displaced water, None if not given. water_depth_m: may be infinite. of_any_density: values are in proportion to the
-    water's density, of which density_kg_m3 is an example.
+    waves' pressure, None if not given. drift: (n, m, 3), the mean force in surge and sway [N/m2] and moment in yaw
+    about centre_m [N/m] on the free hull per squared metre of amplitude, None if not given. centre_m: (3,), the point
+    about which the hull turns. displaced_kg: mass of the displaced water, None if not given. water_depth_m: may be
+    infinite. of_any_density: values are in proportion to the water's density, of which density_kg_m3 is an example.
     """
 
     omega_rad_s: Array
@@ -43,6 +44,7 @@ class RadiationTable:
     gravity_m_s2: float
     displaced_kg: float | None
     water_depth_m: float
+    drift: Array | None = None
     of_any_density: bool = False
 
 
@@ -57,12 +59,13 @@ def table_of(
     matrices: tuple[Array, Array],
     heading_rad: Array,
     forces: tuple[Complex, Complex | None],
+    drift: Array | None = None,
     **others: Any,
 ) -> RadiationTable:
     """Return a table in ascending order.
 
     omega_rad_s: (n,), with infinity; rows at 0 are left out. matrices: added mass and damping, (n, 6, 6). forces: the
-    whole, and the undisturbed waves' part, (n, m, 6); those at infinity are not used. Raises ScenarioError.
+    whole, and the undisturbed waves' part, (n, m, 6), and drift, (n, m, 3): at infinity not used. Raises ScenarioError.
     """
     finite, infinite = np.isfinite(omega_rad_s) & (omega_rad_s > 0), np.isposinf(omega_rad_s)
     if not infinite.any():
@@ -84,6 +87,7 @@ def table_of(
         heading_rad=heading_rad[turn],
         exciting=whole[order][:, turn],
         froude_krylov=None if pressure is None else pressure[order][:, turn],
+        drift=None if drift is None else drift[order][:, turn],
         **others,
     )
     for field in fields(table):

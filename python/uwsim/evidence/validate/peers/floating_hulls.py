@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.scenario.build.hull import RigidBody
 from uwsim.scenario.build.radiation import radiation
 from uwsim.scenario.read.radiation_file import read_radiation
 from uwsim.scenario.read.radiation_table import RadiationTable
@@ -80,7 +81,7 @@ def floating_hull(name: str) -> FloatingHull:
     parameters.mass_kg = mass_kg
     parameters.inertia_kg_m2 = mass_kg * np.diag(np.square(shape.radii_m))
     parameters.centre_of_mass_body_m = (0.0, 0.0, shape.centre_of_mass_z_m + shape.waterline_m)
-    model = radiation(table_file(name), mass_kg, shape.vertices_m, shape.triangles, DENSITY_KG_M3)
+    model = radiation(table_file(name), rigid_body(shape), shape.vertices_m, shape.triangles, DENSITY_KG_M3)
     parameters.radiation = model
     weight_n = mass_kg * GRAVITY_M_S2
     arm_m = shape.centre_of_buoyancy_z_m - shape.centre_of_mass_z_m
@@ -99,6 +100,18 @@ def floating_hull(name: str) -> FloatingHull:
         tried_rad_s=TRIED_RAD_S[name],
         settling_s=60.0 if name == "barge" else 200.0,
         least_response=0.1,
+    )
+
+
+def rigid_body(shape: Shape, density_kg_m3: float = DENSITY_KG_M3) -> RigidBody:
+    """Return the mass properties of a hull that floats."""
+    mass_kg = density_kg_m3 * shape.wet_volume_m3
+    return RigidBody(
+        volume_m3=shape.wet_volume_m3,
+        mass_kg=mass_kg,
+        centre_of_buoyancy_m=np.array([0.0, 0.0, shape.centre_of_buoyancy_z_m + shape.waterline_m]),
+        centre_of_mass_m=np.array([0.0, 0.0, shape.centre_of_mass_z_m + shape.waterline_m]),
+        inertia_kg_m2=mass_kg * np.square(shape.radii_m),
     )
 
 
