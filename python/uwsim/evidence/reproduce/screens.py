@@ -98,8 +98,10 @@ def take_screens(out: Path) -> None:
         orientation = [0.0, 0.0, math.sin(half), math.cos(half)]
         live.command("place", vehicle="rov", position_world_m=[x, y, z], orientation_xyzw=orientation).result()
         live.command("set_lamp", vehicle="rov", lamp="front", on=True).result()
-        page.keyboard.down("w")
+        live.pause()  # otherwise, on a busy machine, the large view's pictures leave no time for the others'
         _until(page, "station.views.names.every((name) => (station.views.picture(name)?.drawn ?? 1) > 0)")
+        live.resume()
+        page.keyboard.down("w")
         _shoot(page, out / NAMES[1], FLOWN_S)
 
 
