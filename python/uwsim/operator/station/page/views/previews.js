@@ -1,9 +1,10 @@
 // The small views, refreshed one after the other. Each pause is a multiple of the time that the last one took, so that
-// on any machine most of the time is left for the large view.
+// most of the time is left for the large view; on a busy machine, where that is long, it is bounded.
 
 const REST = 3; // times the duration of the last picture
 const LEAST_REST_MS = 100;
-const PATIENCE_MS = 3000; // maximum wait for a picture
+const MOST_REST_MS = 1000;
+const PATIENCE_MS = 8000; // maximum wait for a picture
 
 export class Previews {
   #streams = []; // { picture, topic }, the next one first
@@ -33,7 +34,8 @@ export class Previews {
   }
 
   #rest() {
-    const restMs = Math.max(LEAST_REST_MS, REST * (performance.now() - this.#begunMs));
+    const tookMs = performance.now() - this.#begunMs;
+    const restMs = Math.min(Math.max(LEAST_REST_MS, REST * tookMs), MOST_REST_MS);
     this.#end();
     this.#timer = setTimeout(() => this.#next(), restMs);
   }
