@@ -11,7 +11,7 @@ import numpy as np
 from uwsim.base.atomic_file import write_atomically
 from uwsim.campaigns.datasets.formats.coco import annotations_of
 from uwsim.campaigns.datasets.formats.npz import archive
-from uwsim.campaigns.datasets.formats.pixels import depth_pixels, level_pixels, normal_pixels, png
+from uwsim.campaigns.datasets.formats.pixels import depth_pixels, level_pixels, normal_pixels
 from uwsim.campaigns.datasets.formats.yolo import yolo_lines
 from uwsim.campaigns.datasets.parts import drawn
 from uwsim.campaigns.datasets.poses import Viewpoint
@@ -19,7 +19,7 @@ from uwsim.campaigns.datasets.spec import OF_CAMERA, DatasetSpec
 from uwsim.campaigns.datasets.studio import Studio, studio_of
 from uwsim.campaigns.workers.tidy import tidy_now_and_then
 from uwsim.instruments.cameras import Frame
-from uwsim.instruments.cameras.image_file import encode_jpeg
+from uwsim.instruments.cameras.image_file import encode_jpeg, encode_png
 from uwsim.instruments.sonars.imaging import SonarImage
 from uwsim.instruments.sonars.imaging.pixels import shown_range
 
@@ -100,17 +100,17 @@ def make_frame(job: FrameJob) -> dict[str, Any]:
 def _add_picture(studio: Studio, frame: Frame, record: dict[str, Any], files: dict[str, bytes]) -> None:
     spec, labels = studio.spec, studio.labels(frame)
     if spec.writes("rgb"):
-        files["rgb"] = png(frame.rgb) if spec.pictures == "png" else encode_jpeg(frame.rgb, JPEG_QUALITY)
+        files["rgb"] = encode_png(frame.rgb) if spec.pictures == "png" else encode_jpeg(frame.rgb, JPEG_QUALITY)
     if spec.writes("depth"):
-        files["depth"] = png(depth_pixels(frame.depth_m))
+        files["depth"] = encode_png(depth_pixels(frame.depth_m))
     if spec.writes("normals"):
-        files["normals"] = png(normal_pixels(frame.normals_world, frame.world_from_optical, studio.rays))
+        files["normals"] = encode_png(normal_pixels(frame.normals_world, frame.world_from_optical, studio.rays))
     if spec.writes("instances"):
-        files["instances"] = png(labels)
+        files["instances"] = encode_png(labels)
     if spec.writes("classes"):
-        files["classes"] = png(np.asarray(studio.class_of_label, np.uint8)[labels])
+        files["classes"] = encode_png(np.asarray(studio.class_of_label, np.uint8)[labels])
     if spec.writes("parts"):
-        files["parts"] = png(drawn(studio.part_masks(frame), labels.shape))
+        files["parts"] = encode_png(drawn(studio.part_masks(frame), labels.shape))
     if spec.writes("arrays"):
         files["arrays"] = archive(
             rgb=frame.rgb, depth_m=frame.depth_m, normals_world=frame.normals_world, labels=frame.labels
@@ -133,9 +133,9 @@ def _add_sonar(studio: Studio, image: SonarImage, record: dict[str, Any], files:
     labels = np.ascontiguousarray(image.labels[::-1, ::-1])
     ranges = np.broadcast_to(image.ranges_m[::-1, None], labels.shape).astype(np.float32)
     files |= {
-        "sonar": png(level_pixels(image.level_db[::-1, ::-1], limits_db)),
-        "sonar_instances": png(labels),
-        "sonar_classes": png(np.asarray(studio.class_of_label, np.uint8)[labels]),
+        "sonar": encode_png(level_pixels(image.level_db[::-1, ::-1], limits_db)),
+        "sonar_instances": encode_png(labels),
+        "sonar_classes": encode_png(np.asarray(studio.class_of_label, np.uint8)[labels]),
     }
     if studio.spec.writes("arrays"):
         files["sonar_arrays"] = archive(

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,8 +55,18 @@ class Stream:
         return self.enabled and int(slot * share + 1e-6) != int((slot - 1) * share + 1e-6)
 
 
-Part = Literal["image", "rectified", "rectified_depth"]
-"""The parts of a picture other than its JPEG. Each takes time to make, so it is made only if it is read."""
+Part = Literal["image", "rectified", "rectified_depth", "drawn"]
+"""Parts of a result that take time to make, so that each is made only if it is read."""
+
+
+class Parted(Protocol):
+    """A result whose parts are made on first access."""
+
+    def __contains__(self, part: Part) -> bool:
+        """Return whether a part has been made."""
+
+    def part(self, part: Part) -> Any:
+        """Return a part, making it on first access."""
 
 
 class Picture:
@@ -100,7 +110,7 @@ class Picture:
         return rectify(self.part("image"), k, self.frame.info.d, p)
 
 
-Begin = Callable[[Stream], Callable[[], Any]]
+Begin = Callable[[Stream], Callable[[], Parted]]
 """Stores the current state, on the stepping thread; returns a function that renders it on another thread."""
 
 
@@ -156,40 +166,24 @@ class Pictures:
         self._jobs = {}
 
     def read(self, sim: Simulator, name: str, camera: Camera, part: Part | None = None) -> Picture | None:
-        """Return the picture from the last period, or None if none was due.
-
-        part: a part that the picture must have. If no one has read this part before, the last picture lacks it. A
-        picture with it is then taken now if the simulator may wait for it; otherwise None is returned.
-        """
-        slot = _slot(sim)
-        if part is not None:
-            self._wanted[name, part] = slot
+        """Return the picture from the last period, or None if none was due. part: as in `read_made`."""
 
         def begin(stream: Stream) -> Callable[[], Picture]:
             capture = camera.later()
-            parts = [
-                each for (whose, each), last in self._wanted.items() if whose == name and slot - last <= stream.pause
-            ]
+            return lambda: Picture(capture(), stream, capture)
 
-            def take() -> Picture:
-                picture = Picture(capture(), stream, capture)
-                for each in parts:
-                    picture.part(each)
-                return picture
-
-            return take
-
-        picture: Picture | None = self.read_made(sim, name, begin)
-        if picture is None or part is None or part in picture:
-            return picture
-        if not self._may_wait():
-            return None
-        self._worker.submit(picture.part, part).result()
+        picture: Picture | None = self.read_made(sim, name, begin, part)
         return picture
 
-    def read_made(self, sim: Simulator, name: str, begin: Begin) -> Any:
-        """Return the result of `begin` from the last period, or None if none was due."""
+    def read_made(self, sim: Simulator, name: str, begin: Begin, part: Part | None = None) -> Any:
+        """Return the result of `begin` from the last period, or None if none was due.
+
+        part: a part that the result must have. If no one has read this part before, the last result lacks it. The part
+        is then made now if the simulator may wait for it; otherwise None is returned.
+        """
         stream, slot = self.stream(name), _slot(sim)
+        if part is not None:
+            self._wanted[name, part] = slot
         jobs = [job for job in self._jobs.get(name, []) if job.slot <= slot]  # time may have gone back
         waits, pause = self._may_wait(), stream.pause
         last, gap_before = self._last.get(name, (slot, 0))
@@ -201,10 +195,29 @@ class Pictures:
         is_due = (is_first or stream.is_due(slot)) and stream.enabled and not (jobs and jobs[-1].slot == slot)
         if is_due and (waits or self._may_begin(name, stream, jobs)):
             before = [] if waits and is_first else jobs[-1:]
-            jobs = [*before, _Job(slot, self._worker.submit(begin(stream)), is_first)]
+            jobs = [*before, _Job(slot, self._worker.submit(self._task(name, slot, stream, begin)), is_first)]
         self._jobs[name] = jobs
         ready = [job for job in jobs if _is_read(job, slot, waits)] if stream.enabled else []
-        return ready[0].picture.result() if ready else None
+        found = ready[0].picture.result() if ready else None
+        if found is None or part is None or part in found:
+            return found
+        if not waits:
+            return None
+        self._worker.submit(found.part, part).result()
+        return found
+
+    def _task(self, name: str, slot: int, stream: Stream, begin: Begin) -> Callable[[], Parted]:
+        """Return a function that makes a result with the parts that have been read lately."""
+        make = begin(stream)
+        parts = [each for (whose, each), last in self._wanted.items() if whose == name and slot - last <= stream.pause]
+
+        def take() -> Parted:
+            made = make()
+            for each in parts:
+                made.part(each)
+            return made
+
+        return take
 
     def _may_begin(self, name: str, stream: Stream, jobs: list[_Job]) -> bool:
         """Return whether the worker has time for a picture for which no step waits."""

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.campaigns.datasets.formats.npz import archive
-from uwsim.campaigns.datasets.formats.pixels import png
 from uwsim.campaigns.datasets.sequences.calibration import (
     body_from_optical,
     camera_calibration,
@@ -29,6 +28,7 @@ from uwsim.channels.families.cameras import compressed_image, info_message
 from uwsim.channels.families.instruments import sample_message
 from uwsim.channels.source import Source
 from uwsim.instruments.cameras import Camera
+from uwsim.instruments.cameras.image_file import encode_png
 from uwsim.instruments.sensors import Sensor
 from uwsim.instruments.sonars.imaging import SideScan
 from uwsim.instruments.sonars.mounted import ImagingSonar
@@ -146,7 +146,7 @@ class Seen:
         picture = self._pictures.read(sim, self._key, self.camera)
         if picture is None or picture.frame.time_ns <= self._files.last_ns:  # the first one is read twice
             return
-        content = png(picture.frame.rgb)
+        content = encode_png(picture.frame.rgb)
         self._files.add(picture.frame.time_ns, content)
         stamp_ns, self.info = picture.frame.time_ns, picture.frame.info
         self._say(self._image, compressed_image(content, stamp_ns, self._frame, PNG_FORMAT), stamp_ns)
@@ -239,7 +239,7 @@ class Imaged:
         self._last_ns = stamp_ns
         levels = sixteen_bits(message.image.data.view("<f4").reshape(-1, message.image.beam_count))
         if self._files is not None:
-            self._files.add(stamp_ns, png(levels))
+            self._files.add(stamp_ns, encode_png(levels))
         elif self._rows is not None:
             self._rows.add(stamp_ns, str(len(self._lines)))
             self._lines.append(np.concatenate([levels[::-1, 1], levels[:, 0]]))
@@ -255,7 +255,7 @@ class Imaged:
         if self._rows is not None:
             self._rows.close()
             if self._lines:
-                (self.folder / "waterfall.png").write_bytes(png(np.stack(self._lines)))
+                (self.folder / "waterfall.png").write_bytes(encode_png(np.stack(self._lines)))
         model: Any = self._sonar.model
         layout = "a row for each ping; columns: port from the farthest, then starboard from the nearest"
         layout = (
