@@ -170,8 +170,10 @@ void Arm::drive(double step_s) {
 
 /// Finds how the joints are driven in this step.
 Vector6d Arm::solve_joints(const ArmBase::Load& load, bool held, double step_s) {
-  for (std::size_t k = 0; k < size(); ++k)
+  for (std::size_t k = 0; k < size(); ++k) {
+    if (links()[k].joint == ArmLink::Joint::kFixed) continue;
     laws_[k] = JointLaw(links()[k], commands_[k], start_.positions[k], start_.speeds[k], step_s);
+  }
   Vector6d acceleration;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     drive(step_s);
@@ -203,7 +205,8 @@ BodyState Arm::advance(const ArmBase& base, const BodyState& state, const WaterF
   const bool held = base.held();
   std::array<Rate, 4> rates;
   BodyState at = state;
-  stage_ = start_;
+  stage_.positions = start_.positions;
+  stage_.speeds = start_.speeds;
   for (std::size_t k = 0; k < 4; ++k) {
     const double now_s = time_s + kReached[k] * step_s;
     body_.place(at, stage_.positions, stage_.speeds, water, now_s);

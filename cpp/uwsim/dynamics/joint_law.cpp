@@ -27,19 +27,16 @@ JointLaw::JointLaw(const ArmLink& link, const JointCommand& command, double posi
   // A stop is reached from afar at the step's end, and held at rest once it is reached.
   const double highest = std::max(0.0, link.highest - position) / step_s;
   const double lowest = std::min(0.0, link.lowest - position) / step_s;
-  if (std::isfinite(lowest)) jumps_[count_++] = lowest;
-  if (std::isfinite(highest)) jumps_[count_++] = highest;
-  if (coulomb_ > 0) jumps_[count_++] = 0;
+  if (std::isfinite(lowest)) add_jump(lowest);
+  if (std::isfinite(highest)) add_jump(highest);
+  if (coulomb_ > 0) add_jump(0);
   if (command.mode == JointCommand::Mode::kTorque) {
     given_ = command.value;
   } else if (link.strongest > 0) {
     strongest_ = link.strongest;
     target_ = std::clamp(asked_speed(link, command, position, step_s), lowest, highest);
-    jumps_[count_++] = target_;
+    add_jump(target_);
   }
-  const auto end = jumps_.begin() + static_cast<std::ptrdiff_t>(count_);
-  std::sort(jumps_.begin(), end);
-  count_ = static_cast<std::size_t>(std::unique(jumps_.begin(), end) - jumps_.begin());
   for (std::size_t k = 0; k <= count_; ++k) {
     double at = 0;
     if (count_ > 0) at = k == 0 ? jumps_[0] - 1 : (k == count_ ? jumps_[k - 1] + 1 : (jumps_[k - 1] + jumps_[k]) / 2);
@@ -51,6 +48,16 @@ JointLaw::JointLaw(const ArmLink& link, const JointCommand& command, double posi
     if (at_jump()) break;
   }
   while (!at_jump() && std::isinf(flat_torque())) region_ = flat_torque() > 0 ? region_ + 1 : region_ - 1;
+}
+
+/// Keeps the jumps in order, each once.
+void JointLaw::add_jump(double speed) {
+  std::size_t place = count_;
+  while (place > 0 && jumps_[place - 1] > speed) --place;
+  if (place > 0 && jumps_[place - 1] == speed) return;
+  for (std::size_t k = count_; k > place; --k) jumps_[k] = jumps_[k - 1];
+  jumps_[place] = speed;
+  ++count_;
 }
 
 bool JointLaw::leave(double torque, double end_speed) {

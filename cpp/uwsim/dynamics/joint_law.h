@@ -41,6 +41,8 @@ class JointLaw {
   double motor_torque(double torque) const;
 
  private:
+  void add_jump(double speed);
+
   static constexpr std::size_t kMost = 4;
 
   std::array<double, kMost> jumps_{};
