@@ -19,16 +19,18 @@ struct BlockBand {
     second.resize(rows);
   }
 
-  /// Replaces the matrix of the first `rows` rows by its factors.
+  /// Replaces the matrix of the first `rows` rows by its factors: the inverses of the pivots, and these times the
+  /// blocks beside them, so that solve() waits for one product from row to row.
   void factor(std::size_t rows) {
     for (std::size_t i = 0; i < rows; ++i) {
       const Eigen::Matrix3d inverse = diagonal[i].inverse();
       diagonal[i] = inverse;
       if (i + 1 >= rows) break;
-      const Eigen::Matrix3d part = inverse * next[i];
-      diagonal[i + 1].noalias() -= next[i].transpose() * part;
+      const Eigen::Matrix3d beside = next[i];
+      next[i].noalias() = inverse * beside;
+      diagonal[i + 1].noalias() -= beside.transpose() * next[i];
       if (i + 2 >= rows || second[i] == 0) continue;
-      next[i + 1] -= second[i] * part.transpose();
+      next[i + 1] -= second[i] * next[i].transpose();
       diagonal[i + 2] -= second[i] * second[i] * inverse;
     }
   }
@@ -36,15 +38,14 @@ struct BlockBand {
   /// Replaces `x` by the solution of A y = x, after factor().
   void solve(std::size_t rows, std::vector<Eigen::Vector3d>& x) const {
     for (std::size_t i = 0; i + 1 < rows; ++i) {
-      const Eigen::Vector3d known = diagonal[i] * x[i];
-      x[i + 1].noalias() -= next[i].transpose() * known;
-      if (i + 2 < rows) x[i + 2] -= second[i] * known;
+      x[i + 1].noalias() -= next[i].transpose() * x[i];
+      x[i] = diagonal[i] * x[i];
+      if (i + 2 < rows) x[i + 2] -= second[i] * x[i];
     }
-    for (std::size_t i = rows; i-- > 0;) {
-      Eigen::Vector3d known = x[i];
-      if (i + 1 < rows) known.noalias() -= next[i] * x[i + 1];
-      if (i + 2 < rows) known -= second[i] * x[i + 2];
-      x[i] = diagonal[i] * known;
+    x[rows - 1] = diagonal[rows - 1] * x[rows - 1];
+    for (std::size_t i = rows - 1; i-- > 0;) {
+      if (i + 2 < rows) x[i].noalias() -= second[i] * (diagonal[i] * x[i + 2]);
+      x[i].noalias() -= next[i] * x[i + 1];
     }
   }
 
