@@ -1555,6 +1555,13 @@ class FinParameters:
     @rate_max_rad_s.setter
     def rate_max_rad_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
+    def slipstream_of(self) -> str:
+        """
+        name of a thruster; none if empty
+        """
+    @slipstream_of.setter
+    def slipstream_of(self, arg0: str) -> None: ...
+    @property
     def span_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
         (3,) unit; deflections are right-handed about it

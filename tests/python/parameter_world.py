@@ -76,7 +76,7 @@ AUV = HULL | {
         "left": {"model": PROPELLER, "position_m": [-0.3, 0.2, 0], "axis": [1, 0, 0]},
         "right": {"model": PROPELLER, "position_m": [-0.3, -0.2, 0], "axis": [1, 0, 0]},
     },
-    "fins": {"tail": {"position_m": [-0.5, 0, 0], "span": [0, 1, 0], "area_m2": 0.05, "aspect_ratio": 2.0,
+    "fins": {"tail": {"position_m": [-0.5, 0, 0], "span": [0, 1, 0], "area_m2": 0.05, "aspect_ratio": 4.0,
                       "parasitic_drag": 0.02, "stall_angle_deg": 10, "deflection_max_deg": 20, "rate_max_deg_s": 5}},
     "imaging_sonars": {
         "aside": {"kind": "side_scan", "range_max_m": 8, "range_bins": 20, "planes": 4, "noise_level_db": 80},

@@ -123,6 +123,7 @@ void bind_actuators(py::module_& m) {
       .def_readwrite("stalls", &FinParameters::stalls)
       .def_readwrite("deflection_max_rad", &FinParameters::deflection_max_rad, "0: fixed")
       .def_readwrite("rate_max_rad_s", &FinParameters::rate_max_rad_s)
+      .def_readwrite("slipstream_of", &FinParameters::slipstream_of, "name of a thruster; none if empty")
       .def("lift_slope", &FinParameters::lift_slope, "Return dC_L / d alpha at zero lift [1/rad].");
 
   py::class_<Windage>(m, "Windage", "What a wind meets of a hull that floats (Fossen 2011, sec. 8.1).")

@@ -46,6 +46,15 @@ std::vector<double> values_by_part(const std::vector<Part>& parts, const Actuato
   return values;
 }
 
+/// The number of the propeller in whose slipstream a fin may be.
+std::optional<std::size_t> propeller_of(const FinParameters& fin, const std::vector<ThrusterParameters>& thrusters) {
+  const auto found = std::find_if(thrusters.begin(), thrusters.end(), [&](const ThrusterParameters& one) {
+    return one.name == fin.slipstream_of && !one.is_vertical;
+  });
+  if (found == thrusters.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - thrusters.begin());
+}
+
 }  // namespace
 
 void ActuatorsSpec::check() const {
@@ -59,6 +68,10 @@ void ActuatorsSpec::check() const {
             "its sheets", "must be of the same voltages as the other thrusters'");
   }
   require_unique_names(fins, "fins");
+  for (const FinParameters& fin : fins) {
+    require(fin.slipstream_of.empty() || propeller_of(fin, thrusters), "fins." + fin.name + ".slipstream_of",
+            fin.slipstream_of, "must be the name of a thruster that is a propeller");
+  }
 }
 
 Actuators::Actuators(const ActuatorsSpec& spec) {
@@ -66,7 +79,10 @@ Actuators::Actuators(const ActuatorsSpec& spec) {
   full_direct_wrench_ = spec.full_wrench_body;
   has_direct_wrench_ = !full_direct_wrench_.isZero(0);
   for (const ThrusterParameters& parameters : spec.thrusters) thrusters_.emplace_back(parameters);
-  for (const FinParameters& parameters : spec.fins) fins_.emplace_back(parameters);
+  for (const FinParameters& parameters : spec.fins) {
+    fins_.emplace_back(parameters);
+    jets_.push_back(propeller_of(parameters, spec.thrusters));
+  }
 
   const auto n = static_cast<Eigen::Index>(thrusters_.size());
   Eigen::Matrix<double, 6, Eigen::Dynamic> columns(6, n);
@@ -247,19 +263,30 @@ Vector6d Actuators::wrench_body(const BodyState& state, const WaterField& water,
   Vector6d through_water = state.velocity_body;
   through_water.head<3>() -= pose.orientation.conjugate() * water.flow_at(pose.position_m, time_s).velocity_m_s;
   const Eigen::Vector3d up = pose.rotation().row(2).transpose();  // body frame
-  for (const Thruster& thruster : thrusters_) {
+  const auto submerged_share = [&](const Thruster& thruster) {
     const ThrusterParameters& p = thruster.parameters();
-    if (p.is_vertical) {
+    return thruster.submerged_fraction(surface - up.dot(p.position_body_m), up.dot(p.axis_body));
+  };
+  for (const Thruster& thruster : thrusters_) {
+    if (thruster.parameters().is_vertical) {
       thruster.add_vertical(up, tau);
       continue;
     }
-    const double share = thruster.submerged_fraction(surface - up.dot(p.position_body_m), up.dot(p.axis_body));
+    const double share = submerged_share(thruster);
     if (share > 0) thruster.add_wrench(through_water, density, share, tau);
   }
-  for (const Fin& fin : fins_) {
-    const FinParameters& p = fin.parameters();
-    const double share = fin.submerged_fraction(surface - up.dot(p.position_body_m), up.dot(p.span_body));
-    if (share > 0) fin.add_wrench(through_water, density, share, tau);
+  for (std::size_t k = 0; k < fins_.size(); ++k) {
+    const FinParameters& p = fins_[k].parameters();
+    const double share = fins_[k].submerged_fraction(surface - up.dot(p.position_body_m), up.dot(p.span_body));
+    if (share <= 0) continue;
+    if (!jets_[k]) {
+      fins_[k].add_wrench(through_water, density, share, tau);
+      continue;
+    }
+    const Thruster& propeller = thrusters_[*jets_[k]];
+    const double wet = submerged_share(propeller);
+    const Slipstream jet = propeller.slipstream(through_water, density, wet, p.position_body_m);
+    fins_[k].add_wrench(through_water, density, share, jet, tau);
   }
   return tau;
 }

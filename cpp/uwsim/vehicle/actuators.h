@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -93,6 +94,7 @@ class Actuators {
 
   std::vector<Thruster> thrusters_;
   std::vector<Fin> fins_;
+  std::vector<std::optional<std::size_t>> jets_;  // for each fin, the thruster in whose slipstream it may be
   Allocation allocation_;
   Eigen::Matrix<double, Eigen::Dynamic, 6> fin_angles_rad_;  // for full effort on each axis
   Vector6d full_direct_wrench_ = Vector6d::Zero();

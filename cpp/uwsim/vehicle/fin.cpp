@@ -72,8 +72,20 @@ Fin::Coefficients Fin::coefficients(double attack_rad) const {
 }
 
 void Fin::add_wrench(const Vector6d& through_water, double density_kg_m3, double submerged, Vector6d& tau_body) const {
-  const Eigen::Vector3d& span = parameters_.span_body;
   const Eigen::Vector3d velocity = through_water.head<3>() + through_water.tail<3>().cross(parameters_.position_body_m);
+  add_force(velocity, density_kg_m3, submerged, tau_body);
+}
+
+void Fin::add_wrench(const Vector6d& through_water, double density_kg_m3, double submerged, const Slipstream& jet,
+                     Vector6d& tau_body) const {
+  const Eigen::Vector3d velocity = through_water.head<3>() + through_water.tail<3>().cross(parameters_.position_body_m);
+  const double inside = jet.share_of(parameters_.position_body_m, parameters_.span_body, 2 * half_span_m_);
+  add_force(velocity, density_kg_m3, (1 - inside) * submerged, tau_body);
+  add_force(velocity + jet.velocity_body_m_s, density_kg_m3, inside * submerged, tau_body);
+}
+
+void Fin::add_force(const Eigen::Vector3d& velocity, double density_kg_m3, double submerged, Vector6d& tau_body) const {
+  const Eigen::Vector3d& span = parameters_.span_body;
   const Eigen::Vector3d across = velocity - velocity.dot(span) * span;
   const double speed = across.norm();
   if (speed < 1e-9) return;

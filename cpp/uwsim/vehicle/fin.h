@@ -5,6 +5,7 @@
 
 #include "uwsim/core/body_state.h"
 #include "uwsim/core/state_archive.h"
+#include "uwsim/vehicle/slipstream.h"
 
 namespace uwsim {
 
@@ -22,6 +23,7 @@ struct FinParameters {
   bool stalls = true;                 ///< if false, the flow stays attached at every angle
   double deflection_max_rad = 0;      ///< 0 for a fixed fin
   double rate_max_rad_s = 1;
+  std::string slipstream_of;  ///< the thruster in whose slipstream it may be, as a rudder is; none if empty
 
   /// Throws InvalidValue naming the fin and the field.
   void check() const;
@@ -36,7 +38,8 @@ struct FinParameters {
 /// (Beard and McLain 2012, ch. 4). Below stall, C_L = C_La sin a cos a (within 2 % of C_La a up to 10 degrees, and
 /// bounded in flow from behind) and C_D = C_D0 + C_L^2 / (pi e A). Beyond stall, the coefficients of a flat plate
 /// apply: C_L = 2 sin^2 a cos a and C_D = C_D0 + 2 |sin^3 a|. A sigmoid blends the two. Quasi-steady: no wake, no added
-/// mass, no flow along the span.
+/// mass, no flow along the span. The share of the span that is in a propeller's slipstream has that flow instead; its
+/// force, too, acts at the centre of pressure.
 class Fin {
  public:
   /// Throws InvalidValue; see FinParameters::check.
@@ -62,6 +65,9 @@ class Fin {
   /// Adds force and moment (body frame, at the origin) for a vehicle that moves at `through_water` (6,) [m/s, rad/s]
   /// with the fraction `submerged` of the fin under water.
   void add_wrench(const Vector6d& through_water, double density_kg_m3, double submerged, Vector6d& tau_body) const;
+  /// The same in a slipstream.
+  void add_wrench(const Vector6d& through_water, double density_kg_m3, double submerged, const Slipstream& jet,
+                  Vector6d& tau_body) const;
   /// Fraction of the fin below a level surface `height_m` above its centre. `span_up`: vertical component of the span.
   double submerged_fraction(double height_m, double span_up) const;
 
@@ -69,6 +75,8 @@ class Fin {
   void exchange_state(StateArchive& archive);
 
  private:
+  void add_force(const Eigen::Vector3d& velocity, double density_kg_m3, double submerged, Vector6d& tau_body) const;
+
   FinParameters parameters_;
   double lift_slope_;
   double induced_drag_;  // 1 / (pi e A)

@@ -111,9 +111,20 @@ void Thruster::exchange_state(StateArchive& archive) {
 void Thruster::add_wrench(const Vector6d& through_water, double density_kg_m3, double submerged,
                           Vector6d& tau_body) const {
   if (mean_thrust_n_ == 0) return;
-  const double inflow_m_s = column_.dot(through_water);
-  const double thrust = mean_thrust_n_ - loss_ * std::sqrt(density_kg_m3 * std::abs(mean_thrust_n_)) * inflow_m_s;
+  const double thrust = thrust_at(column_.dot(through_water), density_kg_m3);
   tau_body += submerged * thrust * column_with_torque_;
+}
+
+double Thruster::thrust_at(double inflow_m_s, double density_kg_m3) const {
+  return mean_thrust_n_ - loss_ * std::sqrt(density_kg_m3 * std::abs(mean_thrust_n_)) * inflow_m_s;
+}
+
+Slipstream Thruster::slipstream(const Vector6d& through_water, double density_kg_m3, double submerged,
+                                const Eigen::Vector3d& place_body_m) const {
+  const double inflow_m_s = column_.dot(through_water);
+  const double thrust_n = submerged * thrust_at(inflow_m_s, density_kg_m3);
+  return Slipstream::behind(thrust_n, inflow_m_s, density_kg_m3, 0.5 * parameters_.diameter_m,
+                            parameters_.position_body_m, parameters_.axis_body, place_body_m);
 }
 
 void Thruster::add_vertical(const Eigen::Vector3d& up_body, Vector6d& tau_body) const {

@@ -9,6 +9,7 @@
 
 #include "uwsim/core/body_state.h"
 #include "uwsim/core/state_archive.h"
+#include "uwsim/vehicle/slipstream.h"
 #include "uwsim/vehicle/supply.h"
 #include "uwsim/vehicle/thrust_curve.h"
 #include "uwsim/vehicle/thruster_sheets.h"
@@ -52,7 +53,7 @@ struct ThrusterParameters {
 ///
 /// where u_a is the hub's speed through the water along the axis, and the propeller's torque is k_q T, opposite to its
 /// spin. Valid for advance ratios from about -J_0 / 2 to J_0. Inflow across the axis and the jets of other thrusters
-/// are neglected.
+/// are neglected; fins may be in its slipstream.
 ///
 /// With a supply voltage, thrust and current follow the values of the sheets, both with the same lag. Inflow does not
 /// affect the current.
@@ -80,6 +81,9 @@ class Thruster {
   /// Adds mean force and torque over the last step (body frame, at the origin) for a vehicle that moves at
   /// `through_water` (6,) [m/s, rad/s] with the fraction `submerged` of the propeller's disc under water.
   void add_wrench(const Vector6d& through_water, double density_kg_m3, double submerged, Vector6d& tau_body) const;
+  /// The propeller's jet at this place (body frame), for the same motion.
+  Slipstream slipstream(const Vector6d& through_water, double density_kg_m3, double submerged,
+                        const Eigen::Vector3d& place_body_m) const;
   /// Adds the mean force and torque of a vertical thruster over the last step; `up_body`: the world's vertical.
   void add_vertical(const Eigen::Vector3d& up_body, Vector6d& tau_body) const;
   /// Fraction of the propeller's disc below a level surface `height_m` above its hub. `axis_up`: vertical component of
@@ -97,6 +101,7 @@ class Thruster {
 
  private:
   void use_step(double step_s);
+  double thrust_at(double inflow_m_s, double density_kg_m3) const;
 
   ThrusterParameters parameters_;
   Vector6d column_;              // for 1 N of thrust

@@ -32,10 +32,12 @@ class Panel(PanelLike, Protocol):
 
 
 class TetherShape(Protocol):
-    """A tether at one time: points_world_m (n, 3) from its anchor, and where it is broken."""
+    """A tether at one time: points_world_m (n, 3) from its anchor, the length out, and where it is broken."""
 
     @property
     def points_world_m(self) -> NDArray[np.float64]: ...
+    @property
+    def length_m(self) -> float: ...
     @property
     def broken_at_m(self) -> float | None: ...
 

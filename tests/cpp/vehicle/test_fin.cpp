@@ -128,5 +128,84 @@ TEST(Fin, InvalidParametersAreRefused) {
   refused([](FinParameters& p) { p.rate_max_rad_s = 0; });
 }
 
+constexpr double kWater = 1000, kThrust = 100, kRadius = 0.1;
+constexpr double kDisc = std::numbers::pi * kRadius * kRadius;
+
+/// The jet of a propeller at the origin, this far behind it.
+Slipstream jet_at(double behind_m, double inflow_m_s, double thrust_n = kThrust) {
+  return Slipstream::behind(thrust_n, inflow_m_s, kWater, kRadius, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(),
+                            {-behind_m, 0, 0});
+}
+
+TEST(Slipstream, KeepsMassAndCarriesTheThrust) {
+  for (const double inflow : {-0.5, 0.0, 1.0, 3.0}) {
+    const double at_disc = inflow + jet_at(0, inflow).velocity_body_m_s.x();
+    EXPECT_NEAR(jet_at(0, inflow).radius_m, kRadius, 1e-12);
+    const Slipstream far = jet_at(1e4, inflow);
+    const double faster = far.velocity_body_m_s.x(), flow = kWater * kDisc * at_disc;
+    EXPECT_NEAR(flow * faster, kThrust, 1e-6) << "momentum that the water gains each second";
+    EXPECT_NEAR(kWater * std::numbers::pi * far.radius_m * far.radius_m * (inflow + faster), flow, 1e-6);
+    EXPECT_NEAR(faster, 2 * (at_disc - inflow), 1e-6) << "half of it at the disc";
+  }
+  EXPECT_EQ(jet_at(0.2, 1.0, 0).radius_m, 0) << "no thrust";
+  EXPECT_EQ(jet_at(0.2, 1.0, -kThrust).radius_m, 0) << "the jet goes the other way";
+}
+
+TEST(Slipstream, MeetsTheSpanWhereItIs) {
+  const Slipstream jet = jet_at(1e4, 0);  // of 1 / sqrt(2) of the disc's radius
+  const double r = kRadius / std::numbers::sqrt2;
+  const auto share = [&](double y, double z, double length) {
+    return jet.share_of({-1, y, z}, Eigen::Vector3d::UnitZ(), length);
+  };
+  EXPECT_NEAR(share(0, 0, 4 * r), 0.5, 1e-6);
+  EXPECT_NEAR(share(0, 0, r), 1, 1e-6);
+  EXPECT_NEAR(share(0, r, 2 * r), 0.5, 1e-6) << "one half above it";
+  EXPECT_NEAR(share(0.6 * r, 0, 4 * r), 0.4, 1e-6) << "a chord of 1.6 radii";
+  EXPECT_EQ(share(1.1 * r, 0, r), 0);
+}
+
+/// A rudder 0.2 m behind the propeller, its deflection reached.
+Fin rudder(double angle_rad) {
+  FinParameters p = plane();
+  p.name = "rudder";
+  p.position_body_m = {-0.2, 0, 0};
+  p.span_body = Eigen::Vector3d::UnitZ();
+  Fin fin(p);
+  fin.set_command(angle_rad);
+  fin.advance(10);
+  return fin;
+}
+
+TEST(Rudder, ActsInTheJetAloneAtBollardPull) {
+  for (const double side : {-1.0, 1.0}) {
+    const Fin fin = rudder(side * 10 * kDegree);
+    Vector6d still = Vector6d::Zero();
+    fin.add_wrench(Vector6d::Zero(), kWater, 1, jet_at(0.2, 0, 0), still);
+    EXPECT_TRUE(still.isZero(0)) << "neither speed nor thrust";
+    const Slipstream jet = jet_at(0.2, 0);
+    const double speed = jet.velocity_body_m_s.x();
+    const double pressure_area =
+        0.5 * kWater * speed * speed * 0.01 * jet.share_of({-0.2, 0, 0}, Eigen::Vector3d::UnitZ(), std::sqrt(0.02));
+    Vector6d tau = Vector6d::Zero();
+    fin.add_wrench(Vector6d::Zero(), kWater, 1, jet, tau);
+    const Fin::Coefficients c = fin.coefficients(10 * kDegree);
+    EXPECT_NEAR(tau(1), side * pressure_area * c.lift, 1e-9) << "a positive deflection pushes the stern to port";
+    EXPECT_NEAR(tau(0), -pressure_area * c.drag, 1e-9);
+    EXPECT_NEAR(tau(5), -0.2 * tau(1), 1e-9) << "and turns the vehicle to starboard";
+  }
+}
+
+TEST(Rudder, IsAFinWhereThereIsNoJet) {
+  const Fin fin = rudder(10 * kDegree);
+  Vector6d moving = Vector6d::Zero();
+  moving << 2, 0.1, 0, 0, 0, 0.2;
+  Vector6d alone = Vector6d::Zero(), behind = Vector6d::Zero(), pushed = Vector6d::Zero();
+  fin.add_wrench(moving, kWater, 1, alone);
+  fin.add_wrench(moving, kWater, 1, jet_at(0.2, 2, -kThrust), behind);
+  EXPECT_TRUE(behind.isApprox(alone, 1e-12));
+  fin.add_wrench(moving, kWater, 1, jet_at(0.2, 2), pushed);
+  EXPECT_GT(std::abs(pushed(1)), 1.5 * std::abs(alone(1)));
+}
+
 }  // namespace
 }  // namespace uwsim

@@ -39,6 +39,7 @@ OTHER: dict[str, Any] = {
     "usbl.range_max_m": 1.0,
     "altitude.range_max_m": 0.2,
     "deflection_max_deg": 2.0,
+    "slipstream_of": "left",
     "port.range_max_m": 0.2,
     "dvl.range_max_m": 0.2,
     "detection_db": 99.0,

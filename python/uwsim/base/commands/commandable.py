@@ -86,9 +86,13 @@ class Commandable(Steerable, Protocol):
         """Command an arm's joints by name: positions [rad or m], speeds, or the motors' torques at the joints."""
         self.command("set_joints", positions=positions, speeds=speeds, torques=torques)
 
+    def set_winch(self, rate_m_s: float | None = None, tension_n: float | None = None) -> None:
+        """Command the tether's winch: pay out at a rate, keep a tension, or, without either, hold."""
+        self.command("set_winch", rate_m_s=rate_m_s, tension_n=tension_n)
+
 
 class Placeable(Commandable, Protocol):
-    """A simulated vehicle, which can also be placed anywhere, pushed, and held by a tether."""
+    """A simulated vehicle, which can also be placed anywhere and pushed, and its tether cut."""
 
     def apply_wrench(
         self,
@@ -99,10 +103,6 @@ class Placeable(Commandable, Protocol):
     ) -> None:
         """Push the vehicle from outside with a force (3,) [N] and a torque (3,) [N m] at its origin."""
         self.command("apply_wrench", force_n=force_n, torque_nm=torque_nm, axes=axes, duration_s=duration_s)
-
-    def set_winch(self, rate_m_s: float | None = None, tension_n: float | None = None) -> None:
-        """Command the tether's winch: pay out at a rate, keep a tension, or, without either, hold."""
-        self.command("set_winch", rate_m_s=rate_m_s, tension_n=tension_n)
 
     def cut_tether(self, at_m: float) -> None:
         """Cut the vehicle's tether at this length from its anchor."""

@@ -133,7 +133,9 @@ STEERING = [
         ),
         is_piloted=False, changes_world=True,
     ),
-    Command("set_winch", "pay out a tether at a rate, or keep a tension; without either, hold", WIND),
+    Command(
+        "set_winch", "pay out a tether at a rate, or keep a tension; without either, hold", WIND, is_ashore=True,
+    ),
     Command(
         "cut_tether", "cut a vehicle's tether at this length from its anchor", (CUT,),
         is_piloted=False, changes_world=True,

@@ -88,8 +88,16 @@ def _catenaries() -> list[Check]:
     return found
 
 
+def critical_angle_rad(weight_n_m: float, drag_n_m: float) -> float:
+    """Return the angle below the flow at which a cable's weight balances the drag across it (Pode 1951).
+
+    drag_n_m: of the cable at right angles to the flow.
+    """
+    return math.acos((-weight_n_m + math.sqrt(weight_n_m**2 + 4.0 * drag_n_m**2)) / (2.0 * drag_n_m))
+
+
 def _current() -> list[Check]:
-    """A cable with a free end in a current takes the angle at which its weight balances the drag across it."""
+    """A cable with a free end in a current takes the critical angle."""
     water = _core.Water()
     water.current_world_m_s = (0.8, 0.0, 0.0)
     spec = _spec((0.0, 0.0, -20.0), (0.0, 0.0, -40.0), 20.0, 40)
@@ -98,11 +106,10 @@ def _current() -> list[Check]:
     simulation.cut_tether(0, 20.0)
     simulation.step(12_000)
     drag_n_m = 0.5 * WATER_KG_M3 * spec.normal_drag * spec.diameter_m * 0.8**2
-    weight_n_m = _wet_weight_n_m(spec)
-    cosine = (-weight_n_m + math.sqrt(weight_n_m**2 + 4.0 * drag_n_m**2)) / (2.0 * drag_n_m)
+    angle_rad = critical_angle_rad(_wet_weight_n_m(spec), drag_n_m)
     points = np.array(simulation.tether(0).points_world_m)
     along = (points[21] - points[20]) / np.linalg.norm(points[21] - points[20])
-    return [relative(GROUP, "angle of a free cable in a current", math.acos(cosine), math.acos(along[0]), EXACT, "rad")]
+    return [relative(GROUP, "angle of a free cable in a current", angle_rad, math.acos(along[0]), EXACT, "rad")]
 
 
 def _grounded() -> list[Check]:

@@ -59,4 +59,5 @@ def _fin_parameters(name: str, mount: FinMount) -> _core.FinParameters:
         parameters.stall_sharpness_rad = math.radians(mount.stall_sharpness_deg)
     parameters.deflection_max_rad = math.radians(mount.deflection_max_deg)
     parameters.rate_max_rad_s = math.radians(mount.rate_max_deg_s)
+    parameters.slipstream_of = mount.slipstream_of or ""
     return parameters

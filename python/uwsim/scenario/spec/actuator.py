@@ -170,7 +170,8 @@ class FinMount(Model):
     the fin. parasitic_drag: the drag coefficient at zero lift. efficiency: Oswald's, for the induced drag.
     stall_angle_deg: angle at which lift is halfway to that of a flat plate; omit it for a surface that does not stall,
     such as a hull. stall_sharpness_deg: width of that transition. deflection_max_deg, rate_max_deg_s: limits of its
-    angle and rate.
+    angle and rate. slipstream_of: the thruster in whose jet it may be, as a rudder abaft a propeller is: on the part of
+    its span that the jet meets, the water is faster by what the thrust makes it (axial momentum theory).
     """
 
     position_m: Point3
@@ -183,6 +184,7 @@ class FinMount(Model):
     stall_sharpness_deg: Annotated[float, InRange(0.1, 30, "deg")] = 2.0
     deflection_max_deg: Annotated[float, InRange(0, 90, "deg")] = 0.0
     rate_max_deg_s: Annotated[float, InRange(0.1, 10_000, "deg/s")] = 60.0
+    slipstream_of: Name | None = None
 
     @model_validator(mode="after")
     def _is_perpendicular(self) -> FinMount:

@@ -251,6 +251,15 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
         return self
 
     @model_validator(mode="after")
+    def _has_the_propellers_of_its_rudders(self) -> VehicleModel:
+        propellers = [name for name, thruster in self.thrusters.items() if thruster.force is None]
+        for name, fin in self.fins.items():
+            if fin.slipstream_of is not None and fin.slipstream_of not in propellers:
+                rule = f"must be a thruster with a propeller: {', '.join(propellers) or 'it has none'}"
+                raise broken(rule, at=("fins", name, "slipstream_of"), value=fin.slipstream_of)
+        return self
+
+    @model_validator(mode="after")
     def _has_a_tree_of_links(self) -> VehicleModel:
         if self.arm is not None:
             links_in_order(self.arm)
