@@ -84,7 +84,7 @@ export class Life {
 
   // The places of those of a swarm that are drawn, for tests.
   placesOf(name) {
-    return this.#swarms.find((swarm) => swarm.name === name)?.places.map((place) => [...place]) ?? [];
+    return this.#swarms.find((swarm) => swarm.name === name)?.places.map((place) => Array.from(place)) ?? [];
   }
 
   #draw(c, frame, isLarge, colours) {
