@@ -1080,7 +1080,7 @@ class BottomMaterial:
     """
     The acoustic backscattering properties of a bottom.
     """
-    def __getstate__(self) -> tuple[float, float, typing.Any, typing.Any]: ...
+    def __getstate__(self) -> tuple[float, float, typing.Any, typing.Any, typing.Any]: ...
     def __init__(
         self,
         strength_db: typing.SupportsFloat | typing.SupportsIndex = -30.0,
@@ -1089,13 +1089,15 @@ class BottomMaterial:
         fluid: typing.Annotated[
             collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"
         ] = [1.9, 1.1, 0.8],
+        ripples_rad: typing.SupportsFloat | typing.SupportsIndex | None = None,
     ) -> None:
         """
         Create a material. seabed: one of seabeds(), whose backscatter by angle replaces Lambert's law. fluid: the
         density and speed of sound relative to water, and the attenuation [dB per wavelength], by which it reflects
-        sound that bounces more than once. Raises ValueError for an unknown seabed.
+        sound that bounces more than once. ripples_rad: direction across ripples of sand, from x to y. Raises
+        ValueError for an unknown seabed.
         """
-    def __setstate__(self, arg0: tuple[float, float, typing.Any, typing.Any]) -> None: ...
+    def __setstate__(self, arg0: tuple[float, float, typing.Any, typing.Any, typing.Any]) -> None: ...
     @property
     def fluid(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
         """
@@ -1105,6 +1107,11 @@ class BottomMaterial:
     def relief(self) -> float:
         """
         rms slope of the relief across a footprint
+        """
+    @property
+    def ripples_rad(self) -> float | None:
+        """
+        direction across ripples of sand, from x to y, or None
         """
     @property
     def seabed(self) -> str | None:
@@ -2941,6 +2948,10 @@ class CameraScene:
     def set_ground(self, bed: str, steep: str, land: str) -> None:
         """
         Set the terrain's materials: under water, where it is steep, and above water. Raises ValueError.
+        """
+    def set_ripples(self, across_rad: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Set the direction across ripples of sand, from x to y.
         """
     def show_detail(self) -> None:
         """

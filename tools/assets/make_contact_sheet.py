@@ -56,7 +56,8 @@ def main() -> None:
     """Draw the contact sheet and write it."""
     lake = load("lake")
     shallow = lake.terrain.model_copy(update={"bed_depth_m": 9.0, "hill_height_m": 3.0})  # lit down to the bed at noon
-    sim = Simulator(lake.model_copy(update={"terrain": shallow}))
+    waters = lake.optics.model_copy(update={"visibility_m": None})  # as clear as each water type
+    sim = Simulator(lake.model_copy(update={"terrain": shallow, "optics": waters}))
     at_the_station = thumbnail(sim, "station", "IB", NOON_DEG, lamps=True)
     sim.rov.release()
     hover_beside_the_pipeline(sim)

@@ -27,7 +27,7 @@ namespace py = pybind11;
 
 namespace {
 
-using MaterialState = py::typing::Tuple<py::float_, py::float_, py::object, py::object>;
+using MaterialState = py::typing::Tuple<py::float_, py::float_, py::object, py::object, py::object>;
 
 std::span<const double> values_of(const DoubleArray& array) {
   return {array.data(), static_cast<std::size_t>(array.size())};
@@ -108,8 +108,9 @@ void bind_sonar_equation(py::module_& m) {
       .def("range_cell_m", &SonarParameters::range_cell_m, py::arg("sound_speed_m_s"))
       .def("check", &SonarParameters::check, "Raise ValueError naming the field if a parameter is invalid.");
   const auto make = [](double strength_db, double relief, const std::optional<std::string>& name,
-                       const std::array<double, 3>& fluid) {
-    return BottomMaterial{strength_db, relief, name ? &seabed(*name) : nullptr, {fluid[0], fluid[1], fluid[2]}};
+                       const std::array<double, 3>& fluid, std::optional<double> ripples_rad) {
+    return BottomMaterial{
+        strength_db, relief, name ? &seabed(*name) : nullptr, {fluid[0], fluid[1], fluid[2]}, ripples_rad};
   };
   const auto seabed_name = [](const BottomMaterial& bottom) -> std::optional<std::string> {
     if (!bottom.seabed) return std::nullopt;
@@ -122,11 +123,12 @@ void bind_sonar_equation(py::module_& m) {
   py::class_<BottomMaterial>(m, "BottomMaterial", "The acoustic backscattering properties of a bottom.")
       .def(
           py::init(make), py::arg("strength_db") = -30.0, py::arg("relief") = 0.1, py::arg("seabed") = py::none(),
-          py::arg("fluid") = std::array<double, 3>{1.9, 1.1, 0.8},
+          py::arg("fluid") = std::array<double, 3>{1.9, 1.1, 0.8}, py::arg("ripples_rad") = py::none(),
           "Create a material. seabed: one of seabeds(), whose backscatter by angle replaces Lambert's law. fluid: the\n"
           "density and speed of sound relative to water, and the attenuation [dB per wavelength], by which it "
           "reflects\n"
-          "sound that bounces more than once. Raises ValueError for an unknown seabed.")
+          "sound that bounces more than once. ripples_rad: direction across ripples of sand, from x to y. Raises\n"
+          "ValueError for an unknown seabed.")
       .def_readonly("strength_db", &BottomMaterial::strength_db,
                     "backscatter per square metre at normal incidence; other angles follow Lambert's law")
       .def_readonly("relief", &BottomMaterial::relief, "rms slope of the relief across a footprint")
@@ -134,13 +136,16 @@ void bind_sonar_equation(py::module_& m) {
                              "the seabed whose backscatter by angle replaces Lambert's law, or None")
       .def_property_readonly("fluid", fluid,
                              "density and speed of sound relative to water, attenuation [dB per wavelength]")
+      .def_readonly("ripples_rad", &BottomMaterial::ripples_rad,
+                    "direction across ripples of sand, from x to y, or None")
       .def(py::pickle(
           [seabed_name, fluid](const BottomMaterial& bottom) {
-            return MaterialState(py::make_tuple(bottom.strength_db, bottom.relief, seabed_name(bottom), fluid(bottom)));
+            return MaterialState(py::make_tuple(bottom.strength_db, bottom.relief, seabed_name(bottom), fluid(bottom),
+                                                bottom.ripples_rad));
           },
           [make](const MaterialState& state) {
             return make(state[0].cast<double>(), state[1].cast<double>(), state[2].cast<std::optional<std::string>>(),
-                        state[3].cast<std::array<double, 3>>());
+                        state[3].cast<std::array<double, 3>>(), state[4].cast<std::optional<double>>());
           }));
   m.def(
       "seabeds",

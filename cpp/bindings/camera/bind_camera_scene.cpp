@@ -206,6 +206,8 @@ void bind_camera_scene(py::module_& m) {
           },
           py::arg("bed"), py::arg("steep"), py::arg("land"),
           "Set the terrain's materials: under water, where it is steep, and above water. Raises ValueError.")
+      .def("set_ripples", &CameraScene::set_ripples, py::arg("across_rad"),
+           "Set the direction across ripples of sand, from x to y.")
       .def("show_detail", &CameraScene::show_detail,
            "Show relief and patterns of fixed surfaces down to the footprint of a pixel.")
       .def(

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "uwsim/acoustics/modem/boundary_loss.h"
 #include "uwsim/acoustics/seabed.h"
 
@@ -45,8 +47,9 @@ double steered_widening(double steering_rad);
 struct BottomMaterial {
   double strength_db = -30;  ///< backscatter per square metre at normal incidence; other angles follow Lambert's law
   double relief = 0.1;       ///< rms slope of the relief across a footprint, which spreads the echo in range
-  const Seabed* seabed = nullptr;  ///< if set, its backscatter by angle replaces Lambert's law
-  FluidBottom fluid = {};          ///< reflects sound that bounces more than once
+  const Seabed* seabed = nullptr;          ///< if set, its backscatter by angle replaces Lambert's law
+  FluidBottom fluid = {};                  ///< reflects sound that bounces more than once
+  std::optional<double> ripples_rad = {};  ///< of the direction across ripples of sand, from x to y; see RippledBed
 };
 
 /// The geometry of a beam that hits a plane bottom.

@@ -42,6 +42,7 @@ CameraScene::CameraScene(const CameraScene& like, const Water& water, std::uint6
       has_textures_(like.has_textures_),
       has_gloss_(like.has_gloss_),
       has_detail_(like.has_detail_),
+      ripples_rad_(like.ripples_rad_),
       vehicle_names_(like.vehicle_names_),
       before_schools_(like.before_schools_),
       hulls_(like.hulls_) {

@@ -54,6 +54,9 @@ class CameraScene {
   /// Shows relief and patterns of fixed surfaces down to the footprint of a pixel.
   void show_detail() { has_detail_ = true; }
   bool has_detail() const { return has_detail_; }
+  /// Sets the direction across ripples of sand, from x to y; by default see PreparedView::set_detail.
+  void set_ripples(double across_rad) { ripples_rad_ = across_rad; }
+  const std::optional<double>& ripples_rad() const { return ripples_rad_; }
   /// The number of materials of fixed surfaces, which come first in `materials`.
   int materials_of_fixed() const { return material_of(world_.labels_end()); }
   /// Adds a vehicle, or another moving body, and returns its index. Those added after all schools have labels after
@@ -104,6 +107,7 @@ class CameraScene {
   std::vector<std::string> class_names_;
   std::vector<std::shared_ptr<const Texture>> textures_;
   bool has_textures_ = false, has_gloss_ = false, has_detail_ = false;
+  std::optional<double> ripples_rad_;
   std::vector<std::string> vehicle_names_;
   std::size_t before_schools_ = 0;  // of the vehicles
   MovingBodies hulls_;

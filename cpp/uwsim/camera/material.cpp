@@ -5,6 +5,7 @@
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/names.h"
+#include "uwsim/world/sand_ripples.h"
 
 namespace uwsim {
 namespace {
@@ -22,8 +23,8 @@ constexpr std::array<NamedMaterial, 11> kMaterials = {{
       1.1f,
       7,
       .35f,
-      .28f,
-      .45f,
+      kRipple_m,
+      kRippleTilt,
       {24, .16f, .90f, 1, 10, .55f, 1.2f, .85f, .70f}}},
     {"gravel",
      {{.30f, .29f, .27f}, {.14f, .13f, .12f}, 1.6f, 12, .9f, 0, 0, {26, .16f, .60f, 1, 16, .92f, 1.5f, 1.0f, .60f}}},

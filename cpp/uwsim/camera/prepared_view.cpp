@@ -93,18 +93,19 @@ PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const
   view.land_material = 2;
 }
 
-/// Ripples of sand lie across the waves that made them: the highest of the world's waves, or those of the wind. Scenes
-/// without detail keep one direction everywhere.
+/// Ripples of sand lie across the scene's direction, or else across the waves that made them: the highest of the
+/// world's waves, or those of the wind. Scenes without detail and direction keep one direction everywhere.
 void PreparedView::set_detail(const CameraScene& scene, const Optics& optics) {
   view.ripple_x = camera::kRippleX, view.ripple_y = camera::kRippleY;
   view.detail_end = scene.has_detail() ? scene.materials_of_fixed() : 0;
-  if (view.detail_end == 0) return;
+  if (view.detail_end == 0 && !scene.ripples_rad()) return;
   double towards_rad = optics.wind_towards_rad, highest_m = 0;
   if (const auto& waves = scene.world().water.waves) {
     for (const WaveComponent& wave : waves->components()) {
       if (wave.amplitude_m > highest_m) highest_m = wave.amplitude_m, towards_rad = wave.heading_rad;
     }
   }
+  towards_rad = scene.ripples_rad().value_or(towards_rad);
   view.ripple_x = static_cast<float>(std::cos(towards_rad)), view.ripple_y = static_cast<float>(std::sin(towards_rad));
 }
 

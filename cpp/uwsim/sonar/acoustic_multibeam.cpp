@@ -92,6 +92,18 @@ AcousticMultibeam::AcousticMultibeam(const MultibeamModel& fan, const AcousticSp
   for (const BottomMaterial& material : spec.materials) add(material);
   add(spec.bottom);
   for (const WaterTargets& group : spec.targets) targets_.emplace_back(group, stream.key());
+  if (spec.materials.size() > kTerrain && spec.materials[kTerrain].ripples_rad) {
+    ripples_.emplace(*spec.materials[kTerrain].ripples_rad);
+  }
+}
+
+void AcousticMultibeam::set_facets(const BedPatch& bed, std::size_t lane, HitLanes& hits) const {
+  const float spacing_rad = footprint_.spacing_rad(hits.beam[lane]);
+  BedPatch patch = bed;
+  patch.across_m = double{hits.length_m[lane]} * double{spacing_rad > 0 ? spacing_rad : width_rad_};
+  patch.along_m = patch.across_m / std::max(double{hits.cosine[lane]}, 1e-3);
+  const std::array<double, 2> facets = ripples_->facets(patch);
+  hits.facets[lane] = {static_cast<float>(facets[0]), static_cast<float>(facets[1])};
 }
 
 void AcousticMultibeam::set_echoes(const Transmission& sent, const HitLanes& hits, std::span<RayEcho> echoes) const {
@@ -106,6 +118,10 @@ void AcousticMultibeam::set_echoes(const Transmission& sent, const HitLanes& hit
     cosine[k] = std::clamp(hits.cosine[k], 1e-3f, 1.0f);
     const float share = share_sr_ * footprint_.widening(beam);
     gain[k] = by_angle_ ? share * curves_[material](cosine[k]) / cosine[k] : share * strengths_[material] * cosine[k];
+    if (ripples_ && hits.label[k] == kTerrain) {
+      const auto [first, second] = hits.facets[k];
+      gain[k] = share * 0.5f * (curves_[material](first) + curves_[material](second)) / cosine[k];
+    }
     const double absorption_db_m = absorption_.mean_db_m(sent.depth_m, sent.absorbed_db, hits.depth_m[k]);
     lost[k] = std::exp(kTwoWay * static_cast<float>(absorption_db_m) * length[k]);
     spacing[k] = footprint_.spacing_rad(beam);
@@ -158,9 +174,14 @@ void AcousticMultibeam::cast_straight(const Transmission& sent, const FanRays& r
       hits.depth_m[lane] = -z;
       hits.label[lane] = met.label[lane];
       hits.beam[lane] = rays.beam(first + lane);
+      const Eigen::Vector3f direction(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
+      if (ripples_ && hits.met[lane] && hits.label[lane] == kTerrain) {
+        const Eigen::Vector3d way = direction.cast<double>();
+        const Eigen::Vector3f normal(met.normal_x[lane], met.normal_y[lane], met.normal_z[lane]);
+        set_facets({head + double{length_m} * way, normal.cast<double>(), way}, lane, hits);
+      }
       if (!moves) continue;
       // Half the path from the head to the bottom and back to the head's new position, relative to the path out.
-      const Eigen::Vector3f direction(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
       hits.range_m[lane] = 0.5f * (1 + (direction - 2 * sent.mach).norm()) * length_m;
     }
     set_echoes(sent, hits, echoes.subspan(first, count));
@@ -190,6 +211,7 @@ void AcousticMultibeam::cast_bent_rays(const Transmission& sent, const FanRays& 
       hits.depth_m[lane] = -path.point_world_m.z();
       hits.label[lane] = path.label;
       hits.beam[lane] = rays.beam(first + lane);
+      if (ripples_ && path.label == kTerrain) set_facets({path.point_world_m, normal, path.arrival_world}, lane, hits);
     }
     set_echoes(sent, hits, echoes.subspan(first, count));
   }

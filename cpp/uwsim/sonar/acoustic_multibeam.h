@@ -13,6 +13,7 @@
 #include "uwsim/sonar/bottom_detector.h"
 #include "uwsim/sonar/echo.h"
 #include "uwsim/sonar/multibeam_model.h"
+#include "uwsim/sonar/rippled_bed.h"
 #include "uwsim/sonar/scatter_curve.h"
 #include "uwsim/sonar/speckle_field.h"
 #include "uwsim/sonar/water_targets.h"
@@ -86,12 +87,13 @@ struct AcousticPing {
 /// Each beam is sampled by several rays (BeamFootprint). Each of the n rays of a beam returns the fraction Omega/n S
 /// cos(i) / R^2 10^(-2 alpha R / 10) of the source's intensity. The factors are spherical spreading out and back (40
 /// log R), the area of bottom covered by the ray's share Omega/n of the beam (R^2 / cos i), Lambert's law S cos^2 i,
-/// and Francois-Garrison absorption averaged along the path. The rays' echoes are summed over range to an envelope
-/// (echo.h). The resulting spreading is 20 log R if one range cell contains the footprint, 30 log R if slope or relief
-/// spreads the footprint over several cells, and 40 log R for a small target. Speckle comes from scatterers that are
-/// fixed in the world (SpeckleField), so overlapping beams and pings from the same place share it. The detector
-/// (BottomDetector) adds the receiver's noise, which differs from ping to ping, and applies its threshold; it may also
-/// detect noise as an echo.
+/// and Francois-Garrison absorption averaged along the path. Over ripples of sand, S cos^2 i is the mean of those at
+/// the facets of the ray's share (RippledBed). The rays' echoes are summed over range to an envelope (echo.h). The
+/// resulting spreading is 20 log R if one range cell contains the footprint, 30 log R if slope or relief spreads the
+/// footprint over several cells, and 40 log R for a small target. Speckle comes from scatterers that are fixed in the
+/// world (SpeckleField), so overlapping beams and pings from the same place share it. The detector (BottomDetector)
+/// adds the receiver's noise, which differs from ping to ping, and applies its threshold; it may also detect noise as
+/// an echo.
 ///
 /// Motion: a ping is transmitted from one pose and received at another. The range is half of the path from the head to
 /// the bottom and back to the head's new position. The fan rotates about its normal in between, so a beam receives from
@@ -135,6 +137,8 @@ class AcousticMultibeam {
   Eigen::Matrix3Xf ray_directions_world(const Transmission& sent, std::size_t first, std::size_t last) const;
   void cast_straight(const Transmission& sent, const FanRays& rays, std::span<RayEcho> echoes) const;
   void cast_bent_rays(const Transmission& sent, const FanRays& rays, std::span<RayEcho> echoes) const;
+  /// Sets the facets of a ray's hit, where the bed is rippled.
+  void set_facets(const BedPatch& bed, std::size_t lane, HitLanes& hits) const;
   /// Sets the echoes of up to sixteen rays; their energy is 0 where a ray meets nothing.
   void set_echoes(const Transmission& sent, const HitLanes& hits, std::span<RayEcho> echoes) const;
   BottomDetection detect(const Transmission& sent, std::size_t beam, const BeamEcho& echo) const;
@@ -173,6 +177,7 @@ class AcousticMultibeam {
   std::vector<ScatterCurve> curves_;
   std::vector<std::vector<float>> mirrors_;  // by label, see mirror
   bool by_angle_ = false;                    // whether any surface has a seabed's curve
+  std::optional<RippledBed> ripples_;        // of the terrain
   std::vector<MovingTargets> targets_;
 };
 

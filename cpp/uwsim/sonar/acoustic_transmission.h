@@ -29,6 +29,7 @@ struct AcousticMultibeam::HitLanes {
   std::array<bool, kPacketRays> met;
   alignas(64) std::array<float, kPacketRays> length_m, range_m;  // of the path; half the way there and back
   alignas(64) std::array<float, kPacketRays> cosine;             // of the incidence
+  std::array<std::array<float, 2>, kPacketRays> facets;          // the same, of two facets; only over ripples
   std::array<double, kPacketRays> depth_m;
   std::array<std::uint32_t, kPacketRays> label;
   std::array<std::size_t, kPacketRays> beam;

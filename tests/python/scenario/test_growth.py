@@ -100,6 +100,13 @@ def test_a_leak_is_a_mark_from_which_bubbles_rise() -> None:
     assert bubbles in sim.around().scene.cast(from_m, rays, 10.0).labels
 
 
+def test_a_leak_above_the_water_is_refused() -> None:
+    ashore = {"terrain": SITE["terrain"] | {"rim": {"height_m": 16, "width_m": 20}}}
+    leaks = PIPE | {"points_m": [[-38, 0], [30, 5]], "condition": {"features": [{"kind": "leak", "at_m": 2}]}}
+    with pytest.raises(ScenarioError, match="must be under water"):
+        Simulator(validated(Scenario, SITE | ashore | {"obstacles": [leaks]}))
+
+
 def test_a_pipe_has_joints_anodes_and_features_where_they_were_put() -> None:
     condition = {
         "features": [{"kind": "damage", "at_m": 20.0, "clock_h": 12}, {"kind": "span", "at_m": 40.0, "height_m": 0.5}]

@@ -90,6 +90,8 @@ SurfaceEchoes::SurfaceEchoes(const RayScene& scene, const Eigen::Vector3d& head_
     strengths_.push_back(acoustics.strength(static_cast<Label>(label)));
   }
   const std::vector<BottomMaterial>& materials = acoustics.materials;
+  if (materials.size() > kTerrain && materials[kTerrain].ripples_rad)
+    ripples_.emplace(*materials[kTerrain].ripples_rad);
   if (std::none_of(materials.begin(), materials.end(), [](const BottomMaterial& m) { return m.seabed != nullptr; })) {
     return;
   }
@@ -202,6 +204,16 @@ void SurfaceEchoes::add_packets(std::span<const RayArc> arcs, const ArcRaySets& 
       if (!(facing > 0) || packet.active[k] == 0) continue;
       const double received = rays.of_arc(k / kEach)[first + k % kEach].gain_sr * double{loss[k]};
       power[k] = received * reflected(static_cast<Label>(hits.label[k]), facing);
+      if (!ripples_ || hits.label[k] != kTerrain) continue;
+      const Eigen::Vector3d way(packet.direction_x[k], packet.direction_y[k], packet.direction_z[k]);
+      const ArcRay& ray = rays.of_arc(k / kEach)[first + k % kEach];
+      const double length_m = double{hits.distance_m[k]}, least = std::max(facing, 1e-3);
+      const auto [one, other] = ripples_->facets({head_world_m_ + length_m * way,
+                                                  {hits.normal_x[k], hits.normal_y[k], hits.normal_z[k]},
+                                                  way,
+                                                  (ray.upper_rad - ray.lower_rad) * length_m / least,
+                                                  2 * arcs[k / kEach].half_width_rad * length_m});
+      power[k] = received * 0.5 * (scattered(kTerrain, one) + scattered(kTerrain, other)) / least;
     }
     for (std::size_t arc = 0; arc < arcs.size(); ++arc) {
       const std::size_t lane = arc * kEach;

@@ -2,11 +2,13 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "uwsim/rays/ray_scene.h"
 #include "uwsim/sonar/imaging/imaging_acoustics.h"
+#include "uwsim/sonar/rippled_bed.h"
 #include "uwsim/sonar/scatter_curve.h"
 
 namespace uwsim {
@@ -91,7 +93,8 @@ class EchoesByLabel {
 ///   R^-4 10^(-2 alpha R / 10) mu cos^2 i dA = mu cos i dO R^-2 10^(-2 alpha R / 10),
 /// spread evenly over the ranges that the patch covers on the surface's tangent plane. Shadows need no separate model,
 /// since no ray hits a hidden surface. Rays are cast in float, with errors of 1e-4 m (ray_scene.h). A seabed's
-/// backscatter by angle replaces mu cos^2 i where a material has one. Rays are straight and reflected once, unless
+/// backscatter by angle replaces mu cos^2 i where a material has one; over ripples of sand, it is the mean of those at
+/// the facets of a patch (RippledBed). Rays are straight and reflected once, unless
 /// multipath is on (surface_ghosts.cpp). Surfaces above z = 0 return no echo, and a head above z = 0 receives none. The
 /// inside of a surface returns no echo either, so a head in the ground or in a solid receives only noise.
 class SurfaceEchoes {
@@ -130,7 +133,8 @@ class SurfaceEchoes {
   double solid_;                   // the Lambert coefficient mu for labels that strengths_ does not cover
   std::vector<double> strengths_;  // the Lambert coefficient mu by label
   const ImagingAcoustics* acoustics_;
-  std::vector<ScatterCurve> curves_;  // by label; empty if no material has a seabed
+  std::vector<ScatterCurve> curves_;   // by label; empty if no material has a seabed
+  std::optional<RippledBed> ripples_;  // of the terrain
 };
 
 }  // namespace uwsim

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
+from typing import Generic, TypeVar
 
 from foxglove.messages import SceneUpdate
 
+from uwsim.bridges.foxglove.life import life
 from uwsim.bridges.foxglove.places import ORIGIN_M, Follow, Leave, Vector, publish_truth, received_places, true_places
 from uwsim.bridges.foxglove.scenes import Bodies, MapBlocks, Positions, Tracks, hulls, lake
 from uwsim.bridges.foxglove.tethers import tethers
@@ -16,12 +18,13 @@ from uwsim.channels.delivery.outgoing import Job, Line, Outgoing
 from uwsim.live import LiveSimulator
 from uwsim.simulator.moving_shapes import moving_shapes, shape_poses
 from uwsim.simulator.simulator import Simulator
+from uwsim.simulator.swarms import Swarm, swarm_places, swarms
 from uwsim.simulator.tether import TetherReading
 
-BODIES_S = 0.2  # between two looks for loose bodies that have moved, in simulated time
+BODIES_S = 0.2  # between two looks for what moves, in simulated time
 WAITING = 64  # updates per queue; none should be dropped, since each builds on the previous ones
 
-
+T = TypeVar("T")
 Send = Callable[[int, bytes], object]
 """Sends a message, passed with its simulated time [ns]."""
 SendAll = Callable[[str, int, bytes], object]
@@ -143,18 +146,29 @@ def _poses(sim: Simulator) -> tuple[dict[str, Vector], int]:
     return found, sim.time_ns
 
 
-class TetherShow(Show):
-    """The tethers as they truly are."""
+class MovingShow(Show, Generic[T]):
+    """Things that move all the time, as they truly are.
 
-    def __init__(self, outgoing: Outgoing, send: SendAll, live: LiveSimulator) -> None:
-        super().__init__("scene/tethers", outgoing, send)
-        self._live = live
+    read: returns them, on the stepping thread. make: returns their scene at a time [ns], on the writer thread.
+    """
+
+    def __init__(
+        self,
+        topic: str,
+        outgoing: Outgoing,
+        send: SendAll,
+        live: LiveSimulator,
+        read: Callable[[Simulator], T],
+        make: Callable[[T, int], SceneUpdate],
+    ) -> None:
+        super().__init__(topic, outgoing, send)
+        self._live, self._read, self._make = live, read, make
         self._leave: Leave | None = None
 
     def begin(self, newcomer: Send) -> None:
         """Start to send; a new client gets them with all others."""
         if self._leave is None:
-            self._leave = self._live.every(BODIES_S, _tethers, lambda found: self._show(*found)).cancel
+            self._leave = self._live.every(BODIES_S, lambda sim: (self._read(sim), sim.time_ns), self._show).cancel
 
     def end(self) -> None:
         """Stop reading."""
@@ -162,12 +176,23 @@ class TetherShow(Show):
             self._leave()
             self._leave = None
 
-    def _show(self, now: dict[str, TetherReading], time_ns: int) -> None:
-        self._offer(lambda: tethers(now, self._live.simulator.scenario, time_ns), time_ns)
+    def _show(self, found: tuple[T, int]) -> None:
+        now, time_ns = found
+        self._offer(lambda: self._make(now, time_ns), time_ns)
 
 
-def _tethers(sim: Simulator) -> tuple[dict[str, TetherReading], int]:
-    return {name: tether.read() for name, tether in sim.tethers.items()}, sim.time_ns
+def _tether_show(outgoing: Outgoing, send: SendAll, live: LiveSimulator) -> Show:
+    def read(sim: Simulator) -> dict[str, TetherReading]:
+        return {name: tether.read() for name, tether in sim.tethers.items()}
+
+    def make(now: dict[str, TetherReading], time_ns: int) -> SceneUpdate:
+        return tethers(now, live.simulator.scenario, time_ns)
+
+    return MovingShow("scene/tethers", outgoing, send, live, read, make)
+
+
+def _life_show(outgoing: Outgoing, send: SendAll, live: LiveSimulator, found: Sequence[Swarm]) -> Show:
+    return MovingShow("scene/life", outgoing, send, live, partial(swarm_places, found=found), partial(life, found))
 
 
 class MapShow(Show):
@@ -238,7 +263,8 @@ def _shows_of_world(
         TrackShow("scene/track", outgoing, send, live, received_places(live, channels, feed, origin_m)),
         *([TrackShow("scene/true_track", outgoing, send, live, true_places(live))] if has_truth else []),
         *([BodyShow(outgoing, send, live)] if moving_shapes(scenario) and not has_link else []),
-        *([TetherShow(outgoing, send, live)] if live.simulator.tethers and not has_link else []),
+        *([_tether_show(outgoing, send, live)] if live.simulator.tethers and not has_link else []),
+        *([_life_show(outgoing, send, live, found)] if (found := swarms(live.simulator)) and not has_link else []),
     ]
 
 

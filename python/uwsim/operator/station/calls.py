@@ -6,9 +6,6 @@ from dataclasses import dataclass
 
 from uwsim.operator.station.wire import (
     AllStop,
-    Catalog,
-    Choice,
-    ChoiceTaken,
     Commanded,
     Control,
     Description,
@@ -24,6 +21,7 @@ from uwsim.operator.station.wire import (
     SetView,
 )
 from uwsim.operator.station.wire_editor import Edit, EditForms, EditState
+from uwsim.operator.station.wire_start import Catalog, Choice, ChoiceTaken
 from uwsim.operator.station.wire_training import (
     ExerciseState,
     FaultKinds,

@@ -30,6 +30,7 @@ from uwsim.operator.station.arrivals import Arrivals
 from uwsim.operator.station.flights import FlightRecording
 from uwsim.operator.station.inspection import Inspection
 from uwsim.operator.station.judged import Judged
+from uwsim.operator.station.life import Life
 from uwsim.operator.station.loose_objects import TOPIC as OBJECTS
 from uwsim.operator.station.loose_objects import LooseObjects
 from uwsim.operator.station.pilot import Pilot
@@ -103,8 +104,10 @@ class Running:
         self.pilot = Pilot(self.far, self.table.steering)
         self.scene = Scene(sim, self.table.sources)
         self.objects: LooseObjects | None = None  # without the truth, a pilot does not know where they are
+        self.life: Life | None = None
         if truth:
             self.objects = LooseObjects(live, node, table.sources[0].origin_m)
+            self.life = Life(live, node, table.sources[0].origin_m)
         self.views = Views(live, self.table, node, wake, over_link=has_carrier, truth=truth)
         self.arrivals: Arrivals | None = None
         if self.carrier is not None:
@@ -154,6 +157,8 @@ class Running:
                 self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
         if self.objects is not None:
             self.objects.start()
+        if self.life is not None:
+            self.life.start()
         if self.judged is not None:
             self.judged.start()
         if self.flight is not None:
@@ -237,6 +242,7 @@ class Running:
                 and (found := self._tether(one.tether, _offered(partial(object_topic, one.name), optional)))
             },
             "objects": f"/{OBJECTS}" if self.objects is not None and self.objects.topics() else None,
+            "life": self.life.described() if self.life is not None else None,
             "commands": self.commands(),
             "is_supervised": self.is_supervised,
             "is_recorded": self.flight is not None,
@@ -260,7 +266,7 @@ class Running:
 
     def topics(self) -> list[GuestTopic]:
         """Return the topics of all views."""
-        guests = [each for each in (self.views, self.arrivals, self.objects) if each is not None]
+        guests = [each for each in (self.views, self.arrivals, self.objects, self.life) if each is not None]
         return [topic for each in guests for topic in each.topics()]
 
     def _camera_view(self, view: View) -> Values:

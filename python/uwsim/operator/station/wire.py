@@ -47,99 +47,6 @@ class Commanded(Done):
     tick: int
 
 
-# The start screen
-
-
-class Choice(Message):
-    """The choice on the start screen. A missing or null field keeps the scenario's value.
-
-    rosbridge_*: the user's server.
-    """
-
-    scenario: str | None = None
-    vehicle: str | None = None
-    sonar: int | str | None = None
-    mission_time_s: float | None = None
-    seed: int | None = None
-    speed: float | None = None
-    link: str | None = None
-    rosbridge_host: str | None = None
-    rosbridge_port: int | None = None
-    rosbridge_ros: int | None = None
-    saved: str | None = None
-    flight: str | None = None
-
-
-class ChoiceTaken(Done):
-    """The response to a choice that is valid or has been started."""
-
-    errors: dict[str, str]
-
-
-class Offered(Message):
-    """An item that can be chosen by name."""
-
-    name: str
-    description: str
-
-
-class OfferedVehicle(Message):
-    """A vehicle of an offered scenario."""
-
-    name: str
-    model: str
-
-
-class OfferedScenario(Offered):
-    """A scenario that can be chosen."""
-
-    seed: int
-    mission_time_s: float
-    vehicles: list[OfferedVehicle]
-    sonar: str | None
-
-
-class OfferedSonar(Message):
-    """A multibeam that can be chosen. A number refers to one of the paper's models."""
-
-    name: int | str
-    title: str
-    description: str
-    kind: Literal["published", "instrument"]
-
-
-class RecordedFlight(Message):
-    """A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty.
-
-    cut_off: whether its recording ends early, after duration_s, because the station was killed or the disk was full.
-    """
-
-    name: str
-    scenario: str
-    begun: str
-    duration_s: float
-    cut_off: bool
-    size_bytes: int
-    branched_from: str
-    refused: str
-
-
-class Catalog(Message):
-    """All available choices. speeds: 0 is as fast as possible. saves: sessions that can be continued.
-
-    flights: newest first.
-    """
-
-    scenarios: list[OfferedScenario]
-    vehicles: list[Offered]
-    sonars: list[OfferedSonar]
-    links: list[Offered]
-    speeds: list[float]
-    defaults: Choice
-    saves: list[str]
-    flights: list[RecordedFlight]
-
-
 # The running simulator
 
 
@@ -186,6 +93,23 @@ class TetherDescription(Message):
     breaking_load_n: float
     fastest_m_s: float | None
     strongest_n: float | None
+
+
+class SwarmDescription(Message):
+    """A school of fish or a plume of bubbles. drawn: how many of it are drawn. colour: albedo, red, green and blue."""
+
+    name: str
+    kind: Literal["fish", "bubbles"]
+    drawn: int
+    size_m: float
+    colour: list[float]
+
+
+class LifeDescription(Message):
+    """The topic with the places of all swarms, one after the other, and the swarms."""
+
+    topic: str
+    swarms: list[SwarmDescription]
 
 
 class ArmJoint(Message):
@@ -314,6 +238,7 @@ class Description(Message):
     scene: str
     tethers: dict[str, TetherDescription]
     objects: str | None
+    life: LifeDescription | None
     commands: list[str]
     has_exercise: bool
     is_supervised: bool

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.scenario.build.cover_meshes import Mesh, ball, merged
 from uwsim.scenario.build.terrain import Terrain
+from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.bubble_plume import BubblePlume
 from uwsim.scenario.spec.scenario import Scenario
 
@@ -36,7 +37,8 @@ def add_plumes(world: _core.World, terrain: Terrain, scenario: Scenario) -> None
     for name, seed, plume in zip(plume_names(scenario), range(1000), _plumes(scenario, terrain), strict=False):
         depth_m = -float(plume.source_m[2])
         if depth_m <= 0:
-            continue  # it leaks into the air
+            x, y, z = plume.source_m
+            raise ScenarioError(f"'{name}' is at ({x:.4g}, {y:.4g}) m and z = {z:.4g} m: must be under water")
         way_s = depth_m / RISE_M_S
         count = int(np.clip(CLUSTERS_PER_S * way_s, 20, MOST_CLUSTERS))
         each_m3 = np.pi / 6 * BUBBLE_M**3

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from uwsim import _core
 from uwsim.scenario.build.arm import all_shaped_links, link_mesh
 from uwsim.scenario.build.bubbles import plume_names
@@ -30,6 +32,8 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
     scene.set_ground(ground.bed, ground.steep, ground.land)
     if scenario.detail == "fine":
         scene.show_detail()
+    if ground.ripples_deg is not None:
+        scene.set_ripples(math.radians(ground.ripples_deg))
     label_of = {name: label for label, name in enumerate(world.label_names)}
     for obstacle in scenario.obstacles:
         label, texture = label_of[obstacle.name], obstacle_texture(obstacle, scenario)

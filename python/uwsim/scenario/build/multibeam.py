@@ -71,7 +71,10 @@ def acoustic_spec(
 
 def bottom_material(backscatter: Backscatter) -> _core.BottomMaterial:
     """Convert a surface's acoustic backscatter to a core object."""
-    return _core.BottomMaterial(backscatter.strength_db, backscatter.relief, backscatter.seabed, backscatter.fluid)
+    ripples_rad = None if backscatter.ripples_deg is None else math.radians(backscatter.ripples_deg)
+    return _core.BottomMaterial(
+        backscatter.strength_db, backscatter.relief, backscatter.seabed, backscatter.fluid, ripples_rad
+    )
 
 
 def targets(group: School | Seep) -> _core.WaterTargets:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, model_validator
 
 from uwsim import _core
 from uwsim.scenario.spec.camera import Colour
-from uwsim.scenario.spec.fields import InRange, Model, OneOf
+from uwsim.scenario.spec.fields import InRange, Model, OneOf, broken
 
 SEABEDS = _core.seabeds()
 SeabedName = Annotated[str, OneOf(tuple(SEABEDS))]
@@ -23,12 +23,14 @@ class Backscatter(Model):
     roughness that is finer than the mesh; it spreads the echo in range. seabed: for imaging sonars, and a multibeam in
     physics mode, one of _core.seabeds(), whose backscatter by angle replaces Lambert's law. fluid: density and speed
     relative to water, attenuation [dB per wavelength], by which the surface reflects sound that bounces more than once.
+    ripples_deg: see Ground.
     """
 
     strength_db: Strength
     relief: Relief = 0.0
     seabed: SeabedName | None = None
     fluid: tuple[float, float, float] = SEABEDS["rock"]
+    ripples_deg: float | None = None
 
 
 ROCK = Backscatter.model_construct(strength_db=-30.0, relief=0.1)
@@ -91,6 +93,8 @@ class Ground(Model):
 
     bed: material under water. steep: material on steep slopes. land: material above the water. strength_db, relief,
     seabed: the backscatter of the whole terrain, as in Backscatter; they override those of the bed's material.
+    ripples_deg: direction across the crests of the ripples that a bed of sand has, from east to north; with it, imaging
+    sonars and a multibeam in physics mode meet the slopes of the ripples that cameras see.
     """
 
     bed: MaterialName = "sand"
@@ -99,11 +103,19 @@ class Ground(Model):
     strength_db: Strength | None = None
     relief: Relief | None = None
     seabed: SeabedName | None = None
+    ripples_deg: Annotated[float, InRange(-360, 360, "deg")] | None = None
+
+    @model_validator(mode="after")
+    def _has_ripples_of_sand(self) -> Ground:
+        if self.ripples_deg is not None and self.bed != "sand":
+            raise broken("only a bed of sand has ripples", at=("ripples_deg",), value=self.ripples_deg, unit="deg")
+        return self
 
     @property
     def backscatter(self) -> Backscatter:
         """The backscatter of the terrain."""
-        return _with_own(BACKSCATTER[self.bed], self)
+        found = _with_own(BACKSCATTER[self.bed], self)
+        return found if self.ripples_deg is None else found.model_copy(update={"ripples_deg": self.ripples_deg})
 
 
 def _with_own(usual: Backscatter, own: Material | Ground) -> Backscatter:

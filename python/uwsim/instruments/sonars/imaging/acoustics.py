@@ -187,6 +187,8 @@ def _strengths_by_label(sim: Place, model: Acoustics) -> tuple[list[float], list
         strengths_db.append(float(given_db.get(name, usual_db)))
         material = known.get(name, _core.BottomMaterial())
         if own_db is not None or name in given_db:
-            material = _core.BottomMaterial(material.strength_db, material.relief, None, material.fluid)
+            material = _core.BottomMaterial(
+                material.strength_db, material.relief, None, material.fluid, material.ripples_rad
+            )
         materials.append(material)
     return strengths_db, materials

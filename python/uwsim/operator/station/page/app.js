@@ -23,6 +23,7 @@ import { Recorder } from './recorder.js';
 import { Flights } from './replay/flights.js';
 import { showRecording } from './replay/rec_lamp.js';
 import { Timeline } from './replay/timeline.js';
+import { Life } from './map3d/life.js';
 import { LooseObjects } from './map3d/loose_objects.js';
 import { SceneView } from './map3d/scene.js';
 import { Tethers } from './map3d/tethers.js';
@@ -66,6 +67,7 @@ const lease = new Lease(station);
 explainIdleKeys(station, telemetry, pilot, bindings);
 const inspector = new Inspector(station);
 const objects = new LooseObjects(scene, chart);
+const life = new Life(scene, chart);
 const tethers = new Tethers(scene, chart);
 const timeline = new Timeline(station, telemetry, { scene, chart, panel });
 const flights = new Flights(station);
@@ -162,6 +164,7 @@ function begin() {
   objects.begin(load, description).catch((error) => toast(error.message, 'error'));
   ends = description.vehicles.flatMap((each) => watch(each));
   ends.push(...tethers.begin(station.bridge, description, SCAN));
+  ends.push(...life.begin(station.bridge, description, SCAN));
   if (description.objects)
     ends.push(
       station.bridge.subscribe(description.objects, 'tf2_msgs/TFMessage', (message) => objects.show(message), SCAN),
@@ -307,5 +310,6 @@ globalThis.station = {
   timeline,
   editor,
   objects,
+  life,
   tethers,
 }; // for the browser's console and tests

@@ -267,6 +267,21 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string | null} [aboard_small_topic]
  */
 
+/** A school of fish or a plume of bubbles. drawn: how many of it are drawn. colour: albedo, red, green and blue.
+ * @typedef {object} SwarmDescription
+ * @property {string} name
+ * @property {'fish' | 'bubbles'} kind
+ * @property {number} drawn
+ * @property {number} size_m
+ * @property {number[]} colour
+ */
+
+/** The topic with the places of all swarms, one after the other, and the swarms.
+ * @typedef {object} LifeDescription
+ * @property {string} topic
+ * @property {SwarmDescription[]} swarms
+ */
+
 /** An event of a recorded flight.
  * @typedef {object} FlightEvent
  * @property {number} time_s
@@ -302,6 +317,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} scene
  * @property {Record<string, TetherDescription>} tethers
  * @property {string | null} objects
+ * @property {LifeDescription | null} life
  * @property {string[]} commands
  * @property {boolean} has_exercise
  * @property {boolean} is_supervised
