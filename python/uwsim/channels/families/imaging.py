@@ -34,7 +34,7 @@ SOUND_SPEED_M_S = 1500.0
 
 @dataclass(frozen=True)
 class Echoes:
-    """What a view makes of a ping. level_db: (bins, beams). bearings_rad: about the sonar's z axis, positive to port.
+    """The result of a ping for a view. level_db: (bins, beams). bearings_rad: about the sonar's z axis, positive to port.
 
     draw: draws the picture (h, w, 3), as it was at the time of the ping.
     """
