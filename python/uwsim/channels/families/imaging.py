@@ -34,9 +34,10 @@ SOUND_SPEED_M_S = 1500.0
 
 @dataclass(frozen=True)
 class Echoes:
-    """The result of a ping for a view. level_db: (bins, beams). bearings_rad: about the sonar's z axis, positive to port.
+    """The result of a ping for a view. level_db: (bins, beams).
 
-    draw: draws the picture (h, w, 3), as it was at the time of the ping.
+    bearings_rad: about the sonar's z axis, positive to port. draw: draws the picture (h, w, 3), as it was at
+    the time of the ping.
     """
 
     level_db: Levels
