@@ -19,8 +19,12 @@ COVE = (assets_folder() / "scenarios" / "cove.yaml").read_text()
 EXPECTED = (
     "paper.yaml:57: vehicle 'rov' starts 4.1 m above the water",
     "paper_buoyant.yaml:47: vehicle 'rov' rises by",
+    "lake_tender.yaml:30: vehicle 'rov' starts 0.6 m above the water",
+    "lake_tender.yaml:30: vehicle 'rov' sinks by 6.0 N",
+    "lake_tender.yaml:30: vehicle 'rov' starts 1.55 m from 'boat'",
 )
-"""As in the paper's own scenario, the vehicle hangs in a cage; in the other, it floats."""
+"""As in the paper's own scenario, the vehicle hangs in a cage; in the other, it floats. In the last, it hangs from a
+boat's A-frame by its tether, and is heavy enough to sink on it."""
 
 
 def edited(path: Path, *edits: tuple[str, str]) -> str:
