@@ -67,7 +67,7 @@ def make_slow(patch: Callable[[Any, str, Any], object] = setattr) -> list[int]:
     """Delay each picture's rendering while the simulator keeps stepping; return the times at which pictures begin."""
     read_made, delays, begun_ns = Pictures.read_made, itertools.cycle(DELAYS_NS), list[int]()
 
-    def read_slowly(self: Pictures, sim: Simulator, name: str, begin: Any) -> Any:
+    def read_slowly(self: Pictures, sim: Simulator, name: str, begin: Any, *part: Any) -> Any:
         def begin_slowly(stream: Any) -> Callable[[], Any]:
             make, moment_ns, until_ns = begin(stream), sim.time_ns, sim.time_ns + next(delays)
             begun_ns.append(moment_ns)
@@ -80,7 +80,7 @@ def make_slow(patch: Callable[[Any, str, Any], object] = setattr) -> list[int]:
 
             return render
 
-        return read_made(self, sim, name, begin_slowly)
+        return read_made(self, sim, name, begin_slowly, *part)
 
     patch(Pictures, "read_made", read_slowly)
     return begun_ns
