@@ -5,7 +5,8 @@ from __future__ import annotations
 import gc
 import signal
 import sys
-import threading
+from collections.abc import Callable
+from queue import Empty, SimpleQueue
 
 import typer
 
@@ -22,10 +23,10 @@ def run_until_interrupted(live: LiveSimulator, greeting: str, *, ends_with_error
     Meanwhile, report on stderr when the simulation slips or fails. ends_with_error: raise the error of a simulation
     that fails instead.
     """
-    interrupted = _interrupt()
+    is_interrupted = _interrupt()
     typer.echo(f"{greeting}: {_how_it_runs(live)}; Ctrl-C ends it")
     slipped_s, error = live.slipped_s, None
-    while not interrupted.wait(LOOK_S):
+    while not is_interrupted(LOOK_S):
         if ends_with_error and live.error is not None:
             raise live.error
         if live.error is not None and live.error is not error:
@@ -42,9 +43,10 @@ def run_until_interrupted(live: LiveSimulator, greeting: str, *, ends_with_error
 
 def wait_for_interrupt(greeting: str) -> None:
     """Print the greeting; return on Ctrl-C or SIGTERM."""
-    interrupted = _interrupt()
+    is_interrupted = _interrupt()
     typer.echo(greeting)
-    interrupted.wait()
+    while not is_interrupted(LOOK_S):
+        pass
 
 
 def keep_threads_moving() -> None:
@@ -58,13 +60,21 @@ def keep_threads_moving() -> None:
     gc.freeze()
 
 
-def _interrupt() -> threading.Event:
-    """Return an event that is set on Ctrl-C or SIGTERM."""
+def _interrupt() -> Callable[[float], bool]:
+    """Return a function that waits so many seconds for Ctrl-C or SIGTERM and returns whether one has come."""
     keep_threads_moving()
-    interrupted = threading.Event()
+    signals: SimpleQueue[int] = SimpleQueue()  # a handler may put while the same thread waits; an Event could deadlock
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: interrupted.set())
-    return interrupted
+        signal.signal(number, lambda number, _: signals.put(number))
+
+    def is_interrupted(wait_s: float) -> bool:
+        try:
+            signals.get(timeout=wait_s)
+        except Empty:
+            return False
+        return True
+
+    return is_interrupted
 
 
 def _how_it_runs(live: LiveSimulator) -> str:

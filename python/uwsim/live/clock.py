@@ -45,7 +45,7 @@ class LiveClock:
         return self._woken_at + steps
 
     def _wait_until(self, until: int) -> None:
-        self._loop.alarm(until).result()
+        self._loop.alarm(until).wait()
 
 
 class MissionClock(LiveClock):
@@ -56,7 +56,7 @@ class MissionClock(LiveClock):
         self._woken_at = loop.hold(self)
 
     def _wait_until(self, until: int) -> None:
-        self._loop.in_turn(lambda: self._loop.alarm(until, holder=self)).result()
+        self._loop.in_turn(lambda: self._loop.alarm(until, holder=self)).wait()
 
     def close(self) -> None:
         """Let simulated time pass freely again."""

@@ -168,7 +168,7 @@ class LiveSimulator:
         self._require("speed")
         with self._loop.lock:
             self._pace.set_speed(speed)
-            self._loop.lock.notify_all()
+            self._loop.changed.notify_all()
 
     @property
     def factor(self) -> float:
@@ -231,7 +231,7 @@ class LiveSimulator:
         self._require("step")
         if self._on_loop:
             raise RuntimeError("step: a call or sink must not wait for steps")
-        self._loop.in_turn(lambda: self._loop.step_when_paused(n)).result()
+        self._loop.in_turn(lambda: self._loop.step_when_paused(n)).wait()
 
     def reset(self, state: bytes | None = None) -> None:
         """Restore a state returned by save_state, by default the initial state; return once it is in effect.

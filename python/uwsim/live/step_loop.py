@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 from uwsim.base.agenda import Rank, act, due_tick
 from uwsim.base.commands.table import SERVO_FRAMES
+from uwsim.live.alarm import Alarm
 from uwsim.live.command_log import CALL, RESET, CommandLog, Entry
 from uwsim.live.pace import Pace
 from uwsim.live.requests import NotRunningError, Request
@@ -44,12 +45,13 @@ class StepLoop:
         self.sim = sim
         self.pace = pace
         self.log = log
-        self.lock = threading.Condition()
+        self.lock = threading.RLock()  # taken itself: an interrupt in Condition.__enter__ would leave it taken
+        self.changed = threading.Condition(self.lock)
         self.paused = paused
         self.steps_made = 0
         self.error: Exception | None = None
         self._requests: deque[Request] = deque()
-        self._alarms: list[tuple[int, Future[None]]] = []
+        self._alarms: list[tuple[int, Alarm]] = []
         self._steps_until = 0  # while paused, step until steps_made reaches this
         self._tick = sim.tick
         self._is_open = False
@@ -70,7 +72,7 @@ class StepLoop:
         """Refuse further requests, and end `run`."""
         with self.lock:
             self._is_open = False
-            self.lock.notify_all()
+            self.changed.notify_all()
 
     def submit(self, request: Request) -> None:
         """Queue a request; one that stops a vehicle comes first. Raises NotRunningError if not running.
@@ -84,7 +86,7 @@ class StepLoop:
             overtaken = [] if request.stops is None else self._put_first(request)
             if request.stops is None:
                 self._requests.append(request)
-            self.lock.notify_all()
+            self.changed.notify_all()
         for release in overtaken:
             if release.future.set_running_or_notify_cancel():
                 release.future.set_exception(RuntimeError("all stop was set before it could be released"))
@@ -113,14 +115,14 @@ class StepLoop:
             read = partial(self._read, subscription)
             rank = Rank.FRAME if subscription.leads else Rank.READING
             self.sim.agenda.add(subscription, rank, read, jump=subscription.jump)
-            self.lock.notify_all()
+            self.changed.notify_all()
 
     def _read(self, subscription: Subscription, tick: int) -> None:
         self._tick = tick  # sinks may read it
         subscription.act(tick)
 
-    def alarm(self, until: int, *, holder: object = None) -> Future[None]:
-        """Return a future that resolves when steps_made is `until`.
+    def alarm(self, until: int, *, holder: object = None) -> Alarm:
+        """Return an alarm that rings when steps_made is `until`.
 
         holder: if given, no step beyond `until` is made before the holder's next alarm or release. Raises
         NotRunningError, or the error that stopped the simulation, if any.
@@ -139,7 +141,7 @@ class StepLoop:
         with self.lock:
             self._require_open()
             while self._stepping:
-                self.lock.wait()
+                self.changed.wait()
             self.holds[holder] = self.steps_made
             return self.steps_made
 
@@ -147,9 +149,9 @@ class StepLoop:
         """End a hold."""
         with self.lock:
             self.holds.pop(holder, None)
-            self.lock.notify_all()
+            self.changed.notify_all()
 
-    def step_when_paused(self, steps: int) -> Future[None]:
+    def step_when_paused(self, steps: int) -> Alarm:
         """Request a number of steps; return a future that resolves after the last one.
 
         Raises ValueError if the simulator is not paused, or the same errors as `alarm`.
@@ -161,16 +163,16 @@ class StepLoop:
             self._steps_until = max(self.steps_made, self._steps_until) + steps
             return self._alarm(self._steps_until)
 
-    def _alarm(self, until: int) -> Future[None]:
+    def _alarm(self, until: int) -> Alarm:
         if self.error is not None:
             raise self.error
-        future: Future[None] = Future()
+        alarm = Alarm()
         if until <= self.steps_made:
-            future.set_result(None)
+            alarm.ring()
         else:
-            self._alarms.append((until, future))
-        self.lock.notify_all()
-        return future
+            self._alarms.append((until, alarm))
+        self.changed.notify_all()
+        return alarm
 
     def set_paused(self, paused: bool) -> None:
         """Pause or continue. Raises the error that stopped the simulation, if any."""
@@ -180,7 +182,7 @@ class StepLoop:
             self.paused = paused
             self._steps_until = self.steps_made
             self.pace.restart()
-            self.lock.notify_all()
+            self.changed.notify_all()
 
     def run(self) -> None:
         """Make steps and answer requests until closed. Errors in requests, readings and steps do not end it."""
@@ -207,7 +209,7 @@ class StepLoop:
                 wait_s = self._time_to_step_s(time.monotonic(), awaited)
                 if wait_s is not None and wait_s <= 0:
                     return True
-                self.lock.wait(wait_s)
+                self.changed.wait(wait_s)
             return False
 
     def _time_to_step_s(self, now_s: float, awaited: int) -> float | None:
@@ -269,8 +271,8 @@ class StepLoop:
             self._steps_until = self.steps_made
             self.pace.restart()
             alarms, self._alarms = self._alarms, []
-        for _, future in alarms:
-            future.set_exception(RuntimeError("the simulation was reset while this waited"))
+        for _, alarm in alarms:
+            alarm.ring(RuntimeError("the simulation was reset while this waited"))
 
     def _make_steps(self) -> None:
         with self.lock:
@@ -297,12 +299,12 @@ class StepLoop:
                 self.pace.restart()
             self._stepping = False
             self.steps_made += steps
-            self.lock.notify_all()
-            rung = [alarm for alarm in self._alarms if alarm[0] <= self.steps_made] if self._alarms else []
-            for alarm in rung:
-                self._alarms.remove(alarm)
-        for _, future in rung:
-            future.set_result(None)
+            self.changed.notify_all()
+            rung = [each for each in self._alarms if each[0] <= self.steps_made] if self._alarms else []
+            for each in rung:
+                self._alarms.remove(each)
+        for _, alarm in rung:
+            alarm.ring()
 
     def _steps_to_make(self, now_s: float) -> int:
         """Return the number of steps due on the wall clock, up to the next reading, delivery, alarm or hold."""
@@ -321,20 +323,22 @@ class StepLoop:
     def _halt(self, error: Exception) -> None:
         with self.lock:
             self._stepping = False
-            self.lock.notify_all()
+            self.changed.notify_all()
             self.error = error
             self.paused = True
             self._tick = self.sim.tick
             self._steps_until = self.steps_made
             alarms, self._alarms = self._alarms, []
-        for _, future in alarms:
-            future.set_exception(error)
+        for _, alarm in alarms:
+            alarm.ring(error)
 
     def _refuse_what_waits(self) -> None:
         with self.lock:
             requests, self._requests = list(self._requests), deque()
             alarms, self._alarms = self._alarms, []
         self.sim.agenda.clear(*AWAITED)
-        for future in [request.future for request in requests] + [future for _, future in alarms]:
-            if future.set_running_or_notify_cancel():
-                future.set_exception(NotRunningError("the live simulator has stopped"))
+        for _, alarm in alarms:
+            alarm.ring(NotRunningError("the live simulator has stopped"))
+        for request in requests:
+            if request.future.set_running_or_notify_cancel():
+                request.future.set_exception(NotRunningError("the live simulator has stopped"))

@@ -292,6 +292,28 @@ def test_ctrl_c_ends_a_program_that_waits() -> None:
     assert child.returncode in (-signal.SIGINT, 130)
 
 
+INTERRUPTED = """
+import random, signal
+from uwsim.live import LiveSimulator
+
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+moments = random.Random(1)
+with LiveSimulator("pool") as live:
+    for _ in range(60):
+        try:
+            signal.setitimer(signal.ITIMER_REAL, moments.uniform(1e-6, 1e-4))
+            live.clock.wait(1000.0)
+        except KeyboardInterrupt:
+            pass
+    live.clock.wait(0.1)
+"""
+
+
+def test_an_interrupt_at_any_moment_of_a_wait_leaves_the_loop_running() -> None:
+    done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_a_program_may_end_without_stopping_it() -> None:
     program = "from uwsim.live import LiveSimulator\nlive = LiveSimulator('pool', speed='max').start()\n"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
