@@ -11,6 +11,7 @@
 #include "uwsim/camera/development.h"
 #include "uwsim/camera/forward_scatter.h"
 #include "uwsim/camera/lamp_glow.h"
+#include "uwsim/camera/murk.h"
 #include "uwsim/camera/parallel_rows.h"
 #include "uwsim/camera/particles.h"
 #include "uwsim/camera/prepared_view.h"
@@ -52,7 +53,7 @@ class Rendering {
         tracer_(scene, prepared_.anchor_world_m, request),
         kernels_(request.kernels != nullptr ? *request.kernels : camera::kernels()),
         classes_(scene.classes_by_label()),
-        keeps_geometry_(!request.colours_only || on(Effect::kParticles)) {
+        keeps_geometry_(!request.colours_only || on(Effect::kParticles) || !request.clouds.all.empty()) {
     timer_.add(kPrepare);
   }
 
@@ -226,9 +227,10 @@ class Rendering {
     set_textures(scene_, tracer_, view_, hits, block);
   }
 
-  /// Converts radiance to bytes. Particles come last because they need the depth of the whole picture.
+  /// Converts radiance to bytes. Sediment and particles come last because they need the depth of the whole picture.
   void develop() {
     radiance_ = {bands_[0].data(), bands_[1].data(), bands_[2].data()};
+    add_murk();
     picture_.gain = exposure_gain(camera_.sensor(), request_.effects, root_luminance_,
                                   bands_[0].size() * static_cast<std::size_t>(parts_));
     if (request_.rgb == nullptr) picture_.rgb.resize(3 * bands_[0].size());
@@ -247,6 +249,20 @@ class Rendering {
       }
       timer.add(kDevelopment);
     });
+  }
+
+  /// Comes before the exposure, which it changes.
+  void add_murk() {
+    const std::vector<SedimentCloud> clouds = clouds_in_sight(request_, view_);
+    if (clouds.empty()) return;
+    std::vector<double> changes(static_cast<std::size_t>(view_.height));
+    for_rows(view_.height, threads_, [&](int row, int worker) {
+      TaskTimer timer(request_.measure, costs_[static_cast<std::size_t>(worker)]);
+      changes[static_cast<std::size_t>(row)] =
+          parts_ * draw_murk(scene_, request_, clouds, picture_.depth_m, view_, row, radiance_);
+      timer.add(kParticles);
+    });
+    root_luminance_.insert(root_luminance_.end(), changes.begin(), changes.end());
   }
 
   void keep_radiance(int row) {
@@ -276,7 +292,7 @@ class Rendering {
   Tracer tracer_;
   const camera::Kernels& kernels_;
   std::vector<std::uint8_t> classes_;
-  const bool keeps_geometry_;  // without it, particles cannot be drawn
+  const bool keeps_geometry_;  // without it, neither particles nor sediment can be drawn
   Picture picture_;
   std::array<ImageBuffer<float>, 3> bands_, exposed_;
   bool scatters_ = false;

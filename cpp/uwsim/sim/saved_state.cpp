@@ -86,6 +86,7 @@ void Simulation::exchange_applied(StateArchive& archive) {
   bodies_.exchange_hull_waves(archive);
   const bool has_no_objects = archive.at_end();
   for (Pushes& pushes : object_pushes_) exchange(pushes, has_no_objects);
+  if (stirring_) stirring_->exchange_state(archive);
 }
 
 void Simulation::exchange_vehicle(StateArchive& archive, Vehicle& vehicle) const {

@@ -11,6 +11,7 @@
 #include "uwsim/rays/ray_scene.h"
 #include "uwsim/sim/link.h"
 #include "uwsim/sim/saved_state_format.h"
+#include "uwsim/sim/stirring.h"
 #include "uwsim/sim/telemetry.h"
 #include "uwsim/sim/vehicle.h"
 #include "uwsim/world/wind.h"
@@ -35,6 +36,7 @@ struct SimulationSpec {
   EngineKind engine = EngineKind::kUwsim;
   Wind wind;
   std::optional<CarriedStation> carried_station;  ///< in place of `station_world_m`
+  std::optional<Sediment> sediment;               ///< of the terrain; empty: propellers lift none
 
   /// Throws InvalidValue naming the field.
   void check() const;
@@ -171,6 +173,8 @@ class Simulation {
   /// All vehicles, objects, schools, then arms and tethers, at their present poses, for RayScene::with.
   const MovingBodies& vehicles_for_rays() const;
   const Water& water() const { return world_.water; }
+  /// The sediment in the water; null if the bed has none that propellers could lift.
+  const SedimentClouds* sediment_clouds() const { return stirring_ ? &stirring_->clouds() : nullptr; }
 
   /// Returns, as bytes, everything that future steps depend on, except for the parameters of the simulation. If a
   /// simulation built in the same way restores these bytes, its steps and samples are bitwise identical. `notes` are
@@ -212,6 +216,7 @@ class Simulation {
   std::vector<Vehicle> vehicles_;
   std::vector<Pushes> object_pushes_;  // one for each object
   std::optional<Link> link_;
+  std::optional<Stirring> stirring_;
   std::shared_ptr<MovingBodies> hulls_;       // the bodies as ray targets
   mutable std::uint64_t hulls_version_;       // the version for which they were placed
   mutable std::shared_ptr<const Sway> sway_;  // of plants; null if they stand still

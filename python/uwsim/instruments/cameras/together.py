@@ -83,6 +83,7 @@ class Together:
             orientations_xyzw,
             cameras[0].hidden,
             velocities,
+            [camera.scene.clouds for camera in cameras],
             threads,
         )
 
