@@ -1,13 +1,15 @@
 """Propellers lift the bed's sediment, which cameras and a multibeam in physics mode meet."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from uwsim import Simulator
+from uwsim.evidence.scenario_check import check_file
 from uwsim.scenario import Scenario, ScenarioError, load
-from uwsim.scenario.dump import plain
+from uwsim.scenario.dump import plain, write_scenario
 from uwsim.scenario.read.validated import validated
 
 HEIGHT_M = 1.0
@@ -15,8 +17,11 @@ BED_Z_M = -5.0
 VOLUME_DB = -50.0
 GRAIN_RADIUS_M = 5e-6
 WAVE_NUMBER_RAD_M = 2 * np.pi * 700e3 / 1482  # of the EM 2040 with 513 beams
-KILOGRAM_DB = 10 * np.log10(  # of 1 kg/m3 by Rayleigh's law with the form function of Thorne and Meral 2008 for k a << 1
-    3 * (1.25 * (WAVE_NUMBER_RAD_M * GRAIN_RADIUS_M) ** 2) ** 2 / (16 * np.pi * 2650 * GRAIN_RADIUS_M)
+KILOGRAM_DB = (
+    10
+    * np.log10(  # of 1 kg/m3: the form function of Thorne and Meral 2008 for k a << 1
+        3 * (1.25 * (WAVE_NUMBER_RAD_M * GRAIN_RADIUS_M) ** 2) ** 2 / (16 * np.pi * 2650 * GRAIN_RADIUS_M)
+    )
 )
 
 
@@ -56,7 +61,7 @@ def test_jets_that_blow_at_the_bed_lift_it_and_weak_or_distant_ones_do_not() -> 
     mass_kg = table(sim)[:, 5].sum()
     assert mass_kg > 0
     np.testing.assert_allclose(table(sim)[:, 2], BED_Z_M, atol=1e-6)
-    assert stirred(8, critical_pa=50).sediment_clouds.table.shape == (0, 6)
+    assert table(stirred(8, critical_pa=50)).shape == (0, 6)
     down = Simulator(basin())
     down.rov.undock()
     for _ in range(8):
@@ -123,7 +128,7 @@ def test_a_multibeam_hears_a_cloud_as_water_that_scatters_as_much() -> None:
     values = plain(basin())
     values["water"]["volume_strength_db"] = VOLUME_DB
     murky = Simulator(validated(Scenario, values))
-    pings = []
+    pings: list[Any] = []
     for each in (sim, calm, murky):
         if each is not sim:
             each.rov.undock()
@@ -141,6 +146,14 @@ def test_a_multibeam_hears_a_cloud_as_water_that_scatters_as_much() -> None:
     expected = 10 * np.log10(column_kg_m2 / 1.2) + KILOGRAM_DB - VOLUME_DB  # above the volume's level
     power = (cloud - still)[:, within].mean() / (volume - still)[:, within].mean()
     assert 10 * np.log10(power) == pytest.approx(expected, abs=1.5)
+
+
+def test_a_check_reports_a_bed_that_nothing_can_stir(tmp_path: Path) -> None:
+    path = tmp_path / "still.yaml"
+    values = plain(basin())
+    values["vehicles"][0] = {"name": "rov", "model": "paper"}
+    write_scenario(path, validated(Scenario, values))
+    assert any("no vehicle has propellers" in line for line in check_file(path).warnings)
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ class Snapshot:
 
     positions_m (n, 3), orientations_xyzw (n, 4): pose of each vehicle, then of each object, then of what is attached to
     them, see SharedScene.attached_surfaces. velocities_body (m, 6): of each vehicle and object. lamps: the lamps that
-    are on. aims_rad: pan and tilt of each motorised camera, by name. clouds: the sediment in the water, if any is lifted.
+    are on. aims_rad: pan and tilt of each motorised camera, by name. clouds: sediment in the water.
     """
 
     time_ns: int

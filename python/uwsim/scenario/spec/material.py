@@ -91,8 +91,8 @@ MaterialSpec = Annotated[Material, BeforeValidator(_named, json_schema_input_typ
 class Sediment(Model):
     """Loose grains of a bed, which propellers' jets lift.
 
-    grain_m: diameter, of quartz. critical_pa: shear stress above which the bed erodes. rate_kg_m2_s: eroded at twice that
-    stress. mixing_m2_s: diffusivity of the water above the bed.
+    grain_m: diameter, of quartz. critical_pa: shear stress above which the bed erodes. rate_kg_m2_s: eroded at twice
+    that stress. mixing_m2_s: diffusivity of the water above the bed.
     """
 
     grain_m: Annotated[float, InRange(1e-6, 2e-3, "m")] = 1e-5
