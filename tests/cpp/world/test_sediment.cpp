@@ -57,7 +57,7 @@ TEST(SedimentCloud, SpreadsByDiffusionAndSettlesHoweverTheTimeIsDivided) {
   EXPECT_NEAR(once.across_m, std::sqrt(0.36 + 2 * sediment.mixing_m2_s * 60), 1e-12);
   EXPECT_NEAR(often.up_m, once.up_m, 1e-12);
   EXPECT_NEAR(often.mass_kg, once.mass_kg, 1e-12);
-  // What settles at first: the concentration at the bed times the speed of the grains.
+  // The share that settles at first: the concentration at the bed times the speed of the grains.
   SedimentCloud soon = cloud();
   soon.advance(sediment, 1e-3);
   const double at_bed = 2 / (std::sqrt(2 * std::numbers::pi) * 0.2);

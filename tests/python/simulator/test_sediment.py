@@ -17,11 +17,8 @@ BED_Z_M = -5.0
 VOLUME_DB = -50.0
 GRAIN_RADIUS_M = 5e-6
 WAVE_NUMBER_RAD_M = 2 * np.pi * 700e3 / 1482  # of the EM 2040 with 513 beams
-KILOGRAM_DB = (
-    10
-    * np.log10(  # of 1 kg/m3: the form function of Thorne and Meral 2008 for k a << 1
-        3 * (1.25 * (WAVE_NUMBER_RAD_M * GRAIN_RADIUS_M) ** 2) ** 2 / (16 * np.pi * 2650 * GRAIN_RADIUS_M)
-    )
+KILOGRAM_DB = 10 * np.log10(  # of 1 kg/m3: the form function of Thorne and Meral 2008 for k a << 1
+    3 * (1.25 * (WAVE_NUMBER_RAD_M * GRAIN_RADIUS_M) ** 2) ** 2 / (16 * np.pi * 2650 * GRAIN_RADIUS_M)
 )
 
 
