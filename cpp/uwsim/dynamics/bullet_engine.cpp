@@ -22,6 +22,7 @@ namespace uwsim {
 namespace {
 
 constexpr int kMostObjects = 1024;
+constexpr double kNear_m = 0.1;      // from the ground, beyond Bullet's own threshold of 2 cm
 constexpr double kShallow_m = 3e-5;  // if even such overlaps are split, bodies that came to rest obliquely creep
 constexpr int kIterations = 50;      // with Bullet's default of 10, a stack of five boxes shifts by 4 cm in 10 s
 
@@ -63,7 +64,9 @@ struct BulletBody {
     body.setActivationState(DISABLE_DEACTIVATION);
   }
 
-  void put(const MovedBody& from, const WaterField& water, double time_s) {
+  /// `surfaces`: of the ground, which a body that is far from it does not meet in this step.
+  void put(const MovedBody& from, const WaterField& water, const ContactFinder& surfaces, double time_s,
+           double step_s) {
     const BodyState& state = from.state;
     const Pose& pose = state.world_from_body;
     const Eigen::Quaterniond q = pose.orientation * mass.body_from_principal();
@@ -77,7 +80,13 @@ struct BulletBody {
     body.setInterpolationLinearVelocity(body.getLinearVelocity());
     body.setInterpolationAngularVelocity(body.getAngularVelocity());
     body.forceActivationState(from.held ? DISABLE_SIMULATION : DISABLE_DEACTIVATION);
-    body.getBroadphaseProxy()->m_collisionFilterMask = from.held ? 0 : btBroadphaseProxy::AllFilter;
+    btVector3 middle;
+    btScalar radius_m = 0;
+    shape.getBoundingSphere(middle, radius_m);
+    const double reach_m = radius_m + step_s * body.getLinearVelocity().length() + kNear_m;
+    const bool meets_ground = !from.held && surfaces.may_touch_world(from_bullet(transform * middle), reach_m);
+    body.getBroadphaseProxy()->m_collisionFilterMask =
+        from.held ? 0 : btBroadphaseProxy::AllFilter & ~(meets_ground ? 0 : btBroadphaseProxy::StaticFilter);
     body.clearForces();
     if (from.held) return;
     const Loads loads = from.loads(Vector6d::Zero(), 1);
@@ -133,6 +142,7 @@ struct BulletEngine::Impl {
 
   double step_s;
   std::shared_ptr<const BulletGround> ground;
+  ContactFinder surfaces;
   std::vector<std::unique_ptr<btRigidBody>> fixed;
   std::vector<std::unique_ptr<BulletBody>> bodies;
   btDefaultCollisionConfiguration configuration;
@@ -141,7 +151,7 @@ struct BulletEngine::Impl {
   btSequentialImpulseConstraintSolver solver;
   DynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
 
-  Impl(const World& source, double step_s) : step_s(step_s), ground(BulletGround::of(source)) {
+  Impl(const World& source, double step_s) : step_s(step_s), ground(BulletGround::of(source)), surfaces(source) {
     world.setGravity({0, 0, 0});
     world.setForceUpdateAllAabbs(false);
     world.getSolverInfo().m_numIterations = kIterations;
@@ -218,7 +228,8 @@ void BulletEngine::exchange_contacts(StateArchive& archive) {
 void BulletEngine::step(std::span<MovedBody> bodies, std::span<BodyState> next_states, const WaterField& water,
                         double time_s) {
   impl_->drop_pairs();
-  for (std::size_t k = 0; k < bodies.size(); ++k) impl_->bodies[k]->put(bodies[k], water, time_s);
+  for (std::size_t k = 0; k < bodies.size(); ++k)
+    impl_->bodies[k]->put(bodies[k], water, impl_->surfaces, time_s, impl_->step_s);
   impl_->world.bodies = bodies;
   impl_->world.stepSimulation(impl_->step_s, 0);  // 0: one step of this size
   for (std::size_t k = 0; k < bodies.size(); ++k) {
