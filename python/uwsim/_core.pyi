@@ -4444,6 +4444,17 @@ class Simulation:
         present elevation and the other vehicles at their present poses. threads: all by default; results do
         not depend on it. Raises ValueError. Releases the GIL. Can be interrupted by Ctrl-C.
         """
+    def pings_together(
+        self,
+        sonars: collections.abc.Sequence[
+            tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, bool]
+        ],
+        threads: typing.SupportsInt | typing.SupportsIndex,
+    ) -> list[Ping | PhysicsPing]:
+        """
+        Ping with each of sonars, (vehicle, sonar, water_column), on several threads. Returns Pings, and
+        PhysicsPings of sonars in physics mode. Releases the GIL.
+        """
     def place_joint(
         self,
         vehicle: typing.SupportsInt | typing.SupportsIndex,

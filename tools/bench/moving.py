@@ -1,7 +1,7 @@
 """The cost of other vehicles for a ping: alone in the lake, among 20, and with all 20 close to the sonar.
 
 The cases alternate, each round at the same positions; medians of the per-round ratios of one thread's processor time
-are reported.
+are reported. Then eight vehicles move and ping together, on one thread and on two: the ratio of their wall times.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ SONAR_MODEL = 3  # 1,025 beams to 95 m
 LINE_M = ((-104.0, -28.0), (-44.0, -28.0))
 ALTITUDE_M = 8.0
 GOAL = 1.3  # maximum ratio, among the others
+FLEET, STEPS = 8, 20  # vehicles that ping together, and the steps between their pings: 10 Hz
+FLEET_GOAL = 1.8
 
 
 def main(
@@ -49,7 +51,37 @@ def main(
     console.print(table)
     met = results["geometry_among/alone"] <= GOAL and results["physics_among/alone"] <= GOAL
     console.print(f"among the others at most {GOAL} times: {'[green]yes[/]' if met else '[red]no[/]'}")
+    for mode, count in (("geometry", pings), ("physics", max(pings // 10, 1))):
+        fleets = {f"{threads}": partial(move_and_ping, fleet(mode, threads), count) for threads in (1, 2)}
+        ms = alternated(fleets, rounds)
+        results[f"{mode}_fleet_1/2"] = gain = ratio(ms["1"], ms["2"])
+        middle = medians(ms)
+        console.print(
+            f"{FLEET} vehicles in {mode} mode, {STEPS} steps and a ping of each: {middle['1']:.2f} ms on one thread, "
+            f"{middle['2']:.2f} on two; {gain:.2f} times as fast (goal: {FLEET_GOAL})"
+        )
     return results
+
+
+def fleet(mode: str, threads: int) -> Simulator:
+    """Return vehicles side by side over the lake, with their sonars aimed at the bed."""
+    sim = Simulator(lake(mode, FLEET - 1).scenario, threads=threads)
+    for k, vehicle in enumerate(sim.vehicles.values()):
+        vehicle.place((LINE_M[0][0] + 5.0 * k, LINE_M[0][1], -4.0))
+        vehicle.set_effort(surge=0.1, yaw=0.1)
+        vehicle.sonar.aim(-1.2)
+    sim.advance(10.0)  # until the heads have turned
+    return sim
+
+
+def move_and_ping(sim: Simulator, count: int) -> float:
+    """Return the milliseconds of wall time for some steps and a ping of each vehicle."""
+    sonars = [vehicle.sonar for vehicle in sim.vehicles.values()]
+    begun = time.perf_counter()
+    for _ in range(count):
+        sim.step(STEPS)
+        sim.ping(*sonars)
+    return 1e3 * (time.perf_counter() - begun) / count
 
 
 def lake(mode: str, others: int) -> Simulator:

@@ -1,9 +1,11 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
+#include <pybind11/typing.h>
 
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "bindings/core/arrays.h"
@@ -80,37 +82,80 @@ struct PingBatch : PingArrays {
   py::array world_from_sonar, angles_rad;
 };
 
+using SomePings = py::typing::List<py::typing::Union<Ping, PhysicsPing>>;
+
+/// A ping that is being made. Only `as_ping` and `as_physics_ping` need the GIL.
+class PingInMaking {
+ public:
+  PingInMaking(const Simulation& sim, std::size_t vehicle, std::size_t index, bool in_physics_mode,
+               bool water_column = false)
+      : order_{.vehicle = vehicle, .sonar = index, .water_column = water_column},
+        fan_(sim.sonar(vehicle, index).multibeam().model()),
+        world_from_sonar_(sim.world_from_sonar(vehicle, index)),
+        time_ns_(sim.time_ns()) {
+    if (in_physics_mode) return;
+    angles_rad_ = sim.sonar(vehicle, index).multibeam().angles_rad();
+    memory_ = std::make_unique<PingMemory>(1, angles_rad_.size());
+    order_.rows = memory_->rows();
+  }
+
+  PingOrder& order() { return order_; }
+
+  Ping as_ping() {
+    Ping out;
+    static_cast<PingArrays&>(out) = arrays_of(std::move(memory_), {static_cast<py::ssize_t>(angles_rad_.size())});
+    out.model = fan_.number;
+    out.time_ns = time_ns_;
+    out.world_from_sonar = world_from_sonar_.matrix();
+    out.angles_rad = read_only(move_out(std::move(angles_rad_)));
+    return out;
+  }
+
+  PhysicsPing as_physics_ping() { return physics_ping(std::move(order_.acoustic), fan_, world_from_sonar_, time_ns_); }
+
+  py::object as_object() { return memory_ ? py::cast(as_ping()) : py::cast(as_physics_ping()); }
+
+ private:
+  PingOrder order_;
+  MultibeamModel fan_;
+  Pose world_from_sonar_;
+  std::uint64_t time_ns_;
+  std::vector<float> angles_rad_;
+  std::unique_ptr<PingMemory> memory_;  // in geometry mode
+};
+
 Ping ping(OwnedSimulation& owned, std::size_t vehicle, std::size_t index) {
-  Ping out;
-  std::vector<float> angles_rad;
-  std::unique_ptr<PingMemory> memory;
+  std::optional<PingInMaking> made;
   owned.with([&](Simulation& sim) {
-    const Multibeam& sonar = sim.sonar(vehicle, index).multibeam();
-    angles_rad = sonar.angles_rad();
-    memory = std::make_unique<PingMemory>(1, sonar.beams());
-    sim.ping(vehicle, index, memory->rows());
-    out.model = sonar.model().number;
-    out.time_ns = sim.time_ns();
-    out.world_from_sonar = sim.world_from_sonar(vehicle, index).matrix();
+    made.emplace(sim, vehicle, index, false);
+    sim.ping(vehicle, index, made->order().rows);
   });
-  static_cast<PingArrays&>(out) = arrays_of(std::move(memory), {static_cast<py::ssize_t>(angles_rad.size())});
-  out.angles_rad = read_only(move_out(std::move(angles_rad)));
-  return out;
+  return made->as_ping();
 }
 
 PhysicsPing acoustic_ping(OwnedSimulation& owned, std::size_t vehicle, std::size_t index, int threads,
                           bool water_column) {
-  AcousticPing ping;
-  Pose world_from_sonar;
-  std::uint64_t time_ns = 0;
-  MultibeamModel fan;
+  std::optional<PingInMaking> made;
   owned.with([&](Simulation& sim) {
-    ping = sim.acoustic_ping(vehicle, index, threads, water_column);
-    world_from_sonar = sim.world_from_sonar(vehicle, index);
-    time_ns = sim.time_ns();
-    fan = sim.sonar(vehicle, index).multibeam().model();
+    made.emplace(sim, vehicle, index, true, water_column);
+    made->order().acoustic = sim.acoustic_ping(vehicle, index, threads, water_column);
   });
-  return physics_ping(std::move(ping), fan, world_from_sonar, time_ns);
+  return made->as_physics_ping();
+}
+
+SomePings pings_together(OwnedSimulation& owned, const std::vector<std::tuple<std::size_t, std::size_t, bool>>& sonars,
+                         int threads) {
+  std::vector<PingInMaking> made;
+  owned.with([&](Simulation& sim) {
+    for (const auto& [vehicle, index, water_column] : sonars)
+      made.emplace_back(sim, vehicle, index, sim.sonar(vehicle, index).in_physics_mode(), water_column);
+    std::vector<PingOrder*> orders;
+    for (PingInMaking& one : made) orders.push_back(&one.order());
+    sim.ping_together(orders, threads);
+  });
+  SomePings out;
+  for (PingInMaking& one : made) out.append(one.as_object());
+  return out;
 }
 
 /// Converts rigid transforms (n, 4, 4). Throws InvalidValue for anything else.
@@ -260,6 +305,9 @@ void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
            py::arg("water_column") = false,
            "Ping in physics mode. Raises ValueError in geometry mode. Releases the GIL.")
       .def("ping", &ping, py::arg("vehicle"), py::arg("sonar"), "Ping in geometry mode. Releases the GIL.")
+      .def("pings_together", &pings_together, py::arg("sonars"), py::arg("threads"),
+           "Ping with each of sonars, (vehicle, sonar, water_column), on several threads. Returns Pings, and\n"
+           "PhysicsPings of sonars in physics mode. Releases the GIL.")
       .def("ping_batch", &ping_batch, py::arg("vehicle"), py::arg("sonar"), py::arg("world_from_body"),
            py::arg("threads") = py::none(),
            "Ping in geometry mode from each of world_from_body, (n, 4, 4) float64, rigid, with the head at its\n"

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/parallel.h"
 #include "uwsim/core/stream_name.h"
 #include "uwsim/sim/arm_surfaces.h"
 #include "uwsim/sim/tether_tubes.h"
@@ -300,6 +301,20 @@ void Simulation::ping(std::size_t index, std::size_t head, const PingRows& rows)
 AcousticPing Simulation::acoustic_ping(std::size_t index, std::size_t head, int threads, bool water_column) const {
   return sonar(index, head)
       .acoustic_ping(scene_around(index), state(index), tick_, threads, {time_s(), water_column, sediment_clouds()});
+}
+
+void Simulation::ping_together(std::span<PingOrder* const> orders, int threads) const {
+  if (orders.empty()) return;
+  static_cast<void>(
+      scene_around(orders.front()->vehicle));  // places the bodies for all, so that later calls write nothing
+  const int threads_each = orders.size() == 1 ? threads : 1;
+  parallel_parts(orders.size(), threads, [&](std::size_t k, std::size_t) {
+    PingOrder& order = *orders[k];
+    if (sonar(order.vehicle, order.sonar).in_physics_mode())
+      order.acoustic = acoustic_ping(order.vehicle, order.sonar, threads_each, order.water_column);
+    else
+      ping(order.vehicle, order.sonar, order.rows);
+  });
 }
 
 }  // namespace uwsim

@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,6 +41,14 @@ struct SimulationSpec {
 
   /// Throws InvalidValue naming the field.
   void check() const;
+};
+
+/// One of several pings; see Simulation::ping_together.
+struct PingOrder {
+  std::size_t vehicle, sonar;
+  bool water_column = false;
+  PingRows rows{};          ///< where results are written in geometry mode
+  AcousticPing acoustic{};  ///< the result in physics mode
 };
 
 /// A world, its vehicles and its loose bodies, advanced in fixed steps. In each step, sensors sample, actuators follow
@@ -159,6 +168,8 @@ class Simulation {
   /// Pings in physics mode. Random draws are keyed by seed, vehicle, sonar and tick. Throws InvalidValue in geometry
   /// mode.
   AcousticPing acoustic_ping(std::size_t vehicle, std::size_t sonar, int threads = 1, bool water_column = false) const;
+  /// Makes several pings on up to `threads` threads: each as `ping` and `acoustic_ping` make it alone.
+  void ping_together(std::span<PingOrder* const> orders, int threads) const;
   /// The surfaces of the world, without vehicles.
   const RayScene& scene() const { return *scene_; }
   /// The fixed world, with its plants as they lean now.

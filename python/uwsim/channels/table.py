@@ -88,7 +88,7 @@ class Table:
         self.tf: Tf = tf if truth else _without_truth(tf, self.sources)
         check_tf(self.tf, self.sources)
         self.pictures = Pictures(may_wait, is_behind)
-        self.pings = {source.name: Pings(source, sim) for source in self.sources if source.has_sonar}
+        self.pings = Pings.all_of(self.sources, sim)
         self.maps = {
             source.name: PingMap(source, self.pings[source.name]) for source in self.sources if source.has_sonar
         }

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from uwsim import _core as native
 from uwsim.base.named import Named
 from uwsim.base.sealed import Attached
+from uwsim.instruments.sonars.multibeam import Sonar, ping_together
 from uwsim.instruments.sonars.surroundings import Surroundings
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.labels import backscatter_by_label, label_names
@@ -103,6 +104,13 @@ class SimulatorProperties(Attached):
             raise ValueError(f"vehicle = {vehicle!r}: must be one of {', '.join(names)}")
         scene = self._core.scene_around(None if vehicle is None else names.index(vehicle))
         return Surroundings(scene, self.world, self.strengths_db, self.seed, self.threads, self.time_ns, self.materials)
+
+    def ping(self, *sonars: Sonar) -> list[native.Ping]:
+        """Ping with several multibeams at once, on all threads; return what `ping()` of each returns, in their order.
+
+        Later calls of `ping()` at the same time return these pings. Raises ValueError for another simulator's sonar.
+        """
+        return ping_together(self._core, sonars, self.threads)
 
     @property
     def seed(self) -> int:

@@ -199,6 +199,7 @@ class Simulator(SimulatorProperties):
             seed=lambda: self.seed,
             chain_of=partial(self._chain_of, index),
             water_column=entry.sonar.water_column,
+            threads=self.threads,
             step_s=self.step_s,
             navigate=lambda rov, start: new_navigator(rov, start, self.world.water, fixed_station_m(self.scenario)),
             control=control,

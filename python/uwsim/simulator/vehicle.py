@@ -81,6 +81,7 @@ class Vehicle(CommandedVehicle):
         seed: Callable[[], int],
         chain_of: ChainOf,
         water_column: bool = False,
+        threads: int,
         step_s: float,
         navigate: Callable[[Vehicle, Start], Navigator],
         control: ControlSettings,
@@ -101,7 +102,16 @@ class Vehicle(CommandedVehicle):
         }
         sonars = {
             s.name: Sonar(
-                simulation, index, k, s, journal, spec.name, chain_of, lambda: self.pose, water_column=water_column
+                simulation,
+                index,
+                k,
+                s,
+                journal,
+                spec.name,
+                chain_of,
+                lambda: self.pose,
+                water_column=water_column,
+                threads=threads,
             )
             for k, s in enumerate(spec.sonars)
         }

@@ -9,6 +9,8 @@ import pytest
 
 from uwsim import Simulator, _core
 from uwsim.instruments.sonars.soundings import SoundSpeedProfile, sound_points, sound_speed_profile
+from uwsim.scenario import load
+from uwsim.scenario.dump import plain
 from uwsim.scenario.read.assets import assets_folder
 
 POOL = (assets_folder() / "scenarios" / "pool.yaml").read_text()
@@ -45,6 +47,28 @@ def test_a_ping_is_a_function_of_scenario_seed_and_time(tmp_path: Path) -> None:
     one.step()
     assert not same(first, one.rov.sonar.ping())
     assert first.time_ns == 0 and one.rov.sonar.ping().time_ns == 5_000_000
+
+
+def test_sonars_that_ping_together_hear_what_each_hears_alone(tmp_path: Path) -> None:
+    rov = plain(load("pool"))["vehicles"][0] | {"start": {"position_m": [-8, 0, -2]}}
+    more = [rov | {"name": f"rov{k}", "start": {"position_m": [2.0 * k, 1, -1]}} for k in range(3)]
+    more[1] = more[1] | {"sonar": rov["sonar"] | {"mode": "physics"}}
+    together, alone = (Simulator(plain(load("pool")) | {"vehicles": [rov, *more]}, threads=n) for n in (2, 1))
+    for _ in range(2):
+        sonars = [vehicle.sonar for vehicle in together.vehicles.values()]
+        pings = together.ping(*sonars, sonars[0])
+        assert [type(ping) for ping in pings] == [_core.Ping, _core.Ping, _core.PhysicsPing, _core.Ping, _core.Ping]
+        assert all(sonar.ping() is ping for sonar, ping in zip(sonars, pings, strict=False)) and pings[4] is pings[0]
+        assert sum(np.isfinite(ping.ranges_m).sum() for ping in pings) > 1000
+        for ping, vehicle in zip(pings, alone.vehicles.values(), strict=False):
+            other = vehicle.sonar.ping()
+            assert np.array_equal(ping.ranges_m, other.ranges_m) and np.array_equal(ping.labels, other.labels)
+            assert np.array_equal(ping.world_from_body, other.world_from_body) and ping.time_ns == other.time_ns
+        for sim in (together, alone):
+            sim.step(20)
+    assert together.ping() == []
+    with pytest.raises(ValueError, match="another simulator"):
+        together.ping(alone.rov.sonar)
 
 
 def test_a_ping_agrees_with_geometry_within_its_errors_and_its_arrays_with_each_other(tmp_path: Path) -> None:

@@ -1,15 +1,17 @@
 """The disk cache: it returns the stored results, and losing it costs only the time to compute them again."""
 
+import json
 import os
 import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from uwsim.base.texts import yaml_parser
-from uwsim.scenario import load, packaged_scenarios
-from uwsim.scenario.read import disk_cache, yaml_file
+from uwsim.scenario import load, load_mesh, packaged_scenarios
+from uwsim.scenario.read import disk_cache, mesh_file, yaml_file
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.read.disk_cache import cached_arrays, cached_json
 
@@ -137,3 +139,33 @@ def test_a_stored_file_with_a_mistake_is_refused_at_its_line(folder: Path, tmp_p
         with pytest.raises(ValueError, match=rf"mine\.yaml:{text.count(chr(10))}: wire = 'smoke'"):
             load(tmp_path / "mine.yaml")
     assert any(path.name.startswith("yaml-") for path in folder.iterdir())
+
+
+def write_glb(path: Path, height_m: float, buffer: str | None = None) -> None:
+    """Write a box. buffer: the name of a file that holds its arrays; the default is the .glb file itself."""
+    data = trimesh.creation.box(extents=(1.0, height_m, 1.0)).export(file_type="glb")
+    if buffer is not None:
+        end = 20 + int.from_bytes(data[12:16], "little")
+        tree = json.loads(data[20:end])
+        (path.parent / buffer).write_bytes(data[end + 8 :])
+        tree["buffers"][0]["uri"] = buffer
+        text = json.dumps(tree).encode()
+        text += b" " * (-len(text) % 4)
+        sizes = [2, 20 + len(text), len(text)]
+        data = b"glTF" + b"".join(n.to_bytes(4, "little") for n in sizes) + b"JSON" + text
+    path.write_bytes(data)
+
+
+def test_a_mesh_is_read_once_unless_its_file_names_another(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def height_m(path: Path) -> float:
+        return float(np.ptp(load_mesh(path)[0][:, 2]))
+
+    whole, split = folder.parent / "whole.glb", folder.parent / "split.glb"
+    for height in (2.0, 3.0):
+        write_glb(whole, height)
+        write_glb(split, height, "arrays.bin")
+        assert (height_m(whole), height_m(split)) == (height, height), "not those of another content"
+    monkeypatch.setattr(mesh_file, "_load", lambda *_: pytest.fail("read again"))
+    assert height_m(whole) == 3.0
+    with pytest.raises(pytest.fail.Exception, match="read again"):
+        height_m(split)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,16 +37,25 @@ class Pings:
 
     interval_s: the interval, a multiple of SLOT_S.
 
-    Readers at the same simulated time get the same ping. Without readers, no pings are computed. model: the sonar model
-    at the latest ping.
+    Readers at the same simulated time get the same ping. Without readers, no pings are computed. Sonars that ping at
+    the same time do so together, on all threads. model: the sonar model at the latest ping.
     """
 
     def __init__(self, source: Source, sim: Simulator) -> None:
         self.source = source
+        self._all: Mapping[str, Pings] = {source.name: self}
         self.model = source.of(sim).sonar.model
         self._sonar = source.of(sim).sonar
         self.interval_s = self._travel_s(sim)
         self._newest: TakenPing | None = None
+
+    @classmethod
+    def all_of(cls, sources: Iterable[Source], sim: Simulator) -> dict[str, Pings]:
+        """Return the pings of each source that has a multibeam, by its name."""
+        found = {source.name: cls(source, sim) for source in sources if source.has_sonar}
+        for pings in found.values():
+            pings._all = found
+        return found
 
     def _travel_s(self, sim: Simulator) -> float:
         slots = math.ceil(1.0 / self.source.of(sim).sonar.ping_rate_max_hz / SLOT_S - 1e-9)
@@ -69,12 +79,22 @@ class Pings:
             self._sonar = vehicle.sonar
             if vehicle.sonar.model is not self.model:  # its parameters have changed
                 self.model, self.interval_s = vehicle.sonar.model, self._travel_s(sim)
-            ping = vehicle.sonar.ping()
+            ping = self._pinged(sim)
             body, sonar = np.array(vehicle.pose.world_from_body), np.array(ping.world_from_sonar)
             for pose in (body, sonar):
                 pose[:3, 3] += self.source.origin_m
             self._newest = last = TakenPing(ping, body, sonar, place_deviation_m(ping))
         return last
+
+    def _pinged(self, sim: Simulator) -> _core.Ping:
+        """Ping, and with it all sonars whose readers will probably ask for a ping next."""
+        awaited = [each for each in self._all.values() if each is not self and each._is_awaited(sim.time_ns)]
+        return sim.ping(self._sonar, *(each.source.of(sim).sonar for each in awaited))[0]
+
+    def _is_awaited(self, now_ns: int) -> bool:
+        """Return whether an interval has just begun, and the previous one had a reader."""
+        last = self._newest
+        return last is not None and self._interval(now_ns) == self._interval(last.ping.time_ns) + 1
 
     def forget(self) -> None:
         """Take a new ping at the next reading, so that later readings do not depend on earlier ones."""

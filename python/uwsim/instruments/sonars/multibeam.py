@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import MappingProxyType
 from typing import Protocol, cast
 
@@ -50,8 +50,10 @@ class Sonar(Attached):
         pose: Callable[[], Pose],
         *,
         water_column: bool = False,
+        threads: int = 1,
     ) -> None:
         self._simulation = simulation
+        self._threads = threads
         self._vehicle = vehicle
         self._index = index
         self._journal = journal
@@ -141,15 +143,16 @@ class Sonar(Attached):
         wanted = self._water_column if water_column is None else water_column
         key = self._simulation.version, wanted
         last = self._last
-        if last is None or last[0] != key:
-            ping = self._new_ping(wanted)
-            vars(ping).update(chain=self.chain, world_from_body=self._pose().world_from_body)
-            self.__dict__["_last"] = last = key, ping  # faster than __setattr__, which checks names
-        return last[1]
+        return last[1] if last is not None and last[0] == key else self._keep(key, self._new_ping(wanted))
+
+    def _keep(self, key: tuple[int, bool], ping: _core.Ping) -> _core.Ping:
+        vars(ping).update(chain=self.chain, world_from_body=self._pose().world_from_body)
+        self.__dict__["_last"] = key, ping  # faster than __setattr__, which checks names
+        return ping
 
     def _new_ping(self, water_column: bool) -> _core.Ping:
         if self.mode == "physics":
-            ping = self._simulation.acoustic_ping(self._vehicle, self._index, water_column=water_column)
+            ping = self._simulation.acoustic_ping(self._vehicle, self._index, self._threads, water_column)
             return cast(_core.Ping, ping)
         if water_column:
             raise ValueError("water_column = True: is for `mode: physics` only")
@@ -163,3 +166,17 @@ class Sonar(Attached):
         rigid.
         """
         return self._simulation.ping_batch(self._vehicle, self._index, world_from_body, threads)
+
+
+def ping_together(simulation: _core.Simulation, sonars: Sequence[Sonar], threads: int) -> list[_core.Ping]:
+    """Return the pings of several multibeams of a simulation; see `Simulator.ping`."""
+    foreign = next((sonar for sonar in sonars if sonar._simulation is not simulation), None)
+    if foreign is not None:
+        raise ValueError(f"sonars: {foreign!r} is of another simulator")
+    version = simulation.version
+    keys = {sonar: (version, sonar._water_column) for sonar in sonars}
+    due = [sonar for sonar, key in keys.items() if sonar._last is None or sonar._last[0] != key]
+    heads = [(sonar._vehicle, sonar._index, sonar._water_column) for sonar in due]
+    for sonar, ping in zip(due, simulation.pings_together(heads, threads), strict=True):
+        sonar._keep(keys[sonar], cast(_core.Ping, ping))
+    return [sonar.ping() for sonar in sonars]

@@ -25,8 +25,8 @@ MAX_TRIANGLES = 5_000_000
 TRIMESH_SUFFIXES = (".stl", ".ply", ".obj", ".off", ".glb", ".gltf")
 MAX_REACH_M = 1e5
 Y_UP_SUFFIXES = (".glb", ".gltf")
-CACHED_SUFFIXES = (".obj", ".stl")
-"""Formats that contain the whole mesh in one file, so its bytes can be a cache key."""
+CACHED_SUFFIXES = (".obj", ".stl", ".ply", ".off", ".glb")
+"""Formats that contain the whole mesh in one file, so its bytes can be a cache key; but see `_is_whole`."""
 
 Z_UP_FROM_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotates the file's y to z and keeps x; the file's z, towards the viewer, becomes -y."""
@@ -49,15 +49,20 @@ def load_mesh(
     """
     path = Path(path)
     _require_readable(path)
-    if path.suffix.lower() not in CACHED_SUFFIXES:
-        vertices, triangles = _load(path, scale, up)
+    suffix = path.suffix.lower()
+    content = path.read_bytes() if suffix in CACHED_SUFFIXES else b""
+    if not _is_whole(suffix, content):
+        vertices, triangles = _load(path, scale, up, content)
     else:
-        content = path.read_bytes()
-        read = cached_arrays(
-            lambda: _load(path, scale, up, content), "mesh", content, path.suffix.lower(), scale, up or ""
-        )
+        read = cached_arrays(lambda: _load(path, scale, up, content), "mesh", content, suffix, scale, up or "")
         vertices, triangles = cast(Vertices, read[0]), cast(Triangles, read[1])
     return turned_to_x(vertices, forward), triangles
+
+
+def _is_whole(suffix: str, content: bytes) -> bool:
+    """Return whether a file's bytes hold the whole mesh. The JSON text of a .glb file may name others by their URI."""
+    json_end = 20 + int.from_bytes(content[12:16], "little")
+    return suffix in CACHED_SUFFIXES and not (suffix == ".glb" and b"uri" in content[:json_end])
 
 
 def turned_to_x(points: Vertices, forward: Forward) -> Vertices:
@@ -124,7 +129,8 @@ def _read_with_trimesh(path: Path, suffix: str, content: bytes) -> tuple[Vertice
     elif suffix == ".stl":
         scene = trimesh.load_scene(io.BytesIO(_sound_stl(path, content)), file_type="stl", process=False)
     else:
-        scene = trimesh.load_scene(path, process=False)
+        source = io.BytesIO(content) if _is_whole(suffix, content) else path
+        scene = trimesh.load_scene(source, file_type=suffix[1:], process=False)
     mesh = scene.to_mesh()
     return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces)
 
