@@ -30,29 +30,21 @@ using Unsigned = Lanes<std::uint32_t>;
 using Double = Lanes<double>;
 using Wide = Lanes<std::uint64_t>;
 
-/// A vector of the CPU's own width.
+/// A vector of the CPU's own width, and the same anywhere in memory.
 template <typename T>
 struct Native;
-template <>
-struct Native<float> {
-  using Part = float __attribute__((vector_size(kNativeBytes)));
-};
-template <>
-struct Native<std::int32_t> {
-  using Part = std::int32_t __attribute__((vector_size(kNativeBytes)));
-};
-template <>
-struct Native<std::uint32_t> {
-  using Part = std::uint32_t __attribute__((vector_size(kNativeBytes)));
-};
-template <>
-struct Native<double> {
-  using Part = double __attribute__((vector_size(kNativeBytes)));
-};
-template <>
-struct Native<std::uint64_t> {
-  using Part = std::uint64_t __attribute__((vector_size(kNativeBytes)));
-};
+#define UWSIM_NATIVE(T)                                                                           \
+  template <>                                                                                     \
+  struct Native<T> {                                                                              \
+    using Part = T __attribute__((vector_size(kNativeBytes)));                                    \
+    using InMemory = T __attribute__((vector_size(kNativeBytes), aligned(sizeof(T)), may_alias)); \
+  };
+UWSIM_NATIVE(float)
+UWSIM_NATIVE(std::int32_t)
+UWSIM_NATIVE(std::uint32_t)
+UWSIM_NATIVE(double)
+UWSIM_NATIVE(std::uint64_t)
+#undef UWSIM_NATIVE
 
 /// Sixteen values. Comparisons of 32-bit values produce masks: -1 for true, 0 for false.
 template <typename T>
@@ -63,8 +55,8 @@ struct Lanes {
   Part part[kParts];
 
   UWSIM_INLINE Lanes() { UWSIM_UNROLLED part[p] = Part{}; }
-  UWSIM_INLINE Lanes(T value) {  // NOLINT(google-explicit-constructor): numbers mix with lanes
-    UWSIM_UNROLLED part[p] = Part{} + value;
+  UWSIM_INLINE Lanes(T value) {               // NOLINT(google-explicit-constructor): numbers mix with lanes
+    UWSIM_UNROLLED part[p] = value - Part{};  // x - 0 is x, also if x is -0, and needs no instruction
   }
 
   UWSIM_INLINE T operator[](int k) const { return reinterpret_cast<const T*>(part)[k]; }
@@ -206,18 +198,22 @@ UWSIM_LANES Wide times_low(Wide a, std::uint32_t b) {
 }
 
 UWSIM_LANES Float splat(float value) { return Float(value); }
-UWSIM_LANES Float load(const float* from) {
-  Float value;
-  __builtin_memcpy(value.part, from, sizeof(value.part));
+/// Sixteen values from memory, or to it, a register at a time. (GCC 12 copies whole Lanes in parts of 16 bytes, which
+/// a wider load must then wait for.)
+template <typename T>
+UWSIM_LANES Lanes<T> load(const T* from) {
+  constexpr int kParts = Lanes<T>::kParts;
+  const auto* const parts = reinterpret_cast<const typename Native<T>::InMemory*>(from);
+  Lanes<T> value;
+  UWSIM_UNROLLED value.part[p] = parts[p];
   return value;
 }
-UWSIM_LANES void store(float* to, Float value) { __builtin_memcpy(to, value.part, sizeof(value.part)); }
-UWSIM_LANES Int load(const std::int32_t* from) {
-  Int value;
-  __builtin_memcpy(value.part, from, sizeof(value.part));
-  return value;
+template <typename T>
+UWSIM_LANES void store(T* to, Lanes<T> value) {
+  constexpr int kParts = Lanes<T>::kParts;
+  auto* const parts = reinterpret_cast<typename Native<T>::InMemory*>(to);
+  UWSIM_UNROLLED parts[p] = value.part[p];
 }
-UWSIM_LANES void store(std::int32_t* to, Int value) { __builtin_memcpy(to, value.part, sizeof(value.part)); }
 
 template <typename T>
 requires(sizeof(T) == 4) UWSIM_LANES Lanes<T> select(Int mask, Lanes<T> yes, Lanes<T> no) {

@@ -1,8 +1,10 @@
 #pragma once
 
-#include <cstring>
+#include <cstddef>
+#include <cstdint>
 
 #include "uwsim/acoustics/sound_arc.h"
+#include "uwsim/core/float_lanes.h"
 #include "uwsim/sonar/bent_kernels.h"
 
 // Compiled once for each instruction set, hence the anonymous namespace.
@@ -21,31 +23,56 @@ constexpr double kGrazing = 0.1;
 
 #define UWSIM_EIGHT inline __attribute__((always_inline))
 
-using Part = double __attribute__((vector_size(64)));
+// Eight values take one or several of the CPU's registers. (Of wider vectors GCC 12 compares and selects the values one
+// by one, with branches.)
+constexpr int kParts = kBentTogether * static_cast<int>(sizeof(double)) / kNativeBytes;
+constexpr int kEach = kNativeBytes / static_cast<int>(sizeof(double));
+using Part = Native<double>::Part;
 using MaskPart = decltype(Part{} < Part{});
 
 /// Truth values of eight rays.
 struct Mask {
-  MaskPart part;
+  MaskPart part[kParts];
 
-  friend UWSIM_EIGHT Mask operator&(Mask a, Mask b) { return {a.part & b.part}; }
-  friend UWSIM_EIGHT Mask operator|(Mask a, Mask b) { return {a.part | b.part}; }
+  UWSIM_EIGHT bool operator[](std::size_t k) const { return part[k / kEach][k % kEach] != 0; }
+
+#define UWSIM_OPERATOR(op)                              \
+  friend UWSIM_EIGHT Mask operator op(Mask a, Mask b) { \
+    UWSIM_UNROLLED a.part[p] = a.part[p] op b.part[p];  \
+    return a;                                           \
+  }
+  UWSIM_OPERATOR(&)
+  UWSIM_OPERATOR(|)
+#undef UWSIM_OPERATOR
 };
 
 /// Values of eight rays.
 struct Eight {
-  Part part;
+  Part part[kParts];
 
-  UWSIM_EIGHT Eight() : part{} {}
-  UWSIM_EIGHT Eight(Part value) : part(value) {}             // NOLINT(google-explicit-constructor)
-  UWSIM_EIGHT Eight(double value) : part(Part{} + value) {}  // NOLINT(google-explicit-constructor)
-  explicit UWSIM_EIGHT Eight(const double* from) { std::memcpy(&part, from, sizeof part); }
-  UWSIM_EIGHT void store(double* to) const { std::memcpy(to, &part, sizeof part); }
+  UWSIM_EIGHT Eight() { UWSIM_UNROLLED part[p] = Part{}; }
+  UWSIM_EIGHT Eight(double value) {  // NOLINT(google-explicit-constructor)
+    UWSIM_UNROLLED part[p] = value - Part{};
+  }
+  explicit UWSIM_EIGHT Eight(const double* from) {
+    UWSIM_UNROLLED part[p] = reinterpret_cast<const Native<double>::InMemory*>(from)[p];
+  }
+  UWSIM_EIGHT void store(double* to) const {
+    UWSIM_UNROLLED reinterpret_cast<Native<double>::InMemory*>(to)[p] = part[p];
+  }
+  UWSIM_EIGHT double operator[](std::size_t k) const { return part[k / kEach][k % kEach]; }
 
-#define UWSIM_OPERATOR(op) \
-  friend UWSIM_EIGHT Eight operator op(Eight a, Eight b) { return a.part op b.part; }
-#define UWSIM_COMPARISON(op) \
-  friend UWSIM_EIGHT Mask operator op(Eight a, Eight b) { return {a.part op b.part}; }
+#define UWSIM_OPERATOR(op)                                 \
+  friend UWSIM_EIGHT Eight operator op(Eight a, Eight b) { \
+    UWSIM_UNROLLED a.part[p] = a.part[p] op b.part[p];     \
+    return a;                                              \
+  }
+#define UWSIM_COMPARISON(op)                              \
+  friend UWSIM_EIGHT Mask operator op(Eight a, Eight b) { \
+    Mask mask;                                            \
+    UWSIM_UNROLLED mask.part[p] = a.part[p] op b.part[p]; \
+    return mask;                                          \
+  }
   UWSIM_OPERATOR(+)
   UWSIM_OPERATOR(-)
   UWSIM_OPERATOR(*)
@@ -58,25 +85,53 @@ struct Eight {
 #undef UWSIM_COMPARISON
 };
 
-UWSIM_EIGHT Mask inverse(Mask mask) { return {~mask.part}; }
-UWSIM_EIGHT Eight select(Mask mask, Eight yes, Eight no) { return mask.part ? yes.part : no.part; }
+UWSIM_EIGHT Mask inverse(Mask mask) {
+  UWSIM_UNROLLED mask.part[p] = ~mask.part[p];
+  return mask;
+}
+UWSIM_EIGHT Eight select(Mask mask, Eight yes, Eight no) {
+  UWSIM_UNROLLED yes.part[p] = mask.part[p] ? yes.part[p] : no.part[p];
+  return yes;
+}
 UWSIM_EIGHT bool any(Mask mask) {
-  long long found = 0;
-  for (std::size_t k = 0; k < kBentTogether; ++k) found |= mask.part[k];
-  return found != 0;
+  MaskPart found = mask.part[0];
+  for (int p = 1; p < kParts; ++p) found |= mask.part[p];
+#if defined(__AVX512F__)
+  using Words = long long __attribute__((vector_size(64)));
+  return __builtin_ia32_ptestmq512((Words)found, (Words)found, 0xFF) != 0;
+#elif defined(__AVX2__)
+  return __builtin_ia32_movmskpd256((Part)found) != 0;
+#elif defined(__SSE2__)
+  return __builtin_ia32_movmskpd((Part)found) != 0;
+#else
+  bool some = false;
+  for (int k = 0; k < kEach; ++k) some |= found[k] != 0;
+  return some;
+#endif
 }
 UWSIM_EIGHT bool all(Mask mask) { return !any(inverse(mask)); }
 UWSIM_EIGHT Eight smaller(Eight a, Eight b) { return select(b < a, b, a); }
 UWSIM_EIGHT Eight larger(Eight a, Eight b) { return select(a < b, b, a); }
 UWSIM_EIGHT Eight square_root(Eight x) {
-  Eight root;
-  for (std::size_t k = 0; k < kBentTogether; ++k) root.part[k] = __builtin_sqrt(x.part[k]);
-  return root;
+#if defined(__AVX512F__)
+  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtpd512_mask(x.part[p], x.part[p], -1, 4);
+#elif defined(__AVX2__)
+  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtpd256(x.part[p]);
+#elif defined(__SSE2__)
+  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtpd(x.part[p]);
+#else
+  UWSIM_UNROLLED for (int k = 0; k < kEach; ++k) x.part[p][k] = __builtin_sqrt(x.part[p][k]);
+#endif
+  return x;
 }
 constexpr long long kSign = static_cast<long long>(1ULL << 63);
-UWSIM_EIGHT Eight magnitude(Eight x) { return (Part)((MaskPart)x.part & ~kSign); }
+UWSIM_EIGHT Eight magnitude(Eight x) {
+  UWSIM_UNROLLED x.part[p] = (Part)((MaskPart)x.part[p] & ~kSign);
+  return x;
+}
 UWSIM_EIGHT Eight with_sign(Eight x, Eight sign) {
-  return (Part)(((MaskPart)x.part & ~kSign) | ((MaskPart)sign.part & kSign));
+  UWSIM_UNROLLED x.part[p] = (Part)(((MaskPart)x.part[p] & ~kSign) | ((MaskPart)sign.part[p] & kSign));
+  return x;
 }
 template <typename Series, typename Function>
 UWSIM_EIGHT Eight series_or(Mask mask, const Series& series, const Function& function, Eight x, Eight y) {
@@ -84,41 +139,60 @@ UWSIM_EIGHT Eight series_or(Mask mask, const Series& series, const Function& fun
   if (all(mask)) return value;
 #pragma GCC unroll 1
   for (std::size_t k = 0; k < kBentTogether; ++k) {
-    if (mask.part[k] == 0) value.part[k] = function(x.part[k], y.part[k]);
+    if (!mask[k]) value.part[k / kEach][k % kEach] = function(x[k], y[k]);
   }
   return value;
 }
 
 using Arcs = Arc<Eight>;
 using Points = ArcPoint<Eight>;
-static_assert(sizeof(Arcs) == sizeof(ArcRows));
 
 UWSIM_EIGHT Arcs load(const ArcRows& rows) {
-  Arcs arcs;
-  std::memcpy(static_cast<void*>(&arcs), &rows, sizeof rows);
-  return arcs;
+  return {{Eight(rows.across_m), Eight(rows.depth_m), Eight(rows.dip_rad), Eight(rows.time_s), Eight(rows.length_m)},
+          Eight(rows.cosine),
+          Eight(rows.sine),
+          Eight(rows.snell_s_m),
+          Eight(rows.curvature_1_m),
+          Eight(rows.top_m),
+          Eight(rows.bottom_m),
+          Eight(rows.reference_m),
+          Eight(rows.speed_m_s),
+          Eight(rows.gradient_1_s)};
 }
-UWSIM_EIGHT void store(ArcRows& rows, const Arcs& arcs) { std::memcpy(&rows, &arcs, sizeof rows); }
+UWSIM_EIGHT void store(ArcRows& rows, const Arcs& arcs) {
+  arcs.from.across_m.store(rows.across_m), arcs.from.depth_m.store(rows.depth_m);
+  arcs.from.dip_rad.store(rows.dip_rad), arcs.from.time_s.store(rows.time_s), arcs.from.length_m.store(rows.length_m);
+  arcs.cosine.store(rows.cosine), arcs.sine.store(rows.sine);
+  arcs.snell_s_m.store(rows.snell_s_m), arcs.curvature_1_m.store(rows.curvature_1_m);
+  arcs.top_m.store(rows.top_m), arcs.bottom_m.store(rows.bottom_m), arcs.reference_m.store(rows.reference_m);
+  arcs.speed_m_s.store(rows.speed_m_s), arcs.gradient_1_s.store(rows.gradient_1_s);
+}
+
+// As many 32-bit values as a register holds doubles, anywhere in memory.
+using Ints = std::int32_t __attribute__((vector_size(kNativeBytes / 2)));
+using Floats = float __attribute__((vector_size(kNativeBytes / 2)));
+using IntsInMemory = std::int32_t __attribute__((vector_size(kNativeBytes / 2), aligned(4), may_alias));
+using FloatsInMemory = float __attribute__((vector_size(kNativeBytes / 2), aligned(4), may_alias));
+
 UWSIM_EIGHT Mask load_mask(const std::int32_t* from) {
-  using Ints = std::int32_t __attribute__((vector_size(32)));
-  Ints values;
-  std::memcpy(&values, from, sizeof values);
-  return {__builtin_convertvector(values, MaskPart)};
+  const auto* const ints = reinterpret_cast<const IntsInMemory*>(from);
+  Mask mask;
+  UWSIM_UNROLLED mask.part[p] = __builtin_convertvector(ints[p], MaskPart);
+  return mask;
 }
 UWSIM_EIGHT void store_mask(std::int32_t* to, Mask mask) {
-  using Ints = std::int32_t __attribute__((vector_size(32)));
-  const Ints values = __builtin_convertvector(mask.part, Ints);
-  std::memcpy(to, &values, sizeof values);
+  auto* const ints = reinterpret_cast<IntsInMemory*>(to);
+  UWSIM_UNROLLED ints[p] = __builtin_convertvector(mask.part[p], Ints);
 }
-using Floats = float __attribute__((vector_size(32)));
 UWSIM_EIGHT Eight load_floats(const float* from) {
-  Floats values;
-  std::memcpy(&values, from, sizeof values);
-  return __builtin_convertvector(values, Part);
+  const auto* const floats = reinterpret_cast<const FloatsInMemory*>(from);
+  Eight value;
+  UWSIM_UNROLLED value.part[p] = __builtin_convertvector(floats[p], Part);
+  return value;
 }
 UWSIM_EIGHT void store_floats(float* to, Eight value) {
-  const Floats values = __builtin_convertvector(value.part, Floats);
-  std::memcpy(to, &values, sizeof values);
+  auto* const floats = reinterpret_cast<FloatsInMemory*>(to);
+  UWSIM_UNROLLED floats[p] = __builtin_convertvector(value.part[p], Floats);
 }
 UWSIM_EIGHT Points select(Mask mask, const Points& a, const Points& b) {
   return {select(mask, a.across_m, b.across_m), select(mask, a.depth_m, b.depth_m), select(mask, a.dip_rad, b.dip_rad),
@@ -179,8 +253,8 @@ UWSIM_EIGHT Mask advance(const SoundLayer* layers, const ArcStep<Eight>& step, M
   if (!any(enters)) return surfaces;
   store(rays.end, arcs);
   for (std::size_t k = 0; k < kBentTogether; ++k) {
-    if (enters.part[k] == 0) continue;
-    rays.layer[k] += down.part[k] != 0 ? 1 : -1;
+    if (!enters[k]) continue;
+    rays.layer[k] += down[k] ? 1 : -1;
     const SoundLayer& layer = layers[rays.layer[k]];
     rays.end.top_m[k] = layer.top_m, rays.end.bottom_m[k] = layer.bottom_m;
     rays.end.reference_m[k] = layer.reference_m;
@@ -203,7 +277,7 @@ void next_chords(const SoundLayer* layers, double start_depth_m, double time_max
   Arcs end = load(rays.end);
   const Points start = end.from;
   Eight turn_rad = 0.0, count = 0.0;
-  Mask grows = inverse(load_mask(rays.done)), surfaces = {MaskPart{}};
+  Mask grows = inverse(load_mask(rays.done)), surfaces{};
   for (std::size_t piece = 0; piece < kPiecesMax; ++piece) {
     const Eight curvature = magnitude(end.curvature_1_m), chord_m = end.from.length_m - start.length_m;
     const Eight sag_m = larger(kLeastSag_m, kSagShare * end.from.length_m);

@@ -61,18 +61,13 @@ void patches(const ArcFrames& arcs, const ArcAngles& angles, const ArcHits& hits
   store(out.loss, exponential(range * (kTwoWay * rule.absorption_db_m)) / (range * range));
 }
 
-using Doubles = double __attribute__((vector_size(64), aligned(8)));
-
-UWSIM_LANES Doubles doubles_at(const double* from) {
-  Doubles value;
-  std::memcpy(&value, from, sizeof value);
-  return value;
-}
-
-/// Adds an echo to the bins from `bin` on, eight at a time.
+/// Adds an echo to the bins from `bin` on, a register at a time.
 UWSIM_LANES void spread_one(double power, double near_bin, double far_bin, std::size_t bins, double* profile) {
-  constexpr std::size_t kEach = 8;
-  constexpr Doubles kNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
+  using Doubles = Native<double>::Part;
+  using InMemory = Native<double>::InMemory;
+  constexpr std::size_t kEach = sizeof(Doubles) / sizeof(double);
+  alignas(64) static constexpr double kFirst[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+  const Doubles numbers = *reinterpret_cast<const InMemory*>(kFirst);
   const double end = static_cast<double>(bins), length = far_bin - near_bin;
   if (!(near_bin < end)) return;
   auto bin = static_cast<std::size_t>(near_bin);
@@ -85,12 +80,11 @@ UWSIM_LANES void spread_one(double power, double near_bin, double far_bin, std::
     const double at = static_cast<double>(bin);
     Doubles added = Doubles{} + whole;
     if (at < near_bin || at + kEach > last) {
-      const Doubles low = kNumbers + at, high = low + 1;
+      const Doubles low = numbers + at, high = low + 1;
       const Doubles covered = (high < last ? high : Doubles{} + last) - (low > near_bin ? low : Doubles{} + near_bin);
       added = (covered > 0 ? power * covered : Doubles{}) / length;
     }
-    const Doubles sum = doubles_at(profile + bin) + added;
-    std::memcpy(profile + bin, &sum, sizeof sum);
+    *reinterpret_cast<InMemory*>(profile + bin) += added;
   }
   for (; static_cast<double>(bin) < last; ++bin) {
     const double at = static_cast<double>(bin);
@@ -105,13 +99,6 @@ void spread(const double* power, const double* near_bin, const double* far_bin, 
     if (power[k] > 0) spread_one(power[k], near_bin[k], far_bin[k], bins, profile);
   }
 }
-
-UWSIM_LANES Double load_double(const double* from) {
-  Double value;
-  std::memcpy(value.part, from, sizeof value.part);
-  return value;
-}
-UWSIM_LANES void store_double(double* to, Double value) { std::memcpy(to, value.part, sizeof value.part); }
 
 void store_row(const double* row, std::size_t bins, std::size_t rows, float* blocks) {
   for (std::size_t first = 0; first < bins; first += kBlockBins) {
@@ -145,7 +132,7 @@ void sum_beams(const ProfileBlocks& profiles, const float* weights, std::size_t 
     for (std::size_t beam = 0; beam < kBeams; ++beam) {
 #pragma GCC unroll 4
       for (std::size_t w = 0; w < kWide; ++w) {
-        store_double(sums + beam * bins + bin + w * kLanes, widened<double>(sum[beam][w]));
+        store(sums + beam * bins + bin + w * kLanes, widened<double>(sum[beam][w]));
       }
     }
   }
@@ -240,7 +227,7 @@ template <int kBlocks, bool kOneLook>
 UWSIM_LANES void receive_blocks(const ReceiverLanes& receiver, const double* echo, const float* speckle,
                                 const float* gain_db, std::uint32_t first_cell, double* received, float* level_db) {
   Double mean[kBlocks], power[kBlocks];
-  UWSIM_BLOCKS mean[b] = load_double(echo + b * kLanes) * Double(receiver.source);
+  UWSIM_BLOCKS mean[b] = load(echo + b * kLanes) * Double(receiver.source);
   if (receiver.looks == 0) {
     UWSIM_BLOCKS power[b] = mean[b] + Double(receiver.noise);
   } else {
@@ -248,9 +235,8 @@ UWSIM_LANES void receive_blocks(const ReceiverLanes& receiver, const double* ech
     alignas(64) static constexpr std::uint32_t kNumbers[kLanes] = {0, 1, 2,  3,  4,  5,  6,  7,
                                                                    8, 9, 10, 11, 12, 13, 14, 15};
     const Float noise = splat(static_cast<float>(std::sqrt(receiver.noise / 2)));
-    Unsigned lane;
-    std::memcpy(lane.part, kNumbers, sizeof kNumbers);
-    const Unsigned first_index = (Unsigned(first_cell) + lane * Unsigned(receiver.cell_step)) * Unsigned(looks);
+    const Unsigned first_index =
+        (Unsigned(first_cell) + load(kNumbers) * Unsigned(receiver.cell_step)) * Unsigned(looks);
     Float amplitude[kBlocks];
     UWSIM_BLOCKS amplitude[b] = square_root(min(narrowed<float>(mean[b]), splat(3e38f)));
     for (std::uint32_t look = 0; look < looks; ++look) {
@@ -268,7 +254,7 @@ UWSIM_LANES void receive_blocks(const ReceiverLanes& receiver, const double* ech
     if constexpr (!kOneLook) UWSIM_BLOCKS power[b] = power[b] * Double(1.0 / receiver.looks);
   }
   UWSIM_BLOCKS {
-    store_double(received + b * kLanes, power[b]);
+    store(received + b * kLanes, power[b]);
     store(level_db + b * kLanes, decibels(power[b]) + load(gain_db + b * kLanes));
   }
 }
