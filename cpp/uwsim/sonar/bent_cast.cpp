@@ -20,7 +20,14 @@ class BentPacket {
  public:
   BentPacket(const RayScene& scene, const SoundSpeedProfile& profile, const Eigen::Vector3d& origin_world_m,
              double time_max_s)
-      : scene_(scene), profile_(profile), origin_world_m_(origin_world_m), time_max_s_(time_max_s) {
+      : scene_(scene),
+        profile_(profile),
+        origin_world_m_(origin_world_m),
+        time_max_s_(time_max_s),
+        depth_m_(-origin_world_m.z()),
+        speed_m_s_(profile.at(depth_m_)),
+        layer_below_(profile.layer_ahead(depth_m_, false)),
+        layer_above_(profile.layer_ahead(depth_m_, true)) {
     packet_.near_m.fill(0);
   }
 
@@ -52,18 +59,17 @@ class BentPacket {
     const std::size_t k = ray % kBentTogether;
     const Eigen::Vector3d& d = direction_world;
     const double across = std::sqrt(d.x() * d.x() + d.y() * d.y()), dip_rad = std::atan2(-d.z(), across);
-    const double depth_m = -origin_world_m_.z();
     rays.level_x[k] = across > 0 ? d.x() / across : 1;
     rays.level_y[k] = across > 0 ? d.y() / across : 0;
     // A ray from the surface does not head up, and none starts in air.
-    rays.done[k] = !exists || depth_m < 0 || (depth_m <= 0 && dip_rad <= 0) ? -1 : 0;
-    const std::size_t number = profile_.layer_ahead(depth_m, dip_rad < 0);
+    rays.done[k] = !exists || depth_m_ < 0 || (depth_m_ <= 0 && dip_rad <= 0) ? -1 : 0;
+    const std::size_t number = dip_rad < 0 ? layer_above_ : layer_below_;
     const SoundLayer& layer = profile_.layers()[number];
     rays.layer[k] = static_cast<std::int32_t>(number);
     arc.across_m[k] = arc.time_s[k] = arc.length_m[k] = 0;
-    arc.depth_m[k] = depth_m, arc.dip_rad[k] = dip_rad;
+    arc.depth_m[k] = depth_m_, arc.dip_rad[k] = dip_rad;
     arc.cosine[k] = across, arc.sine[k] = -d.z();
-    arc.snell_s_m[k] = across / profile_.at(depth_m);
+    arc.snell_s_m[k] = across / speed_m_s_;
     arc.curvature_1_m[k] = -arc.snell_s_m[k] * layer.gradient_1_s;
     arc.top_m[k] = layer.top_m, arc.bottom_m[k] = layer.bottom_m, arc.reference_m[k] = layer.reference_m;
     arc.speed_m_s[k] = layer.speed_m_s, arc.gradient_1_s[k] = layer.gradient_1_s;
@@ -75,7 +81,7 @@ class BentPacket {
     for (std::size_t half = 0; half < kHalves; ++half) {
       const std::size_t at = half * kBentTogether;
       kernels_.next_chords(
-          layers, -origin_world_m_.z(), time_max_s_, halves_[half],
+          layers, depth_m_, time_max_s_, halves_[half],
           {&packet_.origin_x[at], &packet_.origin_y[at], &packet_.origin_z[at], &packet_.direction_x[at],
            &packet_.direction_y[at], &packet_.direction_z[at], &packet_.far_m[at], &packet_.active[at]});
     }
@@ -97,7 +103,7 @@ class BentPacket {
       if (any == 0) continue;
       PathHits placed;
       kernels_.place_hits(
-          rays, -origin_world_m_.z(),
+          rays, depth_m_,
           {&found_.distance_m[at], &found_.normal_x[at], &found_.normal_y[at], &found_.normal_z[at], met.data()},
           placed);
       for (std::size_t k = 0; k < kBentTogether; ++k) {
@@ -116,6 +122,8 @@ class BentPacket {
   const SoundSpeedProfile& profile_;
   const Eigen::Vector3d& origin_world_m_;
   double time_max_s_;
+  double depth_m_, speed_m_s_;  // at the origin
+  std::size_t layer_below_, layer_above_;
   const BentKernels& kernels_ = bent_kernels();
   std::array<BentRays, kHalves> halves_{};
   RayPacket packet_{};

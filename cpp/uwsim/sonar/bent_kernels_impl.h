@@ -272,8 +272,8 @@ UWSIM_EIGHT void end_in_time(const Arcs& arcs, Eight left_s, Mask late, ArcStep<
   step.leaves = step.leaves & inverse(late);
 }
 
-void next_chords(const SoundLayer* layers, double start_depth_m, double time_max_s, BentRays& rays,
-                 const ChordRows& chords) {
+__attribute__((flatten)) void next_chords(const SoundLayer* layers, double start_depth_m, double time_max_s,
+                                          BentRays& rays, const ChordRows& chords) {
   Arcs end = load(rays.end);
   const Points start = end.from;
   Eight turn_rad = 0.0, count = 0.0;
@@ -312,7 +312,8 @@ void next_chords(const SoundLayer* layers, double start_depth_m, double time_max
   store_mask(chords.active, active);
 }
 
-void place_hits(const BentRays& rays, double start_depth_m, const ChordHits& hits, PathHits& placed) {
+__attribute__((flatten)) void place_hits(const BentRays& rays, double start_depth_m, const ChordHits& hits,
+                                         PathHits& placed) {
   const Planes planes(rays, start_depth_m);
   const Mask found = load_mask(hits.found);
   const Eight count(rays.count), distance_m = select(found, load_floats(hits.distance_m), 0.0);
