@@ -33,10 +33,17 @@ using IndexLanes = long long __attribute__((vector_size(kLanes * sizeof(double))
   std::memcpy(numbers, &lanes, sizeof lanes);
 }
 
+/// Whether any lane of a mask (-1 or 0) is true.
 [[maybe_unused]] inline bool any_of(IndexLanes mask) {
-  bool any = false;
-  for (std::size_t k = 0; k < kLanes; ++k) any |= mask[k] != 0;
-  return any;
+#if defined(__AVX512F__)
+  return __builtin_ia32_ptestmq512(mask, mask, 0xFF) != 0;
+#elif defined(__AVX2__)
+  return __builtin_ia32_movmskpd256((DoubleLanes)mask) != 0;
+#elif defined(__SSE2__)
+  return __builtin_ia32_movmskpd((DoubleLanes)mask) != 0;
+#else
+  return mask[0] != 0 || mask[1] != 0;
+#endif
 }
 
 [[maybe_unused]] inline double sum_of_eight(const double* s) {
