@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import io
+import struct
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +14,10 @@ from numpy.typing import NDArray
 from uwsim.base.atomic_file import write_atomically
 
 SUFFIXES = (".png", ".jpg", ".jpeg")
-RUNS: Mapping[str, Any] = {"compress_level": 1, "compress_type": 3}
-"""Options of PNG files: Huffman codes and runs of equal bytes only (zlib's Z_RLE). Pictures of water are noisy, so a
-search for longer matches takes 1.2 to 7 times as long and mostly gives larger files."""
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
+SUB = 1
+"""The filter of each row: differences from the previous pixel. Pillow tries all five filters in each row, which takes
+longer than the compression, and saves 3 % of a picture of water and nothing of a sonar's."""
 
 
 def check_suffix(name: str, path: Path) -> None:
@@ -37,10 +39,37 @@ def encode_png(
     chunks = PngImagePlugin.PngInfo()
     for keyword, content in (text or {}).items():
         chunks.add_itxt(keyword, content)
-    stream = io.BytesIO()
-    options = {"optimize": True} if optimize else RUNS
-    Image.fromarray(pixels).save(stream, "PNG", pnginfo=chunks, **options)
-    return stream.getvalue()
+    if optimize:
+        stream = io.BytesIO()
+        Image.fromarray(pixels).save(stream, "PNG", pnginfo=chunks, optimize=True)
+        return stream.getvalue()
+    height, width = pixels.shape[:2]
+    depth, colour = 8 * pixels.itemsize, 2 if pixels.ndim == 3 else 0
+    texts = [(chunk[0], chunk[1]) for chunk in chunks.chunks]
+    header = struct.pack(">IIBBBBB", width, height, depth, colour, 0, 0, 0)
+    parts = [(b"IHDR", header), *texts, (b"IDAT", _deflated(pixels)), (b"IEND", b"")]
+    return SIGNATURE + b"".join(_chunk(kind, content) for kind, content in parts)
+
+
+def _deflated(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
+    """Return the rows of a PNG file, filtered and compressed: only by Huffman codes and runs of equal bytes.
+
+    Pictures of water are noisy, so a search for longer matches takes 1.2 to 7 times as long and mostly gives larger
+    files.
+    """
+    big_endian = np.ascontiguousarray(pixels, pixels.dtype.newbyteorder(">"))
+    rows = big_endian.view(np.uint8).reshape(len(pixels), -1)
+    pixel = rows.shape[1] // pixels.shape[1]
+    lines = np.empty((len(rows), 1 + rows.shape[1]), np.uint8)
+    lines[:, 0] = SUB
+    lines[:, 1 : 1 + pixel] = rows[:, :pixel]
+    np.subtract(rows[:, pixel:], rows[:, :-pixel], out=lines[:, 1 + pixel :])
+    coder = zlib.compressobj(1, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, zlib.Z_RLE)
+    return coder.compress(lines.data) + coder.flush()
+
+
+def _chunk(kind: bytes, content: bytes) -> bytes:
+    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(content, zlib.crc32(kind)))
 
 
 def encode_jpeg(rgb: NDArray[np.uint8], quality: int = 90) -> bytes:
