@@ -183,19 +183,29 @@ UWSIM_LANES Float decibels(Double power) {
   return to_float(exponent - 1023) * 3.01029996f + logarithm(m) * 4.34294482f;
 }
 
+#if defined(__AVX512F__)
+#define UWSIM_EVEN_LANES 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30
+#define UWSIM_ODD_LANES 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31
+#elif defined(__AVX2__)
+#define UWSIM_EVEN_LANES 0, 2, 4, 6, 8, 10, 12, 14
+#define UWSIM_ODD_LANES 1, 3, 5, 7, 9, 11, 13, 15
+#else
+#define UWSIM_EVEN_LANES 0, 2, 4, 6
+#define UWSIM_ODD_LANES 1, 3, 5, 7
+#endif
+
 /// The amplitudes of sixteen cells for one of `looks` looks per cell.
 template <bool kOneLook>
 UWSIM_LANES void load_amplitudes(const float* speckle, std::uint32_t looks, std::uint32_t look, Float& real,
                                  Float& imaginary) {
   if constexpr (kOneLook) {
-    using Row = float __attribute__((vector_size(64)));
-    Row first, second;
-    std::memcpy(&first, speckle, sizeof first);
-    std::memcpy(&second, speckle + kLanes, sizeof second);
-    const Row even = __builtin_shufflevector(first, second, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-    const Row odd = __builtin_shufflevector(first, second, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
-    std::memcpy(real.part, &even, sizeof even);
-    std::memcpy(imaginary.part, &odd, sizeof odd);
+    constexpr int kParts = Float::kParts;
+    const auto* const parts = reinterpret_cast<const Native<float>::InMemory*>(speckle);
+    UWSIM_UNROLLED {
+      const Float::Part first = parts[2 * p], second = parts[2 * p + 1];
+      real.part[p] = __builtin_shufflevector(first, second, UWSIM_EVEN_LANES);
+      imaginary.part[p] = __builtin_shufflevector(first, second, UWSIM_ODD_LANES);
+    }
   } else {
     for (int k = 0; k < kLanes; ++k) {
       real[k] = speckle[2 * (static_cast<std::uint32_t>(k) * looks + look)];
