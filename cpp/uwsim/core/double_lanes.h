@@ -33,7 +33,7 @@ using IndexLanes = long long __attribute__((vector_size(kLanes * sizeof(double))
   std::memcpy(numbers, &lanes, sizeof lanes);
 }
 
-/// Whether any lane of a mask (-1 or 0) is true.
+/// Returns true if any lane of a mask (-1 or 0) is true.
 [[maybe_unused]] inline bool any_of(IndexLanes mask) {
 #if defined(__AVX512F__)
   return __builtin_ia32_ptestmq512(mask, mask, 0xFF) != 0;
