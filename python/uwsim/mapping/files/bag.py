@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from pathlib import Path
 
@@ -22,6 +23,12 @@ METADATA = {
     "VAR_DATE": "2020-01-01", "VAR_DATETIME": "2020-01-01T00:00:00",
     "VAR_VERTICAL_DATUM": "mean water surface", "VAR_PROCESS_STEP_DESCRIPTION": "median of the points in each cell",
 }  # fmt: skip
+
+CHANGED = re.compile(rb"(\x12\0\x08\0.\0{3}\x01\0{3}).{4}", re.DOTALL)
+"""The modification time of an HDF5 object: message type 0x12 of 8 bytes, flags, version 1, and the time [s] (HDF5 File
+Format Specification, IV.A.2.s). GDAL enters the current time."""
+
+THEN = (1_577_836_800).to_bytes(4, "little")  # VAR_DATETIME
 
 
 def write_bag(path: Path, grid: DepthGrid, place: Georeference) -> None:
@@ -51,7 +58,7 @@ def write_bag(path: Path, grid: DepthGrid, place: Georeference) -> None:
         with memory.open() as file:
             copy(file, str(made), driver="BAG", VAR_VERTICAL_UNCERT_CODE=kind, **METADATA)
         content = made.read_bytes()
-    write_atomically(path, content)
+    write_atomically(path, CHANGED.sub(lambda found: found[1] + THEN, content))
 
 
 BAG = GridFormat(write_bag)
