@@ -1,8 +1,9 @@
-"""Keep a history of ten ratios: `python -m tools.history measure`, or `compare OLD NEW` for two commits on one machine.
+"""Keep a history of ratios: `python -m tools.history measure`, `check`, or `compare OLD NEW` for two commits.
 
-Each ratio compares uwsim with a peer that the same benchmark measures in the same rounds, so that it depends little on
-the load and the machine. `measure` writes docs/benchmarks/COMMIT.json, which includes the machine's load; the site
-plots these files.
+Each ratio compares two rates that one benchmark measures in the same rounds, most of them with a peer's, so that it
+depends little on the load. It does depend on the kind of processor. `measure` writes docs/benchmarks/COMMIT.json, which
+includes the machine and its load; the site plots these files, and `python -m tools.measured` fills pages from the
+newest. `check` measures some of them in two minutes and fails if one has become worse on this kind of processor.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -26,9 +28,13 @@ PEERS = {
     "sonar": ["--no-growth", "--pings", "100"],
     "dynamics": [],
     "camera": ["--threads", "1"],
+    "imaging": [],
     "mapping": ["--only", "B"],
 }
 """The benchmarks with a peer that tools/setup --dev installs, and the options that shorten them."""
+CHECKED = ("sonar", "dynamics", "imaging")
+WORSE = 1.3
+"""The benchmarks that `check` runs, and the factor that it allows: twice the spread of runs on a loaded machine."""
 
 
 class Ratio(NamedTuple):
@@ -52,6 +58,20 @@ RATIOS = {
     ),
     "bed_bullet": Ratio(
         ("dynamics", "above_bottom_against_bare_bullet"), "steps above the bed, of the rate of Bullet's bare step", True
+    ),
+    "engine_bullet": Ratio(
+        ("dynamics", "bullet_engine_against_bare_bullet"),
+        "steps with dynamics.engine: bullet, of the rate of Bullet's bare step",
+        True,
+    ),
+    "waves_still": Ratio(("dynamics", "waves_against_still"), "steps in waves, of the rate in still water", True),
+    "fleet_one": Ratio(("dynamics", "fleet_against_one"), "a step of one of 64 vehicles, times the cost of one", False),
+    "ping_physics": Ratio(("sonar", "ping/physics"), "a ping in physics mode, times the cost in geometry mode", False),
+    "ping_bent": Ratio(
+        ("sonar", "physics/physics_bent"), "a ping with bent rays, times the cost with straight ones", False
+    ),
+    "sonar_picture_embree": Ratio(
+        ("imaging", "picture/wide"), "a sonar's picture, times the cost of Embree's rays alone", False
     ),
     "picture_embree": Ratio(("camera", "against_bare"), "a picture, times the cost of Embree's rays alone", False),
     "geometry_embree": Ratio(
@@ -82,6 +102,26 @@ def measure(rounds: Annotated[int, typer.Option(min=1, help="Rounds of each benc
     FOLDER.mkdir(exist_ok=True)
     target.write_text(json.dumps(entry, indent=1) + "\n")
     print(target)
+
+
+@app.command()
+def check(rounds: Annotated[int, typer.Option(min=1, help="Rounds of each benchmark.")] = 3) -> None:
+    """Fail if this tree, as built, is slower than the last ratios kept for this kind of processor allow."""
+    here = machine()
+    kept = [entry for entry in entries(FOLDER) if entry["machine"] == here]
+    if not kept:
+        print(f"history: no ratios are kept for {here}: nothing to compare with")
+        return
+    then = kept[-1]["ratios"]
+    for last_try in (False, True):  # a moment of other load passes
+        now = ratios(ROOT, rounds, CHECKED)
+        worse = {name: gain for name in now if (gain := improvement(name, then[name], now[name])) * WORSE < 1.0}
+        if not worse or last_try:
+            break
+    for name, value in now.items():
+        print(f"history: {RATIOS[name].title}: {value:.3g}, kept {then[name]:.3g}{' WORSE' * (name in worse)}")
+    if worse:
+        _refuse(f"worse by more than {WORSE:g} than at {kept[-1]['commit'][:12]}: {', '.join(worse)}")
 
 
 @app.command()
@@ -118,13 +158,14 @@ def checkout(name: str) -> Path:
     return tree
 
 
-def ratios(tree: Path, rounds: int) -> dict[str, float]:
-    """Run the benchmarks of a source tree that has been built, and return the ratios that they report."""
+def ratios(tree: Path, rounds: int, benchmarks: Iterable[str] = PEERS) -> dict[str, float]:
+    """Run benchmarks of a source tree that has been built, and return the ratios that they report."""
     results: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as folder:
-        for name, options in PEERS.items():
+        for name in benchmarks:
             output = Path(folder) / f"{name}.json"
-            command = [tree / ".venv/bin/uwsim", "bench", name, *options, "--rounds", str(rounds), "--json", output]
+            options = [*PEERS[name], "--rounds", str(rounds), "--json", output]
+            command = [tree / ".venv/bin/uwsim", "bench", name, *options]
             subprocess.run(command, check=True, stdout=subprocess.DEVNULL, cwd=folder)
             results[name] = json.loads(output.read_text())
     return {name: value for name, ratio in RATIOS.items() if (value := _at(results, ratio.path)) is not None}
@@ -139,18 +180,30 @@ def table(old: list[dict[str, float]], new: list[dict[str, float]], *names: str)
         if not pairs:
             lines.append(f"{ratio.title:{width}} one of the commits does not measure it")
             continue
-        gains = sorted(b / a if ratio.more_is_better else a / b for a, b in pairs)
+        gains = sorted(improvement(name, a, b) for a, b in pairs)
         before, after = (statistics.median(values) for values in zip(*pairs, strict=True))
         spread = f"{statistics.median(gains):.2f} ({gains[0]:.2f} to {gains[-1]:.2f})"
         lines.append(f"{ratio.title:{width}} {before:12.3g} {after:12.3g}  {spread}")
     return lines
 
 
+def improvement(name: str, old: float, new: float) -> float:
+    """Return by which factor a ratio has become better; below 1 if it has become worse."""
+    return new / old if RATIOS[name].more_is_better else old / new
+
+
+def entries(folder: Path) -> list[dict[str, Any]]:
+    """Return what has been measured, from the oldest commit to the newest."""
+    return sorted((json.loads(path.read_text()) for path in folder.glob("*.json")), key=lambda entry: entry["date"])
+
+
 def machine() -> dict[str, Any]:
-    """Return the processor's name and the number of cores."""
+    """Return the processor's name, the instruction set of the kernels and the number of cores."""
+    from uwsim._core import instruction_set
+
     model = re.search(r"^model name\s*:\s*(.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
     processor = model[1] if model else platform.machine()
-    return {"processor": processor, "cores": os.cpu_count()}
+    return {"processor": processor, "instruction_set": instruction_set(), "cores": os.cpu_count()}
 
 
 def _at(results: Any, path: tuple[str, ...]) -> float | None:

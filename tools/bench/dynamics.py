@@ -78,9 +78,13 @@ def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
     results = medians(rates)
     results["real_time_factor"] = results["open_water"] * STEP_S
     results["resting_real_time_factor"] = results["resting"] * STEP_S
+    results["waves_against_still"] = ratio(rates["floating_in_waves"], rates["floating"])
+    most = COUNTS[-1]
+    results["fleet_against_one"] = ratio(rates["vehicles_1"], rates[f"vehicles_{most}"]) / most
     if "bare_bullet" in rates:
         results["against_bare_bullet"] = ratio(rates["open_water"], rates["bare_bullet"])
         results["above_bottom_against_bare_bullet"] = ratio(rates["above_bottom"], rates["bare_bullet"])
+        results["bullet_engine_against_bare_bullet"] = ratio(rates["bullet_open_water"], rates["bare_bullet"])
     if "pybullet" in rates:
         results["against_pybullet"] = ratio(rates["open_water"], rates["pybullet"])
         results["resting_against_pybullet"] = ratio(rates["resting"], rates["pybullet_resting"])
@@ -263,6 +267,9 @@ def _table(results: dict[str, float]) -> Table:
     for label, key in (
         ("open water / Bullet's bare step", "against_bare_bullet"),
         ("0.5 m above the bottom / Bullet's bare step", "above_bottom_against_bare_bullet"),
+        ("dynamics.engine: bullet / Bullet's bare step", "bullet_engine_against_bare_bullet"),
+        ("floating in waves / floating", "waves_against_still"),
+        (f"one of {COUNTS[-1]} vehicles / one alone, cost", "fleet_against_one"),
         ("open water / pybullet and NumPy", "against_pybullet"),
         ("resting / pybullet and NumPy", "resting_against_pybullet"),
         ("real-time factor", "real_time_factor"),

@@ -1,31 +1,31 @@
 """The history of the ratios that `python -m tools.history measure` has written."""
 
 import io
-import json
-from pathlib import Path
+import math
 from typing import Any
 
 import matplotlib
-from tools.history import FOLDER, RATIOS
+from tools.history import FOLDER, RATIOS, entries
 
 from uwsim.figures.style import ACCENT, INK, new_figure
 
 HEAD = """# Benchmark history
 
-Ten ratios between uwsim and peers (Embree alone, Bullet, OctoMap), measured in the same rounds of one run and kept by
-commit in `docs/benchmarks`. Times depend on the machine and its load, ratios much less; each file states the load. To
-add a commit, run `.venv/bin/python -m tools.history measure`; `compare OLD NEW` builds two commits, measures them in
-turns on one machine, and prints how much better the new one is, with the spread of the rounds.
+Ratios between uwsim and peers (Embree alone, Bullet, OctoMap), or between two of its own rates, measured in the same
+rounds of one run and kept by commit in `docs/benchmarks`. Times depend on the machine and its load, ratios on the kind
+of processor; each file states both. To add a commit, run `.venv/bin/python -m tools.history measure`; `compare OLD NEW`
+builds two commits, measures them in turns on one machine, and prints how much better the new one is, with the spread of
+the rounds. `check`, which ends every run of the tests, fails if a ratio has become worse on its kind of processor.
 [Performance](../inside/performance.md) has the absolute values.
 """
 
 
 def benchmarks_page() -> str:
     """Return the page: a drawing with a panel per ratio, and a table of the newest commit."""
-    entries = history(FOLDER)
-    if not entries:
+    kept = entries(FOLDER)
+    if not kept:
         return HEAD
-    newest = entries[-1]
+    newest = kept[-1]
     rows = [
         f"| {ratio.title} | {newest['ratios'][name]:.3g} | {'more' if ratio.more_is_better else 'less'} |"
         for name, ratio in RATIOS.items()
@@ -33,23 +33,19 @@ def benchmarks_page() -> str:
     ]
     machine, load = newest["machine"], newest["load"]
     loaded = f"load {load['before']:g} before and {load['after']:g} after"
-    where = f"{machine['processor']}, {machine['cores']} cores, {loaded}"
+    where = f"{machine['processor']} ({machine['instruction_set']}), {machine['cores']} cores, {loaded}"
     table = "\n".join([f"| {newest['commit'][:8]}, {where} | ratio | better is |", "|---|---|---|", *rows])
-    return f"{HEAD}\n```{{raw}} html\n{drawing(entries)}\n```\n\n{table}\n"
+    return f"{HEAD}\n```{{raw}} html\n{drawing(kept)}\n```\n\n{table}\n"
 
 
-def history(folder: Path) -> list[dict[str, Any]]:
-    """Return the measured commits, from the oldest."""
-    return sorted((json.loads(path.read_text()) for path in folder.glob("*.json")), key=lambda entry: entry["date"])
-
-
-def drawing(entries: list[dict[str, Any]]) -> str:
+def drawing(kept: list[dict[str, Any]]) -> str:
     """Return an SVG with a panel per ratio, over the commits."""
-    figure = new_figure(8.0, 9.0)
-    panels = figure.subplots(5, 2).ravel()
-    commits = [entry["commit"][:8] for entry in entries]
-    for panel, (name, ratio) in zip(panels, RATIOS.items(), strict=True):
-        found = [(k, entry["ratios"][name]) for k, entry in enumerate(entries) if name in entry["ratios"]]
+    rows = math.ceil(len(RATIOS) / 2)
+    figure = new_figure(8.0, 1.8 * rows)
+    panels = figure.subplots(rows, 2).ravel()
+    commits = [entry["commit"][:8] for entry in kept]
+    for panel, (name, ratio) in zip(panels, RATIOS.items(), strict=False):
+        found = [(k, entry["ratios"][name]) for k, entry in enumerate(kept) if name in entry["ratios"]]
         panel.plot(*zip(*found, strict=True), "o-", color=ACCENT, markersize=4)
         panel.set_title(ratio.title, loc="left", fontsize=7.5, color=INK)
         panel.set_ylim(0.0, 1.25 * max(value for _, value in found))
@@ -57,6 +53,8 @@ def drawing(entries: list[dict[str, Any]]) -> str:
         apart = 1 + (len(commits) - 1) // 5  # labels must not overlap
         panel.set_xticks(range(0, len(commits), apart), commits[::apart])
         panel.tick_params(labelsize=6.5, colors=INK)
+    for panel in panels[len(RATIOS) :]:
+        panel.remove()
     figure.tight_layout()
     text = io.StringIO()
     with matplotlib.rc_context({"svg.hashsalt": "uwsim"}):

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 from ruamel.yaml import YAML
-from tools.measured import PAGES, VALUES, filled
+from tools.measured import PAGES, all_values, filled
 
 from command_line import uwsim
 from uwsim.base.extras import EXTRA_OF, MissingExtraError
@@ -39,7 +39,7 @@ def test_every_paper_states_the_same_version_and_authors() -> None:
 
 
 def test_one_figure_of_speed_is_stated_everywhere() -> None:
-    values = json.loads(VALUES.read_text())
+    values = all_values()
     for page in PAGES:
         text = page.read_text()
         assert filled(text, values) == text, f"{page}: run `python -m tools.measured write`"
