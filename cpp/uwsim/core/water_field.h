@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "uwsim/core/volume_parts.h"
 
@@ -74,6 +75,15 @@ struct VolumeLoad {
   Eigen::Vector3d moment_m5_s2 = Eigen::Vector3d::Zero();
 };
 
+/// Water that does not change. Two that are equal load a body at rest equally.
+struct SteadyWater {
+  double density_kg_m3 = 0, gravity_m_s2 = 0;
+  Eigen::Vector3d current_world_m_s = Eigen::Vector3d::Zero();
+  const void* profile = nullptr;
+
+  bool operator==(const SteadyWater&) const = default;
+};
+
 /// The interface between the water and the force models: density, pressure, surface and motion at a position (world
 /// ENU, mean surface at z = 0) and time. Every function is pure and allocates nothing.
 class WaterField {
@@ -112,6 +122,8 @@ class WaterField {
   virtual bool surface_is_flat() const = 0;
   /// Height of the water's surface without waves [m].
   virtual double still_level_m(double time_s) const = 0;
+  /// All that moves a body at rest, if it is the same at all times; empty if it may change.
+  virtual std::optional<SteadyWater> steady() const { return std::nullopt; }
   /// Returns true if the flow is the same at all places.
   virtual bool flows_evenly() const { return false; }
   /// Returns true if the flow varies in space, and so little over a step that `flow_near` suffices for it.
@@ -137,6 +149,7 @@ class EvenWater : public WaterField {
   double wave_bound_m() const override { return 0; }
   bool surface_is_flat() const override { return true; }
   double still_level_m(double) const override { return 0; }
+  std::optional<SteadyWater> steady() const override { return {{density_kg_m3, gravity_m_s2, current_world_m_s}}; }
   bool flows_evenly() const override { return true; }
   WaterSurface surface_over(const SurfaceArea&, double) const override { return {}; }
   double surface_height_at(double, double, double) const override { return 0; }

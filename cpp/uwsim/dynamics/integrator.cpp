@@ -5,20 +5,19 @@
 namespace uwsim {
 namespace {
 
-Stage stage_at(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water, double time_s,
-               const Vector6d* extra, std::optional<NearbyFlow>* nearby) {
-  Vector6d tau_body = loads.at(state.world_from_body.orientation);
+/// Computes the rates of a stage from its state and time.
+void evaluate(Stage& stage, const Craft& craft, const Loads& loads, const WaterField& water, const Vector6d* extra,
+              std::optional<NearbyFlow>* nearby) {
+  Vector6d tau_body = loads.at(stage.state.world_from_body.orientation);
   if (extra != nullptr) tau_body += *extra;
-  return {state, time_s, rate_at(state, craft.acceleration_body(state, tau_body, water, time_s, nearby))};
+  stage.rate = rate_at(stage.state, craft.acceleration_body(stage.state, tau_body, water, stage.time_s, nearby));
 }
 
 }  // namespace
 
 Vector6d Loads::at(const Eigen::Quaterniond& world_from_body) const {
-  Vector6d sum = body;
-  sum.head<3>() += world_from_body.conjugate() * world.head<3>();
-  sum.tail<3>() += world_from_body.conjugate() * world.tail<3>();
-  return sum;
+  if (world.isZero(0)) return body + Vector6d::Zero();  // a zero of the sum has the sign +, as below
+  return body + in_body_axes(world, world_from_body);
 }
 
 Rate rate_at(const BodyState& state, const Vector6d& acceleration_body) {
@@ -38,9 +37,8 @@ BodyState moved_at(const BodyState& state, const Rate& rate, double time_s) {
 }
 
 Vector6d in_body_axes(const Vector6d& wrench_world, const Eigen::Quaterniond& world_from_body) {
-  Vector6d turned;
-  turned << world_from_body.conjugate() * wrench_world.head<3>(), world_from_body.conjugate() * wrench_world.tail<3>();
-  return turned;
+  return joined(world_from_body.conjugate() * wrench_world.head<3>(),
+                world_from_body.conjugate() * wrench_world.tail<3>());
 }
 
 Pose displaced(const Pose& pose, const Vector6d& velocity_body, double duration_s) {
@@ -56,15 +54,19 @@ Pose displaced(const Pose& pose, const Vector6d& velocity_body, double duration_
 
 std::array<Stage, 4> stages(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water,
                             double time_s, double step_s, const std::array<Vector6d, 4>* extra_body) {
-  const auto extra = [&](std::size_t k) { return extra_body != nullptr ? &(*extra_body)[k] : nullptr; };
-  const double middle_s = time_s + step_s / 2;
   std::optional<NearbyFlow> kept;  // from the first stage
   std::optional<NearbyFlow>* const nearby = water.flows_smoothly() ? &kept : nullptr;
   std::array<Stage, 4> k;
-  k[0] = stage_at(craft, state, loads, water, time_s, extra(0), nearby);
-  k[1] = stage_at(craft, moved_at(state, k[0].rate, step_s / 2), loads, water, middle_s, extra(1), nearby);
-  k[2] = stage_at(craft, moved_at(state, k[1].rate, step_s / 2), loads, water, middle_s, extra(2), nearby);
-  k[3] = stage_at(craft, moved_at(state, k[2].rate, step_s), loads, water, time_s + step_s, extra(3), nearby);
+  k[0].state = state;
+  k[0].time_s = time_s;
+  for (std::size_t n = 0; n < k.size(); ++n) {
+    if (n > 0) {
+      const double elapsed_s = n < 3 ? step_s / 2 : step_s;
+      k[n].state = moved_at(state, k[n - 1].rate, elapsed_s);
+      k[n].time_s = time_s + elapsed_s;
+    }
+    evaluate(k[n], craft, loads, water, extra_body != nullptr ? &(*extra_body)[n] : nullptr, nearby);
+  }
   return k;
 }
 

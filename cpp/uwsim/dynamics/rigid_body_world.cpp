@@ -26,11 +26,9 @@ BodySpec checked(BodySpec spec) {
 Vector6d mean_rate(const BodyState& before, const BodyState& now, double step_s) {
   const Eigen::Quaterniond now_from_before =
       now.world_from_body.orientation.conjugate() * before.world_from_body.orientation;
-  Vector6d rate;
-  rate << (now.linear_body_m_s() - now_from_before * before.linear_body_m_s()) / step_s -
-              now.angular_body_rad_s().cross(now.linear_body_m_s()),
-      (now.angular_body_rad_s() - now_from_before * before.angular_body_rad_s()) / step_s;
-  return rate;
+  return joined((now.linear_body_m_s() - now_from_before * before.linear_body_m_s()) / step_s -
+                    now.angular_body_rad_s().cross(now.linear_body_m_s()),
+                (now.angular_body_rad_s() - now_from_before * before.angular_body_rad_s()) / step_s);
 }
 
 }  // namespace

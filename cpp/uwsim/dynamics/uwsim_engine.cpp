@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <typeinfo>
 #include <utility>
-
-#include "uwsim/world/water.h"
 
 namespace uwsim {
 namespace {
@@ -123,24 +120,11 @@ void UwsimEngine::wake(std::size_t body) {
 
 /// Wakes all bodies if the water is not as it was in the last step.
 void UwsimEngine::watch(const WaterField& water) {
-  Calm now;
-  const auto* const even = dynamic_cast<const EvenWater*>(&water);
-  if (typeid(water) == typeid(EvenWater)) {
-    now.is_steady = true;
-  } else if (typeid(water) == typeid(Water)) {
-    const auto& whole = static_cast<const Water&>(water);
-    now.is_steady = !whole.waves && whole.currents.empty();
-    now.profile = whole.profile.get();
-  }
-  if (even != nullptr) {
-    now.density_kg_m3 = even->density_kg_m3;
-    now.gravity_m_s2 = even->gravity_m_s2;
-    now.current_world_m_s = even->current_world_m_s;
-  }
-  if (now != calm_) {
+  const std::optional<SteadyWater> now = water.steady();
+  if (now != steady_) {
     for (FreeStep& step : free_steps_) step.is_known = false;
   }
-  calm_ = now;
+  steady_ = now;
 }
 
 bool UwsimEngine::is_unloaded(const MovedBody& body) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "uwsim/dynamics/body_groups.h"
@@ -68,16 +69,6 @@ class UwsimEngine final : public DynamicsEngine {
     int link;
   };
 
-  /// Water as far as it moves a body that rests: while it stays so, such a body has the same loads.
-  struct Calm {
-    bool is_steady = false;  ///< as far as is known
-    double density_kg_m3 = 0, gravity_m_s2 = 0;
-    Eigen::Vector3d current_world_m_s = Eigen::Vector3d::Zero();
-    const void* profile = nullptr;
-
-    bool operator==(const Calm&) const = default;
-  };
-
   double step_s_;
   ContactFinder finder_;
   ContactSolver solver_;
@@ -92,10 +83,10 @@ class UwsimEngine final : public DynamicsEngine {
     BodyState from, to;
     double reach_m = 0;
   };
-  Calm calm_;
-  std::vector<FreeStep> free_steps_;  // by body
-  std::vector<std::size_t> awake_;    // the bodies that do not sleep, in order
-  std::vector<std::size_t> moves_;    // those that do not rest
+  std::optional<SteadyWater> steady_;  // the water of the last step
+  std::vector<FreeStep> free_steps_;   // by body
+  std::vector<std::size_t> awake_;     // the bodies that do not sleep, in order
+  std::vector<std::size_t> moves_;     // those that do not rest
   // The step under way.
   std::span<MovedBody> bodies_;
   std::span<BodyState> next_states_;

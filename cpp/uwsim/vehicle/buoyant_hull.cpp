@@ -227,13 +227,7 @@ WetSurface BuoyantHull::wet_surface(const Eigen::Vector3d& position_world_m, con
 Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
                                const WaterField& water, double time_s, std::optional<NearbyFlow>* nearby) const {
   const Placed at(*this, position_world_m, world_from_body);
-  if (water.surface_is_flat()) {
-    Eigen::Vector3d above_level = position_world_m;
-    above_level.z() -= water.still_level_m(time_s);
-    Buoyancy still = in_still_water({*this, above_level, world_from_body}, water, 0);
-    if (still.volume_m3 > 0) still.flow = flow_at(at, still.centre_body_m, water, time_s, nearby);
-    return still;
-  }
+  if (water.surface_is_flat()) return below_flat_surface(at, water, time_s, nearby);
   const double bound_m = water.wave_bound_m();
   if (at.hull.middle_z_m + 2 * whole_.radius_m <= -bound_m) {
     return below_waves(at, water, time_s, flow_at(at, solid_.centroid_m, water, time_s, nearby));
@@ -249,6 +243,18 @@ Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Ei
   sum.force_body_n += deep * (below.force_body_n - sum.force_body_n);
   sum.moment_body_nm += deep * (below.moment_body_nm - sum.moment_body_nm);
   return sum;
+}
+
+/// The buoyancy under a flat surface, which a tide may have moved. In a function of its own, where the result is built
+/// in its place.
+Buoyancy BuoyantHull::below_flat_surface(const Placed& at, const WaterField& water, double time_s,
+                                         std::optional<NearbyFlow>* nearby) const {
+  const double level_m = water.still_level_m(time_s);
+  const Eigen::Vector3d above_level = at.position_world_m - level_m * Eigen::Vector3d::UnitZ();
+  Buoyancy still =
+      level_m == 0 ? in_still_water(at, water, 0) : in_still_water({*this, above_level, at.world_from_body}, water, 0);
+  if (still.volume_m3 > 0) still.flow = flow_at(at, still.centre_body_m, water, time_s, nearby);
+  return still;
 }
 
 /// The buoyancy under a flat surface at z = `surface_m`, with the density of still water.
@@ -270,7 +276,7 @@ Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, 
   }
   if (!in_one_layer || (layer.gradient_kg_m4 != 0 && at.top_m() > surface_m)) {
     const VolumeMoments part = hull.moments_below(surface_m, true);
-    if (part.volume_m3 <= 0) return {};
+    if (part.volume_m3 <= 0) return wet;
     const DisplacedMass displaced = mass_in_layers(hull, water, surface_m, part);
     const Eigen::Vector3d weight_per_kg = gravity * hull.up_body;
     wet.volume_m3 = part.volume_m3;
@@ -284,7 +290,7 @@ Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, 
     wet.centre_body_m = solid_.centroid_m;
   } else {
     const VolumeMoments part = hull.moments_below(surface_m, false);
-    if (part.volume_m3 <= 0) return {};
+    if (part.volume_m3 <= 0) return wet;
     wet.volume_m3 = part.volume_m3;
     wet.centre_body_m = whole_.middle_body_m + part.first_m4 / part.volume_m3;
   }

@@ -94,6 +94,8 @@ class BuoyantHull {
   };
 
   Buoyancy in_still_water(const Placed& at, const WaterField& water, double surface_m) const;
+  Buoyancy below_flat_surface(const Placed& at, const WaterField& water, double time_s,
+                              std::optional<NearbyFlow>* nearby) const;
   std::optional<DisplacedMass> mass_across_bends(const Placed& at, const WaterField& water,
                                                  const DensityLayer& top) const;
   DisplacedMass mass_in_layers(const Cut& at, const WaterField& water, double surface_m,

@@ -31,9 +31,7 @@ Matrix6d rigid_body_mass(const CraftParameters& p) {
 Vector6d coriolis(const Vector6d& momentum, const Vector6d& velocity) {
   const Eigen::Vector3d linear = momentum.head<3>(), angular = momentum.tail<3>();
   const Eigen::Vector3d v = velocity.head<3>(), w = velocity.tail<3>();
-  Vector6d c;
-  c << w.cross(linear), v.cross(linear) + w.cross(angular);
-  return c;
+  return joined(w.cross(linear), v.cross(linear) + w.cross(angular));
 }
 
 std::pair<Eigen::Vector3d, Eigen::Vector3d> box_of(const TriangleMesh& hull) {
@@ -245,8 +243,8 @@ Craft::Load Craft::load(const BodyState& state, const Vector6d& tau_body, const 
 
   const Eigen::Vector3d weight = -parameters_.mass_kg * water.gravity() * world_from_body.row(2).transpose();
   Vector6d tau = tau_body;
-  tau.head<3>() += weight + buoyancy.force_body_n;
-  tau.tail<3>() += parameters_.centre_of_mass_body_m.cross(weight) + buoyancy.moment_body_nm;
+  tau +=
+      joined(weight + buoyancy.force_body_n, parameters_.centre_of_mass_body_m.cross(weight) + buoyancy.moment_body_nm);
   tau -= coriolis(rigid_mass_ * state.velocity_body, state.velocity_body);
   if (terms != nullptr) {
     terms->weight << weight, parameters_.centre_of_mass_body_m.cross(weight);
@@ -290,12 +288,11 @@ Vector6d Craft::flow_force_body(const Vector6d& velocity, const Eigen::Matrix3d&
   const Eigen::Vector3d turn_rate = world_from_body.transpose() * flow.wave_angular_acceleration_rad_s2;
   const Eigen::Vector3d current_rate = world_from_body.transpose() * flow.current_acceleration_m_s2;
   const Eigen::Vector3d wave_rate = world_from_body.transpose() * flow.wave_acceleration_m_s2;
-  Vector6d moving, flow_rate;  // of the water, at the origin
-  moving << world_from_body.transpose() * flow.velocity_m_s - turn.cross(centre), turn;
+  const Eigen::Vector3d drift = world_from_body.transpose() * flow.velocity_m_s - turn.cross(centre);
   const Eigen::Vector3d spin = velocity.tail<3>();
-  flow_rate << current_rate + wave_rate - turn_rate.cross(centre) - spin.cross(moving.head<3>()),
-      turn_rate - spin.cross(turn);
-  const Vector6d relative = velocity - moving;
+  const Vector6d flow_rate = joined(current_rate + wave_rate - turn_rate.cross(centre) - spin.cross(drift),
+                                    turn_rate - spin.cross(turn));  // of the water, at the origin
+  const Vector6d relative = velocity - joined(drift, turn);
 
   const Matrix6d& added = parameters_.added_mass;
   Vector6d force =
@@ -311,8 +308,7 @@ Vector6d Craft::flow_force_body(const Vector6d& velocity, const Eigen::Matrix3d&
     force += of_added;
   }
   const Eigen::Vector3d pressure_force = density_kg_m3 * buoyancy.volume_m3 * current_rate;
-  force.head<3>() += pressure_force;
-  force.tail<3>() += buoyancy.centre_body_m.cross(pressure_force);
+  force += joined(pressure_force, buoyancy.centre_body_m.cross(pressure_force));
   if (terms != nullptr) {
     terms->drag = submerged * damping_body(relative);
     terms->added_mass = submerged * (added * flow_rate - coriolis(coriolis_added_mass_ * relative, relative));

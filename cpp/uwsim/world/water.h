@@ -87,6 +87,10 @@ class Water : public EvenWater {
   WaterFlow main_flow_at(const Eigen::Vector3d& point_world_m, double time_s, double emerged_m,
                          double* surface_m) const;
   VolumeFlow flow_over(const PlacedVolume& volume, double time_s) const override;
+  std::optional<SteadyWater> steady() const override {
+    if (waves || tide || !currents.empty()) return std::nullopt;
+    return {{density_kg_m3, gravity_m_s2, current_world_m_s, profile.get()}};
+  }
   bool flows_evenly() const override { return !waves && has_uniform_currents(); }
   bool flows_smoothly() const override;
   NearbyFlow flow_near(const PlacedVolume& volume, double time_s) const override;
