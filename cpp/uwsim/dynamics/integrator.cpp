@@ -5,12 +5,38 @@
 namespace uwsim {
 namespace {
 
+/// The quaternion without a real part, made in registers, as `joined` is.
+Eigen::Quaterniond pure(const Eigen::Vector3d& v) {
+  const Vector6d both = joined(v, Eigen::Vector3d::Zero());
+  Eigen::Quaterniond quaternion;
+  quaternion.coeffs() = both.head<4>();
+  return quaternion;
+}
+
 /// Computes the rates of a stage from its state and time.
 void evaluate(Stage& stage, const Craft& craft, const Loads& loads, const WaterField& water, const Vector6d* extra,
               std::optional<NearbyFlow>* nearby) {
   Vector6d tau_body = loads.at(stage.state.world_from_body.orientation);
   if (extra != nullptr) tau_body += *extra;
   stage.rate = rate_at(stage.state, craft.acceleration_body(stage.state, tau_body, water, stage.time_s, nearby));
+}
+
+/// `nearby`: where the flow that the first stage finds is kept for the others; may be null.
+std::array<Stage, 4> stages_in(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water,
+                               double time_s, double step_s, const std::array<Vector6d, 4>* extra_body,
+                               std::optional<NearbyFlow>* nearby) {
+  std::array<Stage, 4> k;
+  k[0].state = state;
+  k[0].time_s = time_s;
+  for (std::size_t n = 0; n < k.size(); ++n) {
+    if (n > 0) {
+      const double elapsed_s = n < 3 ? step_s / 2 : step_s;
+      k[n].state = moved_at(state, k[n - 1].rate, elapsed_s);
+      k[n].time_s = time_s + elapsed_s;
+    }
+    evaluate(k[n], craft, loads, water, extra_body != nullptr ? &(*extra_body)[n] : nullptr, nearby);
+  }
+  return k;
 }
 
 }  // namespace
@@ -22,8 +48,7 @@ Vector6d Loads::at(const Eigen::Quaterniond& world_from_body) const {
 
 Rate rate_at(const BodyState& state, const Vector6d& acceleration_body) {
   const Eigen::Quaterniond& q = state.world_from_body.orientation;
-  const Eigen::Vector3d w = state.angular_body_rad_s();
-  const Eigen::Quaterniond spin = q * Eigen::Quaterniond(0, w.x(), w.y(), w.z());
+  const Eigen::Quaterniond spin = q * pure(state.angular_body_rad_s());
   return {q * state.linear_body_m_s(), 0.5 * spin.coeffs(), acceleration_body};
 }
 
@@ -54,20 +79,9 @@ Pose displaced(const Pose& pose, const Vector6d& velocity_body, double duration_
 
 std::array<Stage, 4> stages(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water,
                             double time_s, double step_s, const std::array<Vector6d, 4>* extra_body) {
-  std::optional<NearbyFlow> kept;  // from the first stage
-  std::optional<NearbyFlow>* const nearby = water.flows_smoothly() ? &kept : nullptr;
-  std::array<Stage, 4> k;
-  k[0].state = state;
-  k[0].time_s = time_s;
-  for (std::size_t n = 0; n < k.size(); ++n) {
-    if (n > 0) {
-      const double elapsed_s = n < 3 ? step_s / 2 : step_s;
-      k[n].state = moved_at(state, k[n - 1].rate, elapsed_s);
-      k[n].time_s = time_s + elapsed_s;
-    }
-    evaluate(k[n], craft, loads, water, extra_body != nullptr ? &(*extra_body)[n] : nullptr, nearby);
-  }
-  return k;
+  if (!water.flows_smoothly()) return stages_in(craft, state, loads, water, time_s, step_s, extra_body, nullptr);
+  std::optional<NearbyFlow> kept;
+  return stages_in(craft, state, loads, water, time_s, step_s, extra_body, &kept);
 }
 
 BodyState advance(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water,

@@ -141,7 +141,9 @@ Craft::Craft(CraftParameters parameters, std::shared_ptr<const BuoyantHull> hull
   parameters_.check();
   require_inside_box(parameters_.centre_of_mass_body_m, hull_->mesh_body());
   rigid_mass_ = rigid_body_mass(parameters_);
-  coriolis_added_mass_ = with_munk_share(parameters_.added_mass, parameters_.munk_share);
+  linear_damping_ = Coefficients(parameters_.linear_damping);
+  added_mass_ = Coefficients(parameters_.added_mass);
+  coriolis_added_mass_ = Coefficients(with_munk_share(parameters_.added_mass, parameters_.munk_share));
   if (parameters_.radiation) {
     parameters_.radiation->check();
     coriolis_floating_ = with_munk_share(parameters_.radiation->added_mass, parameters_.munk_share);
@@ -149,14 +151,15 @@ Craft::Craft(CraftParameters parameters, std::shared_ptr<const BuoyantHull> hull
     box_middle_m_ = 0.5 * (low + high);
     box_half_m_ = 0.5 * (high - low);
   }
-  point_damping_ = parameters_.quadratic_damping;
+  Matrix6d point_damping = parameters_.quadratic_damping;
   if (parameters_.crossflow_length_m > 0) {
     heave_strips_ = parameters_.crossflow_in_heave();
     sway_strips_ = parameters_.crossflow_in_sway();
-    point_damping_(1, 1) = point_damping_(2, 2) = 0;
-    point_damping_(4, 4) = std::max(0.0, point_damping_(4, 4) - heave_strips_.turning_drag());
-    point_damping_(5, 5) = std::max(0.0, point_damping_(5, 5) - sway_strips_.turning_drag());
+    point_damping(1, 1) = point_damping(2, 2) = 0;
+    point_damping(4, 4) = std::max(0.0, point_damping(4, 4) - heave_strips_.turning_drag());
+    point_damping(5, 5) = std::max(0.0, point_damping(5, 5) - sway_strips_.turning_drag());
   }
+  point_damping_ = Coefficients(point_damping);
   inverse_mass_submerged_ = (rigid_mass_ + parameters_.added_mass).llt().solve(Matrix6d::Identity());
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> modes(parameters_.added_mass, rigid_mass_);
   mass_modes_ = modes.eigenvectors();
@@ -213,16 +216,13 @@ Matrix6d Craft::inverse_mass(const Pose& world_from_body, const WaterField& wate
 }
 
 Vector6d Craft::damping_body(const Vector6d& relative_velocity) const {
-  Vector6d force = -(parameters_.linear_damping * relative_velocity +
-                     point_damping_ * relative_velocity.cwiseAbs().cwiseProduct(relative_velocity));
+  Vector6d force = -(linear_damping_ * relative_velocity +
+                     point_damping_ * Vector6d(relative_velocity.cwiseAbs().cwiseProduct(relative_velocity)));
   if (parameters_.crossflow_length_m > 0) {
     // At x a turning hull moves across at w - q x in heave, and at v + r x in sway.
     const CrossflowDrag::Load heave = heave_strips_.load(relative_velocity(2), -relative_velocity(4));
     const CrossflowDrag::Load sway = sway_strips_.load(relative_velocity(1), relative_velocity(5));
-    force(1) += sway.force;
-    force(2) += heave.force;
-    force(4) -= heave.moment;
-    force(5) += sway.moment;
+    force += joined({-0.0, sway.force, heave.force}, {-0.0, -heave.moment, sway.moment});  // -0 changes no number
   }
   return force;
 }
@@ -294,9 +294,8 @@ Vector6d Craft::flow_force_body(const Vector6d& velocity, const Eigen::Matrix3d&
                                     turn_rate - spin.cross(turn));  // of the water, at the origin
   const Vector6d relative = velocity - joined(drift, turn);
 
-  const Matrix6d& added = parameters_.added_mass;
-  Vector6d force =
-      submerged * (damping_body(relative) - coriolis(coriolis_added_mass_ * relative, relative) + added * flow_rate);
+  Vector6d force = submerged * (damping_body(relative) - coriolis(coriolis_added_mass_ * relative, relative) +
+                                added_mass_ * flow_rate);
   Vector6d of_added = Vector6d::Zero();  // what the share of Radiation changes
   if (floating > 0) {
     Vector6d current_flow_rate = flow_rate;
@@ -304,14 +303,14 @@ Vector6d Craft::flow_force_body(const Vector6d& velocity, const Eigen::Matrix3d&
     current_flow_rate.tail<3>() -= turn_rate;
     of_added = floating * (parameters_.radiation->added_mass * current_flow_rate -
                            coriolis(coriolis_floating_ * relative, relative) -
-                           submerged * (added * flow_rate - coriolis(coriolis_added_mass_ * relative, relative)));
+                           submerged * (added_mass_ * flow_rate - coriolis(coriolis_added_mass_ * relative, relative)));
     force += of_added;
   }
   const Eigen::Vector3d pressure_force = density_kg_m3 * buoyancy.volume_m3 * current_rate;
   force += joined(pressure_force, buoyancy.centre_body_m.cross(pressure_force));
   if (terms != nullptr) {
     terms->drag = submerged * damping_body(relative);
-    terms->added_mass = submerged * (added * flow_rate - coriolis(coriolis_added_mass_ * relative, relative));
+    terms->added_mass = submerged * (added_mass_ * flow_rate - coriolis(coriolis_added_mass_ * relative, relative));
     if (floating > 0) terms->added_mass += of_added;
     terms->buoyancy.head<3>() += pressure_force;
     terms->buoyancy.tail<3>() += buoyancy.centre_body_m.cross(pressure_force);

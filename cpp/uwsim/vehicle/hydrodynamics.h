@@ -46,6 +46,25 @@ struct CraftParameters {
   void check() const;
 };
 
+/// A matrix of coefficients. Most vehicles have diagonal ones, whose product takes a sixth of the work.
+class Coefficients {
+ public:
+  Coefficients() = default;
+  explicit Coefficients(const Matrix6d& all)
+      : all_(all), diagonal_(all.diagonal()), is_diagonal_(all.isApprox(Matrix6d(diagonal_.asDiagonal()), 0)) {}
+
+  /// The same value either way: adding 0 gives a zero the sign that the sum of a row would have.
+  Vector6d operator*(const Vector6d& x) const {
+    if (is_diagonal_) return diagonal_.cwiseProduct(x) + Vector6d::Zero();
+    return all_ * x;
+  }
+
+ private:
+  Matrix6d all_ = Matrix6d::Zero();
+  Vector6d diagonal_ = Vector6d::Zero();
+  bool is_diagonal_ = true;
+};
+
 /// A craft: a rigid body in a fluid, with its equations of motion (Fossen 2011, "Handbook of Marine Craft Hydrodynamics
 /// and Motion Control", ch. 6 and 8):
 ///
@@ -140,11 +159,12 @@ class Craft {
 
   CraftParameters parameters_;
   std::shared_ptr<const BuoyantHull> hull_;
-  Matrix6d rigid_mass_;                            // M_RB
-  Matrix6d coriolis_added_mass_;                   // M_A as used in C_A
+  Matrix6d rigid_mass_;  // M_RB
+  Coefficients linear_damping_, added_mass_;
+  Coefficients coriolis_added_mass_;               // M_A as used in C_A
   Matrix6d coriolis_floating_ = Matrix6d::Zero();  // A of Radiation, likewise
   Eigen::Vector3d box_middle_m_ = Eigen::Vector3d::Zero(), box_half_m_ = Eigen::Vector3d::Zero();  // of the hull
-  Matrix6d point_damping_;  // D_q without the drag of the strips
+  Coefficients point_damping_;  // D_q without the drag of the strips
   CrossflowDrag heave_strips_, sway_strips_;
   Matrix6d inverse_mass_submerged_;  // (M_RB + M_A)^-1
   // W and L such that W^T M_RB W = 1 and W^T M_A W = diag(L), and hence (M_RB + s M_A)^-1 = W diag(1 / (1 + s L)) W^T

@@ -1,12 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "dynamics/bodies.h"
 #include "meshes.h"
 #include "uwsim/dynamics/rigid_body_world.h"
+#include "uwsim/world/water.h"
 
 // Stacked bodies at rest: friction holds them in place, to the last bit, until something changes.
 namespace uwsim {
@@ -15,12 +17,12 @@ namespace {
 constexpr double kFriction = 0.6, kHeight_m = 0.6, kBed_m = -10;
 constexpr std::size_t kMinute = 12'000;  // steps
 
-std::shared_ptr<const Craft> block() {
+std::shared_ptr<const Craft> block(double density_kg_m3 = 2000) {
   const TriangleMesh mesh = testing::box(1.2, 0.8, kHeight_m);
   const SolidProperties solid = solid_properties(mesh);
   CraftParameters p;
-  p.mass_kg = 2000 * solid.volume_m3;
-  p.inertia_kg_m2 = 2000 * solid.inertia_per_density_m5;
+  p.mass_kg = density_kg_m3 * solid.volume_m3;
+  p.inertia_kg_m2 = density_kg_m3 * solid.inertia_per_density_m5;
   p.added_mass.diagonal() << 300, 500, 900, 30, 50, 40;
   p.linear_damping.diagonal() << 50, 50, 50, 20, 20, 20;
   return std::make_shared<const Craft>(p, BuoyantHull(mesh));
@@ -28,9 +30,9 @@ std::shared_ptr<const Craft> block() {
 
 double weight_in_water_n() { return 1000 * 1.2 * 0.8 * kHeight_m * 9.80665; }
 
-World bed() {
+World bed(double height_m = kBed_m) {
   World world;
-  world.set_terrain(Heightfield(std::vector<float>(41 * 41, kBed_m), 41, 41, 1.0, {-20, -20}));
+  world.set_terrain(Heightfield(std::vector<float>(41 * 41, static_cast<float>(height_m)), 41, 41, 1.0, {-20, -20}));
   return world;
 }
 
@@ -171,6 +173,17 @@ TEST(Resting, ABodyFallsWhenWhatHoldsItUpIsTakenAway) {
     stack.step(400);
     EXPECT_LT(stack.place_m(2).z(), before_m - 0.3) << is_docked;
   }
+}
+
+TEST(Resting, ABlockThatRestsFloatsWhenTheTideRises) {
+  constexpr double kShallow_m = -0.1, kPeriod_s = 400, kTide_m = 1;
+  Water water;
+  water.tide = std::make_shared<const Tide>(
+      std::vector<TidalConstituent>{{kTide_m, 2 * std::numbers::pi / kPeriod_s, std::numbers::pi / 2}});
+  RigidBodyWorld bodies(bed(kShallow_m), kStep_s);
+  bodies.add_body({"block", block(500), CollisionShape::kHull, kFriction, 0.1}, at(0, 0, kShallow_m + kHeight_m / 2));
+  for (int k = 0; k < kPeriod_s / 4 / kStep_s; ++k) bodies.step(water, k * kStep_s);
+  EXPECT_NEAR(bodies.state(0).world_from_body.position_m.z(), kTide_m, 0.05);
 }
 
 TEST(Resting, ABlowMovesAStackAndItComesToRestAgain) {
