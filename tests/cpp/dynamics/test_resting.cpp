@@ -175,13 +175,13 @@ TEST(Resting, ABodyFallsWhenWhatHoldsItUpIsTakenAway) {
   }
 }
 
-TEST(Resting, ABlockThatRestsFloatsWhenTheTideRises) {
-  constexpr double kShallow_m = -0.1, kPeriod_s = 400, kTide_m = 1;
+TEST(Resting, ABlockThatSleepsOnTheShoreFloatsWhenTheTideRises) {
+  constexpr double kShore_m = 0.2, kPeriod_s = 400, kTide_m = 1;
   Water water;
   water.tide = std::make_shared<const Tide>(
       std::vector<TidalConstituent>{{kTide_m, 2 * std::numbers::pi / kPeriod_s, std::numbers::pi / 2}});
-  RigidBodyWorld bodies(bed(kShallow_m), kStep_s);
-  bodies.add_body({"block", block(500), CollisionShape::kHull, kFriction, 0.1}, at(0, 0, kShallow_m + kHeight_m / 2));
+  RigidBodyWorld bodies(bed(kShore_m), kStep_s);
+  bodies.add_body({"block", block(500), CollisionShape::kHull, kFriction, 0.1}, at(0, 0, kShore_m + kHeight_m / 2));
   for (int k = 0; k < kPeriod_s / 4 / kStep_s; ++k) bodies.step(water, k * kStep_s);
   EXPECT_NEAR(bodies.state(0).world_from_body.position_m.z(), kTide_m, 0.05);
 }
