@@ -33,8 +33,9 @@ PEERS = {
 }
 """The benchmarks with a peer that tools/setup --dev installs, and the options that shorten them."""
 CHECKED = ("sonar", "dynamics", "imaging")
-WORSE = 1.3
-"""The benchmarks that `check` runs, and the factor that it allows: twice the spread of runs on a loaded machine."""
+WORSE, TRIES = 1.4, 3
+"""The benchmarks that `check` runs; the factor by which the best of its tries may be worse. On a machine that its host
+slows down at times, four runs of three rounds differed by up to 1.35."""
 
 
 class Ratio(NamedTuple):
@@ -112,13 +113,15 @@ def check(rounds: Annotated[int, typer.Option(min=1, help="Rounds of each benchm
     if not kept:
         print(f"history: no ratios are kept for {here}: nothing to compare with")
         return
-    then = kept[-1]["ratios"]
-    for last_try in (False, True):  # a moment of other load passes
-        now = ratios(ROOT, rounds, CHECKED)
-        worse = {name: gain for name in now if (gain := improvement(name, then[name], now[name])) * WORSE < 1.0}
-        if not worse or last_try:
+    then, best = kept[-1]["ratios"], dict[str, float]()
+    for _ in range(TRIES):
+        for name, value in ratios(ROOT, rounds, CHECKED).items():
+            if name not in best or improvement(name, best[name], value) > 1.0:
+                best[name] = value
+        worse = [name for name, value in best.items() if improvement(name, then[name], value) * WORSE < 1.0]
+        if not worse:
             break
-    for name, value in now.items():
+    for name, value in best.items():
         print(f"history: {RATIOS[name].title}: {value:.3g}, kept {then[name]:.3g}{' WORSE' * (name in worse)}")
     if worse:
         _refuse(f"worse by more than {WORSE:g} than at {kept[-1]['commit'][:12]}: {', '.join(worse)}")

@@ -15,7 +15,7 @@ Ratios between uwsim and peers (Embree alone, Bullet, OctoMap), or between two o
 rounds of one run and kept by commit in `docs/benchmarks`. Times depend on the machine and its load, ratios on the kind
 of processor; each file states both. To add a commit, run `.venv/bin/python -m tools.history measure`; `compare OLD NEW`
 builds two commits, measures them in turns on one machine, and prints how much better the new one is, with the spread of
-the rounds. `check`, which ends every run of the tests, fails if a ratio has become worse on its kind of processor.
+the rounds. `check`, with which `.ci/run` ends, fails if a ratio has become much worse on its kind of processor.
 [Performance](../inside/performance.md) has the absolute values.
 """
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from tools import history
-from tools.history import FOLDER, RATIOS, WORSE, entries, machine, table
+from tools.history import FOLDER, RATIOS, TRIES, WORSE, entries, machine, table
 
 
 def test_each_entry_names_its_commit_and_load_and_the_newest_has_all_ratios() -> None:
@@ -35,7 +35,7 @@ def test_the_check_fails_where_a_ratio_is_worse_than_allowed(
         return
     with pytest.raises(SystemExit):
         history.check()
-    assert len(measured) == 2 and name in capsys.readouterr().err
+    assert len(measured) == TRIES and name in capsys.readouterr().err
 
 
 def test_a_commit_that_is_twice_as_fast_is_better_by_two_in_every_ratio() -> None:
