@@ -179,11 +179,10 @@ void BuoyantHull::visit_wet_slices(const Placed& at, const WaterField& water, do
 }
 
 double BuoyantHull::submerged_volume_m3(const Pose& world_from_body, const WaterField& water, double time_s) const {
-  const double bound_m = water.wave_bound_m();
   if (water.surface_is_flat()) return displacement(world_from_body, water.still_level_m(time_s)).volume_m3;
   const Eigen::Matrix3d rotation = world_from_body.rotation();
   const Placed at(*this, world_from_body.position_m, rotation);
-  if (at.top_m() <= -bound_m) return solid_.volume_m3;
+  if (at.top_m() <= -water.wave_bound_m()) return solid_.volume_m3;
   double sum = 0;
   visit_wet_slices(
       at, water, time_s, surface_over(at, whole_, parts_.whole(), water, time_s),
@@ -228,10 +227,8 @@ Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Ei
                                const WaterField& water, double time_s, std::optional<NearbyFlow>* nearby) const {
   const Placed at(*this, position_world_m, world_from_body);
   if (water.surface_is_flat()) return below_flat_surface(at, water, time_s, nearby);
-  const double bound_m = water.wave_bound_m();
-  if (at.hull.middle_z_m + 2 * whole_.radius_m <= -bound_m) {
+  if (at.hull.middle_z_m + 2 * whole_.radius_m <= -water.wave_bound_m())
     return below_waves(at, water, time_s, flow_at(at, solid_.centroid_m, water, time_s, nearby));
-  }
   const WaterSurface surface = surface_over(at, whole_, parts_.whole(), water, time_s);
   if (at.bottom_m() >= surface.high_m) return {};
   const double deep = smooth_step((surface.low_m - at.top_m()) / whole_.radius_m);
@@ -245,8 +242,7 @@ Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Ei
   return sum;
 }
 
-/// The buoyancy under a flat surface, which a tide may have moved. In a function of its own, where the result is built
-/// in its place.
+/// The buoyancy under a flat surface, which a tide may have moved. Apart, so that the result is built in its place.
 Buoyancy BuoyantHull::below_flat_surface(const Placed& at, const WaterField& water, double time_s,
                                          std::optional<NearbyFlow>* nearby) const {
   const double level_m = water.still_level_m(time_s);
@@ -263,10 +259,10 @@ Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, 
   const double gravity = water.gravity();
   const DensityLayer layer = water.density_layer_at(std::min(at.top_m(), surface_m));
   const bool in_one_layer = at.bottom_m() >= layer.low_m;
+  const Eigen::Vector3d weight_per_kg = gravity * hull.up_body;
   Buoyancy wet;
   if (!in_one_layer && at.top_m() <= surface_m) {
     if (const std::optional<DisplacedMass> displaced = mass_across_bends(at, water, layer)) {
-      const Eigen::Vector3d weight_per_kg = gravity * hull.up_body;
       wet.volume_m3 = solid_.volume_m3;
       wet.centre_body_m = solid_.centroid_m;
       wet.force_body_n = displaced->mass_kg * weight_per_kg;
@@ -278,7 +274,6 @@ Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, 
     const VolumeMoments part = hull.moments_below(surface_m, true);
     if (part.volume_m3 <= 0) return wet;
     const DisplacedMass displaced = mass_in_layers(hull, water, surface_m, part);
-    const Eigen::Vector3d weight_per_kg = gravity * hull.up_body;
     wet.volume_m3 = part.volume_m3;
     wet.centre_body_m = whole_.middle_body_m + part.first_m4 / part.volume_m3;
     wet.force_body_n = displaced.mass_kg * weight_per_kg;
