@@ -209,6 +209,12 @@ def machine() -> dict[str, Any]:
     return {"processor": processor, "instruction_set": instruction_set(), "cores": os.cpu_count()}
 
 
+def machine_text(cpu: dict[str, Any]) -> str:
+    """Return a machine in a few words. Entries before November 28, 2026 do not name the instruction set."""
+    kind = f" ({cpu['instruction_set']})" if "instruction_set" in cpu else ""
+    return f"{cpu['processor']}{kind}, {cpu['cores']} cores"
+
+
 def _at(results: Any, path: tuple[str, ...]) -> float | None:
     for key in path:
         results = results.get(key, {})

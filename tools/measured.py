@@ -17,7 +17,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from tools.history import FOLDER, entries, machine
+from tools.history import FOLDER, entries, machine, machine_text
 
 ROOT = Path(__file__).resolve().parents[1]
 VALUES = ROOT / "docs/inside/measured.json"
@@ -48,11 +48,6 @@ def all_values() -> dict[str, dict[str, Any]]:
     }
     ratios = {name: f"{value:.3g}" for name, value in newest["ratios"].items()}
     return {**json.loads(VALUES.read_text()), "ratios": ratios | about}
-
-
-def machine_text(cpu: dict[str, Any]) -> str:
-    """Return a machine in a few words."""
-    return f"{cpu['processor']} ({cpu['instruction_set']}), {cpu['cores']} cores"
 
 
 def measure_commands(values: dict[str, Any]) -> None:

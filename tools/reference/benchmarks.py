@@ -1,13 +1,15 @@
 """The history of the ratios that `python -m tools.history measure` has written."""
 
 import io
+import json
 import math
+from itertools import cycle
 from typing import Any
 
 import matplotlib
-from tools.history import FOLDER, RATIOS, entries
+from tools.history import FOLDER, RATIOS, entries, machine_text
 
-from uwsim.figures.style import ACCENT, INK, new_figure
+from uwsim.figures.style import ACCENT, FAINT_INK, INK, MISSED, new_figure
 
 HEAD = """# Benchmark history
 
@@ -31,22 +33,26 @@ def benchmarks_page() -> str:
         for name, ratio in RATIOS.items()
         if name in newest["ratios"]
     ]
-    machine, load = newest["machine"], newest["load"]
+    load = newest["load"]
     loaded = f"load {load['before']:g} before and {load['after']:g} after"
-    where = f"{machine['processor']} ({machine['instruction_set']}), {machine['cores']} cores, {loaded}"
+    where = f"{machine_text(newest['machine'])}, {loaded}"
     table = "\n".join([f"| {newest['commit'][:8]}, {where} | ratio | better is |", "|---|---|---|", *rows])
     return f"{HEAD}\n```{{raw}} html\n{drawing(kept)}\n```\n\n{table}\n"
 
 
 def drawing(kept: list[dict[str, Any]]) -> str:
-    """Return an SVG with a panel per ratio, over the commits."""
+    """Return an SVG with a panel per ratio, over the commits; entries of one kind of machine are joined."""
+    kinds = list({json.dumps(entry["machine"]): entry["machine"] for entry in kept}.values())
     rows = math.ceil(len(RATIOS) / 2)
     figure = new_figure(8.0, 1.8 * rows)
     panels = figure.subplots(rows, 2).ravel()
     commits = [entry["commit"][:8] for entry in kept]
     for panel, (name, ratio) in zip(panels, RATIOS.items(), strict=False):
         found = [(k, entry["ratios"][name]) for k, entry in enumerate(kept) if name in entry["ratios"]]
-        panel.plot(*zip(*found, strict=True), "o-", color=ACCENT, markersize=4)
+        for kind, colour in zip(kinds, cycle((FAINT_INK, ACCENT, INK, MISSED)), strict=False):
+            places = [(k, value) for k, value in found if kept[k]["machine"] == kind]
+            x, y = [k for k, _ in places], [value for _, value in places]
+            panel.plot(x, y, "o-", color=colour, markersize=4, label=machine_text(kind))
         panel.set_title(ratio.title, loc="left", fontsize=7.5, color=INK)
         panel.set_ylim(0.0, 1.25 * max(value for _, value in found))
         panel.set_xlim(-0.5, len(commits) - 0.5)
@@ -55,7 +61,8 @@ def drawing(kept: list[dict[str, Any]]) -> str:
         panel.tick_params(labelsize=6.5, colors=INK)
     for panel in panels[len(RATIOS) :]:
         panel.remove()
-    figure.tight_layout()
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncols=2, fontsize=7.5, frameon=False)
+    figure.tight_layout(rect=(0.0, 0.03, 1.0, 1.0))
     text = io.StringIO()
     with matplotlib.rc_context({"svg.hashsalt": "uwsim"}):
         figure.savefig(text, format="svg", metadata={"Date": None})
