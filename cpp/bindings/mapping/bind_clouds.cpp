@@ -41,9 +41,8 @@ void bind_links(py::module_& m) {
   m.def(
       "relative_transform",
       [](const py::object& world_from_target, const py::object& world_from_source) {
-        const Eigen::Isometry3d target(as_transform(world_from_target, "world_from_target"));
-        const Eigen::Matrix4d source = as_transform(world_from_source, "world_from_source");
-        return Eigen::Matrix4d(target.inverse().matrix() * source);
+        const Eigen::Matrix4d target = as_transform(world_from_target, "world_from_target");
+        return relative_transform(target, as_transform(world_from_source, "world_from_source"));
       },
       py::arg("world_from_target"), py::arg("world_from_source"),
       "Return target_from_source, (4, 4) float64, from rigid transforms. Raises ValueError.");
@@ -66,6 +65,25 @@ void bind_links(py::module_& m) {
       py::arg("points_m"), py::arg("box_min_m"), py::arg("box_max_m"),
       "Return the points outside a box, whose faces count as inside, by a negative pcl::CropBox; (n, 3)\n"
       "float32. box_*_m: (3,) float64. Discards non-finite points. Raises ValueError. Releases the GIL.");
+  m.def(
+      "scan_to_world",
+      [](const py::object& ranges_m, double angle_min_rad, double angle_increment_rad, double range_min_m,
+         double range_max_m, const py::object& box_min_m, const py::object& box_max_m,
+         const py::object& world_from_body, const py::object& world_from_sonar) {
+        const FloatArray ranges = as_float32(ranges_m, "scan.ranges", {-1});
+        const ScanGeometry geometry{angle_min_rad, angle_increment_rad, range_min_m, range_max_m};
+        const Eigen::Vector3d low = as_vector3(box_min_m, "box_min_m"), high = as_vector3(box_max_m, "box_max_m");
+        const Eigen::Matrix4d body = as_transform(world_from_body, "world_from_body"),
+                              sonar = as_transform(world_from_sonar, "world_from_sonar");
+        return rows_out(without_gil([&] { return scan_to_world(span_of(ranges), geometry, low, high, body, sonar); }));
+      },
+      py::arg("ranges_m"), py::arg("angle_min_rad"), py::arg("angle_increment_rad"), py::arg("range_min_m"),
+      py::arg("range_max_m"), py::arg("box_min_m"), py::arg("box_max_m"), py::arg("world_from_body"),
+      py::arg("world_from_sonar"),
+      "Return the points of a LaserScan in the world without those inside a box in the body's frame, (n, 3)\n"
+      "float32: scan_to_points, filter_range, transform_points, remove_box and transform_points in one call.\n"
+      "ranges_m: (beams,) float32. box_*_m: (3,). world_from_*: (4, 4), rigid. Raises ValueError. Releases\n"
+      "the GIL.");
 }
 
 void bind_filters(py::module_& m) {

@@ -2,12 +2,9 @@
 
 #include <pcl/common/transforms.h>
 #include <pcl/console/print.h>
-#include <pcl/filters/crop_box.h>
 #include <pcl/filters/passthrough.h>
 #include <pcl/filters/statistical_outlier_removal.h>
 #include <pcl/filters/voxel_grid.h>
-#include <pcl/point_cloud.h>
-#include <pcl/point_types.h>
 #include <pcl/registration/icp.h>
 #include <pcl/sample_consensus/ransac.h>
 #include <pcl/sample_consensus/sac_model_perpendicular_plane.h>
@@ -19,58 +16,14 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
-#include <sstream>
 #include <string>
 #include <utility>
 
 #include "uwsim/core/check.h"
+#include "uwsim/mapping/pcl_clouds.h"
 
 namespace uwsim {
 namespace {
-
-using Cloud = pcl::PointCloud<pcl::PointXYZ>;
-
-Cloud::Ptr to_cloud(std::span<const float> points_m) {
-  require(points_m.size() % 3 == 0, "points_m.size", points_m.size(), "must be rows of x, y, z");
-  auto cloud = pcl::make_shared<Cloud>(static_cast<std::uint32_t>(points_m.size() / 3), 1);
-  const float* from = points_m.data();
-  for (pcl::PointXYZ& p : *cloud) {
-    p = {from[0], from[1], from[2]};
-    from += 3;
-  }
-  cloud->is_dense = std::ranges::all_of(points_m, [](float value) { return std::isfinite(value); });
-  return cloud;
-}
-
-std::vector<float> to_points(const Cloud& cloud) {
-  std::vector<float> points_m(3 * cloud.size());
-  float* to = points_m.data();
-  for (const pcl::PointXYZ& p : cloud) {
-    to[0] = p.x, to[1] = p.y, to[2] = p.z;
-    to += 3;
-  }
-  return points_m;
-}
-
-/// The cosines and sines of a scan's beams. All scans of a sonar have the same beams, so the thread's last are kept:
-/// computing them takes most of the time of a conversion.
-struct BeamTable {
-  double angle_min_rad = 0, angle_increment_rad = 0;
-  std::vector<Eigen::Vector2d> directions;
-
-  static const BeamTable& of(const ScanGeometry& geometry, std::size_t beams) {
-    thread_local BeamTable table;
-    if (table.directions.size() != beams || table.angle_min_rad != geometry.angle_min_rad ||
-        table.angle_increment_rad != geometry.angle_increment_rad) {
-      table = {geometry.angle_min_rad, geometry.angle_increment_rad, {}};
-      for (std::size_t beam = 0; beam < beams; ++beam) {
-        const double angle_rad = geometry.angle_min_rad + static_cast<double>(beam) * geometry.angle_increment_rad;
-        table.directions.emplace_back(std::cos(angle_rad), std::sin(angle_rad));
-      }
-    }
-    return table;
-  }
-};
 
 /// The finite points, with shift_m subtracted.
 Cloud::Ptr to_finite_cloud(std::span<const float> points_m, const Eigen::Vector3d& shift_m = Eigen::Vector3d::Zero()) {
@@ -144,75 +97,7 @@ std::pair<double, double> closeness(const Cloud& cloud, const Cloud::Ptr& target
           static_cast<double>(near) / static_cast<double>(cloud.size())};
 }
 
-void require_rigid(const Eigen::Matrix4d& transform) {
-  const Eigen::Matrix3d rotation = transform.topLeftCorner<3, 3>();
-  const bool rigid = transform.allFinite() && transform.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1), 1e-9) &&
-                     (rotation * rotation.transpose()).isIdentity(1e-6) && rotation.determinant() > 0;
-  if (rigid) return;
-  std::ostringstream matrix;
-  matrix << transform.format({4, 0, ", ", "; ", "", "", "[", "]"});
-  require(false, "target_from_source", matrix.str(),
-          "must be a rigid transform (a rotation, a translation and the row 0 0 0 1)");
-}
-
 }  // namespace
-
-std::vector<float> scan_to_points(std::span<const float> ranges_m, const ScanGeometry& geometry) {
-  require(std::isfinite(geometry.angle_min_rad), "scan.angle_min", geometry.angle_min_rad, "must be finite");
-  require(std::isfinite(geometry.angle_increment_rad), "scan.angle_increment", geometry.angle_increment_rad,
-          "must be finite");
-  require(geometry.range_min_m >= 0, "scan.range_min", geometry.range_min_m, "must be at least 0 m");
-  require(geometry.range_max_m > geometry.range_min_m, "scan.range_max", geometry.range_max_m,
-          "must be greater than range_min");
-  const BeamTable& table = BeamTable::of(geometry, ranges_m.size());
-  std::vector<float> points_m;
-  points_m.reserve(3 * ranges_m.size());
-  for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
-    const double range_m = ranges_m[beam];
-    if (!(range_m >= geometry.range_min_m && range_m < geometry.range_max_m)) continue;
-    const Eigen::Vector2f point_m = (range_m * table.directions[beam]).cast<float>();
-    points_m.insert(points_m.end(), {point_m.x(), point_m.y(), 0.0f});
-  }
-  return points_m;
-}
-
-std::vector<float> transform_points(std::span<const float> points_source_m, const Eigen::Matrix4d& target_from_source) {
-  require_rigid(target_from_source);
-  if (points_source_m.empty()) return {};  // PCL would print a warning
-  const Cloud::Ptr source = to_cloud(points_source_m);
-  Cloud target;
-  pcl::transformPointCloud(*source, target, target_from_source);  // computes in double and rounds each point once
-  return to_points(target);
-}
-
-std::vector<float> filter_range(std::span<const float> points_m, double min_m, double max_m) {
-  require(min_m >= 0, "min_m", min_m, "must be at least 0 m");
-  require(max_m >= min_m, "max_m", max_m, "must be at least min_m");
-  require(points_m.size() % 3 == 0, "points_m.size", points_m.size(), "must be rows of x, y, z");
-  std::vector<float> kept_m;
-  kept_m.reserve(points_m.size());
-  for (std::size_t i = 0; i < points_m.size(); i += 3) {
-    const double distance_m = Eigen::Vector3d(points_m[i], points_m[i + 1], points_m[i + 2]).norm();
-    if (!(distance_m >= min_m && distance_m <= max_m)) continue;
-    kept_m.insert(kept_m.end(), {points_m[i], points_m[i + 1], points_m[i + 2]});
-  }
-  return kept_m;
-}
-
-std::vector<float> remove_box(std::span<const float> points_m, const Eigen::Vector3d& box_min_m,
-                              const Eigen::Vector3d& box_max_m) {
-  require(box_min_m.allFinite() && box_max_m.allFinite() && (box_min_m.array() <= box_max_m.array()).all(), "box_max_m",
-          box_max_m.transpose(), "must be finite and at least box_min_m along each axis");
-  if (points_m.empty()) return {};
-  pcl::CropBox<pcl::PointXYZ> crop;
-  crop.setMin((Eigen::Vector4f() << box_min_m.cast<float>(), 1.0f).finished());
-  crop.setMax((Eigen::Vector4f() << box_max_m.cast<float>(), 1.0f).finished());
-  crop.setNegative(true);
-  crop.setInputCloud(to_cloud(points_m));
-  Cloud kept;
-  crop.filter(kept);
-  return to_points(kept);
-}
 
 std::vector<float> voxel_grid(std::span<const float> points_m, double voxel_m) {
   require(std::isfinite(voxel_m) && voxel_m > 0, "voxel_m", voxel_m, "must be positive [m]");

@@ -27,6 +27,9 @@ std::vector<float> scan_to_points(std::span<const float> ranges_m, const ScanGeo
 /// Transforms points by target_from_source, a rigid transform. All points are returned, in order.
 std::vector<float> transform_points(std::span<const float> points_source_m, const Eigen::Matrix4d& target_from_source);
 
+/// Returns target_from_source, from two rigid transforms.
+Eigen::Matrix4d relative_transform(const Eigen::Matrix4d& world_from_target, const Eigen::Matrix4d& world_from_source);
+
 /// Returns the points whose distance to the frame's origin is in [min_m, max_m].
 std::vector<float> filter_range(std::span<const float> points_m, double min_m, double max_m);
 
@@ -34,6 +37,13 @@ std::vector<float> filter_range(std::span<const float> points_m, double min_m, d
 /// vehicle's own echoes from a cloud in the vehicle's frame.
 std::vector<float> remove_box(std::span<const float> points_m, const Eigen::Vector3d& box_min_m,
                               const Eigen::Vector3d& box_max_m);
+
+/// Returns the points of a scan in the world, except those inside a box in the body's frame, by the functions above: in
+/// the scanner's frame by scan_to_points and filter_range, with the scan's limits; in the body's frame by
+/// transform_points and remove_box; and in the world by transform_points. The points stay in one cloud in between.
+std::vector<float> scan_to_world(std::span<const float> ranges_m, const ScanGeometry& geometry,
+                                 const Eigen::Vector3d& box_min_m, const Eigen::Vector3d& box_max_m,
+                                 const Eigen::Matrix4d& world_from_body, const Eigen::Matrix4d& world_from_sonar);
 
 /// pcl::VoxelGrid: returns the centroid of the points in each cube with edge voxel_m and corners at multiples of
 /// voxel_m. Cubes are ordered with x varying fastest, then y, then z. Throws InvalidValue if the cloud's box has 2^31

@@ -86,9 +86,7 @@ class PingToMap(Sealed):
     ) -> NDArray[np.float32]:
         """Return the echoes that `insert` inserts, in the world, (n, 3)."""
         scan = self.scan(ranges_m, stamp_s, deviation_m)
-        cloud_m = ranging.to_point_cloud(scan)
-        in_range_m = ranging.filter_range(cloud_m, scan.range_min, scan.range_max)
-        return placed_echoes(in_range_m, self.hull, world_from_body, world_from_sonar)
+        return ranging.to_world(scan, *self.hull, world_from_body, world_from_sonar)
 
     def echoes_of(self, ping: Any) -> NDArray[np.float32]:
         """Return the echoes (n, 3) in the world of a ping that Sonar.ping() took, at the vehicle's true pose."""
@@ -161,16 +159,3 @@ def traced_beams(
     ends[seen] = _core.soundings(swath.axes[seen] @ level, swath.travel_time_s[seen], sonar, profile)
     ends[~np.isfinite(ends).all(axis=1)] = np.nan
     return ends, sonar
-
-
-def placed_echoes(
-    cloud_sonar_m: NDArray[np.float32],
-    hull: Box,
-    world_from_body: NDArray[np.float64],
-    world_from_sonar: NDArray[np.float64],
-) -> NDArray[np.float32]:
-    """Transform sonar echoes (n, 3) to the world and return them, without those from the vehicle's own hull."""
-    body_from_sonar = ranging.relative_transform(world_from_body, world_from_sonar)
-    echoes_body_m = ranging.transform_points(cloud_sonar_m, body_from_sonar)
-    others_body_m = ranging.remove_box(echoes_body_m, *hull)
-    return ranging.transform_points(others_body_m, world_from_body)

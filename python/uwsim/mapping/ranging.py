@@ -8,6 +8,7 @@
     points_m = to_point_cloud(scan)                         in base_scan: x forward, y left, z up
     points_m = remove_box(transform_points(points_m, body_from_sonar), box_min_m, box_max_m)      self filter
     points_world_m = transform_points(points_m, world_from_body)
+    points_world_m = to_world(scan, ...)                    the last three lines at once
 
 Points are (n, 3) float32, processed by PCL. C-ordered float32 arrays are not copied, float64 arrays and sequences are
 converted, and other dtypes are rejected. All errors are ValueError. model: the number of one of the four published
@@ -129,6 +130,27 @@ def to_point_cloud(scan: LaserScan) -> NDArray[np.float32]:
     As in laser_geometry, a range counts if range_min <= range < range_max.
     """
     return _core.scan_to_points(scan.ranges, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
+
+
+def to_world(
+    scan: LaserScan,
+    box_min_m: ArrayLike,
+    box_max_m: ArrayLike,
+    world_from_body: ArrayLike,
+    world_from_sonar: ArrayLike,
+) -> NDArray[np.float32]:
+    """Return the scan's echoes in the world, (n, 3) float32, without those inside a box in the body frame.
+
+    The same as the functions below, whose clouds it keeps in one place:
+
+        points_sonar_m = filter_range(to_point_cloud(scan), scan.range_min, scan.range_max)
+        points_body_m = transform_points(points_sonar_m, relative_transform(world_from_body, world_from_sonar))
+        points_world_m = transform_points(remove_box(points_body_m, box_min_m, box_max_m), world_from_body)
+    """
+    return _core.scan_to_world(
+        scan.ranges, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max, box_min_m, box_max_m,
+        world_from_body, world_from_sonar,
+    )  # fmt: skip
 
 
 def place_deviation_m(ping: object) -> NDArray[np.float32] | None:

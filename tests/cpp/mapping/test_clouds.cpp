@@ -107,6 +107,31 @@ TEST(Clouds, PointsAreEitherInTheBoxOrKept) {
   EXPECT_THROW(remove_box(points_m, high, low), InvalidValue);
 }
 
+TEST(Clouds, AScanInTheWorldIsTheSameInOneCallAndStepByStep) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform(-1.0f, 12.0f);
+  const ScanGeometry geometry{-0.75, 0.003, 0.5, 10.0};
+  const Vector3d low(-2, -3, -4), high(4, 2, 1);
+  Matrix4d body_from_sonar = Matrix4d::Identity();
+  body_from_sonar.topLeftCorner<3, 3>() = Eigen::AngleAxisd(0.4, Vector3d::UnitY()).toRotationMatrix();
+  body_from_sonar.topRightCorner<3, 1>() = Vector3d(0.3, 0, -0.2);
+  const Matrix4d world_from_body = some_pose(), world_from_sonar = world_from_body * body_from_sonar;
+  std::vector<float> ranges_m(501);
+  for (float& range_m : ranges_m) range_m = uniform(random);
+  ranges_m[7] = kInf, ranges_m[8] = kNan;
+
+  const std::vector<float> near_m = filter_range(scan_to_points(ranges_m, geometry), 0.5, 10.0);
+  const std::vector<float> body_m = transform_points(near_m, relative_transform(world_from_body, world_from_sonar));
+  const std::vector<float> others_m = remove_box(body_m, low, high);
+  ASSERT_GT(others_m.size(), 0);
+  ASSERT_LT(others_m.size(), body_m.size());
+  EXPECT_EQ(scan_to_world(ranges_m, geometry, low, high, world_from_body, world_from_sonar),
+            transform_points(others_m, world_from_body));
+  EXPECT_TRUE(scan_to_world({}, geometry, low, high, world_from_body, world_from_sonar).empty());
+  EXPECT_THROW(scan_to_world(ranges_m, geometry, high, low, world_from_body, world_from_sonar), InvalidValue);
+  EXPECT_THROW(scan_to_world(ranges_m, geometry, low, high, 2 * world_from_body, world_from_sonar), InvalidValue);
+}
+
 TEST(Clouds, EmptyCloudsStayEmpty) {
   EXPECT_TRUE(transform_points({}, some_pose()).empty());
   EXPECT_TRUE(filter_range({}, 0, 1).empty());

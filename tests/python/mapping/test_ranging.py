@@ -104,6 +104,18 @@ def test_transforms_chain_and_invert():
     np.testing.assert_allclose(back_m, points_m, atol=5e-5)
 
 
+def test_a_scan_in_the_world_is_the_same_in_one_call_and_step_by_step():
+    scan, box = wall_scan(9.0), ([-1, -3, -1], [20, 3, 1])
+    body, sonar = rigid(2.0, [100, -50, -20]), rigid(2.0, [100, -50, -20]) @ rigid(-0.5, [0.4, 0, -0.2])
+    near_m = ranging.filter_range(ranging.to_point_cloud(scan), scan.range_min, scan.range_max)
+    in_body_m = ranging.transform_points(near_m, ranging.relative_transform(body, sonar))
+    others_m = ranging.remove_box(in_body_m, *box)
+    assert 0 < len(others_m) < len(in_body_m)
+    np.testing.assert_array_equal(ranging.to_world(scan, *box, body, sonar), ranging.transform_points(others_m, body))
+    with pytest.raises(ValueError, match="box_max_m"):
+        ranging.to_world(scan, *reversed(box), body, sonar)
+
+
 def test_filters_keep_exactly_the_points_in_their_range():
     points_m = ranging.to_point_cloud(wall_scan(9.0))
     near, far = ranging.filter_range(points_m, 0, 10), ranging.filter_range(points_m, np.nextafter(10, 11), 99)
