@@ -18,6 +18,17 @@ constexpr double kSameNormal = 0.99;  // cosine
 constexpr double kDeeper_m = 1e-9;
 constexpr std::size_t kReservedTriangles = 4096;  // of the terrain near one body; a step that needs more allocates
 
+/// Encloses all that a body may touch in a step.
+struct Sphere {
+  Eigen::Vector3d middle_m;
+  double radius_m;
+
+  bool meets(const Sphere& other) const {
+    const double near_m = radius_m + other.radius_m;
+    return (middle_m - other.middle_m).squaredNorm() < near_m * near_m;
+  }
+};
+
 }  // namespace
 
 struct ContactFinder::Impl {
@@ -30,6 +41,7 @@ struct ContactFinder::Impl {
   SolidTriangles::Stack solids_stack;
   SurfacePatch terrain_patch;
   std::vector<SurfacePatch> solid_patches;
+  std::vector<Sphere> spheres;  // of the moving bodies, side by side, since most pairs are far apart
   std::vector<Contact>* contacts = nullptr;
   std::size_t first_of_pair = 0;
 
@@ -38,16 +50,16 @@ struct ContactFinder::Impl {
   void find(std::span<const MovingBody> moving, std::vector<Contact>& out) {
     contacts = &out;
     contacts->clear();
+    spheres.clear();
     for (std::size_t a = 0; a < moving.size(); ++a) {
+      spheres.push_back({moving[a].world_from_body.position_m, bodies[a]->radius_m + moving[a].reach_m});
       if (!moving[a].collides || bodies[a]->pieces.empty()) continue;
       budget.begin(a, 2 * bodies[a]->box.half_size_body_m);
       if (moving[a].meets_world) find_with_world(static_cast<int>(a), *bodies[a], moving[a]);
       for (std::size_t b = 0; b < a; ++b) {
-        if (!moving[b].collides || !(moving[a].meets_world || moving[b].meets_world)) continue;
-        if (moving[a].owner == moving[b].owner || bodies[b]->pieces.empty()) continue;
-        const double near_m = bodies[a]->radius_m + bodies[b]->radius_m + moving[a].reach_m + moving[b].reach_m;
-        const Eigen::Vector3d between = moving[a].world_from_body.position_m - moving[b].world_from_body.position_m;
-        if (between.squaredNorm() < near_m * near_m) find_between(a, moving[a], b, moving[b]);
+        if (!spheres[a].meets(spheres[b]) || !moving[b].collides || bodies[b]->pieces.empty()) continue;
+        if (moving[a].owner == moving[b].owner || !(moving[a].meets_world || moving[b].meets_world)) continue;
+        find_between(a, moving[a], b, moving[b]);
       }
     }
   }

@@ -76,6 +76,7 @@ void UwsimEngine::find_rests(const Interval& now) {
     }
   }
   const std::size_t awake = awake_.size();
+  if (std::ranges::find(rests_, 1) == rests_.end()) moves_.clear();  // nothing to wake
   for (std::size_t next = 0; next < moves_.size(); ++next) {
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
       if (rests_[k] == 0 || !are_near(k, moves_[next])) continue;

@@ -21,8 +21,8 @@ class SensorRack {
         require(other.spec().name != spec.name, "sensors.name", spec.name, "must be unique");
       }
       sensors_.emplace_back(spec, seed, vehicle, step_ns);
-      next_due_ = std::min(next_due_, sensors_.back().next_due());
     }
+    find_next_due();
   }
 
   std::size_t size() const { return sensors_.size(); }
@@ -34,16 +34,20 @@ class SensorRack {
   bool due(std::uint64_t tick) const { return tick >= next_due_; }
   /// Returns true if a sensor that is due casts rays; otherwise `record` needs no other bodies in the scene.
   bool casts_rays(const VehicleSnapshot& snapshot) const {
-    return std::ranges::any_of(sensors_, [&](const NoisySensor& sensor) {
-      return snapshot.tick >= sensor.next_due() && sensor.casts_rays(snapshot.state.world_from_body);
-    });
+    for (std::size_t k = 0; k < due_.size(); ++k) {
+      if (snapshot.tick >= due_[k] && sensors_[k].casts_rays(snapshot.state.world_from_body)) return true;
+    }
+    return false;
   }
   /// Does not allocate or free memory.
   void record(const VehicleSnapshot& snapshot, const Surroundings& around) {
     next_due_ = NoisySensor::kNever;
-    for (NoisySensor& sensor : sensors_) {
-      if (snapshot.tick >= sensor.next_due()) sensor.record(snapshot, around);
-      next_due_ = std::min(next_due_, sensor.next_due());
+    for (std::size_t k = 0; k < due_.size(); ++k) {
+      if (snapshot.tick >= due_[k]) {
+        sensors_[k].record(snapshot, around);
+        due_[k] = sensors_[k].next_due();
+      }
+      next_due_ = std::min(next_due_, due_[k]);
     }
   }
 
@@ -75,20 +79,27 @@ class SensorRack {
   /// Saves or restores every sensor at `tick`. Throws InvalidValue.
   void exchange_state(StateArchive& archive, std::uint64_t tick) {
     archive.same("sensors", sensors_.size());
-    next_due_ = NoisySensor::kNever;
-    for (NoisySensor& sensor : sensors_) {
-      sensor.exchange_state(archive, tick);
-      next_due_ = std::min(next_due_, sensor.next_due());
-    }
+    for (NoisySensor& sensor : sensors_) sensor.exchange_state(archive, tick);
+    find_next_due();
   }
 
  private:
+  void find_next_due() {
+    due_.clear();
+    next_due_ = NoisySensor::kNever;
+    for (const NoisySensor& sensor : sensors_) {
+      due_.push_back(sensor.next_due());
+      next_due_ = std::min(next_due_, due_.back());
+    }
+  }
+
   void find_next_collection() {
     next_collection_ = NoisySensor::kNever;
     for (const NoisySensor& sensor : sensors_) next_collection_ = std::min(next_collection_, sensor.next_collection());
   }
 
   std::vector<NoisySensor> sensors_;
+  std::vector<std::uint64_t> due_;  ///< next_due() of each sensor, since the sensors of a fleet do not fit in the cache
   std::uint64_t next_collection_ = NoisySensor::kNever;
   std::uint64_t next_due_ = NoisySensor::kNever;
 };
