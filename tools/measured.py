@@ -22,7 +22,16 @@ from tools.history import FOLDER, entries, machine, machine_text
 ROOT = Path(__file__).resolve().parents[1]
 VALUES = ROOT / "docs/inside/measured.json"
 ROUNDS = 3
-PAGES = [ROOT / name for name in ("README.md", "docs/index.md", "docs/inside/performance.md", "docs/paper/paper.md")]
+PAGES = [
+    ROOT / name
+    for name in (
+        "README.md",
+        "docs/index.md",
+        "docs/guides/coming-from.md",
+        "docs/inside/performance.md",
+        "docs/paper/paper.md",
+    )
+]
 MARKED = re.compile(r"(`[^`]*`|[\w.]+)<!--(\w+)\.(\w+)-->")
 
 

@@ -161,6 +161,7 @@ __all__: list[str] = [
     "saved_build",
     "saved_notes",
     "scan_to_points",
+    "scan_to_world",
     "sea_water_density_kg_m3",
     "seabed_backscatter_db",
     "seabeds",
@@ -5975,6 +5976,24 @@ def scan_to_points(
     Return the points of a LaserScan in its own frame (x forward, y left), (n, 3) float32, in beam order.
     As in laser_geometry, only ranges with range_min <= range < range_max are used. ranges_m: (beams,)
     float32. Raises ValueError. Releases the GIL.
+    """
+
+def scan_to_world(
+    ranges_m: typing.Any,
+    angle_min_rad: typing.SupportsFloat | typing.SupportsIndex,
+    angle_increment_rad: typing.SupportsFloat | typing.SupportsIndex,
+    range_min_m: typing.SupportsFloat | typing.SupportsIndex,
+    range_max_m: typing.SupportsFloat | typing.SupportsIndex,
+    box_min_m: typing.Any,
+    box_max_m: typing.Any,
+    world_from_body: typing.Any,
+    world_from_sonar: typing.Any,
+) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    Return the points of a LaserScan in the world without those inside a box in the body's frame, (n, 3)
+    float32: scan_to_points, filter_range, transform_points, remove_box and transform_points in one call.
+    ranges_m: (beams,) float32. box_*_m: (3,). world_from_*: (4, 4), rigid. Raises ValueError. Releases
+    the GIL.
     """
 
 def sea_water_density_kg_m3(

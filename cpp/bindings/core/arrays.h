@@ -97,13 +97,17 @@ py::array read_only(py::array_t<T> array) {
   return array;
 }
 
-/// Returns a copy of a vector or matrix. The copy is read-only, since writing to it would not affect the original.
-/// Requires pybind11/eigen.h.
-template <typename Matrix>
-py::array_t<double> fixed(const Matrix& matrix) {
-  py::array_t<double> array = py::cast(matrix);
+/// Returns a copy of a vector or matrix, in Eigen's order of columns. The copy is read-only, since writing to it would
+/// not affect the original. py::cast would make three arrays of it.
+template <typename Derived>
+py::array_t<double> fixed(const Eigen::MatrixBase<Derived>& matrix) {
+  static_assert(Derived::IsVectorAtCompileTime || !Derived::IsRowMajor);
+  std::vector<py::ssize_t> shape{matrix.size()};
+  if constexpr (!Derived::IsVectorAtCompileTime) shape = {matrix.rows(), matrix.cols()};
+  py::array_t<double, py::array::f_style> array(std::move(shape));
+  Eigen::Map<typename Derived::PlainObject>(array.mutable_data(), matrix.rows(), matrix.cols()) = matrix;
   forbid_writing(array);
-  return array;
+  return py::reinterpret_steal<py::array_t<double>>(array.release());
 }
 
 inline Eigen::Vector3d as_vector3(const py::object& object, const char* name) {
