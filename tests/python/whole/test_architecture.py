@@ -45,7 +45,7 @@ LIBRARIES: dict[str, tuple[str, str]] = {
     ),
     "OctoMap": (r"octomap/|octomath/", r"cpp/uwsim/mapping/octomap_engine\.cpp"),
     "dynamicEDT3D": (r"dynamicEDT3D/", r"cpp/uwsim/mapping/distance_field\.cpp"),
-    "PCL": (r"pcl/", r"cpp/uwsim/mapping/clouds\.cpp"),
+    "PCL": (r"pcl/", r"cpp/uwsim/mapping/(clouds\.cpp|scan_clouds\.cpp|pcl_clouds\.h)"),
     "pybind11": (r"pybind11/", r"cpp/bindings/.*"),
 }
 STANDARD_HEADER = re.compile(r"[a-z_0-9]+")
