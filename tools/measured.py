@@ -22,7 +22,9 @@ from tools.history import FOLDER, entries, machine, machine_text
 ROOT = Path(__file__).resolve().parents[1]
 VALUES = ROOT / "docs/inside/measured.json"
 ROUNDS = 3
-WITH_SPEED = [ROOT / name for name in ("README.md", "docs/index.md", "docs/inside/performance.md", "docs/paper/paper.md")]
+WITH_SPEED = [
+    ROOT / name for name in ("README.md", "docs/index.md", "docs/inside/performance.md", "docs/paper/paper.md")
+]
 """The pages that state how many times faster than real time a survey is."""
 PAGES = [*WITH_SPEED, ROOT / "docs/guides/coming-from.md"]
 MARKED = re.compile(r"(`[^`]*`|[\w.]+)<!--(\w+)\.(\w+)-->")
