@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from browser import judge, until
+from browser import judge, until, when
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator
 from uwsim.operator.station import Site, Station
@@ -28,7 +28,7 @@ def test_sliders_move_joints_and_halt_stops_them(browser, tmp_path: Path) -> Non
         page = browser.new_page()
         page.goto(f"http://127.0.0.1:{server.port}/")
         page.wait_for_selector("#arm:not([hidden])")
-        page.wait_for_function("station.station.isPilot")
+        when(page, "station.station.isPilot")
         arm = live.simulator.rov.arm
         assert arm is not None
         page.locator("#arm input").nth(1).fill("0.6")

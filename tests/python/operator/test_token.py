@@ -15,7 +15,7 @@ from uwsim.cli.access import Access, secret
 from uwsim.operator.station import Site, Station
 
 pytest.importorskip("playwright", reason="needs playwright")
-from browser import chromium
+from browser import chromium, when
 from listening_sockets import status, upgrade
 
 TOKEN = "correct-horse"
@@ -39,7 +39,7 @@ def test_a_page_without_the_token_asks_for_it_and_opens_with_it() -> None:
             page.screenshot(path=Path(os.environ["UWSIM_PICTURES"]) / "token.png")
         page.fill("#token", "wrong-horse")
         page.click("button")
-        page.wait_for_function("document.querySelector('[role=status]')?.innerText.includes('wrong')")
+        when(page, "document.querySelector('[role=status]')?.innerText.includes('wrong')")
         page.fill("#token", TOKEN)
         page.click("button")
         page.wait_for_selector("#start:not([hidden])")
