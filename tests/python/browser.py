@@ -67,7 +67,8 @@ class Desk:
             page.evaluate(
                 "() => void setInterval(() => { station.station.bridge.receivedMs = performance.now(); }, 100)"
             )
-        when(page, "station.telemetry.message && station.station.state.pilot")
+        when(page, "station.telemetry.message")
+        when(page, "station.station.state.pilot")
         return page
 
     @property

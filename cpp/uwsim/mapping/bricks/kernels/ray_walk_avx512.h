@@ -1,11 +1,11 @@
 #pragma once
 
-#include "uwsim/mapping/bricks/kernels/mark_buffer_avx512.h"
+#include "uwsim/mapping/bricks/kernels/mark_buffer.h"
 #include "uwsim/mapping/bricks/kernels/ray_walk.h"
-#include "uwsim/mapping/bricks/kernels/voxel_address_avx512.h"
+#include "uwsim/mapping/bricks/kernels/voxel_address.h"
 
 /// The counterpart of ray_walk.h for 32 rays at a time. Only the files named scan_kernels_*avx512.cpp may include this
-/// file, after <immintrin.h>.
+/// file, after lanes_avx512.h.
 namespace uwsim::bricks {
 namespace {
 
@@ -109,7 +109,7 @@ struct SixteenRays {
   }
 
   std::size_t append(MarkBuffer& buffer, std::size_t count, __mmask16 which) const {
-    return buffer.append(count, which, half, mask);
+    return buffer.append(count, {which}, half, mask);
   }
 };
 

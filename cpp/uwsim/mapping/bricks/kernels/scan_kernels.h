@@ -62,7 +62,7 @@ struct WalkInput {
   void* context;
 };
 
-/// Parameters of the rays that can be walked slab by slab, in columns; slab_setup_avx512.h explains them. The main axis
+/// Parameters of the rays that can be walked slab by slab, in columns; slab_setup.h explains them. The main axis
 /// a is x or y, whichever the ray runs along more; the middle axis b is the other of the two; the minor axis is z.
 struct SlabRays {
   std::uint8_t* heading;         ///< 0: not walked by slabs; 1 to 4: a is +x, -x, +y, -y
@@ -126,7 +126,7 @@ struct Kernels {
   const SlabKernels* slabs;                                     ///< a faster walk for most rays; null if there is none
 };
 
-extern const SlabKernels kAvx512SlabKernels;
+extern const SlabKernels kAvx2SlabKernels, kAvx512SlabKernels;
 extern const Kernels kPortableKernels, kAvx2Kernels, kAvx512Kernels;
 
 }  // namespace bricks

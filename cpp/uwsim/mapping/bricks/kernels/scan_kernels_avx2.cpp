@@ -63,6 +63,7 @@ struct Avx2 : ScalarWords {
 
 }  // namespace
 
-const Kernels kAvx2Kernels{start_rays, walk_eight_at_a_time, collect_chunk<Avx2>, update_bricks<Avx2>, nullptr};
+const Kernels kAvx2Kernels{start_rays, walk_eight_at_a_time, collect_chunk<Avx2>, update_bricks<Avx2>,
+                           &kAvx2SlabKernels};
 
 }  // namespace uwsim::bricks

@@ -1,5 +1,5 @@
-#include <immintrin.h>
-
+#include "uwsim/mapping/bricks/kernels/lanes_avx512.h"
+// After the lanes:
 #include "uwsim/mapping/bricks/kernels/brick_update.h"
 #include "uwsim/mapping/bricks/kernels/mask_collect.h"
 #include "uwsim/mapping/bricks/kernels/ray_start_avx512.h"

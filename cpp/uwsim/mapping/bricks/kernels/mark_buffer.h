@@ -2,7 +2,7 @@
 
 #include "uwsim/mapping/bricks/kernels/scan_kernels.h"
 
-/// Only the files named scan_kernels_*avx512.cpp may include this file, after <immintrin.h>.
+/// Compiled into the scan_kernels_*.cpp that include lanes_avx2.h or lanes_avx512.h before it.
 namespace uwsim::bricks {
 namespace {
 
@@ -16,23 +16,23 @@ class MarkBuffer {
   explicit MarkBuffer(const WalkInput& walk)
       : table_(reinterpret_cast<HalfWord*>(walk.table)), touched_(walk.touched) {}
 
-  /// Appends those of sixteen marks that `which` selects, after the first `count` marks; returns the new number of
+  /// Appends those of the lanes' marks that `which` selects, after the first `marks` marks; returns the new number of
   /// marks.
-  std::size_t append(std::size_t count, __mmask16 which, __m512i half, __m512i mask) {
-    _mm512_storeu_si512(halves_ + count, _mm512_maskz_compress_epi32(which, half));
-    _mm512_storeu_si512(masks_ + count, _mm512_maskz_compress_epi32(which, mask));
-    return count + static_cast<std::size_t>(__builtin_popcount(which));
+  std::size_t append(std::size_t marks, LaneMask which, Lanes half, Lanes mask) {
+    store(halves_ + marks, compressed(which, half));
+    store(masks_ + marks, compressed(which, mask));
+    return marks + count(which);
   }
 
-  /// Writes the first `count` marks. Successive marks often fall into the same word, where each would have to wait for
+  /// Writes the first `marks` marks. Successive marks often fall into the same word, where each would have to wait for
   /// the previous one to be written. The buffer is therefore written from eight positions in turn.
-  void write(std::size_t count) {
+  void write(std::size_t marks) {
     constexpr std::size_t kPlaces = 8;
-    const std::size_t stride = count / kPlaces;
+    const std::size_t stride = marks / kPlaces;
     for (std::size_t i = 0; i < stride; ++i) {
       for (std::size_t place = 0; place < kPlaces; ++place) write_one(place * stride + i);
     }
-    for (std::size_t i = kPlaces * stride; i < count; ++i) write_one(i);
+    for (std::size_t i = kPlaces * stride; i < marks; ++i) write_one(i);
   }
 
  private:

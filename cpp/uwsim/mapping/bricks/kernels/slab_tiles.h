@@ -1,10 +1,9 @@
 #pragma once
 
-#include "uwsim/mapping/bricks/kernels/mark_buffer_avx512.h"
-#include "uwsim/mapping/bricks/kernels/voxel_address_avx512.h"
+#include "uwsim/mapping/bricks/kernels/mark_buffer.h"
+#include "uwsim/mapping/bricks/kernels/voxel_address.h"
 
-/// Collects the marks of the slab walk and writes them to the table. Only the files named scan_kernels_*avx512.cpp may
-/// include this file, after <immintrin.h>.
+/// Collects the marks of the slab walk and writes them to the table. Compiled into each scan_kernels_slabs_*.cpp.
 namespace uwsim::bricks {
 namespace {
 
@@ -48,58 +47,59 @@ class TileMarks {
 
   /// Adds marks, after merging those of neighbouring rays that mark the same tile: a run of up to eight is merged into
   /// its first lane.
-  void add(__m512i tile, __m512i mask) {
+  void add(Lanes tile, Lanes mask) {
     merge<1>(tile, mask);
     merge<2>(tile, mask);
     merge<4>(tile, mask);
-    const __m512i before = _mm512_alignr_epi32(tile, tile, 15);
-    const __mmask16 first = static_cast<__mmask16>(_mm512_cmpneq_epi32_mask(tile, before) | 0x0101);
-    const __mmask16 which = _mm512_mask_test_epi32_mask(first, mask, mask);
-    _mm512_storeu_si512(tiles_ + count_, _mm512_maskz_compress_epi32(which, tile));
-    _mm512_storeu_si512(masks_ + count_, _mm512_maskz_compress_epi32(which, mask));
-    count_ += static_cast<std::size_t>(__builtin_popcount(which));
+    const LaneMask merged = without(is_equal(tile, next_lanes<kLanes - 1>(tile)), first_of_eight());
+    const LaneMask which = without(has_any(mask, mask), merged);
+    store(tiles_ + count_, compressed(which, tile));
+    store(masks_ + count_, compressed(which, mask));
+    count_ += bricks::count(which);
   }
 
   /// Writes all marks to the table, as half words in Morton order.
   void write(const SlabHeading& heading, MarkBuffer& buffer) {
     std::size_t halves = 0;
-    for (std::size_t i = 0; i < count_; i += 16) {
-      const __mmask16 lanes = static_cast<__mmask16>(count_ - i < 16 ? (1u << (count_ - i)) - 1 : 0xffff);
-      const __m512i tile = _mm512_load_si512(tiles_ + i), mask = _mm512_load_si512(masks_ + i);
-      halves = append_halves(heading, buffer, halves, lanes, tile, _mm512_and_si512(mask, _mm512_set1_epi32(0xffff)));
-      halves = append_halves(heading, buffer, halves, lanes, add_one(tile, all_lanes(heading.tile_b)),
-                             _mm512_srli_epi32(mask, 16));
+    for (std::size_t i = 0; i < count_; i += kLanes) {
+      const LaneMask lanes = first_lanes(count_ - i);
+      const Lanes tile = load(tiles_ + i), mask = load(masks_ + i);
+      halves = append_halves(heading, buffer, halves, lanes, tile, mask & all_lanes(0xffff));
+      halves =
+          append_halves(heading, buffer, halves, lanes, add_one(tile, all_lanes(heading.tile_b)), shift_down<16>(mask));
     }
     buffer.write(halves);
     count_ = 0;
   }
 
  private:
+  static LaneMask first_of_eight() {
+    alignas(64) static constexpr std::uint32_t kFirst[16] = {1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0};
+    return is_equal(load(kFirst), all_lanes(1));
+  }
+
   template <int kBy>
-  static void merge(__m512i tile, __m512i& mask) {
-    const __mmask16 same = _mm512_cmpeq_epi32_mask(tile, _mm512_alignr_epi32(tile, tile, kBy));
-    mask = _mm512_mask_or_epi32(mask, same, mask, _mm512_alignr_epi32(mask, mask, kBy));
+  static void merge(Lanes tile, Lanes& mask) {
+    mask = mask | only(is_equal(tile, next_lanes<kBy>(tile)), next_lanes<kBy>(mask));
   }
 
   /// Reorders the bits b1 b0 a1 a0 of one tile to Morton order, y1 x1 0 y0 x0, and shifts them to the tile's lowest bit
   /// of z.
-  static std::size_t append_halves(const SlabHeading& heading, MarkBuffer& buffer, std::size_t count, __mmask16 lanes,
-                                   __m512i tile, __m512i mask) {
+  static std::size_t append_halves(const SlabHeading& heading, MarkBuffer& buffer, std::size_t marks, LaneMask lanes,
+                                   Lanes tile, Lanes mask) {
     mask = swapped<2>(mask, 0x0c0c);
     if (heading.a == 1) mask = swapped<4>(swapped<1>(mask, 0x2222), 0x00f0);
-    mask = _mm512_and_si512(_mm512_or_si512(mask, _mm512_slli_epi32(mask, 8)), _mm512_set1_epi32(0x00ff00ff));
-    mask = _mm512_and_si512(_mm512_or_si512(mask, _mm512_slli_epi32(mask, 4)), _mm512_set1_epi32(0x0f0f0f0f));
-    mask = _mm512_sllv_epi32(mask, _mm512_and_si512(tile, _mm512_set1_epi32(4)));
-    const __mmask16 which = _mm512_mask_test_epi32_mask(lanes, mask, mask);
-    return buffer.append(count, which, _mm512_srli_epi32(tile, 5), mask);
+    mask = (mask | shift_up<8>(mask)) & all_lanes(0x00ff00ff);
+    mask = (mask | shift_up<4>(mask)) & all_lanes(0x0f0f0f0f);
+    mask = shift_each_up(mask, tile & all_lanes(4));
+    return buffer.append(marks, lanes & has_any(mask, mask), shift_down<5>(tile), mask);
   }
 
   /// Swaps the bits selected by `low` with the bits kBy positions higher.
   template <int kBy>
-  static __m512i swapped(__m512i bits, int low) {
-    const __m512i apart = _mm512_xor_si512(bits, _mm512_srli_epi32(bits, kBy));
-    const __m512i change = _mm512_and_si512(apart, _mm512_set1_epi32(low));
-    return _mm512_xor_si512(bits, _mm512_xor_si512(change, _mm512_slli_epi32(change, kBy)));
+  static Lanes swapped(Lanes bits, std::uint32_t low) {
+    const Lanes change = (bits ^ shift_down<kBy>(bits)) & all_lanes(low);
+    return bits ^ change ^ shift_up<kBy>(change);
   }
 
   alignas(64) std::uint32_t tiles_[kCapacity + 64];

@@ -1,0 +1,9 @@
+#include "uwsim/mapping/bricks/kernels/lanes_avx2.h"
+// After the lanes:
+#include "uwsim/mapping/bricks/kernels/slab_walk.h"
+
+namespace uwsim::bricks {
+
+const SlabKernels kAvx2SlabKernels{set_up_slabs, walk_slabs};
+
+}  // namespace uwsim::bricks
