@@ -52,6 +52,8 @@ inline LaneMask has_none(Lanes x, Lanes bits) { return is_equal(_mm256_and_si256
 inline LaneMask has_any(Lanes x, Lanes bits) { return {_mm256_xor_si256(has_none(x, bits).bits, all_lanes(~0u))}; }
 inline Lanes select(LaneMask mask, Lanes yes, Lanes no) { return _mm256_blendv_epi8(no, yes, mask.bits); }
 inline Lanes only(LaneMask mask, Lanes x) { return _mm256_and_si256(mask.bits, x); }
+inline Lanes plus(LaneMask mask, Lanes a, Lanes b) { return plus(a, only(mask, b)); }
+inline Lanes join(LaneMask mask, Lanes a, Lanes b) { return _mm256_or_si256(a, only(mask, b)); }
 inline Lanes without(Lanes x, LaneMask mask) { return _mm256_andnot_si256(mask.bits, x); }
 
 inline Lanes without(Lanes a, Lanes b) { return _mm256_andnot_si256(b, a); }
@@ -82,12 +84,14 @@ inline Lanes bit_of_each(Lanes place) {
   return _mm256_sllv_epi32(all_lanes(1), _mm256_and_si256(place, all_lanes(31)));
 }
 
+constexpr int kRun = 4;  // runs of eight take slower instructions, and longer altogether
 template <int kBy>
-inline Lanes next_lanes(Lanes x) {
-  constexpr int k = kBy;
-  return _mm256_permutevar8x32_epi32(x, _mm256_setr_epi32(k & 7, (k + 1) & 7, (k + 2) & 7, (k + 3) & 7, (k + 4) & 7,
-                                                          (k + 5) & 7, (k + 6) & 7, (k + 7) & 7));
+Lanes next_lanes(Lanes x) {
+  return _mm256_shuffle_epi32(x, (kBy & 3) | ((kBy + 1) & 3) << 2 | ((kBy + 2) & 3) << 4 | ((kBy + 3) & 3) << 6);
 }
+inline Lanes previous_lanes(Lanes x) { return next_lanes<3>(x); }
+inline LaneMask starts_of_runs() { return {_mm256_setr_epi32(-1, 0, 0, 0, -1, 0, 0, 0)}; }
+
 inline Lanes look_up(Lanes table, Lanes index) { return _mm256_permutevar8x32_epi32(table, index); }
 
 /// For each set of selected lanes, their numbers in order, one byte each.
@@ -116,6 +120,7 @@ struct RealMask {
   friend RealMask operator|(RealMask a, RealMask b) { return {static_cast<bool>(a.bits | b.bits)}; }
 };
 inline RealMask inverse(RealMask mask) { return {!mask.bits}; }
+inline bool any(RealMask mask) { return mask.bits; }
 inline bool is_set(RealMask mask, std::size_t) { return mask.bits; }
 inline RealMask first_reals(std::size_t) { return {true}; }
 

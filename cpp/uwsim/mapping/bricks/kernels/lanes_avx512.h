@@ -41,13 +41,15 @@ inline LaneMask has_none(Lanes x, Lanes bits) { return {_mm512_testn_epi32_mask(
 inline LaneMask has_any(Lanes x, Lanes bits) { return {_mm512_test_epi32_mask(x, bits)}; }
 inline Lanes select(LaneMask mask, Lanes yes, Lanes no) { return _mm512_mask_mov_epi32(no, mask.bits, yes); }
 inline Lanes only(LaneMask mask, Lanes x) { return _mm512_maskz_mov_epi32(mask.bits, x); }
+/// a, with b added or joined in the lanes of the mask.
+inline Lanes plus(LaneMask mask, Lanes a, Lanes b) { return _mm512_mask_add_epi32(a, mask.bits, a, b); }
+inline Lanes join(LaneMask mask, Lanes a, Lanes b) { return _mm512_mask_or_epi32(a, mask.bits, a, b); }
 inline Lanes without(Lanes x, LaneMask mask) { return _mm512_mask_mov_epi32(x, mask.bits, _mm512_setzero_si512()); }
 
 inline Lanes without(Lanes a, Lanes b) { return _mm512_andnot_si512(b, a); }
 inline Lanes with_others(Lanes a, Lanes b) { return _mm512_ternarylogic_epi32(a, b, b, 0xf3); }  // a | ~b
-inline Lanes blend(Lanes bits, Lanes yes, Lanes no) {
-  return _mm512_ternarylogic_epi32(bits, yes, no, 0xca);
-}  // bit by bit
+/// Selects bit by bit.
+inline Lanes blend(Lanes bits, Lanes yes, Lanes no) { return _mm512_ternarylogic_epi32(bits, yes, no, 0xca); }
 inline Lanes join(Lanes a, Lanes b, Lanes c) { return _mm512_ternarylogic_epi32(a, b, c, 0xfe); }
 inline Lanes differences(Lanes a, Lanes b, Lanes within) { return _mm512_ternarylogic_epi32(a, b, within, 0x28); }
 
@@ -67,11 +69,16 @@ inline Lanes shift_each_up(Lanes x, Lanes by) { return _mm512_sllv_epi32(x, by);
 inline Lanes rotate_each_up(Lanes x, Lanes by) { return _mm512_rolv_epi32(x, by); }               // 1 to 31 each
 inline Lanes bit_of_each(Lanes place) { return _mm512_rolv_epi32(_mm512_set1_epi32(1), place); }  // modulo 32
 
-/// Lane i is x of lane i + kBy, beginning again after the last lane.
+/// Lanes are compared within runs of kRun lanes. Lane i is x of lane i + kBy, or of some other lane if that is beyond
+/// its run.
+constexpr int kRun = 8;
 template <int kBy>
-inline Lanes next_lanes(Lanes x) {
+Lanes next_lanes(Lanes x) {
   return _mm512_alignr_epi32(x, x, kBy);
 }
+inline Lanes previous_lanes(Lanes x) { return _mm512_alignr_epi32(x, x, 15); }
+inline LaneMask starts_of_runs() { return {0x0101}; }
+
 /// Lane i is table[index of lane i], for indices below eight.
 inline Lanes look_up(Lanes table, Lanes index) { return _mm512_permutexvar_epi32(index, table); }
 /// The lanes that the mask selects, in order; the lanes after those are unspecified.
@@ -87,6 +94,7 @@ struct RealMask {
   friend RealMask operator|(RealMask a, RealMask b) { return {static_cast<__mmask8>(a.bits | b.bits)}; }
 };
 inline RealMask inverse(RealMask mask) { return {static_cast<__mmask8>(~mask.bits)}; }
+inline bool any(RealMask mask) { return mask.bits != 0; }
 inline bool is_set(RealMask mask, std::size_t lane) { return (mask.bits >> lane & 1) != 0; }
 inline RealMask first_reals(std::size_t n) { return {static_cast<__mmask8>(n < kReals ? (1u << n) - 1 : 255)}; }
 

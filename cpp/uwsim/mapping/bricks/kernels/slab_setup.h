@@ -57,12 +57,15 @@ class SlabSetup {
   }
 
   void set_up() {
-    suited_ = lanes_ & is_at_most(all_reals(kFewestSlabs), na_) & is_at_most(na_, all_reals(kMostSlabs));
-    check_end();
-    set_up_middle();
-    set_up_minor();
-    put(&SlabRays::slabs, truncated(na_));
-    put(&SlabRays::flags, flags_);
+    suited_ = lanes_ & is_at_most(all_reals(kFewestSlabs), na_) & is_at_most(na_, all_reals(kMostSlabs)) &
+              is_less(da_, dz_ * all_reals(kSteepest));
+    if (any(suited_)) {
+      check_end();
+      set_up_middle();
+      set_up_minor();
+      put(&SlabRays::slabs, truncated(na_));
+      put(&SlabRays::flags, flags_);
+    }
     for (std::size_t lane = 0; lane < kReals && first_ + lane < in_.count; ++lane) {
       const unsigned along_y = is_set(along_y_, lane), down = in_.rays->negative[first_ + lane] >> along_y & 1;
       const unsigned heading = is_set(suited_, lane) ? 1 + 2 * along_y + down : 0;
@@ -127,7 +130,6 @@ class SlabSetup {
   /// to the next, and the ray's position along b at each face.
   void set_up_minor() {
     const Reals one = all_reals(1), two = all_reals(2), none = all_reals(0), many = all_reals(1 << 20);
-    suited_ = suited_ & is_less(da_ / dz_, all_reals(kSteepest));
     const RealMask moves = is_less(db_, all_reals(kNever)), climbs = is_less(dz_, all_reals(kNever));
     const Reals slab = select(climbs, (tz_ - ta_) / da_ + one, all_reals(2 * kMostSlabs));
     const RealMask climbing = is_less(slab, na_ + one);

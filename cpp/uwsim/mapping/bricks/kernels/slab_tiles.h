@@ -45,13 +45,13 @@ class TileMarks {
   std::size_t count() const { return count_; }
   void clear() { count_ = 0; }
 
-  /// Adds marks, after merging those of neighbouring rays that mark the same tile: a run of up to eight is merged into
+  /// Adds marks, after merging those of neighbouring rays that mark the same tile: a run of up to kRun is merged into
   /// its first lane.
   void add(Lanes tile, Lanes mask) {
     merge<1>(tile, mask);
     merge<2>(tile, mask);
-    merge<4>(tile, mask);
-    const LaneMask merged = without(is_equal(tile, next_lanes<kLanes - 1>(tile)), first_of_eight());
+    if constexpr (kRun > 4) merge<4>(tile, mask);
+    const LaneMask merged = without(is_equal(tile, previous_lanes(tile)), starts_of_runs());
     const LaneMask which = without(has_any(mask, mask), merged);
     store(tiles_ + count_, compressed(which, tile));
     store(masks_ + count_, compressed(which, mask));
@@ -73,14 +73,9 @@ class TileMarks {
   }
 
  private:
-  static LaneMask first_of_eight() {
-    alignas(64) static constexpr std::uint32_t kFirst[16] = {1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0};
-    return is_equal(load(kFirst), all_lanes(1));
-  }
-
   template <int kBy>
   static void merge(Lanes tile, Lanes& mask) {
-    mask = mask | only(is_equal(tile, next_lanes<kBy>(tile)), next_lanes<kBy>(mask));
+    mask = join(is_equal(tile, next_lanes<kBy>(tile)), mask, next_lanes<kBy>(mask));
   }
 
   /// Reorders the bits b1 b0 a1 a0 of one tile to Morton order, y1 x1 0 y0 x0, and shifts them to the tile's lowest bit

@@ -143,11 +143,11 @@ class SlabWalk {
   /// Proceeds to the next face across z.
   void cross_minor(LaneMask climbs) {
     least_middle_ = select(climbs, smaller(least_middle_, shift_up<1>(minor_middle_)), least_middle_);
-    minor_middle_ = plus(minor_middle_, only(climbs, minor_middles_));
-    minor_fraction_ = plus(minor_fraction_, only(climbs, minor_slabs_fraction_));
+    minor_middle_ = plus(climbs, minor_middle_, minor_middles_);
+    minor_fraction_ = plus(climbs, minor_fraction_, minor_slabs_fraction_);
     least_fraction_ = smaller(least_fraction_, minor_fraction_);
     const LaneMask carry = climbs & is_less(minor_fraction_, minor_slabs_fraction_);
-    minor_slab_ = plus(minor_slab_, plus(only(climbs, minor_slabs_), only(carry, all_lanes(1))));
+    minor_slab_ = plus(carry, plus(climbs, minor_slab_, minor_slabs_), all_lanes(1));
   }
 
   /// Whether all crossings so far were farther apart than the tolerance.
