@@ -145,18 +145,27 @@ def test_nothing_lies_over_anything_in_hands(here, page, size, locale):
 
 
 @pytest.mark.parametrize("width", [1280, 1366, 1401, 1513, 1701, 1801, 1920, 2001, 2560])
-def test_no_word_of_the_bar_is_cut(look, width):
+def test_no_word_of_the_bar_is_cut_and_no_button_moves_when_steps_are_late(look, width):
     fit(look, (width, 800))
-    cut = look.evaluate(
+    cut, moved = look.evaluate(
         """() => {
-          document.querySelector('#factor').classList.add('is-late');
-          return [...document.querySelectorAll('.topbar button, .topbar .caption')]
-            .filter((each) => each.checkVisibility() && each.scrollWidth > each.clientWidth + 1)
-            .map(({ textContent }) => textContent);
+          const buttons = [...document.querySelectorAll('.topbar button')].filter((each) => each.checkVisibility());
+          const places = () => buttons.map((each) => each.getBoundingClientRect().x);
+          const { classList } = document.querySelector('#factor');
+          classList.remove('is-late');
+          const before = places();
+          classList.add('is-late');
+          const after = places();
+          return [
+            [...buttons, ...document.querySelectorAll('.topbar .caption')]
+              .filter((each) => each.checkVisibility() && each.scrollWidth > each.clientWidth + 1)
+              .map(({ textContent }) => textContent),
+            buttons.filter((each, k) => before[k] !== after[k]).map(({ id }) => id),
+          ];
         }"""
     )
     end = look.locator("#menu").bounding_box()
-    assert cut == [] and end["x"] + end["width"] <= width
+    assert cut == [] and moved == [] and end["x"] + end["width"] <= width
 
 
 def test_a_tip_is_the_page_s_own(page, tmp_path):

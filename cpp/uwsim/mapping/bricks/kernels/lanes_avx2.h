@@ -1,13 +1,11 @@
 #pragma once
 
-#include <immintrin.h>
-
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
 /// Eight numbers of 32 bits side by side, and one of double precision; lanes_avx512.h explains the names. Only the
-/// files named scan_kernels_*avx2.cpp may include this file.
+/// files named scan_kernels_*avx2.cpp may include this file, after <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
 

@@ -1,13 +1,11 @@
 #pragma once
 
-#include <immintrin.h>
-
 #include <cstddef>
 #include <cstdint>
 
 /// Sixteen numbers of 32 bits, and eight of double precision, side by side. lanes_avx2.h has the same names for other
 /// processors; headers that use them are written once. Lanes that a mask does not select are neither read nor written.
-/// Only the files named scan_kernels_*avx512.cpp may include this file.
+/// Only the files named scan_kernels_*avx512.cpp may include this file, after <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
 

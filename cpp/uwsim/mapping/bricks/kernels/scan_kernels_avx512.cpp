@@ -1,3 +1,5 @@
+#include <immintrin.h>
+
 #include "uwsim/mapping/bricks/kernels/lanes_avx512.h"
 // After the lanes:
 #include "uwsim/mapping/bricks/kernels/brick_update.h"

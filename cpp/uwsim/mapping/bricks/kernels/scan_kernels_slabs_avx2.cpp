@@ -1,3 +1,5 @@
+#include <immintrin.h>
+
 #include "uwsim/mapping/bricks/kernels/lanes_avx2.h"
 // After the lanes:
 #include "uwsim/mapping/bricks/kernels/slab_walk.h"
