@@ -41,10 +41,12 @@ def test_clients_learn_at_once_that_an_autopilot_steers_but_may_stop_the_vehicle
             assert table.steering["rov"].is_flown
             live.simulator.rov.helm.take(Source.AUTOPILOT, "ArduSub")
             assert not table.steering["rov"].is_flown, "the velocity is no longer held"
+            live.read(lambda sim: None).result()
+            before = len(live.log)  # the hold may have set efforts once
             with pytest.raises(ValueError, match="vehicle 'rov': cmd_vel: has no effect while ArduSub steers"):
                 bridge.apply(bridge.inputs["cmd_vel"], ahead)
             with pytest.raises(ValueError, match="vehicle 'rov': set_wrench: has no effect while ArduSub steers"):
                 bridge.apply(bridge.inputs["cmd_wrench"], build.message(wrench, force=build.vector((9.0, 0.0, 0.0))))
             bridge.apply(bridge.inputs["cmd_wrench"], build.message(wrench))
             live.step(20)
-        assert [entry.name for entry in live.log] == ["release", "set_wrench"]
+        assert [entry.name for entry in list(live.log)[before:]] == ["set_wrench"]
