@@ -29,7 +29,7 @@ template <typename Real>
 Real sinc(Real x) {
   const auto series = [&] {
     const Real q = x * x;
-    return 1 - q / 6 * (1 - q / 20 * (1 - q / 42));
+    return 1 - q * (1.0 / 6) * (1 - q * (1.0 / 20) * (1 - q * (1.0 / 42)));
   };
   return series_or(
       magnitude(x) < kSmallArc, series, [](double a, double) { return std::sin(a) / a; }, x, x);
@@ -39,7 +39,7 @@ template <typename Real>
 Real cosine_of(Real x) {
   const auto series = [&] {
     const Real q = x * x;
-    return 1 - q / 2 * (1 - q / 12 * (1 - q / 30));
+    return 1 - q * 0.5 * (1 - q * (1.0 / 12) * (1 - q * (1.0 / 30)));
   };
   return series_or(
       magnitude(x) < kSmallArc, series, [](double a, double) { return std::cos(a); }, x, x);

@@ -22,8 +22,9 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 // Rotation of the fan during a ping; less than this is below a hundredth of a beam width
 constexpr double kMinTurn_rad = 1e-5;
-constexpr std::size_t kRaysWorthThread = 1024;  // take some 0.3 ms, several times as long as waking a thread
-constexpr float kMinRange_m = 0.01f;            // echoes from shorter ranges are no louder than at this range
+constexpr std::size_t kRaysWorthThread = 1024;          // take some 0.3 ms, several times as long as waking a thread
+constexpr std::size_t kCastTogether = 8 * kPacketRays;  // bent rays, whose hits fit into the nearest cache
+constexpr float kMinRange_m = 0.01f;                    // echoes from shorter ranges are no louder than at this range
 
 double length_of(double x, double y) { return std::sqrt(x * x + y * y); }
 
@@ -191,21 +192,26 @@ void AcousticMultibeam::cast_straight(const Transmission& sent, const FanRays& r
 
 void AcousticMultibeam::cast_bent_rays(const Transmission& sent, const FanRays& rays, std::span<RayEcho> echoes) const {
   const Eigen::Vector3d& head = sent.world_from_sonar.position_m;
-  std::vector<Eigen::Vector3d> directions(echoes.size());
-  std::vector<SoundHit> paths(echoes.size());
-  for (std::size_t k = 0; k < echoes.size(); ++k) {
-    directions[k] = rays.directions_world.col(static_cast<Eigen::Index>(k)).cast<double>().normalized();
-  }
-  cast_bent(sent.scene, profile_, head, directions, fan_.range_max_m / sent.sound_speed_m_s, paths);
+  const double time_max_s = fan_.range_max_m / sent.sound_speed_m_s;
+  std::array<Eigen::Vector3d, kCastTogether> directions;
+  std::array<SoundHit, kCastTogether> paths;
   HitLanes hits;
   for (std::size_t first = 0; first < echoes.size(); first += kPacketRays) {
-    const std::size_t count = std::min(kPacketRays, echoes.size() - first);
+    const std::size_t count = std::min(kPacketRays, echoes.size() - first), place = first % kCastTogether;
+    if (place == 0) {
+      const std::size_t together = std::min(kCastTogether, echoes.size() - first);
+      for (std::size_t k = 0; k < together; ++k) {
+        directions[k] = rays.directions_world.col(static_cast<Eigen::Index>(first + k)).cast<double>().normalized();
+      }
+      cast_bent(sent.scene, profile_, head, std::span(directions).first(together), time_max_s,
+                std::span(paths).first(together));
+    }
     for (std::size_t lane = 0; lane < count; ++lane) {
-      const SoundHit& path = paths[first + lane];
+      const SoundHit& path = paths[place + lane];
       hits.met[lane] = path.label != kNothing;
       if (!hits.met[lane]) continue;
       const Eigen::Vector3d normal = path.normal_world.cast<double>();
-      const double half = 0.5 * (1 + (directions[first + lane] - 2 * sent.mach.cast<double>()).norm());
+      const double half = 0.5 * (1 + (directions[place + lane] - 2 * sent.mach.cast<double>()).norm());
       hits.length_m[lane] = static_cast<float>(path.length_m);
       hits.range_m[lane] = static_cast<float>(half * sent.sound_speed_m_s * path.time_s);
       hits.cosine[lane] = static_cast<float>(std::abs(normal.dot(path.arrival_world)) / normal.norm());

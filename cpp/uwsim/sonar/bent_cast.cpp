@@ -13,7 +13,7 @@ namespace uwsim {
 namespace {
 
 constexpr int kChordsMax = 100'000;
-constexpr std::size_t kHalves = kPacketRays / kBentTogether;
+static_assert(kBentTogether == kPacketRays);
 
 /// A packet of rays that are traced and cast together.
 class BentPacket {
@@ -25,96 +25,65 @@ class BentPacket {
         origin_world_m_(origin_world_m),
         time_max_s_(time_max_s),
         depth_m_(-origin_world_m.z()),
-        speed_m_s_(profile.at(depth_m_)),
-        layer_below_(profile.layer_ahead(depth_m_, false)),
-        layer_above_(profile.layer_ahead(depth_m_, true)) {
+        from_{depth_m_, profile.at(depth_m_), static_cast<std::int32_t>(profile.layer_ahead(depth_m_, false)),
+              static_cast<std::int32_t>(profile.layer_ahead(depth_m_, true))} {
     packet_.near_m.fill(0);
   }
 
   /// Returns the number of chords cast.
   std::size_t cast(std::span<const Eigen::Vector3d> directions_world, std::span<SoundHit> hits) {
+    DirectionRows directions;
     for (std::size_t k = 0; k < kPacketRays; ++k) {
-      const std::size_t ray = std::min(k, hits.size() - 1);
-      start(k, directions_world[ray], k < hits.size());
-      hits[ray] = {kInfinity, kInfinity, origin_world_m_, Eigen::Vector3f::Zero(), directions_world[ray], kNothing};
+      const Eigen::Vector3d& direction = directions_world[std::min(k, hits.size() - 1)];
+      directions.x[k] = direction.x(), directions.y[k] = direction.y(), directions.z[k] = direction.z();
     }
+    kernels_.start(profile_.layers().data(), from_, directions, rays_);
+    std::fill(rays_.done + hits.size(), rays_.done + kPacketRays, -1);
+    for (SoundHit& hit : hits) hit.label = kNothing;
     std::size_t count = 0;
     for (int chord = 0; chord < kChordsMax && next_chords(); ++chord) {
       count += static_cast<std::size_t>(-std::accumulate(packet_.active.begin(), packet_.active.end(), 0));
       scene_.cast(origin_world_m_, packet_, found_, RayOrder::kCoherent);
       place_hits(hits);
     }
-    for (SoundHit& hit : hits) {
-      if (hit.label == kNothing || hit.point_world_m.z() <= 0) continue;
-      hit.length_m = hit.time_s = kInfinity;  // the overlap hit something above the water
-      hit.label = kNothing;
+    for (std::size_t k = 0; k < hits.size(); ++k) {
+      // A chord's overlap may have hit something above the water.
+      if (hits[k].label != kNothing && hits[k].point_world_m.z() <= 0) continue;
+      hits[k] = {kInfinity, kInfinity, origin_world_m_, Eigen::Vector3f::Zero(), directions_world[k], kNothing};
     }
     return count;
   }
 
  private:
-  void start(std::size_t ray, const Eigen::Vector3d& direction_world, bool exists) {
-    BentRays& rays = halves_[ray / kBentTogether];
-    ArcRows& arc = rays.end;
-    const std::size_t k = ray % kBentTogether;
-    const Eigen::Vector3d& d = direction_world;
-    const double across = std::sqrt(d.x() * d.x() + d.y() * d.y()), dip_rad = std::atan2(-d.z(), across);
-    rays.level_x[k] = across > 0 ? d.x() / across : 1;
-    rays.level_y[k] = across > 0 ? d.y() / across : 0;
-    // A ray from the surface does not head up, and none starts in air.
-    rays.done[k] = !exists || depth_m_ < 0 || (depth_m_ <= 0 && dip_rad <= 0) ? -1 : 0;
-    const std::size_t number = dip_rad < 0 ? layer_above_ : layer_below_;
-    const SoundLayer& layer = profile_.layers()[number];
-    rays.layer[k] = static_cast<std::int32_t>(number);
-    arc.across_m[k] = arc.time_s[k] = arc.length_m[k] = 0;
-    arc.depth_m[k] = depth_m_, arc.dip_rad[k] = dip_rad;
-    arc.cosine[k] = across, arc.sine[k] = -d.z();
-    arc.snell_s_m[k] = across / speed_m_s_;
-    arc.curvature_1_m[k] = -arc.snell_s_m[k] * layer.gradient_1_s;
-    arc.top_m[k] = layer.top_m, arc.bottom_m[k] = layer.bottom_m, arc.reference_m[k] = layer.reference_m;
-    arc.speed_m_s[k] = layer.speed_m_s, arc.gradient_1_s[k] = layer.gradient_1_s;
-  }
-
   /// Returns whether any ray goes on.
   bool next_chords() {
-    const SoundLayer* layers = profile_.layers().data();
-    for (std::size_t half = 0; half < kHalves; ++half) {
-      const std::size_t at = half * kBentTogether;
-      kernels_.next_chords(
-          layers, depth_m_, time_max_s_, halves_[half],
-          {&packet_.origin_x[at], &packet_.origin_y[at], &packet_.origin_z[at], &packet_.direction_x[at],
-           &packet_.direction_y[at], &packet_.direction_z[at], &packet_.far_m[at], &packet_.active[at]});
-    }
+    kernels_.next_chords(
+        profile_.layers().data(), depth_m_, time_max_s_, rays_,
+        {packet_.origin_x.data(), packet_.origin_y.data(), packet_.origin_z.data(), packet_.direction_x.data(),
+         packet_.direction_y.data(), packet_.direction_z.data(), packet_.far_m.data(), packet_.active.data()});
     return std::ranges::any_of(packet_.active, [](std::int32_t active) { return active != 0; });
   }
 
   /// Records which chords hit something; those rays are done.
   void place_hits(std::span<SoundHit> hits) {
-    for (std::size_t half = 0; half < kHalves; ++half) {
-      const std::size_t at = half * kBentTogether;
-      BentRays& rays = halves_[half];
-      std::array<std::int32_t, kBentTogether> met;
-      std::int32_t any = 0;
-      for (std::size_t k = 0; k < kBentTogether; ++k) {
-        met[k] = packet_.active[at + k] != 0 && std::isfinite(found_.distance_m[at + k]) ? -1 : 0;
-        rays.done[k] |= met[k] | rays.surfaces[k];
-        any |= met[k];
-      }
-      if (any == 0) continue;
-      PathHits placed;
-      kernels_.place_hits(
-          rays, depth_m_,
-          {&found_.distance_m[at], &found_.normal_x[at], &found_.normal_y[at], &found_.normal_z[at], met.data()},
-          placed);
-      for (std::size_t k = 0; k < kBentTogether; ++k) {
-        if (met[k] == 0) continue;
-        hits[at + k] = {placed.length_m[k],
-                        placed.time_s[k],
-                        origin_world_m_ + Eigen::Vector3d(placed.x[k], placed.y[k], placed.z[k]),
-                        {found_.normal_x[at + k], found_.normal_y[at + k], found_.normal_z[at + k]},
-                        {placed.arrival_x[k], placed.arrival_y[k], placed.arrival_z[k]},
-                        static_cast<Label>(found_.label[at + k])};
-      }
+    std::array<std::int32_t, kPacketRays> met;
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      met[k] = packet_.active[k] != 0 && std::isfinite(found_.distance_m[k]) ? -1 : 0;
+      rays_.done[k] |= met[k] | rays_.surfaces[k];
+    }
+    PathHits placed;
+    kernels_.place_hits(
+        rays_, depth_m_,
+        {found_.distance_m.data(), found_.normal_x.data(), found_.normal_y.data(), found_.normal_z.data(), met.data()},
+        placed);
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      if (met[k] == 0) continue;
+      hits[k] = {placed.length_m[k],
+                 placed.time_s[k],
+                 origin_world_m_ + Eigen::Vector3d(placed.x[k], placed.y[k], placed.z[k]),
+                 {found_.normal_x[k], found_.normal_y[k], found_.normal_z[k]},
+                 {placed.arrival_x[k], placed.arrival_y[k], placed.arrival_z[k]},
+                 static_cast<Label>(found_.label[k])};
     }
   }
 
@@ -122,10 +91,10 @@ class BentPacket {
   const SoundSpeedProfile& profile_;
   const Eigen::Vector3d& origin_world_m_;
   double time_max_s_;
-  double depth_m_, speed_m_s_;  // at the origin
-  std::size_t layer_below_, layer_above_;
+  double depth_m_;  // of the origin
+  BentStart from_;
   const BentKernels& kernels_ = bent_kernels();
-  std::array<BentRays, kHalves> halves_{};
+  BentRays rays_{};
   RayPacket packet_{};
   HitPacket found_;
 };

@@ -1,11 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
 #include "uwsim/acoustics/sound_arc.h"
-#include "uwsim/core/float_lanes.h"
 #include "uwsim/sonar/bent_kernels.h"
+#include "uwsim/sonar/bent_lanes.h"
 
 // Compiled once for each instruction set, hence the anonymous namespace.
 namespace uwsim {
@@ -21,314 +22,237 @@ constexpr double kShortest_m = 1e-9;
 // The cosine of the incidence below which the tangent plane does not place a hit along the path.
 constexpr double kGrazing = 0.1;
 
-#define UWSIM_EIGHT inline __attribute__((always_inline))
+static_assert(kBentTogether % kSome == 0);
 
-// Eight values take one or several of the CPU's registers. (Of wider vectors GCC 12 compares and selects the values one
-// by one, with branches.)
-constexpr int kParts = kBentTogether * static_cast<int>(sizeof(double)) / kNativeBytes;
-constexpr int kEach = kNativeBytes / static_cast<int>(sizeof(double));
-using Part = Native<double>::Part;
-using MaskPart = decltype(Part{} < Part{});
-
-/// Truth values of eight rays.
-struct Mask {
-  MaskPart part[kParts];
-
-  UWSIM_EIGHT bool operator[](std::size_t k) const { return part[k / kEach][k % kEach] != 0; }
-
-#define UWSIM_OPERATOR(op)                              \
-  friend UWSIM_EIGHT Mask operator op(Mask a, Mask b) { \
-    UWSIM_UNROLLED a.part[p] = a.part[p] op b.part[p];  \
-    return a;                                           \
-  }
-  UWSIM_OPERATOR(&)
-  UWSIM_OPERATOR(|)
-#undef UWSIM_OPERATOR
-};
-
-/// Values of eight rays.
-struct Eight {
-  Part part[kParts];
-
-  UWSIM_EIGHT Eight() { UWSIM_UNROLLED part[p] = Part{}; }
-  UWSIM_EIGHT Eight(double value) {  // NOLINT(google-explicit-constructor)
-    UWSIM_UNROLLED part[p] = value - Part{};
-  }
-  explicit UWSIM_EIGHT Eight(const double* from) {
-    UWSIM_UNROLLED part[p] = reinterpret_cast<const Native<double>::InMemory*>(from)[p];
-  }
-  UWSIM_EIGHT void store(double* to) const {
-    UWSIM_UNROLLED reinterpret_cast<Native<double>::InMemory*>(to)[p] = part[p];
-  }
-  UWSIM_EIGHT double operator[](std::size_t k) const { return part[k / kEach][k % kEach]; }
-
-#define UWSIM_OPERATOR(op)                                 \
-  friend UWSIM_EIGHT Eight operator op(Eight a, Eight b) { \
-    UWSIM_UNROLLED a.part[p] = a.part[p] op b.part[p];     \
-    return a;                                              \
-  }
-#define UWSIM_COMPARISON(op)                              \
-  friend UWSIM_EIGHT Mask operator op(Eight a, Eight b) { \
-    Mask mask;                                            \
-    UWSIM_UNROLLED mask.part[p] = a.part[p] op b.part[p]; \
-    return mask;                                          \
-  }
-  UWSIM_OPERATOR(+)
-  UWSIM_OPERATOR(-)
-  UWSIM_OPERATOR(*)
-  UWSIM_OPERATOR(/)
-  UWSIM_COMPARISON(<)
-  UWSIM_COMPARISON(>)
-  UWSIM_COMPARISON(<=)
-  UWSIM_COMPARISON(==)
-#undef UWSIM_OPERATOR
-#undef UWSIM_COMPARISON
-};
-
-UWSIM_EIGHT Mask inverse(Mask mask) {
-  UWSIM_UNROLLED mask.part[p] = ~mask.part[p];
-  return mask;
-}
-UWSIM_EIGHT Eight select(Mask mask, Eight yes, Eight no) {
-  UWSIM_UNROLLED yes.part[p] = mask.part[p] ? yes.part[p] : no.part[p];
-  return yes;
-}
-UWSIM_EIGHT bool any(Mask mask) {
-  MaskPart found = mask.part[0];
-  for (int p = 1; p < kParts; ++p) found |= mask.part[p];
-#if defined(__AVX512F__)
-  using Words = long long __attribute__((vector_size(64)));
-  return __builtin_ia32_ptestmq512((Words)found, (Words)found, 0xFF) != 0;
-#elif defined(__AVX2__)
-  return __builtin_ia32_movmskpd256((Part)found) != 0;
-#elif defined(__SSE2__)
-  return __builtin_ia32_movmskpd((Part)found) != 0;
-#else
-  bool some = false;
-  for (int k = 0; k < kEach; ++k) some |= found[k] != 0;
-  return some;
-#endif
-}
-UWSIM_EIGHT bool all(Mask mask) { return !any(inverse(mask)); }
-UWSIM_EIGHT Eight smaller(Eight a, Eight b) { return select(b < a, b, a); }
-UWSIM_EIGHT Eight larger(Eight a, Eight b) { return select(a < b, b, a); }
-UWSIM_EIGHT Eight square_root(Eight x) {
-#if defined(__AVX512F__)
-  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtpd512_mask(x.part[p], x.part[p], -1, 4);
-#elif defined(__AVX2__)
-  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtpd256(x.part[p]);
-#elif defined(__SSE2__)
-  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtpd(x.part[p]);
-#else
-  UWSIM_UNROLLED for (int k = 0; k < kEach; ++k) x.part[p][k] = __builtin_sqrt(x.part[p][k]);
-#endif
-  return x;
-}
-constexpr long long kSign = static_cast<long long>(1ULL << 63);
-UWSIM_EIGHT Eight magnitude(Eight x) {
-  UWSIM_UNROLLED x.part[p] = (Part)((MaskPart)x.part[p] & ~kSign);
-  return x;
-}
-UWSIM_EIGHT Eight with_sign(Eight x, Eight sign) {
-  UWSIM_UNROLLED x.part[p] = (Part)(((MaskPart)x.part[p] & ~kSign) | ((MaskPart)sign.part[p] & kSign));
-  return x;
-}
 template <typename Series, typename Function>
-UWSIM_EIGHT Eight series_or(Mask mask, const Series& series, const Function& function, Eight x, Eight y) {
-  Eight value = series();
+UWSIM_INLINE Reals series_or(Mask mask, const Series& series, const Function& function, Reals x, Reals y) {
+  const Reals value = series();
   if (all(mask)) return value;
-#pragma GCC unroll 1
-  for (std::size_t k = 0; k < kBentTogether; ++k) {
-    if (!mask[k]) value.part[k / kEach][k % kEach] = function(x[k], y[k]);
-  }
-  return value;
+  alignas(64) double xs[kSome], ys[kSome], values[kSome];
+  x.store(xs), y.store(ys), value.store(values);
+  for_each(inverse(mask), [&](std::size_t k) { values[k] = function(xs[k], ys[k]); });
+  return Reals(values);
 }
 
-using Arcs = Arc<Eight>;
-using Points = ArcPoint<Eight>;
+using Arcs = Arc<Reals>;
+using Points = ArcPoint<Reals>;
 
-UWSIM_EIGHT Arcs load(const ArcRows& rows) {
-  return {{Eight(rows.across_m), Eight(rows.depth_m), Eight(rows.dip_rad), Eight(rows.time_s), Eight(rows.length_m)},
-          Eight(rows.cosine),
-          Eight(rows.sine),
-          Eight(rows.snell_s_m),
-          Eight(rows.curvature_1_m),
-          Eight(rows.top_m),
-          Eight(rows.bottom_m),
-          Eight(rows.reference_m),
-          Eight(rows.speed_m_s),
-          Eight(rows.gradient_1_s)};
+/// The arcs of some rays, of which `at` is the first.
+UWSIM_INLINE Arcs load(const BentRays& rays, const PieceRows& rows, std::size_t at) {
+  const auto row = [at](const BentRow& values) { return Reals(values + at); };
+  return {{row(rows.across_m), row(rows.depth_m), row(rows.dip_rad), row(rows.time_s), row(rows.length_m)},
+          row(rows.cosine),
+          row(rows.sine),
+          row(rays.snell_s_m),
+          row(rows.curvature_1_m),
+          row(rays.top_m),
+          row(rays.bottom_m),
+          row(rows.reference_m),
+          row(rows.speed_m_s),
+          row(rows.gradient_1_s)};
 }
-UWSIM_EIGHT void store(ArcRows& rows, const Arcs& arcs) {
-  arcs.from.across_m.store(rows.across_m), arcs.from.depth_m.store(rows.depth_m);
-  arcs.from.dip_rad.store(rows.dip_rad), arcs.from.time_s.store(rows.time_s), arcs.from.length_m.store(rows.length_m);
-  arcs.cosine.store(rows.cosine), arcs.sine.store(rows.sine);
-  arcs.snell_s_m.store(rows.snell_s_m), arcs.curvature_1_m.store(rows.curvature_1_m);
-  arcs.top_m.store(rows.top_m), arcs.bottom_m.store(rows.bottom_m), arcs.reference_m.store(rows.reference_m);
-  arcs.speed_m_s.store(rows.speed_m_s), arcs.gradient_1_s.store(rows.gradient_1_s);
+UWSIM_INLINE void store_point(PieceRows& rows, std::size_t at, const Arcs& arcs) {
+  arcs.from.across_m.store(rows.across_m + at), arcs.from.depth_m.store(rows.depth_m + at);
+  arcs.from.dip_rad.store(rows.dip_rad + at), arcs.from.time_s.store(rows.time_s + at);
+  arcs.from.length_m.store(rows.length_m + at);
+  arcs.cosine.store(rows.cosine + at), arcs.sine.store(rows.sine + at);
+}
+UWSIM_INLINE void store_law(PieceRows& rows, std::size_t at, const Arcs& arcs) {
+  arcs.curvature_1_m.store(rows.curvature_1_m + at), arcs.reference_m.store(rows.reference_m + at);
+  arcs.speed_m_s.store(rows.speed_m_s + at), arcs.gradient_1_s.store(rows.gradient_1_s + at);
 }
 
-// As many 32-bit values as a register holds doubles, anywhere in memory.
-using Ints = std::int32_t __attribute__((vector_size(kNativeBytes / 2)));
-using Floats = float __attribute__((vector_size(kNativeBytes / 2)));
-using IntsInMemory = std::int32_t __attribute__((vector_size(kNativeBytes / 2), aligned(4), may_alias));
-using FloatsInMemory = float __attribute__((vector_size(kNativeBytes / 2), aligned(4), may_alias));
-
-UWSIM_EIGHT Mask load_mask(const std::int32_t* from) {
-  const auto* const ints = reinterpret_cast<const IntsInMemory*>(from);
-  Mask mask;
-  UWSIM_UNROLLED mask.part[p] = __builtin_convertvector(ints[p], MaskPart);
-  return mask;
-}
-UWSIM_EIGHT void store_mask(std::int32_t* to, Mask mask) {
-  auto* const ints = reinterpret_cast<IntsInMemory*>(to);
-  UWSIM_UNROLLED ints[p] = __builtin_convertvector(mask.part[p], Ints);
-}
-UWSIM_EIGHT Eight load_floats(const float* from) {
-  const auto* const floats = reinterpret_cast<const FloatsInMemory*>(from);
-  Eight value;
-  UWSIM_UNROLLED value.part[p] = __builtin_convertvector(floats[p], Part);
-  return value;
-}
-UWSIM_EIGHT void store_floats(float* to, Eight value) {
-  auto* const floats = reinterpret_cast<FloatsInMemory*>(to);
-  UWSIM_UNROLLED floats[p] = __builtin_convertvector(value.part[p], Floats);
-}
-UWSIM_EIGHT Points select(Mask mask, const Points& a, const Points& b) {
+UWSIM_INLINE Points select(Mask mask, const Points& a, const Points& b) {
   return {select(mask, a.across_m, b.across_m), select(mask, a.depth_m, b.depth_m), select(mask, a.dip_rad, b.dip_rad),
           select(mask, a.time_s, b.time_s), select(mask, a.length_m, b.length_m)};
 }
 
-struct Vectors {
-  Eight x, y, z;
-
-  friend UWSIM_EIGHT Vectors operator-(const Vectors& a, const Vectors& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend UWSIM_EIGHT Vectors operator+(const Vectors& a, const Vectors& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend UWSIM_EIGHT Vectors operator*(Eight s, const Vectors& a) { return {s * a.x, s * a.y, s * a.z}; }
-  friend UWSIM_EIGHT Vectors operator/(const Vectors& a, Eight s) { return {a.x / s, a.y / s, a.z / s}; }
-};
-UWSIM_EIGHT Eight dot(const Vectors& a, const Vectors& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-UWSIM_EIGHT Vectors select(Mask mask, const Vectors& a, const Vectors& b) {
-  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
-}
-
 /// Where the rays lead: positions relative to their start.
 struct Planes {
-  Eight level_x, level_y, start_depth_m;
+  Reals level_x, level_y, start_depth_m;
 
-  UWSIM_EIGHT Planes(const BentRays& rays, double depth_m)
-      : level_x(rays.level_x), level_y(rays.level_y), start_depth_m(depth_m) {}
+  UWSIM_INLINE Planes(const BentRays& rays, std::size_t first, double depth_m)
+      : level_x(rays.level_x + first), level_y(rays.level_y + first), start_depth_m(depth_m) {}
 
-  UWSIM_EIGHT Vectors at(const Points& point) const {
+  UWSIM_INLINE Vectors at(const Points& point) const {
     return {point.across_m * level_x, point.across_m * level_y, start_depth_m - point.depth_m};
   }
-  UWSIM_EIGHT Vectors along(const ArcDirection<Eight>& direction) const {
+  UWSIM_INLINE Vectors along(const ArcDirection<Reals>& direction) const {
     return {direction.cosine * level_x, direction.cosine * level_y, 0.0 - direction.sine};
   }
 };
 
+/// The angle in [-pi/2, pi/2] of a sine and its cosine, which is not negative. With x = tan of a half, Moshier's
+/// rational approximation of atan (Cephes Mathematical Library, atan.c): errors below 2e-16 of the angle.
+UWSIM_INLINE Reals angle_of(Reals sine, Reals cosine) {
+  constexpr double kNumerator[] = {-8.750608600031904122785e-1, -1.615753718733365076637e1, -7.500855792314704667340e1,
+                                   -1.228866684490136173410e2, -6.485021904942025371773e1};
+  constexpr double kDenominator[] = {1.0,
+                                     2.485846490142306297962e1,
+                                     1.650270098316988542046e2,
+                                     4.328810604912902668951e2,
+                                     4.853903996359136964868e2,
+                                     1.945506571482613964425e2};
+  const Reals half = sine / (1 + cosine), size = magnitude(half);
+  const Mask steep = size > 0.66;
+  const Reals x = select(steep, (size - 1) / (size + 1), size), q = x * x;
+  Reals above = kNumerator[0], below = kDenominator[0];
+  for (int k = 1; k < 5; ++k) above = above * q + kNumerator[k];
+  for (int k = 1; k < 6; ++k) below = below * q + kDenominator[k];
+  const Reals angle = x + x * (q * above / below);
+  return with_sign(2 * (angle + select(steep, 0.78539816339744830962, 0.0)), sine);
+}
+
+UWSIM_INLINE void start_at(std::size_t at, const SoundLayer* layers, const BentStart& from, const DirectionRows& rows,
+                           BentRays& rays) {
+  const Reals x(rows.x + at), y(rows.y + at), sine = 0.0 - Reals(rows.z + at);
+  const Reals across = square_root(x * x + y * y), dip_rad = angle_of(sine, across);
+  const Mask level = across > 0.0, rises = sine < 0.0;
+  select(level, x / across, 1.0).store(rays.level_x + at), select(level, y / across, 0.0).store(rays.level_y + at);
+  // A ray from the surface does not head up, and none starts in air.
+  const Reals depth_m = from.depth_m;
+  store_mask(rays.done + at, (depth_m < 0.0) | ((depth_m <= 0.0) & (sine <= 0.0)));
+  const SoundLayer &above = layers[from.above], &below = layers[from.below];
+  const auto ahead = [&](double SoundLayer::*value) { return select(rises, above.*value, below.*value); };
+  const Arcs arcs = {{0.0, depth_m, dip_rad, 0.0, 0.0},
+                     across,
+                     sine,
+                     across / from.speed_m_s,
+                     (0.0 - across / from.speed_m_s) * ahead(&SoundLayer::gradient_1_s),
+                     ahead(&SoundLayer::top_m),
+                     ahead(&SoundLayer::bottom_m),
+                     ahead(&SoundLayer::reference_m),
+                     ahead(&SoundLayer::speed_m_s),
+                     ahead(&SoundLayer::gradient_1_s)};
+  store_point(rays.end, at, arcs), store_law(rays.end, at, arcs);
+  arcs.snell_s_m.store(rays.snell_s_m + at), arcs.top_m.store(rays.top_m + at), arcs.bottom_m.store(rays.bottom_m + at);
+  std::fill_n(rays.layer + at, kSome, from.below);
+  for_each(rises, [&](std::size_t k) { rays.layer[at + k] = from.above; });
+}
+
+__attribute__((flatten)) void start(const SoundLayer* layers, const BentStart& from, const DirectionRows& directions,
+                                    BentRays& rays) {
+  for (std::size_t at = 0; at < kBentTogether; at += kSome) start_at(at, layers, from, directions, rays);
+}
+
 /// The length of the first arc of a chord, of curvature k: its sag k L^2 / 8 equals that allowed at its end.
-UWSIM_EIGHT Eight first_length_m(Eight curvature_1_m, Eight gone_m) {
-  const Eight share_m = 4 * kSagShare / curvature_1_m;
-  const Eight length_m =
+UWSIM_INLINE Reals first_length_m(Reals curvature_1_m, Reals gone_m) {
+  const Reals share_m = 4 * kSagShare / curvature_1_m;
+  const Reals length_m =
       larger(square_root(8 * kLeastSag_m / curvature_1_m), share_m + square_root(share_m * (share_m + 2 * gone_m)));
   return select(curvature_1_m > 0.0, length_m, kNever_m);
 }
 
 /// How much longer a chord may become by an arc of curvature k, if it has a length of `chord_m` and turned by
 /// `turn_rad` so far: a path of length L that turns by D in total departs from its chord by less than L D / 4.
-UWSIM_EIGHT Eight further_length_m(Eight curvature_1_m, Eight chord_m, Eight turn_rad, Eight sag_m) {
-  const Eight left = 4 * sag_m - chord_m * turn_rad, slope = turn_rad + curvature_1_m * chord_m;
+UWSIM_INLINE Reals further_length_m(Reals curvature_1_m, Reals chord_m, Reals turn_rad, Reals sag_m) {
+  const Reals left = 4 * sag_m - chord_m * turn_rad, slope = turn_rad + curvature_1_m * chord_m;
   return select(left > 0.0, 2 * left / (slope + square_root(slope * slope + 4 * curvature_1_m * left)), 0.0);
 }
 
 /// Moves rays to the ends of their steps. Sets which of them have reached the surface.
-UWSIM_EIGHT Mask advance(const SoundLayer* layers, const ArcStep<Eight>& step, Mask moves, BentRays& rays, Arcs& arcs) {
+UWSIM_INLINE Mask advance(const SoundLayer* layers, const ArcStep<Reals>& step, Mask moves, std::size_t at,
+                          BentRays& rays, Arcs& arcs) {
   arcs.from = select(moves, step.end, arcs.from);
-  const ArcDirection<Eight> direction = direction_on(arcs, arcs.from);
+  const ArcDirection<Reals> direction = direction_on(arcs, arcs.from);
   arcs.cosine = select(moves, direction.cosine, arcs.cosine);
   arcs.sine = select(moves, direction.sine, arcs.sine);
   const Mask leaves = moves & step.leaves, down = arcs.from.dip_rad > 0.0;
   const Mask surfaces = leaves & inverse(down) & (arcs.top_m <= 0.0), enters = leaves & inverse(surfaces);
   if (!any(enters)) return surfaces;
-  store(rays.end, arcs);
-  for (std::size_t k = 0; k < kBentTogether; ++k) {
-    if (!enters[k]) continue;
-    rays.layer[k] += down[k] ? 1 : -1;
-    const SoundLayer& layer = layers[rays.layer[k]];
-    rays.end.top_m[k] = layer.top_m, rays.end.bottom_m[k] = layer.bottom_m;
-    rays.end.reference_m[k] = layer.reference_m;
-    rays.end.speed_m_s[k] = layer.speed_m_s, rays.end.gradient_1_s[k] = layer.gradient_1_s;
-    rays.end.curvature_1_m[k] = -rays.end.snell_s_m[k] * layer.gradient_1_s;
-  }
-  arcs = load(rays.end);
+  PieceRows& rows = rays.end;
+  const unsigned downward = bits_of(down);
+  for_each(enters, [&](std::size_t k) {
+    const std::size_t ray = at + k;
+    rays.layer[ray] += (downward >> k & 1) != 0 ? 1 : -1;
+    const SoundLayer& layer = layers[rays.layer[ray]];
+    rays.top_m[ray] = layer.top_m, rays.bottom_m[ray] = layer.bottom_m;
+    rows.reference_m[ray] = layer.reference_m, rows.speed_m_s[ray] = layer.speed_m_s;
+    rows.gradient_1_s[ray] = layer.gradient_1_s, rows.curvature_1_m[ray] = -rays.snell_s_m[ray] * layer.gradient_1_s;
+  });
+  arcs.top_m = Reals(rays.top_m + at), arcs.bottom_m = Reals(rays.bottom_m + at);
+  arcs.reference_m = Reals(rows.reference_m + at), arcs.speed_m_s = Reals(rows.speed_m_s + at);
+  arcs.gradient_1_s = Reals(rows.gradient_1_s + at), arcs.curvature_1_m = Reals(rows.curvature_1_m + at);
   return surfaces;
 }
 
 /// The step to the maximum time where that comes first.
-UWSIM_EIGHT void end_in_time(const Arcs& arcs, Eight left_s, Mask late, ArcStep<Eight>& step) {
-  const Eight length_m = length_after(arcs, select(late, left_s, 0.0));
+UWSIM_INLINE void end_in_time(const Arcs& arcs, Reals left_s, Mask late, ArcStep<Reals>& step) {
+  const Reals length_m = length_after(arcs, select(late, left_s, 0.0));
   step.end = select(late, point_ahead(arcs, length_m), step.end);
   step.leaves = step.leaves & inverse(late);
 }
 
-__attribute__((flatten)) void next_chords(const SoundLayer* layers, double start_depth_m, double time_max_s,
-                                          BentRays& rays, const ChordRows& chords) {
-  Arcs end = load(rays.end);
+UWSIM_INLINE void next_chords_at(std::size_t at, const SoundLayer* layers, double start_depth_m, double time_max_s,
+                                 BentRays& rays, const ChordRows& chords) {
+  Mask grows = inverse(load_mask(rays.done + at)), surfaces{};
+  if (!any(grows)) {
+    store_mask(chords.active + at, grows);
+    return;
+  }
+  Arcs end = load(rays, rays.end, at);
   const Points start = end.from;
-  Eight turn_rad = 0.0, count = 0.0;
-  Mask grows = inverse(load_mask(rays.done)), surfaces{};
+  Reals turn_rad = 0.0, count = 0.0;
+#pragma GCC unroll 1
   for (std::size_t piece = 0; piece < kPiecesMax; ++piece) {
-    const Eight curvature = magnitude(end.curvature_1_m), chord_m = end.from.length_m - start.length_m;
-    const Eight sag_m = larger(kLeastSag_m, kSagShare * end.from.length_m);
-    const Eight most_m =
+    const Reals curvature = magnitude(end.curvature_1_m), chord_m = end.from.length_m - start.length_m;
+    const Reals sag_m = larger(kLeastSag_m, kSagShare * end.from.length_m);
+    const Reals most_m =
         piece == 0 ? first_length_m(curvature, start.length_m) : further_length_m(curvature, chord_m, turn_rad, sag_m);
     grows = grows & (most_m > 0.1 * chord_m);  // otherwise another piece is not worth it
     if (!any(grows)) break;
-    const Eight left_s = time_max_s - end.from.time_s;
-    ArcStep<Eight> step = next_step(end, select(grows, smaller(most_m, kFastest_m_s * left_s), 0.0));
+    const Reals left_s = time_max_s - end.from.time_s;
+    ArcStep<Reals> step = next_step(end, select(grows, smaller(most_m, kFastest_m_s * left_s), 0.0));
     const Mask late = grows & (step.end.time_s > time_max_s);
     if (any(late)) end_in_time(end, left_s, late, step);
-    const Eight length_m = step.end.length_m - end.from.length_m;
+    const Reals length_m = step.end.length_m - end.from.length_m;
     grows = grows & (length_m > kShortest_m);
     if (!any(grows)) break;
-    store(rays.pieces[piece], end);
+    store_point(rays.pieces[piece], at, end), store_law(rays.pieces[piece], at, end);
     count = select(grows, count + 1, count);
     turn_rad = select(grows, turn_rad + curvature * length_m, turn_rad);
-    surfaces = surfaces | advance(layers, step, grows, rays, end);
+    surfaces = surfaces | advance(layers, step, grows, at, rays, end);
     grows = grows & step.leaves & inverse(surfaces);
   }
-  store(rays.end, end);
+  store_point(rays.end, at, end);  // where the law changes, it has been stored
   const Mask active = count > 0.0;
-  const Planes planes(rays, start_depth_m);
+  const Planes planes(rays, at, start_depth_m);
   const Vectors from = planes.at(start), along = planes.at(end.from) - from;
-  const Eight chord_m = square_root(dot(along, along));
+  const Reals chord_m = square_root(dot(along, along));
   const Vectors direction = along / chord_m;
-  count.store(rays.count), chord_m.store(rays.chord_m);
-  store_mask(rays.surfaces, surfaces), store_mask(rays.done, inverse(active));
-  store_floats(chords.origin_x, from.x), store_floats(chords.origin_y, from.y), store_floats(chords.origin_z, from.z);
-  store_floats(chords.direction_x, direction.x), store_floats(chords.direction_y, direction.y);
-  store_floats(chords.direction_z, direction.z), store_floats(chords.far_m, chord_m + kOverlap_m);
-  store_mask(chords.active, active);
+  count.store(rays.count + at), chord_m.store(rays.chord_m + at);
+  store_mask(rays.surfaces + at, surfaces), store_mask(rays.done + at, inverse(active));
+  store_floats(chords.origin_x + at, from.x), store_floats(chords.origin_y + at, from.y);
+  store_floats(chords.origin_z + at, from.z), store_floats(chords.direction_x + at, direction.x);
+  store_floats(chords.direction_y + at, direction.y), store_floats(chords.direction_z + at, direction.z);
+  store_floats(chords.far_m + at, chord_m + kOverlap_m);
+  store_mask(chords.active + at, active);
 }
 
-__attribute__((flatten)) void place_hits(const BentRays& rays, double start_depth_m, const ChordHits& hits,
-                                         PathHits& placed) {
-  const Planes planes(rays, start_depth_m);
-  const Mask found = load_mask(hits.found);
-  const Eight count(rays.count), distance_m = select(found, load_floats(hits.distance_m), 0.0);
-  const Arcs end = load(rays.end);
-  Arcs path = load(rays.pieces[0]);
-  const Vectors from = planes.at(path.from), along = (planes.at(end.from) - from) / Eight(rays.chord_m);
+__attribute__((flatten)) void next_chords(const SoundLayer* layers, double start_depth_m, double time_max_s,
+                                          BentRays& rays, const ChordRows& chords) {
+  for (std::size_t at = 0; at < kBentTogether; at += kSome) {
+    next_chords_at(at, layers, start_depth_m, time_max_s, rays, chords);
+  }
+}
+
+UWSIM_INLINE void place_hits_at(std::size_t at, const BentRays& rays, double start_depth_m, const ChordHits& hits,
+                                PathHits& placed) {
+  const Planes planes(rays, at, start_depth_m);
+  const Mask found = load_mask(hits.found + at);
+  const Reals count(rays.count + at), distance_m = select(found, load_floats(hits.distance_m + at), 0.0);
+  const Arcs end = load(rays, rays.end, at);
+  Arcs path = load(rays, rays.pieces[0], at);
+  const Vectors from = planes.at(path.from), along = (planes.at(end.from) - from) / Reals(rays.chord_m + at);
   // The piece with the hit: it begins before the hit, and the next one behind it.
-  Eight begin_m = dot(planes.at(path.from) - from, along), end_m = dot(planes.at(end.from) - from, along);
-  Eight end_length_m = end.from.length_m;
+  Reals begin_m = dot(planes.at(path.from) - from, along), end_m = dot(planes.at(end.from) - from, along);
+  Reals end_length_m = end.from.length_m;
   Mask looks = found;
   for (std::size_t piece = 1; piece < kPiecesMax; ++piece) {
-    looks = looks & (Eight(static_cast<double>(piece)) < count);
+    looks = looks & (Reals(static_cast<double>(piece)) < count);
     if (!any(looks)) break;
-    const Arcs next = load(rays.pieces[piece]);
-    const Eight place_m = dot(planes.at(next.from) - from, along);
+    const Arcs next = load(rays, rays.pieces[piece], at);
+    const Reals place_m = dot(planes.at(next.from) - from, along);
     const Mask passes = looks & (place_m <= distance_m), ends = looks & inverse(passes);
     end_m = select(ends, place_m, end_m), end_length_m = select(ends, next.from.length_m, end_length_m);
     begin_m = select(passes, place_m, begin_m);
@@ -340,10 +264,11 @@ __attribute__((flatten)) void place_hits(const BentRays& rays, double start_dept
     path.gradient_1_s = select(passes, next.gradient_1_s, path.gradient_1_s);
     looks = passes;
   }
-  const Eight share = smaller(larger((distance_m - begin_m) / (end_m - begin_m), 0.0), 1.0);
-  Eight ahead_m = select(found, share * (end_length_m - path.from.length_m), 0.0);
+  const Reals share = smaller(larger((distance_m - begin_m) / (end_m - begin_m), 0.0), 1.0);
+  Reals ahead_m = select(found, share * (end_length_m - path.from.length_m), 0.0);
   const Vectors met = from + distance_m * along;
-  const Vectors towards = {load_floats(hits.normal_x), load_floats(hits.normal_y), load_floats(hits.normal_z)};
+  const Vectors towards = {load_floats(hits.normal_x + at), load_floats(hits.normal_y + at),
+                           load_floats(hits.normal_z + at)};
   const Vectors normal = towards / square_root(dot(towards, towards));
   const Vectors plane = select(magnitude(dot(normal, along)) > kGrazing, normal, along);
   // One step of Newton's method: over the distance that is left, the path bends by less than half a millimetre.
@@ -352,12 +277,21 @@ __attribute__((flatten)) void place_hits(const BentRays& rays, double start_dept
   ahead_m = select(found, ahead_m + dot(plane, met - planes.at(near)) / dot(plane, onward), 0.0);
   const Points arrival = point_ahead(path, ahead_m);
   const Vectors point = planes.at(arrival), arriving = planes.along(direction_on(path, arrival));
-  arrival.length_m.store(placed.length_m), arrival.time_s.store(placed.time_s);
-  point.x.store(placed.x), point.y.store(placed.y), point.z.store(placed.z);
-  arriving.x.store(placed.arrival_x), arriving.y.store(placed.arrival_y), arriving.z.store(placed.arrival_z);
+  arrival.length_m.store(placed.length_m + at), arrival.time_s.store(placed.time_s + at);
+  point.x.store(placed.x + at), point.y.store(placed.y + at), point.z.store(placed.z + at);
+  arriving.x.store(placed.arrival_x + at), arriving.y.store(placed.arrival_y + at),
+      arriving.z.store(placed.arrival_z + at);
 }
 
-constexpr BentKernels kKernels{&next_chords, &place_hits};
+__attribute__((flatten)) void place_hits(const BentRays& rays, double start_depth_m, const ChordHits& hits,
+                                         PathHits& placed) {
+  for (std::size_t at = 0; at < kBentTogether; at += kSome) {
+    const Mask found = load_mask(hits.found + at);
+    if (any(found)) place_hits_at(at, rays, start_depth_m, hits, placed);
+  }
+}
+
+constexpr BentKernels kKernels{&start, &next_chords, &place_hits};
 
 }  // namespace
 }  // namespace uwsim

@@ -130,28 +130,24 @@ TEST(BentCast, InHomogeneousWaterItIsAStraightCastOfOneChord) {
   EXPECT_EQ(cast_one(scene, even, {0, 0, -10}, direction, 0.02).label, kNothing) << "not within the time";
 }
 
-/// Eight rays from a depth, and their next chords.
-struct EightRays {
+/// Rays from a depth, from steeply up to steeply down, and their next chords.
+struct Traced {
   BentRays rays{};
   alignas(64) float rows[7][kBentTogether] = {};
   alignas(64) std::int32_t active[kBentTogether] = {};
   PathHits placed{};
 
-  EightRays(const SoundSpeedProfile& profile, double depth_m) {
+  Traced(const BentKernels& kernels, const SoundSpeedProfile& profile, double depth_m) {
+    DirectionRows directions;
     for (std::size_t k = 0; k < kBentTogether; ++k) {
-      const double dip_rad = -1.5 + 0.42 * static_cast<double>(k), c = profile.at(depth_m);
-      const std::size_t number = profile.layer_ahead(depth_m, dip_rad < 0);
-      const SoundLayer& layer = profile.layers()[number];
-      ArcRows& arc = rays.end;
-      rays.level_x[k] = 1;
-      rays.layer[k] = static_cast<std::int32_t>(number);
-      arc.depth_m[k] = depth_m, arc.dip_rad[k] = dip_rad;
-      arc.cosine[k] = std::cos(dip_rad), arc.sine[k] = std::sin(dip_rad);
-      arc.snell_s_m[k] = arc.cosine[k] / c, arc.curvature_1_m[k] = -arc.snell_s_m[k] * layer.gradient_1_s;
-      arc.top_m[k] = layer.top_m, arc.bottom_m[k] = layer.bottom_m, arc.reference_m[k] = layer.reference_m;
-      arc.speed_m_s[k] = layer.speed_m_s, arc.gradient_1_s[k] = layer.gradient_1_s;
+      const Eigen::Vector3d direction = dipping(dip_rad(k));
+      directions.x[k] = direction.x(), directions.y[k] = direction.y(), directions.z[k] = direction.z();
     }
+    const auto layer = [&](bool rises) { return static_cast<std::int32_t>(profile.layer_ahead(depth_m, rises)); };
+    kernels.start(profile.layers().data(), {depth_m, profile.at(depth_m), layer(false), layer(true)}, directions, rays);
   }
+
+  static double dip_rad(std::size_t ray) { return -1.5 + 0.2 * static_cast<double>(ray); }
 
   /// Traces a chord, with a hit a third along it.
   void trace(const BentKernels& kernels, const SoundSpeedProfile& profile, double depth_m) {
@@ -170,15 +166,19 @@ TEST(BentKernels, AllInstructionSetsGiveTheSameBits) {
   for (int level = 0; level < 40; ++level) depths.push_back(5.0 * level), speeds.push_back(speed(random));
   const SoundSpeedProfile profile(depths, speeds);
   const auto expect_same = [&](const BentKernels& kernels, double depth_m) {
-    EightRays one(profile, depth_m), other(profile, depth_m);
+    Traced one(baseline_bent_kernels(), profile, depth_m), other(kernels, profile, depth_m);
+    for (std::size_t k = 0; k < kBentTogether; ++k) {
+      EXPECT_NEAR(one.rays.end.dip_rad[k], Traced::dip_rad(k), 4e-16);
+      EXPECT_EQ(one.rays.end.dip_rad[k], other.rays.end.dip_rad[k]);
+    }
     int chords = 0;
     for (; chords < 500 && !std::ranges::all_of(one.rays.done, [](std::int32_t done) { return done != 0; }); ++chords) {
       one.trace(baseline_bent_kernels(), profile, depth_m);
       other.trace(kernels, profile, depth_m);
-      ASSERT_EQ(std::memcmp(one.rows, other.rows, sizeof one.rows), 0) << chords;
       ASSERT_EQ(std::memcmp(one.active, other.active, sizeof one.active), 0) << chords;
       for (std::size_t k = 0; k < kBentTogether; ++k) {
         if (one.active[k] == 0) continue;
+        for (std::size_t row = 0; row < std::size(one.rows); ++row) ASSERT_EQ(one.rows[row][k], other.rows[row][k]);
         EXPECT_EQ(one.placed.time_s[k], other.placed.time_s[k]);
         EXPECT_EQ(one.placed.x[k], other.placed.x[k]);
         EXPECT_EQ(one.placed.z[k], other.placed.z[k]);
