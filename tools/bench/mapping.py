@@ -99,8 +99,8 @@ class Scans:
 
 
 def main(
-    rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 5,
-    memory: Annotated[bool, typer.Option(help="Also measure peak memory: minutes with stock OctoMap.")] = True,
+    rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 3,
+    memory: Annotated[bool, typer.Option(help="Also measure peak memory: minutes with stock OctoMap.")] = False,
     only: Annotated[str, typer.Option(help="Only this workload: A, B or D.")] = "",
     peer: Annotated[
         list[Path] | None,
