@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ros2_tools import until
+from waiting import until
 
 BINARY = Path(__file__).parents[2] / "build/tests/fast_dds/fast_dds_peer"
 SECONDS = 120  # after which the peer exits by itself
@@ -43,7 +43,8 @@ class FastDdsPeer:
 
     def wait_for(self, topic: str, count: int) -> list[dict[str, Any]]:
         """Wait until `count` messages have arrived."""
-        return until(lambda: (found := self.messages(topic)) and len(found) >= count and found, f"{count} of {topic}")
+        until(lambda: len(self.messages(topic)) >= count, f"{count} of {topic}")
+        return self.messages(topic)
 
     def _collect(self) -> None:
         assert self.process.stdout is not None

@@ -37,7 +37,8 @@ def main(
     peers = []
     with tempfile.TemporaryDirectory() as folder:
         for threads in THREADS:
-            env = gymnasium.make_vec("uwsim/PipelineFollowing-v1", MEMBERS, threads=threads, camera="front").unwrapped
+            name = "uwsim/PipelineFollowing-v1"
+            env: Any = gymnasium.make_vec(name, MEMBERS, threads=threads, camera="front").unwrapped
             env.reset(seed=0)
             env.step(np.zeros(env.action_space.shape, np.float32))
             cases[f"pictures, threads = {threads}"] = pictures(env.episodes.batch)
@@ -46,7 +47,7 @@ def main(
                 rays = write_rays(file, env.episodes.batch)
                 for count in THREADS:
                     peers.append(NativePeer(program, file, count, "quads"))
-                    cases[f"Embree alone, threads = {count}"] = lambda peer=peers[-1]: peer.times_s()[0]
+                    cases[f"Embree alone, threads = {count}"] = lambda peer=peers[-1]: float(peer.times_s()[0])
             cases[f"environment steps, threads = {threads}"] = steps(env)
         found = alternated(cases, rounds, warm_up=True)
         for peer in peers:

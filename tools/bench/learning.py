@@ -100,7 +100,7 @@ class Bare:
     """The bare C++ step of as many members in the same water, without actions, observations, rewards or episodes."""
 
     def __init__(self, name: str, threads: int) -> None:
-        env = gymnasium.make_vec(name, max(COUNTS), threads=threads).unwrapped
+        env: Any = gymnasium.make_vec(name, max(COUNTS), threads=threads).unwrapped
         env.reset(seed=0)
         self._threads = threads
         self._batch, self._steps = env.episodes.batch, env.episodes.steps

@@ -3,9 +3,10 @@
 The simulator runs in real time on the lake; its channels here are one true ping of 1,025 beams at 50 Hz and one true
 picture (JPEG) at 10 Hz, captured at the start, so that the network is measured and not the sonar. Subscribers run in
 another process; latency is measured from the reading on the simulator's thread to the decoded message. The simulator's
-lateness (the worst delay of a step) is measured for a minute, with and without 50 clients that have stopped reading
-until their queues are full. For the throughput, scans go from the server to a client, and from one client to another,
-with raised limits; a bare WebSocket server that sends the same bytes without any protocol is measured in the same run.
+lateness (the worst delay of a step) is measured for half a minute, with and without 50 clients that have stopped
+reading until their queues are full. For the throughput, scans go from the server to a client, and from one client to
+another, with raised limits; a bare WebSocket server that sends the same bytes without any protocol is measured in the
+same run.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ JSON = orjson.OPT_SERIALIZE_NUMPY
 
 def main(
     seconds: Annotated[float, typer.Option(min=0.5, help="Length of each measurement [s].")] = 5.0,
-    stalled: Annotated[float, typer.Option(min=0.5, help="Length of those of the steps' lateness [s].")] = 60.0,
+    stalled: Annotated[float, typer.Option(min=0.5, help="Length of those of the steps' lateness [s].")] = 30.0,
 ) -> dict[str, Any]:
     """Measure all cases in turn and print the results."""
     sys.setswitchinterval(SWITCH_S)

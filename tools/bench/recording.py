@@ -127,7 +127,7 @@ def flat_out(folder: Path) -> dict[str, float]:
         sim = Simulator("lake")
         sim.rov.undock()
         shared = Table(sim)
-        shared.channels = chosen = [c for c in shared.channels if c.direction == "out" and not c.late]
+        shared.channels = chosen = [c for c in shared.channels if c.direction == "out" and not c.delivery.late]
         began_s = time.perf_counter()
         if name == "read":
             watch = Watch(sim, chosen, lambda channel, message: None)

@@ -102,15 +102,17 @@ def main(
         goal = "" if row["goal"] is None else f"{bound} {row['goal']:g} {row['unit']}"
         table.add_row(row["what"], f"{row['value']:.4g} {row['unit']}", goal)
     console.print(table)
-    return rows
+    return {"rows": rows}
 
 
 def encode_and_write(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[Row]:
     """Return the CPU time of a message, encoded and written to one reader that receives all."""
     from fast_dds import fast_dds_peer, sub
-    from ros2_tools import Peer, until
+    from ros2_tools import Peer
     from uwsim.bridges.ros2.graph import dds_name
-    from uwsim.bridges.ros2.qos import DEPTH, writer_qos
+    from uwsim.bridges.ros2.qos import writer_qos
+    from uwsim.bridges.ros2.transport import DEPTH
+    from waiting import until
 
     rows = []
     for kind, message in messages().items():
@@ -222,7 +224,7 @@ def delivered(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> li
 def commanded(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[Row]:
     """Return the fraction of commands at 100 Hz that arrive."""
     from fast_dds import fast_dds_peer
-    from ros2_tools import until
+    from waiting import until
 
     heard: list[float] = []
     channel = Channel("cmd_vel", TWIST, "in", "", apply=lambda live, message: heard.append(message.linear.x))
@@ -290,7 +292,8 @@ def closing(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list
 
 def memory(live: LiveSimulator, settings: Ros2Settings, count: int) -> list[Row]:
     """Return the growth of memory over many scans, published as fast as possible to a reader in this process."""
-    from ros2_tools import Peer, until
+    from ros2_tools import Peer
+    from waiting import until
 
     scan = messages()[SCAN]
     sender, receiver = Peer(settings), Peer(settings)

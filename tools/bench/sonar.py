@@ -134,8 +134,9 @@ def lake(triangles: int | None = None) -> Simulator:
     """Return the lake, with a terrain of about `triangles` triangles."""
     scenario = load("lake").with_changes(sonar_model=SONAR_MODEL)
     if triangles is not None:
-        spacing_m = scenario.terrain.size_m[0] / round(np.sqrt(triangles / 2))
-        terrain = scenario.terrain.model_copy(update={"spacing_m": spacing_m})
+        terrain: Any = scenario.terrain
+        spacing_m = terrain.size_m[0] / round(np.sqrt(triangles / 2))
+        terrain = terrain.model_copy(update={"spacing_m": spacing_m})
         scenario = scenario.model_copy(update={"terrain": terrain, "obstacles": ()})
     sim = Simulator(scenario)
     sim.rov.release()

@@ -45,7 +45,7 @@ GOALS = {
 
 def main(
     seconds: Annotated[float, typer.Option(min=2.0, help="Length of each measurement [s].")] = 20.0,
-    heap_minutes: Annotated[float, typer.Option(min=0.1, help="How long the heap is watched in flight.")] = 5.0,
+    heap_minutes: Annotated[float, typer.Option(min=0.1, help="How long the heap is watched in flight.")] = 1.0,
     reading_s: Annotated[float, typer.Option(min=0.0, help="Time at the start screen, before Start [s].")] = 5.0,
     surveyed: Annotated[Path | None, typer.Option("--map", help="A .bt to orbit. Default: the lake's survey.")] = None,
 ) -> dict[str, Any]:
@@ -147,9 +147,7 @@ def watch_pictures(station: Station) -> dict[int, float]:
             ready_s[round(1e-6 * time_ns)] = time.time()
         node.publish(name, message, time_ns)
 
-    views._node = SimpleNamespace(  # type: ignore[assignment]
-        publish=note, is_wanted=node.is_wanted, is_awaited=node.is_awaited
-    )
+    views._node = SimpleNamespace(publish=note, is_wanted=node.is_wanted, is_awaited=node.is_awaited)
     return ready_s
 
 

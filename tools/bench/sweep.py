@@ -10,6 +10,7 @@ import statistics
 import tempfile
 import time
 import warnings
+from functools import partial
 from typing import Annotated, Any
 
 import psutil
@@ -58,7 +59,7 @@ def run_against_flight(scenario: str, turns: int, always: dict[str, Any]) -> dic
     altitudes = ({"survey.altitude_m": 1.5 + seed / turns, **always} for seed in range(turns))
     jobs = [Job(scenario, seed, values, voxel_m=VOXEL_M) for seed, values in enumerate(altitudes)]
     fly_job(jobs[0])
-    pairs = [(spent_s(lambda job=job: fly_job(job)), flight_cpu_s(job)) for job in jobs]
+    pairs = [(spent_s(partial(fly_job, job)), flight_cpu_s(job)) for job in jobs]
     return {
         "run_cpu_ms": 1e3 * statistics.median(run for run, _ in pairs),
         "flight_cpu_ms": 1e3 * statistics.median(flight for _, flight in pairs),
