@@ -45,7 +45,9 @@ GOALS = {
 
 def main(
     seconds: Annotated[float, typer.Option(min=2.0, help="Length of each measurement [s].")] = 20.0,
-    heap_minutes: Annotated[float, typer.Option(min=0.1, help="How long the heap is watched in flight.")] = 1.0,
+    heap_minutes: Annotated[
+        float, typer.Option(min=0.0, help="How long the heap is watched in flight; 5 show a trend, 0: not at all.")
+    ] = 0.0,
     reading_s: Annotated[float, typer.Option(min=0.0, help="Time at the start screen, before Start [s].")] = 5.0,
     surveyed: Annotated[Path | None, typer.Option("--map", help="A .bt to orbit. Default: the lake's survey.")] = None,
 ) -> dict[str, Any]:
@@ -88,8 +90,9 @@ def measure(surveyed: Path, seconds: float, heap_minutes: float, reading_s: floa
             results |= flying(page, station, seconds)
         with console.status("flying 10 times as fast"):
             results["pace at 10 times"] = pace_at(station, 10.0, seconds)
-        with console.status("watching the heap"):
-            results["heap growth [MB/h]"] = heap_growth(page, heap_minutes)
+        if heap_minutes:
+            with console.status("watching the heap"):
+                results["heap growth [MB/h]"] = heap_growth(page, heap_minutes)
         page.keyboard.up("w")
         with console.status("orbiting"):
             results |= orbiting(page, surveyed, seconds)

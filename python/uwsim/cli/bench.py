@@ -84,8 +84,8 @@ def _command(path: Path) -> Callable[..., None]:
     options = {name: each.annotation for name, each in inspect.signature(main, eval_str=True).parameters.items()}
 
     def run(json_file: Path | None, **given: Any) -> None:
-        if json_file is not None:
-            require_own(json_file)  # now, since a benchmark takes minutes
+        for file in filter(None, (json_file, given.get("plot"))):
+            require_own(file)  # now, since a benchmark takes minutes
         figures = main(**given)
         if json_file is not None:
             write_atomically(json_file, (json.dumps(figures, indent=2) + "\n").encode())
