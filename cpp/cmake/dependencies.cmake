@@ -16,8 +16,10 @@ find_package(octomap 1.9 CONFIG REQUIRED)
 add_library(uwsim_octomap INTERFACE)
 target_include_directories(uwsim_octomap SYSTEM INTERFACE ${OCTOMAP_INCLUDE_DIRS})
 target_link_libraries(uwsim_octomap INTERFACE octomap-static octomath-static)
-# dynamicEDT3D's own CMake target does not name its headers.
+# dynamicEDT3D's own CMake target does not name its headers, and names OctoMap's shared library: a second OctoMap in the process,
+# which would destroy the global variables of the first.
 find_package(dynamicEDT3D 1.9 CONFIG REQUIRED)
+set_target_properties(dynamicedt3d-static PROPERTIES INTERFACE_LINK_LIBRARIES uwsim_octomap)
 add_library(uwsim_distance_transform INTERFACE)
 target_include_directories(uwsim_distance_transform SYSTEM INTERFACE ${DYNAMICEDT3D_INCLUDE_DIRS})
 target_link_libraries(uwsim_distance_transform INTERFACE dynamicedt3d-static)
