@@ -10,7 +10,7 @@ EXIT_CODES = {
     USAGE: "an unknown command, option or value, a number out of bounds, or an option that would have no effect",
     STUCK: "survey, run: the vehicle was stuck or capsized",
     INCOMPLETE: "survey, run: coverage is below --min-coverage, or a mission without a plan ended early; exercise: "
-    "not passed; replay: the recording was cut off; logbook: lines were left out",
+    "not passed; replay: the recording was cut off; logbook: lines were left out or are not valid",
     INTERRUPTED: "interrupted by Ctrl-C or SIGTERM; serve, station and nodes exit with 0 instead once they are running",
 }
 """The meaning of each code; USAGE is typer's."""

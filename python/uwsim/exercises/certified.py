@@ -41,11 +41,15 @@ def certified_sheet(course: Course, person: str = "", date: datetime | None = No
     return {**sheet, "digest": digest_of(sheet)}
 
 
-def digest_of(sheet: Mapping[str, Any]) -> str:
-    """Return the digest of all values of a sheet but its digest: 32 hexadecimal digits of BLAKE2b."""
-    values = {key: value for key, value in sheet.items() if key != "digest"}
-    text = json.dumps(values, sort_keys=True, separators=(",", ":"))
-    return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+def digest_of(sheet: Mapping[str, Any], own: str = "digest") -> str:
+    """Return the digest of all values but its own, whose key is `own`: 32 hexadecimal digits of BLAKE2b."""
+    values = {key: value for key, value in sheet.items() if key != own}
+    return bytes_digest(json.dumps(values, sort_keys=True, separators=(",", ":")).encode())
+
+
+def bytes_digest(data: bytes) -> str:
+    """Return 32 hexadecimal digits of BLAKE2b."""
+    return hashlib.blake2b(data, digest_size=16).hexdigest()
 
 
 def read_sheet(path: Path) -> dict[str, Any]:

@@ -69,9 +69,11 @@ def fly_exercise(
 
 def _write(out: str | Path | None, course: Course, person: str) -> None:
     sheet = certified_sheet(course, person)
-    if out is not None:
-        write_sheet(Path(out), course, sheet)
-    log_attempt(sheet)
+    try:
+        if out is not None:
+            write_sheet(Path(out), course, sheet)
+    finally:  # an attempt counts, also if its sheet cannot be written
+        log_attempt(sheet)
 
 
 class _StaleSheet:

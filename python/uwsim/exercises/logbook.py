@@ -1,24 +1,31 @@
 """The log book: the attempts at exercises of each named person, in one file of JSON lines to which uwsim only appends.
 
 The file is $UWSIM_LOGBOOK if set (empty: no log book), otherwise uwsim/logbook.jsonl in $XDG_DATA_HOME or
-~/.local/share.
+~/.local/share. Each line has a digest of its values, and that of the bytes of the line before it, so that a line that
+was changed, removed or inserted is noticed. As with a sheet's digest, they show mistakes, not the fraud of one who
+computes them again, nor the removal of the last lines. Lines of earlier versions have neither.
 """
 
 from __future__ import annotations
 
 import contextlib
 import fcntl
+import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict
 
-from uwsim.base.texts.json_text import json_value
+from uwsim.base.texts.json_text import json_object
+from uwsim.exercises.certified import bytes_digest, digest_of
 
-NAME, LINE_MAX = "logbook.jsonl", 100_000
+NAME = "logbook.jsonl"
 RULE = "is not an entry of a log book"
+BEGIN = b'{"date":"'
+PREVIOUS, OWN = "previous", "line_digest"
+Check = Literal["valid", "not chained", "not valid"]
 
 
 class Entry(BaseModel):
@@ -66,50 +73,111 @@ def log_attempt(sheet: Mapping[str, Any]) -> Path | None:
     if not sheet["person"] or path is None:
         return None
     path.parent.mkdir(parents=True, exist_ok=True)
-    line = Entry.of(sheet).model_dump_json().encode() + b"\n"
     with path.open("a+b") as file:
         fcntl.flock(file, fcntl.LOCK_EX)  # several stations may share the file
         file.seek(0)
-        if first := file.readline(LINE_MAX):
-            _entry(first, f"'{path}', line 1")
-            file.seek(-1, os.SEEK_END)
-            if file.read(1) != b"\n":  # a line that was cut short
-                line = b"\n" + line
-        file.write(line)
+        data = file.read()
+        lines = _lines(data, path)
+        values = {**Entry.of(sheet).model_dump(), PREVIOUS: _digest_before(lines, len(lines))}
+        text = json.dumps({**values, OWN: digest_of(values, OWN)}, ensure_ascii=False, separators=(",", ":"))
+        is_cut = data != b"" and not data.endswith(b"\n")
+        file.write(b"\n" * is_cut + text.encode() + b"\n")
         file.flush()
         os.fsync(file.fileno())
     return path
 
 
-class Book(NamedTuple):
-    """A log book's entries in order, and the numbers of the lines that are none, such as one that was cut short."""
+class Line(NamedTuple):
+    """An attempt as a line of the book has it. number: of the line, from 1.
 
-    entries: list[Entry]
+    check: "valid" if the line is as it was written, "not chained" if an earlier version wrote it, so that this is not
+    known, else "not valid". why: the reason for that, or "".
+    """
+
+    number: int
+    entry: Entry
+    check: Check
+    why: str
+
+
+class Book(NamedTuple):
+    """A log book's lines in order, and the numbers of those that are no entries, such as one that was cut short."""
+
+    lines: list[Line]
     unread: list[int]
+
+    @property
+    def entries(self) -> list[Entry]:
+        """The attempts of all lines, also of those that are not valid."""
+        return [line.entry for line in self.lines]
 
 
 def read_book(path: Path) -> Book:
-    """Read a log book; a missing file has no entries.
+    """Read and check a log book; a missing file has no entries.
 
-    Raises OSError, or ValueError for a file in which no line is an entry.
+    Raises OSError, or ValueError for a file that is no log book.
     """
-    book = Book([], [])
-    with contextlib.suppress(FileNotFoundError), path.open("rb") as file:
-        for number, line in enumerate(file, start=1):
-            try:
-                book.entries.append(_entry(line, f"'{path}', line {number}"))
-            except ValueError:
-                book.unread.append(number)
-    if book.unread and not book.entries:
-        raise ValueError(f"'{path}', line {book.unread[0]}: {RULE}")
+    book, is_chained = Book([], []), False
+    data = b""
+    with contextlib.suppress(FileNotFoundError):
+        data = path.read_bytes()
+    lines = _lines(data, path)
+    for k, (_, values) in enumerate(lines):
+        if values is None:
+            book.unread.append(k + 1)
+            continue
+        why = _why_not(lines, k, is_chained)
+        is_chained = is_chained or OWN in values
+        check: Check = "not valid" if why else "valid" if OWN in values else "not chained"
+        book.lines.append(Line(k + 1, Entry.model_validate(values), check, why))
     return book
 
 
-def _entry(line: bytes, where: str) -> Entry:
+Read = tuple[bytes, dict[str, Any] | None]
+"""A line, and its values if it is an entry."""
+
+
+def _lines(data: bytes, path: Path) -> list[Read]:
+    """Return a book's lines. Raises ValueError unless there is an entry, or nothing but lines cut short."""
+    texts = data.removesuffix(b"\n").split(b"\n") if data else []
+    lines = [(text, _entry_values(text)) for text in texts]
+    is_cut = all(text and (text.startswith(BEGIN) or BEGIN.startswith(text)) for text in texts)
+    if not is_cut and all(values is None for _, values in lines):
+        raise ValueError(f"'{path}', line 1: {RULE}")
+    return lines
+
+
+def _entry_values(text: bytes) -> dict[str, Any] | None:
     try:
-        return Entry.model_validate(json_value(line, where))
+        values = json_object(text, NAME)
+        Entry.model_validate(values)
     except ValueError:
-        raise ValueError(f"{where}: {RULE}") from None
+        return None
+    return values
+
+
+def _digest_before(lines: Sequence[Read], k: int) -> str:
+    """Return the digest of the line before a line, "" if it is the first."""
+    return bytes_digest(lines[k - 1][0]) if k else ""
+
+
+def _is_own(values: Mapping[str, Any]) -> bool:
+    return OWN in values and digest_of(values, OWN) == values[OWN]
+
+
+def _why_not(lines: Sequence[Read], k: int, is_chained: bool) -> str:
+    """Return why an entry does not check, or "". is_chained: whether a line before it has a digest."""
+    values, after = lines[k][1], lines[k + 1][1] if k + 1 < len(lines) else None
+    assert values is not None
+    if OWN not in values and is_chained:
+        return "it has no digest, as lines before it have"
+    if OWN in values and not _is_own(values):
+        return "it was changed after it was written"
+    if k == 0 and values.get(PREVIOUS, "") != "":
+        return "lines before it were removed"
+    if after is not None and _is_own(after) and after.get(PREVIOUS) != _digest_before(lines, k + 1):
+        return "the next line was written after another one: this one was changed or inserted, or lines were removed"
+    return ""
 
 
 def totals(found: Iterable[Entry]) -> dict[str, dict[str, Any]]:

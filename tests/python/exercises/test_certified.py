@@ -3,19 +3,21 @@
 import csv
 import io
 import json
+import re
 from datetime import datetime
+from unittest.mock import Mock
 
 import pytest
 
 from command_line import uwsim
 from test_sheet import exercise, still
 from uwsim.cli.exit_codes import INCOMPLETE
-from uwsim.exercises.certified import PERSON_MAX, digest_of, read_sheet
+from uwsim.exercises.certified import PERSON_MAX, certified_sheet, digest_of, read_sheet
 from uwsim.exercises.conduct import ACTS_MAX, Conduct
 from uwsim.exercises.exercise import Exercise
 from uwsim.exercises.flight import fly_exercise
 from uwsim.exercises.limits import Area, Collisions
-from uwsim.exercises.logbook import read_book, totals
+from uwsim.exercises.logbook import log_attempt, read_book, totals
 from uwsim.missions import wait
 from uwsim.scenario.fingerprint import build_fingerprint
 
@@ -99,6 +101,107 @@ def test_a_line_that_was_cut_short_spoils_no_later_one_and_a_strangers_file_stay
     assert book.read_text() == "my notes\n"
     failed = uwsim("logbook")
     assert failed.returncode == 1 and "line 1: is not an entry" in failed.stderr and "Traceback" not in failed.stderr
+
+
+PEOPLE = ("Ada", "Bob", "Eve", "Dan")
+
+
+@pytest.fixture(scope="module")
+def sheet():
+    return certified_sheet(fly_exercise(limited(), still).course, "Ada")
+
+
+@pytest.fixture
+def lines(book, sheet):
+    """The lines of a book of four attempts, one of each person."""
+    for person in PEOPLE:
+        log_attempt({**sheet, "person": person})
+    return book.read_bytes().splitlines()
+
+
+def raised(line: bytes) -> bytes:
+    found, count = re.subn(rb'"score":[^,]+', b'"score":9.75', line)
+    assert found != line and count == 1
+    return found
+
+
+def sealed_again(line: bytes) -> bytes:
+    values = json.loads(raised(line))
+    return json.dumps({**values, "line_digest": digest_of(values, "line_digest")}).encode()
+
+
+def unsealed(line: bytes) -> bytes:
+    values = json.loads(raised(line))
+    return json.dumps({key: values[key] for key in values if key not in ("previous", "line_digest")}).encode()
+
+
+SPOILS = {
+    "a score": (lambda a, b, c, d: [a, raised(b), c, d], [2]),
+    "the last score": (lambda a, b, c, d: [a, b, c, raised(d)], [4]),
+    "an added value": (lambda a, b, c, d: [a, b, c[:-1] + b', "note": 1}', d], [3]),
+    "a score and its digest": (lambda a, b, c, d: [a, sealed_again(b), c, d], [2]),
+    "the first without its digest": (lambda a, b, c, d: [unsealed(a), b, c, d], [1]),
+    "the last without its digest": (lambda a, b, c, d: [a, b, c, unsealed(d)], [4]),
+    "one removed": (lambda a, b, c, d: [a, c, d], [1]),
+    "the first removed": (lambda a, b, c, d: [b, c, d], [1]),
+    "one twice": (lambda a, b, c, d: [a, b, b, c, d], [2]),
+    "two exchanged": (lambda a, b, c, d: [a, c, b, d], [1, 2, 3]),
+}
+
+
+@pytest.mark.parametrize("what", SPOILS)
+def test_a_line_that_is_not_as_it_was_written_is_shown_as_not_valid_and_counts_for_no_person(book, lines, what):
+    assert [line.check for line in read_book(book).lines] == ["valid"] * 4
+    spoil, wrong = SPOILS[what]
+    book.write_bytes(b"\n".join(spoil(*lines)) + b"\n")
+    found = read_book(book)
+    assert [line.number for line in found.lines if line.check == "not valid"] == wrong and not found.unread
+    printed = uwsim("logbook")
+    assert printed.returncode == INCOMPLETE and f"{len(wrong)} not valid" in printed.stdout
+    assert [f"line {k}: is not valid: " in printed.stderr for k in wrong] == [True] * len(wrong)
+    counted = [line.entry.person for line in found.lines if line.check == "valid"]
+    assert sorted(row.split()[-1] for row in printed.stdout.splitlines()[:-1]) == sorted(set(counted))
+    person = found.lines[wrong[0] - 1].entry.person
+    shown = uwsim("logbook", "--person", person).stdout.splitlines()
+    assert any(f"not valid: line {wrong[0]} of the log book" in line for line in shown)
+
+
+def test_lines_of_earlier_versions_are_shown_as_not_chained_and_stay_as_they_are(book, lines, sheet):
+    old = b"".join(unsealed(line) + b"\n" for line in lines[:2])
+    book.write_bytes(old)
+    assert "2 not chained" in uwsim("logbook").stdout
+    log_attempt(sheet)
+    assert book.read_bytes().startswith(old)
+    assert [line.check for line in read_book(book).lines] == ["not chained", "not chained", "valid"]
+    printed = uwsim("logbook", "--person", PEOPLE[1])
+    assert printed.returncode == 0 and "not chained" in printed.stdout.splitlines()[0]
+    assert [row["line_check"] for row in csv.DictReader(io.StringIO(uwsim("logbook", "--csv").stdout))] == [
+        "not chained", "not chained", "valid"
+    ]  # fmt: skip
+    book.write_bytes(book.read_bytes().replace(b'"score": 9.75', b'"score": 9.5'))
+    assert [line.check for line in read_book(book).lines] == ["not chained", "not valid", "valid"], "the last is held"
+
+
+def test_a_book_cut_short_at_any_byte_keeps_its_other_lines_and_takes_new_ones(book, lines, sheet):
+    first, second = (line + b"\n" for line in lines[:2])
+    for end in (*range(1, len(first) + 1, 13), len(first) - 1, len(first)):
+        for before in (b"", first):
+            kept = before + (second if before else first)[:end]
+            book.write_bytes(kept)
+            read_book(book)
+            log_attempt(sheet)
+            log_attempt(sheet)
+            found = read_book(book)
+            assert book.read_bytes().startswith(kept)
+            assert {line.check for line in found.lines} == {"valid"} and len(found.unread) <= 1
+            assert len(found.lines) + len(found.unread) == (4 if before else 3)
+
+
+def test_an_attempt_is_in_the_log_book_also_if_its_sheet_cannot_be_written(tmp_path, book, monkeypatch):
+    monkeypatch.setattr("uwsim.exercises.sheet.sheet_html", Mock(side_effect=OSError("no space")))
+    with pytest.raises(OSError, match="no space"):
+        fly_exercise(limited(), still, tmp_path, person="Ada")
+    assert [each.person for each in read_book(book).entries] == ["Ada"]
 
 
 @pytest.mark.parametrize("person", [" ", "x" * (PERSON_MAX + 1), "a\nb"])

@@ -3,6 +3,7 @@
 import json
 import time
 from concurrent.futures import Future
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -258,6 +259,17 @@ def test_the_instructors_log_stops_at_its_limit(tmp_path, monkeypatch, caplog):
         until(lambda: len(own.log) == 20, "all acts in the log shown")
     log = (tmp_path / "instructor-log.jsonl").read_bytes()
     assert 800 < len(log) <= 1000 and log.endswith(b"}\n") and "log is full at 1000 bytes" in caplog.text
+
+
+def test_an_attempt_at_the_station_is_in_the_log_book_also_if_its_sheet_cannot_be_written(tmp_path, monkeypatch):
+    monkeypatch.setenv("UWSIM_LOGBOOK", str(tmp_path / "book.jsonl"))
+    monkeypatch.setattr("uwsim.exercises.sheet.sheet_html", Mock(side_effect=OSError("no space")))
+    with serving(tmp_path, is_fixed=True, truth=False) as (station, server):
+        station.run_exercise(hover(time_s=0.5))
+        with page(server) as ada:
+            begin(ada)
+            until(lambda: "no space" in ada.call("exercise")["error"], "the error on the page")
+    assert [each.person for each in read_book(tmp_path / "book.jsonl").entries] == ["Ada"]
 
 
 def test_an_attempt_is_of_the_person_who_began_it(tmp_path, monkeypatch):

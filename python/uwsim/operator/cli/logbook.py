@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import io
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -16,7 +17,7 @@ from uwsim.cli.groups import under
 from uwsim.cli.options import AsJson
 
 if TYPE_CHECKING:
-    from uwsim.exercises.logbook import Entry
+    from uwsim.exercises.logbook import Line
 
 
 @under("Fly")
@@ -35,7 +36,9 @@ def logbook(
 
     The log book has each attempt of a named person that `uwsim exercise` has judged. The file is uwsim/logbook.jsonl in
     the folder of the user's data, or that in the environment variable UWSIM_LOGBOOK. Lines that are no entries, such as
-    one that was cut short, are reported and left out; the exit code is then 4.
+    one that was cut short, are reported and left out. Lines that are not as they were written are reported, shown as
+    not valid, and count for no person; for either, the exit code is 4. Lines that an earlier version wrote are shown as
+    not chained, since it is not known whether they were changed.
     """
     from uwsim.exercises.certified import checked_person, read_sheet
     from uwsim.exercises.logbook import RULE, logbook_path, read_book
@@ -55,7 +58,8 @@ def logbook(
         raise ValueError("UWSIM_LOGBOOK: is empty: there is no log book")
     wanted = None if person is None else checked_person(person)
     book = read_book(path)
-    found = [each for each in book.entries if wanted is None or each.person == wanted]
+    found = [each for each in book.lines if wanted is None or each.entry.person == wanted]
+    counts = Counter(each.check for each in found)
     if json:
         typer.echo(_json(found))
     elif csv:
@@ -63,44 +67,60 @@ def logbook(
     else:
         for line in _attempts(found) if wanted is not None else _totals(found):
             typer.echo(line)
-        typer.echo(f"{path}: {len(found)} attempts")
+        notes = [f"{counts[check]} {check}" for check in ("not chained", "not valid") if counts[check]]
+        typer.echo(", ".join([f"{path}: {len(found)} attempts", *notes]))
     for number in book.unread:
         typer.echo(f"uwsim: warning: '{path}', line {number}: {RULE}; it is left out", err=True)
-    if book.unread:
+    wrong = [each for each in book.lines if each.check == "not valid"]
+    for each in wrong:
+        typer.echo(f"uwsim: warning: '{path}', line {each.number}: is not valid: {each.why}", err=True)
+    if book.unread or wrong:
         raise typer.Exit(INCOMPLETE)
 
 
-def _attempts(found: Sequence[Entry]) -> list[str]:
+def _attempts(found: Sequence[Line]) -> list[str]:
     return [
         f"{each.date:25}  {each.title}: {each.score:.1f} of {each.points:g} in {each.duration_s:.0f} s, "
-        + ("passed" if each.has_passed else "not passed" if each.is_valid else "not valid")
-        for each in found
+        + _verdict(line)
+        for line, each in ((line, line.entry) for line in found)
     ]
 
 
-def _totals(found: Sequence[Entry]) -> list[str]:
+def _verdict(line: Line) -> str:
+    if line.check == "not valid":
+        return f"not valid: line {line.number} of the log book: {line.why}"
+    entry = line.entry
+    result = "passed" if entry.has_passed else "not passed" if entry.is_valid else "not valid"
+    return result if line.check == "valid" else f"{result}, {line.check}"
+
+
+def _totals(found: Sequence[Line]) -> list[str]:
     from uwsim.exercises.logbook import totals
 
     return [
         f"{each['hours']:8.2f} h  {each['passed']} of {each['exercises']} exercises passed in {each['attempts']} "
         f"attempts  {person}"
-        for person, each in totals(found).items()
+        for person, each in totals(line.entry for line in found if line.check != "not valid").items()
     ]
 
 
-def _json(found: Sequence[Entry]) -> str:
+def _json(found: Sequence[Line]) -> str:
     import orjson
 
-    return orjson.dumps([each.model_dump() for each in found], option=orjson.OPT_INDENT_2).decode()
+    return orjson.dumps([_row(each) for each in found], option=orjson.OPT_INDENT_2).decode()
 
 
-def _csv(found: Sequence[Entry]) -> str:
+def _csv(found: Sequence[Line]) -> str:
     import csv
 
     from uwsim.exercises.logbook import Entry
 
     text = io.StringIO()
-    writer = csv.DictWriter(text, list(Entry.model_fields), lineterminator="\n")
+    writer = csv.DictWriter(text, [*Entry.model_fields, "line_check"], lineterminator="\n")
     writer.writeheader()
-    writer.writerows(each.model_dump() for each in found)
+    writer.writerows(_row(each) for each in found)
     return text.getvalue()
+
+
+def _row(line: Line) -> dict[str, Any]:
+    return {**line.entry.model_dump(), "line_check": line.check}

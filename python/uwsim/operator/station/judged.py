@@ -5,8 +5,9 @@ from __future__ import annotations
 import logging
 import threading
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import TimeoutError as FutureTimeoutError
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -177,14 +178,20 @@ class Judged:
         self._writing = [*(each for each in self._writing if each.is_alive()), writing]
 
     def _write_now(self, course: Course, sheet: Values) -> None:
-        what = "the score sheet"
-        try:
+        with self._noted("the score sheet"):
             folder = self._new_folder()
             write_sheet(folder, course, sheet)
-            self._sheet, what = folder, "the line in the log book"
+            self._sheet = folder
+        with self._noted("the line in the log book"):  # an attempt counts, also if its sheet cannot be written
             log_attempt(sheet)
+
+    @contextmanager
+    def _noted(self, what: str) -> Iterator[None]:
+        """Log an error in the block, and add it to those that the page shows."""
+        try:
+            yield
         except Exception as error:
-            self._error = f"{what} could not be written: {error}"
+            self._error = "; ".join(filter(None, [self._error, f"{what} could not be written: {error}"]))
             LOGGER.exception("%s could not be written", what)
 
     def _new_folder(self) -> Path:
