@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.base.extras import need_extra
+from uwsim.scenario.read.hdf5_file import SIGNATURE, inside_hdf5
 
-CLASSIC, HDF5 = b"CDF", b"\x89HDF"
+CLASSIC = b"CDF"
 MAX_VALUES = 50_000_000
 ATTRIBUTES = ("units", "standard_name", "positive", "_FillValue", "missing_value", "scale_factor", "add_offset")
 
@@ -30,25 +30,29 @@ class NetcdfVariable:
     attributes: Mapping[str, Any] = field(default_factory=dict)
 
 
-def read_netcdf(path: Path, what: str) -> dict[str, NetcdfVariable]:
-    """Return the variables of at most MAX_VALUES values by name.
+Needed = Callable[[str, Mapping[str, Any]], bool]
+"""Whether a variable is needed, by its name and attributes: others, of any number and size, are not read."""
 
-    what: the file's role, for messages. Raises NotNetcdfError, MissingExtraError, or whatever the readers raise for a
-    damaged file.
+
+def read_netcdf(path: Path, what: str, needed: Needed) -> dict[str, NetcdfVariable]:
+    """Return the needed variables of at most MAX_VALUES values by name.
+
+    what: the file's role, for messages. Raises NotNetcdfError, Hdf5Error, MissingExtraError, or whatever the readers
+    raise for a damaged file.
     """
     with path.open("rb") as file:
         magic = file.read(4)
     if _is_classic(magic):
         from scipy.io import netcdf_file
 
-        with netcdf_file(path, mmap=False) as data:
+        with netcdf_file(path, mmap=True) as data:  # maps the values, so that those not needed are not read
             return {
                 name: NetcdfVariable(tuple(each.dimensions), np.array(each.data), _attributes(each._attributes))
                 for name, each in data.variables.items()
-                if np.prod(each.shape) <= MAX_VALUES
+                if np.prod([float(n) for n in each.shape]) <= MAX_VALUES and needed(name, _attributes(each._attributes))
             }
-    if magic == HDF5:
-        return _of_hdf5(path, what)
+    if magic == SIGNATURE[:4]:
+        return _of_hdf5(path, what, needed)
     raise NotNetcdfError("must be a NetCDF file: neither classic nor HDF5")
 
 
@@ -75,20 +79,19 @@ def _is_classic(magic: bytes) -> bool:
     return magic.startswith(CLASSIC) and len(magic) == 4 and magic[3] in (1, 2)
 
 
-def _of_hdf5(path: Path, what: str) -> dict[str, NetcdfVariable]:
-    need_extra("h5py", "seakeeping", f"{what}, NetCDF in HDF5,")
-    import h5py
-
+def _of_hdf5(path: Path, what: str, needed: Needed) -> dict[str, NetcdfVariable]:
     found = {}
-    with h5py.File(path, "r") as data:
-        for name, each in data.items():
-            if not isinstance(each, h5py.Dataset) or each.size is None or each.size > MAX_VALUES:
+    with inside_hdf5(path, f"{what}, NetCDF in HDF5") as data:
+        for name in data.names():
+            if (each := data.dataset(name)) is None or each.size is None or each.size > MAX_VALUES:
+                continue
+            attributes = _attributes(data.attributes(each, ATTRIBUTES))
+            if not needed(name, attributes):
                 continue
             axes = [axis[0].name.strip("/") if len(axis) else "" for axis in each.dims]
             if each.is_scale and each.ndim == 1 and axes == [""]:
                 axes = [name]
-            values = each[()] if each.ndim else np.asarray(each[()])
-            found[name] = NetcdfVariable(tuple(axes), values, _attributes(each.attrs))
+            found[name] = NetcdfVariable(tuple(axes), data.values(name, each), attributes)
     return found
 
 

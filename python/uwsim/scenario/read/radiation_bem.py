@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.base.extras import need_extra
+from uwsim.scenario.read.hdf5_file import inside_hdf5
 from uwsim.scenario.read.radiation_table import MAX_VALUES, Array, Complex, RadiationTable, broken_file, table_of
 
 MAX_BYTES = 200_000_000
@@ -186,17 +186,14 @@ def _by_wave(
 
 def read_wec_sim(path: Path) -> RadiationTable:
     """Read the HDF5 that BEMIO writes, of one body. Raises ScenarioError."""
-    need_extra("h5py", "seakeeping", f"radiation '{path}', HDF5 of WEC-Sim,")
-    import h5py
-
-    with h5py.File(path, "r") as data:
-        if "body2" in data:
+    with inside_hdf5(path, f"radiation '{path}', of WEC-Sim") as data:
+        if data.has("body2"):
             raise broken_file(path, "has more than one body: must be one")
 
         def values(name: str) -> NDArray[Any]:
-            if name not in data or not isinstance(data[name], h5py.Dataset) or data[name].size > MAX_VALUES:
+            if (found := data.dataset(name)) is None or (found.size or 0) > MAX_VALUES:
                 raise broken_file(path, f"{name} missing: must be a file of WEC-Sim's BEMIO")
-            return np.asarray(data[name][()])
+            return data.values(name, found)
 
         def numbers(name: str) -> Array:
             try:
@@ -228,10 +225,10 @@ def read_wec_sim(path: Path) -> RadiationTable:
         infinite = RHO * matrices("added_mass/inf_freq", (6, 6))
         damping = RHO * omega[:, None, None] * matrices("radiation_damping/all", whole).transpose(2, 0, 1)
         parts = [RHO * gravity * force("excitation")]
-        if "body1/hydro_coeffs/excitation/froude-krylov/re" in data:
+        if data.has("body1/hydro_coeffs/excitation/froude-krylov/re"):
             parts.append(RHO * gravity * force("excitation/froude-krylov"))
         drift = None
-        if given := [name for name in DRIFTS.values() if f"body1/hydro_coeffs/mean_drift/{name}/val" in data]:
+        if given := [name for name in DRIFTS.values() if data.has(f"body1/hydro_coeffs/mean_drift/{name}/val")]:
             drift = numbers(f"body1/hydro_coeffs/mean_drift/{given[0]}/val")
             if drift.shape != (6, len(heading), len(omega)):
                 raise broken_file(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from uwsim.base.extras import MissingExtraError
 from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.hdf5_file import Hdf5Error
 from uwsim.scenario.read.netcdf_file import NetcdfVariable, NotNetcdfError, read_netcdf
 from uwsim.scenario.read.radiation_bem import read_wamit, read_wec_sim
 from uwsim.scenario.read.radiation_table import Array, Complex, RadiationTable, broken_file, table_of
@@ -22,6 +23,9 @@ DRIFTS = ("drift_force_surge", "drift_force_sway", "drift_force_yaw")
 HEADING_PAIR = ("wave_direction_k", "wave_direction_l")
 PAIR = "complex"
 """The axis of real and imaginary parts."""
+AXES = ("omega", "wave_direction", "influenced_dof", "radiating_dof", *HEADING_PAIR, PAIR)
+SCALARS = ("rotation_center", "rho", "g", "disp_mass", "water_depth", "forward_speed")
+NEEDED = frozenset((*MATRICES, *FORCES, *DRIFTS, *AXES, *SCALARS))
 
 
 def read_radiation(path: Path) -> RadiationTable:
@@ -31,9 +35,11 @@ def read_radiation(path: Path) -> RadiationTable:
             return read_wamit(path)
         if path.suffix == WEC_SIM:
             return read_wec_sim(path)
-        variables = read_netcdf(path, f"radiation '{path}'")
+        variables = read_netcdf(path, f"radiation '{path}'", lambda name, _: name in NEEDED)
     except (ScenarioError, MissingExtraError):
         raise
+    except Hdf5Error as error:
+        raise broken_file(path, str(error)) from None
     except NotNetcdfError:
         raise broken_file(
             path, "must be a NetCDF file of Capytaine, WAMIT's .1 or WEC-Sim's .h5: neither classic NetCDF nor HDF5"
