@@ -79,7 +79,7 @@ def _mistakes(document: YamlDocument, folder: Path) -> tuple[str, ...]:
     if scenario is None:
         values = {**STAND_INS, **holding.left.values}
         scenario = what_holds(Scenario, values, None, folder).model
-    if scenario is None or ("terrain",) in {path[:1] for path in holding.left.left_out}:
+    if scenario is None or ("terrain",) in holding.left.left_out.around:
         return tuple(holding.mistakes)
     sound = _sound(scenario, document, holding.left)
     found = Collected()
@@ -94,8 +94,8 @@ def _mistakes(document: YamlDocument, folder: Path) -> tuple[str, ...]:
 
 def _sound(scenario: Scenario, document: YamlDocument, left: Remainder) -> Scenario:
     """Return the scenario without the obstacles and vehicles that have invalid parts."""
-    spoilt = {path[:2] for path in left.left_out}
-    is_spoilt = {path[0] for path in left.left_out}
+    spoilt = {path[:2] for path in left.left_out.places}
+    is_spoilt = {path[0] for path in left.left_out.places}
     kept: dict[str, Any] = {}
     order: dict[str, list[int]] = {}
     for kind in ("obstacles", "vehicles", "objects"):

@@ -10,15 +10,35 @@ from uwsim.base.texts.yaml_document import Key
 Path = tuple[Key, ...]
 
 
+class LeftOut:
+    """Positions in the file of what was removed, as sets, since there may be many thousands.
+
+    places: the positions. around: they and all that contain them. below: pairs of what contains one and a key, as text,
+    that leads from there to it.
+    """
+
+    def __init__(self) -> None:
+        self.places: set[Path] = set()
+        self.around: set[Path] = set()
+        self.below: set[tuple[Path, str]] = set()
+
+    def add(self, path: Path) -> None:
+        """Add a position."""
+        self.places.add(path)
+        for length in range(len(path)):
+            self.around.add(path[:length])
+            self.below.update((path[:length], str(key)) for key in path[length:])
+        self.around.add(path)
+
+
 class Remainder:
     """A copy of values from which parts were removed; it maps positions in the copy to positions in the file.
 
-    values: dicts and lists are copied, models and plain values are not. left_out: positions in the file, in the
-    order of removal.
+    values: dicts and lists are copied, models and plain values are not.
     """
 
     def __init__(self, values: Any) -> None:
-        self.left_out: list[Path] = []
+        self.left_out = LeftOut()
         self._positions: dict[int, list[int]] = {}  # original indices of the remaining items, keyed by list id
         self._spelt: dict[tuple[int, Key], Key] = {}  # the file's spelling of a key, by mapping id
         self.values = self._copy(values)
@@ -70,11 +90,11 @@ class Remainder:
         while path:
             node, key = self._at(path[:-1]), path[-1]
             if isinstance(node, dict) and key in node:
-                self.left_out.append(self.in_file(path))
+                self.left_out.add(self.in_file(path))
                 del node[key]
                 return path
             if isinstance(node, list) and isinstance(key, int) and key < len(node) and isinstance(node[key], dict):
-                self.left_out.append(self.in_file(path))
+                self.left_out.add(self.in_file(path))
                 del node[key]
                 del self._positions[id(node)][key]
                 return path

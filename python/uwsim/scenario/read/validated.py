@@ -74,19 +74,16 @@ def what_holds(
 
 def _follows(mistake: Mistake, left: Remainder) -> bool:
     """Return whether a mistake exists only because a value was left out earlier."""
-    path, model = left.in_file(mistake.path), left.in_file(mistake.model)
-    for gone in left.left_out:
-        if path[: len(gone)] == gone:
+    path, model, gone = left.in_file(mistake.path), left.in_file(mistake.model), left.left_out
+    if any(path[:length] in gone.places for length in range(1, len(path) + 1)):
+        return True
+    for base in (path, path[:-1]):  # the base might have given it
+        if (*base, BASE) in gone.places and (base == path or not left.has(mistake.path)):
             return True
-        is_absent = path == gone[:-1] or (path[:-1] == gone[:-1] and not left.has(mistake.path))
-        if gone[-1] == BASE and is_absent:  # the base might have given it
-            return True
-        inside = gone[: len(model)] == model and len(gone) > len(model)
-        if inside and any(re.search(rf"\b{re.escape(str(key))}\b", mistake.rule) for key in gone[len(model) :]):
-            return True
-        if gone[: len(path)] == path and mistake.rule.startswith("must have at least"):
-            return True
-    return False
+    words = {*re.findall(r"\w+", mistake.rule), *re.findall(r"[\w-]+", mistake.rule)}
+    if any((model, word) in gone.below for word in words):
+        return True
+    return path in gone.around and mistake.rule.startswith("must have at least")
 
 
 def _leave_out(mistakes: list[Mistake], left: Remainder) -> bool:
@@ -98,14 +95,15 @@ def _leave_out(mistakes: list[Mistake], left: Remainder) -> bool:
     renamed = [each for each in ordered if (key := _meant(each)) is not None and left.rename(each.path, key)]
     if renamed:
         return True
-    absent = [each for each in ordered if each.rule.startswith("missing") and not left.has(each.path)]
-    present = [each.path for each in ordered if each not in absent]
-    gone: list[tuple[Key, ...]] = []
+    is_absent = [each.rule.startswith("missing") and not left.has(each.path) for each in ordered]
+    absent = [each for each, lacks in zip(ordered, is_absent, strict=True) if lacks]
+    present = [each.path for each, lacks in zip(ordered, is_absent, strict=True) if not lacks]
+    gone: set[tuple[Key, ...]] = set()
     for path in present or [each.path[:-1] for each in absent]:
-        if any(path[: len(other)] == other for other in gone):
+        if any(path[:length] in gone for length in range(1, len(path) + 1)):
             continue
         if (removed := left.leave_out(path)) is not None:
-            gone.append(removed)
+            gone.add(removed)
     return bool(gone)
 
 

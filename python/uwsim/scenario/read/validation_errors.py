@@ -6,6 +6,7 @@ must be in [900, 1100] kg/m3`
 
 from __future__ import annotations
 
+from collections import Counter, defaultdict
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,10 +24,15 @@ TAGS = ("source", "kind")
 HINTS = "hints"
 """Key of the Hints in the validation context."""
 
+HINTS_MAX = 200
+"""The most unknown keys for which a similar one is sought, which takes longer than everything else."""
+
 Hints = dict[str, str]
 """The end of the message for each unknown key, which suggests the most similar known key."""
 
 InFile = Callable[[Sequence[Key]], Sequence[Key]]
+
+Place = tuple[Key, ...]
 
 RULES = {
     "float_type": "must be a number",
@@ -57,22 +63,50 @@ def mistakes_in(
     errors: Sequence[ErrorDetails], hints: Hints, values: Any, document: YamlDocument | None, in_file: InFile
 ) -> list[Mistake]:
     """Return the errors that are not consequences of others. in_file: converts positions in `values` to the file's."""
+    beside = _Beside.of(errors)
     return [
-        _described(error, errors, hints, values, document, in_file)
+        _described(error, beside, hints, values, document, in_file)
         for error in errors
-        if not _follows_from_another(error, errors, hints)
+        if not _follows_from_another(error, beside, hints)
     ]
+
+
+class _Beside(NamedTuple):
+    """The errors by the place of the value that contains theirs: with the names of keys, or their number.
+
+    around: the places that contain an error.
+    """
+
+    unknown: dict[Place, list[str]]
+    wrong: dict[Place, set[str]]
+    missing: Counter[Place]
+    around: set[Place]
+
+    @classmethod
+    def of(cls, errors: Sequence[ErrorDetails]) -> _Beside:
+        found = cls(defaultdict(list), defaultdict(set), Counter(), set())
+        for error in errors:
+            loc = error["loc"]
+            found.missing[loc[:-1]] += error["type"] == "missing"
+            if not loc:
+                continue
+            if error["type"] == "extra_forbidden":
+                found.unknown[loc[:-1]].append(str(loc[-1]))
+            else:
+                found.wrong[loc[:-1]].add(str(loc[-1]))
+            found.around.update(loc[:length] for length in range(len(loc)))
+        return found
 
 
 def _described(
     error: ErrorDetails,
-    errors: Sequence[ErrorDetails],
+    beside: _Beside,
     hints: Hints,
     values: Any,
     document: YamlDocument | None,
     in_file: InFile,
 ) -> Mistake:
-    below, shown, rules = _explained(error, errors, hints)
+    below, shown, rules = _explained(error, beside, hints)
     model = _path(values, error["loc"])
     path = [*model, *below]
     if error["type"] == "missing" and isinstance(path[-1], int):  # report the list instead of its absent item
@@ -84,36 +118,31 @@ def _described(
     return Mistake(tuple(path), tuple(model), rules[0], tuple((line, where + what + rule) for rule in rules))
 
 
-def _follows_from_another(error: ErrorDetails, errors: Sequence[ErrorDetails], hints: Hints) -> bool:
+def _follows_from_another(error: ErrorDetails, beside: _Beside, hints: Hints) -> bool:
     """Return whether an error is only a consequence of another, which is reported instead."""
     kind, loc = error["type"], error["loc"]
     if kind == "default_factory_not_called":  # another field is invalid
         return True
     if kind == "missing":  # its key is misspelt
-        unknown = [o["loc"][-1] for o in errors if o["type"] == "extra_forbidden" and o["loc"][:-1] == loc[:-1]]
-        return any(f"'{loc[-1]}'" in hints.get(str(key), "") for key in unknown)
+        unknown = beside.unknown.get(loc[:-1], ())[:HINTS_MAX]  # others have no hints
+        return any(f"'{loc[-1]}'" in hints.get(key, "") for key in unknown)
     if kind == "extra_forbidden":  # the kind to which this key belongs is unknown or misspelt
-        wrong = [o for o in errors if o["type"] != "extra_forbidden"]
-        beside = [str(o["loc"][-1]) for o in wrong if o["loc"][:-1] == loc[:-1]]
-        return any(tag in beside and f"'{tag}'" not in hints.get(str(loc[-1]), "") for tag in TAGS)
-    if kind == "too_short":  # invalid items do not count
-        return any(len(o["loc"]) > len(loc) and o["loc"][: len(loc)] == loc for o in errors)
-    return False
+        wrong = beside.wrong.get(loc[:-1], ())
+        return any(tag in wrong and f"'{tag}'" not in hints.get(str(loc[-1]), "") for tag in TAGS)
+    return kind == "too_short" and loc in beside.around  # invalid items do not count
 
 
-def _explained(
-    error: ErrorDetails, errors: Sequence[ErrorDetails], hints: Hints
-) -> tuple[Sequence[Key], str, Sequence[str]]:
+def _explained(error: ErrorDetails, beside: _Beside, hints: Hints) -> tuple[Sequence[Key], str, Sequence[str]]:
     """Return the keys below the error's location, `= value unit` and the rule, or the mistakes of another file."""
     if isinstance(error.get("ctx", {}).get("error"), ScenarioError):  # from a file named in this one
         return (), "", error["ctx"]["error"].mistakes
     if error["type"] == "extra_forbidden":
         return (), "", ["unknown key" + hints.get(str(error["loc"][-1]), "")]
-    below, shown, rule = _rule(error, errors)
+    below, shown, rule = _rule(error, beside)
     return below, shown, [rule]
 
 
-def _rule(error: ErrorDetails, errors: Sequence[ErrorDetails]) -> tuple[Sequence[Key], str, str]:
+def _rule(error: ErrorDetails, beside: _Beside) -> tuple[Sequence[Key], str, str]:
     kind, value, context = error["type"], error["input"], error.get("ctx", {})
     if kind == "rule":
         has_value = "value" in context or not context["at"]
@@ -122,8 +151,7 @@ def _rule(error: ErrorDetails, errors: Sequence[ErrorDetails]) -> tuple[Sequence
     if kind == "missing" and isinstance(error["loc"][-1], str):
         return (), "", "missing"
     if kind == "missing":
-        absent = sum(other["type"] == "missing" and other["loc"][:-1] == error["loc"][:-1] for other in errors)
-        return (), _shown(value), f"must have {len(value) + absent} values"
+        return (), _shown(value), f"must have {len(value) + beside.missing[error['loc'][:-1]]} values"
     if kind.startswith("union_tag"):
         tag = (str(context["discriminator"]).strip("'"),)
         if kind == "union_tag_not_found":

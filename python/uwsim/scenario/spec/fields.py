@@ -34,7 +34,7 @@ from uwsim.base.deferred_models import DEFER_BUILD
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.read.assets import find_asset, packaged_names
 from uwsim.scenario.read.old_keys import OnceNamed, warn_of_old_name
-from uwsim.scenario.read.validation_errors import HINTS
+from uwsim.scenario.read.validation_errors import HINTS, HINTS_MAX
 from uwsim.scenario.spec.json_schema import described, in_range
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
@@ -106,7 +106,7 @@ class Model(BaseModel):
             data = cls._under_todays_names(data)
         for key in data if isinstance(data, Mapping) else ():
             if key not in cls.model_fields:
-                hint = did_you_mean(str(key), cls.model_fields)
+                hint = did_you_mean(str(key), cls.model_fields) if len(hints or ()) < HINTS_MAX else ""
                 if hints is None:
                     raise broken(f"unknown key{hint}", at=(str(key),))
                 hints[key] = hint
