@@ -14,6 +14,7 @@ from websockets.sync.client import ClientConnection
 from client_socket import connect as websocket
 from command_line import error_line, uwsim
 from uwsim.bridges import RosbridgeServer
+from uwsim.channels.ros.messages import Ros
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 
@@ -59,6 +60,24 @@ def test_rosapi_reads_and_sets_them_and_keeps_a_store_beside(client: ClientConne
     assert call(client, "/rosapi/get_param", name="my/own")[1] == {"value": '{"p": 1}'}
     names = call(client, "/rosapi/get_param_names")[1]["names"]
     assert {name, "/my/own", "/use_sim_time"} <= set(names)
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+def test_rosapi_knows_the_names_that_ros_2_spells_as_node_and_parameter(live: LiveSimulator, ros: Ros) -> None:
+    with RosbridgeServer(live, ros=ros) as server, websocket(server.url) as client:
+        mass = json.dumps(live.simulator.parameters["rov.mass_kg"])
+        assert call(client, "/rosapi/get_param", name="/uwsim:rov.mass_kg", default_value="")[1] == {"value": mass}
+        assert call(client, "/rosapi/get_param", name="/auv_1/uwsim:rov.mass_kg")[1] == {"value": mass}
+        assert call(client, "/rosapi/get_param", name="/other:rov.mass_kg", default_value="7")[1] == {"value": "7"}
+        assert call(client, "/rosapi/get_param", name="/uwsim:use_sim_time")[1] == {"value": "true"}
+        assert call(client, "/rosapi/has_param", name="/uwsim:rov.friction")[1] == {"exists": True}
+        assert call(client, "/rosapi/set_param", name="/uwsim:rov.friction", value="0.6")[0] is True
+        assert live.simulator.parameters["rov.friction"] == 0.6
+        names = call(client, "/rosapi/get_param_names")[1]["names"]
+        spelled = {"/rov/mass_kg", "/use_sim_time"} if ros == 1 else {"/uwsim:rov.mass_kg", "/uwsim:use_sim_time"}
+        assert spelled <= set(names)
+        assert all(call(client, "/rosapi/has_param", name=name)[1]["exists"] for name in names[:5])
+    live.command("reset_parameters").result()
 
 
 def test_services_list_get_describe_set_and_reset(client: ClientConnection, live: LiveSimulator) -> None:

@@ -4,9 +4,12 @@ import json
 import logging
 import math
 import re
+import signal
 import subprocess
+import sys
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,8 +26,13 @@ from uwsim.channels import Channel, Table
 from uwsim.channels.ros import build
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
+from waiting import until
 
+UWSIM = str(Path(sys.executable).with_name("uwsim"))
 HAS_LIBRARY = "import rospy; from rosbridge_library.internal import message_conversion, ros_loader"
+
+
+GENERATIONS = [(1, True), (1, False), (2, True), (2, False)]
 
 
 @pytest.fixture
@@ -33,10 +41,17 @@ def server() -> Iterator[StrictRosbridge]:
         yield server
 
 
-def wait_for_scans(server: StrictRosbridge, more: int) -> None:
-    """Return when the server has received that many more scans."""
-    enough = len(server.published["scan"]) + more
-    server.wait(lambda: len(server.published["scan"]) >= enough)
+@pytest.fixture(params=GENERATIONS, ids=lambda found: f"ros{found[0]}{'' if found[1] else ' without rosapi'}")
+def any_server(request: pytest.FixtureRequest) -> Iterator[StrictRosbridge]:
+    ros, rosapi = request.param
+    with strict_rosbridge(ros, rosapi=rosapi) as server:
+        yield server
+
+
+def wait_for(server: StrictRosbridge, topic: str, more: int) -> None:
+    """Return when the server has received that many more messages on a topic."""
+    enough = len(server.published.get(topic, [])) + more
+    server.wait(lambda: len(server.published.get(topic, [])) >= enough)
 
 
 def scan(*ranges: float) -> Any:
@@ -67,9 +82,9 @@ def test_connect_sends_every_scan_and_reports_what_the_server_refuses(
             server.wait(lambda: len(server.published.get("scan", [])) >= 10)
             server.wait(lambda: {"odom", "imu", "battery_state", "altitude"} <= server.published.keys())
             server.wait(lambda: any("refuses" in line for line in caplog.messages))
-            wait_for_scans(server, 10)  # the last of them was sent after what was under way
+            wait_for(server, "scan", 10)  # the last of them was sent after what was under way
             refused = len(server.refused)
-            wait_for_scans(server, 50)
+            wait_for(server, "scan", 50)
             assert len(server.refused) == refused, "no message on a topic known to be refused"
     np.testing.assert_array_equal(server.published["scan"][0]["ranges"], [1.0, math.inf, math.nan])
     assert math.isnan(server.published["battery_state"][0]["voltage"])
@@ -83,7 +98,84 @@ def test_connect_sends_every_scan_and_reports_what_the_server_refuses(
     )
 
 
-def test_the_chain_of_nodes_needs_no_package_that_ros_lacks(server: StrictRosbridge, tmp_path: Any) -> None:
+def test_a_server_of_either_generation_is_asked_and_takes_all_it_is_sent(
+    any_server: StrictRosbridge, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.INFO, "uwsim.rosbridge")
+    server = any_server
+    with LiveSimulator("pool", speed=4.0) as live:
+        table = Table(live.simulator)
+        wanted = {"clock", "odom", "imu", "tf", "camera/front/camera_info", "cmd_vel"}
+        sent = [channel for channel in table.channels if channel.name in wanted]
+        services = [service for service in table.services if service.name == "undock"]
+        for _ in range(2):  # the second time, the server knows the services already
+            with RosbridgeClient(live, server.url, channels=sent, services=services) as client:
+                client.connected.wait(60.0)
+                for topic in ("odom", "imu", "tf"):
+                    wait_for(server, topic, 5)
+                assert not client.is_refused and client.refusals == ""
+    assert not [line for line in server.refused if "rosapi" not in line]
+    assert caplog.text.count(f": connected, to ROS {server.ros}") == 2
+    assert not [line for line in caplog.messages if "refuse" in line or "does not show" in line]
+    assert server.types["odom"] == ("nav_msgs/Odometry" if server.ros == 1 else "nav_msgs/msg/Odometry")
+    assert server.parameters == ({"/use_sim_time": "true"} if (server.ros, server.has_rosapi) == (1, True) else {})
+
+
+@pytest.mark.parametrize("reason", ["it lacks the package sensor_msgs", "does not have a field scan.ranges"])
+def test_a_server_that_refuses_everything_is_not_called_connected(
+    server: StrictRosbridge, caplog: pytest.LogCaptureFixture, reason: str
+) -> None:
+    caplog.set_level(logging.INFO, "uwsim.rosbridge")
+    if "package" in reason:
+        server.packages.discard("sensor_msgs")
+    else:
+        server.lacks.add("ranges")
+    channel = Channel("scan", "sensor_msgs/msg/LaserScan", "out", "", rate_hz=50.0, read=lambda sim: scan(1.0))
+    with LiveSimulator("pool") as live, RosbridgeClient(live, server.url, channels=[channel]) as client:
+        until(lambda: client.is_refused, "a refusal")
+        assert reason in client.trouble and not client.connected.is_set() and client.connections == 0
+    assert ": connected" not in caplog.text
+
+
+def test_refused_messages_are_reported_at_once_and_counted_and_not_sent_for_ever(
+    server: StrictRosbridge, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.WARNING, "uwsim.rosbridge")
+    server.lacks = {"ranges"}
+    with LiveSimulator("pool", speed=4.0) as live:
+        clock = [channel for channel in Table(live.simulator).channels if channel.name == "clock"]
+        kind = "sensor_msgs/msg/LaserScan"
+        scans = Channel("scan", kind, "out", "", rate_hz=50.0, read=lambda sim: scan(1.0))
+        with RosbridgeClient(live, server.url, channels=[*clock, scans]) as client:
+            server.wait(lambda: len(server.published.get("clock", [])) >= 100)
+            until(lambda: "refuses /scan" in client.refusals, "the summary")
+            assert client.connected.is_set()
+    refused = len([line for line in server.refused if "scan.ranges" in line])
+    assert refused < 20, "those that were under way"
+    (first,) = [line for line in caplog.messages if "a message on /scan is refused" in line]
+    assert "does not have a field scan.ranges" in first
+    assert f"has refused {refused} messages, on /scan" in caplog.messages[-1]
+
+
+def test_connect_ends_with_an_error_if_the_server_refused_everything(server: StrictRosbridge) -> None:
+    server.packages = {"rosgraph_msgs"}
+    command = [UWSIM, "connect", server.url, "pool"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            server.wait(lambda: any("advertise" in line for line in server.refused))
+            assert process.stderr is not None
+            while "the server refuses" not in process.stderr.readline():
+                pass
+            process.send_signal(signal.SIGINT)
+            said = process.communicate(timeout=60.0)[1]
+        finally:
+            process.kill()
+    assert process.returncode == 1 and "Traceback" not in said
+    assert f"error: {server.url}: the server refuses" in said
+
+
+def test_the_chain_of_nodes_needs_no_package_that_ros_lacks(any_server: StrictRosbridge, tmp_path: Any) -> None:
+    server = any_server
     nodes = {name: Node(server.url) for name in NODES}
     reports: list[str] = []
     stopping = threading.Event()
@@ -92,7 +184,9 @@ def test_the_chain_of_nodes_needs_no_package_that_ros_lacks(server: StrictRosbri
         node = nodes[name]
         node.complain = reports.append
         NODES[name](node, tmp_path / "map.bt")
-        node.settle()
+        assert node.settle() == ""
+        assert node.ros == server.ros
+        node.follow_refusals()
         threads.append(threading.Thread(target=node.spin, args=(stopping.is_set,)))
         threads[-1].start()
     sim = Simulator("pool")
@@ -108,7 +202,11 @@ def test_the_chain_of_nodes_needs_no_package_that_ros_lacks(server: StrictRosbri
     for node in nodes.values():
         node.finish()
         node.close()
-    assert not reports and not server.refused
+    assert (
+        not reports
+        and not any("rosapi" not in line for line in server.refused)
+        and not any(node.is_refused for node in nodes.values())
+    )
     assert server.types["decodedDepth"] == "std_msgs/Float32MultiArray"
     assert (tmp_path / "map.bt").stat().st_size > 200
 

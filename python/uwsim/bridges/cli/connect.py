@@ -15,6 +15,13 @@ from uwsim.cli.options import Link, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 from uwsim.cli.values import scenarios
 
+ServersRos = Annotated[
+    int | None,
+    typer.Option(
+        help="The server's generation of ROS, 1 or 2, if it does not show it. Default: 1.", callback=within(1, 2)
+    ),
+]
+
 
 @under("Connect")
 def connect(
@@ -38,7 +45,7 @@ def connect(
     frame_prefix: FramePrefix = None,
     tf: Tf = "truth",
     graph: GraphOptions,
-    ros: Annotated[int, typer.Option(help="The server's generation of ROS: 1 or 2.", callback=within(1, 2))] = 1,
+    ros: ServersRos = None,
     paused: Paused = False,
     link: Link = None,
     threads: Threads = None,
@@ -47,8 +54,8 @@ def connect(
 
     The paper's simulator connects in the same way. Ctrl-C stops it.
 
-    It reconnects whenever the connection is lost. Every topic is sent at its full rate, because rosbridge does not
-    report whether it has subscribers.
+    It reconnects whenever the connection is lost, and asks the server whether it is of ROS 1 or 2. Every topic is sent
+    at its full rate, because rosbridge does not report whether it has subscribers.
     """
     import logging
     from contextlib import ExitStack
@@ -64,8 +71,6 @@ def connect(
 
     logging.basicConfig(format="uwsim: %(message)s")
     logging.getLogger("uwsim.rosbridge").setLevel(logging.INFO)
-    if ros not in (1, 2):
-        raise ValueError(f"--ros = {ros}: must be 1 or 2")
     prefix = prefix_of(namespace, frame_prefix)
     parameters = graph.parameters(node_name(namespace))
     checked_url(url)  # before the scenario is built
@@ -99,5 +104,7 @@ def connect(
         named = {
             "channels": channels_in(namespace, sent), "services": services_in(namespace, table.services)
         }  # fmt: skip
-        sinks.enter_context(RosbridgeClient(live, url, ros=ros, **named))  # type: ignore[arg-type]
+        client = sinks.enter_context(RosbridgeClient(live, url, ros=ros, **named))  # type: ignore[arg-type]  # bounded
         run_until_interrupted(live, f"{scenario} to {url}")
+        if client.is_refused:
+            raise ValueError(f"{url}: {client.trouble}")

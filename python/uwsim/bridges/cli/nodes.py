@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from uwsim.base.options import need
+from uwsim.bridges.cli.connect import ServersRos
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED
@@ -30,6 +31,7 @@ def nodes(
     patience: Annotated[
         float, typer.Option(help="How long to wait for the rosbridge [s].", callback=within(0, 86_400, "s"))
     ] = 10.0,
+    ros: ServersRos = None,
     published_types: Annotated[
         bool,
         typer.Option(
@@ -49,6 +51,7 @@ def nodes(
 
     from uwsim.bridges.nodes.chain import FLOATS, NODES, PUBLISHED_FLOATS
     from uwsim.bridges.nodes.processes import run_all, run_one
+    from uwsim.channels.ros.message_types import Ros
     from uwsim.mapping.occupancy_map import require_map_path
 
     if name not in ("octomap", "all"):
@@ -56,11 +59,12 @@ def nodes(
     out = out or Path("nodes.bt")
     if name in ("octomap", "all"):
         require_map_path(out)  # now, since a map that cannot be written at the end is lost
+    generation: Ros | None = None if ros is None else 2 if ros == 2 else 1
     floats = PUBLISHED_FLOATS if published_types else FLOATS
     logging.basicConfig(format="%(name)s: %(message)s")
     if name != "all":
-        run_one(name, url, out, patience, lambda: typer.echo(f"{name} at {url}"), floats)
+        run_one(name, url, out, patience, lambda: typer.echo(f"{name} at {url}"), floats, generation)
         return
     notice = f"{', '.join(NODES)} at {url}; Ctrl-C ends them"
-    if not run_all(url, out, patience, lambda: typer.echo(notice), floats):
+    if not run_all(url, out, patience, lambda: typer.echo(notice), floats, generation):
         raise typer.Exit(FAILED)

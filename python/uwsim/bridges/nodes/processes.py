@@ -18,6 +18,7 @@ from uwsim.bridges.nodes.chain import FLOATS, NODES
 from uwsim.bridges.nodes.node import Node, connect_patiently
 from uwsim.bridges.nodes.websocket import FIRST_WAIT_S, LONGEST_WAIT_S
 from uwsim.bridges.rare_log import RareLog
+from uwsim.channels.ros.message_types import Ros
 
 LOOK_S = 0.5
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -35,13 +36,22 @@ def _handlers_restored() -> Iterator[None]:
 
 
 @_handlers_restored()
-def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[], None], floats: str = FLOATS) -> None:
+def run_one(
+    name: str,
+    url: str,
+    out: Path,
+    patience_s: float,
+    ready: Callable[[], None],
+    floats: str = FLOATS,
+    ros: Ros | None = None,
+) -> None:
     """Run a node until a signal arrives, reconnecting whenever the connection is lost. The map is always written.
 
-    floats: the type of decodedDepth. Reports from the server, for example about refused messages, are logged. Raises
-    OSError if there is no server at first, or if the map cannot be written.
+    floats: the type of decodedDepth. ros: the server's ROS generation if it does not show it. Reports from the server,
+    for example about refused messages, are logged. Raises OSError if there is no server at first, if it refuses
+    everything, or if the map cannot be written.
     """
-    node = connect_patiently(url, patience_s)
+    node = connect_patiently(url, patience_s, ros)
     log = logging.getLogger(f"uwsim.{name}")
     rare = RareLog(log)
     node.complain = lambda text: rare.warning(f"the server reports: {text}")
@@ -60,7 +70,8 @@ def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[
 
     try:
         NODES[name](node, out, floats)
-        node.settle()
+        if remark := node.settle():
+            log.warning("%s: %s", url, remark)
     except ConnectionClosed:
         if not is_over():
             raise OSError(f"{url}: the connection ended before the node was set up") from None
@@ -77,11 +88,14 @@ def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[
                     log.warning("%s: connected again", url)
     finally:
         node.finish()
+    if node.is_refused:
+        raise OSError(f"{url}: {'; '.join(node.refusals.summary())}")
 
 
 def _report_refused(node: Node, log: logging.Logger, rare: RareLog) -> None:
     """Log the topics that the server does not take. A lost connection is left to the loop that reconnects."""
     try:
+        node.follow_refusals()
         for topic, kind in node.refused().items():
             log.warning("the server refuses %s: does it lack the package of its type, %s?", topic, kind)
     except ConnectionClosed:
@@ -122,7 +136,9 @@ def _reconnect(node: Node, is_over: Callable[[], bool], wait: Callable[[float], 
 
 
 @_handlers_restored()
-def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None], floats: str = FLOATS) -> bool:
+def run_all(
+    url: str, out: Path, patience_s: float, ready: Callable[[], None], floats: str = FLOATS, ros: Ros | None = None
+) -> bool:
     """Run all nodes until one fails or a signal arrives; return whether all succeeded.
 
     Nodes start from the end of the chain, the string decoder last, so that no ping is lost. Raises OSError.
@@ -135,7 +151,9 @@ def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None], f
             signal.signal(number, signal.default_int_handler)
         for name in reversed(NODES):
             is_set_up = context.Event()
-            process = context.Process(target=_child, args=(name, url, out, patience_s, is_set_up, floats), name=name)
+            process = context.Process(
+                target=_child, args=(name, url, out, patience_s, is_set_up, floats, ros), name=name
+            )
             processes.append(process)
             process.start()
             while not is_set_up.wait(LOOK_S):
@@ -156,11 +174,11 @@ def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None], f
     return not any(process.exitcode for process in processes)
 
 
-def _child(name: str, url: str, out: Path, patience_s: float, is_set_up: Event, floats: str) -> None:
+def _child(name: str, url: str, out: Path, patience_s: float, is_set_up: Event, floats: str, ros: Ros | None) -> None:
     for number in ENDING:
         signal.signal(number, signal.SIG_DFL)  # until run_one installs its own
     try:
-        run_one(name, url, out, patience_s, is_set_up.set, floats)
+        run_one(name, url, out, patience_s, is_set_up.set, floats, ros)
     except (OSError, ValueError) as error:
         logging.getLogger(f"uwsim.{name}").error("%s", error)
         sys.exit(1)

@@ -1,18 +1,20 @@
 """RosbridgeClient: connects the simulator to a ROS graph through a rosbridge_server, as the paper's simulator did.
 
-It advertises topics and services and subscribes to command topics, and does so again after each reconnection. While
-connected, every topic is read at its rate, since rosbridge does not report whether a topic has subscribers. The
-simulator's thread never waits, since readings pass through bounded queues, one per topic, that drop the oldest. If the
-server closes the connection because a message was too large, messages of that size or larger are no longer sent.
-What the server refuses, which it reports only in the ROS graph's log, is read there and logged.
+It asks which ROS the server is of, advertises topics and services and subscribes to command topics, and does so again
+after each reconnection. While connected, every topic is read at its rate, since rosbridge does not report whether a
+topic has subscribers. The simulator's thread never waits, since readings pass through bounded queues, one per topic,
+that drop the oldest. If the server closes the connection because a message was too large, messages of that size or
+larger are no longer sent. What the server refuses, which it reports only in the ROS graph's log, is read there and
+logged; a server that refuses everything is not called connected.
 """
 
 from __future__ import annotations
 
 import asyncio
-import secrets
+import math
 import threading
 from collections.abc import Iterable
+from contextlib import suppress
 from functools import partial
 from typing import Any, Self
 
@@ -22,11 +24,10 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.listener import post
 from uwsim.bridges.nodes.websocket import FIRST_WAIT_S, LONGEST_WAIT_S, checked_url, why_not_connected
-from uwsim.bridges.rare_log import RareLog
 from uwsim.bridges.rosbridge.encoding import publication, to_json
+from uwsim.bridges.rosbridge.joining import Joining, RefusedError
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.parse import parse
-from uwsim.bridges.rosbridge.refusals import ROSOUT, Refusals
 from uwsim.channels import Channel, Service
 from uwsim.channels.delivery.feed import Reading, Readings
 from uwsim.channels.delivery.outgoing import Line, Turns, queue_of
@@ -34,8 +35,8 @@ from uwsim.channels.ros.messages import Ros, from_plain, spelled
 from uwsim.live import LiveSimulator, NotRunningError
 
 STOP_S = 5.0
-LOG_WAIT_S = 2.0  # for the first line of the ROS graph's log
-REFUSALS_S = 1.0  # without a further refusal, after which those collected are logged
+TRIAL_S = 1.0  # at most, in which topics are sent before the server counts as connected
+CLOCK = "clock"
 TOO_LARGE = 1009  # RFC 6455: close code for a message that was too large
 
 
@@ -43,8 +44,7 @@ class RosbridgeClient(Bridge):
     """Connects a live simulator to a rosbridge server.
 
     url: the server's URL, such as "ws://host:9090". channels, services: what to publish, subscribe to and offer. ros:
-    the ROS generation whose spelling of types, times and headers the server expects. feed: shared with other sinks.
-    Raises ValueError.
+    the server's ROS generation if it does not show it; by default 1. feed: shared with other sinks. Raises ValueError.
     """
 
     peer = "a client of the rosbridge server"
@@ -56,35 +56,38 @@ class RosbridgeClient(Bridge):
         *,
         channels: Iterable[Channel],
         services: Iterable[Service] = (),
-        ros: Ros = 1,
+        ros: Ros | None = None,
         limits: Limits | None = None,
         feed: Readings | None = None,
     ) -> None:
         self.url = checked_url(url)
         super().__init__("rosbridge", live, channels, services, feed)
-        self._ros: Ros = ros
+        self._given = ros
         self._limits = limits or Limits(frame_bytes=16 << 20)
         self._waiting: Turns[Reading] = Turns()
         self._lines: dict[str, Line[Reading]] = {
             name: Line(name, queue_of(channel.type), channel.drops) for name, channel in self.outputs.items()
         }
-        self._rare = RareLog(self.log)
         self._answers: set[asyncio.Future[None]] = set()
         self._thread: threading.Thread | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self.connected = threading.Event()
         self.trouble = ""  # the reason for not being connected; "" while connected
-        self.refusals = ""  # what the server refuses of ours, in sentences
+        self.is_refused = False  # whether the last server refused everything
         self.connections = 0
         self.sent = 0
         self._largest_sent = 0  # size in bytes of the largest message sent on this connection
         self._refused_bytes: int | None = None  # messages of this size or larger are no longer sent
         self._left_out: set[str] = set()
-        self._refusals = Refusals(ros, "")
-        self._reads_log = asyncio.Event()
+        self._joining: Joining | None = None  # of this connection
 
     def __repr__(self) -> str:
         return f"<RosbridgeClient of {self.url}>"
+
+    @property
+    def refusals(self) -> str:
+        """What the server refuses of ours, in sentences."""
+        return "" if self._joining is None else self._joining.told
 
     def start(self) -> Self:
         """Start connecting; return self."""
@@ -130,25 +133,28 @@ class RosbridgeClient(Bridge):
                     self.url, compression=None, max_size=self._limits.frame_bytes, close_timeout=1, open_timeout=5
                 ) as connection:
                     await self._converse(connection)
-                self.trouble = "the connection has ended"
+                self.trouble, self.is_refused = "the connection has ended", False
             except (OSError, TimeoutError, ConnectionClosed, InvalidHandshake, InvalidURI, ValueError) as error:
-                self.trouble = why_not_connected(error)
+                self.trouble, self.is_refused = why_not_connected(error), isinstance(error, RefusedError)
                 if isinstance(error, ConnectionClosed) and error.rcvd is not None and error.rcvd.code == TOO_LARGE:
                     self._refused_bytes = self._largest_sent
-            if self.connections > before:
+            if self.connections > before and not self.is_refused:
                 wait_s = FIRST_WAIT_S
             self.log.warning("%s: %s; next attempt in %g s", self.url, self.trouble, wait_s)
             await asyncio.sleep(wait_s)
             wait_s = min(2.0 * wait_s, LONGEST_WAIT_S)
 
     async def _converse(self, connection: ClientConnection) -> None:
-        self._refusals = Refusals(self._ros, f"uwsim-{secrets.token_hex(4)}")
-        self._reads_log = asyncio.Event()
-        self._largest_sent, self.refusals = 0, ""
-        tasks = [asyncio.create_task(self._speak(connection)), asyncio.create_task(self._report_refusals())]
+        topics = [f"/{name}" for name in self.outputs]
+        self._joining = joining = Joining(connection, self._given, topics, self.log, self.url)
+        self._largest_sent = 0
+        listening = asyncio.create_task(self._listen(connection, joining))
+        others = self._speak(connection, joining), joining.follow_refusals()
+        tasks = [listening, *map(asyncio.create_task, others)]
         try:
-            async for frame in connection:
-                self._receive(frame, connection)
+            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            for task in sorted(done, key=lambda task: task is not listening):  # which knows why a connection ended
+                task.result()
         finally:
             self.connected.clear()
             for task in tasks:
@@ -160,51 +166,36 @@ class RosbridgeClient(Bridge):
             while self._waiting.take(wait=False) is not None:
                 pass
             await asyncio.gather(*tasks, return_exceptions=True)
+            joining.log_refusals()
 
-    async def _speak(self, connection: ClientConnection) -> None:
-        """Subscribe to the ROS graph's log, introduce the simulator, then send readings."""
-        for operation in self._refusals.greeting():
-            await connection.send(to_json(operation))
-        try:
-            async with asyncio.timeout(LOG_WAIT_S):
-                await self._reads_log.wait()
-        except TimeoutError:
-            self.log.warning("%s: /%s cannot be read: refusals by the server remain unknown", self.url, ROSOUT)
-        for operation in self._refusals.marked(self._introduction()):
-            await connection.send(to_json(operation))
+    async def _listen(self, connection: ClientConnection, joining: Joining) -> None:
+        async for frame in connection:
+            self._receive(frame, connection, joining)
+
+    async def _speak(self, connection: ClientConnection, joining: Joining) -> None:
+        """Introduce the simulator, and send readings; the server counts as connected if it takes the first ones."""
+        await joining.begin()
+        await joining.introduce(self._introduction(joining.ros))
+        if joining.ros == 1 and CLOCK in self.outputs:  # one parameter for all nodes; in ROS 2 each node has its own
+            await joining.call("/rosapi/set_param", {"name": "/use_sim_time", "value": "true"})
         self._read_channels()
+        await self._write(connection, joining, topics=1)
+        if await joining.is_refused():
+            await self._write(connection, joining, topics=len(self.outputs))
+            await joining.is_refused()
+            joining.require_topics()
         self.connections += 1
         self.connected.set()
-        self.trouble = ""
-        self.log.info("%s: connected", self.url)
-        await self._write(connection)
+        self.trouble, self.is_refused = "", False
+        self.log.info("%s: connected, to ROS %d", self.url, joining.ros)
+        await self._write(connection, joining)
 
-    async def _report_refusals(self) -> None:
-        """Log refusals when no further one has followed for REFUSALS_S, and at the end of the connection."""
-        reported = seen = self._refusals.names
-        try:
-            while True:
-                await asyncio.sleep(REFUSALS_S)
-                if reported != seen == self._refusals.names:
-                    reported = seen
-                    self._log_refusals()
-                seen = self._refusals.names
-        finally:
-            if reported != self._refusals.names:
-                self._log_refusals()
-
-    def _log_refusals(self) -> None:
-        sentences = self._refusals.summary()
-        self.refusals = "; ".join(sentences)
-        for sentence in sentences:
-            self.log.warning("%s: %s", self.url, sentence)
-
-    def _introduction(self) -> Iterable[dict[str, Any]]:
+    def _introduction(self, ros: Ros) -> Iterable[dict[str, Any]]:
         for channel in self.outputs.values():
-            kind = spelled(channel.type, self._ros)
+            kind = spelled(channel.type, ros)
             yield {"op": "advertise", "topic": f"/{channel.name}", "type": kind, "latch": channel.delivery.latched}
         for channel in self.inputs.values():
-            kind = spelled(channel.type, self._ros)
+            kind = spelled(channel.type, ros)
             yield {"op": "subscribe", "topic": f"/{channel.name}", "type": kind, "queue_length": 1}
         for service in self.services.values():
             yield {"op": "advertise_service", "service": f"/{service.name}", "type": service.type.replace("/srv/", "/")}
@@ -222,18 +213,27 @@ class RosbridgeClient(Bridge):
         if self._loop is not None and not self._wakes.is_set():
             post(self._loop, self._wakes.set)
 
-    async def _write(self, connection: ClientConnection) -> None:
-        while True:
+    async def _write(self, connection: ClientConnection, joining: Joining, topics: int | None = None) -> None:
+        """Send readings; with `topics`, only until so many were sent, for TRIAL_S at most."""
+        loop, sent = asyncio.get_running_loop(), set[str]()
+        end_s = math.inf if topics is None else loop.time() + TRIAL_S
+        while (topics is None or len(sent) < topics) and loop.time() < end_s:
             self._wakes.clear()
             while (turn := self._waiting.take(wait=False)) is not None:
-                await self._send(turn[1], connection)
-            await self._wakes.wait()
+                await self._send(turn[1], connection, joining)
+                if topics is not None:
+                    sent.add(turn[1].channel.name)
+                    if len(sent) >= topics or loop.time() > end_s:
+                        return
+            with suppress(TimeoutError):
+                async with asyncio.timeout_at(None if topics is None else end_s):
+                    await self._wakes.wait()
 
-    async def _send(self, reading: Reading, connection: ClientConnection) -> None:
+    async def _send(self, reading: Reading, connection: ClientConnection, joining: Joining) -> None:
         name = reading.channel.name
-        if f"/{name}" in self._refusals.names:  # each message would be an error in the ROS graph's log
+        if joining.refusals.refuses(f"/{name}"):  # each message would be an error in the ROS graph's log
             return
-        frame = publication(reading.message, f"/{name}", self._ros)
+        frame = publication(reading.message, f"/{name}", joining.ros, joining.refusals.next_id(f"/{name}"))
         size = len(frame)
         if self._refused_bytes is not None and size >= self._refused_bytes:
             if name not in self._left_out:
@@ -241,34 +241,24 @@ class RosbridgeClient(Bridge):
                 self.log.warning("%s: topic '%s': messages of %d bytes are too large, left out", self.url, name, size)
             return
         self._largest_sent = max(self._largest_sent, size)
+        joining.refusals.count_sent(f"/{name}")
         await connection.send(frame)
         self.sent += 1
 
-    def _receive(self, frame: str | bytes, connection: ClientConnection) -> None:
+    def _receive(self, frame: str | bytes, connection: ClientConnection, joining: Joining) -> None:
         """Handle a frame from the server, logging any errors."""
         try:
             operation = parse(frame, self._limits.nesting)
+            if joining.read(operation):
+                return
             if operation.get("op") == "publish":
-                name = str(operation.get("topic")).lstrip("/")
-                channel = self.inputs.get(name)
-                if name == ROSOUT:
-                    self._read_log(operation.get("msg"))
-                elif channel is not None:
+                channel = self.inputs.get(str(operation.get("topic")).lstrip("/"))
+                if channel is not None:
                     self.apply(channel, from_plain(channel.type, operation.get("msg", {})))
             elif operation.get("op") == "call_service":
                 self._serve(operation, connection)
-            elif operation.get("op") == "status":
-                self._rare.warning(f"{self.url} reports: {str(operation.get('msg'))[:500]}")
         except (ValueError, NotRunningError) as error:
             self.log.warning("%s: %s", self.url, error)
-
-    def _read_log(self, message: Any) -> None:
-        if not isinstance(message, dict):
-            return
-        if self._refusals.is_greeting(message):
-            self._reads_log.set()
-        elif (text := self._refusals.read(message)) is not None:
-            self._rare.warning(f"{self.url} reports: {text}")
 
     def _serve(self, operation: dict[str, Any], connection: ClientConnection) -> None:
         service, arguments = self.services.get(str(operation.get("service")).lstrip("/")), operation.get("args")

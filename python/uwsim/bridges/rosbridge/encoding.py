@@ -103,9 +103,13 @@ def from_png(data: str, size_max: int) -> str:
         raise ValueError(f"png.data: not a PNG of text in base64 ({error})") from None
 
 
-def publication(message: Any, topic: str, ros: Ros) -> str:
-    """Return a "publish" operation as a client sends it to a rosbridge_server, with literal NaN and Infinity."""
-    operation = {"op": "publish", "topic": topic, "msg": to_plain(message, ros, "literal")}
+def publication(message: Any, topic: str, ros: Ros, identity: str = "") -> str:
+    """Return a "publish" operation as a client sends it to a rosbridge_server, with literal NaN and Infinity.
+
+    identity: its id, which the server repeats if it refuses the message.
+    """
+    named = {"id": identity} if identity else {}
+    operation = {"op": "publish", **named, "topic": topic, "msg": to_plain(message, ros, "literal")}
     return orjson.dumps(operation, option=JSON_OPTIONS).decode()
 
 

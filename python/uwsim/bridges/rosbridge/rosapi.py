@@ -17,6 +17,7 @@ from uwsim.bridges.rosbridge.graph import LOGGER, Graph, Handler, Reply, plain_n
 from uwsim.bridges.rosbridge.parameters import Parameters
 from uwsim.bridges.rosbridge.type_details import message_details, part_details
 from uwsim.channels.calls.command_services import by_field
+from uwsim.channels.names import NODE
 from uwsim.channels.ros.message_types import message_text, shortened
 from uwsim.channels.ros.messages import Ros, resolve, spelled
 from uwsim.channels.ros.service_types import field_names
@@ -41,7 +42,7 @@ Query = tuple[str, str, Callable[[Args], Any]]
 
 def offer_rosapi(graph: Graph, parameters: Parameters, ros: Ros, time_ns: Callable[[], int]) -> None:
     """Offer the rosapi services in a graph. time_ns: returns the simulated time."""
-    queries = _graph_queries(graph, ros) | _parameter_queries(parameters) | _world_queries(ros, time_ns)
+    queries = _graph_queries(graph, ros) | _parameter_queries(parameters, ros) | _world_queries(ros, time_ns)
     queries |= _type_queries(ros, queries)
     graph.nodes[OWNER] = None
     for name, query in queries.items():
@@ -188,12 +189,14 @@ def _full_text(type_name: str, ros: Ros) -> str:
     return message_text(resolve(type_name)[0], ros)
 
 
-def _parameter_queries(parameters: Parameters) -> dict[str, Query]:
+def _parameter_queries(parameters: Parameters, ros: Ros) -> dict[str, Query]:
     def name_of(args: Args) -> str:
-        return plain_name(_text(args, "name"), "parameter")
+        node, colon, rest = _text(args, "name").partition(":")  # in ROS 2, /NODE:NAME
+        is_ours = colon and node.strip("/").rpartition("/")[2] == NODE
+        return plain_name(rest if is_ours else _text(args, "name"), "parameter")
 
     def get(args: Args) -> Args:
-        default = args.get("default")
+        default = args.get("default_value" if "default_value" in args else "default")  # in ROS 2, and in ROS 1
         default = default if isinstance(default, str) and default else "null"
         return {"value": parameters.get_json(name_of(args), default)}
 
@@ -211,10 +214,11 @@ def _parameter_queries(parameters: Parameters) -> dict[str, Query]:
         return {"exists": parameters.has(name_of(args))}
 
     def all_names(args: Args) -> Args:
-        return {"names": [f"/{name}" for name in parameters.names()]}
+        names = parameters.names()
+        return {"names": [f"/{name}" if ros == 1 else f"/{NODE}:{name.replace('/', '.')}" for name in names]}
 
     return {
-        "get_param": ("string name\nstring default\n", "string value\n", get),
+        "get_param": (f"string name\nstring {'default' if ros == 1 else 'default_value'}\n", "string value\n", get),
         "set_param": ("string name\nstring value\n", "", set_),
         "has_param": ("string name\n", "bool exists\n", has),
         "search_param": ("string name\n", "string global_name\n", search),

@@ -53,8 +53,9 @@ def to_plain(message: Any, ros: Ros = 2, form: Form = "json") -> dict[str, Any]:
 
     form "json": numbers may be NaN, and arrays are NumPy arrays, which orjson writes as null and as lists. uint8[] is
     base64. form "literal": the same, but NaN and infinity become the words NaN, Infinity and -Infinity, as in Python's
-    json; rosbridge_server accepts these, and rejects null in place of a number. form "cbor": arrays of numbers are
-    typed arrays of RFC 8746, and uint8[] is bytes.
+    json; rosbridge_server accepts these, and rejects null in place of a number. A header has no seq, which ROS 1's
+    publishers count themselves and ROS 2 rejects. form "cbor": arrays of numbers are typed arrays of RFC 8746, and
+    uint8[] is bytes.
     """
     return _writer(message.__msgtype__, ros, form)(message)  # type: ignore[no-any-return]
 
@@ -87,7 +88,9 @@ def from_bytes(data: bytes, name: str) -> Any:
 @cache
 def _writer(name: str, ros: Ros, form: Form) -> Writer:
     parts = [
-        (field.name, _getter(field, ros, form), _value_writer(field.kind, ros, form)) for field in fields(name, ros)
+        (field.name, _getter(field, ros, form), _value_writer(field.kind, ros, form))
+        for field in fields(name, ros)
+        if field.attribute is not None or form != "literal"
     ]
     copied = [(field, get) for field, get, write in parts if write is None]
     written = [(field, get, write) for field, get, write in parts if write is not None]

@@ -21,10 +21,10 @@ STATION_ANSWERS_S = 1.0
 
 @dataclass(frozen=True)
 class UserRosbridge:
-    """The address of a rosbridge server, and its ROS generation."""
+    """The address of a rosbridge server, and its ROS generation if it does not show it."""
 
     url: str
-    ros: Ros
+    ros: Ros | None
 
     def require_reachable(self) -> None:
         """Try to connect. Raises ValueError if the server cannot be reached, or is a uwsim station."""
@@ -60,11 +60,11 @@ def checked_port(value: object) -> int:
     return int(value)
 
 
-def checked_ros(value: object) -> Ros:
-    """Return the generation of ROS, which for None is 1, as in the paper. Raises ValueError."""
+def checked_ros(value: object) -> Ros | None:
+    """Return the generation of ROS, or None. Raises ValueError."""
     if value is not None and (isinstance(value, bool) or value not in (1, 2)):
         raise ValueError(f"rosbridge_ros = {str(value)[:40]}: must be 1 or 2")
-    return 2 if value == 2 else 1
+    return None if value is None else 2 if value == 2 else 1
 
 
 def _is_station(socket: WebSocket) -> bool:

@@ -130,14 +130,6 @@ export class StartScreen {
         this.#field('rosbridge_port', WORDS.port, number({ min: 1, max: 65535, step: 1 }), {
           hint: WORDS.portHint,
         }),
-        this.#field(
-          'rosbridge_ros',
-          WORDS.itsRos,
-          options([
-            { value: 1, text: WORDS.ros1 },
-            { value: 2, text: WORDS.ros2 },
-          ]),
-        ),
       )),
       (this.otherSet = this.#set(
         WORDS.address,
@@ -246,7 +238,6 @@ export class StartScreen {
     const rosbridge = value('rosbridge_host') && {
       rosbridge_host: value('rosbridge_host'),
       rosbridge_port: numeric('rosbridge_port'),
-      rosbridge_ros: numeric('rosbridge_ros'),
     };
     if (this.savedName) return { saved: this.savedName, speed: numeric('speed'), ...rosbridge };
     return {
