@@ -133,7 +133,7 @@ class Node:
 
     @property
     def is_refused(self) -> bool:
-        """Whether every message so far was refused."""
+        """True if every message so far was refused."""
         return self.refusals.refuses_all(self._advertised)
 
     def refused(self, patience_s: float = 5.0) -> dict[str, str]:

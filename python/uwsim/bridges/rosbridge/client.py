@@ -86,8 +86,8 @@ class RosbridgeClient(Bridge):
 
     @property
     def refusals(self) -> str:
-        """What the server refuses of ours, in sentences."""
-        return "" if self._joining is None else self._joining.told
+        """Sentences about our requests and messages that the server refuses."""
+        return "" if self._joining is None else self._joining.sentences
 
     def start(self) -> Self:
         """Start connecting; return self."""

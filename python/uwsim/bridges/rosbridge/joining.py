@@ -31,8 +31,8 @@ class Joining:
     """One connection's questions and refusals.
 
     given: the server's ROS generation if it does not show it. sends: the topics that the client sends, each with its
-    leading slash. ros: the generation, known after `begin`. refusals: what the server refuses. told: the same in
-    sentences, as logged.
+    leading slash. ros: the generation, known after `begin`. refusals: what the server refuses. sentences: the same,
+    as logged.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class Joining:
         self._generation = Generation(f"{self._mark}{OPTIONAL}")
         self._answered, self._reads_log = asyncio.Event(), asyncio.Event()
         self._said: set[str] = set()
-        self.told = ""
+        self.sentences = ""
         self.ros: Ros = given or 1
         self.refusals = Refusals(self.ros, self._mark)
 
@@ -108,7 +108,7 @@ class Joining:
     def log_refusals(self) -> None:
         """Log what the server refuses, unless it was logged."""
         sentences = self.refusals.summary()
-        self.told = "; ".join(sentences)
+        self.sentences = "; ".join(sentences)
         for sentence in sentences:
             if sentence not in self._said:
                 self._log.warning("%s: %s", self._url, sentence)

@@ -25,7 +25,7 @@ FORBIDDEN = "No match found for"
 CLIENT = re.compile(r"^\[Client ([^\]]+)\] (?:\[id: ([^\]]*)\] )?(.*)", re.DOTALL)
 PACKAGE = re.compile(r"\bpackage '?(\w+)")
 OPTIONAL = "?"
-"""What follows the mark in the id of a call to a service that the server may lack."""
+"""Follows the mark in the id of a call to a service that the server may lack."""
 NAMES_SHOWN, TEXT_SHOWN = 3, 300
 FIRST = 3
 """How many messages at the start of a topic must be refused for the topic to be."""
