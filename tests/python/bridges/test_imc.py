@@ -17,7 +17,7 @@ import pytest
 from imc_standin import StandInDune
 from steered import OPEN_WATER, bay, steered_by, torpedo
 from uwsim import Simulator
-from uwsim.bridges.imc.announcer import DISCOVERY_PORTS
+from uwsim.bridges.imc.announcer import CONSOLES_MAX, DISCOVERY_PORTS, Announcer
 from uwsim.bridges.imc.link import Address, Identity, ImcLink
 from uwsim.bridges.imc.plug import ImcOptions, ImcPlug
 from uwsim.bridges.imc.readings import Place, servos, simulated_state
@@ -305,6 +305,21 @@ def test_a_console_is_answered_and_gets_the_vehicle_but_does_not_steer_it() -> N
         until(lambda: console.has("EntityList"))
         assert "navigation=" in console.heard["EntityList"].content["list"]
         assert live.rov.thrusters["propeller"].command == 0.0
+
+
+def test_no_number_of_announcements_shuts_out_a_console() -> None:
+    announcer = Announcer(Address.parse("announce:127.0.0.1:6001"), Identity(0xD1), "rov", lambda: (0.0, 0.0))
+
+    def announces(system: int, service: socket.socket) -> None:
+        services = {"sys_name": "ccu", "services": "imc+udp://127.0.0.1:9/"}
+        announcer._take(decoded(encoded(Message("Announce", services, system))), ("127.0.0.1", 9), service)
+
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as service:
+        for _ in range(3):
+            for system in range(1, 4 * CONSOLES_MAX):
+                announces(system, service)
+            announces(0x4101, service)
+            assert 0x4101 in announcer.consoles and len(announcer.consoles) == CONSOLES_MAX
 
 
 @pytest.mark.skipif(

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from uwsim.bridges.imc.wire import FORMATS, NO_SYSTEM, ImcError, Message, PacketReader, crc16, decoded, encoded
+from counted_work import assert_linear
+from uwsim.bridges.imc.crc import after_zeros, crc16, sums
+from uwsim.bridges.imc.wire import FORMATS, NO_SYSTEM, SYNC, ImcError, Message, PacketReader, decoded, encoded
 
 
 def some(kind: str, rng: np.random.Generator) -> Any:
@@ -82,6 +84,37 @@ def test_packets_are_found_however_the_bytes_are_divided_and_behind_damaged_ones
         assert [m for k in range(0, len(data), size) for m in reader.read(data[k : k + size])] == sent
     with pytest.raises(ImcError, match="is it IMC"):
         list(PacketReader().read(b"x" * 200_000))
+
+
+def nested(count: int, *, is_valid: bool) -> bytes:
+    """Return so many beginnings of packets, all of which end at the last one's end, with valid check sums or without.
+
+    A valid packet is damaged by its content alone: an EntityList whose text is longer than the packet.
+    """
+    head, data = 10, b"\xff" * 40
+    for _ in range(count):
+        packet = SYNC + (5).to_bytes(2, "little") + (len(data) + head - 20).to_bytes(2, "little") + b"\xff" * 4 + data
+        data = packet + (crc16(packet).to_bytes(2, "little") if is_valid else b"")
+    return data
+
+
+@pytest.mark.parametrize("is_valid", [False, True])
+@pytest.mark.parametrize("part", [7, 1 << 20])
+def test_the_work_is_in_proportion_to_the_bytes_whatever_they_are(is_valid: bool, part: int) -> None:
+    def read(data: bytes) -> None:
+        reader = PacketReader()
+        found = [m for k in range(0, len(data), part) for m in reader.read(data[k : k + part])]
+        assert [each.name for each in found] == ["Heartbeat"]
+
+    end = encoded(Message("Heartbeat", {}))
+    assert_linear(read, lambda count: nested(count, is_valid=is_valid) + end, 40)
+
+
+def test_the_check_sum_of_a_stretch_follows_from_those_of_its_ends() -> None:
+    data = bytes(np.random.default_rng(1).integers(0, 256, 70_000, np.uint8))
+    before = [0, *sums(data, 0)]
+    for begin, end in ((0, 70_000), (1, 69_999), (20_000, 20_000), (313, 65_868)):
+        assert before[end] ^ after_zeros(before[begin], end - begin) == crc16(data[begin:end])
 
 
 def test_damaged_packets_are_refused_and_never_raise_anything_else() -> None:

@@ -19,12 +19,14 @@ from typing import Any
 from uwsim.bridges.imc.link import HEARTBEAT_S, POLL_S, QUERY, REPORT, Address, Identity, logger
 from uwsim.bridges.imc.wire import NO_SYSTEM, UNKNOWN_ENTITY, ImcError, Message, Sent, decoded, encoded
 from uwsim.bridges.kept_connection import DATAGRAMS_MAX, READ_BYTES, KeptConnection
+from uwsim.bridges.places import Places
 
 GROUP, BROADCAST = "224.0.75.69", "255.255.255.255"
 DISCOVERY_PORTS = (30100, 30101, 30102, 30103, 30104)
 ANNOUNCE_S, LOST_S = 10.0, 30.0
 """Time between announcements, and without a message after which a console is lost."""
 CONSOLES_MAX = 16
+"""If there are more, the one that was silent longest goes."""
 UNDERWATER_VEHICLE = 2
 Endpoint = tuple[str, int]
 
@@ -43,7 +45,8 @@ class Announcer(KeptConnection[Message]):
     ) -> None:
         super().__init__(str(address), logger, "uwsim-imc")
         self.address, self.identity, self._name, self._where = address, identity, name, where
-        self._consoles: dict[int, tuple[Endpoint, float]] = {}
+        self._consoles: dict[int, Endpoint] = {}
+        self._places: Places[int] = Places(self._consoles.pop, CONSOLES_MAX, LOST_S)
         if not self._is_local:
             logger.warning("IMC at %s, beyond this machine, in plain text", address)
 
@@ -103,9 +106,9 @@ class Announcer(KeptConnection[Message]):
                 if now_s - beat_s >= HEARTBEAT_S:
                     beat_s = now_s
                     self.publish([("uwsim", "Heartbeat", {})])
-                self._consoles = {n: (at, s) for n, (at, s) in self._consoles.items() if now_s - s < LOST_S}
+                self._places.sweep()
                 packets = [encoded(each) for each in self._taken()]
-                for there, _ in self._consoles.values():
+                for there in self._consoles.values():
                     for packet in packets:
                         _send(service, packet, there)
                 for key, _ in selector.select(POLL_S):
@@ -138,9 +141,6 @@ class Announcer(KeptConnection[Message]):
 
     def _take(self, message: Message, there: Endpoint, service: socket.socket) -> None:
         is_new = message.source not in self._consoles
-        if is_new and len(self._consoles) >= CONSOLES_MAX:
-            self._rare.warning(f"{self.address}: more than {CONSOLES_MAX} consoles: another gets nothing")
-            return
         if message.name == "Announce":
             found = re.findall(r"imc\+udp://([\d.]+):(\d{1,5})/", message.content["services"])
             ports = {host: int(port) for host, port in found if 0 < int(port) < 65536}
@@ -148,8 +148,9 @@ class Announcer(KeptConnection[Message]):
                 return  # the service of another machine, or none
             there = (there[0], ports[there[0]])
         elif not is_new:
-            there = self._consoles[message.source][0]
-        self._consoles[message.source] = (there, time.monotonic())
+            there = self._consoles[message.source]
+        self._consoles[message.source] = there
+        self._places.renew(message.source)
         if is_new:
             logger.info("console 0x%04X at %s:%d", message.source, *there)
             self._announce(service, [there[0]])

@@ -13,9 +13,12 @@ communication protocol for networked vehicles and sensors", OCEANS 2009.
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
+
+from uwsim.bridges.imc.crc import after_zeros, crc16, sums
 
 NO_SYSTEM, UNKNOWN_ENTITY = 0xFFFF, 0xFF
 """The system that is none in particular, and the entity: as a source, the receiver puts its own; or for all."""
@@ -74,6 +77,7 @@ FORMATS: dict[str, tuple[int, Format]] = {
 _NAMES: dict[int, str] = {number: name for name, (number, _) in FORMATS.items()}
 _HEADERS = {byte_order: struct.Struct(byte_order + "HHHdHBHB") for byte_order in "<>"}
 _HEADER_BYTES, _CRC_BYTES = 20, 2
+_ANY_SYNC = re.compile(re.escape(SYNC) + b"|" + re.escape(SWAPPED))
 
 
 def define(name: str, number: int, of: Format) -> None:
@@ -150,22 +154,26 @@ def _inline(inline: tuple[str, Mapping[str, Any]] | None) -> bytes:
 
 def decoded(packet: bytes) -> Message:
     """Return the message of a whole packet, as of a datagram. Raises ImcError."""
+    if len(packet) < _HEADER_BYTES:
+        raise ImcError(f"a packet of {len(packet)} bytes: must have at least {_HEADER_BYTES}")
     order = _order(packet)
-    try:
-        _, number, size, time_s, source, entity, destination, to_entity = _HEADERS[order].unpack_from(packet)
-    except struct.error as error:
-        raise ImcError(f"a packet of {len(packet)} bytes: {error}") from None
-    end = _HEADER_BYTES + size
+    end = _HEADER_BYTES + _HEADERS[order].unpack_from(packet)[2]
     if len(packet) != end + _CRC_BYTES:
         raise ImcError(f"a packet of {len(packet)} bytes: must have {end + _CRC_BYTES}")
     if struct.unpack_from(order + "H", packet, end)[0] != crc16(packet[:end]):
         raise ImcError(f"a packet of {len(packet)} bytes: its check sum is wrong")
+    return _message(packet[:end], order)
+
+
+def _message(packet: bytes, order: str) -> Message:
+    """Return the message of a packet without its check sum. Raises ImcError."""
+    _, number, _, time_s, source, entity, destination, to_entity = _HEADERS[order].unpack_from(packet)
     name = _NAMES.get(number)
     content: dict[str, Any] = {}
     if name is not None:
-        content, at = _Read(packet[:end], order).message(name, _HEADER_BYTES, 0)
-        if at != end:
-            raise ImcError(f"{name}: {end - at} bytes are left over")
+        content, at = _Read(packet, order).message(name, _HEADER_BYTES, 0)
+        if at != len(packet):
+            raise ImcError(f"{name}: {len(packet) - at} bytes are left over")
     return Message(name or str(number), content, source, entity, time_s, destination, to_entity)
 
 
@@ -222,52 +230,49 @@ class _Read:
 
 
 class PacketReader:
-    """Converts the bytes of a connection to messages, however the bytes were divided; resumes after damaged ones."""
+    """Converts the bytes of a connection to messages, however the bytes were divided; resumes after damaged ones.
+
+    Any two bytes may look like the beginning of a packet. The work is nevertheless proportional to the bytes: the check
+    sum of each stretch follows from those of all bytes up to its beginning and up to its end.
+    """
 
     def __init__(self) -> None:
         self._kept = bytearray()
+        self._sums = [0]  # of the first k bytes kept, after what was before them
         self.skipped = 0
 
     def read(self, data: bytes) -> Iterator[Message]:
         """Yield the messages of all packets that are now complete. Raises ImcError for too many bytes that are none."""
         self._kept += data
-        while len(self._kept) >= _HEADER_BYTES:
-            start = min((k for sync in (SYNC, SWAPPED) if (k := self._kept.find(sync)) >= 0), default=-1)
-            if start != 0:
-                self._skip(start if start > 0 else len(self._kept) - 1)
-                continue
-            order = _order(bytes(self._kept[:2]))
-            end = _HEADER_BYTES + struct.unpack_from(order + "H", self._kept, 4)[0] + _CRC_BYTES
-            if len(self._kept) < end:
-                return
-            try:
-                message = decoded(bytes(self._kept[:end]))
-            except ImcError:
-                self._skip(1)
-                continue
-            del self._kept[:end]
-            self.skipped = 0
-            yield message
+        self._sums += sums(data, self._sums[-1])
+        begin = 0
+        try:
+            while len(self._kept) - begin >= _HEADER_BYTES:
+                sync = _ANY_SYNC.search(self._kept, begin)
+                start = len(self._kept) - 1 if sync is None else sync.start()
+                if start != begin:
+                    begin = self._skipped_to(start, begin)
+                    continue
+                order = _order(bytes(self._kept[begin : begin + 2]))
+                end = begin + _HEADER_BYTES + struct.unpack_from(order + "H", self._kept, begin + 4)[0]
+                if len(self._kept) < end + _CRC_BYTES:
+                    return
+                crc = self._sums[end] ^ after_zeros(self._sums[begin], end - begin)
+                if struct.unpack_from(order + "H", self._kept, end)[0] != crc:
+                    begin = self._skipped_to(begin + 1, begin)
+                    continue
+                try:
+                    message = _message(bytes(self._kept[begin:end]), order)
+                except ImcError:  # of a packet that arrived as it was sent, so that no other begins within it
+                    begin = self._skipped_to(end + _CRC_BYTES, begin)
+                    continue
+                begin, self.skipped = end + _CRC_BYTES, 0
+                yield message
+        finally:
+            del self._kept[:begin], self._sums[:begin]
 
-    def _skip(self, count: int) -> None:
-        del self._kept[:count]
-        self.skipped += count
+    def _skipped_to(self, end: int, begin: int) -> int:
+        self.skipped += end - begin
         if self.skipped > GARBAGE_BYTES_MAX:
             raise ImcError(f"{self.skipped} bytes without a packet: is it IMC?")
-
-
-def crc16(data: bytes) -> int:
-    """Return the CRC-16-IBM of some bytes."""
-    crc = 0
-    for byte in data:
-        crc = (crc >> 8) ^ _CRC[(crc ^ byte) & 0xFF]
-    return crc
-
-
-def _of_byte(byte: int) -> int:
-    for _ in range(8):
-        byte = (byte >> 1) ^ (0xA001 if byte & 1 else 0)
-    return byte
-
-
-_CRC = tuple(_of_byte(each) for each in range(256))
+        return end
