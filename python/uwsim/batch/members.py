@@ -84,7 +84,9 @@ class Members:
         link = (
             None
             if scenario.link is None
-            else link_spec(scenario.link, scenario.station, [vehicle.name for vehicle in scenario.vehicles])
+            else link_spec(
+                scenario.link, scenario.station, self._world, [vehicle.name for vehicle in scenario.vehicles]
+            )
         )
         spec = _core.MemberSpec(water, simulation_spec(scenario), vehicles, link, self._objects, self._tethers)
         return Member(original, scenario, water, changes, vehicles, spec)

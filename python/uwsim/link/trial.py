@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.scenario import Scenario
-from uwsim.scenario.build.link import link_spec
-from uwsim.scenario.build.station import in_world
+from uwsim.scenario.build.link import link_spec, station_transducer
 from uwsim.scenario.spec.link import LinkFault
 from uwsim.simulator.link_traffic import LinkRow, link_rows
 from uwsim.simulator.network import STATION, Network
@@ -123,7 +122,7 @@ def _is_clear(sim: Simulator, place: Floats) -> bool:
 def _leg(sim: Simulator, network: Network, vehicle: str, size: int) -> Leg:
     """Send PACKETS_A_PLACE messages from the current place, and wait until all have arrived or are lost."""
     began_s, modem = sim.time_s, network.modem
-    station = in_world(sim.scenario.station, sim.scenario.link.station_transducer_m)  # type: ignore[union-attr]
+    station = station_transducer(sim.scenario.link, sim.scenario.station, sim.world)  # type: ignore[arg-type]
     place = sim.rov.pose.position_world_m.copy()
     heard = network.reception(vehicle, STATION)
     before = _counts(network)
@@ -178,7 +177,7 @@ def _open_water(sim: Simulator, size: int, depth_m: float) -> Curve:
     """Return the share delivered and the delay by range, up to FARTHEST_M, in water without a bed."""
     setup = sim.scenario.link
     assert setup is not None
-    spec = link_spec(setup, sim.scenario.station)
+    spec = link_spec(setup, sim.scenario.station, sim.world)
     assert spec is not None
     water, nothing = _core.LinkWater(spec, sim.world.water), _core.RayScene(_core.World())
     ranges_m = np.geomspace(5.0, FARTHEST_M, 160)

@@ -67,11 +67,14 @@ class Network:
         self.nodes = (STATION, *(vehicle.name for vehicle in scenario.vehicles))
 
     @staticmethod
-    def of(core: _core.Simulation, scenario: Scenario, journal: Journal) -> Network | None:
-        """Return a scenario's network, or None if it has no link. Call after all vehicles have been added."""
+    def of(core: _core.Simulation, scenario: Scenario, world: _core.World, journal: Journal) -> Network | None:
+        """Return a scenario's network, or None if it has no link. Call after all vehicles have been added.
+
+        Raises ScenarioError if the station's transducer is not under water.
+        """
         if scenario.link is None:
             return None
-        spec = link_spec(scenario.link, scenario.station, [vehicle.name for vehicle in scenario.vehicles])
+        spec = link_spec(scenario.link, scenario.station, world, [vehicle.name for vehicle in scenario.vehicles])
         if spec is None:
             return None
         core.set_link(spec)

@@ -219,7 +219,7 @@ class Simulator(SimulatorProperties):
 
     def _joined(self) -> Network | None:
         """Add the link to the native simulation."""
-        return Network.of(self._core, self.scenario, self.journal)
+        return Network.of(self._core, self.scenario, self.world, self.journal)
 
     def _added(self, index: int, entry: VehicleEntry) -> tuple[_core.VehicleSpec, ControlSettings]:
         """Add a vehicle to the native simulation; return its spec. Raises ValueError."""

@@ -14,10 +14,11 @@ from uwsim.link import seen_channels
 from uwsim.recording.recorder import Recorder
 from uwsim.recording.replay import replay
 from uwsim.scenario import Scenario, ScenarioError, load
-from uwsim.scenario.build.link import modem_spec
+from uwsim.scenario.build.link import modem_spec, station_transducer
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.link import BOTTOMS, LinkSetup
 from uwsim.scenario.spec.modem import ModemModel, load_modem
+from uwsim.scenario.spec.station import Station
 
 MODEMS = ("none", "tether", "ideal_acoustic", "micromodem", "s2cm_hs")
 
@@ -41,8 +42,8 @@ def test_the_ideal_link_is_late_by_distance_over_sound_speed() -> None:
     sim.link.send("station", "scout", "t", b"hello")
     sim.advance(0.1)
     (got,) = sim.link.received("scout")
-    station = np.add(sim.scenario.station.position_m, sim.scenario.link.station_transducer_m)
-    distance_m = np.linalg.norm(np.array([0.0, 0.0, -5.0]) - station)
+    station = [*sim.scenario.station.position_m[:2], -3.0]
+    distance_m = np.linalg.norm(np.subtract([0.0, 0.0, -5.0], station))
     speed = sim.world.water.sound_speed_m_s(-4.0)
     assert got.payload == b"hello"
     assert got.arrived_s - got.given_s == pytest.approx(distance_m / speed, rel=1e-3)
@@ -277,3 +278,25 @@ def _plain(spec: object) -> dict[str, object]:
     return {
         key: getattr(spec, key) for key in dir(spec) if not key.startswith("_") and not callable(getattr(spec, key))
     }
+
+
+def test_the_station_s_transducer_hangs_in_the_water_wherever_the_station_stands() -> None:
+    world = _core.World()
+    world.set_terrain(np.tile(np.float32([-12.0, -7.0, -2.0, 3.0]), (4, 1)), 10.0, [0.0, 0.0])  # a shore
+    link = LinkSetup(modem="s2cm_hs")
+
+    def hangs(link: LinkSetup, x_m: float, z_m: float, **station: object) -> list[float]:
+        at = Station(position_m=(x_m, 10.0, z_m), **station)
+        return station_transducer(link, at, world).tolist()
+
+    assert hangs(link, 0.0, 0.0) == hangs(link, 0.0, 6.4) == [0.0, 10.0, -3.0]  # below the surface, not the platform
+    assert hangs(link, 20.0, 6.4) == [20.0, 10.0, -1.0]  # half-way to the bed
+    assert hangs(link, 1e4, 6.4) == [1e4, 10.0, -3.0]  # beyond the terrain
+    assert hangs(link, 30.0, 1.0, carrier="boat") == [30.0, 10.0, -3.0]  # in the boat's frame
+    with pytest.raises(ScenarioError, match=r"stands on land, 3 m above the water: give link\.station_transducer_m"):
+        hangs(link, 30.0, 6.4)
+    assert hangs(LinkSetup(modem="tether"), 30.0, 6.4) == [30.0, 10.0, 0.0]  # a cable needs no water
+    given = LinkSetup(modem="s2cm_hs", station_transducer_m=(0.0, 0.0, -3.0))
+    rule = r"station_transducer_m = \[0, 0, -3\] m: is 3\.4 m above the water, since the station is at z = 6\.4 m"
+    with pytest.raises(ScenarioError, match=rule):
+        hangs(given, 0.0, 6.4)

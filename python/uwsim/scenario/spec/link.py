@@ -54,7 +54,9 @@ class LinkSetup(Model):
     retransmissions: override the modem's access protocol and number of retransmissions. relays: for each vehicle that
     needs one, the vehicle through which it exchanges messages with the station and with all vehicles except those that
     it relays itself.
-    station_transducer_m: position of the transducer in the station's frame; a vehicle's transducer is at its origin.
+    station_transducer_m: position of the transducer in the station's frame, under water; by default at the station's
+    place 3 m below the surface, or half-way to the bed where that is shallower; for a carried station, 3 m below its
+    carrier's origin. A vehicle's transducer is at its origin.
     wind_m_s, shipping: sources of ambient noise, the wind by default that of the scenario's `wind`, if there is one;
     shipping 0: none, 1: heavy. bottom: the material that reflects sound
     at the bed. carries: patterns of the channels that use the link, by default all that can. repeats: number of
@@ -66,7 +68,7 @@ class LinkSetup(Model):
     access: Access | None = None
     retransmissions: Annotated[int, InRange(0, 100)] | None = None
     relays: Annotated[dict[Name, Name], Field(max_length=64)] = Field(default_factory=dict)
-    station_transducer_m: Point3 = (0.0, 0.0, -3.0)
+    station_transducer_m: Point3 | None = None
     wind_m_s: Annotated[float, InRange(0, LINK_MOST_M_S, "m/s")] = 5.0
     shipping: Annotated[float, InRange(0, 1)] = 0.5
     bottom: Bottom = "silt"
