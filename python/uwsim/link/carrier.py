@@ -165,6 +165,8 @@ class Carrier:
             return channel
 
         def apply(live: LiveSimulator, message: Any) -> object:
+            if remote.is_on_deck(self._sim, one.vehicle):
+                return channel.apply(self._live, message)
             payload = one.packing.pack(message)
             return self._send(one.vehicle, channel.name, payload, replaces=one.packing.may_replace(message))
 

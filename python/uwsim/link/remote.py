@@ -12,6 +12,7 @@ from uwsim.base.arguments import plain
 from uwsim.base.commands import COMMANDS, bound_command
 from uwsim.base.texts.json_text import json_object
 from uwsim.live import LiveSimulator
+from uwsim.simulator.simulator import Simulator
 
 TOPIC = "command/"
 
@@ -20,7 +21,8 @@ class RemoteSimulator:
     """A LiveSimulator whose commands to vehicles are sent over the link.
 
     The futures of these commands resolve when the commands are queued, since the station cannot know when they arrive.
-    has_sent: whether any command has gone over the link.
+    has_sent: whether any command has gone over the link. A vehicle on deck has its commands from there; see
+    `is_on_deck`.
     """
 
     def __init__(self, live: LiveSimulator, send: Callable[[str, str, dict[str, Any]], Future[Any]]) -> None:
@@ -38,13 +40,21 @@ class RemoteSimulator:
         Raises ValueError if it is invalid.
         """
         vehicle = arguments.get("vehicle")
-        if vehicle is None or not crosses_link(name):
+        if vehicle is None or not crosses_link(name) or is_on_deck(self._live.simulator, vehicle):
             return self._live.command(name, **arguments)
         kept = {key: plain(value, f"command '{name}': {key}") for key, value in arguments.items()}
         bound_command(name, kept)
         del kept["vehicle"]
         self.has_sent = True
         return self._send(name, vehicle, kept)
+
+
+def is_on_deck(sim: Simulator, vehicle: str) -> bool:
+    """Return whether a vehicle hangs in a dock above the water, where no modem is heard: it takes commands there."""
+    one = sim.vehicles.get(vehicle)
+    if sim.link is None or sim.link.modem.kind != "modem" or one is None or one.released:
+        return False
+    return float(one.pose.position_world_m[2]) > 0.0
 
 
 def crosses_link(name: str) -> bool:

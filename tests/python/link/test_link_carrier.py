@@ -103,6 +103,22 @@ def test_services_go_over_the_link() -> None:
         assert live.simulator.rov.released
 
 
+@pytest.mark.parametrize("by", ["key", "release"])
+def test_a_vehicle_that_hangs_above_the_water_is_released_there_since_no_modem_is_heard(by: str) -> None:
+    """The paper's cage, from which a command over the modem would never let it go."""
+    with LiveSimulator(Simulator("paper", link="s2cm_hs", threads=1), paused=True) as live:
+        carrier = Carrier(live, table := Table(live.simulator))
+        if by == "key":
+            named(carrier, "key").apply(live, key(function=1))
+        else:
+            next(one for one in carrier.over(table.services) if one.name == "release").call(live, {})
+        live.step(2)
+        assert live.simulator.rov.released
+        assert not any(one.sender == "station" for one in live.simulator.link.counts())
+        live.step(400)  # it falls in
+        assert live.simulator.link.reception("station", "rov").reached
+
+
 def test_runs_over_a_link_repeat_to_the_same_bytes(tmp_path) -> None:
     path = tmp_path / "run.mcap"
     with linked() as live, Carrier(live, table := Table(live.simulator)) as carrier:
