@@ -15,6 +15,7 @@ from uwsim.scenario import Scenario, ScenarioError, VehicleModel, load, load_veh
 from uwsim.scenario.read.assets import packaged_names
 from uwsim.scenario.spec.modem import load_modem
 from uwsim.scenario.spec.sonar import WIRE_NUMBERS, load_sonar
+from uwsim.scenario.spec.sonar_setup import SonarSetup
 
 OF_ROSBRIDGE = ("rosbridge_host", "rosbridge_port", "rosbridge_ros")
 FIELDS = ("scenario", "vehicle", "sonar", "mission_time_s", "seed", "speed", "link", *OF_ROSBRIDGE)
@@ -53,17 +54,15 @@ def chosen(
 
 def with_choice(scenario: Scenario, values: Values, errors: dict[str, str]) -> Scenario:
     """Return a scenario with the choice's vehicle, sonar, time, seed and link. Adds to `errors`."""
-    changes: dict[str, Any] = {
-        "vehicle_model": lambda: _vehicle(values.get("vehicle")),
-        "sonar_model": lambda: _sonar(values.get("sonar")),
-        "mission_time_s": lambda: values.get("mission_time_s"),
-        "seed": lambda: _whole(values.get("seed"), "seed"),
-        "modem": lambda: _link(values.get("link")),
+    changes: dict[str, Callable[[], dict[str, Any]]] = {
+        "vehicle": lambda: {"vehicle_model": _vehicle(values.get("vehicle"))},
+        "sonar": lambda: _sonar(values.get("sonar")),
+        "mission_time_s": lambda: {"mission_time_s": values.get("mission_time_s")},
+        "seed": lambda: {"seed": _whole(values.get("seed"), "seed")},
+        "link": lambda: {"modem": _link(values.get("link"))},
     }
-    names = {"vehicle_model": "vehicle", "sonar_model": "sonar", "modem": "link"}
-    for argument, read in changes.items():
-        field = names.get(argument, argument)
-        scenario = _try(errors, field, lambda: scenario.with_changes(**{argument: read()})) or scenario  # noqa: B023
+    for field, read in changes.items():
+        scenario = _try(errors, field, lambda: scenario.with_changes(**read())) or scenario  # noqa: B023
     return scenario
 
 
@@ -155,16 +154,30 @@ def described(name: str, path: Path | None = None) -> Values:
 
 
 def _sonars() -> list[Values]:
-    """Return the four published models, by number, and the other multibeams, by name."""
-    found = []
+    """Return the four published models, by number, and the other multibeams, by name and one for each frequency."""
+    found: list[Values] = []
     for name in packaged_names("sonars"):
         model = load_sonar(name)
-        is_wire = model.wire_number is not None
-        kind = "published" if is_wire else "instrument"
-        chosen_by: int | str = model.wire_number if model.wire_number is not None else name
-        title = f"Model {model.wire_number}" if is_wire else name
-        found.append({"name": chosen_by, "title": title, "description": model.description, "kind": kind})
+        if (number := model.wire_number) is not None:
+            found.append({"name": number, "title": f"Model {number}", "description": model.description,
+                          "kind": "published"})  # fmt: skip
+            continue
+        for each in _at_frequencies(name):
+            found.append({"name": each, "title": each, "description": model.description, "kind": "instrument"})
     return sorted(found, key=lambda sonar: (sonar["kind"] != "published", str(sonar["name"])))
+
+
+def _at_frequencies(name: str) -> dict[str, dict[str, Any]]:
+    """Return the arguments of `with_changes` for a multibeam at each frequency, by the names of the choices."""
+    model = load_sonar(name)
+    if len(model.frequencies) == 1:
+        return {name: {"sonar_model": name}}
+    return {
+        SonarSetup(model=model, frequency_hz=band.frequency_hz).title: {
+            "sonar_model": name, "sonar_frequency_hz": band.frequency_hz,
+        }
+        for band in model.frequencies
+    }  # fmt: skip
 
 
 def _try(errors: dict[str, str], field: str, make: Callable[[], Any]) -> Any:
@@ -193,7 +206,8 @@ def _whole(value: Any, field: str) -> int | None:
     raise ValueError(f"{field} = {str(value)[:40]}: must be a whole number")
 
 
-def _sonar(value: Any) -> int | str | None:
+def _sonar(value: Any) -> dict[str, Any]:
+    """Return the arguments of `with_changes` for a choice of sonar. Raises ValueError."""
     if isinstance(value, str) and value.isascii() and value.isdigit():
         value = int(value)
     if isinstance(value, float):
@@ -201,8 +215,11 @@ def _sonar(value: Any) -> int | str | None:
     if isinstance(value, int) and not WIRE_NUMBERS[0] <= value <= WIRE_NUMBERS[1]:
         raise ValueError(f"sonar = {value}: must be in {list(WIRE_NUMBERS)}, or a name")
     if value is None or (isinstance(value, int) and not isinstance(value, bool)):
-        return value
-    return _name(value, packaged_names("sonars"))
+        return {"sonar_model": value}
+    known: dict[str, dict[str, Any]] = {name: {"sonar_model": name} for name in packaged_names("sonars")}
+    for name in packaged_names("sonars"):
+        known |= _at_frequencies(name)
+    return known[_name(value, list(known))]
 
 
 def _speed(value: Any) -> Speed:
