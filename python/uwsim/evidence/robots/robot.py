@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -60,8 +61,9 @@ class Robot:
 
     lumps: the rigid parts of its mass. solids: closed parts that displace water. volume_m3, centre_of_buoyancy_m: of
     the displaced water, by default those of the solids. added_mass, linear, quadratic: (6, 6), magnitudes; estimated
-    from the hull where they are None. sensors, cameras, imaging_sonars: as in a vehicle's file. sonar: the multibeam's
-    mount. place: where it starts in the world.
+    from the hull where they are None. drag: instead of linear and quadratic, returns the diagonals (6,) of both for
+    motions through a point of the body [m]. sensors, cameras, imaging_sonars: as in a vehicle's file. sonar: the
+    multibeam's mount. place: where it starts in the world.
     """
 
     name: str
@@ -73,6 +75,7 @@ class Robot:
     added_mass: Floats | None = None
     linear: Floats | None = None
     quadratic: Floats | None = None
+    drag: Callable[[Floats], tuple[Floats, Floats]] | None = None
     thrusters: list[Thruster] = field(default_factory=list)
     fins: list[Fin] = field(default_factory=list)
     sensors: dict[str, dict[str, Any]] = field(default_factory=dict)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from uwsim.evidence.robots.robot import Lump, Mesh
 from uwsim.evidence.robots.xml_file import Floats, Pose
 from uwsim.scenario.read.mesh_file import load_mesh
+from uwsim.scenario.read.mesh_repair import closed_mesh
 
 ROUND, BALL = 48, 3
 """Edges of a circle, and subdivisions of an icosahedron: the volume is 0.3 and 0.8 % small, and is scaled to exact."""
@@ -68,6 +69,12 @@ def from_file(path: Path, scale: Floats) -> Mesh:
     vertices, triangles = load_mesh(path)
     faces = np.asarray(triangles, np.int64)
     return np.asarray(vertices) * scale, faces if np.prod(scale) > 0.0 else faces[:, ::-1]
+
+
+def closed(mesh: Mesh, name: str) -> Mesh:
+    """Return a mesh closed and winding outward, as a hull is. Raises ScenarioError, with the name."""
+    vertices, triangles = closed_mesh(*mesh, name=name)
+    return np.asarray(vertices), np.asarray(triangles, np.int64)
 
 
 def placed(mesh: Mesh, pose: Pose) -> Mesh:

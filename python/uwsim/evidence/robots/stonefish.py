@@ -2,7 +2,7 @@
 
 Source: Stonefish 1.6, documentation and sources of its parser, solids, thrusters and sensors. Its world is NED, its
 bodies' axes are forward, starboard, down. Its drag and added mass follow from geometry by a method of its own, so they
-are estimated here, too, from the parts that displace water.
+are estimated here, too, from the parts that displace water; where the file states drag, see `stonefish_body`.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import math
 import operator
 import re
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ import numpy as np
 from uwsim.evidence.robots import shapes
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, Thruster, plain_name
 from uwsim.evidence.robots.sensors import from_optical, put_camera, put_sensor
+from uwsim.evidence.robots.stonefish_body import FLIP, WetPart, body_lump, drag_about, wet_part
 from uwsim.evidence.robots.xml_file import HERE, Element, Floats, Pose, read_xml
 
 DENSITY_KG_M3 = 1031.0
@@ -195,9 +197,15 @@ class _Reader:
         if base is None:
             raise element.error("has no <base_link>")
         poses = self._poses(element, base)
+        wet: list[tuple[Element, WetPart, bool]] = []
         for link in [base, *element.all("link")]:
             for part, at in self._parts(link):
-                self._put(robot, part, folder, poses[link.needed("name")].then(at))
+                if (put := self._put(robot, part, folder, poses[link.needed("name")].then(at))) is not None:
+                    wet.append((part, *put))
+        if any(part.find("hydrodynamics") is not None for part, _, _ in wet):
+            robot.drag = partial(drag_about, [each for _, each, _ in wet], self._density)
+            for part in (part for part, _, is_stated in wet if not is_stated):
+                self.found.assumed(f"{part.path}: drag that it does not state is Stonefish's own for its shape")
         volumes = [shapes.volume_and_centre(solid) for solid in robot.solids]
         if volumes:
             robot.volume_m3 = sum(volume for volume, _ in volumes)
@@ -241,29 +249,27 @@ class _Reader:
             if part.tag in ("external_part", "internal_part"):
                 yield part, part.origin("compound_transform")
 
-    def _put(self, robot: Robot, part: Element, folder: Path, at: Pose) -> None:
-        """Add a part's mass and, if it is buoyant, its volume."""
+    def _put(self, robot: Robot, part: Element, folder: Path, at: Pose) -> tuple[WetPart, bool] | None:
+        """Add a part's mass and, if it is buoyant, its volume. Return what the water drags at; see `wet_part`."""
         mesh, wall = self._solid(part, folder)
-        mesh = shapes.placed(mesh, at)
+        if part.attribute("type") == "model" and wall == 0.0:  # its winding may be mixed
+            mesh = shapes.closed(mesh, part.path)
         material = part.find("material")
         name = None if material is None else material.needed("name")
-        given = part.numbers("mass", 1, "value")
-        volume, _ = shapes.volume_and_centre(mesh)
-        volume = shapes.area_m2(mesh) * wall if wall > 0.0 else volume
-        if given is None and name not in self.materials:
+        if name not in self.materials and part.find("mass") is None:
             raise part.error(f"material {name!r} is not one of {', '.join(self.materials) or 'none'}")
-        mass = float(given[0]) if given is not None else self.materials[name or ""] * volume
-        if not mass > 0.0:
-            raise part.error(f"has a mass of {mass:g} kg: must be positive")
-        lump = (shapes.shell_lump if wall > 0.0 else shapes.solid_lump)(mesh, mass)
-        flip = FLU_FROM_FRD
-        robot.lumps.append(Lump(mass, flip @ lump.centre_m, flip @ lump.inertia_kg_m2 @ flip))
-        if part.attribute("buoyant") == "false":
-            return
-        if wall > 0.0:
+        own = body_lump(part, mesh, wall, self.materials.get(name or ""))
+        to_body = FLIP.then(at)
+        robot.lumps.append(
+            Lump(own.mass_kg, to_body.points(own.centre_m), to_body.turn @ own.inertia_kg_m2 @ to_body.turn.T)
+        )
+        if part.attribute("buoyant") != "false" and wall > 0.0:
+            volume = shapes.area_m2(mesh) * wall
             self.found.left_out(f"{part.path}: the volume of its wall, {volume:.3g} m3")
-        else:
-            robot.solids.append((mesh[0] @ flip, mesh[1]))
+        elif part.attribute("buoyant") != "false":
+            robot.solids.append(shapes.placed(mesh, to_body))
+        is_wet = part.tag != "internal_part" and (part.attribute("physics") or "submerged") in ("submerged", "floating")
+        return wet_part(part, mesh, own, to_body) if is_wet else None
 
     def _mount(self, part: Element, poses: dict[str, Pose]) -> Pose:
         link = part.find("link")

@@ -6,10 +6,12 @@ libuuv_thruster_ros_plugin. Its damping is negative; positive values would drive
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.evidence.robots import shapes
 from uwsim.evidence.robots.links import Links
 from uwsim.evidence.robots.robot import Found, Robot, Thruster, plain_name
@@ -19,8 +21,10 @@ from uwsim.evidence.robots.xml_file import Element, Floats, Pose
 DENSITY_KG_M3 = 1028.0
 """UUV Simulator's water."""
 POINTS = 41
-THRUST_N = 1000.0
-"""Bound of a thruster that states none: of UUV Simulator's thruster manager in its own tests."""
+MANAGER = "thruster_manager.yaml"
+"""UUV Simulator's file with max_thrust [N], which its manager allows each thruster of a vehicle."""
+MANAGER_FOLDERS = (".", "config", "../config")
+INPUT_MAX = 1e9
 
 
 def is_uuv_object(file: str) -> bool:
@@ -117,22 +121,67 @@ def _matrix(model: Element, key: str, sign: float) -> Floats:
 
 
 def _limits(plugin: Element, conversion: Element, found: Found) -> tuple[float, float]:
-    """Return the lowest and highest input of a thruster."""
+    """Return the lowest and highest input of a thruster. Raises ValueError for one without a bound."""
     low, high = plugin.number("clampMin", -np.inf), plugin.number("clampMax", np.inf)
-    if np.isfinite(low) and np.isfinite(high):
-        if not low < high:
-            raise plugin.error(f"clampMin = {low:g}, clampMax = {high:g}: must increase")
+    if low >= high:
+        raise plugin.error(f"clampMin = {low:g}, clampMax = {high:g}: must increase")
+    if np.isfinite(low) != np.isfinite(high):
+        most = abs(low if np.isfinite(low) else high)
+        found.assumed(f"{plugin.path}: its input is from {-most:g} to {most:g}: it has one clamp of two")
+        return -most, most
+    if np.isfinite(low):
         return low, high
     samples = conversion.numbers("inputValues")
     if samples is not None:
         return float(samples.min()), float(samples.max())
-    if conversion.text("type") != "Basic" or not (constant := conversion.number("rotorConstant")) > 0.0:
-        raise plugin.error("has no clampMin and clampMax, so its thrust has no bound")
-    found.assumed(
-        f"{plugin.path}: at most {THRUST_N:g} N, as UUV Simulator's thruster manager allows: it has no clampMax"
-    )
-    most = float(np.sqrt(THRUST_N / constant))
-    return -most, most
+    thrust_n = plugin.number("thrustMin", -np.inf), plugin.number("thrustMax", np.inf)
+    if not np.isfinite(thrust_n).all():
+        manager, most_n = _manager_thrust_n(plugin.file)
+        if manager is None:
+            raise plugin.error(
+                f"the thrust at joint '{plugin.text('jointName')}' has no bound: must have clampMin and clampMax, or "
+                f"thrustMin and thrustMax [N], or beside the file a {MANAGER} with max_thrust [N]"
+            )
+        found.assumed(f"{plugin.path}: at most {most_n:g} N either way, as max_thrust in {manager} allows")
+        thrust_n = -most_n, most_n
+    gain = plugin.number("gain", 1.0)
+    low, high = (_input_of(plugin, conversion, each, gain) for each in thrust_n)
+    return low, high
+
+
+def _manager_thrust_n(file: Path) -> tuple[Path | None, float]:
+    """Return UUV Simulator's file beside a description, if there is one, and the most thrust that it allows [N]."""
+    for folder in MANAGER_FOLDERS:
+        path = file.resolve().parent / folder / MANAGER
+        if path.is_file():
+            values = read_yaml(path).values
+            inner = values.get("thruster_manager", values)
+            most_n = inner.get("max_thrust") if isinstance(inner, dict) else None
+            if isinstance(most_n, bool) or not isinstance(most_n, int | float) or not 0.0 < most_n < np.inf:
+                raise ValueError(f"'{path}': max_thrust = {most_n!r}: must be a positive number [N]")
+            return path, float(most_n)
+    return None, 0.0
+
+
+def _input_of(plugin: Element, conversion: Element, thrust_n: float, gain: float) -> float:
+    """Return the smallest input whose thrust reaches a bound. Raises ValueError if none does."""
+    sign = np.sign(thrust_n)
+    short, beyond = 0.0, 1.0
+    while sign * _thrust_n(conversion, sign * beyond * gain) < abs(thrust_n):
+        short, beyond = beyond, 2.0 * beyond
+        if beyond > INPUT_MAX:
+            raise plugin.error(f"no input reaches its bound of {thrust_n:g} N: must have clampMin and clampMax")
+    for _ in range(60):
+        middle = 0.5 * (short + beyond)
+        if sign * _thrust_n(conversion, sign * middle * gain) < abs(thrust_n):
+            short = middle
+        else:
+            beyond = middle
+    return float(sign * beyond)
+
+
+def _thrust_n(conversion: Element, x: float) -> float:
+    return float(_converted(conversion, np.array([x]))[0])
 
 
 def uuv_thruster(plugin: Element, links: Links, to_base: Pose, robot: Robot, found: Found) -> Thruster:

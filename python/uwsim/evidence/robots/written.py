@@ -14,11 +14,10 @@ from uwsim.base.axes import AXES
 from uwsim.base.own_files import require_own
 from uwsim.base.texts.yaml_document import yaml_document
 from uwsim.evidence.robots.robot import Fin, Found, Mesh, Robot, Thruster, plain_name, unlike_zero
-from uwsim.evidence.robots.shapes import joined, volume_and_centre
+from uwsim.evidence.robots.shapes import closed, joined, volume_and_centre
 from uwsim.evidence.robots.xml_file import Floats, Pose, yaw_pitch_roll_deg
 from uwsim.evidence.vehicle.draft import drafted
 from uwsim.scenario.dump import yaml_text
-from uwsim.scenario.read.mesh_repair import closed_mesh
 from uwsim.simulator.simulator import Simulator
 
 ROOM_M, BED_MIN_M, BED_SPACING_M = 60.0, 20.0, 2.0
@@ -145,11 +144,17 @@ def _vehicle(robot: Robot, found: Found) -> tuple[Mesh, dict[str, Any], Floats]:
     hull = (hull[0] - origin, hull[1])
     values: dict[str, Any] = {"name": robot.name, "mesh": f"{robot.name}.ply"}
     if estimated:
+        what = "added mass and drag are" if robot.drag is None else "added mass is"
         found.assumed(
-            f"vehicle '{robot.name}': added mass and drag are estimated from its hull, as by `uwsim vehicle --draft`, "
+            f"vehicle '{robot.name}': {what} estimated from its hull, as by `uwsim vehicle --draft`, "
             f"about its centroid, ({', '.join(f'{value:.4g}' for value in centre)}) m from the base link"
         )
         values |= _estimates(robot.name, hull)
+        if robot.drag is not None:
+            found.assumed(f"vehicle '{robot.name}': drag is as stated along and about each axis, and their sum between")
+            for key in ("crossflow_length_m", "fins"):  # lift and couplings that the stated drag does not have
+                values.pop(key, None)
+            values["linear_damping"], values["quadratic_damping"] = map(_row, robot.drag(origin))
     else:
         for state, key in KEYS.items():
             matrix = cast(Floats, getattr(robot, state))
@@ -185,8 +190,7 @@ def _hull(robot: Robot, found: Found) -> tuple[Mesh, Floats]:
     """Return the hull, which displaces the stated volume about the stated centre, and its centroid."""
     if not robot.solids:
         raise ValueError(f"vehicle '{robot.name}': has no solid that displaces water")
-    vertices, triangles = closed_mesh(*joined(robot.solids), name=f"vehicle '{robot.name}'")
-    hull = (np.asarray(vertices), np.asarray(triangles, np.int64))
+    hull = closed(joined(robot.solids), f"vehicle '{robot.name}'")
     volume, centroid = volume_and_centre(hull)
     wanted = volume if robot.volume_m3 is None else robot.volume_m3
     centre = centroid if robot.centre_of_buoyancy_m is None else robot.centre_of_buoyancy_m

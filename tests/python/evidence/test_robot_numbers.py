@@ -1,0 +1,139 @@
+"""Numbers that a robot's description states are the vehicle's, or are asked for: mass, drag and bounds of thrust."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from uwsim.evidence.robots.robot import Robot
+from uwsim.evidence.robots.stonefish import read_stonefish
+from uwsim.evidence.robots.urdf import read_urdf
+from uwsim.evidence.robots.written import write_found
+from uwsim.scenario import load
+
+DATA = Path(__file__).parents[1] / "data" / "robots"
+RHO, SIDES = 1020.0, np.array([0.8, 0.5, 0.4])
+MASS = '<mass value="170"/>'
+BODY = '<base_link name="Body" type="compound">'
+
+
+def with_box(more: str, kind: str = 'type="box"') -> str:
+    """Return a scenario whose robot is a box of steel, filled, with more elements."""
+    text = (DATA / "robot.scn").read_text()
+    head, rest = text.split(BODY)
+    box = f"""<base_link name="Body" {kind}><dimensions xyz="0.8 0.5 0.4"/><origin xyz="0 0 0" rpy="0 0 0"/>
+      <material name="steel"/>{more}</base_link>"""
+    return head + box + rest.split("</base_link>")[1]
+
+
+def stonefish(tmp_path: Path, text: str) -> Robot:
+    (tmp_path / "a.scn").write_text(text)
+    return read_stonefish(tmp_path / "a.scn").robots[0]
+
+
+def of_box(mass_kg: float) -> np.ndarray:
+    return mass_kg / 12.0 * ((SIDES**2).sum() - SIDES**2)
+
+
+def test_a_stated_mass_scales_the_inertia_and_a_stated_inertia_and_centre_of_gravity_are_the_vehicle_s(
+    tmp_path: Path,
+) -> None:
+    whole = stonefish(tmp_path, with_box(MASS)).whole()
+    np.testing.assert_allclose(np.diagonal(whole.inertia_kg_m2), of_box(170.0))
+    more = MASS + '<inertia xyz="11 23 26"/><cg xyz="0.1 0.02 0.05" rpy="0 0 0"/>'
+    whole = stonefish(tmp_path, with_box(more)).whole()
+    np.testing.assert_allclose(np.diagonal(whole.inertia_kg_m2), [11.0, 23.0, 26.0])
+    np.testing.assert_allclose(whole.centre_m, [0.1, -0.02, -0.05], atol=1e-12)  # forward, port, up
+
+
+def test_what_is_not_stated_beside_a_centre_of_gravity_is_the_material_s(tmp_path: Path) -> None:
+    """Stonefish's SetArbitraryPhysicalProperties: the inertia is not scaled by the mass there."""
+    whole = stonefish(tmp_path, with_box(MASS + '<cg xyz="0 0 0.05" rpy="0 0 0"/>')).whole()
+    assert whole.mass_kg == 170.0
+    np.testing.assert_allclose(np.diagonal(whole.inertia_kg_m2), of_box(7850.0 * 0.16))
+
+
+def test_a_part_of_a_compound_keeps_its_centre_of_gravity_where_the_part_is(tmp_path: Path) -> None:
+    part = MASS + '<inertia xyz="1 2 2.5"/><cg xyz="0 0.1 0" rpy="0 0 0"/>'
+    turned = 'compound_transform xyz="0 0 -0.05" rpy="0 0 1.5707963267948966"'
+    text = (DATA / "robot.scn").read_text().replace('<mass value="8"/>', part)
+    lead = stonefish(tmp_path, text.replace('compound_transform xyz="0 0 -0.05" rpy="0 0 0"', turned)).lumps[1]
+    np.testing.assert_allclose(lead.centre_m, [-0.1, 0.0, 0.05], atol=1e-12)
+    np.testing.assert_allclose(lead.inertia_kg_m2, np.diag([2.0, 1.0, 2.5]), atol=1e-12)
+
+
+def test_a_mesh_of_mixed_winding_has_the_inertia_of_its_solid(tmp_path: Path) -> None:
+    x, y, z = np.meshgrid(*([-s / 2, s / 2] for s in SIDES), indexing="ij")
+    corners = np.stack([x, y, z], axis=-1).reshape(8, 3)
+    quads = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+    quads[1], quads[2] = quads[1][::-1], quads[2][::-1]
+    lines = [f"v {a} {b} {c}" for a, b, c in corners] + [f"f {' '.join(map(str, quad))}" for quad in quads]
+    (tmp_path / "hull.obj").write_text("\n".join([*lines, ""]))
+    model = f'<physical><mesh filename="hull.obj"/><origin xyz="0 0 0" rpy="0 0 0"/></physical>{MASS}'
+    with pytest.warns(UserWarning, match="repaired"):
+        whole = stonefish(tmp_path, with_box(model, 'type="model"')).whole()
+    np.testing.assert_allclose(np.diagonal(whole.inertia_kg_m2), of_box(170.0))
+
+
+def test_stated_drag_is_that_of_the_box_s_faces(tmp_path: Path) -> None:
+    """Stonefish: rho / 2 Cd S v^2 on the face ahead, and rho Cf A v on those along; the weights are those of axes."""
+    drag = '<hydrodynamics viscous_drag="0.05 0.08 0.09" quadratic_drag="0.2 0.6 0.7"/>'
+    (tmp_path / "a.scn").write_text(with_box(MASS + drag))
+    found = read_stonefish(tmp_path / "a.scn")
+    model = load(write_found(found, tmp_path / "out")).vehicles[0].model
+    faces = np.prod(SIDES) / SIDES
+    np.testing.assert_allclose(model.quadratic_damping[:3], 0.5 * RHO * np.array([0.2, 0.6, 0.7]) * faces, rtol=1e-6)
+    along = 2.0 * (faces.sum() - faces)
+    np.testing.assert_allclose(model.linear_damping[:3], RHO * np.array([0.05, 0.08, 0.09]) * along, rtol=1e-6)
+    # About x, the skin of the face at half a side h, of width w, moves tangentially with h: h^2 A; the ends with r.
+    width, height = SIDES[1:]
+    roll = 2.0 * (faces[1] * (width / 2) ** 2 + faces[2] * (height / 2) ** 2 + faces[0] * (width**2 + height**2) / 12)
+    assert model.linear_damping[3] == pytest.approx(RHO * 0.05 * roll, rel=0.01)
+    assert model.crossflow_length_m == 0.0 and not model.fins
+    assert any("added mass is estimated" in note for note in found.notes)
+    assert not any("hydrodynamics" in note for note in found.notes)
+
+
+def test_drag_turns_with_its_part_and_what_is_not_stated_is_named(tmp_path: Path) -> None:
+    level, turned = (f'<compound_transform xyz="0 0 -0.1" rpy="0 0 {yaw}"/>' for yaw in ("0", "1.5707963267948966"))
+    foam = '<hydrodynamics quadratic_drag="0.2 0.6 0.7"/>' + turned
+    text = (DATA / "robot.scn").read_text().replace(level, foam)
+    (tmp_path / "a.scn").write_text(text)
+    found = read_stonefish(tmp_path / "a.scn")
+    (linear, quadratic) = found.robots[0].drag(np.zeros(3))
+    sides = np.array([0.5, 1.0, 0.2])  # as it stands in the body
+    faces = np.prod(sides) / sides
+    np.testing.assert_allclose(quadratic[:3], 0.5 * RHO * np.array([0.6, 0.2, 0.7]) * faces, rtol=1e-6)
+    own = 0.1 * 0.2 / sides  # Stonefish's own Cf: a tenth of the smallest half axis over each
+    np.testing.assert_allclose(linear[:3], RHO * own * 2.0 * (faces.sum() - faces), rtol=1e-6)
+    assert any("'Foam': drag that it does not state is Stonefish's own" in note for note in found.notes)
+
+
+CLAMPS = "<clampMin>-100</clampMin><clampMax>200</clampMax>"
+
+
+def urdf(tmp_path: Path, clamps: str) -> Robot:
+    (tmp_path / "sled.urdf").write_text((DATA / "sled.urdf").read_text().replace(CLAMPS, clamps))
+    return read_urdf(tmp_path / "sled.urdf").robots[0]
+
+
+def bounds_n(robot: Robot) -> tuple[float, float]:
+    curve = dict(robot.thrusters[0].thrust_n)
+    return curve[-1.0], curve[1.0]
+
+
+def test_a_thruster_without_a_bound_is_a_question(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"thrust at joint 'tail_joint' has no bound.*thruster_manager.yaml"):
+        urdf(tmp_path, "")
+    (tmp_path / "thruster_manager.yaml").write_text("thruster_manager:\n  max_thrust: 37.5\n")
+    assert bounds_n(urdf(tmp_path, "")) == pytest.approx((-37.5, 37.5))
+    (tmp_path / "thruster_manager.yaml").write_text("thruster_manager:\n  max_thrust: much\n")
+    with pytest.raises(ValueError, match=r"max_thrust = 'much': must be a positive number \[N\]"):
+        urdf(tmp_path, "")
+
+
+def test_a_bound_of_thrust_bounds_the_thrust_and_one_clamp_counts_for_both(tmp_path: Path) -> None:
+    robot = urdf(tmp_path, "<thrustMin>-20</thrustMin><thrustMax>30</thrustMax>")
+    assert bounds_n(robot) == pytest.approx((-20.0, 30.0))
+    assert dict(robot.thrusters[0].thrust_n)[0.5] == pytest.approx(7.5)  # by the square of the input
+    assert bounds_n(urdf(tmp_path, "<clampMax>50</clampMax>")) == pytest.approx((-25.0, 25.0))
