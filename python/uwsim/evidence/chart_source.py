@@ -25,9 +25,12 @@ def _make(path: Path, out: Path | None, options: Mapping[str, Any]) -> Made:
         size_m=options.get("size", SIZE_M),
         centre=options.get("centre"),
         water_level_m=options.get("water_level", 0.0),
+        unit=options.get("unit"),
+        nodata=options.get("nodata"),
     )
     size, (high, low) = f"{made.size_m:g} x {made.size_m:g} m", made.depth_m
     return Made(made.path, [f"{size}, {high:.1f} to {low:.1f} m deep; uwsim survey {made.path}"])
 
 
-CHART = ScenarioSource(f"a chart ({', '.join(SUFFIXES)})", _accepts, _make, ("size", "centre", "water_level"))
+OPTIONS = ("size", "centre", "water_level", "unit", "nodata")
+CHART = ScenarioSource(f"a chart ({', '.join(SUFFIXES)})", _accepts, _make, OPTIONS)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +13,15 @@ from numpy.typing import NDArray
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.own_files import require_own
 from uwsim.scenario.dump import yaml_text
-from uwsim.scenario.terrains.elevations import Raster, chart_raster
+from uwsim.scenario.terrains.elevations import chart_raster
 from uwsim.scenario.terrains.raster import RasterTerrain
+from uwsim.scenario.terrains.raster_grid import Raster
 
 MARGIN_CELLS = 1.0
 MOST_SPACINGS = 2000
 SPACINGS_PER_CELL, LEAST_SPACING_M = 4, 0.25
 SURVEY_SHARE, SURVEY_MAX_M, ALTITUDE_M = 0.6, 100.0, 12.0
-METRES_PER_DEGREE = 111_195.0  # of latitude, on a sphere of 6,371 km: a cell's size need not be more exact
+WHOLE = 1e-9  # a share of a spacing by which an edge may fall short by rounding
 
 
 @dataclass(frozen=True)
@@ -34,23 +35,26 @@ class FromChart:
 
 def scenario_from_chart(
     chart: Path, out: Path, *, size_m: float, centre: tuple[float, float] | None = None, water_level_m: float = 0.0,
-    band: int = 1,
+    band: int = 1, unit: Literal["m", "ft", "us-ft"] | None = None, nodata: float | None = None,
 ) -> FromChart:  # fmt: skip
     """Write a scenario whose bed is the largest square of a chart without gaps, or the part of it about its middle.
 
     size_m: the largest edge. centre: of the square, in the chart's coordinates (longitude and latitude, or easting and
-    northing). water_level_m: elevation of the water surface in the chart. Raises OSError or ValueError.
+    northing). water_level_m: elevation of the water surface in the chart. unit, nodata: of its heights, where the file
+    does not state them; see RasterTerrain. Raises OSError or ValueError.
     """
     if out.suffix not in (".yaml", ".yml"):
         raise ValueError(f"--out {out}: must end in .yaml")
     require_own(out)
-    raster = chart_raster(RasterTerrain(source="raster", file=chart.resolve(), water_level_m=water_level_m, band=band))
+    read = {"water_level_m": water_level_m, "band": band, "unit": unit, "nodata": nodata}
+    read = {key: value for key, value in read.items() if value is not None}
+    raster = chart_raster(RasterTerrain.model_validate({"source": "raster", "file": chart.resolve(), **read}))
     column, row, side = _square(raster, chart, centre)
     x, y = raster.place_at(column, row)
-    cell_m = _cell_m(raster, y)
+    cell_m = raster.safe_cell_m((x, y))
     edge_m = min(size_m, (side - MARGIN_CELLS) * cell_m)
     spacing_m = max(LEAST_SPACING_M, cell_m / SPACINGS_PER_CELL, edge_m / MOST_SPACINGS)
-    edge_m = math.floor(edge_m / spacing_m) * spacing_m
+    edge_m = math.floor(edge_m / spacing_m + WHOLE) * spacing_m
     half = max(1, math.ceil(0.5 * edge_m / cell_m))
     rows, columns = raster.elevations.shape
     part = raster.elevations[_span(row, half, rows), _span(column, half, columns)]
@@ -59,14 +63,14 @@ def scenario_from_chart(
     if shallow_m < 1.0:
         raise ValueError(f"'{chart}': its largest part without gaps reaches {-shallow_m:g} m above the water surface: "
                          "must lie 1 m below it or deeper: choose --centre and --size")  # fmt: skip
-    values = _values(chart, out, (x, y), edge_m, spacing_m, (shallow_m, deep_m), water_level_m, band)
+    values = _values(chart, out, (x, y), edge_m, spacing_m, (shallow_m, deep_m), read)
     write_atomically(out, yaml_text(values).encode())
     return FromChart(out, edge_m, (shallow_m, deep_m))
 
 
 def _values(
     chart: Path, out: Path, centre: tuple[float, float], edge_m: float, spacing_m: float, depth_m: tuple[float, float],
-    water_level_m: float, band: int,
+    read: dict[str, Any],
 ) -> dict[str, Any]:  # fmt: skip
     half_m = round(0.5 * min(SURVEY_SHARE * edge_m, SURVEY_MAX_M), 2)
     name = out.stem.replace(" ", "_")
@@ -77,7 +81,7 @@ def _values(
         "mission_time_s": 7200,
         "water": {"salinity_psu": 35},
         "terrain": {
-            "source": "raster", "file": _path_from(out, chart), "band": band, "water_level_m": water_level_m,
+            "source": "raster", "file": _path_from(out, chart), **read,
             "centre": [float(each) for each in centre], "size_m": [edge_m, edge_m], "spacing_m": spacing_m,
             "interpolation": "linear",
         },
@@ -143,11 +147,3 @@ def _is_full(known: NDArray[np.bool_], middle: tuple[float, float], side: int) -
 
 def _span(middle: float, half: int, count: int) -> slice:
     return slice(max(0, math.floor(middle - half)), min(count, math.ceil(middle + half)))
-
-
-def _cell_m(raster: Raster, y: float) -> float:
-    """Return the smaller edge of a cell in metres."""
-    across, down = abs(raster.file_from_pixel.a), abs(raster.file_from_pixel.e)
-    if raster.is_geographic:
-        return METRES_PER_DEGREE * min(across * math.cos(math.radians(y)), down)
-    return min(across, down) * raster.unit_m

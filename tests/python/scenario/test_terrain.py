@@ -66,7 +66,7 @@ def test_the_default_size_is_that_of_the_largest_grid_that_fits(tmp_path: Path) 
 
 def test_feet_are_converted_to_metres(tmp_path: Path) -> None:
     file = write_tif(tmp_path / "feet.tif", GRID, "EPSG:2274")  # Tennessee, US survey feet
-    terrain = build_terrain(raster(file, size_m=None, spacing_m=1.0))
+    terrain = build_terrain(raster(file, size_m=None, spacing_m=1.0, unit="m"))
     width_m = terrain.extent_m[2] - terrain.extent_m[0]
     assert width_m == pytest.approx(140 * 1200 / 3937, abs=1.0)
 

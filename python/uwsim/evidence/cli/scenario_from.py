@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -29,6 +29,15 @@ def scenario_from(
             help="A chart: its elevation of the water surface [m]. Default: 0.", callback=within(-12_000, 10_000, "m")
         ),
     ] = None,
+    unit: Annotated[
+        Literal["m", "ft", "us-ft"] | None, typer.Option(help="A chart: the unit of its heights. Default: its own.")
+    ] = None,
+    nodata: Annotated[
+        float | None,
+        typer.Option(
+            help="A chart: the value of cells without data. Default: its own.", callback=within(-1e38, 1e38, "")
+        ),
+    ] = None,
     scene: Annotated[
         str | None, typer.Option(help="Unity: the scene, by its file's name without .unity. Default: LawnTest.")
     ] = None,
@@ -52,7 +61,10 @@ def scenario_from(
     from uwsim.evidence.scenario_source import source_of
 
     found = source_of(source)
-    options = {"size": size, "centre": centre, "water_level": water_level, "scene": scene, "terrain": terrain}
+    options = {
+        "size": size, "centre": centre, "water_level": water_level, "unit": unit, "nodata": nodata, "scene": scene,
+        "terrain": terrain,
+    }  # fmt: skip
     given = {key: value for key, value in options.items() if value is not None}
     for key in given.keys() - {*found.options}:
         raise OptionError(f"--{key.replace('_', '-')}: is not for {found.what}")

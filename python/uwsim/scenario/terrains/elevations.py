@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from affine import Affine
@@ -20,20 +19,20 @@ from rasterio.io import DatasetReader
 from rasterio.warp import transform
 
 from uwsim.base.cut_short import warn_if_cut_short
-from uwsim.mapping.files.georeference import Georeference, metres_about
+from uwsim.mapping.files.georeference import WGS84, Georeference
 from uwsim.scenario.build.terrain_grid import SPLINE_MARGIN, grid_axes, pixel_ranges, resampled
 from uwsim.scenario.build.whole_tiff import require_whole_tiff
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.hdf5_file import Hdf5Error, require_inside
 from uwsim.scenario.read.netcdf_file import require_whole_netcdf
 from uwsim.scenario.spec.terrain import LOCAL, MAX_NODES
+from uwsim.scenario.terrains.raster_grid import Raster, mapped
+from uwsim.scenario.terrains.stated_heights import height_unit_m, without_gaps
 
 if TYPE_CHECKING:
     from uwsim.scenario.terrains.raster import RasterTerrain
 
 FloatGrid = NDArray[np.float64]
-Coordinates = TypeVar("Coordinates", float, FloatGrid)
-WGS84 = "EPSG:4326"
 MAX_HEIGHT_M = 12_000.0
 """Largest distance from the water surface; no sea is deeper."""
 DEGREE_CELL = 0.1
@@ -51,43 +50,6 @@ GRID_HEADER = (b"ncols", b"nrows", b"xllcorner", b"xllcenter", b"yllcorner", b"y
 GRID_NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 
-@dataclass(frozen=True)
-class Raster:
-    """A raster read from a file.
-
-    elevations: (h, w); NaN for cells without data. file_from_pixel: transform from pixel corners (column, row) to the
-    file's coordinates.
-    """
-
-    name: str
-    elevations: FloatGrid
-    file_from_pixel: Affine
-    crs: CRS | None
-
-    @property
-    def unit_m(self) -> float:
-        """Metres per unit of a projected coordinate system, whose unit may be feet."""
-        return 1.0 if self.crs is None else float(self.crs.linear_units_factor[1])
-
-    @property
-    def is_geographic(self) -> bool:
-        """Whether the coordinates are longitude and latitude in degrees."""
-        return self.crs is not None and bool(self.crs.is_geographic)
-
-    def pixel_at(self, x: FloatGrid, y: FloatGrid) -> tuple[FloatGrid, FloatGrid]:
-        """Convert the file's coordinates to fractional columns and rows; whole numbers are cell centres."""
-        columns, rows = _mapped(~self.file_from_pixel, x, y)
-        return columns - 0.5, rows - 0.5
-
-    def corner_at(self, x: float, y: float) -> tuple[float, float]:
-        """Convert the file's coordinates to fractional columns and rows; whole numbers are corners of cells."""
-        return _mapped(~self.file_from_pixel, x, y)
-
-    def place_at(self, column: float, row: float) -> tuple[float, float]:
-        """Convert columns and rows, as of `corner_at`, to the file's coordinates."""
-        return _mapped(self.file_from_pixel, column, row)
-
-
 def chart_raster(spec: RasterTerrain) -> Raster:
     """Return the raster of a terrain as it is in its file. Raises ScenarioError."""
     return _read(spec)
@@ -97,14 +59,15 @@ def raster_heights(spec: RasterTerrain) -> FloatGrid:
     """Return heights (ny, nx), (elevation - water_level_m) * vertical_scale, on a metric grid about the centre."""
     raster = _read(spec)
     h, w = raster.elevations.shape
-    centre = spec.centre or _mapped(raster.file_from_pixel, w / 2, h / 2)
+    centre = spec.centre or mapped(raster.file_from_pixel, w / 2, h / 2)
     _require_centre(raster, centre, spec)
-    size = spec.size_m or _largest_size(raster, centre, spec)
+    about = raster.metres_about(centre)
+    size = spec.size_m or _largest_size(raster, centre, about, spec)
     margin = 0.5 + 1e-6  # a cell's value extends to its edge
 
     def pixel_at(x: FloatGrid, y: FloatGrid) -> tuple[FloatGrid, FloatGrid]:
         columns, rows = raster.pixel_at(
-            *_file_from_metres(raster, centre, x / spec.horizontal_scale, y / spec.horizontal_scale)
+            *_file_from_metres(raster, centre, about, x / spec.horizontal_scale, y / spec.horizontal_scale)
         )
         outside = (columns < -margin) | (columns > w - 1 + margin) | (rows < -margin) | (rows > h - 1 + margin)
         if outside.any() or not np.isfinite(columns + rows).all():
@@ -131,20 +94,20 @@ def raster_heights(spec: RasterTerrain) -> FloatGrid:
 
 
 def raster_place(spec: RasterTerrain) -> Georeference:
-    """Return the location of a raster terrain; a raster in degrees is located in its projection to metres."""
+    """Return the location of a raster terrain, in its projection to metres if it has one."""
     raster = _read(spec)
     h, w = raster.elevations.shape
-    centre = spec.centre or _mapped(raster.file_from_pixel, w / 2, h / 2)
-    if raster.is_geographic:
-        return Georeference(metres_about(centre), (0.0, 0.0), 1.0 / spec.horizontal_scale)
+    centre = spec.centre or mapped(raster.file_from_pixel, w / 2, h / 2)
+    if (about := raster.metres_about(centre)) is not None:
+        return Georeference(about, (0.0, 0.0), 1.0 / spec.horizontal_scale)
     return Georeference(raster.crs, centre, 1.0 / (raster.unit_m * spec.horizontal_scale))
 
 
 def _require_centre(raster: Raster, centre: tuple[float, float], spec: RasterTerrain) -> None:
     h, w = raster.elevations.shape
-    column, row = _mapped(~raster.file_from_pixel, *centre)
+    column, row = mapped(~raster.file_from_pixel, *centre)
     if not (0 <= column <= w and 0 <= row <= h):
-        (x0, y0), (x1, y1) = (_mapped(raster.file_from_pixel, *corner) for corner in ((0.0, h), (w, 0.0)))
+        (x0, y0), (x1, y1) = (mapped(raster.file_from_pixel, *corner) for corner in ((0.0, h), (w, 0.0)))
         raise ScenarioError(
             f"terrain.centre = ({centre[0]:.9g}, {centre[1]:.9g}): outside '{raster.name}', which reaches from "
             f"({x0:.9g}, {y0:.9g}) to ({x1:.9g}, {y1:.9g}) in its own coordinates",
@@ -169,7 +132,7 @@ def _heights(raster: Raster, elevations: FloatGrid, spec: RasterTerrain) -> Floa
         raise ScenarioError(f"terrain.vertical_scale = {spec.vertical_scale:g}: makes {makes}", at=("vertical_scale",))
     raise ScenarioError(
         f"terrain '{raster.name}': elevations from {elevations.min():.6g} to {elevations.max():.6g} make {makes} "
-        "(cells without data that are not marked as such? water_level_m?)",
+        "(cells without data that are not marked as such: nodata? water_level_m? unit?)",
         at=("file",),
     )
 
@@ -199,21 +162,23 @@ def _read(spec: RasterTerrain) -> Raster:
                 )
             if min(file.width, file.height) < 2:
                 raise ScenarioError(f"terrain '{name}': {file.width} x {file.height} cells, expected 2 x 2 or more")
-            elevations = file.read(spec.band or 1, out_dtype=np.float64)
-            has_data = file.read_masks(spec.band or 1) > 0
-            file_from_pixel, crs = file.transform, file.crs
+            band = spec.band or 1
+            values = np.where(file.read_masks(band) > 0, file.read(band, out_dtype=np.float64), np.nan)
+            file_from_pixel, crs = file.transform, _crs(spec, file.crs, file.transform)
+            unit_m = height_unit_m(file, crs, spec)
+            scale, offset = file.scales[band - 1], file.offsets[band - 1]  # of packed heights
     except RasterioError as error:
         raise ScenarioError(f"terrain '{name}': not a readable elevation raster: {_reason(error)}") from None
     if file_from_pixel.is_degenerate or file_from_pixel.is_identity:
         raise ScenarioError(f"terrain '{name}': has no position or size of its cells (for an image: source: image)")
-    crs = _crs(spec, crs, file_from_pixel)
     if crs is not None and not (crs.is_geographic or crs.is_projected):
         raise ScenarioError(
             f"terrain.crs: that of '{name}' is neither geographic nor projected: give crs: {LOCAL} if it is in metres",
             at=("crs",) if spec.crs else ("file",),
         )
-    known = np.where(has_data & np.isfinite(elevations), elevations, np.nan)
-    return Raster(name, _filled(known) if spec.fill_nodata else known, file_from_pixel, crs)
+    known = without_gaps(np.where(np.isfinite(values), values, np.nan), spec)
+    elevations = (known * scale + offset) * unit_m
+    return Raster(name, _filled(elevations) if spec.fill_nodata else elevations, file_from_pixel, crs)
 
 
 def _opened(path: Path) -> DatasetReader:
@@ -261,24 +226,26 @@ def _crs(spec: RasterTerrain, crs: CRS | None, file_from_pixel: Affine) -> CRS |
 
 
 def _file_from_metres(
-    raster: Raster, centre: tuple[float, float], x_m: FloatGrid, y_m: FloatGrid
+    raster: Raster, centre: tuple[float, float], about: CRS | None, x_m: FloatGrid, y_m: FloatGrid
 ) -> tuple[FloatGrid, FloatGrid]:
-    """Convert real metres east and north of the centre to the file's coordinates."""
-    if not raster.is_geographic:
+    """Convert real metres east and north of the centre to the file's coordinates. about: their projection, if any."""
+    if about is None:
         return centre[0] + x_m / raster.unit_m, centre[1] + y_m / raster.unit_m
-    x, y = transform(metres_about(centre), raster.crs, x_m.ravel(), y_m.ravel())
+    x, y = transform(about, raster.crs, x_m.ravel(), y_m.ravel())
     return np.reshape(x, x_m.shape), np.reshape(y, x_m.shape)
 
 
-def _largest_size(raster: Raster, centre: tuple[float, float], spec: RasterTerrain) -> tuple[float, float]:
+def _largest_size(
+    raster: Raster, centre: tuple[float, float], about: CRS | None, spec: RasterTerrain
+) -> tuple[float, float]:
     """Return the simulated size of the largest grid around the centre that fits within the outermost cell centres."""
     h, w = raster.elevations.shape
     across, down = np.linspace(0.5, w - 0.5, 65), np.linspace(0.5, h - 0.5, 65)
     columns = np.concatenate([across, across, np.full(65, 0.5), np.full(65, w - 0.5)])
     rows = np.concatenate([np.full(65, 0.5), np.full(65, h - 0.5), down, down])
-    x, y = _mapped(raster.file_from_pixel, columns, rows)
-    if raster.is_geographic:
-        east, north = (np.asarray(axis) for axis in transform(raster.crs, metres_about(centre), x, y))
+    x, y = mapped(raster.file_from_pixel, columns, rows)
+    if about is not None:
+        east, north = (np.asarray(axis) for axis in transform(raster.crs, about, x, y))
     else:
         east, north = (x - centre[0]) * raster.unit_m, (y - centre[1]) * raster.unit_m
     # A border point limits the size along the axis on which it is relatively farther out.
@@ -291,10 +258,6 @@ def _largest_size(raster: Raster, centre: tuple[float, float], spec: RasterTerra
             f"{spec.horizontal_scale:g}: must be at least 1 x 1 and at most {MAX_NODES}; set horizontal_scale or size_m"
         )
     return cells[0] * spec.spacing_m, cells[1] * spec.spacing_m
-
-
-def _mapped(affine: Affine, x: Coordinates, y: Coordinates) -> tuple[Coordinates, Coordinates]:
-    return affine.a * x + affine.b * y + affine.c, affine.d * x + affine.e * y + affine.f
 
 
 def _require_whole(path: Path, require_whole: Callable[[Path], None]) -> None:

@@ -12,6 +12,7 @@ from uwsim.scenario.spec.fields import AssetFile, Factor, InRange, Size
 from uwsim.scenario.spec.terrain import LOCAL, TerrainModel
 
 Coordinate = Annotated[float, InRange(-1e9, 1e9)]
+UNITS_M = {"m": 1.0, "ft": 0.3048, "us-ft": 1200.0 / 3937.0}
 
 
 class RasterTerrain(TerrainModel):
@@ -19,12 +20,14 @@ class RasterTerrain(TerrainModel):
 
     file: the grid. band: band to use in a file with several, counted from 1. interpolation: method between its cells.
     crs: coordinate system, such as EPSG:4326, which overrides the file's; `local` for plain metres. If neither names
-    one, a file whose cells look like degrees is read as EPSG:4326, any other as local. Degrees are projected to metres
-    by a transverse Mercator projection centred on the terrain. water_level_m: elevation of the water surface in the
-    file's own units; it becomes z = 0. horizontal_scale: simulated metres per real metre; 0.05 makes 10 km a 500 m
-    lake. vertical_scale: simulated metres per real metre of height. centre: centre of the terrain in the file's
-    coordinates (longitude, latitude or easting, northing); by default the file's centre. size_m: simulated extent; by
-    default the largest that fits.
+    one, a file whose cells look like degrees is read as EPSG:4326, any other as local. Degrees, and coordinates of a
+    projection that is not true to scale there, such as Web Mercator, are projected to metres by a transverse Mercator
+    projection centred on the terrain. unit: of the heights, `m`, `ft` or `us-ft`; by default that of the band or of the
+    vertical reference. nodata: the value of cells without data, in the file's unit, in addition to those that the file
+    declares. water_level_m: elevation of the water surface; it becomes z = 0. horizontal_scale: simulated metres per
+    real metre; 0.05 makes 10 km a 500 m lake. vertical_scale: simulated metres per real metre of height. centre: centre
+    of the terrain in the file's coordinates (longitude, latitude or easting, northing); by default the file's centre.
+    size_m: simulated extent; by default the largest that fits.
     fill_nodata: interpolate cells without data; without it, the terrain must not include any.
     """
 
@@ -32,6 +35,8 @@ class RasterTerrain(TerrainModel):
     file: AssetFile
     band: Annotated[int, InRange(1, 1000)] | None = None
     crs: str | None = None
+    unit: Literal["m", "ft", "us-ft"] | None = None
+    nodata: Annotated[float, InRange(-1e38, 1e38)] | None = None
     water_level_m: Annotated[float, InRange(-12_000, 10_000, "m")]
     horizontal_scale: Factor = 1.0
     vertical_scale: Factor = 1.0

@@ -1,0 +1,112 @@
+"""A chart's numbers become metres on Earth, by whatever projection and unit, or they are asked for."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rasterio
+from affine import Affine
+from rasterio.warp import transform
+
+from uwsim.evidence.cli.scenario_from import scenario_from
+from uwsim.scenario import ScenarioError, build_world, load
+from uwsim.scenario.from_chart import scenario_from_chart
+from uwsim.scenario.georeference import georeference
+
+N = 120
+EAST, SOUTH = np.meshgrid(np.arange(N), np.arange(N))
+BED = (-20.0 - 0.05 * EAST + 0.03 * SOUTH).astype(np.float32)
+
+
+def chart(path: Path, heights=BED, crs="EPSG:32610", at=(500_000.0, 4_000_000.0), cell=2.0, unit=None, **more) -> Path:
+    """Write a GeoTIFF of square cells whose north-west corner is at a place."""
+    with rasterio.open(path, "w", driver="GTiff", width=N, height=N, count=1, dtype=heights.dtype, crs=crs,
+                       transform=Affine(cell, 0, at[0], 0, -cell, at[1]), **more) as file:  # fmt: skip
+        file.write(heights, 1)
+        if unit is not None:
+            file.units = (unit,)
+    return path
+
+
+def middle_m(path: Path, **options) -> float:
+    """Return the height of the bed in the middle of the scenario that a chart becomes."""
+    made = scenario_from_chart(path, path.with_suffix(".yaml"), size_m=100.0, **options)
+    return float(build_world(load(made.path)).height_at(np.zeros((1, 2)))[0])
+
+
+PLACES = {
+    "EPSG:32610": (-122.9, 36.1),
+    "EPSG:3857": (-122.0, 36.7),  # Web Mercator: 25 % long here
+    "EPSG:3395": (20.0, 60.0),  # Mercator on the ellipsoid: twice as long
+    "EPSG:6933": (5.0, 60.0),  # cylindrical and of equal area: long to the east, short to the north
+    "EPSG:3035": (-30.0, 60.0),  # azimuthal and of equal area, 40 degrees from its middle: turned, too
+    "EPSG:2226": (-122.0, 38.5),  # feet
+}
+
+
+@pytest.mark.parametrize("crs", PLACES)
+def test_200_m_of_the_world_are_200_m_on_earth_and_the_bed_is_the_chart_s_there(crs: str, tmp_path: Path) -> None:
+    (x,), (y,) = transform("EPSG:4326", crs, [PLACES[crs][0]], [PLACES[crs][1]])
+    cell = 20.0 if crs == "EPSG:2226" else 8.0
+    at = x - cell * N / 2, y + cell * N / 2
+    path = chart(tmp_path / "a.tif", crs=crs, at=at, cell=cell, unit="m")
+    made = scenario_from_chart(path, tmp_path / "a.yaml", size_m=250.0)
+    scenario = load(made.path)
+    places = np.array([[-100.0, 0.0], [100.0, 0.0], [0.0, -100.0], [0.0, 100.0]])
+    latitude, longitude = georeference(scenario).degrees(places).T
+    about = f"+proj=aeqd +lon_0={PLACES[crs][0]} +lat_0={PLACES[crs][1]} +datum=WGS84"  # true distances from there
+    east, north = (np.asarray(each) for each in transform("EPSG:4326", about, longitude, latitude))
+    for a, b in ((0, 1), (2, 3)):
+        assert np.hypot(east[b] - east[a], north[b] - north[a]) == pytest.approx(200.0, rel=3e-3)
+    file_x, file_y = (np.asarray(each) for each in transform("EPSG:4326", crs, longitude, latitude))
+    column, row = (file_x - at[0]) / cell - 0.5, (at[1] - file_y) / cell - 0.5
+    found = build_world(scenario).height_at(places)
+    np.testing.assert_allclose(found, -20.0 - 0.05 * column + 0.03 * row, atol=2e-3)
+
+
+@pytest.mark.parametrize("unit, metres", [("US survey foot", 1200 / 3937), ("ft", 0.3048), ("fathoms", 1.8288),
+                                          ("cm", 0.01), ("metres above MSL", 1.0), (None, 1.0)])  # fmt: skip
+def test_heights_are_metres_by_the_unit_of_their_band(unit: str | None, metres: float, tmp_path: Path) -> None:
+    deep = (BED / metres).astype(np.float32)
+    assert middle_m(chart(tmp_path / "a.tif", deep, unit=unit)) == pytest.approx(-21.2, abs=0.1)
+
+
+def test_heights_are_metres_by_the_unit_of_their_vertical_reference(tmp_path: Path) -> None:
+    deep = (BED * 3937 / 1200).astype(np.float32)
+    assert middle_m(chart(tmp_path / "a.tif", deep, crs="EPSG:32610+6360")) == pytest.approx(-21.2, abs=0.1)
+
+
+def test_packed_heights_are_unpacked(tmp_path: Path) -> None:
+    path = chart(tmp_path / "a.tif", np.round(-100.0 * BED).astype(np.int16))
+    with rasterio.open(path, "r+") as file:
+        file.scales, file.offsets = (-0.01,), (-5.0,)
+    assert middle_m(path) == pytest.approx(-26.2, abs=0.1)
+
+
+def test_a_unit_that_the_file_leaves_open_is_asked_for(tmp_path: Path) -> None:
+    feet = chart(tmp_path / "feet.tif", crs="EPSG:2226", at=(6e6, 2e6), cell=6.0)
+    with pytest.raises(ScenarioError, match=r"US survey foot.*does not state the unit of its heights.*--unit"):
+        middle_m(feet)
+    assert middle_m(feet, unit="us-ft") == pytest.approx(-21.2 * 1200 / 3937, abs=0.1)
+    with pytest.raises(ScenarioError, match=r"heights are in 'smoots': give their unit as unit, m, ft, us-ft"):
+        middle_m(chart(tmp_path / "odd.tif", unit="smoots"))
+
+
+@pytest.mark.parametrize("gap", [-9999.0, 9999.0, -99999.0, -32768.0, -999.0])
+def test_a_gap_that_is_not_declared_is_a_question_and_not_a_bed(gap: float, tmp_path: Path) -> None:
+    heights = BED.copy()
+    heights[:20] = gap
+    path = chart(tmp_path / "a.tif", heights)
+    rule = rf"2400 of 14400 cells are {gap:.0f}, .*give nodata: {gap:.0f} .*--nodata {gap:.0f}"
+    with pytest.raises(ScenarioError, match=rule):
+        scenario_from(path, out=tmp_path / "a.yaml")
+    assert not (tmp_path / "a.yaml").exists()
+    scenario_from(path, out=tmp_path / "a.yaml", nodata=gap)
+    scenario = load(tmp_path / "a.yaml")
+    assert scenario.terrain.nodata == gap
+    assert build_world(scenario).height_at(np.zeros((1, 2)))[0] == pytest.approx(-20.0, abs=5.0)
+
+
+def test_a_trench_of_9999_m_is_a_bed(tmp_path: Path) -> None:
+    slope = np.linspace(-9000.0, -9999.0, N * N, dtype=np.float32).reshape(N, N)
+    assert middle_m(chart(tmp_path / "a.tif", slope)) == pytest.approx(-9499.0, abs=10.0)
