@@ -28,11 +28,14 @@ def write_asc(path: Path, values: np.ndarray, cell: float = 10.0, corner: tuple[
     return path
 
 
-def write_tif(path: Path, values: np.ndarray, crs: str | None, cell: float = 10.0, nodata: float | None = None) -> Path:
+def write_tif(
+    path: Path, values: np.ndarray, crs: str | None, cell: float = 10.0, nodata: float | None = None,
+    at: tuple[float, float] = (500_000, 4_000_000),
+) -> Path:  # fmt: skip
     bands = np.atleast_3d(values.T).T if values.ndim == 2 else values
     with rasterio.open(
         path, "w", driver="GTiff", count=len(bands), height=bands.shape[1], width=bands.shape[2], dtype="float32",
-        crs=crs, transform=from_origin(500_000, 4_000_000, cell, cell), nodata=nodata,
+        crs=crs, transform=from_origin(*at, cell, cell), nodata=nodata,
     ) as file:  # fmt: skip
         file.write(bands.astype("float32"))
     return path
@@ -65,7 +68,7 @@ def test_the_default_size_is_that_of_the_largest_grid_that_fits(tmp_path: Path) 
 
 
 def test_feet_are_converted_to_metres(tmp_path: Path) -> None:
-    file = write_tif(tmp_path / "feet.tif", GRID, "EPSG:2274")  # Tennessee, US survey feet
+    file = write_tif(tmp_path / "feet.tif", GRID, "EPSG:2274", at=(2e6, 6e5))  # Tennessee, US survey feet
     terrain = build_terrain(raster(file, size_m=None, spacing_m=1.0, unit="m"))
     width_m = terrain.extent_m[2] - terrain.extent_m[0]
     assert width_m == pytest.approx(140 * 1200 / 3937, abs=1.0)
