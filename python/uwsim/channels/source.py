@@ -51,12 +51,15 @@ class Source:
 
     def model(self, sim: Simulator) -> VehicleModel:
         """Return the vehicle's model with its current parameters."""
-        return next(entry.model for entry in sim.parameters.scenario.vehicles if entry.name == self.name)
+        return self.now(sim).model
 
     def command_timeout_s(self, sim: Simulator) -> float:
         """Return the time after which a silent publisher's commands expire, or 0 if they never do."""
-        entries = sim.parameters.scenario.vehicles
-        return next(entry.command_timeout_s for entry in entries if entry.name == self.name)
+        return self.now(sim).command_timeout_s
+
+    def now(self, sim: Simulator) -> VehicleEntry:
+        """Return the vehicle's settings with its current parameters."""
+        return next(entry for entry in sim.parameters.scenario.vehicles if entry.name == self.name)
 
     def topic(self, name: str) -> str:
         """Return the full name of a topic or service."""

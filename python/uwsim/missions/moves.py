@@ -25,7 +25,10 @@ from uwsim.navigation.sensor_choice import altimeter
 
 Point = Sequence[float] | NDArray[Any]
 GRACE_S = 60.0  # added to a move's time limit, which is otherwise three times its nominal duration
+SPEED_MAX_M_S = 10.0  # of any vehicle
 SLOWEST_M_S, SLOW_DOWN_PER_S = 0.1, 0.4  # speed near the end: SLOWEST + SLOW_DOWN x distance
+REACHED_M, REACHED_IN_PASSING_M = 0.1, 0.5
+"""Distances at which a target counts as reached: by a vehicle that can stand still there, and by one that cannot."""
 FACE_FROM_M = 1.0  # the vehicle faces the direction of travel while farther than this from its target
 TURN_FIRST_RAD = math.radians(45.0)
 BACK_PER_S = 0.5  # speed back to a point or a line, per metre of offset
@@ -40,15 +43,19 @@ def goto(
     altitude_m: float | None = None,
     heading_rad: float | None = None,
     speed_m_s: float = 0.5,
-    within_m: float = 0.5,
+    within_m: float | None = None,
 ) -> Steps[None]:
-    """Move straight to a position (3,), or (2,) with altitude_m above the bed, and stop within within_m of it.
+    """Move straight to a position (3,), or (2,) with altitude_m above the bed, until it is reached.
 
-    heading_rad: heading to hold on the way; defaults to the direction of travel.
+    heading_rad: heading to hold on the way; defaults to the direction of travel. within_m: the distance at which the
+    position counts as reached; by default 0.1 m, or 0.5 m for a vehicle without thrust ahead and aside, which cannot
+    stand still. The vehicle then keeps its last efforts; `hold` keeps it at the position.
     """
     vehicle = own_vehicle(vehicle)
+    within_m = reached_m(vehicle) if within_m is None else within_m
     x, y, height = _target(vehicle, "goto", position_world_m, altitude_m)
     require_positive("goto", speed_m_s=speed_m_s, within_m=within_m)
+    _require_speed("goto", speed_m_s)
     start = vehicle.pose
     start_x, start_y, start_z = start.position_world_m.tolist()
     whole_m = math.hypot(x - start_x, y - start_y)
@@ -71,6 +78,16 @@ def goto(
         ahead = min(speed, BACK_PER_S * left_m) / max(left_m, 1e-9)
         velocity = (ahead * (x - at_x), ahead * (y - at_y))
         yield from steer(vehicle, heading, velocity, z_m + share * (start_z - z_m))
+
+
+def can_stand(vehicle: Vehicle) -> bool:
+    """Return whether the vehicle can keep a place whatever its heading: it has thrust ahead and aside."""
+    return own_vehicle(vehicle).controllable >= {"surge", "sway"}
+
+
+def reached_m(vehicle: Vehicle, within_m: float = REACHED_M) -> float:
+    """Return the distance at which a target counts as reached: within_m, or more for a vehicle that cannot stand."""
+    return within_m if can_stand(vehicle) else max(within_m, REACHED_IN_PASSING_M)
 
 
 def hold(
@@ -107,6 +124,7 @@ def turn_to(vehicle: Vehicle, heading_rad: float, *, within_rad: float = math.ra
     """Turn on the spot to a heading, measured counterclockwise from east."""
     vehicle = own_vehicle(vehicle)
     require_positive("turn_to", within_rad=within_rad)
+    _require_finite("turn_to", heading_rad=heading_rad)
     x, y, z = vehicle.pose.position_world_m.tolist()
     deadline_s = vehicle.time_s + GRACE_S
     while abs(left_rad := wrap_angle(heading_rad - vehicle.pose.yaw_rad)) > within_rad:
@@ -116,11 +134,17 @@ def turn_to(vehicle: Vehicle, heading_rad: float, *, within_rad: float = math.ra
 
 
 def dive_to(vehicle: Vehicle, depth_m: float, *, within_m: float = 0.2) -> Steps[None]:
-    """Dive or climb on the spot to a depth (positive down)."""
+    """Dive or climb on the spot to a depth (positive down), of at least 0 m and above the bed."""
     vehicle = own_vehicle(vehicle)
     require_positive("dive_to", within_m=within_m)
+    _require_finite("dive_to", depth_m=depth_m)
     pose = vehicle.pose
     x, y, z = pose.position_world_m.tolist()
+    if depth_m < 0.0:
+        raise ValueError(f"dive_to: depth_m = {depth_m:g} m: must be at least 0 m, the mean water surface")
+    is_over_terrain = vehicle.beyond_terrain(x, y, z) is None
+    if depth_m > -z and is_over_terrain and (bed := vehicle.beyond_terrain(x, y, -depth_m)) is not None:
+        raise ValueError(f"dive_to: depth_m = {depth_m:g} m: must be above the terrain, {bed}")
     heading, deadline_s = pose.yaw_rad, vehicle.time_s + GRACE_S + abs(depth_m + z) / 0.1
     while abs(left_m := depth_m + float(vehicle.pose.position_world_m[2])) > within_m:
         if vehicle.time_s > deadline_s:
@@ -136,13 +160,15 @@ def follow(
     speed_m_s: float = 0.5,
 ) -> Steps[None]:
     """Follow straight legs through points (n, 3), or (n, 2) with altitude_m above the bed, beginning at the first."""
+    require_positive("follow", speed_m_s=speed_m_s)
+    _require_speed("follow", speed_m_s)
     points = np.asarray(path_world_m, np.float64)
     if points.ndim != 2 or len(points) < 2:
         raise ValueError(f"follow: path_world_m.shape = {points.shape}: must be (n, 3) or (n, 2), n at least 2")
     vehicle = own_vehicle(vehicle)
     for point in points:
         _target(vehicle, "follow", point, altitude_m)  # refuses a bad point before the first leg is flown
-    yield from goto(vehicle, points[0], altitude_m=altitude_m, speed_m_s=speed_m_s)
+    yield from goto(vehicle, points[0], altitude_m=altitude_m, speed_m_s=speed_m_s, within_m=REACHED_IN_PASSING_M)
     for start, end in pairwise(points):
         yield from follow_leg(vehicle, start, end, altitude_m=altitude_m, speed_m_s=speed_m_s)
 
@@ -189,8 +215,8 @@ def _target(
     if point.shape != expected or not np.isfinite(point).all():
         rule = "(3,), or (2,) with altitude_m" if altitude_m is None else "(2,) with altitude_m"
         raise ValueError(f"{step}: position_world_m = {point.tolist()}: must be finite and of shape {rule}")
-    x, y = float(point[0]), float(point[1])
-    if step != "hold" and (edge := vehicle.beyond_terrain(x, y)) is not None:
+    x, y, *given_z = map(float, point)
+    if step != "hold" and (edge := vehicle.beyond_terrain(x, y, *given_z)) is not None:
         raise ValueError(f"{step}: position_world_m = {point.tolist()}: must be above the terrain, {edge}")
     if altitude_m is None:
         z = float(point[2])
@@ -210,6 +236,18 @@ def _target(
         return min(z - bed_m + above_m, 0.0) if math.isfinite(bed_m) else z
 
     return x, y, height
+
+
+def _require_speed(step: str, speed_m_s: float) -> None:
+    """Raise ValueError for a speed that no vehicle has."""
+    if speed_m_s > SPEED_MAX_M_S:
+        raise ValueError(f"{step}: speed_m_s = {speed_m_s:g} m/s: must be at most {SPEED_MAX_M_S:g} m/s")
+
+
+def _require_finite(step: str, /, **values: float) -> None:
+    for name, value in values.items():
+        if not math.isfinite(value):
+            raise ValueError(f"{step}: {name} = {value:g}: must be a number")
 
 
 def _back_to(vehicle: OwnVehicle, x: float, y: float) -> tuple[float, float]:

@@ -140,10 +140,13 @@ class OwnVehicle(Sealed, Commandable):
                 stacklevel=2,
             )
 
-    def beyond_terrain(self, x_m: float, y_m: float) -> str | None:
-        """Return the terrain's bounds as text if a position is outside; None if inside, or if they are unknown."""
+    def beyond_terrain(self, x_m: float, y_m: float, z_m: float = math.inf) -> str | None:
+        """Return as text the terrain's bounds, or its height there, if a position is outside or below it; else None.
+
+        None as well if the terrain is unknown, as it is to a remote vehicle.
+        """
         find = getattr(self._hull, "beyond_terrain", None)
-        return None if find is None else find(x_m, y_m)
+        return None if find is None else find(x_m, y_m, z_m)
 
     @property
     def authority(self) -> Any:

@@ -203,7 +203,7 @@ class Simulator(SimulatorProperties):
             step_s=self.step_s,
             navigate=lambda rov, start: new_navigator(rov, start, self.world.water, fixed_station_m(self.scenario)),
             control=control,
-            beyond_terrain=lambda x_m, y_m: beyond_terrain(self._world, self.scenario, x_m, y_m),
+            beyond_terrain=lambda *place_m: beyond_terrain(self._world, self.scenario, *place_m),
             tether=self.tethers.get(entry.name),
             joints=sensed(entry.model.arm or {}, entry.name, self.step_s, lambda: self.seed),
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -85,7 +86,7 @@ class Vehicle(CommandedVehicle):
         step_s: float,
         navigate: Callable[[Vehicle, Start], Navigator],
         control: ControlSettings,
-        beyond_terrain: Callable[[float, float], str | None],
+        beyond_terrain: Callable[[float, float, float], str | None],
         tether: Tether | None = None,
         joints: Sensed | None = None,
     ) -> None:
@@ -166,9 +167,9 @@ class Vehicle(CommandedVehicle):
             raise ValueError(f"vehicle '{self.name}': carries no sonar")
         return self._sonar
 
-    def beyond_terrain(self, x_m: float, y_m: float) -> str | None:
-        """Return the bounds of the terrain as text if a position is outside, else None."""
-        return self._beyond_terrain(x_m, y_m)
+    def beyond_terrain(self, x_m: float, y_m: float, z_m: float = math.inf) -> str | None:
+        """Return as text the terrain's bounds, or its height there, if a position is outside or below it; else None."""
+        return self._beyond_terrain(x_m, y_m, z_m)
 
     @property
     def authority(self) -> Vector:

@@ -124,13 +124,32 @@ def test_a_goal_is_reached_with_feedback_and_a_result(client, live):
     assert accepted
     response = client.result(identity)
     assert (response.status, response.result.error_msg) == (SUCCEEDED, "")
-    assert np.linalg.norm(live.rov.pose.position_world_m - target) < 0.8
-    assert abs(live.rov.pose.yaw_rad - 1.0) < 0.2
+    assert np.linalg.norm(live.rov.pose.position_world_m - target) < 0.11
+    assert abs(live.rov.pose.yaw_rad - 1.0) < 0.06
     fed = client.other.heard(f"{client.own}/feedback")
     left = [one.feedback.distance_remaining for one in fed]
     assert all(bytes(one.goal_id.uuid) == bytes(identity.uuid) for one in fed)
     assert left[0] > left[-1] and fed[0].feedback.current_pose.header.frame_id == "odom"
     client.expect_statuses(EXECUTING, SUCCEEDED)
+
+
+def test_a_goal_succeeds_within_the_tolerance_and_the_vehicle_is_held_at_the_target(client, live):
+    """0.1 m at first; a wider one is reached sooner, but the vehicle goes to the target all the same."""
+
+    def away_m(target):
+        return float(np.linalg.norm(live.rov.pose.position_world_m - target))
+
+    for tolerance_m, reached_m in ((None, 0.11), (0.5, 0.51)):
+        if tolerance_m is not None:
+            live.command("set_parameter", name="rov.xy_goal_tolerance", value=tolerance_m).result()
+        target = near(live, (0.4, 0.0, 0.0))
+        identity, _ = client.send(navigate(target))
+        assert client.result(identity).status == SUCCEEDED and away_m(target) < reached_m
+        until(lambda target=target: away_m(target) < 0.02, "the target")
+        end_s = live.simulator.time_s + 5.0
+        until(lambda end_s=end_s: live.simulator.time_s > end_s, "5 s")
+        assert away_m(target) < 0.02
+    live.command("reset_parameters", name="rov.xy_goal_tolerance").result()
 
 
 def test_a_goal_can_be_cancelled_and_the_vehicle_comes_to_rest(client, live):
@@ -172,6 +191,7 @@ def test_a_goal_ends_when_the_stations_pilot_takes_the_controls(client, live, ac
     ("goal", "reason"),
     [
         ({"point": (0.0, 0.0, 2.0)}, "above the water's surface"),
+        ({"point": (0.0, 0.0, -50.0)}, "must be above the terrain, whose height there is -5.00 m"),
         ({"point": (0.0, np.nan, -2.0)}, "must be finite"),
         ({"point": (0.0, 0.0, -2.0), "frame_id": "moon"}, "frame_id = 'moon': must be odom, map or world"),
     ],

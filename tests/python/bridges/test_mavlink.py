@@ -138,6 +138,10 @@ def test_parameters_are_listed_read_and_set(live: LiveSimulator, station: Statio
     mav.param_set_send(1, 1, b"MASS_KG", -1.0, 9)
     assert station.receive("PARAM_VALUE", lambda value: value.param_id == "MASS_KG").param_value == 14.0
     assert "mass_kg" in station.receive("STATUSTEXT").text
+    mav.param_set_send(1, 1, b"WPNAV_RADIUS", 50.0, 9)
+    assert station.receive("PARAM_VALUE", lambda value: value.param_id == "WPNAV_RADIUS").param_value == 50.0
+    assert live.simulator.parameters["rov.xy_goal_tolerance"] == 0.5
+    mav.param_set_send(1, 1, b"WPNAV_RADIUS", 10.0, 9)
     mav.param_set_send(1, 1, b"MASS_KG", 13.5, 9)
     station.receive("PARAM_VALUE", lambda value: value.param_value == 13.5)
 

@@ -187,14 +187,19 @@ def test_targets_are_global_local_or_offsets(live: LiveSimulator, station: Stati
     station.mav.set_position_target_global_int_send(0, 1, 1, 6, mask, at.lat + north_e7, at.lon, -4.0, *[0.0] * 8)
     station.receive("STATUSTEXT", lambda text: text.text == "Target reached", limit_s=30)
     now = station.receive("LOCAL_POSITION_NED")
-    assert (now.x, now.y, now.z) == pytest.approx((here.x + 2, here.y, 4.0), abs=0.6)
+    assert (now.x, now.y, now.z) == pytest.approx((here.x + 2, here.y, 4.0), abs=0.11)
+    station.mav.set_position_target_local_ned_send(0, 1, 1, 1, mask, here.x + 2.4, here.y, 4.0, *[0.0] * 8)
+    station.receive("STATUSTEXT", lambda text: text.text == "Target reached", limit_s=30)
+    now = station.receive("LOCAL_POSITION_NED")
+    assert now.x == pytest.approx(here.x + 2.4, abs=0.11), "a target half a metre ahead is flown to, too"
+    until(lambda: station.receive("LOCAL_POSITION_NED").x == pytest.approx(here.x + 2.4, abs=0.02))
     station.mav.set_position_target_local_ned_send(0, 1, 1, 7, mask, 0, 0, -1.0, *[0.0] * 8)  # Cockpit's way up
     station.receive("STATUSTEXT", lambda text: text.text == "Target reached", limit_s=30)
-    assert station.receive("LOCAL_POSITION_NED").z == pytest.approx(now.z - 1, abs=0.6)
+    assert station.receive("LOCAL_POSITION_NED").z == pytest.approx(now.z - 1, abs=0.11)
     values = (-1, 1, 0, math.nan, at.lat, at.lon, -3.0)
     assert station.command(dialect.MAV_CMD_DO_REPOSITION, *values, as_int=True) == DONE
     station.receive("STATUSTEXT", lambda text: text.text == "Target reached", limit_s=30)
-    assert station.receive("LOCAL_POSITION_NED").x == pytest.approx(here.x, abs=0.6)
+    assert station.receive("LOCAL_POSITION_NED").x == pytest.approx(here.x, abs=0.11)
     for frame, words in ((2, "frame 2"), (1, "must be numbers")):
         station.mav.set_position_target_local_ned_send(0, 1, 1, frame, mask, math.nan, 0, 1, *[0.0] * 8)
         station.receive("STATUSTEXT", lambda text, words=words: words in text.text)

@@ -229,6 +229,23 @@ def test_a_way_that_is_blocked_ends_the_mission() -> None:
         run(into_the_box, sim.rov, sim)
 
 
+@pytest.mark.parametrize("offset_m", [(0.4, 0.0, 0.0), (0.0, -0.3, 0.2)])
+def test_goto_goes_to_a_target_nearby_and_hold_keeps_it(offset_m) -> None:
+    """Within the tolerance at the end of goto, and then at the target itself: the water is still."""
+    sim = Simulator("pool")
+    sim.rov.undock()
+    target_m, left_m = sim.rov.pose.position_world_m + offset_m, []
+
+    def mission(vehicle):
+        yield from goto(vehicle, target_m)
+        left_m.append(math.dist(vehicle.pose.position_world_m, target_m))
+        yield from hold(vehicle, 10.0, position_world_m=target_m)
+        left_m.append(math.dist(vehicle.pose.position_world_m, target_m))
+
+    run(mission, sim.rov, sim)
+    assert 0.0 < left_m[0] <= 0.1 and left_m[1] < 0.01
+
+
 @pytest.mark.parametrize(
     ("step", "words"),
     [
@@ -241,6 +258,14 @@ def test_a_way_that_is_blocked_ends_the_mission() -> None:
         (lambda v: goto(v, (1.0, 2.0), altitude_m=-1.0), "altitude_m = -1.0 m: must be positive"),
         (lambda v: follow(v, [(1.0, 2.0, -3.0)]), "n at least 2"),
         (lambda v: hold(v, -1.0), "must be positive"),
+        (lambda v: goto(v, (1.0, 2.0, -50.0)), r"must be above the terrain, whose height there is -5.00 m"),
+        (lambda v: follow(v, [(1.0, 2.0, -3.0), (1.0, 3.0, -50.0)]), "must be above the terrain, whose height"),
+        (lambda v: dive_to(v, 100.0), "depth_m = 100 m: must be above the terrain, whose height there is -5.00 m"),
+        (lambda v: dive_to(v, -3.0), "depth_m = -3 m: must be at least 0 m, the mean water surface"),
+        (lambda v: dive_to(v, math.nan), "depth_m = nan: must be a number"),
+        (lambda v: turn_to(v, math.nan), "heading_rad = nan: must be a number"),
+        (lambda v: goto(v, (1.0, 2.0, -3.0), speed_m_s=50.0), "speed_m_s = 50 m/s: must be at most 10 m/s"),
+        (lambda v: follow(v, [(1.0, 2.0, -3.0), (1.0, 3.0, -3.0)], speed_m_s=50.0), "must be at most 10 m/s"),
     ],
 )
 def test_moves_refuse_bad_values(step, words: str) -> None:

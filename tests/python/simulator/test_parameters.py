@@ -56,7 +56,8 @@ OTHER: dict[str, Any] = {
 """Valid values that have an effect, where none can be derived from the current value."""
 
 
-SERVED = (".kind", ".command_timeout_s", "wire")  # the latter two act on servers: test_watchdog.py, test_paper.py
+SERVED = (".kind", ".command_timeout_s", "goal_tolerance", "wire")
+"""The latter three act on servers: test_watchdog.py, test_actions.py, test_paper.py."""
 SAME = {
     "rov.sonar.model": "the models that it may be replaced by differ from it in physics mode alone",
     "rov.sensors.usbl.frequency_hz": "acts on arrivals that overlap; tests/cpp/sensors/test_sensors.cpp has some",

@@ -14,7 +14,17 @@ from uwsim.channels.authority.steering import Steering
 from uwsim.channels.names import checked_namespace
 from uwsim.channels.source import Source
 from uwsim.missions import OwnVehicle, Steps, goto, turn_to
-from uwsim.missions.moves import follow_leg
+from uwsim.missions.moves import REACHED_IN_PASSING_M, REACHED_M, can_stand, follow_leg, reached_m
+
+
+class Tolerance(NamedTuple):
+    """How near to a target it counts as reached: a distance [m] and an angle [rad]. See VehicleEntry."""
+
+    xy_m: float = REACHED_M
+    yaw_rad: float = 0.05
+
+
+NEAR = Tolerance()
 
 
 class Plan(Protocol):
@@ -22,10 +32,15 @@ class Plan(Protocol):
 
     @property
     def points_world_m(self) -> NDArray[np.float64]:
-        """The points to fly to, (n, 3), to measure what remains."""
+        """The points to fly to, (n, 3), to measure what remains. The vehicle is held at the last one afterwards."""
         ...
 
-    def steps(self, vehicle: OwnVehicle, begin: Callable[[int], object]) -> Steps[None]:
+    @property
+    def heading_rad(self) -> float | None:
+        """The heading at the end, from east; None for any."""
+        ...
+
+    def steps(self, vehicle: OwnVehicle, begin: Callable[[int], object], tolerance: Tolerance = NEAR) -> Steps[None]:
         """Fly it. begin: called with the index of each point after the first, once the vehicle flies to it."""
         ...
 
@@ -37,17 +52,21 @@ class Route(NamedTuple):
     speed_m_s: float
     heading_rad: float | None
 
-    def steps(self, vehicle: OwnVehicle, begin: Callable[[int], object]) -> Steps[None]:
-        """Fly straight legs to the last point, stop there, and turn."""
-        points, speed_m_s = self.points_world_m, self.speed_m_s
+    def steps(self, vehicle: OwnVehicle, begin: Callable[[int], object], tolerance: Tolerance = NEAR) -> Steps[None]:
+        """Fly straight legs to the last point, and turn there. It ends at the point and heading, within tolerance."""
+        points, speed_m_s, within_m = self.points_world_m, self.speed_m_s, reached_m(vehicle, tolerance.xy_m)
         if len(points) > 1:
-            yield from goto(vehicle, points[0], speed_m_s=speed_m_s)
+            yield from goto(vehicle, points[0], speed_m_s=speed_m_s, within_m=max(within_m, REACHED_IN_PASSING_M))
             for leg, (start, end) in enumerate(pairwise(points), start=1):
                 begin(leg)
                 yield from follow_leg(vehicle, start, end, speed_m_s=speed_m_s)
-        yield from goto(vehicle, points[-1], speed_m_s=speed_m_s)
+        yield from goto(vehicle, points[-1], speed_m_s=speed_m_s, within_m=within_m)
         if self.heading_rad is not None:
-            yield from turn_to(vehicle, self.heading_rad)
+            yield from turn_to(vehicle, self.heading_rad, within_rad=tolerance.yaw_rad)
+            if can_stand(vehicle):  # it drifts while it turns
+                yield from goto(
+                    vehicle, points[-1], heading_rad=self.heading_rad, speed_m_s=speed_m_s, within_m=within_m
+                )
 
 
 class Progress(NamedTuple):

@@ -11,13 +11,15 @@ from typing import Any
 import numpy as np
 
 from uwsim.base.commands import command_named
-from uwsim.bridges.actions.action import Action, Offered, Plan, Progress
+from uwsim.bridges.actions.action import Action, Offered, Plan, Progress, Tolerance
 from uwsim.bridges.actions.joints import JointAction, JointGoal
 from uwsim.channels.authority.steering import require_link
 from uwsim.channels.ros import build
 from uwsim.live import LiveSimulator
 from uwsim.live.vehicle import LiveVehicle
 from uwsim.missions import OwnVehicle, StoppedError, drive
+from uwsim.missions.moves import can_stand
+from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.control.protocols import Clock
 from uwsim.simulator.helm import Lease, Reason, Source
 
@@ -57,8 +59,13 @@ class Goal:
             raise ValueError(f"vehicle '{self._name}' is at the station: call /{action.source.topic('undock')} first")
         action.steering.helm.require_at_door(action.name, Source.FLIGHT)
         self._plan: Plan = action.route(goal)
+        for point in self._plan.points_world_m.tolist():
+            if (edge := self._hull.beyond_terrain(*point)) is not None:
+                place = ", ".join(f"{part:.1f}" for part in point)
+                raise ValueError(f"{action.name}: target ({place}) m: must be above the terrain, {edge}")
         self._stop: _EndedError | None = None
         self._lease: Lease | None = None
+        self._vehicle: OwnVehicle | None = None
         self._leg = 0
         self._thread = threading.Thread(target=self._run, name=f"uwsim-{action.name}", daemon=True)
 
@@ -105,24 +112,35 @@ class Goal:
         except Exception as error:
             logger.exception("action '%s' failed", self.action.name)
             status, why = ABORTED, str(error) or type(error).__name__
-        self._rest()
+        self._rest(status)
         self._ended(status, self.action.result(max(self._live.simulator.time_s - began_s, 0.0), why))
 
-    def _rest(self) -> None:
-        """Bring the vehicle to rest, unless another command steers it by now."""
-        if self._lease is not None and self._lease.end() and self._hull.released:
-            with suppress(ValueError, RuntimeError):  # others steer by now, or the simulator does not run
+    def _rest(self, status: int) -> None:
+        """Keep the vehicle at the target, or else bring it to rest, unless another command steers it by now."""
+        if self._lease is None or not self._lease.end() or not self._hull.released:
+            return
+        flown, points = self._vehicle, self._plan.points_world_m
+        with suppress(ValueError, RuntimeError):  # others steer by now, or the simulator does not run
+            if status != SUCCEEDED or flown is None or not len(points) or not can_stand(flown):
                 self.action.steering.hold_velocity(self._live, np.zeros(6))
+                return
+            heading_rad = flown.pose.yaw_rad if self._plan.heading_rad is None else self._plan.heading_rad
+            assert isinstance(flown.autopilot, Controller)
+            self.action.steering.hold_place(
+                self._live, points[-1], heading_rad, flown.autopilot.memory, uses_truth=self.action.uses_truth
+            )
 
     def _fly(self, clock: Clock, began_s: float) -> None:
         self.check()
         assert self._lease is not None
         hull = _FlownVehicle(self._live, self.action, self._lease)
-        vehicle = OwnVehicle(hull, clock, estimate=None if self.action.uses_truth else hull.estimate)
+        vehicle = self._vehicle = OwnVehicle(hull, clock, estimate=None if self.action.uses_truth else hull.estimate)
         holds = hull.holds
         if holds is not None and holds.has_control:
             hull.command("hold")
-        drive(self._plan.steps(vehicle, self._begin), _WatchedClock(clock, self, vehicle, began_s))
+        settings = self.action.source.now(self._live.simulator)
+        tolerance = Tolerance(settings.xy_goal_tolerance, settings.yaw_goal_tolerance)
+        drive(self._plan.steps(vehicle, self._begin, tolerance), _WatchedClock(clock, self, vehicle, began_s))
 
     def _begin(self, leg: int) -> None:
         self._leg = leg

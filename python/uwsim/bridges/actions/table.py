@@ -17,9 +17,10 @@ from uwsim.channels.families.estimate import has_estimate
 from uwsim.channels.ros import build
 from uwsim.channels.ros.action_types import FLY_PATH, FOLLOW_JOINTS, NAVIGATE_TO_POSE, load_action_types
 from uwsim.channels.source import Source
+from uwsim.missions.moves import SPEED_MAX_M_S
 from uwsim.simulator.simulator import Simulator
 
-SPEED_M_S, SPEED_MAX_M_S = 0.5, 10.0
+SPEED_M_S = 0.5
 POINTS_MAX = 10_000
 POSITION_MAX_M = 1e6
 FAILED = 9000  # error_code of nav2_msgs/NavigateToPose since Kilted: UNKNOWN

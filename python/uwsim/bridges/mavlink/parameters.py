@@ -16,6 +16,9 @@ ID_CHARACTERS = 16
 AT_ONCE = 20
 INT32, REAL32 = 6, 9  # MAV_PARAM_TYPE
 
+OWN_NAMES = {"WPNAV_RADIUS": ("xy_goal_tolerance", 100.0)}
+"""ArduSub's names of the vehicle's parameters, each with the factor to its unit: [cm]."""
+
 Send = Callable[..., None]
 """Sends a message to a peer, or to all."""
 DIGITS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -63,7 +66,8 @@ class ParameterServer:
     def __init__(self, craft: Craft, mav: Any, send: Send, settings: Settings) -> None:
         live = craft.live
         self._craft, self._live, self._mav, self._send, self._settings = craft, live, mav, send, settings
-        self.ids = ids_of(live.simulator.parameters, live.vehicles) | {name: name for name in settings}
+        own = {name: f"{craft.name}.{plain}" for name, (plain, _) in OWN_NAMES.items()}
+        self.ids = ids_of(live.simulator.parameters, live.vehicles) | {name: name for name in settings} | own
         self._indices = {name: index for index, name in enumerate(self.ids)}
         self._due: deque[tuple[Peer, str]] = deque()
 
@@ -74,7 +78,10 @@ class ParameterServer:
             self._send(self._value(name), peer)
 
     def _present(self, name: str) -> Any:
-        return self._settings[name] if name in self._settings else self._live.simulator.parameters[self.ids[name]]
+        if name in self._settings:
+            return self._settings[name]
+        value = self._live.simulator.parameters[self.ids[name]]
+        return value * OWN_NAMES[name][1] if name in OWN_NAMES else value
 
     def _value(self, name: str) -> Any:
         value = self._present(name)
@@ -107,6 +114,8 @@ class ParameterServer:
             if name in self._settings:
                 self._settings.set(name, value)
             else:
+                if name in OWN_NAMES:
+                    value /= OWN_NAMES[name][1]
                 order = self._live.command("set_parameter", name=self.ids[name], value=value)
                 self._craft.wait(order, f"parameter '{name}'")
         finally:

@@ -11,16 +11,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.bridges.actions.action import NEAR, Tolerance
 from uwsim.bridges.actions.table import SPEED_M_S
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.earth import Vector
 from uwsim.bridges.mavlink.servos import Servos
 from uwsim.missions import OwnVehicle, Steps, dive_to, goto, hold, turn_to
-from uwsim.missions.moves import follow_leg
+from uwsim.missions.moves import SPEED_MAX_M_S, follow_leg, reached_m
 
 ABOVE_SEA, ABOVE_HOME = (0, 5), (3, 6)  # MAV_FRAME; both altitudes are relative to the surface
-SPEED_MAX_M_S, FAR_M = 10.0, 1e5
-"""Limits of speeds, and of distances from the world's origin."""
+FAR_M = 1e5
+"""Limit of distances from the world's origin."""
 TIME_MAX_S, TURNS_MAX, RADIUS_MAX_M, TURN_DEG_S = 65535.0, 255.0, 255.0, 60.0
 """Limits as wide as ArduPilot's storage of an item; TURN_DEG_S: ArduSub's rate of a turn whose item states none."""
 RADIUS_MIN_M = 0.5
@@ -42,11 +43,15 @@ class RefusedItemError(ValueError):
 
 @dataclass
 class Pilot:
-    """Flies the items of one mission. speed_m_s: of the next leg. passed: the last waypoint, where a leg begins."""
+    """Flies the items of one mission. within_m: the distance at which a waypoint counts as reached.
+
+    speed_m_s: of the next leg. passed: the last waypoint, where a leg begins.
+    """
 
     vehicle: OwnVehicle
     craft: Craft
     servos: Servos
+    within_m: float
     speed_m_s: float = SPEED_M_S
     passed: Vector | None = None
 
@@ -58,10 +63,10 @@ class Pilot:
         return point
 
     def go(self, point: Vector) -> Steps[None]:
-        """Fly along the leg from the last waypoint, if there is one, and to within half a metre of the point."""
+        """Fly along the leg from the last waypoint, if there is one, and to the point."""
         if self.passed is not None:
             yield from follow_leg(self.vehicle, self.passed, point, speed_m_s=self.speed_m_s)
-        yield from goto(self.vehicle, point, speed_m_s=self.speed_m_s)
+        yield from goto(self.vehicle, point, speed_m_s=self.speed_m_s, within_m=self.within_m)
         self.passed = point
 
     def stay(self, duration_s: float, point: Vector | None = None) -> Steps[None]:
@@ -211,16 +216,20 @@ def _check_place(item: Any, craft: Craft) -> None:
     if not -FAR_M < item.z <= 0:
         rule = f"must not be above the surface, 0 m, nor below {-FAR_M:g} m"
         raise RefusedItemError(item, INVALID_Z, f"altitude = {item.z:g} m: {rule}")
-    east, north, _ = (float(part) for part in craft.home.world_m(1e-7 * item.x, 1e-7 * item.y, item.z))
-    if (item.x or item.y) and (edge := craft.vehicle.beyond_terrain(east, north)) is not None:
-        place = f"({east:.1f}, {north:.1f}) m east and north of the origin"
+    east, north, up = (float(part) for part in craft.home.world_m(1e-7 * item.x, 1e-7 * item.y, item.z))
+    if (item.x or item.y) and (edge := craft.vehicle.beyond_terrain(east, north, up)) is not None:
+        place = f"({east:.1f}, {north:.1f}, {up:.1f}) m east, north and up of the origin"
         raise RefusedItemError(item, INVALID_X, f"position {place}: must be above the terrain, {edge}")
 
 
 class MissionPlan:
-    """The flight of a mission from one of its items on. begun, reached: called with each item's sequence number."""
+    """The flight of a mission from one of its items on. begun, reached: called with each item's sequence number.
+
+    points_world_m: the last waypoint, where the vehicle stays at the end of the mission.
+    """
 
     points_world_m: NDArray[np.float64] = np.empty((0, 3))
+    heading_rad: float | None = None
 
     def __init__(
         self, items: Iterable[Any], first: int, craft: Craft, servos: Servos,
@@ -231,9 +240,9 @@ class MissionPlan:
         if not self._items:
             raise ValueError("there is no mission: upload one")
 
-    def steps(self, vehicle: OwnVehicle, begin: Callable[[int], object]) -> Steps[None]:
+    def steps(self, vehicle: OwnVehicle, begin: Callable[[int], object], tolerance: Tolerance = NEAR) -> Steps[None]:
         """Fly the items in turn, at the speed that the ones before have set."""
-        pilot = Pilot(vehicle, self._craft, self._servos)
+        pilot = Pilot(vehicle, self._craft, self._servos, reached_m(vehicle, tolerance.xy_m))
         for item in self._items:
             if item.seq >= self._first:
                 self._begun(item.seq)
@@ -241,13 +250,16 @@ class MissionPlan:
                 self._reached(item.seq)
             elif item.command == CHANGE_SPEED:
                 pilot.speed_m_s = item.param2
+        if pilot.passed is not None:
+            self.points_world_m = pilot.passed.reshape(1, 3)
 
 
 class Ascent:
     """A flight to the surface, as of ArduSub's mode SURFACE."""
 
     points_world_m: NDArray[np.float64] = np.empty((0, 3))
+    heading_rad: float | None = None
 
-    def steps(self, vehicle: OwnVehicle, begin: Callable[[int], object]) -> Steps[None]:
+    def steps(self, vehicle: OwnVehicle, begin: Callable[[int], object], tolerance: Tolerance = NEAR) -> Steps[None]:
         """Rise on the spot."""
         yield from dive_to(vehicle, 0.0, within_m=SURFACE_M)

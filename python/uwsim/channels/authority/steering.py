@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.axes import AXES
 from uwsim.channels.authority.joint_motion import JointMotion
 from uwsim.channels.authority.rights import Rights
 from uwsim.channels.channel import Channel
 from uwsim.channels.source import Source
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
+from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.control.velocity_hold import VelocityHold
 from uwsim.scenario.build.tether import tethered_through
 from uwsim.simulator.helm import Clock, Helm, Lease, Reason, Timeout
@@ -191,6 +193,28 @@ class Steering:
             self.helm.require_at_door(name, Rank.CLIENT)
             self._wanted = velocity_body
             self.control(live, name, loop)
+
+    def hold_place(
+        self,
+        live: LiveSimulator,
+        position_world_m: NDArray[np.float64],
+        heading_rad: float,
+        memory: NDArray[np.float64],
+        *,
+        uses_truth: bool,
+    ) -> None:
+        """Keep a vehicle at a position (3,), until another command steers. Raises ValueError while others steer.
+
+        memory: of the Controller that has flown it there, so that it does not drift first. uses_truth: whether the
+        position is the true one, instead of the estimate.
+        """
+
+        def loop(vehicle: Any) -> Callable[[], dict[str, float]]:
+            pilot = Controller(vehicle, CONTROL_S, estimate=None if uses_truth else vehicle.estimate)
+            pilot.memory = memory
+            return lambda: dict(zip(AXES, pilot.hold_efforts(position_world_m, heading_rad), strict=True))
+
+        self.control(live, "target", loop)
 
     def control(self, live: LiveSimulator, name: str, loop: Callable[[Any], Callable[[], dict[str, float]]]) -> None:
         """Set efforts every CONTROL_S, for a topic, until another command replaces them. Raises ValueError.

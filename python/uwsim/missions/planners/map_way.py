@@ -105,6 +105,7 @@ def go_by_map(
         x, y, z = goal.tolist()
         raise StoppedError(f"the map has no free path to ({x:.1f}, {y:.1f}, {z:.1f}) m")
     vehicle.log("way", corners=len(way), length_m=float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum()))
-    for corner in way[1:]:
+    for corner in way[1:-1]:
         yield from goto(vehicle, corner, speed_m_s=speed_m_s, within_m=0.4)
+    yield from goto(vehicle, way[-1], speed_m_s=speed_m_s)
     return way

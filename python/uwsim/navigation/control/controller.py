@@ -81,6 +81,10 @@ class Controller(Sealed):
         efforts = self._reach(position_world_m, velocity_world_m_s, heading_rad, roll_rad, pitch_rad)
         self.vehicle.set_effort(*efforts)
 
+    def hold_efforts(self, position_world_m: Sequence[float] | Vector, heading_rad: float) -> Efforts:
+        """Return the efforts that `hold` would set to keep a place."""
+        return self._reach(position_world_m, STILL, heading_rad)
+
     def steer(
         self,
         heading_rad: float,

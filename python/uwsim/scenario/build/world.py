@@ -31,10 +31,11 @@ from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 FRESH_KG_M3 = 1000.0
 
 
-def beyond_terrain(world: _core.World, scenario: Scenario, x_m: float, y_m: float) -> str | None:
-    """Return the bounds of the terrain as text if a position is outside, else None."""
-    if np.isfinite(world.height_at([[x_m, y_m]])[0]):
-        return None
+def beyond_terrain(world: _core.World, scenario: Scenario, x_m: float, y_m: float, z_m: float) -> str | None:
+    """Return as text the terrain's bounds, or its height there, if a position is outside or below it; else None."""
+    bed_m = float(world.height_at([[x_m, y_m]])[0])
+    if np.isfinite(bed_m):
+        return None if z_m >= bed_m else f"whose height there is {bed_m:.2f} m"
     return build_terrain(scenario.terrain).window(scenario.terrain.window_m).extent_text
 
 

@@ -50,7 +50,9 @@ class VehicleEntry(Model):
     Python) or a free pose. battery: a battery of cells, which the thrusters drain; by default the scenario's
     mission_time_s. command_timeout_s: the simulated time after which it stops if a publisher of steering commands, such
     as /cmd_vel, falls silent; 0: the last command is held. Commands by services, Python and the published topic `key`
-    are held in any case. wrenches: what pushes it from outside, by schedule. tether: by default none.
+    are held in any case. xy_goal_tolerance: the distance from a target that a program sends, also in depth, at which
+    it counts as reached, by Nav2's name; at least 0.5 m for a vehicle that cannot stand still. yaw_goal_tolerance: the
+    same for its heading. wrenches: what pushes it from outside, by schedule. tether: by default none.
     """
 
     name: Name
@@ -62,6 +64,8 @@ class VehicleEntry(Model):
     failsafe: Failsafe | None = None
     trim: Trim | None = None
     command_timeout_s: Annotated[float, InRange(0, 1e6, "s")] = 0.5
+    xy_goal_tolerance: Annotated[float, InRange(0.01, 100, "m")] = 0.1
+    yaw_goal_tolerance: Annotated[float, InRange(0.01, 3.15, "rad")] = 0.05
     battery: BatterySpec | None = None
     wrenches: Annotated[tuple[AppliedWrench, ...], Field(max_length=1000)] = ()
     tether: Tether | None = None
