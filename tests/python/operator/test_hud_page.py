@@ -193,19 +193,24 @@ def test_the_tapes_labels_are_whole(look, size):
     assert labels > 1000 and not wrong
 
 
-def test_the_proximity_lamp_follows_echoes_and_not_the_altitude(here, page):
+def test_the_proximity_lamp_follows_the_wire_and_the_obstacle_lamp_the_echoes(here, page):
     def place(*position_m: float) -> None:
         live = here.station.present().live
         live.command("place", vehicle="rov", position_world_m=position_m).result()
 
     place(-2.0, 0.0, -2.5)  # 2.5 m above the bed, 4.5 m before the box
     when(page, "station.telemetry.message.proximity_warning && station.telemetry.nearest_m > 2")
-    shows(page, "#lamp-proximity", "off")
+    lit = "['proximity', 'obstacle'].map((name) => document.querySelector(`#lamp-${name}`).dataset.on).join()"
+    when(page, f"{lit} === 'warn,off'")
     shows(page, "#panel", "> 10")
     row = page.locator("dl.values div", has_text="Port side").inner_text()
     assert re.sub(r"\s", "", row) == "Portside>10m"
     place(1.0, 0.0, -4.4)
-    when(page, "document.querySelector('#lamp-proximity').dataset.on === 'warn'")
+    when(page, f"{lit} === 'warn,warn'")
+    limit = "station.telemetry.message.proximity_warning"
+    here.station.present().live.command("set_parameter", name="warnings.proximity_m", value=0.1).result()
+    when(page, f"!{limit} && {lit} === 'off,warn'")
+    here.station.present().live.command("reset_parameters", name="warnings.proximity_m").result()
     place(*START_M)
 
 

@@ -1,4 +1,4 @@
-// The three lamps of the paper's panel, their sound, which is off by default, and the log of alarms.
+// The three lamps of the paper's panel and one for obstacles, their sound, which is off by default, and the log of alarms.
 import { clockText, el, write } from '../dom.js';
 import { AlarmLog } from './alarm_log.js';
 import { STRINGS } from '../strings.js';
@@ -6,13 +6,14 @@ import { STRINGS } from '../strings.js';
 const WORDS = STRINGS.alarms;
 
 const STORED = 'uwsim.sound';
-const NEAR_M = 2; // of the nearest echo, some two lengths of a vehicle, at which the proximity lamp lights
+const NEAR_M = 2; // of the nearest echo, some two lengths of a vehicle, at which the obstacle lamp lights
 /** Pitch [Hz] and length [s] of each beep, so that they can be distinguished by ear.
  * @type {Record<string, { title: string, level: string, field: string, beep: [number, number], period_ms: number }>}
  */
 const LAMPS = {
   range: { title: WORDS.range, level: 'warn', field: 'range_warning', beep: [440, 0.12], period_ms: 3000 },
-  proximity: { title: WORDS.proximity, level: 'warn', field: '', beep: [740, 0.1], period_ms: 1500 },
+  proximity: { title: WORDS.proximity, level: 'warn', field: 'proximity_warning', beep: [590, 0.12], period_ms: 3000 },
+  obstacle: { title: WORDS.obstacle, level: 'warn', field: '', beep: [740, 0.1], period_ms: 1500 },
   collision: { title: WORDS.collision, level: 'alarm', field: 'collision_warning', beep: [1050, 0.18], period_ms: 500 },
 };
 
@@ -83,11 +84,11 @@ export class Alarms {
     this.acknowledge.hidden = true;
   }
 
-  // The collision lamp stays on until a collision is acknowledged. The proximity lamp follows the echoes around the
-  // vehicle and the time to contact; `proximity_warning` is the altitude's, which has its place on the tape.
+  // The collision lamp stays on until a collision is acknowledged. The obstacle lamp follows the echoes around the
+  // vehicle and the time to contact; the others follow the fields of the wire.
   #isOn(name, message, contact, nearest_m) {
     if (name === 'collision' && this.log.collisions > 0) return true;
-    if (name === 'proximity') return contact !== null || nearest_m < NEAR_M;
+    if (name === 'obstacle') return contact !== null || nearest_m < NEAR_M;
     return Boolean(message?.[LAMPS[name].field]);
   }
 
