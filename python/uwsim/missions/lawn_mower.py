@@ -164,9 +164,9 @@ class AdaptiveLawnMower(Sealed):
             if not self.vehicle.released:
                 self.vehicle.release()
             while state.lane < len(self.lanes):
-                if state.leg_start is None:
+                if state.leg_start is None:  # otherwise the leg is resumed, with the sonar as it was saved
                     state.leg_start = self._leg_start()
-                self.vehicle.sonar.aim(-math.radians(self.plan.tilt_deg))
+                    self.vehicle.sonar.aim(-math.radians(self.plan.tilt_deg))
                 state.leg = yield from legs[state.leg](state.leg_start)
                 state.leg_start = None
         except StoppedError as stop:
@@ -186,7 +186,9 @@ class AdaptiveLawnMower(Sealed):
     def _look_farther_ahead(self) -> None:
         """Tilt the sonar less than on the lanes, so that its fan hits a flat bed farther ahead."""
         tilt_rad = math.atan2(self.plan.altitude_m, self.plan.transit_view_m)
-        self.vehicle.sonar.aim(-min(tilt_rad, math.radians(self.plan.tilt_deg)))
+        elevation_rad = -min(tilt_rad, math.radians(self.plan.tilt_deg))
+        if getattr(self.vehicle.sonar, "target_elevation_rad", None) != elevation_rad:  # as when a leg is resumed
+            self.vehicle.sonar.aim(elevation_rad)
 
     def _back_to(self, start: LegStart) -> tuple[float, float]:
         """Return a horizontal velocity back towards the position where the leg began."""
