@@ -31,8 +31,10 @@ class Samples:
 
     def since(self, from_ns: int) -> Samples:
         """Return the samples measured at from_ns or later."""
-        new = self.stamps_ns >= from_ns
-        return self if new.all() else Samples(*(part[new] for part in self.parts))
+        if not len(self) or self.stamps_ns[0] >= from_ns:  # stamps increase
+            return self
+        first = int(np.searchsorted(self.stamps_ns, np.uint64(from_ns)))
+        return Samples(*(part[first:] for part in self.parts))
 
     @property
     def parts(self) -> tuple[NDArray[Any], ...]:
@@ -49,15 +51,11 @@ class Samples:
 
 
 class SampleStream:
-    """Delivers the samples that a sensor measures from a given time onwards; see Sensor.stream.
+    """Delivers the samples that a sensor measures from a given time onwards; see Sensor.stream."""
 
-    gets_all: whether the sensor collects no others, as for its first stream.
-    """
-
-    def __init__(self, source: SampleSource, from_ns: int, *, gets_all: bool) -> None:
+    def __init__(self, source: SampleSource, from_ns: int) -> None:
         self._source = source
         self._from_ns = from_ns
-        self._gets_all = gets_all
         self._pieces: list[Samples] = []
         self.is_fed = True
 
@@ -73,7 +71,7 @@ class SampleStream:
 
     def receive(self, samples: Samples) -> None:
         """Store samples for the next `take`."""
-        self._pieces.append(samples if self._gets_all else samples.since(self._from_ns))
+        self._pieces.append(samples.since(self._from_ns))
 
     def close(self) -> None:
         """Stop the stream."""
@@ -93,14 +91,19 @@ class SampleSource:
         self._take = take
         self._watch = watch
         self._streams: list[ref[SampleStream]] = []
+        self._newest: Samples | None = None  # those that were handed out last; None before the first
+        self._watched_ns = 0
 
     def stream(self, from_ns: int) -> SampleStream:
-        """Return a new stream."""
-        if is_first := not self._streams:
-            self._watch(from_ns)
-        else:
+        """Return a new stream. It gets the present sample, whether or not another has taken it."""
+        stream = SampleStream(self, from_ns)
+        if self._streams:
             self.hand_out()
-        stream = SampleStream(self, from_ns, gets_all=is_first)
+        if not self._streams or (self._newest is None and from_ns < self._watched_ns):
+            self._watched_ns = from_ns
+            self._watch(from_ns)
+        elif self._newest is not None:
+            stream.receive(Samples(*(part[-1:] for part in self._newest.parts)))
         self._streams.append(ref(stream))
         return stream
 
@@ -110,7 +113,7 @@ class SampleSource:
             stream.is_fed = False
             self._streams = [each for each in self._streams if (fed := each()) is not None and fed is not stream]
             if not self._streams:
-                self._watch(None)
+                self._end()
 
     def close(self) -> None:
         """End all streams because the simulator is going back in time."""
@@ -118,6 +121,10 @@ class SampleSource:
             if (stream := each()) is not None:
                 stream.is_fed = False
         self._streams = []
+        self._end()
+
+    def _end(self) -> None:
+        self._newest, self._watched_ns = None, 0
         self._watch(None)
 
     def settle(self) -> None:
@@ -129,6 +136,7 @@ class SampleSource:
         """Deliver everything that has arrived to all streams, and return it."""
         samples = Samples(*self._take())
         if len(samples.stamps_ns):  # a filter takes from each sensor at each step of a controller, mostly in vain
+            self._newest = samples
             for each in self._streams:
                 if (stream := each()) is not None:
                     stream.receive(samples)

@@ -57,3 +57,22 @@ def test_streams_survive_a_change_of_parameters_but_not_a_reset(sim: Simulator) 
     sim.reset()
     with pytest.raises(ValueError, match="the stream has ended"):
         stream.take()
+
+
+@pytest.mark.parametrize("taken", [False, True])
+def test_a_stream_begins_with_the_present_sample_whether_or_not_another_has_taken_it(
+    sim: Simulator, taken: bool
+) -> None:
+    sim.step(10)
+    imu, now_ns = sim.rov.sensors["imu"], sim.time_ns
+    others = [imu.stream(), imu.stream(now_ns)]
+    if taken:
+        others[0].take()
+    stream = imu.stream(now_ns)
+    sim.step(2)
+    assert (
+        stream.take().stamps_ns.tolist()
+        == others[1].take().stamps_ns.tolist()
+        == [now_ns + 5_000_000 * k for k in range(3)]
+    )
+    assert others[0].take().stamps_ns[0] > now_ns
