@@ -14,6 +14,7 @@ from uwsim.evidence.scenario_check.surprises import surprises
 from uwsim.flight.flyable_lanes import flyable_plan, missing_for_survey, require_lanes_flown_by, survey_plan
 from uwsim.scenario import Scenario, ScenarioError, build_world, load
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
+from uwsim.scenario.build.world import scenario_water
 from uwsim.scenario.read.assets import find_yaml, shown_name
 from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.read.remainder import Remainder
@@ -45,6 +46,7 @@ def check_file(source: str | Path) -> CheckReport:
             with found.noted():
                 sim = Simulator(load(source))
             if sim is not None:
+                _note_faults(sim, found)
                 left_out, paste = _survey_left_out(sim, found)
             mistakes = tuple(found.mistakes)
     if mistakes or sim is None:
@@ -53,6 +55,20 @@ def check_file(source: str | Path) -> CheckReport:
     notes = [str(each.message) for each in issued if issubclass(each.category, UserWarning)]
     notes += [left_out] if left_out else []
     return CheckReport(document.name, (), (*dict.fromkeys(notes), *surprises(sim, scene)), scene, sim)
+
+
+def _note_faults(sim: Simulator, found: Collected) -> None:
+    """Note the faults that would stop the flight in which they begin, by what they make of vehicle or water."""
+    for index, fault in enumerate(sim.scenario.faults):
+        with found.noted():
+            try:
+                changed = sim.parameters.scenario_with(sim.faults.overlay_of(fault))
+                scenario_water(changed, sim.world)
+                for vehicle in changed.vehicles:
+                    vehicle_spec(changed, vehicle)
+            except ValueError as error:
+                line = sim.scenario.source_file.line_prefix("faults", index)
+                raise ScenarioError(f"{line}faults[{index}]: while it lasts: {error}") from None
 
 
 def _survey_left_out(sim: Simulator, found: Collected) -> tuple[str | None, str]:

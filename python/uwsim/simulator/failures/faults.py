@@ -178,6 +178,16 @@ class Faults(Sealed):
                 fault.spec.apply(found, self._faulty(fault.vehicle, scenario), fault.water_kg)
         return found
 
+    def overlay_of(self, spec: FaultModel) -> dict[str, Any]:
+        """Return what `overlay` would be by one fault alone: at its end, or soon after its beginning if it has none."""
+        found, step_s = _Overlay(self._scenario), self._scenario.step_s
+        water_kg = spec.water_kg_after(0.0, NEVER if spec.for_s is None else self._ticks(spec.for_s), step_s)
+        if spec.water_kg_after(water_kg, NEVER, step_s) > water_kg and spec.for_s is None:  # it is never full
+            water_kg = spec.water_kg_after(0.0, self._ticks(FILL_S), step_s)
+        vehicle = spec.vehicle or next(iter(self._vehicles))
+        spec.apply(found, self._faulty(vehicle, self._scenario), water_kg)
+        return found
+
     def _faulty(self, vehicle: str, scenario: Scenario) -> FaultyVehicle:
         model = next(entry.model for entry in scenario.vehicles if entry.name == vehicle)
         its = self._vehicles[vehicle]

@@ -198,6 +198,10 @@ class Parameters(Mapping[str, Any]):
         with of_an_earlier_version():
             self._switch_to(dict(self._under_todays_name(name, value) for name, value in state.items()), {})
 
+    def scenario_with(self, values: Mapping[str, Any]) -> Scenario:
+        """Return the scenario with these values, which are not set. Raises ValueError for invalid ones."""
+        return self._with(values)
+
     def reapply(self) -> None:
         """Apply the current overlay again."""
         self._switch_to(self._changes, {})
