@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from uwsim.base.options import Options
+from uwsim.bridges.door import Door
 
 if TYPE_CHECKING:
     from uwsim.bridges.aboard import Aboard
@@ -82,7 +83,8 @@ class BridgePlug(Generic[OptionsT]):
     options: the class of its options, whose switch is the name under which the bridge is registered; the names of the
     others begin with it. needs_live: whether it refuses recordings. crosses_link: whether it carries what crosses the
     link between station and vehicle; otherwise it is refused if there is a link. excluded_by: reasons why it cannot be
-    given with another option, by that option's name. examined: the options that `examine` uses.
+    given with another option, by that option's name. examined: the options that `examine` uses. doors: the sockets on
+    which it receives, for each kind of address; a plug whose options open none states that by a door that counts 0.
     """
 
     options: ClassVar[type[Options]]
@@ -90,6 +92,7 @@ class BridgePlug(Generic[OptionsT]):
     crosses_link: ClassVar[bool] = True
     excluded_by: ClassVar[Mapping[str, str]] = MappingProxyType({})
     examined: ClassVar[tuple[str, ...]] = ()
+    doors: ClassVar[tuple[Door, ...]] = ()
 
     def __init__(self, options: OptionsT) -> None:
         self.given = options

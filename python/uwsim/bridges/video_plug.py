@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from uwsim.base.options import Options, option
+from uwsim.bridges.door import IF_LOCAL, Door
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 
@@ -28,6 +29,10 @@ class VideoPlug(BridgePlug[VideoOptions]):
     """The video stream. Raises ValueError for a wrong address."""
 
     options = VideoOptions
+    doors = (
+        Door("`--video`", "UDP", 2, IF_LOCAL, "ffmpeg's RTP and RTCP",
+             "reports on the reception; they have no effect", ("--video", "5600")),
+    )  # fmt: skip
     needs_live = True
     crosses_link = False
 

@@ -1,7 +1,9 @@
 """SECURITY.md's table of doors lists every socket on which a program receives, as the system counts them."""
 
 import os
+import re
 import shutil
+import socket
 import subprocess
 import sys
 import time
@@ -16,10 +18,15 @@ from tools.reference.doors import PAGE, security_page
 from listening_sockets import Socket, receiving
 from ros1_tools import master, ros_is_installed
 from ros2_tools import free_domain
-from uwsim.bridges.doors import ANYWHERE, DOORS, LOOPBACK, Door
+from uwsim.base.options import flag_name
+from uwsim.bridges.door import ANYWHERE, LOOPBACK, Door
+from uwsim.bridges.doors import SERVE, doors
+from uwsim.bridges.page import Pages
+from uwsim.bridges.requested import Bridges, offered
+from uwsim.cli.autopilots import Autopilots
 
 UWSIM = [sys.executable, "-c", "from uwsim.cli import main; main()"]
-SERVE = next(door for door in DOORS if door.option.startswith("`serve`"))
+LAGOON = Path(__file__).parents[3] / "assets/scenarios/lagoon.yaml"
 PATIENCE_S = 60.0
 HAS_FFMPEG = shutil.which("ffmpeg") is not None or find_spec("imageio_ffmpeg") is not None
 NEEDS = {
@@ -28,21 +35,10 @@ NEEDS = {
     "`--video`": HAS_FFMPEG, "`--ros1`": ros_is_installed(),
     "`--ros2`": find_spec("cyclonedds"), "`--ros2 --rmw zenoh`, instead": find_spec("zenoh"),
 }  # fmt: skip
-OPTIONS = {
-    "`--foxglove`": ["--foxglove", "--foxglove-port", "0"],
-    "`--mavlink tcp`": ["--mavlink", "tcp:0"],
-    "`--mavlink udpin`": ["--mavlink", "udpin:0"],
-    "`--mavlink udpout`": ["--mavlink", "udpout"],
-    "`--nmea tcp`": ["--nmea", "tcp:0"],
-    "`--nmea udp`": ["--nmea", "udp"],
-    "`--ardusub`": ["--ardusub", "--ardusub-port", "0"],
-    "`--ardusub-binary`": ["--ardusub", "--ardusub-binary"],
-    "`--video`": ["--video", "5600"],
-    "`--ros1`": ["--ros1"],
-    "`--ros2`": ["--ros2", "--rmw", "fastrtps"],
-    "`--ros2 --rmw zenoh`, instead": ["--ros2", "--rmw", "zenoh"],
-}
-"""The options by which a program opens each door, in addition to that of `serve`."""
+DOORS = doors()
+PAGES = {f"`{flag_name(name)}`": (flag_name(name),) for name in Pages.offered()}
+EXAMPLES = {door.option: door.example for door in DOORS} | PAGES
+"""The options by which a program opens each door, in addition to that of `serve`; a page has none of its own."""
 BESIDE = {"`--ardusub-binary`": ["`--ardusub`"]}
 """The other options' doors that these options open, too."""
 
@@ -65,15 +61,27 @@ def environment(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[dict
         yield {**plain, **ros}
 
 
-@pytest.mark.parametrize("option", [SERVE.option, *OPTIONS])
+@pytest.fixture
+def lagoon(tmp_path: Path) -> Path:
+    """A scenario with a place on Earth, which some bridges need."""
+    path = tmp_path / "lagoon.yaml"
+    path.write_text(f"{LAGOON.read_text()}\nearth: {{latitude_deg: 43.8, longitude_deg: -70.3}}\n")
+    return path
+
+
+@pytest.mark.parametrize("option", EXAMPLES)
 def test_the_sockets_of_a_program_are_those_of_the_table(
-    option: str, environment: dict[str, str], binary: Path
+    option: str, environment: dict[str, str], binary: Path, lagoon: Path
 ) -> None:
     if not NEEDS.get(option, True):
         pytest.skip("not installed")
     opened = {option, *BESIDE.get(option, ())} - {SERVE.option}
     doors = [SERVE, *(door for door in DOORS if door.option in opened)]
-    command = [*UWSIM, "serve", "lagoon", "--port", "0", *OPTIONS.get(option, [])]
+    with socket.socket(type=socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = str(free.getsockname()[1])
+    example = [word.replace("{port}", port) for word in EXAMPLES[option]]
+    command = [*UWSIM, "serve", str(lagoon), "--port", "0", *example]
     if option == "`--ardusub-binary`":
         command.append(str(binary))
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
@@ -89,8 +97,18 @@ def test_the_sockets_of_a_program_are_those_of_the_table(
             process.terminate()
 
 
-def test_every_door_is_opened_by_this_file() -> None:
-    assert {door.option for door in DOORS} == {SERVE.option, *OPTIONS}
+def test_every_registered_bridge_states_its_doors_and_how_to_open_them() -> None:
+    """A new bridge, autopilot or page cannot be left out of the table, or out of the comparison above."""
+    own = {name: plug for name, plug in offered().items() if plug.__module__.startswith("uwsim.")}
+    opened = {example[0] for example in EXAMPLES.values() if example}
+    registered = [*own, *Autopilots.offered(), *Pages.offered()]
+    assert opened == {flag_name(name) for name in registered}
+    for name, plug in own.items():
+        assert plug.doors and all(door.example[0] == flag_name(name) for door in plug.doors)
+        flag = Bridges.offered()[name].flags()[name]
+        kinds = set(re.findall(r"\b(tcp|udp|udpin|udpout|announce)\b", f"{flag.help} {flag.metavar}"))
+        shown = {re.split(r"[: ]", door.example[1])[0] for door in plug.doors if len(door.example) > 1}
+        assert kinds <= shown, f"{flag_name(name)}: of the kinds of address {kinds}, only {shown} have a door"
 
 
 def test_the_table_in_security_md_is_the_present_one() -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from uwsim.bridges.door import HOST, WEB, Door
 from uwsim.bridges.foxglove.options import FoxgloveOptions
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
@@ -18,6 +19,9 @@ class FoxglovePlug(BridgePlug[FoxgloveOptions]):
 
     options = FoxgloveOptions
     examined = ("foxglove_port",)
+    doors = (
+        Door("`--foxglove`", "TCP", 1, HOST, "Foxglove", WEB, ("--foxglove", "--foxglove-port", "0")),
+    )  # fmt: skip
 
     def __init__(self, options: FoxgloveOptions) -> None:
         super().__init__(options)

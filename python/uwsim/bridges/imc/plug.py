@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from uwsim.base.options import Options, option
 from uwsim.bridges.addressed import must_name_vehicles_once, steered_vehicles
+from uwsim.bridges.door import EVERYONE, IF_LOCAL, Door
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 if TYPE_CHECKING:
@@ -47,6 +48,18 @@ class ImcPlug(BridgePlug[ImcOptions]):
     needs_live = True
     excluded_by = {"ardusub": "the firmware steers"}  # noqa: RUF012  # read only
     examined = ("imc", "imc_port")
+    doors = (
+        Door("`--imc tcp`", "TCP", 0, "no address: it connects", "the system at its target", "no program",
+             ("--imc", "tcp:127.0.0.1:9")),
+        Door("`--imc udp`", "UDP", 1, IF_LOCAL, "IMC at port 6001 (`--imc-port`)",
+             "the system at the target, which steers", ("--imc", "udp:127.0.0.1:9", "--imc-port", "{port}")),
+        Door("`--imc announce`", "UDP", 1, "its own", "IMC at port 6001: consoles",
+             f"{EVERYONE}: 16 that speak get what is published; it steers nothing",
+             ("--imc", "announce:127.0.0.1:{port}", "--imc-id", "209")),
+        Door("`--imc announce`", "UDP", 1, "127.0.0.1 if its own is, else all addresses",
+             "announcements, at the first free port from 30100 to 30104", f"{EVERYONE}; a console is answered",
+             ("--imc", "announce:127.0.0.1:{port}", "--imc-id", "209")),
+    )  # fmt: skip
 
     def __init__(self, options: ImcOptions) -> None:
         super().__init__(options)

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from uwsim.base.options import Options, option
+from uwsim.bridges.door import EVERYONE, OWN, Door
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 
@@ -29,6 +30,13 @@ class MavlinkPlug(BridgePlug[MavlinkOptions]):
     needs_live = True
     crosses_link = False
     excluded_by = {"ardusub": "the firmware speaks MAVLink itself"}  # noqa: RUF012  # read only
+    doors = (
+        Door("`--mavlink tcp`", "TCP", 1, OWN, "MAVLink", f"{EVERYONE}, from its first valid message; no web page",
+             ("--mavlink", "tcp:0")),
+        Door("`--mavlink udpin`", "UDP", 1, OWN, "MAVLink", f"{EVERYONE}, from its first valid message",
+             ("--mavlink", "udpin:0")),
+        Door("`--mavlink udpout`", "UDP", 1, OWN, "MAVLink", "the program at the target", ("--mavlink", "udpout")),
+    )  # fmt: skip
 
     def __init__(self, options: MavlinkOptions) -> None:
         super().__init__(options)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from uwsim.base.options import Options, option
 from uwsim.bridges.addressed import must_name_vehicles_once, steered_vehicles
+from uwsim.bridges.door import Door
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 if TYPE_CHECKING:
@@ -52,6 +53,10 @@ class MoosPlug(BridgePlug[MoosOptions]):
     needs_live = True
     excluded_by = {"ardusub": "the firmware steers"}  # noqa: RUF012  # read only
     examined = ("moos", "moos_name", "moos_shore")
+    doors = (
+        Door("`--moos`", "TCP", 0, "no address: it connects", "the MOOSDB at its target", "no program",
+             ("--moos", "127.0.0.1:9")),
+    )  # fmt: skip
 
     def __init__(self, options: MoosOptions) -> None:
         super().__init__(options)

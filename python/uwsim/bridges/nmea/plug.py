@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from uwsim.base.options import Options, option
+from uwsim.bridges.door import EVERYONE, OWN, Door
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 
@@ -29,6 +30,11 @@ class NmeaPlug(BridgePlug[NmeaOptions]):
     options = NmeaOptions
     needs_live = True
     crosses_link = False
+    doors = (
+        Door("`--nmea tcp`", "TCP", 1, OWN, "NMEA 0183", f"{EVERYONE}; nothing is read from it", ("--nmea", "tcp:0")),
+        Door("`--nmea udp`", "UDP", 1, "127.0.0.1 if the target is local", "NMEA 0183", "no program: nothing is read",
+             ("--nmea", "udp")),
+    )  # fmt: skip
 
     def __init__(self, options: NmeaOptions) -> None:
         super().__init__(options)

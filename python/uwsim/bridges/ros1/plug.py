@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from uwsim.base.options import Options, option
+from uwsim.bridges.door import EVERYONE, Door
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 
@@ -23,6 +24,10 @@ class Ros1Plug(BridgePlug[Ros1Options]):
     """The ROS 1 node. Raises ValueError without rospy or a master."""
 
     options = Ros1Options
+    doors = (
+        Door("`--ros1`", "TCP", 2, "127.0.0.1 if `ROS_IP` is, else all addresses", "rospy's XML-RPC and TCPROS",
+             f"{EVERYONE}; no web page", ("--ros1",)),
+    )  # fmt: skip
 
     def __init__(self, options: Ros1Options) -> None:
         super().__init__(options)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from uwsim.base.options import Options, need, option
+from uwsim.bridges.door import ANYWHERE, EVERYONE, LOOPBACK, Door
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 if TYPE_CHECKING:
@@ -64,6 +65,15 @@ class Ros2Plug(BridgePlug[Ros2Options]):
 
     options = Ros2Options
     examined = ("ros_distro", "ros_domain_id", "ros_reach", "ros_peer")
+    doors = (
+        Door("`--ros2`", "UDP", 2, ANYWHERE, "DDS: discovery and data",
+             f"{EVERYONE}; other hosts are not invited without `--ros-reach subnet`, but nothing here refuses them",
+             ("--ros2", "--rmw", "fastrtps")),
+        Door("`--ros2`", "UDP", 2, LOOPBACK, "DDS: services, and what is sent", EVERYONE,
+             ("--ros2", "--rmw", "fastrtps")),
+        Door("`--ros2 --rmw zenoh`, instead", "TCP", 1, LOOPBACK, "Zenoh's sessions", EVERYONE,
+             ("--ros2", "--rmw", "zenoh")),
+    )  # fmt: skip
 
     def __init__(self, options: Ros2Options) -> None:
         super().__init__(options)
