@@ -18,11 +18,10 @@ from mcap import records as kinds
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.stream_reader import get_chunk_data_stream
 
 MAGIC = b"\x89MCAP0\r\n"
-CHUNK_BYTES_MAX = 1 << 32
-"""Maximum size of an unpacked chunk, so that a damaged size cannot cause a huge allocation."""
+CHUNK_BYTES, BYTES_PER_BYTE = 64_000_000, 255
+"""The most that a chunk may hold: so much, and so much for each of its compressed bytes, which is LZ4's best."""
 FIRST = len(MAGIC)
 """Position of the first record."""
 _HEAD = struct.Struct("<BQ")  # kind, length of the content
@@ -197,17 +196,34 @@ class RecordFile:
 
 
 def unpacked(chunk: kinds.Chunk) -> bytes:
-    """Return the content of a chunk. Raises ValueError if the chunk is damaged."""
-    if chunk.uncompressed_size > CHUNK_BYTES_MAX:
-        raise ValueError(f"its size of {chunk.uncompressed_size:,} bytes is too large")
+    """Return the content of a chunk. Raises ValueError if the chunk is damaged, or states or holds too much."""
+    size = chunk.uncompressed_size
+    if size > (most := CHUNK_BYTES + BYTES_PER_BYTE * len(chunk.data)):
+        raise ValueError(f"its size of {size:,} bytes is too large: must be at most {most:,}")
     try:
-        stream, length = get_chunk_data_stream(chunk)
-        data = stream.read(length)
+        data = _decompressed(chunk, size + 1)
     except _UNREADABLE as error:
         raise ValueError(f"it cannot be decompressed: {str(error) or type(error).__name__}") from None
-    if len(data) != chunk.uncompressed_size:
-        raise ValueError(f"it holds {len(data):,} bytes, not {chunk.uncompressed_size:,}")
+    if len(data) != size:
+        more = "more than " if len(data) > size and chunk.compression else ""
+        raise ValueError(f"it holds {more}{len(data) - bool(more):,} bytes, not {size:,}")
     return data
+
+
+def _decompressed(chunk: kinds.Chunk, most: int) -> bytes:
+    """Return at most so many bytes of a chunk's content, whatever it states."""
+    if chunk.compression == "zstd":
+        import zstandard  # both come with mcap
+
+        try:
+            return bytes(zstandard.ZstdDecompressor().stream_reader(chunk.data).read(most))
+        except zstandard.ZstdError as error:
+            raise ValueError(str(error)) from None
+    if chunk.compression == "lz4":
+        import lz4.frame
+
+        return bytes(lz4.frame.LZ4FrameDecompressor().decompress(chunk.data, max_length=most))
+    return chunk.data
 
 
 def in_chunk(data: bytes) -> Iterator[Message | kinds.Channel | kinds.Schema]:

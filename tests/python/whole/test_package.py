@@ -117,6 +117,8 @@ OF_OTHERS = {
     "mujoco",
     "pvlib",
     "pydantic_core",
+    "lz4",  # as is zstandard, a dependency of mcap
+    "zstandard",
     "markupsafe",
     "torch",
     "rospy",
