@@ -193,9 +193,12 @@ def read_xml(path: Path, expand: Callable[[str], str] | None = None) -> Element:
     Prefixes such as gz: are parts of names, as simulators read them, and need not be declared. expand: applied to the
     value of each attribute. Raises ValueError for what is not XML, is too large or too deep, and OSError.
     """
-    content = path.read_bytes()
+    if path.exists() and not path.is_file():  # a pipe or a device may never end
+        raise ValueError(f"'{path}': must be a regular file")
+    with path.open("rb") as file:
+        content = file.read(BYTES_MAX + 1)
     if len(content) > BYTES_MAX:
-        raise ValueError(f"'{path}': has {len(content)} bytes: must have at most {BYTES_MAX}")
+        raise ValueError(f"'{path}': has {path.stat().st_size} bytes: must have at most {BYTES_MAX}")
     builder, parser, depth = ElementTree.TreeBuilder(), expat.ParserCreate(), 0
 
     def start(tag: str, attributes: dict[str, str]) -> None:
