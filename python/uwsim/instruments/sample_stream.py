@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import threading
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 from weakref import ref
@@ -10,6 +11,12 @@ from weakref import ref
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.agenda import Agenda, Rank
+
+KEPT = 1_000_000
+"""The most samples that a stream keeps until they are taken: 83 minutes at 200 Hz."""
+JOINED, EVERY_STEPS = 1000, 2000
+"""Pieces that are joined into one, and the steps between which streams receive what has not been asked for."""
 Take = Callable[[], tuple[Any, Any, Any, Any]]
 
 
@@ -51,12 +58,17 @@ class Samples:
 
 
 class SampleStream:
-    """Delivers the samples that a sensor measures from a given time onwards; see Sensor.stream."""
+    """Delivers the samples that a sensor measures from a given time onwards; see Sensor.stream.
+
+    dropped: how many samples, the oldest, were dropped since they were not taken and KEPT others followed.
+    """
 
     def __init__(self, source: SampleSource, from_ns: int) -> None:
         self._source = source
         self._from_ns = from_ns
         self._pieces: list[Samples] = []
+        self._count = self._large = 0  # of samples, and of joined pieces, which come first
+        self.dropped = 0
         self.is_fed = True
 
     def take(self) -> Samples:
@@ -66,12 +78,30 @@ class SampleStream:
         newest = self._source.hand_out()
         if not self._pieces:
             return newest  # which is empty
-        pieces, self._pieces = self._pieces, []
+        pieces, self._pieces, self._count, self._large = self._pieces, [], 0, 0
         return Samples.joined(pieces)
 
     def receive(self, samples: Samples) -> None:
         """Store samples for the next `take`."""
-        self._pieces.append(samples.since(self._from_ns))
+        new = samples.since(self._from_ns)
+        self._pieces.append(new)
+        self._count += len(new)
+        if len(self._pieces) - self._large >= JOINED:
+            self._pieces[self._large :] = [Samples.joined(self._pieces[self._large :])]
+            self._large += 1
+        while self._count > KEPT:
+            self._drop(self._count - KEPT)
+
+    def _drop(self, most: int) -> None:
+        """Drop the oldest samples, at most so many: those of one piece."""
+        oldest = self._pieces[0]
+        if (count := min(len(oldest), most)) < len(oldest):
+            self._pieces[0] = Samples(*(part[count:] for part in oldest.parts))
+        else:
+            del self._pieces[0]
+            self._large = max(self._large - 1, 0)
+        self._count -= count
+        self.dropped += count
 
     def close(self) -> None:
         """Stop the stream."""
@@ -93,9 +123,17 @@ class SampleSource:
         self._streams: list[ref[SampleStream]] = []
         self._newest: Samples | None = None  # those that were handed out last; None before the first
         self._watched_ns = 0
+        self._lock = threading.Lock()
+        self.opened: Callable[[], None] = lambda: None  # called with each new stream
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether there are streams."""
+        return bool(self._streams)
 
     def stream(self, from_ns: int) -> SampleStream:
         """Return a new stream. It gets the present sample, whether or not another has taken it."""
+        self.opened()
         stream = SampleStream(self, from_ns)
         if self._streams:
             self.hand_out()
@@ -134,10 +172,39 @@ class SampleSource:
 
     def hand_out(self) -> Samples:
         """Deliver everything that has arrived to all streams, and return it."""
-        samples = Samples(*self._take())
-        if len(samples.stamps_ns):  # a filter takes from each sensor at each step of a controller, mostly in vain
-            self._newest = samples
-            for each in self._streams:
-                if (stream := each()) is not None:
-                    stream.receive(samples)
+        with self._lock:  # the thread that steps does so as well
+            samples = Samples(*self._take())
+            if len(samples.stamps_ns):  # a filter takes from each sensor at each step of a controller, mostly in vain
+                self._newest = samples
+                for each in self._streams:
+                    if (stream := each()) is not None:
+                        stream.receive(samples)
         return samples
+
+
+class Deliveries:
+    """Delivers the samples of a simulator's sensors from time to time, so that streams that are not taken are bounded.
+
+    due_tick: when it does so next.
+    """
+
+    def __init__(self, agenda: Agenda, sources: Iterable[SampleSource]) -> None:
+        self._agenda, self._sources = agenda, tuple(sources)
+        self.due_tick = 0
+        for source in self._sources:
+            source.opened = self._begin
+
+    def _begin(self) -> None:
+        if self not in self._agenda:
+            self._schedule(self._agenda.tick)
+            self._agenda.add(self, Rank.OBSERVER, self._deliver, jump=self._schedule)
+
+    def _schedule(self, tick: int) -> None:
+        self.due_tick = tick + EVERY_STEPS
+
+    def _deliver(self, tick: int) -> None:
+        self._schedule(tick)
+        for source in self._sources:
+            source.settle()
+        if not any(source.is_watched for source in self._sources):
+            self._agenda.remove(self)

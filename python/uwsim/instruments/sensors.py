@@ -186,9 +186,9 @@ class Sensor(Attached, Generic[R]):
     def stream(self, from_ns: int | None = None) -> SampleStream:
         """Return a stream of the sensor's future samples, each delivered once, on arrival, without dropped samples.
 
-        from_ns: the earliest measurement time; by default, any time from now on. Samples are kept until they are taken,
-        so take them regularly. The stream ends when the simulator is reset or restored. Samples of a sensor that is off
-        are invalid.
+        from_ns: the earliest measurement time; by default, any time from now on. At most 1,000,000 samples are kept
+        until they are taken; the stream's `dropped` counts older ones. The stream ends when the simulator is reset or
+        restored. Samples of a sensor that is off are invalid.
         """
         return self._source.stream(self._simulation.time_ns + 1 if from_ns is None else from_ns)
 
@@ -206,6 +206,11 @@ class Sensor(Attached, Generic[R]):
             value = self._reading(**values) if self._reading is not None else float(values[str(self._scalar)])
             found.append(Sample(cast(R, value), int(rows.stamps_ns[k]), bool(rows.valid[k])))
         return found
+
+    @property
+    def source(self) -> SampleSource:
+        """The source of all its streams. Simulator uses it."""
+        return self._source
 
     def end_streams(self) -> None:
         """End all streams because time is going back. Simulator calls this."""

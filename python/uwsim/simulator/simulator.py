@@ -21,6 +21,7 @@ from uwsim.instruments.cameras import Camera
 from uwsim.instruments.cameras.mounted import camera_mounts, change_cameras, station_cameras, vehicle_cameras
 from uwsim.instruments.cameras.saved import SavedHeads, SavedLamps
 from uwsim.instruments.cameras.shared_scene import SharedScene
+from uwsim.instruments.sample_stream import Deliveries
 from uwsim.instruments.sonars.imaging import Acoustics
 from uwsim.instruments.sonars.mounted import imaging_models, imaging_sonars
 from uwsim.mapping.ping_to_map import PingToMap
@@ -152,6 +153,7 @@ class Simulator(SimulatorProperties):
                 vehicles[entry.name] = self._vehicle(index, entry, dock)
         found.raise_any()
         self.vehicles = Named(vehicles, "vehicles")
+        Deliveries(self.agenda, [each.source for rov in vehicles.values() for each in rov.sensors.values()])
         self._add_objects()
         self._add_tethers()
         self.objects = Named(loose_bodies(core, running, self.journal, self.tethers), "objects")

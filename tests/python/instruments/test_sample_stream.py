@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
+from uwsim.instruments import sample_stream
 
 
 @pytest.fixture
@@ -76,3 +77,25 @@ def test_a_stream_begins_with_the_present_sample_whether_or_not_another_has_take
         == [now_ns + 5_000_000 * k for k in range(3)]
     )
     assert others[0].take().stamps_ns[0] > now_ns
+
+
+def test_a_stream_keeps_the_newest_and_counts_what_it_dropped(sim: Simulator, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also while nothing is taken from the sensor's other streams, and whatever the lengths of the steps."""
+    monkeypatch.setattr(sample_stream, "KEPT", 250)
+    monkeypatch.setattr(sample_stream, "JOINED", 10)
+    monkeypatch.setattr(sample_stream, "EVERY_STEPS", 100)
+    imu = sim.rov.sensors["imu"]
+    stays, taken, whole = imu.stream(), imu.stream(), []
+    for steps in (1, 1, 1, 300, 7, 90, 250, *[1] * 40):
+        sim.step(steps)
+        whole.append(taken.take())
+    sim.step(3000)
+    native = sim._core.take_samples(0, list(sim.rov.sensors).index("imu"))
+    assert len(native[0]) <= 100  # the rest has been delivered
+    kept = stays.take()
+    assert len(kept) == 250 and kept.stamps_ns[-1] > whole[-1].stamps_ns[-1]
+    assert (np.diff(kept.stamps_ns.astype(np.int64)) == round(imu.period_s * 1e9)).all()
+    assert stays.dropped + 250 == sum(map(len, whole)) + len(taken.take()) + taken.dropped
+    del stays, taken
+    sim.step(200)
+    assert sim.agenda.is_empty
