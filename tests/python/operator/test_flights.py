@@ -73,19 +73,26 @@ def test_a_flight_is_recorded_unasked_and_listed_by_the_next_server(tmp_path: Pa
             assert line.events[0].text == "undock rov"
 
 
+def notes(name: str) -> dict[str, str]:
+    """The notes that the station writes into a flight that it names."""
+    return {**kept.RECORDED_BY, kept.NAMED: name}
+
+
 @pytest.fixture(scope="module")
-def unasked(tmp_path_factory) -> Path:
-    """A short flight as the station records it."""
-    return fly(tmp_path_factory.mktemp("unasked") / "run.mcap", end_s=1.0, notes=kept.RECORDED_BY)
+def unasked(tmp_path_factory) -> list[Path]:
+    """Six short flights as the station records them."""
+    folder = tmp_path_factory.mktemp("unasked")
+    named = [f"2026010{k}-000000-pool.mcap" for k in range(6)]
+    return [fly(folder / name, end_s=0.5, notes=notes(name)) for name in named]
 
 
-def test_only_the_newest_within_the_bounds_are_kept(unasked: Path, tmp_path: Path, caplog):
-    size = unasked.stat().st_size
+def test_only_the_newest_within_the_bounds_are_kept(unasked: list[Path], tmp_path: Path, caplog):
+    size = max(path.stat().st_size for path in unasked)
     for bounds, left in ((Bounds(3), 3), (Bounds(9, 2 * size + 10), 2), (Bounds(0), 0), (Bounds(9), 6)):
         folder = tmp_path / f"{bounds.count}-{bounds.size_bytes}"
         folder.mkdir()
-        for k in range(6):
-            shutil.copy(unasked, folder / f"2026010{k}-000000-pool.mcap")
+        for path in unasked:
+            shutil.copy(path, folder)
         other = folder / "notes.txt"
         other.write_text("not ours")
         found = Flights(folder, bounds)
@@ -104,21 +111,26 @@ def test_only_the_newest_within_the_bounds_are_kept(unasked: Path, tmp_path: Pat
 
 
 def test_only_recordings_that_the_station_made_unasked_are_deleted(
-    flown: Path, unasked: Path, tmp_path: Path, caplog, monkeypatch
+    flown: Path, unasked: list[Path], tmp_path: Path, caplog, monkeypatch
 ):
+    """And only under the names that it gave them: what a user has renamed or copied is the user's."""
     for k in range(20):
         (tmp_path / f"2019-my-lake-{k:02d}.mcap").write_bytes(b"from another program")
         shutil.copy(flown, tmp_path / f"20190101-0000{k:02d}-pool.mcap")  # ours, but made with a Recorder
+    for k, path in enumerate(unasked):
+        shutil.copy(path, tmp_path / f"zzz-{k}.mcap")
+    shutil.copy(unasked[0], tmp_path / f"{unasked[0].stem}-best.mcap")
     foreign = {path: path.read_bytes() for path in tmp_path.iterdir()}
-    for k in range(5):
-        shutil.copy(unasked, tmp_path / f"zzz-{k}.mcap")
-    (tmp_path / "1-cut.mcap").write_bytes(unasked.read_bytes()[:-100])  # after a kill
+    for path in unasked:
+        shutil.copy(path, tmp_path)
+    cut = tmp_path / unasked[0].name
+    cut.write_bytes(cut.read_bytes()[:-100])  # after a kill
     found = Flights(tmp_path, Bounds(3))
     found.make_room()
     left = {path: path.read_bytes() for path in tmp_path.iterdir()}
     assert foreign.items() <= left.items()
     assert len(left) == len(foreign) + 3  # the others count towards no bound
-    assert len(caplog.records) == 3 and "1-cut.mcap is deleted: at most 3 flights" in caplog.records[0].getMessage()
+    assert len(caplog.records) == 3 and f"{cut.name} is deleted: at most 3 flights" in caplog.records[0].getMessage()
     found.bounds = Bounds(0)
     monkeypatch.setattr(Flights, "_paths", lambda self: [tmp_path / "deleted-meanwhile.mcap", *sorted(left)])
     found.make_room()
@@ -128,7 +140,7 @@ def test_only_recordings_that_the_station_made_unasked_are_deleted(
 def test_a_flight_that_another_station_records_is_not_deleted(tmp_path: Path, monkeypatch):
     monkeypatch.setattr(queue, "FLUSH_S", 0.1)
     path = tmp_path / "20260101-000000-pool.mcap"
-    with LiveSimulator("pool") as live, Recorder(live, path, notes=kept.RECORDED_BY, is_light=True):
+    with LiveSimulator("pool") as live, Recorder(live, path, notes=notes(path.name), is_light=True):
         until(lambda: path.stat().st_size and Recording(path).end_tick is not None, "a chunk")
         found = Flights(tmp_path, Bounds(0))  # of another process, with the same folder
         found.make_room()

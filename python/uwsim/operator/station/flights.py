@@ -34,8 +34,11 @@ FOLDER = "flights"
 COUNT, MEGABYTES = 50, 2000
 """The default bounds: the number of flights, and their total size in MB (10^6 bytes)."""
 COUNT_MAX, MEGABYTES_MAX = 10_000, 1_000_000
-RECORDED_BY = {"recorded_by": "station"}
-"""The note in the metadata of a flight that was recorded unasked. Only such recordings are ever deleted."""
+RECORDED_BY, NAMED = {"recorded_by": "station"}, "named"
+"""The notes in the metadata of a flight that was recorded unasked: by the station, under a name.
+
+Only such recordings that still have their name are ever deleted: what a user has named is the user's.
+"""
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,99}\.mcap")
 CHECK_S = 2.0  # interval between checks of the bounds while recording
 OPEN_MAX = 3  # number of time lines cached for later requests
@@ -47,7 +50,8 @@ LOGGER = logging.getLogger("uwsim.operator.station")
 class Bounds:
     """Limits on the number of flights kept and on their total size. The oldest flights are deleted first.
 
-    Recordings that the station did not make unasked are not counted, and never deleted, whatever their names.
+    Recordings that the station did not make unasked, or that have another name than it gave them, as copies have, are
+    not counted, and never deleted.
     """
 
     count: int = COUNT
@@ -188,12 +192,12 @@ class Flights:
 
 @lru_cache(COUNT_MAX)
 def _recorded_unasked(path: Path, size: int, changed_ns: int) -> str | None:
-    """Return when a flight began that the station recorded unasked, or None for any other file."""
+    """Return when a flight began that the station recorded unasked and named, or None for any other file."""
     try:
         start = glance(path).start
     except (ValueError, OSError):
         return None
-    return start.begun if start.notes.items() >= RECORDED_BY.items() else None
+    return start.begun if start.notes.items() >= {**RECORDED_BY, NAMED: path.name}.items() else None
 
 
 @lru_cache(COUNT_MAX)
@@ -271,7 +275,8 @@ class FlightRecording:
                 path = flights.new_path(self._live.simulator.scenario.name)
                 self._is_flown, self._trouble = False, ""
                 recorder = Recorder(
-                    self._live, path, shared=self._table, feed=self._feed, notes=self._notes, is_light=True,
+                    self._live, path, shared=self._table, feed=self._feed, notes={**self._notes, NAMED: path.name},
+                    is_light=True,
                 )  # fmt: skip
                 flights.growing = path
                 self._recorder = recorder.start()
