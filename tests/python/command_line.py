@@ -50,7 +50,7 @@ def uwsim(*arguments: str | Path, cwd: str | Path = ".") -> subprocess.Completed
 @contextlib.contextmanager
 def left_as_found() -> Iterator[None]:
     """Restore the process-wide state that a command changes, and route log messages to stderr instead of pytest."""
-    signals = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    signals = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
     try:
         with (
             Path(os.devnull).open() as nothing,

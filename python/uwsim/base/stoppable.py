@@ -1,15 +1,36 @@
-"""Long runs that can be stopped at their next pause by Ctrl-C or SIGTERM. SIGTERM also skips deferrable work."""
+"""Long runs that can be stopped at their next pause by Ctrl-C or SIGTERM. SIGTERM also skips deferrable work.
+
+SIGHUP, which a terminal sends when it is closed, is treated as SIGTERM.
+"""
 
 from __future__ import annotations
 
+import os
 import signal
+import stat
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 GRACE_S = 1.0
 """The longest wall time [s] from SIGTERM to a pause; a service manager kills the process soon after."""
 _kept = ""
+
+
+def ending_signals() -> list[signal.Signals]:
+    """Return the signals that end a program: SIGHUP only if it is not ignored, as it is under nohup."""
+    ending = [signal.SIGINT, signal.SIGTERM]
+    return ending if signal.getsignal(signal.SIGHUP) == signal.SIG_IGN else [*ending, signal.SIGHUP]
+
+
+def leave_closed_terminal() -> None:
+    """Discard further output if its terminal was closed: each write to it would raise OSError, and end what is left."""
+    for output in (1, 2):
+        with suppress(OSError):
+            if stat.S_ISCHR(os.fstat(output).st_mode) and not os.isatty(output):
+                discarding = os.open(os.devnull, os.O_WRONLY)
+                os.dup2(discarding, output)
+                os.close(discarding)
 
 
 def note_kept(text: str) -> None:
@@ -51,9 +72,9 @@ class Stoppable:
 def stop_on_signals(flight: Stoppable) -> Iterator[None]:
     """During the block, a first Ctrl-C or SIGTERM ends the flight at its next pause, and a second one ends it at once.
 
-    Where the flight is `at_once`, the first one does. After SIGTERM, work that can be done later is skipped, and
-    KeyboardInterrupt is raised if there is no pause within GRACE_S, for example during a long computation. Since only
-    the main thread receives signals, this does nothing on other threads.
+    Where the flight is `at_once`, the first one does. After SIGTERM or SIGHUP, work that can be done later is skipped,
+    and KeyboardInterrupt is raised if there is no pause within GRACE_S, for example during a long computation. Since
+    only the main thread receives signals, this does nothing on other threads.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -67,6 +88,7 @@ def stop_on_signals(flight: Stoppable) -> Iterator[None]:
 
     def terminate(number: int, frame: object) -> None:
         nonlocal terminated
+        leave_closed_terminal()
         if terminated:
             raise KeyboardInterrupt
         terminated = True
@@ -79,7 +101,8 @@ def stop_on_signals(flight: Stoppable) -> Iterator[None]:
         if not flight.heard:
             raise KeyboardInterrupt
 
-    handlers = {signal.SIGINT: interrupt, signal.SIGTERM: terminate, signal.SIGALRM: grace_is_over}
+    handlers = {number: interrupt if number == signal.SIGINT else terminate for number in ending_signals()}
+    handlers[signal.SIGALRM] = grace_is_over
     before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
     try:
         yield

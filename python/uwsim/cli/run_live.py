@@ -10,6 +10,7 @@ from queue import Empty, SimpleQueue
 
 import typer
 
+from uwsim.base.stoppable import ending_signals, leave_closed_terminal
 from uwsim.live import LiveSimulator
 
 LOOK_S = 5.0
@@ -18,7 +19,7 @@ SWITCH_S = 0.0005
 
 
 def run_until_interrupted(live: LiveSimulator, greeting: str, *, ends_with_error: bool = False) -> None:
-    """Print the greeting; return on Ctrl-C or SIGTERM.
+    """Print the greeting; return on Ctrl-C, SIGTERM or SIGHUP.
 
     Meanwhile, report on stderr when the simulation slips or fails. ends_with_error: raise the error of a simulation
     that fails instead.
@@ -42,7 +43,7 @@ def run_until_interrupted(live: LiveSimulator, greeting: str, *, ends_with_error
 
 
 def wait_for_interrupt(greeting: str) -> None:
-    """Print the greeting; return on Ctrl-C or SIGTERM."""
+    """Print the greeting; return on Ctrl-C, SIGTERM or SIGHUP."""
     is_interrupted = _interrupt()
     typer.echo(greeting)
     while not is_interrupted(LOOK_S):
@@ -61,11 +62,16 @@ def keep_threads_moving() -> None:
 
 
 def _interrupt() -> Callable[[float], bool]:
-    """Return a function that waits so many seconds for Ctrl-C or SIGTERM and returns whether one has come."""
+    """Return a function that waits so many seconds for a signal that ends the program, and returns whether one came."""
     keep_threads_moving()
     signals: SimpleQueue[int] = SimpleQueue()  # a handler may put while the same thread waits; an Event could deadlock
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda number, _: signals.put(number))
+
+    def note(number: int, _: object) -> None:
+        leave_closed_terminal()
+        signals.put(number)
+
+    for number in ending_signals():
+        signal.signal(number, note)
 
     def is_interrupted(wait_s: float) -> bool:
         try:

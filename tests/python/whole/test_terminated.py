@@ -1,5 +1,7 @@
-"""SIGTERM: the current flight is saved and ends without a report; --resume creates it."""
+"""SIGTERM, or a closed terminal: the current flight is saved and ends without a report; --resume creates it."""
 
+import os
+import pty
 import signal
 import subprocess
 import time
@@ -8,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from command_line import UWSIM, uwsim
+from uwsim.base.stoppable import ending_signals
 from uwsim.mapping import OccupancyMap
 
 LAKE = ["survey", "lake", "--mission-time", "300", "--voxel", "0.4"]
@@ -69,3 +72,30 @@ def test_a_mission_that_never_waits_is_ended(tmp_path: Path) -> None:
     assert process.returncode == 130, errors
     assert "interrupted" in output
     assert not (out / "report.html").exists()
+
+
+def test_a_closed_terminal_loses_nothing(tmp_path: Path) -> None:
+    """The flight is saved at its last pause, as after SIGTERM, although nothing can be printed any more."""
+    out = tmp_path / "out"
+    words = [*UWSIM, *LAKE, "--out", str(out), "--autosave", "3600", "--min-coverage", "0"]
+    process, terminal = pty.fork()
+    if process == 0:
+        os.execv(words[0], words)
+    while not (out / ".uwsim.lock").exists() or b"%" not in os.read(terminal, 4096):  # until it shows that it flies
+        pass
+    os.close(terminal)
+    _, status = os.waitpid(process, 0)
+    assert os.waitstatus_to_exitcode(status) == 130
+    assert (out / "checkpoint" / "flight.json").exists()
+    OccupancyMap.read(out / "map.bt")
+
+
+def test_a_program_that_ignores_hangups_goes_on() -> None:
+    """As under nohup."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    try:
+        assert signal.SIGHUP in ending_signals()
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        assert signal.SIGHUP not in ending_signals()
+    finally:
+        signal.signal(signal.SIGHUP, before)

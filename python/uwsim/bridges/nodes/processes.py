@@ -14,6 +14,7 @@ from pathlib import Path
 
 from websockets.exceptions import ConnectionClosed, WebSocketException
 
+from uwsim.base.stoppable import ending_signals
 from uwsim.bridges.nodes.chain import FLOATS, NODES
 from uwsim.bridges.nodes.node import Node, connect_patiently
 from uwsim.bridges.nodes.websocket import FIRST_WAIT_S, LONGEST_WAIT_S
@@ -21,13 +22,12 @@ from uwsim.bridges.rare_log import RareLog
 from uwsim.channels.ros.message_types import Ros
 
 LOOK_S = 0.5
-ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 @contextmanager
 def _handlers_restored() -> Iterator[None]:
     """Restore the handlers of the signals that end nodes, for callers that go on."""
-    before = {number: signal.getsignal(number) for number in ENDING}
+    before = {number: signal.getsignal(number) for number in ending_signals()}
     try:
         yield
     finally:
@@ -61,7 +61,7 @@ def run_one(
         stopping.set()
         node.abort()  # so that no send to a slow server delays the end
 
-    for number in ENDING:
+    for number in ending_signals():
         signal.signal(number, stop)
     parent = multiprocessing.parent_process()
 
@@ -147,7 +147,7 @@ def run_all(
     context = multiprocessing.get_context("fork")
     processes = []
     try:
-        for number in ENDING:
+        for number in ending_signals():
             signal.signal(number, signal.default_int_handler)
         for name in reversed(NODES):
             is_set_up = context.Event()
@@ -165,7 +165,7 @@ def run_all(
     except KeyboardInterrupt:
         pass
     finally:
-        for number in ENDING:
+        for number in ending_signals():
             signal.signal(number, signal.SIG_IGN)  # until the nodes have written what they have
         for process in processes:
             process.terminate()
@@ -175,7 +175,7 @@ def run_all(
 
 
 def _child(name: str, url: str, out: Path, patience_s: float, is_set_up: Event, floats: str, ros: Ros | None) -> None:
-    for number in ENDING:
+    for number in ending_signals():
         signal.signal(number, signal.SIG_DFL)  # until run_one installs its own
     try:
         run_one(name, url, out, patience_s, is_set_up.set, floats, ros)

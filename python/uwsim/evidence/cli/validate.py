@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from uwsim.base.stoppable import ending_signals
 from uwsim.cli.bounds import UsageError, within
 from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED
@@ -71,7 +72,7 @@ def validate(
         raise UsageError(f"--engine = {engine}: only the suite dynamics can be run with it (uwsim validate dynamics)")
     jobs = min(jobs or len(os.sched_getaffinity(0)), len(names))
     if jobs > 1:
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in ending_signals():
             signal.signal(number, signal.default_int_handler)  # raises an exception, which ends the jobs' processes
     found = {}
     for suite, checks in run_suites(names, out, jobs, data, engine):
