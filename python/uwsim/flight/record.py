@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.flight.lanes_flown import LanesFlown, lanes_flown
 from uwsim.flight.ping_log import PingSample
 from uwsim.flight.samples import Samples
 from uwsim.flight.stages import MAP_THREAD_STAGES
@@ -155,6 +156,11 @@ class FlightRecord(Generic[R_co]):
     def collisions(self) -> int:
         """The total number of collisions of all vehicles."""
         return sum(int(samples["collisions"][-1]) for samples in self.samples.values() if len(samples))
+
+    @property
+    def lanes(self) -> LanesFlown | None:
+        """The lanes planned and flown; None if no mission flew lanes."""
+        return lanes_flown(self.events)
 
     @property
     def real_time_factor(self) -> float:

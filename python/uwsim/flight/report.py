@@ -55,6 +55,7 @@ def write_page(path: Path, flown: FlightRecord, figures: Sequence[ReportFigure])
         figures=[(figure, data_uri(figure.path)) for figure in figures],
         events=[_event_row(event) for event in flown.events[:EVENTS_SHOWN]],
         events_left=max(0, len(flown.events) - EVENTS_SHOWN),
+        lanes=[] if flown.lanes is None else [_lane_row(lane) for lane in flown.lanes.each],
         thrusters={name: _thruster_rows(samples) for name, samples in flown.samples.items()},
         orders=[] if score is None else order_rows(score),
         order_met="-" if score is None else order_met(score),
@@ -118,6 +119,11 @@ def _thruster_rows(samples: Samples) -> list[tuple[str, float]]:
     """Return rows of (name, mean absolute command in per cent)."""
     commands = np.abs(samples.commands)
     return list(zip(samples.command_names, (100.0 * commands.mean(axis=0)).tolist(), strict=True))
+
+
+def _lane_row(lane: dict[str, Any]) -> tuple[str, str, str]:
+    name = f"{lane['vehicle']}, {lane['number'] + 1}"
+    return name, f"{lane['flown_m']:,.1f} of {lane['planned_m']:,.1f} m", lane.get("because", "")
 
 
 def _event_row(event: Event) -> tuple[str, str, str, str]:

@@ -30,6 +30,7 @@ def key_figures(flown: FlightRecord) -> list[tuple[str, str]]:
         ("real-time factor", f"{flown.real_time_factor:.1f} x"),
         ("collisions", f"{flown.collisions:,}"),
         ("events in the log", f"{len(flown.events):,}"),
+        *([] if (lanes := flown.lanes) is None else lanes.rows()),
     ]
     if flown.occupancy is not None:
         rows += [
@@ -155,6 +156,7 @@ def flight_values(flown: FlightRecord) -> dict[str, Any]:
         "pings_with_warning": flown.pings_with_warning,
         "position_error_mean_m": float(errors_m.mean()) if len(errors_m) else 0.0,
         "lanes_left_out": flown.lanes_left_out,
+        "lanes": None if (lanes := flown.lanes) is None else lanes._asdict(),
         "map_verified": flown.verified,
         "free_voxels": flown.free_voxels if flown.score is not None else None,
         "map_growth": [row._asdict() for row in flown.map_growth],

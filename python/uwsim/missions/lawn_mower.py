@@ -3,9 +3,11 @@
 As published: release; go to the start; go forward while any of the first, middle and last beams reads more than 7 m;
 turn by 180 degrees; side-step; repeat, turning the other way each time; stop when the proximity sensor reads less than
 7 m at a turn. This version adds the polygon (a lane ends at its edge, and the mission after the last lane), stays at a
-height above the bed and above obstacles that the sonar sees ahead, and goes around shoals too high to pass over. A
-vehicle that cannot go sideways flies from lane to lane in curves (`lane_curves.py`), without stopping. It can serve as
-a template for other missions.
+height above the bed and above obstacles that the sonar sees ahead, and goes around shoals too high to pass over. Near
+the bed, where all ranges are short, 7 m give way to what the geometry leaves (`water_ahead.py`). What was flown of each
+lane is compared with its length, and a survey of which less than 95 % was flown is not complete. A vehicle that cannot
+go sideways flies from lane to lane in curves (`lane_curves.py`), without stopping. It can serve as a template for other
+missions.
 """
 
 from __future__ import annotations
@@ -24,10 +26,11 @@ from numpy.typing import NDArray
 from uwsim.base.sealed import Sealed
 from uwsim.missions.heights import HIGHEST_Z_M
 from uwsim.missions.lane_curves import LaneCurves
+from uwsim.missions.lane_lengths import LANE_FLOWN, LANES_FLOWN, LEAST_FLOWN, not_flown_because
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower_needs import missing_for_lanes
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
-from uwsim.missions.lawn_mower_state import LegName, LegStart, MowerState, SavedMission
+from uwsim.missions.lawn_mower_state import LaneEnd, LegName, LegStart, MowerState, SavedMission
 from uwsim.missions.lookout import Lookout
 from uwsim.missions.mission_state import checked_state
 from uwsim.missions.own_vehicle import OwnVehicle
@@ -35,12 +38,13 @@ from uwsim.missions.sonar_head import is_at
 from uwsim.missions.steps import Steps, drive
 from uwsim.missions.stopped import StoppedError
 from uwsim.missions.survey_pilot import Pilot, memory_of, remember, survey_pilot
+from uwsim.missions.water_ahead import TURN_RANGE_M, is_water_ahead
 from uwsim.navigation.control.autopilot import wrap_angle
-from uwsim.navigation.control.protocols import Clock, PingLike, SurveyVehicle, Watch
+from uwsim.navigation.control.protocols import Clock, SurveyVehicle, Watch
 from uwsim.navigation.sensor_choice import port_proximity
 
 COVERED = "all lanes are flown"  # the result of run() if nothing stopped the mission
-TURN_RANGE_M = 7.0  # as published, for the beams and for the proximity sensor
+BESIDE_M = 2.0  # what the published 7 m to port leave beside its steps of 5 m
 UNDOCK_M, UNDOCK_SPEED_M_S = 6.0, 0.5
 ARRIVED_M = 0.5  # a point counts as reached within this distance
 PASSABLE_Z_M = HIGHEST_Z_M - 2.0  # anything higher is a shoal, which the vehicle avoids
@@ -120,8 +124,14 @@ class AdaptiveLawnMower(Sealed):
 
     @property
     def progress(self) -> float:
-        """Fraction of the total lane length flown so far, 0..1."""
+        """Fraction of the plan's length that is behind the vehicle, flown or not, 0..1."""
         return min(1.0, (self._length_before_m[self.state.lane] + self.state.along_m) / self._length_before_m[-1])
+
+    @property
+    def flown_m(self) -> list[float]:
+        """How much was flown of each lane so far, in flight order."""
+        ended = [end.flown_m for end in self.state.ended]
+        return [*ended, self._flown_of_lane_m(), *[0.0] * len(self.lanes)][: len(self.lanes)]
 
     def save(self) -> dict[str, Any]:
         """Return, as JSON values, all state that the rest of the mission depends on, except vehicle and clock."""
@@ -140,7 +150,7 @@ class AdaptiveLawnMower(Sealed):
         self.lookout.heights.restore(saved.heights)
 
     def run(self) -> str:
-        """Fly until the last lane ends (COVERED) or the mission stops early; return the reason."""
+        """Fly until the last lane ends or the mission stops early; return the reason, COVERED if 95 % was flown."""
         if not hasattr(self.clock, "wait"):
             raise ValueError("run: the clock cannot wait: use `yield from mower.steps()`")
         return drive(self.steps(), cast(Clock, self.clock))
@@ -173,7 +183,11 @@ class AdaptiveLawnMower(Sealed):
             return str(stop)
         finally:
             self.vehicle.set_effort()
-        return f"no way led to {state.skipped} of {len(self.lanes)} lanes" if state.skipped else COVERED
+            self._log_lanes()
+        if state.skipped:
+            return f"no way led to {state.skipped} of {len(self.lanes)} lanes"
+        planned_m, flown_m = self._length_before_m[-1], sum(self.flown_m)
+        return COVERED if flown_m >= LEAST_FLOWN * planned_m else not_flown_because(flown_m, planned_m, state.ended)
 
     def _plan_lanes(self) -> None:
         plan, near_m = self.plan, np.array(self.state.lanes_near_m)
@@ -220,10 +234,36 @@ class AdaptiveLawnMower(Sealed):
 
     def _skip_lane(self, leg: LegName) -> LegName:
         """Skip a lane that shoals make unreachable, and return the leg that leads to the next one."""
-        self.state.lane += 1
-        self.state.legs = 0
+        self._end_lane("no way led to it")
         self.state.skipped += 1
         return leg
+
+    def _end_lane(self, because: str) -> None:
+        """Note how much of the lane was flown and why no more, and begin with the next one."""
+        state = self.state
+        if state.entry_m:
+            because = because or "begun past its start"
+        end = LaneEnd(self._flown_of_lane_m(), because)
+        self._log_lane(end)
+        state.ended.append(end)
+        state.lane, state.along_m, state.legs, state.entry_m = state.lane + 1, 0.0, 0, None
+
+    def _flown_of_lane_m(self) -> float:
+        entry_m = self.state.entry_m
+        return 0.0 if entry_m is None else max(self.state.along_m - entry_m, 0.0)
+
+    def _log_lane(self, end: LaneEnd) -> None:
+        number = self.state.lane
+        why = {"because": end.because} if end.because else {}
+        planned_m = round(self.lanes[number].length_m, 2)
+        self._own.log(LANE_FLOWN, number=number, flown_m=round(end.flown_m, 2), planned_m=planned_m, **why)
+
+    def _log_lanes(self) -> None:
+        """Log how much was flown of the lane that the end interrupts, if any, and of all lanes."""
+        if self.state.entry_m is not None:
+            self._log_lane(LaneEnd(self._flown_of_lane_m(), "the mission ended"))
+        flown_m, planned_m = round(sum(self.flown_m), 2), round(self._length_before_m[-1], 2)
+        self._own.log(LANES_FLOWN, lanes=len(self.lanes), flown_m=flown_m, planned_m=planned_m)
 
     def _wait_for_tilt(self, start: LegStart) -> Steps[LegName]:
         """Wait on the spot until the sonar head reaches its elevation, provided that the sonar reports it."""
@@ -245,14 +285,19 @@ class AdaptiveLawnMower(Sealed):
             aside = self.vehicle.pose.yaw_rad + direction * math.radians(60.0)
             yield from self.lookout.steer(aside if half_turn_ahead else lane.heading_rad, self._back_to(start))
         if self.state.lane > 0:
-            self._require_clearance_to_port()
+            self._require_clearance_to_port(lane)
         return "abreast"
 
-    def _require_clearance_to_port(self) -> None:
-        """Stop, as in the paper, if an obstacle is close to port during a turn; not without a sensor there."""
-        sensor = port_proximity(self.vehicle.sensors)
-        if sensor is not None and (port_m := sensor.read()) < TURN_RANGE_M:
-            raise StoppedError(f"the proximity sensor reads {port_m:.1f} m at a turn")
+    def _require_clearance_to_port(self, lane: Lane) -> None:
+        """Stop, as in the paper, if something is to port where the next lane is; not without a sensor there.
+
+        As published at 7 m, but no farther than BESIDE_M beyond the lane, and only if the lane is to port.
+        """
+        sensor, to_port_m = port_proximity(self.vehicle.sensors), -lane.locate(self._position())[1]
+        if sensor is None or to_port_m <= 0.0:
+            return
+        if (port_m := sensor.read()) < min(TURN_RANGE_M, to_port_m + BESIDE_M):
+            raise StoppedError(f"the proximity sensor reads {port_m:.1f} m at a turn, {to_port_m:.1f} m from a lane")
 
     def _side_step(self, start: LegStart) -> Steps[LegName]:
         """Side-step to the start of the lane, or to a point further along it if the last lane was cut short."""
@@ -297,14 +342,11 @@ class AdaptiveLawnMower(Sealed):
         """Move forward along the lane as long as there is water ahead."""
         state, lane = self.state, self.lanes[self.state.lane]
         (ahead_x, ahead_y), speed = lane.direction.tolist(), self._speed_m_s
-        while True:
-            position = self._position()
-            along, across = lane.locate(position)
-            state.along_m = _clip(along, 0.0, lane.length_m)
-            if along >= lane.length_m or (self._drives_sway and not self._water_ahead(self.vehicle.sonar.ping())):
-                break  # a vehicle that flies curves pitches, so that its beams look elsewhere; it turns before shoals
-            if self._shoal_ahead(position, lane):
-                break
+        if state.entry_m is None:
+            along = lane.locate(self._position())[0]
+            state.entry_m = along if along > ARRIVED_M else 0.0
+        while (because := self._end_of_lane(lane)) is None:
+            along, across = lane.locate(self._position())
             if along > state.furthest_m + ARRIVED_M:
                 state.furthest_m, state.furthest_s = along, self.clock.time_s
             elif self.clock.time_s > state.furthest_s + STUCK_AFTER_S:
@@ -315,14 +357,20 @@ class AdaptiveLawnMower(Sealed):
             port_m_s = -0.5 * _clip(across, -2.0, 2.0)  # steers back to the line
             velocity = (speed * ahead_x - port_m_s * ahead_y, speed * ahead_y + port_m_s * ahead_x)
             yield from self.lookout.steer(lane.heading_rad, velocity)
-        state.lane, state.along_m, state.legs = state.lane + 1, 0.0, 0
+        self._end_lane(because)
         return "turn"
 
-    def _water_ahead(self, ping: PingLike) -> bool:
-        """Apply the published rule: the first, middle or last beam reads more than 7 m."""
-        ranges = ping.ranges_m
-        first, middle, last = ranges[0], ranges[len(ranges) // 2], ranges[-1]
-        return bool(first > TURN_RANGE_M or middle > TURN_RANGE_M or last > TURN_RANGE_M)
+    def _end_of_lane(self, lane: Lane) -> str | None:
+        """Return why the vehicle flies no farther along the lane, "" at its end; None if it goes on."""
+        position = self._position()
+        along = lane.locate(position)[0]
+        self.state.along_m = _clip(along, 0.0, lane.length_m)
+        if along >= lane.length_m:
+            return ""
+        # a vehicle that flies curves pitches, so that its beams look elsewhere; it turns before shoals
+        if self._drives_sway and not is_water_ahead(self.vehicle.sonar.ping(), self.lookout.bed_z_m):
+            return "no water ahead"
+        return "a shoal ahead" if self._shoal_ahead(position, lane) else None
 
     def _shoal_ahead(self, position: NDArray[np.float64], lane: Lane) -> bool:
         x, y, _ = position.tolist()

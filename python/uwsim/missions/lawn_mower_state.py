@@ -21,6 +21,14 @@ class LegStart:
     yaw_rad: float
 
 
+@dataclass(frozen=True)
+class LaneEnd:
+    """The end of a lane: how much of it was flown, and why no more; "" if it was flown to its end."""
+
+    flown_m: Annotated[float, Ge(0)]
+    because: str
+
+
 @dataclass(slots=True)
 class MowerState:
     """A mission's progress.
@@ -29,7 +37,8 @@ class MowerState:
     current lane. leg: the leg being flown for that lane. leg_start: None until the leg has begun. along_m: current
     distance along the lane. furthest_m: the largest along_m so far, reached at furthest_s. skipped: number of lanes
     skipped as unreachable. legs: number of legs begun for the current lane. radius_m: for a vehicle without
-    sway, the radius of its curves; 0 before the first. reached: how far along a curve it is, in points.
+    sway, the radius of its curves; 0 before the first. reached: how far along a curve it is, in points. entry_m: where
+    on the current lane it began to fly along it; None before that. ended: the lanes before the current one.
     """
 
     lanes_near_m: tuple[float, float]
@@ -43,6 +52,8 @@ class MowerState:
     legs: Annotated[int, Ge(0)] = 0
     radius_m: Annotated[float, Ge(0)] = 0.0
     reached: Annotated[int, Ge(0)] = 0
+    entry_m: float | None = None
+    ended: list[LaneEnd] = field(default_factory=list)
 
 
 @dataclass

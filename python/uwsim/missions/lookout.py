@@ -101,11 +101,14 @@ class Lookout(Sealed):
         wanted_m = self._top_m() + self.altitude_m
         return min(wanted_m if math.isfinite(wanted_m) else float(self.vehicle.pose.position_world_m[2]), HIGHEST_Z_M)
 
+    def bed_z_m(self) -> float:
+        """Return the height z of the bed below the vehicle by its altimeter, -inf without an echo."""
+        return float(self.vehicle.pose.position_world_m[2]) - float(self._altimeter.read())
+
     def _top_m(self) -> float:
         """Return the height z of the bed below or of a known obstacle ahead, whichever is higher; else -inf."""
         pose = self.vehicle.pose
-        bed_m = float(pose.position_world_m[2]) - float(self._altimeter.read())
-        return max(bed_m, self.obstacles.highest_m(pose.position_world_m, pose.yaw_rad))
+        return max(self.bed_z_m(), self.obstacles.highest_m(pose.position_world_m, pose.yaw_rad))
 
     def _next_height_m(self) -> float:
         """Return the height z to steer for: a safe one, or that of the yo-yo."""

@@ -95,6 +95,7 @@ def _print(flown: Fleet) -> None:
             f"{of['tiles_flown']:,} flown, {of['tiles_ended_early']:,} of them ended early, {of['tiles_dry']:,} dry, "
             f"{of['tiles_failed']:,} failed",
         ),
+        ("lanes flown", f"{of['lanes_flown_m']:,.0f} of {of['lanes_planned_m']:,.0f} m"),
         ("path flown while pinging", f"{1e-3 * of['path_length_m']:,.1f} km"),
         ("pings", f"{of['pings']:,}"),
         ("simulated", duration_text(of["simulated_s"])),

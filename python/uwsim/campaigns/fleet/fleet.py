@@ -177,6 +177,7 @@ def _flown_figures(
         "tiles_failed": sum(bool(result["error"]) for result in results.values()),
         "area_left_out_m2": left_m2,
         **{key: sum(metrics[key] for metrics in flown) for key in ("pings", "echoes", "path_length_m", "collisions")},
+        **{f"lanes_{key}": sum(metrics["lanes"][key] for metrics in flown) for key in ("flown_m", "planned_m")},
         "simulated_s": sum(times_s),
         "vehicles": vehicles,
         "fleet_out_s": max(shares(times_s, vehicles), default=0.0),

@@ -114,6 +114,8 @@ def _flown(job: Job, sim: Simulator) -> dict[str, Any]:
         raise KeyboardInterrupt  # the flight caught the error, but half a run is not a result
     values = flight_values(scored(flown, sim)) | {"result": flown.result}
     values.pop("map", None)
+    if values["lanes"] is not None:
+        del values["lanes"]["each"]  # its lanes would be columns
     return values
 
 

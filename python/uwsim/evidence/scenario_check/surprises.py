@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uwsim.evidence.scenario_check.scene import ObstacleScene, Scene, VehicleScene
 from uwsim.evidence.vehicle.surprises import vehicle_surprises
+from uwsim.missions.heights import HIGHEST_Z_M
+from uwsim.missions.water_ahead import recognised_ahead_m
 from uwsim.scenario.build.multibeam import multibeam_model
 from uwsim.scenario.build.scale import size_text
 from uwsim.scenario.build.short_waves import RISING_SHARE
@@ -24,6 +27,8 @@ BURIED, HIDDEN = 0.6, 0.999
 TRIM_SHARE = 0.004
 """Net buoyancy, as a share of a vehicle's weight, beyond which a warning is given."""
 FREE_M = 0.1
+STOP_S = 2.0
+"""Time in which a vehicle stops in front of what it sees."""
 LONG_TERRAINS, TALL_M, TINY_M = 1.5, 100.0, 0.05
 """Limits beyond which an obstacle may be in the wrong unit.
 
@@ -150,14 +155,28 @@ def _of_survey(sim: Simulator) -> Iterator[str]:
     survey, entry = sim.scenario.survey, sim.scenario.vehicles[0]
     if survey is None or entry.model.sonar is None:
         return
-    range_m = multibeam_model(entry.sonar.loaded, entry.sonar.frequency_hz).range_max_m
+    fan = multibeam_model(entry.sonar.loaded, entry.sonar.frequency_hz)
+    range_m = fan.range_max_m
     slant_m = survey.altitude_m / np.cos(np.radians(90.0 - min(max(survey.tilt_deg, 1.0), 89.0)))
     if slant_m > range_m:
         yield (
             f"survey: at {survey.altitude_m:g} m above the bed, tilted by {survey.tilt_deg:g} deg, the sonar would "
             f"have to reach {slant_m:.0f} m; it reaches {range_m:g} m"
         )
+    ahead_m = recognised_ahead_m(survey.altitude_m, np.radians(survey.tilt_deg), 0.5 * fan.field_of_view_rad)
+    if "sway" in sim.rov.controllable and ahead_m < STOP_S * survey.speed_m_s:
+        yield (
+            f"survey: at {survey.altitude_m:g} m above the bed, tilted by {survey.tilt_deg:g} deg, the sonar sees what "
+            f"is ahead {ahead_m:.1f} m before it; at {survey.speed_m_s:g} m/s the vehicle needs "
+            f"{STOP_S * survey.speed_m_s:.1f} m to stop"
+        )
     corners = np.asarray(survey.area_m)
+    deepest_m = _deepest_m(sim, corners)
+    if survey.altitude_m > deepest_m + HIGHEST_Z_M:
+        yield (
+            f"survey: the water in its area is at most {deepest_m:.1f} m deep: the vehicle, which stays "
+            f"{-HIGHEST_Z_M:g} m below the surface, cannot fly {survey.altitude_m:g} m above the bed"
+        )
     x, y = corners.T
     area_m2 = abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2.0
     needed_s = area_m2 / survey.line_spacing_m / survey.speed_m_s
@@ -166,3 +185,10 @@ def _of_survey(sim: Simulator) -> Iterator[str]:
             f"survey: its lanes alone take some {needed_s:.0f} s, the battery (mission_time_s) lasts "
             f"{sim.scenario.mission_time_s:g} s"
         )
+
+
+def _deepest_m(sim: Simulator, corners_m: NDArray[np.float64]) -> float:
+    """Return the largest depth of the bed on a grid over the bounding box of a survey's area."""
+    axes = [np.linspace(low, high, 41) for low, high in zip(corners_m.min(axis=0), corners_m.max(axis=0), strict=True)]
+    beds_m = sim.world.height_at(np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2))
+    return -float(np.nanmin(beds_m)) if np.isfinite(beds_m).any() else 0.0
