@@ -51,7 +51,8 @@ class Row:
     effort_s: mean absolute command, integrated over time: equivalent seconds of full thrust. estimate_rms_m: RMS
     distance between true and estimated position; 0 if the mission uses the truth. map_coverage: coverage within
     scored_area_m. map_error_m: mean distance of the map's occupied voxels from the true surface. Both are NaN without a
-    scored map. off_target_m: RMS distance of the first vehicle from a Target; NaN without one.
+    scored map. off_target_m: RMS distance of the first vehicle from a Target; NaN without one. ended_early: whether
+    anything but the mission itself or the time limit ended the flight.
     """
 
     mission: str
@@ -69,6 +70,7 @@ class Row:
     map_coverage: float
     map_error_m: float
     off_target_m: float
+    ended_early: bool = False
 
 
 @dataclass(frozen=True)
@@ -241,6 +243,7 @@ def _row(name: str, seed: int, record: FlightRecord, seen: SeenBed, target: Targ
         map_coverage=record.score.coverage if record.score is not None else float("nan"),
         map_error_m=record.score.distance_mean_m if record.score is not None else float("nan"),
         off_target_m=_off(samples[0], target) if target is not None else float("nan"),
+        ended_early=record.ended_early,
     )
 
 

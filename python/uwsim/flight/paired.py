@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
@@ -17,6 +18,8 @@ MORE_IS_BETTER = {
     "map_error_m": False,
 }  # fmt: skip
 """The values of a row that are compared, and whether more of them is better."""
+ENOUGH = 0.95
+"""The share of another flight's achievement from which on a flight has achieved as much."""
 LEVEL = 0.95
 LEAST_FOR_INTERVAL = 6
 """Seeds from which on an interval exists: 2 (1/2)^n < 1 - LEVEL."""
@@ -27,7 +30,9 @@ class Pair:
     """How a mission differs from the first one in a value, over the seeds that both have flown.
 
     median: of the differences, positive if the mission's value is larger. low, high: 95 % interval of that median; NaN
-    with fewer than 6 seeds. wins, losses: seeds for which the mission is better, and worse; the rest are ties.
+    with fewer than 6 seeds. wins, losses: seeds for which the mission is better, and worse; the rest are ties. Where
+    less is better, a flight that achieved less is not better: one that ended early while the other did not, or that saw
+    less than 95 % of the other's area or, if there is a target, was farther from it.
     """
 
     mission: str
@@ -55,20 +60,32 @@ def paired(rows: Sequence[Row], values: Iterable[str] = MORE_IS_BETTER) -> list[
     for name in missions[1:]:
         seeds = [seed for seed in flown[missions[0]] if seed in flown[name]]
         for value in values:
-            gaps = np.array([getattr(flown[name][s], value) - getattr(flown[missions[0]][s], value) for s in seeds])
+            pairs = [(flown[name][s], flown[missions[0]][s]) for s in seeds]
+            gaps = np.array([getattr(one, value) - getattr(other, value) for one, other in pairs])
             if len(gaps) and np.isfinite(gaps).all():
-                found.append(_pair(name, missions[0], value, gaps))
+                found.append(_pair(name, missions[0], value, gaps, pairs))
     return found
 
 
-def _pair(mission: str, against: str, value: str, gaps: np.ndarray) -> Pair:
+def _achieved_as_much(one: Row, other: Row) -> bool:
+    """Return whether a flight achieved as much as another; see Pair."""
+    if one.ended_early and not other.ended_early:
+        return False
+    if math.isfinite(one.off_target_m) and math.isfinite(other.off_target_m):
+        return ENOUGH * one.off_target_m <= other.off_target_m
+    return one.seen_m2 >= ENOUGH * other.seen_m2
+
+
+def _pair(mission: str, against: str, value: str, gaps: np.ndarray, pairs: Sequence[tuple[Row, Row]]) -> Pair:
     from scipy.stats import quantile_test  # imported here: scipy.stats takes half a second
 
     low = high = float("nan")
     if len(gaps) >= LEAST_FOR_INTERVAL:
         low, high = quantile_test(gaps, q=0.0, p=0.5).confidence_interval(LEVEL)
     better = gaps if MORE_IS_BETTER[value] else -gaps
-    wins, losses = int((better > 0).sum()), int((better < 0).sum())
+    fair = [MORE_IS_BETTER[value] or _achieved_as_much(*(pair if gain > 0 else pair[::-1])) for gain, pair in
+            zip(better.tolist(), pairs, strict=True)]  # fmt: skip
+    wins, losses = int(((better > 0) & fair).sum()), int(((better < 0) & fair).sum())
     return Pair(mission, against, value, len(gaps), float(np.median(gaps)), float(low), float(high), wins, losses)
 
 

@@ -85,6 +85,29 @@ def test_pairs_share_their_seed_and_the_interval_is_that_of_order_statistics() -
     assert without_randomness(rows) == []
 
 
+@pytest.mark.parametrize(
+    ("less", "wins"),
+    [
+        ({"seen_m2": 0.0}, 0),  # it did nothing
+        ({"ended_early": True}, 0),
+        ({"seen_m2": 49.0}, 2),  # as much, but for 2 %
+        ({"off_target_m": 4.0}, 0),
+        ({"off_target_m": 0.5, "seen_m2": 0.0}, 2),  # what it saw is not its task
+    ],
+)
+def test_a_flight_that_achieved_less_does_not_win_by_its_haste(less: dict[str, float], wins: int) -> None:
+    whole = replace(ROW, seen_m2=50.0, time_s=100.0, off_target_m=0.5 if "off_target_m" in less else float("nan"))
+    rows = [replace(whole, seed=seed) for seed in (1, 2)]
+    hasty = {"mission": "b", "time_s": 5.0, "path_m": 0.5, "effort_s": 0.1, "collisions": 0} | less
+    rows += [replace(row, **hasty) for row in rows]
+    for ordered, of in ((rows, "wins"), (rows[2:] + rows[:2], "losses")):
+        found = {pair.value: pair for pair in paired(ordered)}
+        for value in ("time_s", "path_m", "effort_s"):
+            other = "losses" if of == "wins" else "wins"
+            assert (getattr(found[value], of), getattr(found[value], other)) == (wins, 0), value
+        assert found["time_s"].median == (-95.0 if of == "wins" else 95.0)
+
+
 def test_a_benchmark_is_flown_under_its_conditions_and_makes_one_file(tmp_path: Path) -> None:
     for name in packaged_names("benchmarks"):
         task = load_benchmark(name)
