@@ -12,12 +12,14 @@ import math
 from dataclasses import dataclass
 
 from uwsim.mapping import OccupancyMap
+from uwsim.missions.lane_lengths import LEAST_FLOWN
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.cells import Cell, Cells, nearest
 from uwsim.missions.planners.live_map import LOOK_PERIOD_S, LiveMap
 from uwsim.missions.planners.unknown_water import find_bed
 from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, TURN_FIRST_RAD, Wayfinder
 from uwsim.missions.steps import Steps
+from uwsim.missions.stopped import StoppedError
 from uwsim.navigation.control.autopilot import wrap_angle
 
 STUCK_S = 30.0  # added to a path's time limit, which is otherwise four times its nominal duration
@@ -47,7 +49,8 @@ def explore(
     """Explore all water that can be reached within bound_m of the start, until the map contains all of it.
 
     resolution_m: resolution of the live map. cell_m: edge length of a column. Logs `frontier` for each target, and also
-    `given_up` and `explored`. Raises ValueError for invalid arguments, StoppedError if the vehicle cannot continue.
+    `given_up` and `explored`. Raises ValueError for invalid arguments, StoppedError if the vehicle cannot continue, or
+    if more than 5 % of the columns found were given up.
     """
     if not resolution_m <= cell_m <= bound_m < math.inf:
         raise ValueError(
@@ -65,6 +68,9 @@ def explore(
         yield from search.go(way)
     known_m2 = cell_m**2 * sum(search.inside(cell) for cell in live.tops_m)
     vehicle.log("explored", known_m2=known_m2, given_up=len(search.given_up), bound_m=bound_m)
+    given_up_m2 = cell_m**2 * len(search.given_up)
+    if known_m2 < LEAST_FLOWN * (known_m2 + given_up_m2):
+        raise StoppedError(f"{given_up_m2:.0f} m2 had to be given up, {known_m2:.0f} m2 are known")
     return Explored(live.map, known_m2, tuple(cells.middle_m(cell) for cell in search.given_up))
 
 

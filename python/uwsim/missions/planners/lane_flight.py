@@ -14,11 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.missions.lane_lengths import LANE_FLOWN, LANES_FLOWN, LEAST_FLOWN, flown_text
 from uwsim.missions.lanes import Lane
 from uwsim.missions.planners.area_chart import AreaChart
 from uwsim.missions.planners.area_pilot import AreaPilot
 from uwsim.missions.planners.wayfinder import GRACE_S, Wayfinder
 from uwsim.missions.steps import Steps
+from uwsim.missions.stopped import StoppedError
 
 Floats = NDArray[np.float64]
 POINT_M = 1.0  # distance between the points of a lane
@@ -31,22 +33,31 @@ ROUND, ROUND_M = 2.5, 8.0  # a detour is short if it is at most ROUND times the 
 class FlownLanes:
     """The outcome of `fly_lanes`.
 
-    left_out: indices of the lanes that were not flown at all. trimmed_m: total length too close to shoals. unreached_m:
-    length that no path in the area led to. seen_m: length not flown but seen from elsewhere.
+    left_out: indices of the lanes that were not flown at all. flown_m: total length flown. trimmed_m: too close to
+    shoals. unreached_m: that no path in the area led to. seen_m: not flown but seen from elsewhere.
     """
 
     left_out: tuple[int, ...]
+    flown_m: float
     trimmed_m: float
     unreached_m: float
     seen_m: float
+
+    def require_flown(self) -> None:
+        """Raise StoppedError unless 95 % of the length that is clear of shoals was flown or seen."""
+        done_m = self.flown_m + self.seen_m
+        clear_m = done_m + self.unreached_m
+        if done_m < LEAST_FLOWN * clear_m:
+            raise StoppedError(f"only {flown_text(done_m, clear_m)} was flown or seen: no path led to the rest")
 
 
 def fly_lanes(lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> Steps[FlownLanes]:
     """Fly lanes in order, then the parts left over.
 
     Logs `trimmed` for parts known to be too high before the flight, `lane` at the beginning of each lane, `left_over`
-    when the vehicle returns to a lane, and `left_out`. The lookout must pass its echoes to the chart. Raises
-    StoppedError if the vehicle cannot continue.
+    when the vehicle returns to a lane, `left_out`, and the lengths flown and planned: `lane_flown` of each lane,
+    `lanes_flown` of all. The lookout must pass its echoes to the chart. Raises StoppedError if the vehicle cannot
+    continue.
     """
     return (yield from _LaneFlight(lookout, lanes, chart).steps())
 
@@ -54,8 +65,8 @@ def fly_lanes(lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> St
 class _LaneFlight:
     """The progress of `fly_lanes`.
 
-    _left: for each lane, the points still to be flown. _flown: number of points flown. _next: for each lane, the index
-    after the last flown point.
+    _left: for each lane, the points still to be flown. _next: for each lane, the index after the last flown point.
+    _flown, _trimmed, _unreached, _seen: for each lane, the number of points flown, and not flown for each reason.
     """
 
     def __init__(self, lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> None:
@@ -63,8 +74,7 @@ class _LaneFlight:
         self._pilot = AreaPilot(lookout, chart)
         self._points = [_points(lane) for lane in lanes]
         self._left = [np.ones(len(points), bool) for points in self._points]
-        self._flown, self._next = [0] * len(lanes), [0] * len(lanes)
-        self._trimmed = self._unreached = self._seen = 0
+        self._next, self._flown, self._trimmed, self._unreached, self._seen = ([0] * len(lanes) for _ in range(5))
 
     def steps(self) -> Steps[FlownLanes]:
         for k in range(len(self._points)):
@@ -80,13 +90,31 @@ class _LaneFlight:
         left_out = tuple(k for k, flown in enumerate(self._flown) if not flown)
         for k in left_out:
             self._vehicle.log("left_out", number=k)
-        return FlownLanes(left_out, self._trimmed * POINT_M, self._unreached * POINT_M, self._seen * POINT_M)
+        self._log_lengths()
+        counts = (self._flown, self._trimmed, self._unreached, self._seen)
+        return FlownLanes(left_out, *(POINT_M * sum(each) for each in counts))
+
+    def _log_lengths(self) -> None:
+        """Log the lengths flown and planned, lane by lane and in total."""
+        for k, points in enumerate(self._points):
+            counts = {
+                "too close to shoals": self._trimmed[k],
+                "without a path to them": self._unreached[k],
+                "seen from elsewhere": self._seen[k],
+            }
+            because = ", ".join(f"{count * POINT_M:g} m {reason}" for reason, count in counts.items() if count)
+            self._vehicle.log(
+                LANE_FLOWN, number=k, flown_m=self._flown[k] * POINT_M, planned_m=len(points) * POINT_M,
+                **({"because": because} if because else {}),
+            )  # fmt: skip
+        planned_m = POINT_M * sum(map(len, self._points))
+        self._vehicle.log(LANES_FLOWN, lanes=len(self._points), flown_m=POINT_M * sum(self._flown), planned_m=planned_m)
 
     def _trim(self, k: int) -> int:
         """Drop the points known to be too high; return how many were dropped."""
         closed = self._left[k] & ~self._chart.open_at(self._points[k])
         self._left[k] &= ~closed
-        self._trimmed += int(closed.sum())
+        self._trimmed[k] += int(closed.sum())
         return int(closed.sum())
 
     def _lane(self, k: int) -> Steps[None]:
@@ -112,13 +140,13 @@ class _LaneFlight:
             self._trim(k)
             seen = self._left[k] & self._chart.seen_at(points)
             self._left[k] &= ~seen
-            self._seen += int(seen.sum())
+            self._seen[k] += int(seen.sum())
             if not self._left[k].any():
                 continue
             lengths_m = np.where(self._left[k], ways.lengths_m(points), np.inf)
             unreached = self._left[k] & ~np.isfinite(lengths_m)
             self._left[k] &= ~unreached
-            self._unreached += int(unreached.sum())
+            self._unreached[k] += int(unreached.sum())
             if lengths_m.min() < nearest_m:
                 nearest_m, nearest = float(lengths_m.min()), k
         return nearest
@@ -150,7 +178,7 @@ class _LaneFlight:
         """Drop a point that still remains after an attempt to reach it."""
         if for_good and self._left[k][at]:
             self._left[k][at] = False
-            self._unreached += 1
+            self._unreached[k] += 1
 
     def _along(self, k: int, at: int, step: int) -> Steps[None]:
         """Fly along a lane from one of its points, up (step = 1) or down (-1), until it ends or is blocked ahead."""
@@ -171,7 +199,7 @@ class _LaneFlight:
                 return
             if self._vehicle.time_s > end_s:
                 left[at] = False
-                self._unreached += 1
+                self._unreached[k] += 1
                 return
             yield from self._lookout.towards(points[at] + AIM_M * direction)
 

@@ -14,6 +14,7 @@ only by passages narrower than about two cells.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,7 +63,8 @@ def mow_unknown_water(
 
     line_spacing_m: defaults to half of the swath width on a flat bed. heading_rad: lane direction; defaults to the
     vehicle's heading. Logs `closed` with a reason for each cell that is closed, `opening` where mowing continues, and
-    `complete`. Raises ValueError for invalid arguments, StoppedError if the vehicle cannot continue.
+    `complete`. Raises ValueError for invalid arguments, StoppedError if the vehicle cannot continue, or if no cell but
+    the first could be flown.
     """
     lookout = Wayfinder(vehicle, altitude_m, speed_m_s)
     spacing_m = 0.5 * lookout.swath_m if line_spacing_m is None else line_spacing_m
@@ -107,7 +109,11 @@ class _Mower:
         mown = MownWater(
             tuple(cells.middle_m(c) for c in self._flown), tuple(cells.middle_m(c) for c in self._closed), cells.edge_m
         )
-        self._vehicle.log("complete", flown_m2=mown.flown_m2, closed_cells=len(mown.closed_m), bound_m=self._bound_m)
+        closed = dict(Counter(self._closed.values()))
+        if len(self._flown) == 1:
+            why = ", ".join(f"{reason} in {count} cells" for reason, count in closed.items())
+            raise StoppedError(f"no water around the start could be flown: {why}")
+        self._vehicle.log("complete", flown_m2=mown.flown_m2, closed_cells=closed, bound_m=self._bound_m)
         return mown
 
     def _next(self, cell: Cell) -> list[Cell] | None:
