@@ -70,7 +70,7 @@ class FirmwareLink:
         sim = ardusub.simulator
         self._step_ns = round(1e9 * sim.step_s)
         self._booted_ns = sim.time_ns + BOOT_NS
-        _ = ardusub.flown.estimate  # starts the filter
+        _ = ardusub.flown.navigation.steering
         self._plan(sim.tick)
         sim.agenda.add(self, Rank.DELIVERY, self._act, jump=self._plan)
 
@@ -105,7 +105,8 @@ class FirmwareLink:
             self._values.clear()
         if self._peer is None:
             return
-        pose, velocity = ardusub.flown.estimate.pose, ardusub.flown.estimate.velocity
+        estimate = ardusub.flown.navigation.steering
+        pose, velocity = estimate.pose, estimate.velocity
         motion = np.concatenate([velocity.linear_body_m_s, velocity.angular_body_rad_s])
         place = pose.position_world_m, pose.orientation_xyzw
         self._send(odometry(self._mav, sim.time_ns // 1000, LOCAL_FRD, *place, motion))

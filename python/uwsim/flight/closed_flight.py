@@ -42,7 +42,7 @@ class PingKeeper:
         """Store a ping taken at the current tick."""
         true_body = self._vehicle.pose.world_from_body
         body_from_sonar = np.linalg.inv(true_body) @ ping.world_from_sonar
-        std_m = float(np.sqrt(np.mean(self._vehicle.estimate.position_std_m[:2] ** 2)))
+        std_m = float(np.sqrt(np.mean(self._vehicle.navigation.shown.position_std_m[:2] ** 2)))
         deviation_m = place_deviation_m(ping)
         points = np.where(ping.valid[:, None], ping.points_sonar_m, np.nan)
         self.track.add(self._sim.time_s, world_from_body, body_from_sonar, ping.ranges_m, points, std_m, deviation_m)

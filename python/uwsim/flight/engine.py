@@ -192,7 +192,7 @@ class Flight:
 
     def _own_vehicle(self, name: str, clock: FlightClock) -> OwnVehicle:
         hull = self._sim.vehicles[name]
-        estimate = hull.estimate if self._setup.estimate == "filter" else None
+        estimate = hull.navigation.steering if self._setup.estimate == "filter" else None
         return OwnVehicle(hull, clock, estimate=estimate, hear=self._log.add)
 
     def _mission_with(self, own: Mapping[str, OwnVehicle]) -> Begun:

@@ -303,7 +303,7 @@ def _require_able(
             require_sonar(sim.scenario, name)
             filters_outliers(sim, name, outlier_filter)
         if estimate == "filter":
-            _ = vehicle.estimate  # raises ValueError for a vehicle without an IMU
+            _ = vehicle.navigation.steering  # raises ValueError for a vehicle without an IMU
 
 
 def _checked_voxel_m(sim: Simulator, voxel_m: float | None) -> float:

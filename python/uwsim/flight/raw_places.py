@@ -55,7 +55,7 @@ def estimated_covariance(vehicle: Vehicle, body: Array, level: Array) -> Array:
     found[:3, :3] = level
     found[3:, 3:] = level @ body[:3, :3]
     found[:3, 3:] = level @ body[:3, :3] @ np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])  # p = p_imu - R r
-    of_filter = vehicle.estimate.covariance[np.ix_([0, 1, 2, 6, 7, 8], [0, 1, 2, 6, 7, 8])]
+    of_filter = vehicle.navigation.shown.covariance[np.ix_([0, 1, 2, 6, 7, 8], [0, 1, 2, 6, 7, 8])]
     return np.asarray(found @ of_filter @ found.T, np.float64)
 
 

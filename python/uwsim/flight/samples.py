@@ -162,8 +162,8 @@ class Sampler:
                 rows.append(row)
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Report a command as an event, unless such commands are too frequent."""
-        if name not in TOO_MANY:
+        """Report a command as an event, unless such commands are too frequent or only observe the vehicle."""
+        if name not in TOO_MANY and arguments.get("use", "steering") == "steering":
             values = {k: plain(v, k) for k, v in arguments.items() if k != "vehicle" and not isinstance(v, bytes)}
             self._on_event(str(arguments.get("vehicle") or ""), name, values)
 

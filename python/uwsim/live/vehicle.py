@@ -12,6 +12,7 @@ from uwsim.instruments.cameras import Camera, Lamp
 from uwsim.instruments.sensors import Sensor
 from uwsim.instruments.sonars.multibeam import Sonar
 from uwsim.navigation.estimation import Navigator
+from uwsim.simulator.onboard_navigation import Use
 from uwsim.simulator.vehicle import Vehicle
 
 if TYPE_CHECKING:
@@ -63,9 +64,14 @@ class LiveVehicle(Placeable):
 
         The first access is a command, since it starts the navigation.
         """
-        if not self._vehicle.navigation.has_begun:
-            self.command("start_navigation")
-        return self._vehicle.estimate
+        return self.start_navigation("program")
+
+    def start_navigation(self, use: str = "steering") -> Navigator:
+        """Start `estimate` for this use by a command, unless it is running; return it. See Vehicle.start_navigation."""
+        navigation = self._vehicle.navigation
+        if not navigation.is_begun(Use.named(use)):
+            self.command("start_navigation", use=use)
+        return navigation.shown
 
     @property
     def released(self) -> bool:

@@ -1,8 +1,9 @@
-"""Onboard navigation of a simulated vehicle: a Navigator that starts when its estimate is first read."""
+"""Onboard navigation of a simulated vehicle: a Navigator that starts when its estimate is first used."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from enum import IntEnum
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import AfterValidator
@@ -14,11 +15,32 @@ from uwsim.base.named import require_names
 if TYPE_CHECKING:
     from uwsim.navigation.estimation import Navigator, Start
     from uwsim.navigation.estimation.protocols import Instrumented
+    from uwsim.navigation.estimation.saved import NavigatorState
 
 KEPT_SAMPLES_S = 10.0  # longest interval between updates, which bounds the number of stored samples
 ALIGNMENT_STD_M, ALIGNMENT_STD_M_S = 0.1, 0.05
 """Assumed accuracy of the initial position and velocity, as at a surveyed dock."""
 MOVES = ("place", "dock", "undock")
+
+
+class Use(IntEnum):
+    """Who uses an estimate. What a later one computes from it must not depend on whether an earlier one has used it.
+
+    OBSERVER: recordings, pages, bridges and other readers. PROGRAM: a program that reads `Vehicle.estimate`. STEERING:
+    holds, missions and bridges that steer by it.
+    """
+
+    OBSERVER = 0
+    PROGRAM = 1
+    STEERING = 2
+
+    @classmethod
+    def named(cls, name: str) -> Use:
+        """Return the use with this name in lower case. Raises ValueError."""
+        names = [use.name.lower() for use in cls]
+        if name not in names:
+            raise ValueError(f"start_navigation: use = {name!r:.60}: must be one of {', '.join(names)}")
+        return cls(names.index(name))
 
 
 def new_navigator(
@@ -44,6 +66,9 @@ def new_navigator(
 class OnboardNavigation:
     """One vehicle's Navigator, kept up to date as the simulator runs, and restarted when the vehicle is moved.
 
+    It starts when the estimate is first used, since computing it takes longer than a step. A use of higher rank than
+    all before starts it again at its own tick, so that a vehicle's flight does not depend on who has observed it.
+
     make(start): creates the Navigator. start(): returns the current position and velocity and their accuracy.
     """
 
@@ -60,27 +85,44 @@ class OnboardNavigation:
         self._make, self._start = make, start
         self._every_ticks = max(round(KEPT_SAMPLES_S / step_s), 1)
         self._navigator: Navigator | None = None
+        self._use = Use.OBSERVER
         self.due_tick = 0
 
-    @property
-    def navigator(self) -> Navigator:
-        """The Navigator; the first access starts it."""
+    def begun(self, use: Use) -> Navigator:
+        """Return the Navigator, started, if it has not been started for a use of this rank. Raises ValueError."""
+        if self._navigator is None or use > self._use:
+            self._begin(use)
+        assert self._navigator is not None
+        return self._navigator
+
+    def _begin(self, use: Use) -> None:
         if self._navigator is None:
             self._navigator = self._make(self._start())
-            self._attend()
-            # in the journal, since a replay must start it at the same tick
-            self._journal.note("start_navigation", vehicle=self._vehicle)
-        return self._navigator
+        else:
+            self._navigator.become(lambda: self._make(self._start()))
+        self._use = use
+        self._attend()
+        # in the journal, since a replay must start it at the same tick
+        self._journal.note("start_navigation", vehicle=self._vehicle, use=use.name.lower())
+
+    @property
+    def shown(self) -> Navigator:
+        """The Navigator, for observers of the vehicle."""
+        return self.begun(Use.OBSERVER)
+
+    @property
+    def steering(self) -> Navigator:
+        """The Navigator, for what steers the vehicle by its estimate."""
+        return self.begun(Use.STEERING)
+
+    def is_begun(self, use: Use) -> bool:
+        """Whether the Navigator has been started for a use of this rank."""
+        return self._navigator is not None and use <= self._use
 
     def _attend(self) -> None:
         self.due_tick = self._tick() + self._every_ticks
         if self not in self._journal.observers:
             self._journal.attach(self, efforts=False)
-
-    @property
-    def has_begun(self) -> bool:
-        """Whether the estimate has ever been read."""
-        return self._navigator is not None
 
     def update(self) -> None:
         """Process new sensor samples if navigation has begun."""
@@ -106,12 +148,13 @@ class OnboardNavigation:
             self._attend()
 
     def save(self) -> str | None:
-        """Return the Navigator's state, or None if navigation has not begun."""
-        return None if self._navigator is None else self._navigator.save()
+        """Return the state of the Navigator and its use, or None if navigation has not begun."""
+        return None if self._navigator is None else self._navigator.save(self._use.name.lower())
 
     def end(self) -> None:
         """Return to the state before navigation began: the next access starts another Navigator."""
         self._navigator = None
+        self._use = Use.OBSERVER
         self.due_tick = 0
         self._journal.detach(self)
 
@@ -123,13 +166,18 @@ class OnboardNavigation:
         if self._navigator is None:
             self._navigator = self._make(self._start())
         self._navigator.restore(saved)
+        self._use = Use.named(_read(saved).use)
         self._attend()
 
 
-def _checked(text: str) -> str:
+def _read(text: str) -> NavigatorState:
     from uwsim.navigation.estimation.saved import NavigatorState  # imported here: few simulators estimate
 
-    NavigatorState.model_validate_json(text)
+    return NavigatorState.model_validate_json(text)
+
+
+def _checked(text: str) -> str:
+    _read(text)
     return text
 
 

@@ -26,7 +26,7 @@ from uwsim.simulator.arm import Arm, Sensed
 from uwsim.simulator.docking import Dock
 from uwsim.simulator.forces import Wrench, forces_by_name
 from uwsim.simulator.helm import Helm
-from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S, OnboardNavigation
+from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S, OnboardNavigation, Use
 from uwsim.simulator.programs import FailsafeLike, HoldsLike
 from uwsim.simulator.tether import Tether
 from uwsim.simulator.thruster import Thruster
@@ -245,10 +245,19 @@ class Vehicle(CommandedVehicle):
         """Pose, velocity and covariance, estimated from the vehicle's own instruments by an error-state filter.
 
         The first access starts the filter from the pose and velocity at that time, assumed to be known to 0.1 m and
-        0.05 m/s; place, dock and undock restart it in the same way. The filter assumes the sensors' error parameters as
-        they were when it started. Raises ValueError for a vehicle without an IMU. See docs/guides/estimation.md.
+        0.05 m/s; place, dock and undock restart it in the same way, and so does whatever first steers by it, such as a
+        hold, or command("start_navigation"). The filter assumes the sensors' error parameters as they were when it
+        started. Raises ValueError for a vehicle without an IMU. See docs/guides/estimation.md.
         """
-        return self._navigation.navigator
+        return self._navigation.begun(Use.PROGRAM)
+
+    def start_navigation(self, use: str = "steering") -> Navigator:
+        """Start `estimate` now, unless it has been started for this use or a higher one; return it.
+
+        use: "observer", "program" or, the highest, "steering". A higher use starts it again, so that a flight does not
+        depend on who has observed the vehicle. Raises ValueError.
+        """
+        return self._navigation.begun(Use.named(use))
 
     @property
     def navigation(self) -> OnboardNavigation:

@@ -97,6 +97,8 @@ NO_STATE = {
     "Navigator._imu_stream": "a restore ends streams; it asks for others from its _from_ns on",
     "Navigator._streams": "likewise",
     "Navigator._open": "likewise",
+    "SampleSource._newest": "for streams to come, which a restored source watches for again",
+    "SampleSource._watched_ns": "likewise",
     "OnboardNavigation.due_tick": "when it takes in samples at the latest: no estimate depends on it",
     "Helm._warned": "warnings are given again after a restore",
 }

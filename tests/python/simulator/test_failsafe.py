@@ -57,7 +57,7 @@ def test_a_vehicle_that_navigates_returns_to_where_it_believes_home_to_be():
     sim = Simulator(lake(silence_s=SILENCE_S, then="return", speed_m_s=0.8))
     home = sim.rov.pose.position_world_m
     sim.rov.place((-50.0, -34.0, -13.0))
-    estimate = sim.rov.estimate  # starts the estimator
+    estimate = sim.rov.start_navigation()
     sim.parameters["rov.sensors.usbl.on"] = False
     estimate.restart(Start((-46.0, -34.0, -13.0), 0.1))  # 4 m off the true position
     sim.advance(60.0)

@@ -37,10 +37,6 @@ def _note(vehicle: Any, **values: Any) -> None:
     vehicle.helm.note(**values)
 
 
-def _start_navigation(vehicle: Any) -> None:
-    _ = vehicle.estimate
-
-
 def _set_parameter(sim: Any, name: str, value: Any) -> None:
     sim.parameters[name] = value
 
@@ -171,8 +167,10 @@ ARM = [
     ),
 ]  # fmt: skip
 INSTRUMENTS = [
-    Command("start_navigation", "start a vehicle's estimator, unless it is running", (), _start_navigation,
-            notes_itself=True),
+    Command(
+        "start_navigation", "start a vehicle's estimator, unless it is running for this use or a higher one",
+        (Argument("use", "text", default="steering"),),
+    ),
     Command(
         "aim", "tilt a sonar's head, by default the first sonar's; positive: up",
         (

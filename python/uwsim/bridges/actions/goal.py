@@ -134,7 +134,8 @@ class Goal:
         self.check()
         assert self._lease is not None
         hull = _FlownVehicle(self._live, self.action, self._lease)
-        vehicle = self._vehicle = OwnVehicle(hull, clock, estimate=None if self.action.uses_truth else hull.estimate)
+        own = None if self.action.uses_truth else hull.start_navigation()
+        vehicle = self._vehicle = OwnVehicle(hull, clock, estimate=own)
         holds = hull.holds
         if holds is not None and holds.has_control:
             hull.command("hold")

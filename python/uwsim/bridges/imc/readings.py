@@ -132,7 +132,7 @@ def simulated_state(sim: Simulator, vehicle: Vehicle, place: Place) -> Named:
 
 def estimated_state(vehicle: Vehicle, place: Place) -> Named:
     """Return the vehicle's own estimate of its motion over ground."""
-    motion = _Motion.of(vehicle.estimate, place)
+    motion = _Motion.of(vehicle.navigation.shown, place)
     north, east, down = (motion.ned_from_body @ motion.velocity_m_s).tolist()
     return "EstimatedState", {
         **motion.fields(place, motion.velocity_m_s), "vx": north, "vy": east, "vz": down,
@@ -165,7 +165,7 @@ class Instruments:
         if time_s - self._fixed_s >= 1.0 and self._has_fix():
             self._fixed_s = time_s
             yield "gps", "GpsFix", self._fix(time_s)
-        ned_from_world = _ned_from_world(self._place, np.asarray(self._vehicle.estimate.pose.position_world_m))
+        ned_from_world = _ned_from_world(self._place, np.asarray(self._vehicle.navigation.shown.pose.position_world_m))
         for label, sensor in self._vehicle.sensors.items():
             if not sensor.on or sensor.kind not in _MESSAGES:
                 continue
@@ -188,7 +188,7 @@ class Instruments:
 
     def _fix(self, time_s: float) -> dict[str, Any]:
         """Return the estimate as a fix; no receiver has errors of its own here."""
-        estimate = self._vehicle.estimate
+        estimate = self._vehicle.navigation.shown
         latitude_deg, longitude_deg = self._place.world.degrees(np.asarray(estimate.pose.position_world_m)).tolist()
         motion = _Motion.of(estimate, self._place)
         north, east, _ = motion.ned_from_body @ motion.velocity_m_s

@@ -113,8 +113,9 @@ class ImcVehicle:
             return []
         if not self._is_by_instruments:
             return [(SIMULATOR, *simulated_state(sim, vehicle, self._place))]
+        estimate = vehicle.navigation.steering  # the peer steers by it
         if self._settings.system is not None:
-            latitude_deg, longitude_deg = self._place.world.degrees(vehicle.estimate.pose.position_world_m).tolist()
+            latitude_deg, longitude_deg = self._place.world.degrees(estimate.pose.position_world_m).tolist()
             self._where_rad = math.radians(latitude_deg), math.radians(longitude_deg)
         first = next(iter(vehicle.thrusters.values()))
         rpm = max(-RPM_MAX, min(RPM_MAX, round(first.command * self._settings.full_rpm)))

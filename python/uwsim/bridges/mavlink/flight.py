@@ -130,7 +130,7 @@ class Flight:
         self.is_armed = True
         self._stations.give_to(by)
         if craft.action is not None:  # the latest reading may be from before the undocking, which moves the vehicle
-            mover = vehicle if craft.action.uses_truth else vehicle.estimate
+            mover = vehicle if craft.action.uses_truth else vehicle.start_navigation()
             craft.launch_world_m = mover.pose.position_world_m * np.array([1.0, 1.0, 0.0])
             craft.output.append(place(self._mission.mav, craft))
         if self._kept != MANUAL:

@@ -67,14 +67,14 @@ class State(NamedTuple):
 def read(sim: Simulator, source: Source, *, truth: bool) -> State:
     """Return the current state. Must be called on the simulator's thread."""
     vehicle = source.of(sim)
-    mover = vehicle if truth else vehicle.estimate
+    mover = vehicle if truth else vehicle.navigation.shown
     pose, velocity = mover.pose, mover.velocity
     panel, holds = vehicle.telemetry(), vehicle.holds
     failsafe = vehicle.failsafe
     gimbal_rad, camera_tilt = _gimbal_of(vehicle)
     lamps = [lamp.on for lamp in vehicle.lamps.values()]
     by_kind = {sensor.kind: sensor for sensor in reversed(vehicle.sensors.values())}
-    variances = (0.0, 0.0, 0.0, 0.0) if truth else _variances(vehicle.estimate.covariance)
+    variances = (0.0, 0.0, 0.0, 0.0) if truth else _variances(vehicle.navigation.shown.covariance)
     present, healthy = _sensor_bits(by_kind, is_placed=variances[1] < LOST_M**2, charge=panel.battery_percent)
     battery = vehicle.battery
     return State(

@@ -193,7 +193,7 @@ class MavlinkVehicle(Bridge):
         if action is not None:
             truth = action.uses_truth
             if not truth:
-                _ = self._live.vehicles[self.vehicle].estimate  # starts the navigation
+                self._live.vehicles[self.vehicle].start_navigation("observer")
             self._readings = self._live.every(
                 1 / rate_hz, lambda sim: read(sim, action.source, truth=truth), self._store_state
             )

@@ -165,7 +165,9 @@ class CommunityVehicle:
 
     def _loop(self, vehicle: Any) -> Callable[[], dict[str, float]]:
         """Return the function that is called once per control period for the efforts."""
-        controller = Controller(vehicle, CONTROL_S, estimate=None if self._settings.from_truth else vehicle.estimate)
+        controller = Controller(
+            vehicle, CONTROL_S, estimate=None if self._settings.from_truth else vehicle.start_navigation()
+        )
 
         def efforts() -> dict[str, float]:
             desired, pose = self._desired, controller.estimate.pose

@@ -22,7 +22,7 @@ def navigation(vehicle: Vehicle, place: Georeference, *, from_truth: bool) -> li
     side up. YAW [rad]: minus the heading, in [-pi, pi). SPEED: horizontal, over ground. Must be called on the
     simulator's thread.
     """
-    known: Any = vehicle if from_truth else vehicle.estimate
+    known: Any = vehicle if from_truth else vehicle.navigation.shown
     pose, position_m = known.pose, np.asarray(known.pose.position_world_m)
     rotation = pose.world_from_body[:3, :3]
     east, north, up = rotation @ known.velocity.linear_body_m_s

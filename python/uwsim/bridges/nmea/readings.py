@@ -50,7 +50,7 @@ def _valid(sensor: Sensor[Any]) -> float | None:
 
 def _navigation(vehicle: Vehicle, place: Georeference, time: datetime, gps: list[Sensor[Any]]) -> list[str]:
     """Return the sentences of the vehicle's own estimate, with the position of the GPS if there is one."""
-    estimate = vehicle.estimate
+    estimate = vehicle.navigation.shown
     pose = estimate.pose
     position_m = np.asarray(pose.position_world_m)
     fix, north_rad = None, 0.0

@@ -210,7 +210,7 @@ class Steering:
         """
 
         def loop(vehicle: Any) -> Callable[[], dict[str, float]]:
-            pilot = Controller(vehicle, CONTROL_S, estimate=None if uses_truth else vehicle.estimate)
+            pilot = Controller(vehicle, CONTROL_S, estimate=None if uses_truth else vehicle.navigation.steering)
             pilot.memory = memory
             return lambda: dict(zip(AXES, pilot.hold_efforts(position_world_m, heading_rad), strict=True))
 

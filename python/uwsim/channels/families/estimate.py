@@ -42,7 +42,7 @@ def estimate_channels(source: Source, tf: Tf = "truth") -> list[Channel]:
 
 
 def _odometry(source: Source, sim: Simulator) -> Any:
-    estimate = source.of(sim).estimate
+    estimate = source.of(sim).navigation.shown
     pose, velocity = estimate.pose, estimate.velocity
     twist = build.message(
         "geometry_msgs/msg/Twist",

@@ -139,7 +139,7 @@ def _moving(sources: Sequence[Source], tf: Tf, prefix: str, joint_frames: bool, 
             pose = source.position_odom_m(sim), vehicle.pose.orientation_xyzw
             transforms.append(build.transform(sim.time_ns, frame("odom"), frame("base_footprint"), *pose))
         elif tf == "odom":
-            estimate = vehicle.estimate
+            estimate = vehicle.navigation.shown
             pose = estimate.pose.position_world_m + source.origin_m, estimate.pose.orientation_xyzw
             stamp_ns = round(1e9 * estimate.time_s)
             transforms.append(build.transform(stamp_ns, frame("odom"), frame("base_link"), *pose))

@@ -37,7 +37,7 @@ def read(sim: Simulator, source: Source, *, truth: bool) -> Any:
     vehicle = source.of(sim)
     failsafe = vehicle.failsafe
     panel, warnings = vehicle.telemetry(), sim.parameters.scenario.warnings
-    estimate = vehicle.estimate if has_estimate(source) else None
+    estimate = vehicle.navigation.shown if has_estimate(source) else None
     measured = gauges(sim, source, estimate)
     values = dict(measured.values)
     position_m, std_m = values.pop("position"), values.pop("position_std")

@@ -6,7 +6,7 @@ import base64
 import json
 import math
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -146,8 +146,7 @@ class Navigator(Attached):
         from_ns: the first time stamp to collect from each sensor. imu_ns: the time up to which the filter has IMU
         samples.
         """
-        for stream in self._open:
-            stream.close()
+        self._close()
         self._imu_ns = imu_ns
         self._now_ns = -1
         self._from_ns = dict(from_ns)
@@ -169,6 +168,16 @@ class Navigator(Attached):
                 turn = magnetic_north_rad(compass) - compass.read() - math.atan2(ahead[1], ahead[0])
                 return Rotation.from_rotvec([0.0, 0.0, turn]) * world_from_body
         return world_from_body
+
+    def _close(self) -> None:
+        for stream in self._open:
+            stream.close()
+
+    def become(self, make: Callable[[], Navigator]) -> None:
+        """Continue as another Navigator of the same vehicle, from scratch: `make` creates it, for this use only."""
+        with self._lock:
+            self._close()
+            self.__dict__ |= {name: value for name, value in vars(make()).items() if name != "_lock"}
 
     def release(self) -> None:
         """End the hold by a dock (Start.held_xyzw): from now on, the vehicle is free."""
@@ -294,8 +303,8 @@ class Navigator(Attached):
         with self._lock:
             return self._current().too_late
 
-    def save(self) -> str:
-        """Return the state for use with `restore`."""
+    def save(self, use: str = "steering") -> str:
+        """Return the state for use with `restore`. use: see NavigatorState."""
         with self._lock:
             filter_ = base64.b64encode(self._current().save()).decode()
             figures = {
@@ -303,7 +312,7 @@ class Navigator(Attached):
                 "gravity_m_s2": self._around.gravity_m_s2,
                 "density_kg_m3": self._around.density_kg_m3,
             }
-            times = {"imu_ns": self._imu_ns, "from_ns": self._from_ns}
+            times = {"use": use, "imu_ns": self._imu_ns, "from_ns": self._from_ns}
             held = {"held": None if self._held is None else self._held.model_dump()}
             return json.dumps(
                 {"version": self._filter.save_version, "filter": filter_, **times, "figures": figures, **held}

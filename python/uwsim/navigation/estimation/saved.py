@@ -30,10 +30,12 @@ class HeldState(State):
 class NavigatorState(State):
     """A saved Navigator. version: that of `filter`; 1 lacks `figures`, 1 and 2 lack `held`.
 
+    use: who uses the estimate, as in uwsim.simulator.onboard_navigation; older states lack it, and were used by all.
     from_ns: the earliest possible stamp of each sensor's next sample.
     """
 
     version: Literal[1, 2, 3, 4, 5] = 1
+    use: Literal["observer", "program", "steering"] = "steering"
     figures: WaterState | None = None
     held: HeldState | None = None
     filter: Base64Bytes

@@ -117,7 +117,7 @@ class PlanFlight:
         ended = "all waypoints are reached"
         try:
             with self._live.mission_clock() as clock:
-                own = OwnVehicle(self._hull, clock, estimate=self._hull.estimate, hear=self._note)
+                own = OwnVehicle(self._hull, clock, estimate=self._hull.start_navigation(), hear=self._note)
                 run(mission_of(self.plan), own, _Clock(clock, self))
                 self._hull.set_effort()
         except Exception as error:  # StoppedError, or the simulator was stopped, reset or failed

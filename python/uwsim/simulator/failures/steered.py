@@ -6,6 +6,7 @@ from typing import Any
 
 from uwsim.base.commands import Steerable
 from uwsim.navigation.control.protocols import EstimateLike
+from uwsim.simulator.onboard_navigation import Use
 from uwsim.simulator.vehicle import Vehicle
 
 ZERO = (0.0,) * 6
@@ -14,8 +15,8 @@ ZERO = (0.0,) * 6
 class Steered(Steerable):
     """A vehicle steered by its own failsafe; unlike external commands, its efforts are not logged.
 
-    pose, velocity: estimated from the vehicle's own instruments (Vehicle.estimate) once its navigation has begun; until
-    then, the true values.
+    pose, velocity: estimated from the vehicle's own instruments (Vehicle.estimate) once something has steered by them;
+    until then, the true values.
     """
 
     def __init__(self, vehicle: Vehicle) -> None:
@@ -40,7 +41,7 @@ class Steered(Steerable):
     @property
     def _known(self) -> EstimateLike:
         navigation = self._vehicle.navigation
-        return navigation.navigator if navigation.has_begun else self._vehicle
+        return navigation.steering if navigation.is_begun(Use.STEERING) else self._vehicle
 
     def command(self, name: str, /, **efforts: float) -> None:
         """Set efforts, clipped to [-1, 1]; no other command is supported."""

@@ -78,7 +78,7 @@ class Holds:
         if not names:
             self._end_all("")
             return
-        _ = self._vehicle.estimate  # starts the navigation
+        _ = self._vehicle.navigation.steering
         tick = self._agenda.tick
         if not self.targets:
             self._aided.stick = tuple(self._vehicle.effort.tolist())

@@ -40,7 +40,7 @@ export const COMMANDS = {
   hold: ['heading', 'depth', 'altitude', 'position', 'speed'],
   set_winch: ['rate_m_s', 'tension_n'],
   set_joints: ['positions', 'speeds', 'torques'],
-  start_navigation: [],
+  start_navigation: ['use'],
   aim: ['elevation_rad', 'sonar'],
   set_lamp: ['lamp', 'on'],
   aim_camera: ['camera', 'pan_rad', 'tilt_rad'],
