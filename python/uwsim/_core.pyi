@@ -4655,7 +4655,10 @@ class Telemetry:
     @property
     def collision_warning(self) -> bool: ...
     @property
-    def depth_m(self) -> float: ...
+    def depth_m(self) -> float:
+        """
+        straight up to the surface, with its waves and tide; negative above it
+        """
     @property
     def distance_to_seabed_m(self) -> float:
         """

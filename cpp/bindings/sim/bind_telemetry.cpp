@@ -30,7 +30,7 @@ void bind_telemetry(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .field("angular_acceleration_body_rad_s2", &Telemetry::angular_acceleration_body_rad_s2, "(3,)")
       .field("temperature_deg_c", &Telemetry::temperature_deg_c)
       .field("pressure_pa", &Telemetry::pressure_pa, "absolute")
-      .field("depth_m", &Telemetry::depth_m)
+      .field("depth_m", &Telemetry::depth_m, "straight up to the surface, with its waves and tide; negative above it")
       .field("distance_to_station_m", &Telemetry::distance_to_station_m)
       .field("distance_to_seabed_m", &Telemetry::distance_to_seabed_m,
              "straight down; inf if there is no surface below")

@@ -20,7 +20,7 @@ Telemetry Simulation::telemetry(std::size_t index) const {
   t.angular_acceleration_body_rad_s2 = acceleration.tail<3>();
   t.temperature_deg_c = world_.water.temperature_deg_c(position.z());
   t.pressure_pa = world_.water.pressure_pa(position, time_s());
-  t.depth_m = Water::depth_m(position.z());
+  t.depth_m = world_.water.surface_height_at(position.x(), position.y(), time_s()) - position.z();
   t.distance_to_station_m = (position - station_world_m()).norm();
   t.distance_to_seabed_m =
       scene_->cast({position, -Eigen::Vector3d::UnitZ()}, std::numeric_limits<float>::max()).distance_m;

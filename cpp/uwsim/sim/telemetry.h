@@ -14,7 +14,7 @@ struct Telemetry {
   Eigen::Vector3d angular_acceleration_body_rad_s2 = Eigen::Vector3d::Zero();
   double temperature_deg_c = 0;
   double pressure_pa = 0;
-  double depth_m = 0;
+  double depth_m = 0;  ///< straight up to the surface, with its waves and tide; negative above it
   double distance_to_station_m = 0;
   double distance_to_seabed_m = 0;  ///< straight down; infinity if there is no surface below
   double mission_time_s = 0;        ///< since the release

@@ -115,6 +115,21 @@ def test_panel_and_sensors_agree(pool: Simulator) -> None:
     np.testing.assert_allclose(imu.linear_acceleration_m_s2, [0, 0, 9.80665], atol=1e-12)
 
 
+def test_the_panels_depth_is_that_below_the_tide_and_the_waves() -> None:
+    tide = {"constituents": [{"constituent": "M2", "amplitude_m": 3.0}]}
+    surface = {"kind": "airy", "amplitude_m": 0.5, "period_s": 5.0}
+    terrain = {"source": "noise", "size_m": [100, 100], "spacing_m": 10, "bed_depth_m": 30}
+    vehicle = {"name": "rov", "model": "rov", "start": {"position_m": [5, 0, -10]}}
+    sim = Simulator({"name": "bay", "terrain": terrain, "water": {"tide": tide, "surface": surface},
+                     "vehicles": [vehicle]})  # fmt: skip
+    for _ in range(3):
+        sim.advance(1.0)
+        position_m = sim.rov.pose.position_world_m
+        (surface_m,) = sim.world.water.surface_height_m(position_m[None, :2], sim.time_s)
+        assert abs(surface_m) > 0.5
+        assert sim.rov.telemetry().depth_m == pytest.approx(surface_m - position_m[2], abs=1e-9)
+
+
 def test_the_battery_lasts_for_the_mission_time_and_then_the_thrusters_stop() -> None:
     sim = Simulator("pool", mission_time_s=2.0)
     sim.advance(5.0)
