@@ -499,6 +499,11 @@ class Water:
     @surface_temperature_deg_c.setter
     def surface_temperature_deg_c(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
+    def tide_bound_m(self) -> float:
+        """
+        bound of the tide's height above or below z = 0; 0 without a tide
+        """
+    @property
     def waves(self) -> Waves | None:
         """
         None for a flat surface
@@ -3334,7 +3339,7 @@ class NavigationFilter:
     arms from the IMU.
     """
 
-    save_version: typing.ClassVar[int] = 5
+    save_version: typing.ClassVar[int] = 6
     def __init__(
         self,
         *,
@@ -3373,10 +3378,15 @@ class NavigationFilter:
         std: typing.SupportsFloat | typing.SupportsIndex,
         bias: BiasModel,
         wave_std: typing.SupportsFloat | typing.SupportsIndex,
+        level_std: typing.SupportsFloat | typing.SupportsIndex,
+        column_std: typing.SupportsFloat | typing.SupportsIndex,
     ) -> int:
         """
-        Add an aid that measures depth [m]. wave_std: standard deviation of the head of the waves' pressure before
-        the first reading [m]; the filter then adapts it; 0: no waves, ever.
+        Add an aid that measures the weight of the water above as a depth in surface water [m]. Standard deviations
+        before the first reading: wave_std, of the head of the waves' pressure, which the filter then adapts;
+        level_std, of the still surface [m]; column_std, of the column's mean density, relative to the surface's.
+        0: it errs by nothing, ever. Its biases: the instrument's, two for the waves, level, its rate over that of
+        M2, column.
         """
     def add_dock(
         self,
@@ -3452,6 +3462,10 @@ class NavigationFilter:
     def counts(self, aid: typing.SupportsInt | typing.SupportsIndex) -> tuple[int, int]:
         """
         Return the numbers of scalars of an aid's readings that were used and that were outliers.
+        """
+    def first_bias(self, aid: typing.SupportsInt | typing.SupportsIndex) -> int:
+        """
+        Return the index of the first of an aid's biases in `covariance`.
         """
     def restore(self, bytes: bytes, version: typing.SupportsInt | typing.SupportsIndex) -> None:
         """

@@ -67,6 +67,13 @@ void bind_state(py::class_<NavigationFilter>& filter) {
       .def_property_readonly("force_bias_m_s2", [](const NavigationFilter& f) { return f.state().force_bias_m_s2; })
       .def_property_readonly("aid_biases",
                              [](const NavigationFilter& f) { return Eigen::VectorXd(f.state().aid_bias); })
+      .def(
+          "first_bias",
+          [](const NavigationFilter& f, int aid) {
+            require(aid >= 0 && aid < f.aids(), "aid", aid, "must be that of an aid");
+            return f.first_bias(aid);
+          },
+          py::arg("aid"), "Return the index of the first of an aid's biases in `covariance`.")
       .def_property_readonly("too_late", &NavigationFilter::too_late,
                              "number of readings that arrived too late to be used")
       .def(
@@ -90,12 +97,18 @@ void bind_aids(py::class_<NavigationFilter>& filter) {
           "Return its index, like all functions that add an aid.")
       .def(
           "add_depth",
-          [](NavigationFilter& f, const Eigen::Vector3d& lever, double std, const BiasModel& bias, double wave_std) {
-            return f.add_aid(depth_aid(lever, std, bias, wave_std));
+          [](NavigationFilter& f, const Eigen::Vector3d& lever, double std, const BiasModel& bias, double wave_std,
+             double level_std, double column_std) {
+            return f.add_aid(depth_aid(lever, std, bias, {wave_std, level_std, column_std}));
           },
-          py::arg("lever_body_m"), py::arg("std"), py::arg("bias"), py::arg("wave_std"),
-          "Add an aid that measures depth [m]. wave_std: standard deviation of the head of the waves' pressure before\n"
-          "the first reading [m]; the filter then adapts it; 0: no waves, ever.")
+          py::arg("lever_body_m"), py::arg("std"), py::arg("bias"), py::arg("wave_std"), py::arg("level_std"),
+          py::arg("column_std"),
+          "Add an aid that measures the weight of the water above as a depth in surface water [m]. Standard "
+          "deviations\n"
+          "before the first reading: wave_std, of the head of the waves' pressure, which the filter then adapts;\n"
+          "level_std, of the still surface [m]; column_std, of the column's mean density, relative to the surface's.\n"
+          "0: it errs by nothing, ever. Its biases: the instrument's, two for the waves, level, its rate over that of\n"
+          "M2, column.")
       .def(
           "add_heading",
           [](NavigationFilter& f, const Eigen::Vector3d& axis, double std, const BiasModel& bias, double iron_std,

@@ -194,6 +194,9 @@ void bind_water(py::module_& m) {
           py::arg("constituents"),
           "Let the still surface move: rows (n, 3) of amplitude [m], speed [rad/s] and phase [rad], of the height\n"
           "amplitude cos(speed t - phase). Raises ValueError.")
+      .def_property_readonly(
+          "tide_bound_m", [](const Water& water) { return water.tide ? water.tide->bound_m() : 0.0; },
+          "bound of the tide's height above or below z = 0; 0 without a tide")
       .def(
           "set_masses",
           [](Water& water, const py::object& x_m, const py::object& y_m, const py::object& z_m, const py::object& t_s,

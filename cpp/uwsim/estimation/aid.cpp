@@ -17,6 +17,7 @@ bool Aid::correct(FilterState& state, double residual, const ErrorVector& h, dou
     if (counts.in_a_row + 1 < kReadingsBeforeDoubt) return false;
     doubt(state, residual);
     ++state.doubts;
+    state.doubted_up_m = residual * h[kPosition + 2];
     seen_by = p * h;
     own = h.dot(seen_by);
   } else {

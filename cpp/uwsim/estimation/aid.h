@@ -46,6 +46,8 @@ class Aid {
   virtual void correct(FilterState& state, const double* reading) const = 0;
   /// Drops the parameters that saved states of this version lack: a filter restored from one goes on as it was.
   virtual void be_as_in(std::uint64_t /*version*/) {}
+  /// Another aid has made the filter doubt its height, which may be this much higher [m].
+  virtual void contradict(FilterState& /*state*/, double /*up_m*/) const {}
   /// Saves its parameters, or restores those in a saved state of this version. Throws InvalidValue.
   virtual void exchange_parameters(StateArchive& archive, std::uint64_t version) = 0;
 
@@ -66,10 +68,16 @@ class Aid {
 /// vectors.
 std::unique_ptr<Aid> doppler_aid(const Eigen::MatrixX3d& beams_body, const Eigen::Vector3d& lever_body_m, double std,
                                  const BiasModel& bias);
-/// An aid whose reading is the depth, (1,) [m, positive down], derived from a pressure that contains that of the waves.
-/// `wave_std`: standard deviation of the latter before the first reading [m]; the filter then adapts it. 0: no waves,
-/// ever.
-std::unique_ptr<Aid> depth_aid(const Eigen::Vector3d& lever_body_m, double std, const BiasModel& bias, double wave_std);
+/// The uncertainty of the water above a depth gauge, as standard deviations before the first reading; 0: none, ever.
+/// See wave_pressure.h and water_above.h.
+struct WaterErrors {
+  double wave_std_m = 0;   ///< of the head of the waves' pressure; the filter then adapts it
+  double level_std_m = 0;  ///< of the still surface about z = 0
+  double column_std = 0;   ///< of the column's mean density, relative to that of the surface
+};
+/// An aid whose reading is the depth, (1,) [m, positive down], derived from a pressure by the density at the surface.
+std::unique_ptr<Aid> depth_aid(const Eigen::Vector3d& lever_body_m, double std, const BiasModel& bias,
+                               const WaterErrors& water);
 /// An aid whose reading is the angle of `axis_body`, (1,) [rad], counter-clockwise from east. `north_rad`: the angle of
 /// magnetic north. `iron_std`: standard deviation of the vehicle's own field along each body axis, as a fraction of the
 /// earth's horizontal field.

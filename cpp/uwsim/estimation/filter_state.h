@@ -22,6 +22,7 @@ struct BiasModel {
   double drift_std = 0;     ///< [u]
   double drift_time_s = 0;  ///< 0: no drift
   double walk = 0;          ///< [u/sqrt(s)]
+  bool of_water = false;    ///< not an instrument's: a restart of the filter keeps it
 
   double variance() const { return turn_on_std * turn_on_std + drift_std * drift_std; }
   /// The fraction of the bias that remains after dt. If there is a constant or a random walk as well as a drift, a
@@ -36,7 +37,8 @@ struct BiasModel {
 /// outliers.
 struct AidCounts {
   std::uint64_t accepted = 0, rejected = 0, in_a_row = 0;
-  double noise_variance = 0;  ///< of the aid's coloured noise, as the aid estimates it; 0 without such noise
+  /// The variances of the aid's coloured noise and of the surface above it, as the aid estimates them; 0 without
+  double noise_variance = 0, level_variance = 0;
 };
 
 /// The IMU's values at the state's time, interpolated between two samples, in the body axes at that time. Biases are
@@ -67,6 +69,7 @@ struct FilterState {
   /// How often an aid made the filter doubt its estimate, and when it last did
   std::uint64_t doubts = 0, doubted_ns = 0;
   std::uint64_t restarted_ns = 0;  ///< time of the last restart
+  double doubted_up_m = 0;  ///< how much higher the last doubt would have the vehicle; 0 of one that observes no height
 
   int errors() const { return static_cast<int>(covariance.rows()); }
   Eigen::Vector3d rate_rad_s() const { return sample.rate_rad_s - rate_bias_rad_s; }

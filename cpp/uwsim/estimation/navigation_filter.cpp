@@ -103,22 +103,33 @@ void NavigationFilter::correct(const Event& reading) {
   if (outliers + good > 0) counts.in_a_row = 2 * outliers >= good && !doubted ? counts.in_a_row + 1 : 0;
   if (present_.doubts == 0) return;
   const bool again = doubted && doubts > 0 && now_ns < present_.doubted_ns + kDoubtAgain_ns;
-  if (doubted) present_.doubted_ns = now_ns;
+  if (doubted) {
+    present_.doubted_ns = now_ns;
+    for (const auto& each : aids_) {
+      if (each != aids_[aid]) each->contradict(present_, present_.doubted_up_m);
+    }
+  }
   const bool on_probation =
       now_ns < present_.doubted_ns + kProbation_ns && now_ns >= present_.restarted_ns + kSettling_ns;
   if (again || (on_probation && !biases_are_plausible())) restart();
 }
 
 /// Restarts the filter in place: discards everything it has estimated except the means of position, velocity and
-/// attitude.
+/// attitude, and what it knows of the water, which no collision changes.
 void NavigationFilter::restart() {
   present_.restarted_ns = present_.time_ns;
   const Eigen::Vector3d position = present_.covariance.diagonal().segment<3>(kPosition);
+  const ErrorVector biases = present_.aid_bias, variances = present_.covariance.diagonal();
   present_.covariance.setZero();
   present_.covariance.diagonal().segment<3>(kPosition) = position.array() + kLostPosition_m * kLostPosition_m;
   present_.covariance.diagonal().segment<3>(kVelocity).setConstant(kLostVelocity_m_s * kLostVelocity_m_s);
   present_.covariance.diagonal().segment<3>(kAttitude).setConstant(kLostAttitude_rad * kLostAttitude_rad);
   set_biases();
+  for (int k = kAidBias; k < present_.errors(); ++k) {
+    if (!aid_biases_[static_cast<std::size_t>(k - kAidBias)].of_water) continue;
+    present_.aid_bias[k - kAidBias] = biases[k - kAidBias];
+    present_.covariance(k, k) = variances[k];
+  }
 }
 
 void NavigationFilter::add_imu(std::uint64_t time_ns, const double* rate_and_force) {

@@ -33,8 +33,8 @@ class NavigationFilter {
   static constexpr double kHorizon_s = 4;
   /// Version of the bytes that save() returns. Version 2 added the parameters of the filter's instruments, the IMU's
   /// last sample, and all three axes of a compass's hard iron. Version 3 added the waves' pressure at a depth gauge and
-  /// the dock. Version 5 added satellite receivers.
-  static constexpr std::uint64_t kVersion = 5;
+  /// the dock. Version 5 added satellite receivers, version 6 the water above a depth gauge.
+  static constexpr std::uint64_t kVersion = 6;
 
   /// `imu_body_m`: position of the IMU on the body.
   NavigationFilter(const ImuErrors& imu, const Eigen::Vector3d& imu_body_m, double gravity_m_s2);
@@ -59,6 +59,8 @@ class NavigationFilter {
   Eigen::Vector3d velocity_body_m_s() const;  ///< of the body's origin, body axes
   std::uint64_t too_late() const { return too_late_; }
   int aids() const { return static_cast<int>(aids_.size()); }
+  /// The index of the first of an aid's biases among the errors.
+  int first_bias(int aid) const { return aids_.at(static_cast<std::size_t>(aid))->first_bias; }
   int aid_width(int aid) const { return aids_.at(static_cast<std::size_t>(aid))->width(); }
 
   /// Returns the complete state. A filter with the same aids that restores these bytes continues identically.

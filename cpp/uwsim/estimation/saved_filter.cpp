@@ -34,6 +34,8 @@ void exchange_state(StateArchive& archive, FilterState& state, std::uint64_t ver
     archive(counts.in_a_row);
     if (version < 3) counts.noise_variance = 0;
     if (version >= 3) exchange_not_negative(archive, counts.noise_variance);
+    if (version < 6) counts.level_variance = 0;
+    if (version >= 6) exchange_not_negative(archive, counts.level_variance);
   }
   archive(state.doubts);
   archive(state.doubted_ns);
@@ -123,7 +125,7 @@ std::string NavigationFilter::save() {
 
 void NavigationFilter::restore(std::string_view bytes, std::uint64_t version) {
   require(version >= 1 && version <= kVersion, "state.version", version,
-          "must be 1 to 5: another version of uwsim saved it, in a format that this one lacks");
+          "must be 1 to 6: another version of uwsim saved it, in a format that this one lacks");
   start({});
   StateArchive archive(bytes);
   exchange(archive, version);

@@ -4,15 +4,9 @@
 
 namespace uwsim {
 
-/// The head of the waves' pressure at a depth gauge [m], as coloured noise of unknown strength: the second-order
-/// wave-frequency model of dynamic positioning (Saelid, Jenssen and Balchen 1983, IEEE Trans. Automatic Control
-/// 28:331; Fossen 2011, "Handbook of Marine Craft Hydrodynamics and Motion Control", sec. 8.2.6),
-///
-///   a' = w b,   b' = -w a - 2 d w b + white noise,
-///
-/// where b is the head and a its companion in quadrature, both with the stationary variance `own_variance`. The
-/// spectrum of b is zero at zero frequency, so that waves are not confused with depth, and broad, since the filter does
-/// not receive the sea's spectrum: seas with periods from 3 to 12 s lie in its band.
+/// The head of the waves' pressure at a depth gauge [m]: b of swinging_noise.h, about a period of 5 s, of unknown
+/// strength. Its spectrum is zero at zero frequency, so that waves are not confused with depth, and broad, since the
+/// filter does not receive the sea's spectrum: seas with periods from 3 to 12 s lie in its band.
 ///
 /// The variance follows the innovations: it is the mean of E[b^2], given the readings, over the last 10 s (the step of
 /// Shumway and Stoffer 1982, J. Time Series Analysis 3:253, for a variance by expectation maximisation, but with

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from enum import IntEnum
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
+import numpy as np
 from pydantic import AfterValidator
 
 from uwsim import _core
@@ -20,6 +22,8 @@ if TYPE_CHECKING:
 KEPT_SAMPLES_S = 10.0  # longest interval between updates, which bounds the number of stored samples
 ALIGNMENT_STD_M, ALIGNMENT_STD_M_S = 0.1, 0.05
 """Assumed accuracy of the initial position and velocity, as at a surveyed dock."""
+LEVELS = 100  # depths at which the water's density is compared with the surface's
+MIDDLE_PA = 5e6
 MOVES = ("place", "dock", "undock")
 
 
@@ -48,19 +52,35 @@ def new_navigator(
 ) -> Navigator:
     """Create and start a Navigator for a vehicle in this water.
 
-    station_world_m: None for a station that moves, whose fixes are then not used. Of the waves, it receives the
-    significant height, as in a forecast.
+    station_world_m: None for a station that moves, whose fixes are then not used. Of the water, it receives what an
+    operator has from a forecast and a chart: the surface's density, the waves' significant height, the largest height
+    of the tide, but not its phase, and how much heavier than the surface the water is anywhere below, but not where.
     """
     from uwsim.navigation.estimation import Navigator  # imported here: few simulators estimate
 
+    surface_kg_m3 = float(water.density_at_kg_m3(0.0))
+    heights_m = np.linspace(0.0, -water.bottom_depth_m, LEVELS)
+    heavier_kg_m3 = max(abs(water.density_at_kg_m3(z_m) - surface_kg_m3) for z_m in heights_m.tolist())
     return Navigator(
         vehicle,
         start,
         station_world_m=station_world_m,
         gravity_m_s2=water.gravity_m_s2,
-        density_kg_m3=float(water.density_at_kg_m3(0.0)),
+        density_kg_m3=surface_kg_m3,
+        compressibility_1_pa=_compressibility_1_pa(water),
         wave_std_m=0.0 if water.waves is None else 0.25 * water.waves.significant_height_m,
+        tide_std_m=water.tide_bound_m / math.sqrt(2.0),
+        column_std=heavier_kg_m3 / surface_kg_m3,
     )
+
+
+def _compressibility_1_pa(water: _core.Water) -> float:
+    """Return that of the surface's water, in the middle of the upper 1,000 m."""
+    if not water.compressible:
+        return 0.0
+    state = water.temperature_deg_c(0.0), water.salinity_at_psu(0.0)
+    squeezed = _core.sea_water_density_kg_m3(*state, MIDDLE_PA)
+    return (1.0 - _core.sea_water_density_kg_m3(*state) / squeezed) / MIDDLE_PA
 
 
 class OnboardNavigation:

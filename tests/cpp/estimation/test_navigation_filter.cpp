@@ -102,7 +102,7 @@ double false_velocity(const Rate& rate, const Spin& spin) {
   ImuErrors exact;
   exact.averaging_s = spin.averaging_s;
   NavigationFilter filter(exact, arm, kGravity);
-  const int depth = filter.add_aid(depth_aid({}, 1e6, {}, 0));
+  const int depth = filter.add_aid(depth_aid({}, 1e6, {}, {}));
   const auto at_imu = [&](double t) { return Eigen::Vector3d(rate(t).cross(arm)); };
   FilterStart start;
   start.velocity_world_m_s = at_imu(0);
@@ -234,7 +234,7 @@ TEST(NavigationFilter, TheOrderOfArrivalDoesNotMatter) {
                      .force_bias = {0.02, 0, 0, 0}};
     auto filter = std::make_unique<NavigationFilter>(errors, Eigen::Vector3d::Zero(), kGravity);
     const int fix = filter->add_aid(acoustic_fix_aid({0.1, 0, 0.2}, {5, 5, 0}, {0.1, 0.02}));
-    const int depth = filter->add_aid(depth_aid({0, 0, 0.1}, 0.01, {0.02, 0, 0, 0}, 0.1));
+    const int depth = filter->add_aid(depth_aid({0, 0, 0.1}, 0.01, {0.02, 0, 0, 0}, {.wave_std_m = 0.1}));
     filter->start(known(1, 0.1, 0.01));
     std::mt19937 random(3);
     std::normal_distribution<double> normal;
@@ -283,7 +283,7 @@ TEST(NavigationFilter, FixesByTheBedAreLeftOutHoweverOftenTheyRepeat) {
   NavigationFilter filter(errors, Eigen::Vector3d::Zero(), kGravity);
   const double distance = 350, bed = 60;
   const int fix = filter.add_aid(acoustic_fix_aid({0, 0, 0}, {distance, 0, 0}, {0.1, 0.02}));
-  const int depth = filter.add_aid(depth_aid({0, 0, 0}, 0.02, {0.02, 0, 0, 0}, 0));
+  const int depth = filter.add_aid(depth_aid({0, 0, 0}, 0.02, {0.02, 0, 0, 0}, {}));
   filter.start(known(1, 0.1, 0.01));
   const std::array<double, 3> direct{-distance, 0, 0}, by_the_bed{-distance, 0, -2 * bed};
   for (std::uint64_t k = 1; k <= 12000; ++k) {
@@ -304,7 +304,7 @@ TEST(NavigationFilter, FixesByTheBedAreLeftOutHoweverOftenTheyRepeat) {
 
 TEST(NavigationFilter, AnOutlierIsLeftOutUntilItRepeats) {
   NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
-  const int depth = filter.add_aid(depth_aid(Eigen::Vector3d::Zero(), 0.01, {}, 0.1));
+  const int depth = filter.add_aid(depth_aid(Eigen::Vector3d::Zero(), 0.01, {}, {.wave_std_m = 0.1}));
   filter.start(known(0.01));
   const double far = 3;
   for (std::uint64_t k = 1; k <= 5; ++k) {

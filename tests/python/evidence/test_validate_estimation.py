@@ -6,6 +6,8 @@ from uwsim import Simulator
 from uwsim.evidence.validate import consistency, estimation
 from uwsim.evidence.validate.after_contact import contact_checks
 from uwsim.evidence.validate.turning_flights import turning_checks
+from uwsim.evidence.validate.water_flights import VEHICLES as WITH_GAUGE
+from uwsim.evidence.validate.water_flights import water_checks
 from uwsim.evidence.validate.wave_flights import VEHICLES, wave_checks
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.spec.vehicle import load_vehicle
@@ -16,6 +18,7 @@ def test_the_filter_is_as_sure_of_itself_as_it_may_be(monkeypatch) -> None:
     monkeypatch.setattr(estimation, "DROP_OUT_AFTER_S", 30.0)
     monkeypatch.setattr("uwsim.evidence.validate.estimation.turning_checks", lambda seeds: [])
     monkeypatch.setattr("uwsim.evidence.validate.estimation.wave_checks", lambda seeds: [])
+    monkeypatch.setattr("uwsim.evidence.validate.estimation.water_checks", lambda seeds: [])
     checks = estimation.run(seeds=5)
     assert [check.name for check in checks if not check.passed] == []
 
@@ -50,3 +53,13 @@ def test_waves_do_not_move_the_estimate_and_every_vehicle_with_a_dvl_is_flown_in
     with_dvl = {name for name, model in models.items() if "dvl" in {s.kind for s in model.sensors.values()}}
     assert with_dvl == set(VEHICLES)
     assert [check for check in wave_checks(seeds=12) if not check.passed] == []
+
+
+def test_unknown_water_does_not_make_any_vehicle_with_a_gauge_sure_of_a_wrong_depth() -> None:
+    """Law: NEES within its bounds in tides of 1.5 and 4 m, below a lens, and 985 m deep, and no fix is shut out."""
+    models = {path.stem: load_vehicle(path.stem) for path in (assets_folder() / "vehicles").glob("*.yaml")}
+    kinds = {name: {sensor.kind for sensor in model.sensors.values()} for name, model in models.items()}
+    assert {name for name, found in kinds.items() if found & {"depth", "pressure"} and "imu" in found} == set(
+        WITH_GAUGE
+    )
+    assert [check for check in water_checks(seeds=len(WITH_GAUGE)) if not check.passed] == []

@@ -248,7 +248,7 @@ def test_a_fix_from_a_reflected_ray_above_the_water_is_not_a_position() -> None:
     sim = undocked()
     flown(sim, 9.0, look=0.5)
     aid, sensor = AIDS["usbl"], sim.rov.sensors["usbl"]
-    around = Surroundings(np.zeros(3), np.zeros(3), 9.8, 1000.0, 0.1)
+    around = Surroundings(np.zeros(3), np.zeros(3), 9.8, 1000.0, 0.0, 0.1, 0.0, 0.0)
     readings = np.array([[20.0, 0.0, -5.0, 20.6, 0.0, 0.0], [20.0, 0.0, 60.0, 63.2, 0.0, 0.0]])
     samples = SimpleNamespace(valid=np.array([True, True]), readings=readings)
     assert aid.readings(sensor, samples, around)[0].tolist() == [True, False]
@@ -298,3 +298,41 @@ def test_a_boat_knows_its_place_by_satellites() -> None:
     sim.advance(1.0)
     sim.restore_state(saved[1])
     np.testing.assert_array_equal(sim.rov.estimate.pose.position_world_m, saved[0])
+
+
+LENS = [{"depth_m": z, "temperature_deg_c": 10, "salinity_psu": s} for z, s in ((0, 5), (10, 5), (12, 35))]
+LOW, HIGH = ({"tide": {"constituents": [{"constituent": "M2", "amplitude_m": 1.5, "phase_deg": k}]}} for k in (0, 180))
+
+
+@pytest.mark.parametrize(
+    "water, depth_m", [(LOW, 10.0), (HIGH, 10.0), ({"profile": {"kind": "table", "levels": LENS}}, 50.0), ({}, 930.0)]
+)
+def test_a_depth_gauge_under_unknown_water_does_not_move_the_estimate(water: dict[str, Any], depth_m: float) -> None:
+    """Law: the estimate errs by what it admits, and the gates do not shut the USBL out."""
+    vehicle = {"name": "rov", "model": "rov", "start": {"position_m": [0, 0, -depth_m]}}
+    terrain = {"source": "noise", "size_m": [400, 400], "spacing_m": 10, "bed_depth_m": depth_m + 20}
+    station = {"position_m": [30, 20, -5]}
+    plain = {"name": "bay", "terrain": terrain, "water": water, "station": station, "vehicles": [vehicle]}
+    sim = Simulator(validated(Scenario, plain), seed=1)
+    estimate = sim.rov.estimate
+    for _ in range(3):
+        flown(sim, 21.0)
+        error, covariance = errors(sim)[:3], estimate.covariance[:3, :3]
+        assert error @ np.linalg.solve(covariance, error) < 21.1  # chi-squared, 3 degrees of freedom: p = 1e-4
+        assert abs(error[2]) < 0.3
+    assert estimate.counts["usbl"][1] == 0
+    (level_m,) = sim.world.water.surface_height_m(np.zeros((1, 2)), sim.time_s)
+    assert abs(estimate.surface_m[0] - level_m) < 4.0 * estimate.surface_m[1]
+    state, other = sim.save_state(), Simulator(sim.scenario, seed=1)
+    other.restore_state(state)
+    assert other.rov.estimate.surface_m == estimate.surface_m
+
+
+def test_a_gauge_set_to_the_density_of_the_sea_measures_the_depth_of_a_lake() -> None:
+    """It shows 2.5 % too little, as its data sheet states."""
+    sim = undocked()
+    sim.rov.place((-30.0, -40.0, -12.0))
+    sim.parameters["rov.sensors.depth.density_kg_m3"] = 1025.0
+    flown(sim, 30.0, look=3.0)
+    assert sim.rov.sensors["depth"].read() < -0.98 * sim.rov.pose.position_world_m[2]
+    assert abs(errors(sim)[2]) < 0.1 and sim.rov.estimate.counts["depth"][1] == 0

@@ -26,6 +26,7 @@ from uwsim.evidence.validate.consistency import (
     nees_of,
     start_navigation,
 )
+from uwsim.navigation.estimation import Navigator
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S
@@ -60,10 +61,12 @@ def sea(surface: dict[str, Any], model: str) -> Scenario:
     return Scenario.model_validate(plain, context={"folder": assets_folder() / "scenarios"})
 
 
-def wave_flight(sim: Simulator, seed: int) -> Iterator[tuple[Array, list[float]]]:
+def wave_flight(
+    sim: Simulator, seed: int, start_world_m: tuple[float, float, float] = START_WORLD_M
+) -> Iterator[tuple[Array, list[float], Navigator]]:
     """Fly with random efforts; at intervals, yield the errors (9,) and the NEES of all and of each of PARTS."""
     navigator, draws = start_navigation(
-        sim, seed, START_WORLD_M, position_std_m=ALIGNMENT_STD_M, velocity_std_m_s=ALIGNMENT_STD_M_S
+        sim, seed, start_world_m, position_std_m=ALIGNMENT_STD_M, velocity_std_m_s=ALIGNMENT_STD_M_S
     )
     driven = np.array([axis in sim.rov.controllable for axis in AXES])
     for leg in range(LEGS):
@@ -71,7 +74,8 @@ def wave_flight(sim: Simulator, seed: int) -> Iterator[tuple[Array, list[float]]
         sim.advance(LEG_S)
         if leg % LEGS_PER_LOOK == LEGS_PER_LOOK - 1:
             error, covariance = errors(sim, navigator), navigator.covariance
-            yield error, [nees_of(error, covariance, part) for part in (slice(0, ERRORS), *PARTS.values())]
+            nees = [nees_of(error, covariance, part) for part in (slice(0, ERRORS), *PARTS.values())]
+            yield error, nees, navigator
 
 
 def wave_checks(seeds: int, vehicles: tuple[str, ...] = VEHICLES) -> list[Check]:
@@ -80,7 +84,7 @@ def wave_checks(seeds: int, vehicles: tuple[str, ...] = VEHICLES) -> list[Check]
     for name, surface in SEAS.items():
         sims = [Simulator(sea(surface, model)) for model in vehicles]
         flights = [list(wave_flight(sim, seed)) for sim, seed in zip(cycle(sims), range(seeds), strict=False)]
-        error = np.array([[error for error, _ in flight] for flight in flights])
+        error = np.array([[error for error, _, _ in flight] for flight in flights])
         group = f"{seeds} flights in {name}"
         speeds, distances = (np.linalg.norm(error[:, :, PARTS[part]], axis=2) for part in ("velocity", "position"))
         found.append(at_most(group, "largest error of velocity", MOST_M_S, float(speeds.max()), "m/s"))
@@ -88,5 +92,5 @@ def wave_checks(seeds: int, vehicles: tuple[str, ...] = VEHICLES) -> list[Check]
         still = distances.max() if still is None else still
         by_waves = float(distances.max() - still)
         found.append(at_most(group, "largest error of position beyond still water's", MOST_BY_WAVES_M, by_waves, "m"))
-        found += mean_checks(np.array([[nees for _, nees in flight] for flight in flights]), f"({name})")
+        found += mean_checks(np.array([[nees for _, nees, _ in flight] for flight in flights]), f"({name})")
     return found

@@ -29,14 +29,31 @@ NO_BIAS = _core.BiasModel()
 class Surroundings:
     """Known properties of a vehicle and its surroundings.
 
-    imu_body_m (3,): the position of the IMU. wave_std_m: standard deviation of the water's surface, as expected.
+    imu_body_m (3,): the position of the IMU. density_kg_m3, compressibility_1_pa: of the water at its surface.
+    wave_std_m, tide_std_m: standard deviations of the water's surface, as expected, about the tide and of the tide.
+    column_std: standard deviation of the mean density of the water above, relative to the surface's.
     """
 
     imu_body_m: Array
     station_world_m: Array
     gravity_m_s2: float
     density_kg_m3: float
+    compressibility_1_pa: float
     wave_std_m: float
+    tide_std_m: float
+    column_std: float
+
+    @property
+    def metre_pa(self) -> float:
+        """The pressure of a metre of surface water."""
+        return self.density_kg_m3 * self.gravity_m_s2
+
+    def depth_m(self, gauge_pa: Array) -> Array:
+        """Return the depth at which surface water, compressed by its own weight, has this pressure.
+
+        The pressure without compression is p - p^2 / (2 K); see cpp/uwsim/world/sea_water.h.
+        """
+        return gauge_pa * (1.0 - 0.5 * self.compressibility_1_pa * gauge_pa) / self.metre_pa
 
 
 class Aid(Protocol):
@@ -86,16 +103,19 @@ class Doppler:
 
 
 class Depth:
-    """A depth sensor."""
+    """A depth sensor, which divides the pressure by a nominal density, that of the surface by default."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
-        std, bias = white_std(sensor, "depth"), bias_model(sensor, "depth")
-        return filter_.add_depth(lever(sensor, around), std, bias, around.wave_std_m)
+        return _add_gauge(filter_, sensor, around, "depth", self._metre_pa(sensor, around) / around.metre_pa)
 
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
         """See Aid."""
-        return samples.valid, samples.readings
+        return samples.valid, around.depth_m(samples.readings * self._metre_pa(sensor, around))
+
+    def _metre_pa(self, sensor: InstrumentLike, around: Surroundings) -> float:
+        nominal_kg_m3 = sensor.spec.parameters["density_kg_m3"][0]
+        return nominal_kg_m3 * around.gravity_m_s2 if nominal_kg_m3 > 0 else around.metre_pa
 
 
 class Pressure:
@@ -103,13 +123,25 @@ class Pressure:
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
-        metre_pa = around.density_kg_m3 * around.gravity_m_s2
-        std, bias = white_std(sensor, "pressure") / metre_pa, bias_model(sensor, "pressure", 1.0 / metre_pa)
-        return filter_.add_depth(lever(sensor, around), std, bias, around.wave_std_m)
+        return _add_gauge(filter_, sensor, around, "pressure", 1.0 / around.metre_pa)
 
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
         """See Aid."""
-        return samples.valid, (samples.readings - ATMOSPHERE_PA) / (around.density_kg_m3 * around.gravity_m_s2)
+        return samples.valid, around.depth_m(samples.readings - ATMOSPHERE_PA)
+
+
+def _add_gauge(
+    filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings, channel: str, metres: float
+) -> int:
+    """Add a gauge of depth to the filter. metres: of surface water, to one unit of the channel."""
+    return filter_.add_depth(
+        lever(sensor, around),
+        white_std(sensor, channel) * metres,
+        bias_model(sensor, channel, metres),
+        around.wave_std_m,
+        around.tide_std_m,
+        around.column_std,
+    )
 
 
 class Compass:
@@ -208,6 +240,8 @@ AIDS: dict[str, Aid] = {
     "imu": Orientation(),
 }
 """The aids by sensor kind."""
+GAUGES, LEVEL = ("depth", "pressure"), 3
+"""The kinds whose biases include those of the water above, and the position of the surface's height among them."""
 
 
 def chosen_aids(sensors: dict[str, InstrumentLike]) -> dict[str, InstrumentLike]:

@@ -18,7 +18,15 @@ from uwsim.base.motion import Pose, Velocity
 from uwsim.base.named import require_names
 from uwsim.base.saved_state import checked
 from uwsim.base.sealed import Attached
-from uwsim.navigation.estimation.aids import AIDS, Surroundings, body_from_sensor, chosen_aids, magnetic_north_rad
+from uwsim.navigation.estimation.aids import (
+    AIDS,
+    GAUGES,
+    LEVEL,
+    Surroundings,
+    body_from_sensor,
+    chosen_aids,
+    magnetic_north_rad,
+)
 from uwsim.navigation.estimation.errors import bias_model, limit, white_std, whole_std
 from uwsim.navigation.estimation.protocols import Instrumented, InstrumentLike, StreamLike
 from uwsim.navigation.estimation.saved import HeldState, NavigatorState
@@ -34,8 +42,13 @@ UNKNOWN_M = 1e4  # standard deviation of the position before the first fix
 LEVEL_STD_RAD = 2e-3  # minimum assumed error of the initial roll and pitch
 HELD_NS = 500_000_000  # interval between the readings of a dock
 DOCK_STD_M, DOCK_STD_RAD, DOCK_STD_M_S = 0.1, 0.02, 0.05  # assumed: a surveyed dock, and how it lets go
-# Expected standard deviation of the water's surface where nothing is known, and in any case, since no water is still
+# Expected standard deviation of the water's surface by waves where nothing is known, and in any case, since no water is
+# still; of the tide, as on an open coast, and where no chart shows one; of the density of the water above, between a
+# lake and the sea, and where one value holds for all depths
 UNKNOWN_SEA_M, LEAST_SEA_M = 0.1, 0.001
+UNKNOWN_TIDE_M, LEAST_TIDE_M = 1.0, 0.005
+UNKNOWN_COLUMN, LEAST_COLUMN = 0.01, 0.0003
+COMPRESSIBILITY_1_PA = 4.5e-10  # of water within 8 %, from a cold lake to a warm sea (EOS-80)
 YAW_STD_RAD = 0.1  # the initial heading has little weight, since its aid will measure it again
 
 
@@ -44,12 +57,14 @@ class Navigator(Attached):
 
     vehicle: provides named sensors; the first of each kind is used. start: the initial motion; by default, at rest at
     the position of the first fixes of its USBL or GPS. station_world_m: the origin of the USBL fixes;
-    None: it moves, and they are not used. gravity_m_s2: the acceleration
-    due to gravity. density_kg_m3: water density, used with a pressure sensor if there is no depth sensor. wave_std_m:
-    expected standard deviation of the water's surface, a quarter of the significant wave height; the filter starts with
-    it and adapts to the waves that the depth or pressure sensor then measures. The filter's error models follow from
-    the sensors' noise parameters. Raises ValueError for a vehicle without an IMU, or with none of a start, a USBL and a
-    GPS.
+    None: it moves, and they are not used. gravity_m_s2: the acceleration due to gravity. density_kg_m3,
+    compressibility_1_pa: of the water at its surface, by which pressure becomes depth. wave_std_m: expected standard
+    deviation of the water's surface by waves, a quarter of the significant wave height; the filter starts with it and
+    adapts to the waves that the depth or pressure sensor then measures. tide_std_m: expected standard deviation of the
+    still surface about z = 0, of an unknown phase: 0.7 of the tide's amplitude. column_std: expected standard deviation
+    of the mean density of the water above the vehicle, relative to density_kg_m3. The filter estimates both, as far as
+    another reference observes the height. The filter's error models follow from the sensors' noise parameters. Raises
+    ValueError for a vehicle without an IMU, or with none of a start, a USBL and a GPS.
 
     Readings are processed whenever `pose` and the other results are read; the estimate does not depend on how often
     that happens. See docs/guides/estimation.md.
@@ -65,7 +80,10 @@ class Navigator(Attached):
         station_world_m: Sequence[float] | Array | None = (0.0, 0.0, 0.0),
         gravity_m_s2: float = 9.80665,
         density_kg_m3: float = 1000.0,
+        compressibility_1_pa: float = COMPRESSIBILITY_1_PA,
         wave_std_m: float = UNKNOWN_SEA_M,
+        tide_std_m: float = UNKNOWN_TIDE_M,
+        column_std: float = UNKNOWN_COLUMN,
     ) -> None:
         sensors: Mapping[str, InstrumentLike] = vehicle.sensors
         imus = [sensor for sensor in sensors.values() if sensor.kind == "imu"]
@@ -82,7 +100,10 @@ class Navigator(Attached):
             np.zeros(3) if station_world_m is None else np.asarray(station_world_m, float),
             gravity_m_s2,
             density_kg_m3,
+            compressibility_1_pa,
             max(wave_std_m, LEAST_SEA_M),
+            max(tide_std_m, LEAST_TIDE_M),
+            max(column_std, LEAST_COLUMN),
         )
         self._body_from_imu = body_from_sensor(self._imu).as_matrix()
         self._filter = _core.NavigationFilter(
@@ -284,6 +305,23 @@ class Navigator(Attached):
         return np.sqrt(np.diagonal(self.covariance)[:3])
 
     @property
+    def surface_m(self) -> tuple[float, float]:
+        """The height of the still surface above z = 0 and its standard deviation [m]; 0, 0 without a depth gauge."""
+        with self._lock:
+            now = self._current()
+            for name, index in self._indices.items():
+                if self._aids[name].kind in GAUGES:
+                    level = now.first_bias(index) + LEVEL
+                    return float(now.aid_biases[level - 15]), math.sqrt(now.covariance[level, level])
+            return 0.0, 0.0
+
+    @property
+    def depth_m(self) -> float:
+        """The depth of the vehicle's origin below the still surface [m]."""
+        with self._lock:
+            return self.surface_m[0] - float(self.pose.position_world_m[2])
+
+    @property
     def imu_biases(self) -> tuple[Array, Array]:
         """The estimated biases of the gyroscope [rad/s] and the accelerometer [m/s2] in body axes, (3,) each."""
         with self._lock:
@@ -311,6 +349,7 @@ class Navigator(Attached):
                 "silence_ns": self._silence_ns,
                 "gravity_m_s2": self._around.gravity_m_s2,
                 "density_kg_m3": self._around.density_kg_m3,
+                "compressibility_1_pa": self._around.compressibility_1_pa,
             }
             times = {"use": use, "imu_ns": self._imu_ns, "from_ns": self._from_ns}
             held = {"held": None if self._held is None else self._held.model_dump()}
@@ -327,7 +366,5 @@ class Navigator(Attached):
             self._held = state.held
             if figures := state.figures:
                 self._silence_ns = figures.silence_ns
-                self._around = replace(
-                    self._around, gravity_m_s2=figures.gravity_m_s2, density_kg_m3=figures.density_kg_m3
-                )
+                self._around = replace(self._around, **figures.model_dump(exclude={"silence_ns"}))
             self._listen(state.from_ns, state.imu_ns)

@@ -10,11 +10,12 @@ from uwsim.base.saved_state import Nanoseconds, State
 
 
 class WaterState(State):
-    """The water properties that a Navigator assumes from its creation onwards."""
+    """The water properties that a Navigator assumes from its creation onwards. Versions 1 to 5: incompressible."""
 
     silence_ns: Annotated[int, Field(gt=0, lt=2**63)]
     gravity_m_s2: Annotated[FiniteFloat, Field(gt=0)]
     density_kg_m3: Annotated[FiniteFloat, Field(gt=0)]
+    compressibility_1_pa: Annotated[FiniteFloat, Field(ge=0)] = 0.0
 
 
 class HeldState(State):
@@ -34,7 +35,7 @@ class NavigatorState(State):
     from_ns: the earliest possible stamp of each sensor's next sample.
     """
 
-    version: Literal[1, 2, 3, 4, 5] = 1
+    version: Literal[1, 2, 3, 4, 5, 6] = 1
     use: Literal["observer", "program", "steering"] = "steering"
     figures: WaterState | None = None
     held: HeldState | None = None
