@@ -120,6 +120,18 @@ def test_wrong_addresses_are_refused(text: str) -> None:
 # The variables
 
 
+@pytest.mark.parametrize("from_truth", [True, False])
+def test_the_depth_is_that_below_the_tide(from_truth: bool) -> None:
+    tide = {"constituents": [{"constituent": "M2", "amplitude_m": 1.5}]}
+    vehicle = {"name": "alpha", "model": "bluerov2_heavy", "start": {"position_m": [30, -20, -8]}}
+    sim = Simulator(bay(vehicle, water={"tide": tide}))
+    _ = sim.rov.estimate
+    sim.advance(1.0)
+    found = dict(navigation(sim.rov, Georeference(), from_truth=from_truth))
+    assert abs(found["NAV_DEPTH"] + found["NAV_Z"]) > 0.5
+    assert found["NAV_DEPTH"] == pytest.approx(sim.rov.telemetry().depth_m, abs=0.1)
+
+
 def test_navigation_has_uSimMarines_signs() -> None:  # noqa: N802
     start = {"position_m": [30, -20, -8], "yaw_deg": 0}
     sim = Simulator(bay({"name": "alpha", "model": "bluerov2_heavy", "start": start}))

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from steered import bay
 from uwsim import Simulator
 from uwsim.base.commands import HOLDS
 from uwsim.channels.ros.own_types import TELEMETRY
@@ -174,3 +175,17 @@ def test_telemetry_carries_the_holds_over_a_modem_too() -> None:
         assert list(found.holds) == ["depth", "position"] and found.hold_note == message.hold_note
         assert found.hold_targets[0] == pytest.approx(-sim.rov.holds.targets["depth"][0], abs=0.01)
         assert 0.0 <= found.hold_targets[1] < 0.1
+
+
+def test_the_target_of_a_depth_hold_is_shown_below_the_tide_as_the_gauge_is() -> None:
+    tide = {"constituents": [{"constituent": "M2", "amplitude_m": 1.5}]}
+    start = {"position_m": [0, 0, -8]}
+    sim = Simulator(bay({"name": "rov", "model": "bluerov2_heavy", "start": start}, water={"tide": tide}), seed=3)
+    _ = sim.rov.estimate
+    sim.advance(1.0)
+    sim.rov.command("hold", depth=True)
+    sim.advance(8.0)
+    (channel,) = [each for each in Table(sim).channels if each.type == TELEMETRY]
+    message = channel.read(sim)
+    assert abs(message.depth + sim.rov.pose.position_world_m[2]) > 0.5, "no tide: this tests nothing"
+    assert message.hold_targets[0] == pytest.approx(message.depth, abs=0.15)

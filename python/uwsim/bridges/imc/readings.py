@@ -136,7 +136,7 @@ def estimated_state(vehicle: Vehicle, place: Place) -> Named:
     north, east, down = (motion.ned_from_body @ motion.velocity_m_s).tolist()
     return "EstimatedState", {
         **motion.fields(place, motion.velocity_m_s), "vx": north, "vy": east, "vz": down,
-        "depth": float(-motion.position_m[2]), "alt": _altitude_m(vehicle),
+        "depth": vehicle.estimate.depth_m, "alt": _altitude_m(vehicle),
     }  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from uwsim.base.axes import AXES
 from uwsim.bridges.aboard import Aboard
 from uwsim.bridges.moos.client import Address, MoosClient, logger
 from uwsim.bridges.moos.reports import OWN, NodeReports
-from uwsim.bridges.moos.variables import instruments, is_true, latest, navigation, number, ping_summary
+from uwsim.bridges.moos.variables import depth_m, instruments, is_true, latest, navigation, number, ping_summary
 from uwsim.bridges.moos.wire import Message
 from uwsim.bridges.rare_log import RareLog
 from uwsim.channels import Channel
@@ -177,8 +177,11 @@ class CommunityVehicle:
                 course_rad = math.pi / 2 - math.radians(desired["DESIRED_HEADING"]) + north_rad
             speed_m_s = desired.get("DESIRED_SPEED", 0.0)
             ahead = speed_m_s * np.array([math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)])
-            depth_m = desired.get("DESIRED_DEPTH")
-            found = controller.steer_efforts(course_rad, ahead, None if depth_m is None else -depth_m)
+            height_m = None
+            if "DESIRED_DEPTH" in desired:
+                too_deep_m = depth_m(vehicle, from_truth=self._settings.from_truth) - desired["DESIRED_DEPTH"]
+                height_m = float(pose.position_world_m[2]) + too_deep_m
+            found = controller.steer_efforts(course_rad, ahead, height_m)
             return dict(zip(AXES, found, strict=True))
 
         return efforts

@@ -15,6 +15,11 @@ from uwsim.simulator.vehicle import Vehicle
 Value = tuple[str, float | str]
 
 
+def depth_m(vehicle: Vehicle, *, from_truth: bool) -> float:
+    """Return the depth of a vehicle's origin below the surface [m], in truth or as estimated below the tide."""
+    return float(vehicle.telemetry().depth_m if from_truth else vehicle.estimate.depth_m)
+
+
 def navigation(vehicle: Vehicle, place: Georeference, *, from_truth: bool) -> list[Value]:
     """Return NAV_X and the like, from the vehicle's estimate or its true motion.
 
@@ -33,7 +38,7 @@ def navigation(vehicle: Vehicle, place: Georeference, *, from_truth: bool) -> li
         ("NAV_X", float(position_m[0])),
         ("NAV_Y", float(position_m[1])),
         ("NAV_Z", float(position_m[2])),
-        ("NAV_DEPTH", float(-position_m[2])),
+        ("NAV_DEPTH", depth_m(vehicle, from_truth=from_truth)),
         ("NAV_HEADING", math.degrees(heading_rad) % 360),
         ("NAV_YAW", (-heading_rad + math.pi) % (2 * math.pi) - math.pi),
         ("NAV_PITCH", math.asin(max(-1.0, min(1.0, float(nose[2]))))),

@@ -12,7 +12,10 @@ from uwsim.simulator.vehicle import Vehicle
 
 
 def hold_fields(vehicle: Vehicle, estimate: Navigator | None) -> dict[str, Any]:
-    """Return the names of the active holds, their targets, and a note about the last hold that was lost."""
+    """Return the names of the active holds, their targets, and a note about the last hold that was lost.
+
+    A depth hold keeps a height; its target is shown below the surface, like the depth gauge, as far as it is estimated.
+    """
     holds = vehicle.holds
     if holds is None:
         return {"holds": [], "hold_targets": np.empty(0, np.float32), "hold_note": ""}
@@ -29,4 +32,6 @@ def _number(name: str, target: list[float] | None, estimate: Navigator | None) -
         return math.nan
     if name == "position":
         return math.nan if estimate is None else math.dist(target, estimate.pose.position_world_m[:2])
-    return -target[0] if name == "depth" else target[0]
+    if name == "depth":
+        return (0.0 if estimate is None else estimate.surface_m[0]) - target[0]
+    return target[0]
