@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <random>
+#include <utility>
 
 #include "uwsim/estimation/navigation_filter.h"
 

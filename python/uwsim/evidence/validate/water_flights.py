@@ -17,7 +17,6 @@ from scipy.stats import chi2
 from uwsim.evidence.validate.check import Check, at_most
 from uwsim.evidence.validate.consistency import ERRORS, PARTS
 from uwsim.evidence.validate.wave_flights import wave_flight
-from uwsim.navigation.estimation import Navigator
 from uwsim.scenario import Scenario
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.simulator.simulator import Simulator
@@ -78,7 +77,7 @@ def water_checks(seeds: int, vehicles: tuple[str, ...] = VEHICLES) -> list[Check
         flights = [[*wave_flight(sim, seed, start_m)] for sim, seed in zip(cycle(sims), range(seeds), strict=False)]
         nees = np.array([[nees for _, nees, _ in flight] for flight in flights])
         heights_m = np.array([[abs(error[2]) for error, _, _ in flight] for flight in flights])
-        used, rejected = np.sum([_fixes(flight[-1][-1]) for flight in flights], axis=0)
+        used, rejected = np.sum([flight[-1][-1].get("usbl", (0, 0)) for flight in flights], axis=0)
         group = f"{seeds} flights in {name}"
         for k, (part, size) in enumerate({"all": ERRORS, **dict.fromkeys(PARTS, 3)}.items()):
             most = float(chi2.ppf(0.975, seeds * size) / seeds)
@@ -91,7 +90,3 @@ def water_checks(seeds: int, vehicles: tuple[str, ...] = VEHICLES) -> list[Check
         share = float(rejected / max(used + rejected, 1))
         found.append(at_most(group, "share of USBL fixes that the gates reject", MOST_REJECTED, share))
     return found
-
-
-def _fixes(navigator: Navigator) -> tuple[int, int]:
-    return navigator.counts.get("usbl", (0, 0))

@@ -26,13 +26,13 @@ from uwsim.evidence.validate.consistency import (
     nees_of,
     start_navigation,
 )
-from uwsim.navigation.estimation import Navigator
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S
 from uwsim.simulator.simulator import Simulator
 
 Array = NDArray[np.float64]
+Counts = dict[str, tuple[int, int]]  # Navigator.counts
 SEAS: dict[str, dict[str, Any]] = {
     "still water": {"kind": "still"},
     "Airy waves of 0.1 m, 5 s": {"kind": "airy", "amplitude_m": 0.1, "period_s": 5.0},
@@ -63,8 +63,8 @@ def sea(surface: dict[str, Any], model: str) -> Scenario:
 
 def wave_flight(
     sim: Simulator, seed: int, start_world_m: tuple[float, float, float] = START_WORLD_M
-) -> Iterator[tuple[Array, list[float], Navigator]]:
-    """Fly with random efforts; at intervals, yield the errors (9,) and the NEES of all and of each of PARTS."""
+) -> Iterator[tuple[Array, list[float], Counts]]:
+    """Fly with random efforts; at intervals, yield the errors (9,), the NEES of all and each of PARTS, and counts."""
     navigator, draws = start_navigation(
         sim, seed, start_world_m, position_std_m=ALIGNMENT_STD_M, velocity_std_m_s=ALIGNMENT_STD_M_S
     )
@@ -75,7 +75,7 @@ def wave_flight(
         if leg % LEGS_PER_LOOK == LEGS_PER_LOOK - 1:
             error, covariance = errors(sim, navigator), navigator.covariance
             nees = [nees_of(error, covariance, part) for part in (slice(0, ERRORS), *PARTS.values())]
-            yield error, nees, navigator
+            yield error, nees, navigator.counts
 
 
 def wave_checks(seeds: int, vehicles: tuple[str, ...] = VEHICLES) -> list[Check]:
