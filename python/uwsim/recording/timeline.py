@@ -265,8 +265,7 @@ class Timeline:
 
 
 def _happening(event: Event) -> Happening:
-    values = ", ".join(str(value) for value in event.values.values() if value not in (None, ""))
-    return Happening(event.time_s, "alarm", " ".join(filter(None, (event.name.replace("_", " "), values))))
+    return Happening(event.time_s, "alarm", event.text)
 
 
 def distances(one: Timeline, other: Timeline) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -44,6 +44,42 @@ def test_the_first_station_that_arms_has_the_sticks(
     other.close()
 
 
+def test_an_axis_that_is_not_given_is_at_rest_and_a_fault_of_the_sticks_is_reported_once(
+    live: LiveSimulator, station: Station
+) -> None:
+    assert station.arm() == DONE and station.mode(MANUAL) == DONE
+    until(lambda: pushes(station, 32767, 1000) and live.rov.effort[1] == pytest.approx(-0.5))
+    assert live.rov.effort[0] == live.rov.effort[2] == 0.0
+    station.drain()
+    for _ in range(5):
+        station.mav.manual_control_send(1, 2000, 0, 500, 0, 0)
+    (text,) = (text for text in texts_of_a_second(station) if "MANUAL_CONTROL" in text)
+    assert "'x': 2000" in text and "or 32767 for none" in text
+
+
+def test_a_lost_hold_is_told_once_in_words(live: LiveSimulator, station: Station) -> None:
+    assert station.arm() == DONE and station.mode(ALT_HOLD) == DONE
+    until(lambda: "depth" in live.rov.holds.targets)
+    station.drain()
+    live.command("set_wrench", vehicle="rov", force_body_n=(0.0, 0.0, 0.0)).result()
+    until(lambda: not live.rov.holds.targets)
+    heard = texts_of_a_second(station)
+    assert not any("=" in text or "hold_ends" in text for text in heard), heard
+    assert sum("hold ended" in text for text in heard) == 1, heard
+
+
+def texts_of_a_second(station: Station) -> list[str]:
+    """Return the texts, with their parts joined, that arrive within a second of simulated time."""
+    texts: list[str] = []
+    begin = station.receive("LOCAL_POSITION_NED")
+    station.receive("LOCAL_POSITION_NED", lambda place: place.time_boot_ms > begin.time_boot_ms + 1000)
+    for message in station.heard:
+        if message.get_type() == "STATUSTEXT":
+            texts += [""] if not message.chunk_seq else []
+            texts[-1] += message.text
+    return texts
+
+
 def pushes(station: Station, x: int, y: int) -> bool:
     """Move the sticks, whose effect ends 0.1 s later."""
     station.mav.manual_control_send(1, x, y, 500, 0, 0)

@@ -22,6 +22,8 @@ RC_AXES = (("pitch", -1), ("roll", 1), ("heave", 1), ("yaw", -1), ("surge", 1), 
 RC_PAN, RC_TILT, RC_LIGHTS = 7, 8, 9
 NEUTRAL_US, SPAN_US, LIGHTS_OFF_US = 1500, 400, 1100
 RC_RANGE_US = (800, 2200)
+INVALID = 0x7FFF
+"""The value of an axis of MANUAL_CONTROL that is not given."""
 IGNORED = 0xFFFF
 RELEASED = {0, 0xFFFE}
 
@@ -47,6 +49,7 @@ class Sticks:
         self._stations, self._settings = stations, settings
         craft.gain = settings["JS_GAIN_DEFAULT"]
         self._pressed = 0
+        self._refused = ""
         self._sender: Sender = (0, 0)
         self._pulses_us: dict[int, int] = {}
         self._pressing: dict[int, Callable[[], object]] = {
@@ -89,8 +92,11 @@ class Sticks:
             return
         names = "xyzr" + "s" * (message.enabled_extensions & 1) + "t" * (message.enabled_extensions >> 1 & 1)
         axes = {name: getattr(message, name) for name in names}
+        axes |= {name: NEUTRAL_THROTTLE if name == "z" else 0 for name in axes if axes[name] == INVALID}
         if any(not -FULL <= value <= FULL for value in axes.values()):
-            raise ValueError(f"MANUAL_CONTROL: {axes}: must be in [{-FULL}, {FULL}]")
+            self._refuse(f"MANUAL_CONTROL: {axes}: must be in [{-FULL}, {FULL}], or {INVALID} for none")
+            return
+        self._refused = ""
         heave = (axes["z"] - NEUTRAL_THROTTLE) / NEUTRAL_THROTTLE * self._settings["JS_THR_GAIN"]
         efforts = {"surge": axes["x"] / FULL, "sway": -axes["y"] / FULL, "heave": heave, "yaw": -axes["r"] / FULL}
         efforts |= {"pitch": -axes.get("s", 0) / FULL, "roll": axes.get("t", 0) / FULL}
@@ -99,6 +105,12 @@ class Sticks:
             k: round(NEUTRAL_US + sign * SPAN_US * efforts[axis]) for k, (axis, sign) in enumerate(RC_AXES, start=1)
         }
         self._apply(efforts)
+
+    def _refuse(self, reason: str) -> None:
+        """Raise ValueError, once for a run of messages with the same fault: they come 20 times per second."""
+        is_new, self._refused = reason != self._refused, reason
+        if is_new:
+            raise ValueError(reason)
 
     def _may_use(self, message: Any) -> bool:
         """Return whether the sender has the sticks, or the vehicle is not armed."""
@@ -146,9 +158,9 @@ class Sticks:
             elif RC_RANGE_US[0] <= pulse_us <= RC_RANGE_US[1]:
                 self._pulses_us[k] = pulse_us
             else:
-                raise ValueError(
-                    f"RC_CHANNELS_OVERRIDE: chan{k}_raw = {pulse_us} us: must be in {list(RC_RANGE_US)}, or 0"
-                )
+                self._refuse(f"RC_CHANNELS_OVERRIDE: chan{k}_raw = {pulse_us} us: must be in {list(RC_RANGE_US)}, or 0")
+                return
+        self._refused = ""
         self._craft.channels_us = dict(self._pulses_us)
         if {RC_PAN, RC_TILT} & self._pulses_us.keys():
             self._gimbal.turn_by_stick(self._deflection(RC_TILT), self._deflection(RC_PAN))

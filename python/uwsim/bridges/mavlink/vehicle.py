@@ -296,7 +296,8 @@ class MavlinkVehicle(Bridge):
         """Report events, failsafes and lost holds as texts, once each."""
         events = self._live.simulator.events
         for event in list(events)[self._events :]:
-            self.send_text(f"{event.name} {' '.join(f'{k}={v}' for k, v in event.values.items())}", NOTICE_TEXT)
+            if event.name != "hold_ends":  # `hold_note` has its reason
+                self.send_text(event.text, NOTICE_TEXT)
         self._events = len(events)
         news = state.failsafe or state.hold_note
         if news and news != self._last_text:

@@ -21,6 +21,12 @@ class Event:
     name: str
     values: dict[str, Any] = field(default_factory=dict)
 
+    @property
+    def text(self) -> str:
+        """The event in words, such as `fault thruster, thruster front_left`."""
+        values = ", ".join(str(value) for value in self.values.values() if value not in (None, ""))
+        return " ".join(filter(None, (self.name.replace("_", " "), values)))
+
 
 class EventState(State):
     """A saved event."""
