@@ -189,3 +189,22 @@ def test_a_dataset_is_shown_in_one_line(tmp_path: Path) -> None:
     assert repr(Dataset(spec, Path("data"), 1000, (), 10, 2.0)) == (
         "<Dataset 'data': 1,000 of 2,000 frames of pool, 5.0 frames/s>"
     )
+
+
+@pytest.mark.parametrize("look_at", ["starfish", "stars"])
+def test_the_pieces_of_cover_can_be_looked_at_by_class_and_by_name(look_at: str, tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text(
+        "name: a\nterrain: {source: noise, size_m: [20, 20], spacing_m: 1, bed_depth_m: 8}\n"
+        "cover: [{kind: starfish, name: stars, density_per_m2: 0.1, size_m: [0.5, 0.5]}]\n"
+        "vehicles: [{name: rov, model: rov, start: {position_m: [0, 0, -4]}}]\n"
+    )
+    out = tmp_path / "data"
+    few = {**SMALL, "size": (96, 72), "write": ("classes", "boxes"), "pitch_max_deg": 60, "min_pixels": 4}
+    make_dataset(tmp_path / "a.yaml", out, 4, look_at=(look_at,), distance_m=(1.5, 2.5), val_share=0.0, **few)
+    train = json.loads((out / "annotations/instances_train.json").read_text())
+    (star,) = (each["id"] for each in train["categories"] if each["name"] == "starfish")
+    assert {each["image_id"] for each in train["annotations"] if each["category_id"] == star} == {
+        each["id"] for each in train["images"]
+    }
+    with pytest.raises(ValueError, match=r"look_at = 'starfsh': .*did you mean 'starfish'"):
+        make_dataset(tmp_path / "a.yaml", tmp_path / "no", 1, look_at=("starfsh",), **few)

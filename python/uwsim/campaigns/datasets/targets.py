@@ -16,6 +16,8 @@ Floats = NDArray[np.float64]
 TERRAIN = "terrain"
 PLACE_M = 1e-3
 """Size of the triangle at a part's place."""
+ABOVE = np.array([0.0, 0.0, 1.5])
+"""Where the top of a piece of cover is looked for from, in sizes of the piece above its foot."""
 
 
 class Targets:
@@ -28,7 +30,8 @@ class Targets:
         """Collect the surfaces to look at; carrier is the camera's vehicle, which is not a target.
 
         classes: the class of each surface, by name. look_at: names and classes of surfaces. Raises ValueError for an
-        unknown name or if nothing is left. parts: those of obstacles, which are targets only if look_at has their kind.
+        unknown name or if nothing is left. parts: those of obstacles, which are targets only if look_at has their kind;
+        likewise the pieces of cover, by the name or the class of their layer.
         """
         self._world = sim.world
         surfaces = {**_solids(sim), **_vehicles(sim, carrier)}
@@ -38,7 +41,10 @@ class Targets:
         for kind, places in places_by_kind(part for _, part in parts if part.kind in wanted_parts).items():
             surfaces[kind] = places[:, None] + PLACE_M * np.eye(3)
         classes = {**{kind: kind for kind in wanted_parts}, **classes}
-        known = {*surfaces, *(classes[name] for name in surfaces), *(part.kind for _, part in parts)}
+        layers = [layer.name for layer in sim.scenario.cover]
+        surfaces |= _tops(sim, [name for name in layers if {name, classes[name]} & set(look_at or ())])
+        known = {*(part.kind for _, part in parts), *layers, *surfaces}
+        known |= {classes[name] for name in (*surfaces, *layers)}
         for name in look_at or ():
             if name not in known:
                 hint = did_you_mean(name, known)
@@ -77,6 +83,21 @@ def _solids(sim: Simulator) -> dict[str, Floats]:
     vertices, triangles, labels = sim.world.surface_mesh(with_terrain=False)
     corners, names = vertices[triangles], sim.world.label_names
     return {names[label]: corners[labels == label] for label in np.unique(labels)}
+
+
+def _tops(sim: Simulator, layers: Sequence[str]) -> dict[str, Floats]:
+    """Return the corners (n, 3, 3) of small triangles on top of the pieces of layers of cover, by the layer's name."""
+    if not layers:
+        return {}
+    low, high = np.reshape(sim.world.terrain_extent_m, (2, 2))
+    places, sizes, labels, _ = sim.scene.cover_in(low, high)
+    above, names = places + sizes[:, None] * ABOVE, sim.world.label_names
+    down, reach_m = np.tile([0.0, 0.0, -1.0], (len(above), 1)), 2.0 * ABOVE[2] * float(sizes.max(initial=1.0))
+    hits = sim.scene.cast(above, down, reach_m)
+    tops = above - hits.ranges_m[:, None] * (0.0, 0.0, 1.0)
+    seen = hits.labels == labels  # others lie below something else
+    found = {name: tops[seen & (labels == names.index(name))] for name in layers}
+    return {name: each[:, None] + PLACE_M * np.eye(3) for name, each in found.items() if len(each)}
 
 
 def _vehicles(sim: Simulator, carrier: str) -> dict[str, Floats]:
