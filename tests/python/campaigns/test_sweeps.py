@@ -200,7 +200,7 @@ def test_a_run_of_a_survey_flown_again_has_the_same_map(folder: Path) -> None:
     )
     run_sweep(path, folder / "out", workers=0, report=False)
     row = pd.read_parquet(folder / "out" / TABLE).iloc[1]
-    fly_again(path, 1, folder / "again", report="none")
+    assert fly_again(path, 1, folder / "again", report="none") == []
     assert scenario_fingerprint(load(folder / "again" / "scenario.yaml")) == row["scenario_digest"]
     assert OccupancyMap.read(folder / "again" / "map.bt").statistics().occupied_voxels == row["occupied_voxels"]
     assert row["seed"] == 4 and row["occupied_voxels"] > 0

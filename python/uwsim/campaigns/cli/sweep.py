@@ -83,8 +83,12 @@ def sweep(
             no_report=no_report,
         )  # fmt: skip
         with screen.status(f"flying run {again} again"):
-            fly_again(source, again, out)
+            differences = fly_again(source, again, out)
+        for difference in differences:
+            screen.message(difference)
         typer.echo(f"{out}")
+        if differences:
+            raise typer.Exit(FAILED)
         return
     if not resume:
         need("--resume", retry_failed=retry_failed)

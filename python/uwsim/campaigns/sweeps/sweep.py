@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, field
@@ -27,6 +28,8 @@ from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.variation import choices
 
 REPORT = "report.html"
+
+logger = logging.getLogger("uwsim.campaigns")
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,22 +147,29 @@ def _report(sweep: Sweep, name: str, jobs: Jobs, show: Show) -> None:
         for number in sweep.rows.worst(sweep.spec.objective, sweep.spec.worst):
             with show(f"flying run {number} again, with a recording"):
                 folder = sweep.out / WORST / f"{number:06d}"
-                fly_run_again(jobs.of(sweep.runs[number]), folder)
+                row = next(row for row in sweep.rows.rows if row["run"] == number)
+                expected = {name: row.get(name) for name in sweep.rows.metrics}
+                for difference in fly_run_again(jobs.of(sweep.runs[number]), folder, expected):
+                    logger.warning("run %d, flown again: %s", number, difference)
                 again[number] = folder
     with show("drawing the report"):
         write_report(sweep.out / REPORT, name, sweep.spec, sweep.rows, len(sweep.runs), again)
 
 
-def fly_again(source: str | Path | Mapping[str, Any], number: int, folder: str | Path, *, report: str = "full") -> None:
+def fly_again(
+    source: str | Path | Mapping[str, Any], number: int, folder: str | Path, *, report: str = "full"
+) -> list[str]:
     """Repeat one run of a sweep; write its scenario, recording, map and report to a folder.
 
-    With the same build, the values are bit-identical. Raises ScenarioError, ValueError or OSError.
+    The run is first flown as in the sweep, without a recording. Return a sentence for each value that differs from it;
+    there are none unless the machine is at fault. Raises ScenarioError, ValueError or OSError.
     """
     spec, _, beside = read_sweep(source)
     runs = runs_of(spec)
     if not 0 <= number < len(runs):
         raise ValueError(f"run = {number}: must be in [0, {len(runs) - 1}]")
-    fly_run_again(Jobs(spec, beside).of(runs[number]), Path(folder), report)
+    job = Jobs(spec, beside).of(runs[number])
+    return fly_run_again(job, Path(folder), fly_job(job)["metrics"], report)
 
 
 def _plan(spec: SweepSpec, jobs: Jobs) -> dict[str, Any]:
