@@ -22,6 +22,8 @@ MARGIN_M = 2.0
 """Width of free water required on all sides of a lane."""
 SHORTEST_M = 10.0
 """Length below which a part of a lane is left out."""
+TALLEST_M = 1000.0
+"""Height of the tallest obstacle that stands out of the water."""
 LEAST_SHARE = 0.5
 """The smallest flyable share of lanes with which a survey is accepted; with less, its area must be a mistake."""
 
@@ -141,14 +143,17 @@ def _obstructions(sim: Simulator, points_m: Points) -> NDArray[np.int64]:
 
 
 def _tops_m(sim: Simulator, places_m: Points) -> Points:
-    """Return z of the first surface at each point (n, 2); -inf if there is none down to twice PASSABLE_Z_M.
+    """Return z of the first surface at each point (n, 2), 0 in what stands out of the water; -inf if there is none.
 
-    What lies deeper is no obstacle, and over a bed with cover a ray that goes that far takes ten times as long.
+    What lies deeper than twice PASSABLE_Z_M is no obstacle, and over a bed with cover a ray that goes that far takes ten
+    times as long.
     """
+    up = np.tile([0.0, 0.0, 1.0], (len(places_m), 1))
     from_m = np.column_stack([places_m, np.zeros(len(places_m))])
-    down = np.tile([0.0, 0.0, -1.0], (len(places_m), 1))
-    ranges_m = sim.scene.cast(from_m, down, -2.0 * PASSABLE_Z_M).ranges_m
-    return -np.asarray(ranges_m, np.float64)
+    ranges_m = sim.scene.cast(from_m, -up, -2.0 * PASSABLE_Z_M).ranges_m
+    from_m[:, 2] = PASSABLE_Z_M
+    is_inside = sim.scene.cast(from_m, up, TALLEST_M).normals_world[:, 2] > 0.0  # a ray out of a pile, not onto a deck
+    return np.where(is_inside, 0.0, -np.asarray(ranges_m, np.float64))
 
 
 def _stretches(along: Points, free: NDArray[np.bool_]) -> list[tuple[float, float]]:

@@ -9,9 +9,10 @@ import pytest
 
 from command_line import error_line, uwsim
 from uwsim import Simulator
-from uwsim.flight.flyable_lanes import SurveyAreaWarning, flyable_plan, survey_plan
+from uwsim.flight.flyable_lanes import SurveyAreaWarning, flyable_lanes, flyable_plan, survey_plan
 from uwsim.flight.record import DONE
 from uwsim.flight.survey import fly_survey
+from uwsim.missions.lanes import Lane
 from uwsim.missions.lawn_mower import PASSABLE_Z_M
 from uwsim.missions.shoal_chart import CELL_M, ShoalChart
 from uwsim.scenario import load
@@ -119,7 +120,14 @@ def test_lanes_that_are_left_lie_in_water_deep_enough() -> None:
         assert sim.world.height_at(points).max() < PASSABLE_Z_M
 
 
-@pytest.mark.parametrize("name", ["lake", "pool", "valley", "reservoir"])
+def test_lanes_do_not_lead_through_a_pile_that_stands_out_of_the_water() -> None:
+    sim = Simulator("wind_farm")
+    through = Lane(np.array([-30.0, 0.5]), np.array([30.0, 0.5]))  # its monopile has a radius of 3 m
+    west, east = flyable_lanes(sim, [through]).lanes
+    assert west.end_m[0] == pytest.approx(-5.0, abs=1.0) and east.start_m[0] == pytest.approx(5.0, abs=1.0)
+
+
+@pytest.mark.parametrize("name", ["lake", "pool", "valley", "reservoir", "wind_farm", "harbour"])
 def test_every_lane_of_a_packaged_survey_can_be_flown(name: str) -> None:
     sim = Simulator(name)
     plan = survey_plan(sim.scenario.survey)
