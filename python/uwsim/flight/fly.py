@@ -27,7 +27,7 @@ from uwsim.flight.terminal import Silent
 from uwsim.flight.vehicle_chain import default_voxel_m, filters_outliers, require_sonar, survey_area_m
 from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.missions.mission import R_co
-from uwsim.scenario import Scenario, Survey
+from uwsim.scenario import Scenario, Survey, load
 from uwsim.scenario.fingerprint import warn_of_other_build
 from uwsim.scenario.read.old_keys import renamed_argument
 from uwsim.scenario.read.validated import validated
@@ -39,7 +39,7 @@ from uwsim.simulator.simulator import Simulator
 
 def fly(
     mission: AnyMission[R_co],
-    scenario: str | Path | Scenario | Simulator = "lake",
+    scenario: str | Path | Scenario | Simulator | Mapping[str, Any] = "lake",
     out: str | Path | None = None,
     *,
     function: str = FUNCTION,
@@ -80,20 +80,20 @@ def fly(
         record = fly(mission, scenario="pool")                       # a function, as in a notebook
         record = fly("my_mission.py", "lake", "out/", map=True)      # a file; results in a folder
 
-    mission: see found_mission; if None, the scenario's survey. scenario: a name, a path, a Scenario, or a Simulator,
-    which continues from its current state. out: folder for log.jsonl, track-VEHICLE.csv and map.bt. report: "full" also
-    writes summary.json and report.html, "json" only summary.json, "none" neither. function: name of the mission
-    function, if the mission is a file. arguments: values for the mission's other parameters. vehicles: names; by
-    default all if the mission takes `vehicles`, else the first. estimate: source of the poses that the mission and the
-    map use: "truth", or "filter" (Vehicle.estimate). mission_time_s: battery life. time_limit_s: limit in simulated
-    time; by default the battery life. link: a modem, by name or file, that replaces the scenario's; the map built
-    ashore from the pings that arrive is written to map_ashore.bt. carried: name endings of the channels that vehicles
-    send over the link; by default all that the link can carry. record: path of a new recording (.mcap). record_topics:
-    the channels to record; by default all but pictures and maps. raw: path of a new file with each mapped ping of the
-    first vehicle, in a format of uwsim.kinds.survey_file; needs map. raw_errors: errors of installation in that file.
-    raw_known: uncertainties of the survey's instruments, for the errors that the file states.
-    sample_sensors: whether the record's samples include the readings of all sensors. autosave_s: wall time between
-    saves, from which `resume` can continue; 0 disables saving.
+    mission: see found_mission; if None, the scenario's survey. scenario: a name, a path, a Scenario, the content of a
+    scenario's file, or a Simulator, which continues from its current state. out: folder for log.jsonl,
+    track-VEHICLE.csv and map.bt. report: "full" also writes summary.json and report.html, "json" only summary.json,
+    "none" neither. function: name of the mission function, if the mission is a file. arguments: values for the
+    mission's other parameters. vehicles: names; by default all if the mission takes `vehicles`, else the first.
+    estimate: source of the poses that the mission and the map use: "truth", or "filter" (Vehicle.estimate).
+    mission_time_s: battery life. time_limit_s: limit in simulated time; by default the battery life. link: a modem, by
+    name or file, that replaces the scenario's; the map built ashore from the pings that arrive is written to
+    map_ashore.bt. carried: name endings of the channels that vehicles send over the link; by default all that the link
+    can carry. record: path of a new recording (.mcap). record_topics: the channels to record; by default all but
+    pictures and maps. raw: path of a new file with each mapped ping of the first vehicle, in a format of
+    uwsim.kinds.survey_file; needs map. raw_errors: errors of installation in that file. raw_known: uncertainties of the
+    survey's instruments, for the errors that the file states. sample_sensors: whether the record's samples include the
+    readings of all sensors. autosave_s: wall time between saves, from which `resume` can continue; 0 disables saving.
     screen: displays the flight; by default nothing is displayed. With a Terminal, Ctrl-C ends the flight and keeps its
     results.
 
@@ -113,6 +113,8 @@ def fly(
         "voxel_m": voxel_m, "engine": engine, "verify_map": verify_map or None, "map_memory_mb": map_memory_mb,
         "outlier_filter": outlier_filter,
     }  # fmt: skip
+    if isinstance(scenario, Mapping):
+        scenario = load(scenario)
     _require_consistent(estimate, report, map, of_map, close_loops, time_limit_s)
     screen = screen or Silent()
     saving = autosave or _autosave(0.0 if close_loops else autosave_s, screen)

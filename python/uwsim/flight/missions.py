@@ -130,6 +130,10 @@ def found_mission(
         steps = with_arguments(load_mission(mission, function), arguments or {})
         return FlownMission(Path(mission).name, steps=steps, file=Path(mission))
     found = imported(str(mission)) if isinstance(mission, str | Path) else mission
+    if not callable(found):
+        rule = "must be a function, a class, MODULE:NAME or a Python file"
+        hint = "; one of all vehicles takes `vehicles`" if isinstance(found, Mapping) else ""
+        raise ValueError(f"mission = {found!r:.60}: {rule}{hint}")
     name = mission if isinstance(mission, str) else _name_of(found)
     if _takes(found, 3) and not _takes(found, 1) and not inspect.isgeneratorfunction(inspect.unwrap(found)):
         return FlownMission(_title(found), make=cast("MakeMission", found), name=name)

@@ -49,6 +49,18 @@ def short(vehicle):
     return "deep"
 
 
+def test_a_scenario_may_be_the_content_of_a_file_and_a_mission_must_be_one() -> None:
+    content = {
+        "name": "tank",
+        "terrain": {"source": "noise", "size_m": [100, 100], "spacing_m": 5, "bed_depth_m": 8},
+        "station": {"position_m": [0, 0, 0]},
+        "vehicles": [{"name": "rov", "model": "rov"}],
+    }
+    assert uwsim.fly(short, content).result == "deep"
+    with pytest.raises(ValueError, match=r"mission = \{'rov': .*: must be a function, .*; one of all vehicles takes"):
+        uwsim.fly({"rov": short}, "pool")
+
+
 def test_a_function_flies_in_memory_and_its_record_tells_everything() -> None:
     flown = uwsim.fly(short, "pool")
     assert flown.result == "deep"
