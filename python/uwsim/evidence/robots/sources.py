@@ -32,7 +32,10 @@ def _make(module: str, function: str) -> Callable[[Path, Path | None, Mapping[st
         from uwsim.evidence.robots.written import write_found
 
         found = getattr(import_module(f"uwsim.evidence.robots.{module}"), function)(path)
-        return Made(write_found(found, out or Path(found.name)), found.notes)
+        try:
+            return Made(write_found(found, out or Path(found.name)), found.notes)
+        except ValueError as error:
+            raise ValueError(f"'{path}': as converted: {error}") from None
 
     return make
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -90,14 +91,18 @@ def _extent(found: Found) -> tuple[Floats, Floats]:
 
 
 def require_simulable(name: str, contents: Mapping[str, bytes]) -> None:
-    """Raise ValueError for the files of a scenario `name`.yaml if they cannot be simulated."""
+    """Raise ValueError for the files of a scenario `name`.yaml if they cannot be simulated.
+
+    The message does not name their lines: the files will not exist.
+    """
     with TemporaryDirectory() as folder:
         for file, content in contents.items():
             (Path(folder) / file).write_bytes(content)
         try:
             Simulator(Path(folder) / f"{name}.yaml")
         except ValueError as error:
-            raise ValueError(str(error).replace(f"{folder}/", "")) from None
+            lines = "|".join(map(re.escape, contents))
+            raise ValueError(re.sub(rf"\b({lines}):\d+: ", "", str(error).replace(f"{folder}/", ""))) from None
 
 
 def _scenario(found: Found, vehicles: list[dict[str, Any]], obstacles: list[dict[str, Any]]) -> dict[str, Any]:
