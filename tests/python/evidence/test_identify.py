@@ -12,10 +12,12 @@ from typer.testing import CliRunner
 from uwsim import Batch, Simulator
 from uwsim.cli.program import app
 from uwsim.evidence.identification import MotionLog, identify, read_log
+from uwsim.evidence.identification.calibrated_file import calibrated_text
 from uwsim.evidence.identification.command_times import sampled, segment_of
 from uwsim.evidence.identification.flown import OUTPUTS, Flown, parts_of
 from uwsim.evidence.identification.motion_log import read_mapping
-from uwsim.evidence.identification.unknowns import DELAY, SPREADS, parameters_at, unknowns
+from uwsim.evidence.identification.solution import Identified, Value
+from uwsim.evidence.identification.unknowns import DELAY, SPREADS, completed, parameters_at, unknowns
 from uwsim.evidence.validate.flights import deep_scenario
 from uwsim.evidence.validate.identification import covered, true_log
 from uwsim.recording import Recorder
@@ -83,6 +85,34 @@ def test_intervals_contain_the_truth_of_commands_between_the_rows(seed: int, mod
         assert found.values[DELAY].value == pytest.approx(true.values[DELAY], abs=0.002)
 
 
+def test_a_volume_and_a_centre_of_buoyancy_that_the_file_does_not_state_are_found(model: VehicleModel) -> None:
+    """Held at the hull's, which is 6 % smaller here, they made most other intervals miss."""
+    true = true_log(2, model, duration_s=6.0)
+    found = identify(true.log, model.model_copy(update={"volume_m3": None, "centre_of_buoyancy_m": None}))
+    inside = covered(found, true.values)
+    assert {"volume_m3", *(f"centre_of_buoyancy_m.{axis}" for axis in "xyz")} <= found.values.keys()
+    assert np.mean(list(inside.values())) > 0.7
+    assert "volume_m3: identified from that of the hull's mesh: the vehicle's file states none" in found.premises
+
+
+def test_the_new_file_states_a_centre_and_a_volume_that_the_old_one_did_not(tmp_path: Path) -> None:
+    model, added = completed(load_vehicle("rov"), 1000.0)
+    assert added == ("volume_m3", "centre_of_buoyancy_m", "inertia_kg_m2")[: len(added)]
+    places = {"volume_m3": (("volume_m3",),), "centre_of_buoyancy_m.z": (("centre_of_buoyancy_m", 2),)}
+    values = {name: Value(name, "m", 0.0, 0.03, 0.02, 0.04, 0.1, places=own) for name, own in places.items()}
+    numbers = {place: 0.03 for own in places.values() for place in own}
+    x_m, y_m, _ = model.centre_of_buoyancy_m or (0.0, 0.0, 0.0)
+    model = model.model_copy(update={"centre_of_buoyancy_m": (x_m, y_m, 0.03)})
+    none = np.zeros(0)
+    found = Identified(values, [], none, none, none, none, model, numbers, ())
+    document = model.source_file.document
+    assert document is not None
+    lines = calibrated_text(found, document, "a.csv", tmp_path).splitlines()
+    new = {line.partition(":")[0]: line.partition(": ")[2] for line in lines}
+    assert new["volume_m3"].startswith("0.03 ") and "95 %: 0.02 to 0.04 m" in new["volume_m3"]
+    assert new["centre_of_buoyancy_m"].partition("]")[0] == f"[{x_m:.4g}, {y_m:.4g}, 0.03"
+
+
 def test_changes_between_samples_come_at_times_that_may_shift() -> None:
     efforts = np.zeros((6, 6))
     efforts[2:, 0], efforts[4:, 5] = 0.5, -1.0
@@ -144,6 +174,8 @@ def test_a_table_becomes_a_vehicle_file_and_a_report(table: list[str], model: Ve
     out = tmp_path / "out"
     result = CliRunner().invoke(app, [*table, "--vehicle=bluerov2_wu", f"--out={out}"], catch_exceptions=False)
     assert result.exit_code == 0 and "quadratic_damping.surge" in result.output
+    assert "volume_m3 = 0.01135 m3: held, as the vehicle's file states" in result.output
+    assert "centre_of_buoyancy_m = 0 0 0.02 m: held" in (out / "report.md").read_text()
     assert load_vehicle(out / "vehicle.yaml").quadratic_damping != model.quadratic_damping
     assert (
         "What the log does not determine" in (out / "report.md").read_text()

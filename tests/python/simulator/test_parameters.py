@@ -44,6 +44,8 @@ OTHER: dict[str, Any] = {
     "dvl.range_max_m": 0.2,
     "detection_db": 99.0,
     "cutoff_v": 15.5,
+    "rov.volume_m3": 0.7,
+    "auv.volume_m3": 0.7,
     "shutter_ms": 900.0,
     "taper": 0.0,
     "limits": [-1e-4, 1e-4],

@@ -43,7 +43,10 @@ def with_values(text: str, name: str, values: Mapping[Place, str], remark: Remar
     messages. Raises ValueError.
     """
     root = YAML(typ="rt").compose(StringIO(text))
-    edits = list({edit.start: edit for edit in (_edit(root, *each, name) for each in values.items())}.values())
+    made = [_edit(root, *each, name) for each in values.items()]
+    edits = list(
+        {(edit.start, edit.place if edit.gap else ()): edit for edit in made}.values()
+    )  # aliases share a start
     ends, kept = _lines(root, {edit.start for edit in edits})
     if remark is not None:
         own_lines = [edit for edit in edits if edit.has_own_line]

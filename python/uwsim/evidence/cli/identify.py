@@ -54,9 +54,9 @@ def identify(
 ) -> None:
     """Identify a vehicle's coefficients from a log.
 
-    Estimates mass, centres of mass and buoyancy, added mass, linear and quadratic drag, thrust gain and lag, the
-    current and the commands' delay, with 95 % intervals; the report lists what the log does not determine. The log must
-    be from well below the surface.
+    Estimates mass, centres of mass and buoyancy, a volume that the vehicle's file does not state, added mass, linear
+    and quadratic drag, thrust gain and lag, the current and the commands' delay, with 95 % intervals; the report lists
+    what the log does not determine. The log must be from well below the surface.
 
     The vehicle's new file is its old one with the values that the log determines; the comment of each such line states
     the log and the interval. All other lines stay as they are, comments included.
@@ -91,12 +91,15 @@ def identify(
              "is_determined": v.is_determined}
             for v in found.values.values()
         ]  # fmt: skip
-        print_json({"values": values, "undetermined": undetermined_lines(found), "files": list(map(str, written))})
+        print_json({"values": values, "premises": list(found.premises), "undetermined": undetermined_lines(found),
+                    "files": list(map(str, written))})  # fmt: skip
         return
     rows = [("quantity", "before", "identified", "95 % from", "to", "unit", "from the log"), *table(found)]
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     for row in rows:
         typer.echo("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
+    for line in found.premises:
+        typer.echo(line)
     for line in undetermined_lines(found):
         typer.echo(f"not determined: {line}")
     for path in written:

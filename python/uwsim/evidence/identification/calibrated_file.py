@@ -14,6 +14,8 @@ from uwsim.evidence.identification.solution import Identified, Value
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.vehicle import VehicleModel
 
+BUOYANCY = "centre_of_buoyancy_m"
+
 
 def write_calibrated(found: Identified, log: str, path: Path) -> None:
     """Write the file of the vehicle that was identified, with the values that the log determines, to another path.
@@ -45,8 +47,21 @@ def calibrated_text(found: Identified, document: YamlDocument, log: str, folder:
         return f"{text}; {'the rest' if keeps_others else 'before'}: {old}" if old else text
 
     numbers = {place: f"{number:.4g}" for place, number in found.numbers.items()}
+    centre = [place for place in numbers if place[0] == BUOYANCY]
+    if centre and BUOYANCY not in document.values:
+        _write_whole(found, centre, numbers, intervals)
     text = with_values(document.text, document.name, numbers, remark)
     return with_values(text, document.name, dict(_moved(document.values, Path(document.name).parent, folder)))
+
+
+def _write_whole(found: Identified, places: list[Place], numbers: dict[Place, str], said: dict[Place, str]) -> None:
+    """Replace the numbers of a centre of buoyancy that the file does not state by all three, under its key."""
+    for place in places:
+        del numbers[place]
+    values = found.model.centre_of_buoyancy_m
+    assert values is not None
+    numbers[BUOYANCY,] = f"[{', '.join(f'{value:.4g}' for value in values)}]"
+    said[BUOYANCY,] = ", ".join(said[place] for place in places if place in said)
 
 
 def _label(value: Value, place: Place) -> str:

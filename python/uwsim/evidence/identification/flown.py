@@ -18,7 +18,7 @@ from uwsim.batch import Batch
 from uwsim.evidence.identification import command_times
 from uwsim.evidence.identification.command_times import STEP_S
 from uwsim.evidence.identification.motion_log import MotionLog
-from uwsim.evidence.identification.unknowns import DELAY, Unknown, parameters_at
+from uwsim.evidence.identification.unknowns import DELAY, Unknown, completed, parameters_at
 from uwsim.scenario import Scenario, VehicleModel
 
 Array = NDArray[np.float64]
@@ -112,7 +112,7 @@ class Flown:
         self._last: tuple[Array, list[Block]] = (np.empty(0), [])
         folder = Path(tempfile.mkdtemp(prefix="uwsim-"))
         finalize(self, rmtree, folder, ignore_errors=True)  # members reread the hull when its centre changes
-        bare = _bare(model, folder)
+        bare = _bare(model, density_kg_m3, folder)
         scenario = Scenario.model_validate(
             {
                 "name": "identification",
@@ -247,23 +247,25 @@ def parts_of(log: MotionLog, unknowns: int, segment_s: float, most: int | None) 
     return parts
 
 
-def _bare(model: VehicleModel, folder: Path) -> VehicleModel:
-    """Return the vehicle without instruments; if its volume is published, its hull is replaced by a box of that volume.
+def _bare(model: VehicleModel, density_kg_m3: float, folder: Path) -> VehicleModel:
+    """Return the vehicle without instruments, and with a box of its volume for its hull.
 
     Deep under water, only the volume of a hull and its centre matter.
     """
     update: dict[str, Any] = {"sensors": {}, "sonar": None, "imaging_sonars": {}, "cameras": {}, "trim": None}
-    if model.volume_m3 is not None and model.centre_of_buoyancy_m is not None:
-        side_m = model.volume_m3 ** (1 / 3)
-        corners = [
-            [c + side_m * (bit - 0.5) for c, bit in zip(model.centre_of_buoyancy_m, bits, strict=True)]
-            for bits in product((0, 1), repeat=3)
-        ]
-        lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in corners] + [f"f {a} {b} {c}" for a, b, c in BOX]
-        path = folder / "box.obj"
-        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        update |= {"mesh": path, "collision": "hull", "collision_pieces": None}
-    return model.model_copy(update=update)
+    completed_model, _ = completed(model, density_kg_m3)
+    volume_m3, centre_m = completed_model.volume_m3, completed_model.centre_of_buoyancy_m
+    assert volume_m3 is not None and centre_m is not None
+    side_m = volume_m3 ** (1 / 3)
+    corners = [
+        [c + side_m * (bit - 0.5) for c, bit in zip(centre_m, bits, strict=True)] for bits in product((0, 1), repeat=3)
+    ]
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in corners] + [f"f {a} {b} {c}" for a, b, c in BOX]
+    path = folder / "box.obj"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    update |= {"mesh": path, "mesh_scale": 1.0, "mesh_up": None, "mesh_forward": None}
+    update |= {"collision": "hull", "collision_pieces": None}
+    return completed_model.model_copy(update=update)
 
 
 def _first(position_m: Array) -> Array:

@@ -74,8 +74,10 @@ def _page(found: Identified, log: str) -> str:
             "|---|---|---|---|---|---|---|",
             *rows,
             "",
-            "A quantity that the log does not determine keeps what was assumed before. Held: coefficients that are zero"
-            " in the vehicle's file, the displaced volume and the inertia.",
+            "A quantity that the log does not determine keeps what was assumed before. Coefficients that are zero in"
+            " the vehicle's file are held. All values depend on:",
+            "",
+            *(f"- {line}" for line in found.premises),
             "",
             "## What the log does not determine",
             "",

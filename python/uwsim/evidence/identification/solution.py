@@ -24,7 +24,7 @@ from scipy.stats import norm
 from uwsim.base.short_repr import ShortRepr
 from uwsim.evidence.identification.flown import OUTPUTS, VEHICLE, Block, Flown
 from uwsim.evidence.identification.motion_log import MotionLog
-from uwsim.evidence.identification.unknowns import Place, Unknown, numbers_at, unknowns
+from uwsim.evidence.identification.unknowns import Place, Unknown, completed, numbers_at, unknowns
 from uwsim.scenario import VehicleModel
 from uwsim.scenario.spec.fields import Model
 
@@ -71,7 +71,8 @@ class Identified(ShortRepr):
 
     residuals (n, 12), NaN where nothing was measured: position [m], attitude [rad], velocity [m/s], rate [rad/s].
     noise (12,): their standard deviations. correlation (12,): at lag one. model: the vehicle, with the values
-    that the log determines, given the file's for the others; numbers: the same by place in the file.
+    that the log determines, given the file's for the others; numbers: the same by place in the file. premises: what
+    all values depend on and no log is asked for, or the file does not state: one line each, with its source.
     """
 
     values: dict[str, Value]
@@ -82,6 +83,7 @@ class Identified(ShortRepr):
     times_s: Array
     model: VehicleModel
     numbers: dict[Place, float]
+    premises: tuple[str, ...]
 
 
 def identify(
@@ -100,7 +102,8 @@ def identify(
     parts of about this length, each with its own initial state, so that disturbances do not accumulate. Raises
     ValueError if nothing is unknown, or if the vehicle cannot be simulated.
     """
-    found = unknowns(model, VEHICLE, spreads, known)
+    model, added = completed(model, density_kg_m3)
+    found = unknowns(model, VEHICLE, spreads, known, added=added)
     if not found:
         raise ValueError("known: nothing is left to be identified")
     flown = Flown(model, log, found, segment_s, density_kg_m3, threads)
@@ -137,7 +140,28 @@ def identify(
         log.times_s,
         reduce(lambda part, at: _with_number(part, at, numbers[at]), numbers, model),
         numbers,
+        _premises(model, found, added),
     )
+
+
+def _premises(model: VehicleModel, found: list[Unknown], added: tuple[str, ...]) -> tuple[str, ...]:
+    """Return one line for each property of the body that is held, or that the vehicle's file does not state."""
+    groups = {each.group for each in found}
+    none = "of the hull's mesh: the vehicle's file states none"
+    lines = []
+    for key, unit in (("mass_kg", "kg"), ("volume_m3", "m3"), ("centre_of_mass_m", "m"),
+                      ("centre_of_buoyancy_m", "m"), ("inertia_kg_m2", "kg m2")):  # fmt: skip
+        if key in groups:
+            lines += [f"{key}: identified from that {none}"] if key in added else []
+            continue
+        value = getattr(model, key)
+        if value is None:  # a mass
+            lines.append("mass_kg: the volume times the density, as the vehicle's file states")
+            continue
+        source = none if key in added else "as the vehicle's file states"
+        shown = " ".join(f"{part:.4g}" for part in np.atleast_1d(value))
+        lines.append(f"{key} = {shown} {unit}: held, {source}")
+    return tuple(lines)
 
 
 def _solved(flown: Flown, z: Array, scale: Array, tolerance: float) -> Array:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.axes import AXES
+from uwsim.scenario.build.hull import rigid_body
 from uwsim.scenario.spec.vehicle import VehicleModel
 
 Array = NDArray[np.float64]
@@ -24,6 +25,7 @@ MatrixKey = Literal["added_mass", "linear_damping", "quadratic_damping"]
 
 SPREADS = {  # prior standard deviations; of the logarithm for positive quantities
     "mass_kg": 0.1,
+    "volume_m3": 0.1,
     "centre_of_mass_m": 0.3,
     "centre_of_buoyancy_m": 0.3,
     "added_mass": 0.4,
@@ -41,8 +43,8 @@ SIGNED = ("centre_of_mass_m", "centre_of_buoyancy_m", "current_m_s", "command_de
 DELAY = "command_delay"
 """The unknown by which all commands take effect later than logged; it is no parameter of the vehicle."""
 UNITS = {
-    "mass_kg": "kg", "centre_of_mass_m": "m", "centre_of_buoyancy_m": "m", "thrust_gain": "", "thrust_lag": "s",
-    "current_m_s": "m/s", "command_delay": "s",
+    "mass_kg": "kg", "volume_m3": "m3", "centre_of_mass_m": "m", "centre_of_buoyancy_m": "m", "thrust_gain": "",
+    "thrust_lag": "s", "current_m_s": "m/s", "command_delay": "s",
 }  # fmt: skip
 AXIS_UNITS = {
     "added_mass": ("kg", "kg m2"),
@@ -84,12 +86,33 @@ class Unknown:
         return self.value * float(np.exp(self.spread * z)) if self.positive else self.value + self.spread * z
 
 
+def completed(model: VehicleModel, density_kg_m3: float) -> tuple[VehicleModel, tuple[str, ...]]:
+    """Return a vehicle that states its volume, centre of buoyancy and inertia, and the keys that were added.
+
+    What its file does not state is that of its hull, in water of this density.
+    """
+    body = rigid_body(model, density_kg_m3)
+    own = {
+        "volume_m3": body.volume_m3,
+        "centre_of_buoyancy_m": tuple(map(float, body.centre_of_buoyancy_m)),
+        "inertia_kg_m2": tuple(map(float, body.inertia_kg_m2)),
+    }
+    added = {key: value for key, value in own.items() if getattr(model, key) is None}
+    return model.model_copy(update=added), tuple(added)
+
+
 def unknowns(
-    model: VehicleModel, vehicle: str, spreads: Mapping[str, float] | None = None, known: tuple[str, ...] = ()
+    model: VehicleModel,
+    vehicle: str,
+    spreads: Mapping[str, float] | None = None,
+    known: tuple[str, ...] = (),
+    *,
+    added: tuple[str, ...] = (),
 ) -> list[Unknown]:
     """Return the unknowns of a vehicle. Coefficients that are zero in its file stay zero.
 
-    vehicle: its name in the scenario. spreads: replacements for some of SPREADS; in metres for positions, in metres per
+    vehicle: its name in the scenario. added: the keys that its file does not state, see `completed`: the volume is
+    unknown only if it is one of them. spreads: replacements for some of SPREADS; in metres for positions, in metres per
     second for the current. known: names of groups or unknowns that keep the file's value. Raises ValueError for an
     unknown name or a spread that is not positive.
     """
@@ -100,7 +123,8 @@ def unknowns(
             raise ValueError(f"spread.{key} = {spread}: must be in (0, 10]")
     gap_m = float(np.linalg.norm(np.subtract(_centre_of_buoyancy(model), model.centre_of_mass_m)))
     own = SPREADS | {key: max(SPREADS[key] * gap_m, LEAST_M) for key in SPREADS if key.startswith("centre_of")} | given
-    found = [each for each in _of_vehicle(model, vehicle) if each.value or not each.positive]
+    own_values = [*_of_vehicle(model, vehicle, is_volume_known="volume_m3" not in added)]
+    found = [each for each in own_values if each.value or not each.positive]
     found += [_unknown(f"current_m_s.{axis}", 0.0, (f"water.current_world_m_s.{axis}",)) for axis in "xy"]
     found.append(_unknown(DELAY, 0.0))
     names = {each.name for each in found}
@@ -111,13 +135,12 @@ def unknowns(
     return [replace(each, spread=own[each.group]) for each in left]
 
 
-def _of_vehicle(model: VehicleModel, vehicle: str) -> Iterator[Unknown]:
+def _of_vehicle(model: VehicleModel, vehicle: str, *, is_volume_known: bool) -> Iterator[Unknown]:
     if model.mass_kg is not None:
         yield _unknown("mass_kg", model.mass_kg, (f"{vehicle}.mass_kg",), (("mass_kg",),))
-    centres = ["centre_of_mass_m"]
-    if model.volume_m3 is not None:  # otherwise it is the mesh's own, or only places the mesh
-        centres.append("centre_of_buoyancy_m")
-    for key in centres:
+    if model.volume_m3 is not None and not is_volume_known:
+        yield _unknown("volume_m3", model.volume_m3, (f"{vehicle}.volume_m3",), (("volume_m3",),))
+    for key in ("centre_of_mass_m", "centre_of_buoyancy_m"):
         for k, value in enumerate(getattr(model, key) or ()):
             yield _unknown(f"{key}.{'xyz'[k]}", value, (f"{vehicle}.{key}.{'xyz'[k]}",), ((key, k),))
     yield from _matrix(model, "added_mass", f"{vehicle}.added_mass")

@@ -79,7 +79,6 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "collision_pieces",
             "density_kg_m3",
             "buoyancy",
-            "volume_m3",
             "sonar",
             "material",
             "control",
