@@ -20,6 +20,7 @@ from uwsim.scenario.terrains.raster_grid import Raster
 MARGIN_CELLS = 1.0
 MOST_SPACINGS = 2000
 SPACINGS_PER_CELL, LEAST_SPACING_M = 4, 0.25
+NAME_LENGTH = 40
 SURVEY_SHARE, SURVEY_MAX_M, ALTITUDE_M = 0.6, 100.0, 12.0
 WHOLE = 1e-9  # a share of a spacing by which an edge may fall short by rounding
 
@@ -61,8 +62,10 @@ def scenario_from_chart(
     part = part[np.isfinite(part)] - water_level_m
     shallow_m, deep_m = -float(part.max()), -float(part.min())
     if shallow_m < 1.0:
+        down = ": its heights are all positive: if they are depths, negate them, such as with `gdal_calc.py -A " \
+               f"{chart.name} --calc=-A --outfile=up.tif`" if deep_m < 0.0 else ""  # fmt: skip
         raise ValueError(f"'{chart}': its largest part without gaps reaches {-shallow_m:g} m above the water surface: "
-                         "must lie 1 m below it or deeper: choose --centre and --size")  # fmt: skip
+                         f"must lie 1 m below it or deeper: choose --centre and --size{down}")  # fmt: skip
     values = _values(chart, out, (x, y), edge_m, spacing_m, (shallow_m, deep_m), read)
     write_atomically(out, yaml_text(values).encode())
     return FromChart(out, edge_m, (shallow_m, deep_m))
@@ -73,7 +76,8 @@ def _values(
     read: dict[str, Any],
 ) -> dict[str, Any]:  # fmt: skip
     half_m = round(0.5 * min(SURVEY_SHARE * edge_m, SURVEY_MAX_M), 2)
-    name = out.stem.replace(" ", "_")
+    plain = "".join(c if c.isascii() and (c.isalnum() or c in "-_") else "_" for c in out.stem)
+    name = (plain if plain[0].isalpha() else f"chart_{plain}")[:NAME_LENGTH]
     altitude_m = round(min(ALTITUDE_M, 0.5 * depth_m[0]), 2)
     return {
         "name": name,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from uwsim.evidence.robots.robot import Robot
+from uwsim.evidence.robots.sdf import read_sdf
 from uwsim.evidence.robots.stonefish import read_stonefish
 from uwsim.evidence.robots.urdf import read_urdf
 from uwsim.evidence.robots.written import write_found
@@ -137,3 +138,17 @@ def test_a_bound_of_thrust_bounds_the_thrust_and_one_clamp_counts_for_both(tmp_p
     assert bounds_n(robot) == pytest.approx((-20.0, 30.0))
     assert dict(robot.thrusters[0].thrust_n)[0.5] == pytest.approx(7.5)  # by the square of the input
     assert bounds_n(urdf(tmp_path, "<clampMax>50</clampMax>")) == pytest.approx((-25.0, 25.0))
+
+
+def test_a_mesh_that_winds_inward_displaces_what_it_encloses(tmp_path: Path) -> None:
+    """It was dropped in silence, as a shape that only stands in for one."""
+    x, y, z = np.meshgrid(*([-s / 2, s / 2] for s in SIDES), indexing="ij")
+    corners = np.stack([x, y, z], axis=-1).reshape(8, 3)
+    quads = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+    lines = [f"v {a} {b} {c}" for a, b, c in corners] + [f"f {' '.join(map(str, each[::-1]))}" for each in quads]
+    (tmp_path / "keel.obj").write_text("\n".join([*lines, ""]))
+    keel = '<collision name="keel"><geometry><mesh><uri>keel.obj</uri></mesh></geometry></collision><sensor name="nose"'
+    (tmp_path / "world.sdf").write_text((DATA / "glider.sdf").read_text().replace('<sensor name="nose"', keel))
+    with pytest.warns(UserWarning, match="repaired"):
+        robot = read_sdf(tmp_path / "world.sdf").robots[0]
+    assert robot.volume_m3 == pytest.approx(2.0 * 0.25 * 0.2 + SIDES.prod())

@@ -110,3 +110,11 @@ def test_a_gap_that_is_not_declared_is_a_question_and_not_a_bed(gap: float, tmp_
 def test_a_trench_of_9999_m_is_a_bed(tmp_path: Path) -> None:
     slope = np.linspace(-9000.0, -9999.0, N * N, dtype=np.float32).reshape(N, N)
     assert middle_m(chart(tmp_path / "a.tif", slope)) == pytest.approx(-9499.0, abs=10.0)
+
+
+def test_any_file_s_name_becomes_a_name_and_depths_that_are_positive_are_explained(tmp_path: Path) -> None:
+    for stem in ("2019_survey", "gebco_2024_n44.0_s43.0_w5.0_e6.0_and_more"):
+        made = scenario_from_chart(chart(tmp_path / f"{stem}.tif"), tmp_path / f"{stem}.yaml", size_m=100.0)
+        assert load(made.path).name[0].isalpha()
+    with pytest.raises(ValueError, match=r"its heights are all positive: if they are depths, negate them"):
+        middle_m(chart(tmp_path / "down.tif", -BED))

@@ -27,7 +27,10 @@ class Joint:
 
 @dataclass
 class Links:
-    """The links of a model. poses: of each in the frame of the model. missing: a line for each absent mesh."""
+    """The links of a model. poses: of each in the frame of the model. missing: a line for each absent mesh.
+
+    is_vehicle: whether its solids displace water, for which they have to be closed.
+    """
 
     element: Element
     poses: dict[str, Pose] = field(default_factory=dict)
@@ -35,6 +38,7 @@ class Links:
     solids: dict[str, list[Mesh]] = field(default_factory=dict)
     joints: dict[str, Joint] = field(default_factory=dict)
     missing: list[str] = field(default_factory=list)
+    is_vehicle: bool = True
 
     def add(self, name: str, other: Links) -> None:
         """Add the links and joints of a model within this one, under its name."""

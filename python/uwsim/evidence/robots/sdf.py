@@ -146,7 +146,7 @@ class _Reader:
         """Return the links of a model and of those in it, in the frame of the outermost. heavy: with their masses."""
         if level == LEVELS:
             raise model.error(f"is {LEVELS} models deep: must be fewer")
-        links, inner = Links(model), [(each, each.name, each.pose()) for each in model.all("model")]
+        links, inner = Links(model, is_vehicle=heavy), [(each, each.name, each.pose()) for each in model.all("model")]
         for include in model.all("include"):
             named = self._included(include)
             if named is not None:
@@ -221,7 +221,8 @@ class _Reader:
                 links.missing.append(str(shape.error(rule)))
                 return None
             scale = shape.numbers("scale", 3)
-            return shapes.from_file(file, np.ones(3) if scale is None else scale)
+            mesh = shapes.from_file(file, np.ones(3) if scale is None else scale)
+            return shapes.closed(mesh, shape.path) if links.is_vehicle else mesh
         self.found.left_out(f"{shape.path}: shapes of this kind")
         return None
 

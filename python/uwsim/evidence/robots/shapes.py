@@ -92,8 +92,8 @@ def volume_and_centre(mesh: Mesh) -> tuple[float, Floats]:
 
 def displaces(mesh: Mesh) -> bool:
     """Return whether a mesh has a volume that matters."""
-    corners = mesh[0][mesh[1]]
-    return float(np.einsum("ti,ti->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))) > 6.0 * TINY_M3
+    corners = mesh[0][mesh[1]]  # which may wind inward
+    return abs(float(np.einsum("ti,ti->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])))) > 6.0 * TINY_M3
 
 
 def solid_lump(mesh: Mesh, mass_kg: float) -> Lump:

@@ -129,7 +129,7 @@ def _solid(collision: Element, path: Path, found: Found) -> Mesh | None:
                 found.dropped(shape, f" {shape.needed('filename')}: not beside the file")
                 return None
             scale = shape.numbers(None, 3, "scale")
-            return shapes.from_file(file, np.ones(3) if scale is None else scale)
+            return shapes.closed(shapes.from_file(file, np.ones(3) if scale is None else scale), shape.path)
     return None
 
 
