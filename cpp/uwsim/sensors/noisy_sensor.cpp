@@ -1,5 +1,6 @@
 #include "uwsim/sensors/noisy_sensor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -71,12 +72,10 @@ SensorInput NoisySensor::input(const VehicleSnapshot& snapshot, const Surroundin
   return {snapshot, around, 1e-9 * static_cast<double>(clock_.time_ns(snapshot.tick))};
 }
 
-bool NoisySensor::arrived(const VehicleSnapshot& measured, const VehicleSnapshot& now,
-                          const Surroundings& around) const {
-  if (uses_link_) return true;  // a sample that has not arrived is not yet in the history
+std::uint64_t NoisySensor::arrival_ns(const VehicleSnapshot& measured, const Surroundings& around) const {
+  if (uses_link_) return 0;  // a sample that has not arrived is not yet in the history
   const double delay_s = spec_.latency_s + sensor_->travel_time_s(input(measured, around));
-  return clock_.time_ns(measured.tick) + static_cast<std::uint64_t>(std::llround(delay_s * 1e9)) <=
-         clock_.time_ns(now.tick);
+  return clock_.time_ns(measured.tick) + static_cast<std::uint64_t>(std::llround(delay_s * 1e9));
 }
 
 void NoisySensor::follow(const VehicleSnapshot& snapshot, const Surroundings& around,
@@ -100,13 +99,37 @@ void NoisySensor::measure(const VehicleSnapshot& snapshot, const Surroundings& a
 }
 
 void NoisySensor::measure_recorded(const SampleHistory::Entry& entry, const Surroundings& around) {
+  if (entry.settled) {
+    std::copy(entry.reading.begin(), entry.reading.end(), sample_.values.begin());
+    sample_.stamp_ns = clock_.time_ns(entry.snapshot.tick);
+    sample_.valid = measured_valid_ = entry.valid;
+    return;
+  }
   if (entry.observed) {
     raw_ = entry.raw;
-  } else {  // no ray could hit another body
-    const Surroundings then{around.scene.with(nullptr), around.water, around.sound, around.station_world_m};
-    sensor_->observe(input(entry.snapshot, then), raw_);
+  } else {  // no ray could hit a body; plants lean as they did
+    Surroundings then{around.scene.with(nullptr), around.water, around.sound, around.world};
+    const SensorInput measured = input(entry.snapshot, then);
+    if (then.scene.sways()) then.scene = then.scene.with_plants(Sway::of(*then.world, measured.time_s));
+    sensor_->observe(measured, raw_);
   }
   finish(entry.snapshot, true);
+}
+
+void NoisySensor::settle(const Surroundings& around) {
+  history_.visit_all([&](SampleHistory::Entry& entry) {
+    if (entry.settled) return;
+    measure_recorded(entry, around);
+    entry.reading = sample_.values;
+    entry.valid = measured_valid_;
+    entry.arrival_ns = arrival_ns(entry.snapshot, around);
+    entry.settled = true;
+  });
+  measured_tick_ = kNever;  // sample_ is the last of them
+}
+
+void NoisySensor::set_stations(const Eigen::Vector3d& station_world_m) {
+  history_.visit_all([&](SampleHistory::Entry& entry) { entry.snapshot.station_world_m = station_world_m; });
 }
 
 void NoisySensor::finish(const VehicleSnapshot& snapshot, bool with_noise) {
@@ -137,16 +160,17 @@ const Sample& NoisySensor::read_true(const VehicleSnapshot& now, const Surroundi
 const Sample& NoisySensor::read(const VehicleSnapshot& now, const Surroundings& around) {
   bool newest_dropped = false, found = false;
   // Whether this measurement can be used as the sample: it has arrived and was not dropped.
-  const auto gives_sample = [&](const VehicleSnapshot& measured, bool is_dropped) {
-    if (!arrived(measured, now, around)) return false;
+  const auto gives_sample = [&](std::uint64_t arrived_ns, bool is_dropped) {
+    if (arrived_ns > clock_.time_ns(now.tick)) return false;
     newest_dropped |= is_dropped;
     return found = !is_dropped;
   };
-  if (!uses_link_ && clock_.samples_at(now.tick) && gives_sample(now, dropped(now.tick))) {
+  if (!uses_link_ && clock_.samples_at(now.tick) && gives_sample(arrival_ns(now, around), dropped(now.tick))) {
     measure(now, around, true);
   } else {
     history_.visit_back([&](const SampleHistory::Entry& entry) {
-      if (!gives_sample(entry.snapshot, entry.dropped)) return false;
+      const std::uint64_t arrived_ns = entry.settled ? entry.arrival_ns : arrival_ns(entry.snapshot, around);
+      if (!gives_sample(arrived_ns, entry.dropped)) return false;
       if (measured_tick_ != entry.snapshot.tick) measure_recorded(entry, around);
       measured_tick_ = entry.snapshot.tick;
       return true;

@@ -72,10 +72,18 @@ class NoisySensor {
 
   /// Saves or restores the history at `tick`; errors are a function of seed, names and time. Throws InvalidValue.
   void exchange_state(StateArchive& archive, std::uint64_t tick);
+  /// See SampleHistory.
+  void exchange_details(StateArchive& archive) { history_.exchange_details(archive, sample_.values.size()); }
+  /// For states that lack these details.
+  void set_stations(const Eigen::Vector3d& station_world_m);
+  /// Computes the samples that have been recorded, before the parameters change on which they depend.
+  void settle(const Surroundings& around);
+  /// Takes over the samples of the same sensor with other parameters.
+  void take_over(const NoisySensor& before) { history_.take_over(before.history_); }
 
  private:
   bool dropped(std::uint64_t tick) const;
-  bool arrived(const VehicleSnapshot& measured, const VehicleSnapshot& now, const Surroundings& around) const;
+  std::uint64_t arrival_ns(const VehicleSnapshot& measured, const Surroundings& around) const;
   void follow(const VehicleSnapshot& snapshot, const Surroundings& around, const SampleHistory::Entry* before,
               std::span<double> raw) const;
   void measure(const VehicleSnapshot& snapshot, const Surroundings& around, bool with_noise);

@@ -14,15 +14,18 @@
 #include "uwsim/rays/ray_scene.h"
 #include "uwsim/sensors/sensor_spec.h"
 #include "uwsim/world/water.h"
+#include "uwsim/world/world.h"
 
 namespace uwsim {
 
-/// The state of a vehicle at a tick, as required by sensors.
+/// The state of a vehicle at a tick, as required by sensors. A sample may be computed later, so it depends only on
+/// this, on the world and on functions of time; bodies that move are observed at once (NoisySensor::record).
 struct VehicleSnapshot {
   std::uint64_t tick = 0;
   BodyState state;
   Vector6d acceleration_body = Vector6d::Zero();  ///< rate of change of velocity_body, body axes
   bool touching = false;
+  Eigen::Vector3d station_world_m = Eigen::Vector3d::Zero();  ///< which may ride on a vehicle
 };
 
 /// The surroundings of a vehicle; `scene` contains the other vehicles at their present poses.
@@ -30,7 +33,7 @@ struct Surroundings {
   RayScene scene;
   const Water& water;
   const SoundSpeedProfile& sound;  ///< sound speed of the water
-  Eigen::Vector3d station_world_m = Eigen::Vector3d::Zero();
+  const World* world = nullptr;    ///< whose plants lean otherwise at another time; null if none do
 };
 
 /// The input of a measurement.

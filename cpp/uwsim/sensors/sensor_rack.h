@@ -61,6 +61,19 @@ class SensorRack {
     sensors_.at(index).watch(from_ns);
     find_next_collection();
   }
+  /// See NoisySensor.
+  void settle(const Surroundings& around) {
+    for (NoisySensor& sensor : sensors_) sensor.settle(around);
+  }
+  void take_over(const SensorRack& before) {
+    for (std::size_t k = 0; k < sensors_.size(); ++k) sensors_[k].take_over(before.sensors_.at(k));
+  }
+  void exchange_details(StateArchive& archive) {
+    for (NoisySensor& sensor : sensors_) sensor.exchange_details(archive);
+  }
+  void set_stations(const Eigen::Vector3d& station_world_m) {
+    for (NoisySensor& sensor : sensors_) sensor.set_stations(station_world_m);
+  }
   /// Watches the same sensors as another rack.
   void watch_like(const SensorRack& other) {
     for (std::size_t k = 0; k < sensors_.size(); ++k) sensors_[k].watch_like(other.sensors_.at(k));

@@ -73,7 +73,7 @@ class Usbl final : public MountedSensor {
     const auto found = line.norm() <= range_max_m_ ? arrivals_at_station(line, input) : std::span<const Arrival>();
     if (!found.empty()) return 2 * found[locked(found)].time_s;
     // After this time, no reply can arrive.
-    return 2 * std::min(line.norm(), range_max_m_) / input.around.sound.at(depth_m(input.around.station_world_m));
+    return 2 * std::min(line.norm(), range_max_m_) / input.around.sound.at(depth_m(input.vehicle.station_world_m));
   }
 
   double longest_travel_time_s() const override { return 2 * range_max_m_ / kSlowestSound_m_s; }
@@ -83,15 +83,16 @@ class Usbl final : public MountedSensor {
   static constexpr double kSlowestSound_m_s = 1000;  // no water is slower (fresh water at 0 deg C: 1402 m/s)
 
   Eigen::Vector3d from_station(const SensorInput& input) const {
-    return world_from_sensor(input).position_m - input.around.station_world_m;
+    return world_from_sensor(input).position_m - input.vehicle.station_world_m;
   }
   static double depth_m(const Eigen::Vector3d& point_world_m) { return std::max(0.0, -point_world_m.z()); }
   /// An end above the water is treated as if it were at the surface.
   std::span<const Arrival> arrivals_at_station(const Eigen::Vector3d& line, const SensorInput& input) const {
     const Surroundings& around = input.around;
-    const Eigen::Vector3d middle = around.station_world_m + 0.5 * line;
-    const double to_m = depth_m(around.station_world_m), from_m = depth_m(around.station_world_m + line);
-    const double bed_m = bed_depth_m(around.scene, middle.x(), middle.y());
+    const Eigen::Vector3d &station = input.vehicle.station_world_m, middle = station + 0.5 * line;
+    const double to_m = depth_m(station), from_m = depth_m(station + line);
+    const RayScene fixed = around.scene.with(nullptr).with_plants(nullptr);  // the rest moves until the fix is read
+    const double bed_m = bed_depth_m(fixed, middle.x(), middle.y());
     const double waves_m = around.water.waves ? 0.25 * around.water.waves->significant_height_m() : 0;
     const RayEnds ends{from_m, to_m, std::hypot(line.x(), line.y()),
                        bed_m > std::max(from_m, to_m) ? bed_m : kInfinity};
@@ -133,7 +134,7 @@ class Usbl final : public MountedSensor {
     if (alone && heard.surface_bounces + heard.bottom_bounces == 0) return line;
     // Back along the ray, up if it came down
     const double dip = -std::atan2((down / sum).real(), std::max(0.0, (across / sum).real()));
-    const double from_m = depth_m(input.around.station_world_m);
+    const double from_m = depth_m(input.vehicle.station_world_m);
     SoundState end = travel(input.around.sound, from_m, dip, heard.time_s);
     const double beyond_m = (heard.time_s - end.time_s) * input.around.sound.at(0);  // straight on above the surface
     const double far_m = end.across_m + beyond_m * std::cos(end.dip_rad);

@@ -44,6 +44,9 @@ void Simulation::change(const Water& water, const SimulationSpec& spec, const st
     exchange_vehicle(present, vehicles_[k]);
     StateArchive same(present.bytes());
     exchange_vehicle(same, changed[k]);
+    Vehicle& before = vehicles_[k];
+    before.sensors.settle({scene_around(before), world_.water, sound_, &world_});
+    changed[k].sensors.take_over(before.sensors);
     changed[k].actuators.renew_commands();
     changed[k].sensors.watch_like(vehicles_[k].sensors);
     changed[k].pushes.commanded = vehicles_[k].pushes.commanded;

@@ -87,6 +87,22 @@ void Simulation::exchange_applied(StateArchive& archive) {
   const bool has_no_objects = archive.at_end();
   for (Pushes& pushes : object_pushes_) exchange(pushes, has_no_objects);
   if (stirring_) stirring_->exchange_state(archive);
+  exchange_details(archive);
+}
+
+/// What samples depend on besides the vehicle's motion; an earlier build took it from the time at which they were read.
+void Simulation::exchange_details(StateArchive& archive) {
+  const bool is_older = archive.at_end();
+  const Eigen::Vector3d station = station_world_m();
+  for (Vehicle& vehicle : vehicles_) {
+    if (is_older) {
+      vehicle.sensors.set_stations(station);
+    } else {
+      vehicle.sensors.exchange_details(archive);
+    }
+  }
+  if (!link_) return;
+  for (PositionExchange& one : link_->exchanges) one.exchange_station(is_older ? nullptr : &archive, station);
 }
 
 void Simulation::exchange_vehicle(StateArchive& archive, Vehicle& vehicle) const {

@@ -120,13 +120,12 @@ void Simulation::step(std::uint64_t count) {
 void Simulation::step_once() {
   for (Vehicle& vehicle : vehicles_) {
     if (vehicle.sensors.collection_due(tick_)) {
-      vehicle.sensors.collect(snapshot(vehicle), {scene_around(vehicle), world_.water, sound_, station_world_m()});
+      vehicle.sensors.collect(snapshot(vehicle), {scene_around(vehicle), world_.water, sound_, &world_});
     }
     if (vehicle.sensors.due(tick_)) {
       const VehicleSnapshot now = snapshot(vehicle);
       const bool among_bodies = vehicle.sensors.casts_rays(now);  // placing them takes time
-      vehicle.sensors.record(now,
-                             {among_bodies ? scene_around(vehicle) : *scene_, world_.water, sound_, station_world_m()});
+      vehicle.sensors.record(now, {among_bodies ? scene_around(vehicle) : *scene_, world_.water, sound_});
     }
   }
   if (link_) transmit();
@@ -200,8 +199,8 @@ Vehicle& Simulation::changeable(std::size_t index) { return item(vehicles_, inde
 const BodyState& Simulation::state(std::size_t index) const { return bodies_.state(vehicle(index).body); }
 
 VehicleSnapshot Simulation::snapshot(const Vehicle& vehicle) const {
-  return {tick_, bodies_.state(vehicle.body), bodies_.acceleration_body(vehicle.body),
-          bodies_.in_contact(vehicle.body)};
+  return {tick_, bodies_.state(vehicle.body), bodies_.acceleration_body(vehicle.body), bodies_.in_contact(vehicle.body),
+          station_world_m()};
 }
 
 const MovingBodies& Simulation::vehicles_for_rays() const {
@@ -262,7 +261,7 @@ RayScene Simulation::scene_around(std::size_t index) const { return scene_around
 
 const Sample& Simulation::read_sensor(std::size_t index, std::size_t sensor, bool with_noise) {
   Vehicle& reader = changeable(index);
-  const Surroundings around{scene_around(reader), world_.water, sound_, station_world_m()};
+  const Surroundings around{scene_around(reader), world_.water, sound_, &world_};
   NoisySensor& instrument = reader.sensors.at(sensor);
   return with_noise ? instrument.read(snapshot(reader), around) : instrument.read_true(snapshot(reader), around);
 }
@@ -273,7 +272,7 @@ void Simulation::watch_sensor(std::size_t index, std::size_t sensor, std::option
 
 SampleBatch Simulation::take_samples(std::size_t index, std::size_t sensor) {
   Vehicle& watched = changeable(index);
-  watched.sensors.collect(snapshot(watched), {scene_around(watched), world_.water, sound_, station_world_m()});
+  watched.sensors.collect(snapshot(watched), {scene_around(watched), world_.water, sound_, &world_});
   return watched.sensors.at(sensor).take_samples();
 }
 

@@ -198,6 +198,7 @@ class Simulation {
  private:
   void exchange_state(StateArchive& archive);
   void exchange_applied(StateArchive& archive);
+  void exchange_details(StateArchive& archive);
   void exchange_vehicle(StateArchive& archive, Vehicle& vehicle) const;
   Vehicle equipped(const VehicleSpec& vehicle, const SimulationSpec& spec, const Water& water) const;
   Vehicle& changeable(std::size_t index);

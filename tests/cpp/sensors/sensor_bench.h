@@ -31,7 +31,7 @@ class SensorBench : public ::testing::Test {
     snapshot.state.world_from_body.position_m = {0, 0, -12};
   }
 
-  Surroundings around() const { return {*scene, world.water, sound, station_world_m}; }
+  Surroundings around() const { return {*scene, world.water, sound}; }
 
   NoisySensor sensor(const SensorSpec& spec, std::uint64_t seed = 7) const { return {spec, seed, "rov", kStepNs}; }
 
@@ -40,9 +40,9 @@ class SensorBench : public ::testing::Test {
 
   World world;
   std::optional<RayScene> scene;
-  Eigen::Vector3d station_world_m = Eigen::Vector3d::Zero();
   SoundSpeedProfile sound = SoundSpeedProfile::even(1480);
   VehicleSnapshot snapshot;
+  Eigen::Vector3d& station_world_m = snapshot.station_world_m;
 };
 
 inline SensorSpec sensor_spec(const std::string& kind, std::map<std::string, std::vector<double>, std::less<>> p = {},

@@ -113,7 +113,7 @@ TEST_F(Sensors, ADvlMeasuresItsVelocityOverFlatAndSlopingBottomsInAnyAttitude) {
     for (const double yaw : {0.0, 1.0, 4.0}) {
       snapshot.state.world_from_body.orientation = turn(yaw, 0.2 * yaw - 0.3, roll);
       for (const RayScene* bottom : {&flat, &over_slope}) {
-        const Sample sample = dvl.read_true(snapshot, {*bottom, world.water, sound, station_world_m});
+        const Sample sample = dvl.read_true(snapshot, {*bottom, world.water, sound});
         ASSERT_TRUE(sample.valid);
         EXPECT_LT((Eigen::Vector3d::Map(sample.values.data()) - over_ground).norm(), 1e-12);
       }
@@ -176,6 +176,21 @@ TEST_F(Sensors, AUsblFixArrivesAfterTwiceTheTravelTimeAlongTheBentRay) {
   EXPECT_TRUE(fix.valid);
   EXPECT_EQ(fix.stamp_ns, 0);
   EXPECT_NEAR(fix.values[3], 600, 1e-9);
+}
+
+TEST_F(Sensors, AUsblFixIsFromWhereTheStationWasAtThePing) {
+  station_world_m = {-30, 10, -1};
+  const Eigen::Vector3d line = Eigen::Vector3d(0, 0, -12) - station_world_m;
+  NoisySensor usbl = sensor(sensor_spec("usbl"));
+  usbl.record(snapshot, around());
+  for (const std::uint64_t tick : {40, 400}) {
+    VehicleSnapshot later = snapshot;
+    later.tick = tick;
+    later.station_world_m.x() += 0.01 * static_cast<double>(tick);
+    const Sample fix = usbl.read(later, around());
+    EXPECT_TRUE(fix.valid);
+    EXPECT_LT((Eigen::Vector3d::Map(fix.values.data()) - line).norm(), 1e-12);
+  }
 }
 
 TEST_F(Sensors, WhereNoRayArrivesThereIsNoUsblFix) {
