@@ -53,7 +53,7 @@ class RayScene {
   RayScene with(std::shared_ptr<const MovingBodies> bodies, std::size_t hidden = MovingBodies::kNone) const;
   /// Returns the same scene with plants that lean so; null: they stand upright.
   RayScene with_plants(std::shared_ptr<const Sway> sway) const;
-  /// Whether plants lean, as they do only at one time.
+  /// Returns true if plants lean, as they do only at one time.
   bool sways() const { return sway_ != nullptr; }
   /// Whether any of the cone's rays may hit a body; conservative.
   bool bodies_in(const RayCone& cone) const;

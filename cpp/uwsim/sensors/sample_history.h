@@ -22,7 +22,7 @@ class SampleHistory {
     bool dropped = false;
     bool observed = false;    ///< whether `raw` contains the observed values; if not, they are observed later
     std::vector<double> raw;  ///< of fixed size
-    /// Whether the reading below is the sample, since it was taken with parameters that have changed since.
+    /// True if the reading below is the sample, which was taken with parameters that have changed since.
     bool settled = false;
     bool valid = false;
     std::uint64_t arrival_ns = 0;

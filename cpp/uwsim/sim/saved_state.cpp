@@ -90,7 +90,7 @@ void Simulation::exchange_applied(StateArchive& archive) {
   exchange_details(archive);
 }
 
-/// What samples depend on besides the vehicle's motion; an earlier build took it from the time at which they were read.
+/// The details of samples; an earlier build took them from the time at which they were read.
 void Simulation::exchange_details(StateArchive& archive) {
   const bool is_older = archive.at_end();
   const Eigen::Vector3d station = station_world_m();

@@ -28,7 +28,7 @@ MOVES = ("place", "dock", "undock")
 
 
 class Use(IntEnum):
-    """Who uses an estimate. What a later one computes from it must not depend on whether an earlier one has used it.
+    """The ranks of those who use an estimate. What one computes from it does not depend on any of a lower rank.
 
     OBSERVER: recordings, pages, bridges and other readers. PROGRAM: a program that reads `Vehicle.estimate`. STEERING:
     holds, missions and bridges that steer by it.
@@ -136,7 +136,7 @@ class OnboardNavigation:
         return self.begun(Use.STEERING)
 
     def is_begun(self, use: Use) -> bool:
-        """Whether the Navigator has been started for a use of this rank."""
+        """Return True if the Navigator has been started for a use of this rank."""
         return self._navigator is not None and use <= self._use
 
     def _attend(self) -> None:
