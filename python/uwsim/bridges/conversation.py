@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
-from collections.abc import Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from typing import Any, NamedTuple, Protocol
 
 from websockets.asyncio.server import ServerConnection
@@ -13,6 +14,10 @@ from websockets.exceptions import ConnectionClosed
 Frame = str | bytes
 """A WebSocket frame: str for text, bytes for binary."""
 AT_ONCE, AT_ONCE_S = 16, 0.002  # frames, or CPU time, after which other clients get a turn
+UNDER_WAY_S, PING_S = 0.25, 0.1
+"""For so long a client may take to read what is under way to it, and how often that is measured, at least."""
+FIRST_UNDER_WAY, MOST_UNDER_WAY = 8, 1 << 12
+"""Messages under way at first, and at most."""
 PIECE = 1 << 18  # characters or bytes; a larger message is sent in several frames, so that no write takes long
 
 
@@ -42,6 +47,53 @@ class Share(Allowance):
         super().__init__(fraction)
         self.fraction = fraction
         self.clients = 0
+
+
+class Pace:
+    """How many messages may be under way to a client, so that what it reads is new.
+
+    The system holds megabytes that a client has not read yet: seconds or minutes of messages for a slow one, whatever
+    the queues. A client answers a ping when it has read what was sent before, so that the time of the answer measures
+    how fast it reads: as many messages may be under way as it reads within UNDER_WAY_S, and one at least.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._window = FIRST_UNDER_WAY
+        self._unread = self._asked_about = 0
+        self._asked_s = -math.inf
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether a ping is unanswered."""
+        return self._asked_about > 0
+
+    @property
+    def is_due(self) -> bool:
+        """Whether a ping must be sent."""
+        is_late = self._clock() - self._asked_s > PING_S
+        return not self.is_asked and self._unread > 0 and (2 * self._unread >= self._window or is_late)
+
+    @property
+    def is_full(self) -> bool:
+        """Whether nothing more may be sent until the ping is answered."""
+        is_late = self.is_asked and self._clock() - self._asked_s > UNDER_WAY_S
+        return self._unread >= self._window or is_late
+
+    def sent(self) -> None:
+        """Count a message."""
+        self._unread += 1
+
+    def asked(self) -> None:
+        """Note that a ping was sent after the messages so far."""
+        self._asked_about, self._asked_s = self._unread, self._clock()
+
+    def answered(self) -> None:
+        """Note the answer to the ping."""
+        fits = UNDER_WAY_S * self._asked_about / max(self._clock() - self._asked_s, 1e-6)
+        self._window = int(min(max(fits, 1), 2 * self._window, MOST_UNDER_WAY))
+        self._unread -= self._asked_about
+        self._asked_about = 0
 
 
 class Rates(NamedTuple):
@@ -99,7 +151,8 @@ async def _read(connection: ServerConnection, session: Session, rates: Rates, sh
 
 async def _write(connection: ServerConnection, session: Session, wakes: asyncio.Event) -> None:
     loop = asyncio.get_running_loop()
-    count = 0
+    count, pace = 0, Pace()
+    pong: Awaitable[float] | None = None
     while True:
         wakes.clear()  # before checking, since another thread may add a frame between the two
         frame, delay_s = await session.next_frame()
@@ -111,6 +164,16 @@ async def _write(connection: ServerConnection, session: Session, wakes: asyncio.
             continue
         await connection.send(frame if len(frame) <= PIECE else _pieces(frame))
         del frame  # it may be large, and the next frame may come much later
+        pace.sent()
+        while True:
+            if pace.is_due:
+                pong = await connection.ping()
+                pace.asked()
+                asyncio.ensure_future(pong).add_done_callback(lambda _: pace.answered())
+            if pong is None or not pace.is_full:
+                break
+            await pong
+            await asyncio.sleep(0)  # in which the answer is noted
         count += 1
         if count % AT_ONCE == 0:
             await asyncio.sleep(0)

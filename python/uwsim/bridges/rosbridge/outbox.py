@@ -6,6 +6,7 @@ bytes are queued nevertheless, it is disconnected. Across all unthrottled topics
 
 from __future__ import annotations
 
+import math
 import sys
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -71,7 +72,13 @@ class Mailbox:
         self.lost = 0
         self._credit = credit
         self._unacknowledged = 0
+        self._turn = math.inf  # of the oldest message that was dropped since the last one was sent
         self._cursor: Any = None  # for messages that build on each other
+
+    @property
+    def turn(self) -> float:
+        """The order in which it is served: newer messages inherit that of those dropped, or a fast topic would starve."""
+        return min(self._turn, self.samples[0][0])
 
     @property
     def is_blocked(self) -> bool:
@@ -90,6 +97,7 @@ class Mailbox:
             self.clear(account)  # the new sample contains their content
         while self.samples and (len(self.samples) >= self.longest or self.bytes + sample.size > most_bytes):
             self.lost += 1
+            self._turn = min(self._turn, self.samples[0][0])
             self._pop(account)
         self.samples.append((order, sample))
         self.bytes += sample.size
@@ -97,7 +105,7 @@ class Mailbox:
 
     def take(self, now_s: float, account: Account) -> Parcel:
         """Remove the oldest sample from the queue and return it."""
-        self.next_s = now_s + self.throttle_s
+        self.next_s, self._turn = now_s + self.throttle_s, math.inf
         self._unacknowledged += 1
         sample, self._cursor = self._pop(account).after(self._cursor)
         return Parcel(sample, self.topic, self.ros, self.compression, self._fragment_size)
@@ -213,7 +221,7 @@ class Outbox:
         waiting = [mailbox for mailbox in self._mailboxes.values() if mailbox.samples and not mailbox.is_blocked]
         due = [mailbox for mailbox in waiting if mailbox.next_s <= now_s]
         if due:
-            return min(due, key=_age).take(now_s, self._account), None
+            return min(due, key=_turn).take(now_s, self._account), None
         return None, min((mailbox.next_s - now_s for mailbox in waiting), default=None)
 
     def begun(self, frame: Frame, fragment_size: int | None) -> Frame:
@@ -232,5 +240,5 @@ class Outbox:
         return self.begun(found.encode(), found.fragment_size) if isinstance(found, Parcel) else found, delay_s
 
 
-def _age(mailbox: Mailbox) -> int:
-    return mailbox.samples[0][0]
+def _turn(mailbox: Mailbox) -> float:
+    return mailbox.turn
