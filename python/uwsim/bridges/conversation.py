@@ -65,18 +65,18 @@ class Pace:
 
     @property
     def is_asked(self) -> bool:
-        """Whether a ping is unanswered."""
+        """True while a ping is unanswered."""
         return self._asked_about > 0
 
     @property
     def is_due(self) -> bool:
-        """Whether a ping must be sent."""
+        """True if a ping must be sent."""
         is_late = self._clock() - self._asked_s > PING_S
         return not self.is_asked and self._unread > 0 and (2 * self._unread >= self._window or is_late)
 
     @property
     def is_full(self) -> bool:
-        """Whether nothing more may be sent until the ping is answered."""
+        """True if nothing more may be sent until the ping is answered."""
         is_late = self.is_asked and self._clock() - self._asked_s > UNDER_WAY_S
         return self._unread >= self._window or is_late
 

@@ -51,7 +51,7 @@ def test_a_fast_reader_is_seldom_asked_and_one_that_stops_gets_nothing_more() ->
 
 
 def test_with_a_queue_of_one_a_reader_that_pauses_then_gets_the_newest_message() -> None:
-    """What the system would hold for it, megabytes, is not filled with old messages."""
+    """The system would hold megabytes of old messages for it."""
     with (
         RosbridgeServer(None) as server,
         websocket(server.url) as publisher,

@@ -77,7 +77,7 @@ class Mailbox:
 
     @property
     def turn(self) -> float:
-        """The order in which it is served: newer messages inherit that of those dropped, or a fast topic would starve."""
+        """The order in which it is served: newer messages inherit that of those dropped, lest a fast topic starve."""
         return min(self._turn, self.samples[0][0])
 
     @property
