@@ -57,8 +57,7 @@ def mow_area(
     fraction of the swath shared by neighbouring lanes, in [0, 0.9]. known: a map from an earlier visit; parts that it
     shows to be too high are excluded before the flight. Patches not seen from the lanes are visited at the end. See
     fly_lanes for its log entries; `shallow` is logged where the water is too shallow for the altitude. Raises
-    ValueError for invalid arguments, and StoppedError at the end if no part of the area can be flown, or if less than
-    95 % of the lanes' length that is clear of shoals was flown or seen.
+    ValueError for invalid arguments, and StoppedError if no part of the area can be flown.
     """
     if not 0.0 <= overlap <= 0.9:
         raise ValueError(f"overlap = {overlap}: must be in [0, 0.9]")
@@ -79,7 +78,6 @@ def mow_area(
     yield from look_at_unseen(AreaPilot(lookout, chart))
     if len(flown.left_out) == len(lanes):
         raise StoppedError("no lane of the area can be reached: it is too shallow, or enclosed")
-    flown.require_flown()
     return MownArea(**vars(flown), spacing_m=spacing_m, lanes=len(lanes))
 
 

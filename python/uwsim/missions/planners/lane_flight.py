@@ -14,13 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.missions.lane_lengths import LANE_FLOWN, LANES_FLOWN, LEAST_FLOWN, flown_text
+from uwsim.missions.lane_lengths import LANE_FLOWN, LANES_FLOWN
 from uwsim.missions.lanes import Lane
 from uwsim.missions.planners.area_chart import AreaChart
 from uwsim.missions.planners.area_pilot import AreaPilot
 from uwsim.missions.planners.wayfinder import GRACE_S, Wayfinder
 from uwsim.missions.steps import Steps
-from uwsim.missions.stopped import StoppedError
 
 Floats = NDArray[np.float64]
 POINT_M = 1.0  # distance between the points of a lane
@@ -42,13 +41,6 @@ class FlownLanes:
     trimmed_m: float
     unreached_m: float
     seen_m: float
-
-    def require_flown(self) -> None:
-        """Raise StoppedError unless 95 % of the length that is clear of shoals was flown or seen."""
-        done_m = self.flown_m + self.seen_m
-        clear_m = done_m + self.unreached_m
-        if done_m < LEAST_FLOWN * clear_m:
-            raise StoppedError(f"only {flown_text(done_m, clear_m)} was flown or seen: no path led to the rest")
 
 
 def fly_lanes(lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> Steps[FlownLanes]:

@@ -65,8 +65,7 @@ def make_twin(
     """Build the twin of an area (k, 2); a docked vehicle first undocks, and docks again at the end.
 
     Logs `weak` with the fraction of weak columns after each stage, `patch` for each revisited patch, and `docked`.
-    Raises ValueError for invalid arguments, StoppedError if the vehicle cannot continue or, at the end, if less than
-    95 % of the lanes' length that is clear of shoals was flown or seen.
+    Raises ValueError for invalid arguments, StoppedError if the vehicle cannot continue.
     """
     if not 0.5 < certain < 1.0:
         raise ValueError(f"certain = {certain}: must be above 0.5 and below 1")
@@ -87,7 +86,7 @@ def make_twin(
     inside = _columns(cells, boustrophedon_lanes(area_m, cells.edge_m, np.asarray(away[:2], np.float64)))
     yield from lookout.tilt()
     yield from find_bed(vehicle)
-    flown = yield from fly_lanes(lookout, lanes, chart)
+    yield from fly_lanes(lookout, lanes, chart)
     first_map = OccupancyMap(resolution_m=resolution_m)
     first_map.merge(live.map)
 
@@ -106,7 +105,6 @@ def make_twin(
     vehicle.log("weak", share=len(now) / len(inside), stage="flown again")
     if dock is not None:
         yield from return_and_dock(lookout, dock, away)
-    flown.require_flown()
     return Twin(live.map, first_map, len(before) / len(inside), len(now) / len(inside), len(tried), dock is not None)
 
 
