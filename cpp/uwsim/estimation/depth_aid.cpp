@@ -9,8 +9,8 @@
 namespace uwsim {
 namespace {
 
-/// Observes the weight of the water above it as a depth in water of the surface's density, (1 + column) (level - (p +
-/// R r)_z) + bias + head of the waves' pressure.
+/// Observes the weight of the water above it as a depth in water of the surface's density, level - (p + R r)_z + column
+/// + bias + head of the waves' pressure.
 class DepthAid final : public Aid {
  public:
   DepthAid(const Eigen::Vector3d& lever, double std, const BiasModel& bias, const WaterErrors& water)
@@ -44,17 +44,13 @@ class DepthAid final : public Aid {
   void correct(FilterState& state, const double* reading) const override {
     const Eigen::Vector3d up_body = state.orientation.conjugate() * Eigen::Vector3d::UnitZ();
     const auto bias = state.aid_bias.segment<kLevel + WaterAbove::kErrors>(first_bias - kAidBias);
-    const double depth = depth_m(state), scale = 1 + bias[kColumn];
-    const double expected = scale * depth + bias[0] + bias[kHead];
+    const double expected = depth_m(state) + bias[kColumn] + bias[0] + bias[kHead];
     if (expected < 0 && reading[0] < dry_m()) return;
+    above_.begin(state, first_bias + kLevel, reading[0]);
     ErrorVector h = ErrorVector::Zero(state.errors());
-    h[kPosition + 2] = -scale;
-    h.segment<3>(kAttitude) = scale * up_body.cross(lever_);
-    h[first_bias] = h[first_bias + kHead] = 1;
-    h[first_bias + kLevel] = scale;
-    // Before the depth is known, the column's share is that of the depth which is measured.
-    const bool is_known = state.covariance(kPosition + 2, kPosition + 2) < kKnown_m * kKnown_m;
-    h[first_bias + kColumn] = is_known ? depth : reading[0];
+    h[kPosition + 2] = -1;
+    h.segment<3>(kAttitude) = up_body.cross(lever_);
+    h[first_bias] = h[first_bias + kHead] = h[first_bias + kLevel] = h[first_bias + kColumn] = 1;
     Aid::correct(state, reading[0] - expected, h, variance_);
   }
 
@@ -86,8 +82,6 @@ class DepthAid final : public Aid {
  private:
   // The biases, in order: the instrument's, the waves', of which the second is the head, and those of the water above.
   static constexpr int kWaves = 1, kHead = kWaves + 1, kLevel = kWaves + WavePressure::kErrors, kColumn = kLevel + 2;
-  static constexpr double kKnown_m = 10;
-
   /// Readings are white noise whose mean over a second is about a fifth of `variance_`, at usual rates; smaller waves
   /// do not matter.
   WavePressure waves(double wave_std) const { return {wave_std, wave_std > 0 ? 0.2 * std::sqrt(variance_) : 0}; }

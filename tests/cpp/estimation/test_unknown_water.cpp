@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kWeight_m_s2 = 9.80665;
 constexpr std::uint64_t kSample_ns = 10'000'000;
-constexpr int kLevelError = 3, kColumnError = 5;  // among the depth gauge's biases
+constexpr int kLevelError = 3;  // among the depth gauge's biases
 
 using Height = std::function<double(double)>;  // [m], by time [s]
 
@@ -126,6 +126,15 @@ TEST(UnknownWater, HeavierWaterBelowIsNotMoreDepth) {
     EXPECT_LT(deep.z_std, 0.3);
     EXPECT_EQ(deep.filter->state().doubts, 0U);
   }
+}
+
+/// Going up and down in water of one density reveals no other: the height does not drift, however uncertain the column.
+TEST(UnknownWater, UpAndDownInEvenWaterTheHeightStays) {
+  Dive dive{.water = {.column_std = 0.023}, .seconds = 600};
+  dive.z = [](double t) { return -10 + 0.5 * (1 - std::cos(2 * EIGEN_PI / 10 * t)); };
+  double sum = 0;
+  for (unsigned seed = 1; seed <= 4; ++seed) sum += dived(dive, seed).z_error;
+  EXPECT_LT(std::abs(sum / 4), 0.08);
 }
 
 /// A surface that rises faster than any tide where none is expected, as in a lock: fixes contradict the gauge until the
