@@ -129,6 +129,19 @@ def test_a_mistake_is_reported_with_line_key_value_unit_and_rule(
         assert culprit in text.splitlines()[int(number) - 1]
 
 
+def test_a_mistake_of_a_file_that_two_vehicles_name_is_reported_once(tmp_path: Path) -> None:
+    (tmp_path / "own.yaml").write_text("builds_on: bluerov2_heavy\nname: own\nmass_kg: -3\ndrag: 1\n")
+    place = (
+        "terrain: {source: noise, size_m: [100, 100], spacing_m: 5, bed_depth_m: 8}\nstation: {position_m: [0, 0, 0]}\n"
+    )
+    vehicles = "vehicles: [{name: a, model: own.yaml}, {name: b, model: own.yaml}]\n"
+    (tmp_path / "two.yaml").write_text(f"name: two\n{place}{vehicles}")
+    with pytest.raises(ScenarioError) as refusal:
+        load(tmp_path / "two.yaml")
+    assert len(refusal.value.mistakes) == 2, refusal.value.mistakes
+    assert all("vehicles[0].model: " in mistake and "own.yaml:" in mistake for mistake in refusal.value.mistakes)
+
+
 def test_all_mistakes_of_a_file_are_reported_at_once_each_with_its_line(tmp_path: Path) -> None:
     """Errors in referenced files are included; errors that merely follow from another error are not."""
     edits = (

@@ -24,6 +24,8 @@ MAX_MISTAKES = 20
 MAX_ROUNDS = 50
 BASE = "builds_on"
 """The key of the file from which a file takes the values that it does not give."""
+LINE_OF_FILE = re.compile(r"(?<=: )\S[^:]*\.ya?ml:\d+: .*", re.DOTALL)
+"""The mistake of another file, at the end of a line that says where that file is named."""
 MEANT = re.compile(r"did you mean '([^']+)'")
 
 
@@ -52,7 +54,7 @@ def what_holds(
 ) -> Holding[M]:
     """Return all mistakes, one line each: at most MAX_MISTAKES, followed by the number of further mistakes."""
     left = Remainder(values)
-    found: dict[str, tuple[bool, int]] = {}  # a dict, since each absent item of a list repeats the error
+    found: dict[str, tuple[bool, int, str]] = {}  # a dict, since each absent item of a list repeats the error
     made: M | None = None
     for _ in range(MAX_ROUNDS):
         hints: Hints = {}
@@ -64,10 +66,11 @@ def what_holds(
         for mistake in told:
             if not _follows(mistake, left):
                 for line, text in mistake.lines:
-                    found.setdefault(text, ("unknown key" not in text, line))
+                    key = LINE_OF_FILE.search(text)  # a file that is named twice has its mistakes once
+                    found.setdefault(key[0] if key else text, ("unknown key" not in text, line, text))
         if not _leave_out(told, left):
             break
-    mistakes = sorted(found, key=lambda text: found[text])
+    mistakes = [text for *_, text in sorted(found.values(), key=lambda each: each[:2])]
     more = len(mistakes) - MAX_MISTAKES
     return Holding([*mistakes[:MAX_MISTAKES], f"{more} more mistakes"] if more > 0 else mistakes, made, left)
 
