@@ -1,4 +1,4 @@
-"""What the start screen offers can be flown: every pair of two choices at least once, a few steps each.
+"""The choices of the start screen can be flown: every pair of two at least once, a few steps each.
 
 All combinations are flown under `tools/test --all`.
 """

@@ -12,7 +12,6 @@ from uwsim.scenario.spec.fields import AssetFile, Factor, InRange, Size
 from uwsim.scenario.spec.terrain import LOCAL, TerrainModel
 
 Coordinate = Annotated[float, InRange(-1e9, 1e9)]
-UNITS_M = {"m": 1.0, "ft": 0.3048, "us-ft": 1200.0 / 3937.0}
 
 
 class RasterTerrain(TerrainModel):

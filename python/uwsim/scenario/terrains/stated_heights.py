@@ -1,8 +1,9 @@
-"""What the numbers of an elevation raster mean: their unit, and those that stand for cells without data."""
+"""The meaning of an elevation raster's numbers: their unit, and those that stand for cells without data."""
 
 from __future__ import annotations
 
 import re
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +11,13 @@ from rasterio.crs import CRS
 from rasterio.io import DatasetReader
 
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.terrains.raster import UNITS_M, RasterTerrain
+
+if TYPE_CHECKING:
+    from uwsim.scenario.terrains.raster import RasterTerrain
 
 FloatGrid = NDArray[np.float64]
+UNITS_M = {"m": 1.0, "ft": 0.3048, "us-ft": 1200.0 / 3937.0}
+"""Metres per unit, by the names that a scenario may give."""
 SPELLINGS_M = {
     "m": 1.0, "metre": 1.0, "metres": 1.0, "meter": 1.0, "meters": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001,
     "centimetre": 0.01, "centimetres": 0.01, "centimeter": 0.01, "centimeters": 0.01, "km": 1000.0,
