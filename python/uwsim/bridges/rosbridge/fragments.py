@@ -12,6 +12,22 @@ from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels.ros.message_types import shortened
 
 
+class _Begun:
+    """An unfinished message, whose parts are counted as they come."""
+
+    def __init__(self, total: int) -> None:
+        self.parts: list[str | None] = [None] * total
+        self.missing, self.characters, self.bytes = total, 0, sys.getsizeof(self.parts)
+
+    def add(self, number: int, data: str) -> None:
+        """Add a part, or replace it."""
+        before = self.parts[number]
+        self.parts[number] = data
+        self.missing -= before is None
+        self.characters += len(data) - (0 if before is None else len(before))
+        self.bytes += sys.getsizeof(data) - (0 if before is None else sys.getsizeof(before))
+
+
 class Fragments:
     """One client's unfinished messages.
 
@@ -21,7 +37,7 @@ class Fragments:
     def __init__(self, limits: Limits, account: Account) -> None:
         self._limits = limits
         self._account = account
-        self._begun: dict[str, list[str | None]] = {}
+        self._begun: dict[str, _Begun] = {}
 
     def add(self, operation: dict[str, Any]) -> str | None:
         """Add a fragment. After the last one, return the complete message. Raises ValueError."""
@@ -34,27 +50,27 @@ class Fragments:
         if not (type(number) is int and 0 <= number < total):
             raise ValueError(f"fragment.num = {shortened(number)}: must be in [0, {total - 1}]")
         key = str(identity)
-        parts = self._forget(key)
-        if parts is None or len(parts) != total:
-            parts = [None] * total
-        parts[number] = data
-        if sum(len(part) for part in parts if part is not None) > self._limits.frame_bytes:
+        begun = self._forget(key)
+        if begun is None or len(begun.parts) != total:
+            begun = _Begun(total)
+        begun.add(number, data)
+        if begun.characters > self._limits.frame_bytes:
             raise ValueError(f"fragments: more than {self._limits.frame_bytes} bytes in total")
-        if all(part is not None for part in parts):
-            return "".join(part for part in parts if part is not None)
+        if not begun.missing:
+            return "".join(part for part in begun.parts if part is not None)
         if len(self._begun) >= self._limits.fragmented_messages:
             self._forget(next(iter(self._begun)))
-        if not self._account.has_room(_size(parts)):
+        if not self._account.has_room(begun.bytes):
             raise ValueError("fragments: no room to keep them: too much waits for you, or for all clients")
-        self._account.take(_size(parts))
-        self._begun[key] = parts  # moved to the end, so that the least recently used message comes first
+        self._account.take(begun.bytes)
+        self._begun[key] = begun  # moved to the end, so that the least recently used message comes first
         return None
 
-    def _forget(self, key: str) -> list[str | None] | None:
-        parts = self._begun.pop(key, None)
-        if parts is not None:
-            self._account.give(_size(parts))
-        return parts
+    def _forget(self, key: str) -> _Begun | None:
+        begun = self._begun.pop(key, None)
+        if begun is not None:
+            self._account.give(begun.bytes)
+        return begun
 
 
 def read_fragment_size(operation: dict[str, Any]) -> int | None:
@@ -75,8 +91,3 @@ def split(text: str, size: int, identity: str, most: int) -> Iterator[str]:
     for number in range(total):
         part = {"id": identity, "data": text[number * size : (number + 1) * size], "num": number, "total": total}
         yield to_json({"op": "fragment", **part})
-
-
-def _size(parts: list[str | None]) -> int:
-    """Return the memory [bytes] occupied by the parts of a message."""
-    return sys.getsizeof(parts) + sum(sys.getsizeof(part) for part in parts if part is not None)
