@@ -16,7 +16,7 @@ from command_line import UWSIM
 from uwsim.base.folder_lock import LOCK
 from uwsim.campaigns.sweeps import run_sweep
 from uwsim.campaigns.sweeps.table import TABLE
-from uwsim.campaigns.workers import Workers, open_workers
+from uwsim.campaigns.workers import Workers, dask_workers, open_workers
 from uwsim.campaigns.workers.dask_workers import SCRATCH, scratch_folder
 from uwsim.campaigns.workers.ledger import LEDGER
 from worker_jobs import die_at_three, double, fail_at_first, tell_and_take_long
@@ -155,3 +155,34 @@ def test_what_killed_clusters_left_is_removed_at_the_next_start(
     with scratch_folder() as living, scratch_folder():
         assert Path(living).is_dir() and not killed.exists()
     assert not list(tmp_path.iterdir())
+
+
+def test_ctrl_c_while_workers_start_prints_no_traceback(tmp_path: Path) -> None:
+    """It comes to all processes, as from a terminal, while those of the workers are imported."""
+    path, out = slow_sweep(tmp_path)
+    process = subprocess.Popen(
+        [*UWSIM, "sweep", str(path), "--out", str(out), "--workers", "2", "--no-report"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )  # fmt: skip
+    while sum("spawn_main" in " ".join(each.cmdline()) for each in psutil.Process(process.pid).children()) < 2:
+        assert process.poll() is None, process.communicate()
+    os.killpg(process.pid, signal.SIGINT)
+    _, errors = process.communicate(timeout=300)
+    assert process.returncode == 130
+    assert "Traceback" not in errors and "KeyboardInterrupt" not in errors and "interrupted" in errors
+
+
+def test_workers_that_are_gone_for_good_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As if each died while it was restarted, which Dask does not try twice."""
+    monkeypatch.setattr(dask_workers, "PROCESSLESS_S", 0.5)
+    with open_workers(1) as crew:
+        (nanny,) = crew._own.workers.values()
+        nanny.auto_restart = False
+        monkeypatch.setattr(type(nanny), "_on_worker_exit", gone)
+        with pytest.raises(OSError, match="all workers have died"):
+            work(crew, die_at_three, {3: 3})
+
+
+async def gone(nanny: object, code: int) -> None:
+    """In place of a restart."""

@@ -12,12 +12,14 @@ import tempfile
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
+from multiprocessing import resource_tracker
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 import dask
 import distributed
+from distributed.utils import LoopRunner
 
 from uwsim.base.folder_lock import LOCK, alone_in
 from uwsim.campaigns.workers.work import Finished, Work
@@ -28,6 +30,8 @@ AHEAD = 2
 CONNECT_S, POLL_S = 10.0, 0.2
 WORKERLESS_S = 300.0
 """The longest time without any worker: after a death, one restarts in seconds, on a busy machine in a minute."""
+PROCESSLESS_S = 20.0
+"""The longest time without even a process of a local worker: one that dies as it restarts is not started again."""
 NO_WORKERS = "all workers have died, and none has come back; --resume continues"
 LOCALHOST = "127.0.0.1"
 SCRATCH = "uwsim-dask-"
@@ -49,7 +53,7 @@ class ClusterWorkers:
     ) -> None:
         self._client, self._closers, self._own = client, closers, own
         self.count = sum(client.nthreads().values())
-        self._seen_s = time.monotonic()  # when workers were last seen
+        self._seen_s = self._process_s = time.monotonic()  # when workers, or their processes, were last seen
         self._has_dropped = False
         if not self.count:
             raise ValueError("the scheduler has no workers")
@@ -94,8 +98,8 @@ class ClusterWorkers:
                 else:
                     yield finished
         finally:
+            self._has_dropped = self._has_dropped or bool(under_way) or stop_requested()
             if under_way:
-                self._has_dropped = True
                 with contextlib.suppress(Exception):
                     self._client.cancel(list(under_way.values()))
 
@@ -131,9 +135,13 @@ class ClusterWorkers:
 
     def _require_workers(self) -> None:
         """Raise OSError if there have been no workers for too long, for example because each dies as it starts."""
-        if self._client.nthreads():
-            self._seen_s = time.monotonic()
-        elif time.monotonic() - self._seen_s > WORKERLESS_S:
+        now_s = time.monotonic()
+        has_workers = bool(self._client.nthreads())
+        if has_workers:
+            self._seen_s = now_s
+        if has_workers or self._own is None or any(nanny.pid for nanny in self._own.workers.values()):
+            self._process_s = now_s
+        if now_s - self._seen_s > WORKERLESS_S or now_s - self._process_s > PROCESSLESS_S:
             raise OSError(NO_WORKERS)
 
     def _require_same_build(self) -> None:
@@ -188,6 +196,7 @@ def local_workers(count: int) -> ClusterWorkers:
     try:
         closers.enter_context(dask.config.set(SETTINGS))
         scratch = closers.enter_context(scratch_folder())
+        loop = closers.enter_context(_loop_without_signals())
         cluster = distributed.LocalCluster(
             n_workers=count,
             threads_per_worker=1,
@@ -199,13 +208,43 @@ def local_workers(count: int) -> ClusterWorkers:
             memory_limit=0,
             silence_logs=logging.CRITICAL,
             local_directory=scratch,
+            loop=loop,
         )
         closers.callback(cluster.close, timeout=CONNECT_S)
         client = closers.enter_context(distributed.Client(cluster, set_as_default=False))
         return ClusterWorkers(client, closers, cluster)
+    except RuntimeError as error:  # of Dask, whatever the reason
+        closers.close()
+        raise OSError(f"the workers could not be started: {_root_of(error)}") from error
     except BaseException:
         closers.close()
         raise
+
+
+def _root_of(error: BaseException) -> str:
+    """Return the text of the error from which others followed."""
+    while (cause := error.__cause__ or error.__context__) is not None:
+        error = cause
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+@contextlib.contextmanager
+def _loop_without_signals() -> Iterator[Any]:
+    """Run Dask's loop in a thread that blocks Ctrl-C and hang-ups, as do the processes that are started from it.
+
+    A terminal sends both to all its processes, and one that is just starting would print a traceback, or die.
+    """
+    resource_tracker.ensure_running()  # it unblocks Ctrl-C in the thread that starts it
+    runner = LoopRunner()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+    try:
+        runner.start()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    try:
+        yield runner.loop
+    finally:
+        runner.stop()
 
 
 @contextlib.contextmanager
