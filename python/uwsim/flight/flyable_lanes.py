@@ -15,6 +15,7 @@ from uwsim.missions.lawn_mower import PASSABLE_Z_M
 from uwsim.missions.lawn_mower_needs import missing_for_lanes
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.scenario import Scenario, ScenarioError, Survey, start_pose
+from uwsim.scenario.read.collected import Collected
 from uwsim.simulator.simulator import Simulator
 
 STEP_M = 1.0
@@ -76,6 +77,18 @@ def survey_plan(survey: Survey) -> LawnMowerPlan:
         speed_m_s=survey.speed_m_s,
         tilt_deg=survey.tilt_deg,
     )
+
+
+def required_plan(sim: Simulator, least_share: float = LEAST_SHARE) -> tuple[LawnMowerPlan, str | None]:
+    """Return the plan of the scenario's survey; see flyable_plan. Raises ScenarioError with all that prevents it."""
+    plan, found = survey_plan(required_survey(sim.scenario)), Collected()
+    left_out = None
+    with found.noted():
+        require_lanes_flown_by(sim)
+    with found.noted():
+        plan, left_out = flyable_plan(sim, plan, least_share)
+    found.raise_any()
+    return plan, left_out
 
 
 def flyable_plan(

@@ -16,7 +16,7 @@ from uwsim.flight.flyable_lanes import (
     LEAST_SHARE,
     SurveyAreaWarning,
     flyable_plan,
-    require_lanes_flown_by,
+    required_plan,
     required_survey,
     survey_plan,
 )
@@ -89,10 +89,9 @@ class FlownMission:
         """
         if self.make is None:
             return None, None
-        survey = required_survey(sim.scenario)
         if inspect.isclass(self.make) and issubclass(self.make, AdaptiveLawnMower):
-            require_lanes_flown_by(sim)
-        return flyable_plan(sim, survey_plan(survey), least_share)
+            return required_plan(sim, least_share)
+        return flyable_plan(sim, survey_plan(required_survey(sim.scenario)), least_share)
 
     def begun(self, vehicles: Mapping[str, OwnVehicle], clock: Clock, plan: LawnMowerPlan | None) -> Begun:
         """Return the mission bound to its vehicles, ready to run."""

@@ -10,12 +10,15 @@ import numpy as np
 import pytest
 
 from station_pages import require_described
+from uwsim.evidence.scenario_check import check_file
+from uwsim.flight.survey import run_survey
 from uwsim.operator.station import Station, rebuild
 from uwsim.operator.station.calls import CALLS
+from uwsim.operator.station.editor import Editor
 from uwsim.operator.station.editor.draft import MAX_BYTES, Draft
 from uwsim.operator.station.editor.forms import SECTIONS, forms
 from uwsim.operator.station.saves import continue_maps
-from uwsim.scenario import load
+from uwsim.scenario import ScenarioError, load
 from uwsim.scenario.read.assets import assets_folder
 
 ROV = ("vehicles", 0, "model")
@@ -148,6 +151,33 @@ def test_an_alias_that_would_change_two_places_is_refused() -> None:
     found.set("obstacles", ("obstacles", 1), {"position_m": [4, 0, -2]})
 
 
+BOX_AT = "position_m: [3, 0, -4.5]\n    size_m: [1, 1, 1]"
+OF_SURVEYS = {  # edits of the packaged pool, and the number of their mistakes
+    "none": ([], 0),
+    "no sonar": ([("model: rov\n", "model: {builds_on: rov, sonar: null}\n"), ("    sonar: {model: 2,", "    #")], 1),
+    "a box in the lanes": ([(BOX_AT, "position_m: [0, 0, -1]\n    size_m: [9, 9, 3]")], 1),
+    "beyond the altimeter's range, with turns beside the terrain": ([("altitude_m: 2\n", "altitude_m: 150\n")], 2),
+}
+
+
+@pytest.mark.parametrize("what", OF_SURVEYS)
+def test_the_editor_the_check_and_the_survey_have_one_verdict(what: str, tmp_path: Path) -> None:
+    path, text = tmp_path / "mine.yaml", draft().text
+    edits, count = OF_SURVEYS[what]
+    for old, new in edits:
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    path.write_text(text)
+    editor, refused = Editor(tmp_path, 1), []
+    editor.open("anna", path.name, path, is_of_same=False)
+    try:
+        run_survey(path, tmp_path / "out", time_limit_s=0.1, report="none")
+    except ScenarioError as error:
+        refused = [each.replace(f"{path}", path.name) for each in error.mistakes]
+    assert editor.mistakes() == refused == [each.replace(f"{path}", path.name) for each in check_file(path).mistakes]
+    assert len(refused) == count
+
+
 def test_a_large_file_is_refused_before_it_is_read() -> None:
     with pytest.raises(ValueError, match=f"at most {MAX_BYTES}"):
         Draft(draft().text + "#" * MAX_BYTES, "lake.yaml", Path())
@@ -196,7 +226,8 @@ def test_what_is_saved_opens_everywhere_and_replaces_no_foreign_file(station: St
     assert "anna edits" in ben("edit", action="open", scenario="pool")["message"]
     added = anna("edit", action="add", section="obstacles", kind="box", at_m=[2, 2])
     assert added["added"] == ["obstacles", 1] and not added["is_saved"]
-    assert anna("edit", action="check")["mistakes"] == []
+    (mistake,) = anna("edit", action="check")["mistakes"]  # the box reaches up into the lanes
+    assert "of the survey's lanes cannot be flown" in mistake
     (tmp_path / "mine.yaml").write_text("# by hand\n")
     assert "uwsim did not write it" in anna("edit", action="save", name="mine")["message"]
     assert "must be a letter" in anna("edit", action="save", name="../x")["message"]

@@ -30,11 +30,120 @@ def here(browser, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def page(here):
+    return opened(here)
+
+
+def opened(here):
+    """Open the editor on a page of its own, with nothing chosen."""
     page = here.open(viewport={"width": 1280, "height": 720})
     page.wait_for_selector(".preview:not([hidden])")
     page.click("text=Edit this scenario")
     when(page, "station.editor.state?.is_open && station.editor.chart.frame.scale > 5")
+    assert page.evaluate("station.editor.selected") == -1
     return page
+
+
+def dragged(page, start, by):
+    page.mouse.move(*start)
+    page.mouse.down()
+    page.mouse.move(start[0] + by[0], start[1] + by[1], steps=3)
+    page.mouse.up()
+
+
+def test_with_nothing_chosen_the_chart_pans_and_marks_and_add_lands_where_one_looks(browser, tmp_path: Path):
+    with desk(browser, tmp_path) as here:
+        page = opened(here)
+
+        def added(kind: str) -> list[float]:
+            page.get_by_label("Kind").select_option(kind)
+            page.click(".editor-bar >> text=Add")
+            when(page, SENT.format(kind, "position_m"))
+            return sent(page, kind, "position_m")[:2]
+
+        before, free = (
+            np.array(page.evaluate("station.editor.chart.frame.middle")),
+            chart_pixel(page, (-3, 3)),
+        )  # in the survey
+        dragged(page, free, (60, -30))
+        middle = np.array(page.evaluate("station.editor.chart.frame.middle"))
+        scale = page.evaluate("station.editor.chart.frame.scale")
+        np.testing.assert_allclose(middle - before, [-60 / scale, -30 / scale], atol=0.01)
+        np.testing.assert_allclose(added("sphere"), middle, atol=0.06)
+        for place in ((-3, 3), (-3, -3)):  # a part is chosen, then none
+            page.mouse.click(*chart_pixel(page, place))
+            when(page, "station.editor.selected === -1 && station.editor.parts.mark")
+            np.testing.assert_allclose(page.evaluate("station.editor.parts.mark"), place, atol=0.1)
+        np.testing.assert_allclose(added("cylinder"), (-3, -3), atol=0.1)
+        page.mouse.click(*chart_pixel(page, (-4, 1)))
+        when(page, "station.editor.part?.section === 'survey'")
+        page.mouse.click(*chart_pixel(page, (-3, 3)))
+        when(page, "station.editor.selected === -1 && station.editor.parts.mark")
+        for _ in range(8):
+            page.locator(".editor-canvas").press("+")
+        assert not page.evaluate("station.editor.chart.sees(station.editor.parts.mark)")
+        np.testing.assert_allclose(added("ring"), page.evaluate("station.editor.chart.frame.middle"), atol=0.06)
+
+        page.locator(".editor-canvas").press("Escape")
+        page.wait_for_selector("#editor-dialog", state="hidden")
+        page.click("text=Edit this scenario")
+        when(page, "document.querySelector('#editor-dialog').open && station.editor.selected === -1")
+        page.locator(".editor-canvas").press("v")
+        when(page, "station.editor.scene?.gate.frames > 0")
+        page.mouse.click(*scene_pixel(page, (3, -4, -5)))
+        when(page, "station.editor.selected === -1 && station.editor.parts.mark")
+        np.testing.assert_allclose(page.evaluate("station.editor.parts.mark"), (3, -4), atol=0.3)
+        page.evaluate("station.editor.parts.markAt(null)")
+        camera, target = page.evaluate(
+            """() => {
+              const { camera, controls } = station.editor.scene;
+              controls.target.z += 3;
+              controls.update();
+              return [camera.position.toArray(), controls.target.toArray()];
+            }"""
+        )
+        share = (-5 - camera[2]) / (target[2] - camera[2])
+        seen = np.array(camera) + share * (np.array(target) - camera)
+        assert np.hypot(*(seen - target)[:2]) > 1.0
+        np.testing.assert_allclose(added("net"), seen[:2], atol=0.3)
+        assert not here.complaints
+
+
+def test_ctrl_z_undoes_a_field_that_was_sent_and_a_text_that_was_not(browser, tmp_path: Path):
+    with desk(browser, tmp_path) as here:
+        page = opened(here)
+        page.click(".editor-table >> text=box")
+        field = page.get_by_label("size_m 1")
+        for value, key in (("2", "Enter"), ("3", "Tab")):
+            field.fill(value)
+            page.keyboard.press(key)
+            when(page, SENT.format("box", f"size_m[0] === {value}"))
+        for value in (2, 1):
+            page.keyboard.press("Control+z")
+            when(page, SENT.format("box", f"size_m[0] === {value}"))
+        page.keyboard.press("Control+y")
+        when(page, SENT.format("box", "size_m[0] === 2"))
+        field.focus()
+        page.keyboard.press("End")
+        page.keyboard.type("5")
+        page.keyboard.press("Control+z")
+        assert field.input_value() == "2" and sent(page, "box", "size_m[0]") == 2, "its own text"
+        page.locator(".editor-canvas").press("ArrowUp")
+        page.keyboard.press("Control+z")  # at once: what is not yet sent is the change that is undone
+        when(page, "station.editor.state.can_redo && " + SENT.format("box", "position_m[1] === 0"))
+        assert sent(page, "box", "size_m[0]") == 2
+        page.get_by_label("Kind").select_option("sphere")
+        page.click(".editor-bar >> text=Add")
+        when(page, SENT.format("sphere", "radius_m"))
+        page.get_by_label("radius_m").fill("0.7")
+        page.keyboard.press("Enter")
+        when(page, SENT.format("sphere", "radius_m === 0.7"))
+        page.keyboard.press("Control+z")
+        when(page, SENT.format("sphere", "radius_m !== 0.7"))
+        page.keyboard.press("Control+z")  # removes the part, and with it the field that has the focus
+        when(page, "!(" + SENT.format("sphere", "radius_m") + ")")
+        page.keyboard.press("Control+y")
+        when(page, SENT.format("sphere", "radius_m"))
+        assert not here.complaints
 
 
 def test_a_scenario_is_edited_by_mouse_and_by_keys_saved_and_started(here, page, tmp_path: Path):

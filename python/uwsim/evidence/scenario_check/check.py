@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 from typing import Any
 
+from uwsim.base.caught_warnings import caught_warnings
 from uwsim.base.texts.yaml_document import YamlDocument
 from uwsim.evidence.scenario_check.remedy import remedy
 from uwsim.evidence.scenario_check.report import CheckReport
 from uwsim.evidence.scenario_check.scene import measured_scene
 from uwsim.evidence.scenario_check.surprises import surprises
-from uwsim.flight.flyable_lanes import flyable_plan, missing_for_survey, require_lanes_flown_by, survey_plan
+from uwsim.flight.flyable_lanes import missing_for_survey
+from uwsim.flight.survey_check import checked
 from uwsim.scenario import Scenario, ScenarioError, build_world, load
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.world import scenario_water
@@ -37,28 +38,24 @@ def check_file(source: str | Path) -> CheckReport:
         document = read_yaml(path, shown_name(path))
     except ScenarioError as error:
         return CheckReport(str(source), error.mistakes)
-    with warnings.catch_warnings(record=True) as issued:
-        warnings.simplefilter("always", UserWarning)
+    with caught_warnings() as issued:
         mistakes = _mistakes(document, path.resolve().parent)
-        sim, paste = None, ""
-        if not mistakes:
-            found = Collected()
-            with found.noted():
-                sim = Simulator(load(source))
-            if sim is not None:
-                _note_faults(sim, found)
-                left_out, paste = _survey_left_out(sim, found)
-            mistakes = tuple(found.mistakes)
+    if mistakes:
+        return CheckReport(document.name, mistakes)
+    found = checked(lambda: load(source))
+    sim = found.simulator
+    mistakes = found.mistakes if sim is None else (*_fault_mistakes(sim), *found.mistakes)
     if mistakes or sim is None:
-        return CheckReport(document.name, tuple(mistakes), paste=paste)
+        return CheckReport(document.name, mistakes, paste=_remedy(sim))
     scene = measured_scene(sim)
     notes = [str(each.message) for each in issued if issubclass(each.category, UserWarning)]
-    notes += [left_out] if left_out else []
-    return CheckReport(document.name, (), (*dict.fromkeys(notes), *surprises(sim, scene)), scene, sim)
+    notes = [*dict.fromkeys([*notes, *found.warnings]), *surprises(sim, scene)]
+    return CheckReport(document.name, (), tuple(notes), scene, sim)
 
 
-def _note_faults(sim: Simulator, found: Collected) -> None:
-    """Note the faults that would stop the flight in which they begin, by what they make of vehicle or water."""
+def _fault_mistakes(sim: Simulator) -> tuple[str, ...]:
+    """Return the faults that would stop the flight in which they begin, by what they make of vehicle or water."""
+    found = Collected()
     for index, fault in enumerate(sim.scenario.faults):
         with found.noted():
             try:
@@ -69,23 +66,13 @@ def _note_faults(sim: Simulator, found: Collected) -> None:
             except ValueError as error:
                 line = sim.scenario.source_file.line_prefix("faults", index)
                 raise ScenarioError(f"{line}faults[{index}]: while it lasts: {error}") from None
+    return tuple(found.mistakes)
 
 
-def _survey_left_out(sim: Simulator, found: Collected) -> tuple[str | None, str]:
-    """Note why the survey cannot be flown, if so.
-
-    Return a sentence about lanes that cannot be flown, if any, and YAML that gives the vehicle what it lacks.
-    """
-    survey, left_out = sim.scenario.survey, None
-    if survey is None:
-        return None, ""
-    with found.noted():
-        require_lanes_flown_by(sim)
-    with found.noted():
-        left_out = flyable_plan(sim, survey_plan(survey))[1]
-    missing = missing_for_survey(sim)
-    paste = remedy(sim, missing) if missing else ""
-    return left_out and f"{sim.scenario.source_file.line_prefix('survey', 'area_m')}{left_out}", paste
+def _remedy(sim: Simulator | None) -> str:
+    """Return YAML that gives the vehicle what it lacks to fly the scenario's survey, "" if it lacks nothing."""
+    missing = {} if sim is None or sim.scenario.survey is None else missing_for_survey(sim)
+    return remedy(sim, missing) if sim is not None and missing else ""
 
 
 def _mistakes(document: YamlDocument, folder: Path) -> tuple[str, ...]:

@@ -14,16 +14,15 @@ import orjson
 
 from uwsim.base.arguments import is_number
 from uwsim.base.atomic_file import write_atomically
-from uwsim.base.caught_warnings import caught_warnings
 from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.channels.guest import Values
+from uwsim.flight.survey_check import checked
 from uwsim.operator.station.editor.draft import MAX_BYTES, Draft, Place
 from uwsim.operator.station.editor.forms import SECTIONS
 from uwsim.operator.station.editor.vehicle_parts import is_inherited
-from uwsim.scenario import Scenario, ScenarioError, start_pose
+from uwsim.scenario import Scenario, start_pose
 from uwsim.scenario.dump import plain, yaml_text
 from uwsim.scenario.spec.fields import NAME
-from uwsim.simulator.simulator import Simulator
 
 PLACE_MAX = 6
 
@@ -160,15 +159,11 @@ class Editor:
             return path
 
     def mistakes(self) -> list[str]:
-        """Build a simulator of the scenario, as `uwsim scenario check` does; return its mistakes and warnings."""
+        """Return the scenario's mistakes or, if there are none, its warnings; see flight.survey_check."""
         scenario = self.draft.scenario
         with self._building:
-            try:
-                with caught_warnings() as issued:
-                    Simulator(scenario, threads=self._threads)
-            except (ScenarioError, ValueError) as error:
-                return list(getattr(error, "mistakes", ())) or [str(error)]
-        return list(dict.fromkeys(str(each.message) for each in issued if issubclass(each.category, UserWarning)))
+            found = checked(lambda: scenario, self._threads)
+        return list(found.mistakes or found.warnings)
 
     @property
     def draft(self) -> Draft:

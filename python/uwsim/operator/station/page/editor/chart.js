@@ -4,7 +4,7 @@ import { STRINGS } from '../strings.js';
 import { ChartFrame } from '../views/chart_frame.js';
 import { ChartGround } from '../views/chart_ground.js';
 import { drawScale, drawVessel, label } from '../views/chart_marks.js';
-import { contains, cornersOf, moved, placeOf, turned, yawOf } from './geometry.js';
+import { contains, cornersOf, edgeDistance, isWithin, moved, placeOf, turned, yawOf } from './geometry.js';
 
 const WORDS = STRINGS.editor;
 const NEAR_PX = 10;
@@ -20,7 +20,7 @@ export class EditorChart {
   #fieldsOf;
   /** @type {{ from: number[], corner: number, isPart: boolean, moved: number, start: Record<string, any> } | null} */
   #drag = null;
-  #isFitted = false;
+  #fitted = ''; // the frame as it was fitted, '' for a new bed
   /** @type {[number, number, number][]} */
   #labels = []; // places and half widths of the names
 
@@ -47,13 +47,17 @@ export class EditorChart {
 
   showBed(heights, grid) {
     this.#ground = new ChartGround(heights, grid, 0, []);
-    this.#isFitted = false;
+    this.#fitted = '';
     this.draw();
   }
 
-  // The place at which a part is added, if none is marked.
+  // The place at which a part is added, if none is marked in sight.
   get middle() {
     return this.frame.middle;
+  }
+
+  sees(place) {
+    return isWithin(this.frame.at(place), this.frame.size);
   }
 
   fit() {
@@ -61,7 +65,12 @@ export class EditorChart {
     if (!grid) return;
     const { rows, columns, west_m, south_m, spacing_m } = grid;
     this.frame.fit([west_m, south_m, west_m + (columns - 1) * spacing_m[0], south_m + (rows - 1) * spacing_m[1]]);
+    this.#fitted = this.#shown;
     this.draw();
+  }
+
+  get #shown() {
+    return JSON.stringify([this.frame.scale, this.frame.middle]);
   }
 
   zoom(factor) {
@@ -151,7 +160,8 @@ export class EditorChart {
     return cornersOf(part, this.#fieldsOf(part)).findIndex(near);
   }
 
-  // The part at a pixel: first the selected one, then the one whose position is nearest, then one that contains it.
+  // The part at a pixel: first the selected one, then the one whose position is nearest, then one that contains it; of
+  // the survey's area the edge alone, since what lies in it is marked, added and moved there.
   #partAt(at) {
     const point = this.frame.place(at);
     const shown = this.parts.list.map((_, k) => k).filter((k) => this.#isShown(k));
@@ -162,7 +172,10 @@ export class EditorChart {
       const [x, y] = this.frame.at(place);
       return Math.hypot(x - at[0], y - at[1]);
     };
-    const inside = (k) => contains(this.#outline(k), point);
+    const inside = (k) =>
+      this.parts.list[k].section === 'survey'
+        ? edgeDistance(this.#outline(k), point) * this.frame.scale < NEAR_PX
+        : contains(this.#outline(k), point);
     if (this.parts.selected >= 0 && (away(this.parts.selected) < NEAR_PX || inside(this.parts.selected)))
       return this.parts.selected;
     const near = shown.filter((k) => away(k) < NEAR_PX).toSorted((a, b) => away(a) - away(b));
@@ -193,13 +206,13 @@ export class EditorChart {
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     if (!width || !height) return;
     const ratio = Math.min(devicePixelRatio || 1, 2);
+    let isDue = this.#fitted === '';
     if (frame.size[0] !== width || frame.size[1] !== height) {
       [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
       frame.size = [width, height];
-      this.#isFitted = false;
+      isDue ||= this.#fitted === this.#shown; // a person's own view stays, for example when a message takes another line
     }
-    if (this.#ground.grid && !this.#isFitted) {
-      this.#isFitted = true;
+    if (this.#ground.grid && isDue) {
       this.fit();
       return;
     }

@@ -41,9 +41,9 @@ export class SceneEditor {
     this.acts = {
       add: () => this.#add(),
       remove: () => this.#remove(),
-      undo: () => this.#act({ action: 'undo' }),
-      redo: () => this.#act({ action: 'redo' }),
-      revert: () => this.#act({ action: 'revert' }),
+      undo: () => this.#step('undo'),
+      redo: () => this.#step('redo'),
+      revert: () => this.#step('revert'),
       fit: () => this.view.fit(),
       turn: () => this.#turn(),
       save: () => this.#save(),
@@ -65,9 +65,11 @@ export class SceneEditor {
       this.chart.canvas,
     );
     station.addEventListener('state', () => this.#goOn());
+    // On the window, since the element that has the focus may vanish with a change.
+    addEventListener('keydown', (event) => this.#isShown && editorKey(event, this.acts));
     this.element = el(
       'div',
-      { className: 'editor', onkeydown: (event) => editorKey(event, this.acts) },
+      { className: 'editor' },
       this.bar.element,
       this.ground,
       el(
@@ -102,7 +104,7 @@ export class SceneEditor {
       const dialog = byId('editor-dialog');
       openDialog(dialog, WORDS.title(state.name), this.element);
       dialog.addEventListener('close', () => this.#left(), { once: true });
-      this.bar.name.value = (state.name ?? '').replace(/\.ya?ml$/, '').replace(/.*\//, '');
+      this.bar.name.defaultValue = this.bar.name.value = (state.name ?? '').replace(/\.ya?ml$/, '').replace(/.*\//, '');
       this.#say(state.message);
       await this.#show(state);
       this.view.canvas.focus();
@@ -111,10 +113,14 @@ export class SceneEditor {
     }
   }
 
+  get #isShown() {
+    return byId('editor-dialog').open && this.element.isConnected;
+  }
+
   // After a lost connection, under a new identity, continue with what the server kept.
   #goOn() {
     const { id, bridge } = this.station;
-    if (!byId('editor-dialog').open || !this.element.isConnected || !id || id === this.#client) return;
+    if (!this.#isShown || !id || id === this.#client) return;
     this.#client = id;
     const { name, text } = this.state ?? {};
     const reopen = async () => {
@@ -276,9 +282,15 @@ export class SceneEditor {
 
   async #add() {
     this.#flush();
-    const at_m = this.parts.mark ?? this.view.middle.map((value) => Math.round(value * 10) / 10);
+    const { mark } = this.parts;
+    const at_m = mark && this.view.sees(mark) ? mark : this.view.middle.map((value) => Math.round(value * 10) / 10);
     await this.#act({ action: 'add', ...this.bar.chosen, at_m });
     this.view.reveal();
+  }
+
+  #step(action) {
+    this.#flush();
+    this.#act({ action });
   }
 
   #remove() {
@@ -302,7 +314,9 @@ export class SceneEditor {
     const { state } = this;
     const found = await edit(this.station.bridge, { action: 'check' }).catch(() => null);
     if (!found?.success || found.edition !== state?.edition || this.message.dataset.kind === 'error') return;
-    this.#say(found.mistakes?.length ? found.mistakes.join(' ') : WORDS.sound, found.mistakes?.length ? 'warn' : '');
+    const hasSurvey = state?.parts?.some(({ section }) => section === 'survey');
+    if (found.mistakes?.length) this.#say(found.mistakes.join(' '), 'warn');
+    else this.#say(hasSurvey ? WORDS.sound : WORDS.soundNoSurvey);
   }
 
   #say(text, kind = '') {

@@ -12,13 +12,18 @@ const shown = (value) =>
 // Text that is no number is sent as it is: the server refuses it, with the reason.
 const numeric = (text) => (text.trim() === '' || Number.isNaN(Number(text)) ? text : Number(text));
 
+// A text that was sent is a value, no text of the input's own; see keys.js.
+function sent({ target }) {
+  target.defaultValue = target.value;
+}
+
 export class PartForm {
   #set;
 
   // set(values): called with the field that was changed; null for one that is to have its default again.
   constructor(set) {
     this.#set = set;
-    this.element = el('div', { className: 'editor-form' });
+    this.element = el('div', { className: 'editor-form', onchange: sent });
   }
 
   /** @param {any} part
@@ -85,7 +90,7 @@ export class PartForm {
     const isNumber = field.type === 'number';
     return el('input', {
       ...plain,
-      value: shown(given),
+      defaultValue: shown(given),
       placeholder: shown(field.by_default),
       'aria-label': field.name,
       'data-at': `${field.name} 0`,
@@ -98,7 +103,7 @@ export class PartForm {
     const inputs = Array.from({ length: field.width }, (_, k) =>
       el('input', {
         ...plain,
-        value: shown(given?.[k]),
+        defaultValue: shown(given?.[k]),
         placeholder: shown(field.by_default?.[k]),
         'aria-label': `${field.name} ${k + 1}`,
         'data-at': `${field.name} ${k}`,
@@ -146,7 +151,7 @@ export class PartForm {
             {},
             el('input', {
               ...plain,
-              value: shown(row[j]),
+              defaultValue: shown(row[j]),
               'aria-label': `${name} ${k + 1}: ${titles[j]}`,
               'data-at': `${name} ${k * columns.length + j}`,
               onchange: ({ target }) => changed(k, j, target.value),

@@ -110,6 +110,25 @@ export function raised(part, fields, dz) {
     : {};
 }
 
+/** The distance from a point to the edges of a polygon; Infinity without edges.
+ * @type {(polygon: number[][], point: number[]) => number}
+ */
+export function edgeDistance(polygon, [x, y]) {
+  const away = polygon.map(([x1, y1], k) => {
+    const [x0, y0] = /** @type {number[]} */ (polygon.at(k - 1));
+    const [dx, dy] = [x1 - x0, y1 - y0];
+    const share = ((x - x0) * dx + (y - y0) * dy) / (dx * dx + dy * dy || 1);
+    const nearest = Math.min(Math.max(share, 0), 1);
+    return Math.hypot(x0 + nearest * dx - x, y0 + nearest * dy - y);
+  });
+  return Math.min(...away, Infinity);
+}
+
+/** True if a pixel, null for one that does not exist, lies within a canvas of a width and a height.
+ * @type {(pixel: number[] | null, size: number[]) => boolean}
+ */
+export const isWithin = (pixel, size) => pixel !== null && pixel.every((value, k) => value >= 0 && value <= size[k]);
+
 /** Whether a point lies inside a polygon.
  * @type {(polygon: number[][], point: Point) => boolean}
  */

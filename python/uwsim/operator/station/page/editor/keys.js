@@ -17,13 +17,19 @@ const PICKS = { n: 1, p: -1 };
 export function editorKey(event, acts) {
   const key = event.key.toLowerCase();
   if (!(event.ctrlKey || event.metaKey)) return;
-  const isText = targetOf(event).matches('input'); // which undoes its own text
   if (key === 's') acts.save();
-  else if (isText) return;
+  else if (hasOwnText(targetOf(event))) return;
   else if (key === 'y' || (key === 'z' && event.shiftKey)) acts.redo();
   else if (key === 'z') acts.undo();
   else return;
   event.preventDefault();
+}
+
+// True for an input with a text that is not yet a value of the scenario, which it undoes itself.
+function hasOwnText(element) {
+  if (!element.matches('input')) return false;
+  const { value, defaultValue } = /** @type {HTMLInputElement} */ (/** @type {unknown} */ (element));
+  return value !== defaultValue || element.closest('[data-wrong]') !== null;
 }
 
 // The keys of the chart and the 3D view, most of them on the selected part. editor: the SceneEditor.

@@ -16,10 +16,10 @@ export class EditedParts extends EventTarget {
     this.#changed();
   }
 
-  // The part at an index, with the changes that are not yet sent.
+  // The part at an index, with the changes that are not yet sent; undefined for -1, which no part has.
   at(index) {
     const part = this.list[index];
-    return index === this.selected ? { ...part, values: { ...part.values, ...this.changes } } : part;
+    return part && index === this.selected ? { ...part, values: { ...part.values, ...this.changes } } : part;
   }
 
   pick(index) {

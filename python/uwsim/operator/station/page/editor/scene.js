@@ -5,7 +5,7 @@ import { firstShare } from '../map3d/sight.js';
 import { Stage } from '../map3d/stage.js';
 import { makeSurface, makeTerrain } from '../map3d/terrain.js';
 import { STRINGS } from '../strings.js';
-import { moved, raised, turned } from './geometry.js';
+import { isWithin, moved, raised, turned } from './geometry.js';
 import { PartSolids } from './solids.js';
 
 const WORDS = STRINGS.editor;
@@ -49,9 +49,19 @@ export class EditorScene extends Stage {
     this.setLarge(true);
   }
 
-  // The place at which a part is added, if none is marked.
+  // The place at which a part is added, if none is marked in sight: on the bed, in the middle of the picture.
   get middle() {
-    return this.controls ? [this.controls.target.x, this.controls.target.y] : [0, 0];
+    if (!this.controls) return [0, 0];
+    const [from, to] = this.#ray([this.canvas.clientWidth / 2, this.canvas.clientHeight / 2]);
+    const share = this.#ground[0] ? shareOf(this.#ground[0], from, to) : Infinity;
+    const { x, y } = Number.isFinite(share) ? from.lerp(to, share) : this.controls.target;
+    return [x, y];
+  }
+
+  sees(place) {
+    if (!this.controls) return false;
+    const pixel = this.#pixelOf(new Vector3(place[0], place[1], this.#solids.bedAt(place)));
+    return isWithin(pixel, [this.canvas.clientWidth, this.canvas.clientHeight]);
   }
 
   showBed(heights, grid) {
