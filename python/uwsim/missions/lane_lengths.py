@@ -14,6 +14,12 @@ LEAST_FLOWN = 0.95
 """The share of the planned length below which a mission over lanes is not complete."""
 
 
+def lane_values(number: int, planned_m: float, end: LaneEnd) -> dict[str, float | str]:
+    """Return the values of the event LANE_FLOWN."""
+    why = {"because": end.because} if end.because else {}
+    return {"number": number, "flown_m": round(end.flown_m, 2), "planned_m": round(planned_m, 2), **why}
+
+
 def not_flown_because(flown_m: float, planned_m: float, ended: Iterable[LaneEnd]) -> str:
     """Return a clause that states how much was flown, and why lanes were cut short."""
     reasons = Counter(end.because for end in ended if end.because)

@@ -26,10 +26,10 @@ from numpy.typing import NDArray
 from uwsim.base.sealed import Sealed
 from uwsim.missions.heights import HIGHEST_Z_M
 from uwsim.missions.lane_curves import LaneCurves
-from uwsim.missions.lane_lengths import LANE_FLOWN, LANES_FLOWN, LEAST_FLOWN, not_flown_because
+from uwsim.missions.lane_lengths import LANE_FLOWN, LANES_FLOWN, LEAST_FLOWN, lane_values, not_flown_because
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower_needs import missing_for_lanes
-from uwsim.missions.lawn_mower_plan import LawnMowerPlan
+from uwsim.missions.lawn_mower_plan import LawnMowerPlan, SlowPlanWarning
 from uwsim.missions.lawn_mower_state import LaneEnd, LegName, LegStart, MowerState, SavedMission
 from uwsim.missions.lookout import Lookout
 from uwsim.missions.mission_state import checked_state
@@ -54,10 +54,6 @@ SIDE_STEPS = 3.0  # in line spacings; a lane farther away is reached by a transi
 STUCK_AFTER_S = 60.0
 TURN_FIRST_RAD = math.radians(30.0)
 MOST_LEGS = 12  # for one lane, of a vehicle that flies curves
-
-
-class SlowPlanWarning(UserWarning):
-    """Issued for a plan that is slower than the vehicle can be steered."""
 
 
 class AdaptiveLawnMower(Sealed):
@@ -241,9 +237,7 @@ class AdaptiveLawnMower(Sealed):
     def _end_lane(self, because: str) -> None:
         """Note how much of the lane was flown and why no more, and begin with the next one."""
         state = self.state
-        if state.entry_m:
-            because = because or "begun past its start"
-        end = LaneEnd(self._flown_of_lane_m(), because)
+        end = LaneEnd(self._flown_of_lane_m(), because or ("begun past its start" if state.entry_m else ""))
         self._log_lane(end)
         state.ended.append(end)
         state.lane, state.along_m, state.legs, state.entry_m = state.lane + 1, 0.0, 0, None
@@ -254,9 +248,7 @@ class AdaptiveLawnMower(Sealed):
 
     def _log_lane(self, end: LaneEnd) -> None:
         number = self.state.lane
-        why = {"because": end.because} if end.because else {}
-        planned_m = round(self.lanes[number].length_m, 2)
-        self._own.log(LANE_FLOWN, number=number, flown_m=round(end.flown_m, 2), planned_m=planned_m, **why)
+        self._own.log(LANE_FLOWN, **lane_values(number, self.lanes[number].length_m, end))
 
     def _log_lanes(self) -> None:
         """Log how much was flown of the lane that the end interrupts, if any, and of all lanes."""
@@ -289,10 +281,7 @@ class AdaptiveLawnMower(Sealed):
         return "abreast"
 
     def _require_clearance_to_port(self, lane: Lane) -> None:
-        """Stop, as in the paper, if something is to port where the next lane is; not without a sensor there.
-
-        As published at 7 m, but no farther than BESIDE_M beyond the lane, and only if the lane is to port.
-        """
+        """Stop, as published, within 7 m of something to port, or BESIDE_M beyond the lane; only if that is to port."""
         sensor, to_port_m = port_proximity(self.vehicle.sensors), -lane.locate(self._position())[1]
         if sensor is None or to_port_m <= 0.0:
             return

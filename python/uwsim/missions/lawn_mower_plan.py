@@ -13,6 +13,10 @@ from uwsim.missions.lanes import Lane
 TRANSIT_VIEW_S = 20.0  # on transits, the fan hits a flat bed this many seconds ahead, early enough to see a rise
 
 
+class SlowPlanWarning(UserWarning):
+    """Issued for a plan that is slower than the vehicle can be steered."""
+
+
 @dataclass(frozen=True)
 class LawnMowerPlan:
     """How to survey an area in parallel lanes.
