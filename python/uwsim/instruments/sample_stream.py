@@ -128,7 +128,7 @@ class SampleSource:
 
     @property
     def is_watched(self) -> bool:
-        """Whether there are streams."""
+        """True while there are streams."""
         return bool(self._streams)
 
     def stream(self, from_ns: int) -> SampleStream:

@@ -20,7 +20,7 @@ from uwsim.base.extras import need_extra
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 FREE_BYTES, BYTES_PER_BYTE = 16_000_000, 400
-"""What may be read from a file in total: so much, and so much for each of its bytes. A value counts 8 bytes."""
+"""The most that is read from a file: so much, and so much for each of its bytes. A value counts 8 bytes."""
 CHUNK_BYTES = 64_000_000
 """The largest chunk of a dataset that is smaller: it is unpacked whole."""
 TEXTS = 1000

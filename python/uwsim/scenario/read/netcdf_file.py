@@ -31,7 +31,7 @@ class NetcdfVariable:
 
 
 Needed = Callable[[str, Mapping[str, Any]], bool]
-"""Whether a variable is needed, by its name and attributes: others, of any number and size, are not read."""
+"""A variable is needed or not, by its name and attributes: others, of any number and size, are not read."""
 
 
 def read_netcdf(path: Path, what: str, needed: Needed) -> dict[str, NetcdfVariable]:
