@@ -158,7 +158,7 @@ def _obstructions(sim: Simulator, points_m: Points) -> NDArray[np.int64]:
 def _tops_m(sim: Simulator, places_m: Points) -> Points:
     """Return z of the first surface at each point (n, 2), 0 in what stands out of the water; -inf if there is none.
 
-    What lies deeper than twice PASSABLE_Z_M is no obstacle, and over a bed with cover a ray that goes that far takes ten
+    What lies deeper than twice PASSABLE_Z_M is no obstacle, and over a bed with cover a ray that goes so far takes ten
     times as long.
     """
     up = np.tile([0.0, 0.0, 1.0], (len(places_m), 1))

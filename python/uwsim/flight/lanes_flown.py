@@ -10,7 +10,7 @@ from uwsim.missions.own_vehicle import Event
 
 
 class LanesFlown(NamedTuple):
-    """What missions planned and flew in lanes. lanes: their number. each: of every lane that was begun or given up.
+    """Planned lanes, and how much of them was flown. lanes: their number. each: every lane that was begun or given up.
 
     An item of `each` has vehicle, number, flown_m, planned_m and, for a lane cut short, because.
     """

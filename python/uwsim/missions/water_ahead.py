@@ -1,4 +1,4 @@
-"""Whether there is water ahead of a vehicle that flies lanes, by three beams of its tilted fan.
+"""is_water_ahead: judges by three beams of its tilted fan what is ahead of a vehicle that flies lanes.
 
 As published: go on while any of the first, middle and last beams reads more than 7 m. Near the bed no beam does: over a
 flat bed at height h, with the fan tilted down by t, the beam at an angle a to the middle one reads h / (sin t cos a).

@@ -25,7 +25,7 @@ MAX_ROUNDS = 50
 BASE = "builds_on"
 """The key of the file from which a file takes the values that it does not give."""
 LINE_OF_FILE = re.compile(r"(?<=: )\S[^:]*\.ya?ml:\d+: .*", re.DOTALL)
-"""The mistake of another file, at the end of a line that says where that file is named."""
+"""The mistake of another file, at the end of a line that states where that file is named."""
 MEANT = re.compile(r"did you mean '([^']+)'")
 
 
