@@ -35,9 +35,9 @@ class Lane:
         self._free = None if most is None else threading.Semaphore(most)
 
     def submit(self, call: Callable[[], Any], answer: Answer) -> None:
-        """Run a call on one of the threads, and send the answer from that thread.
+        """Run a call on one of the threads, and send the answer from that thread; after `close`, it fails at once.
 
-        Raises ValueError if too many calls are waiting, RuntimeError after `close`.
+        Raises ValueError if too many calls are waiting.
         """
         if self._free is not None and not self._free.acquire(blocking=False):
             raise ValueError(f"{self._most} calls are already waiting: this one is refused")
@@ -47,7 +47,12 @@ class Lane:
                 self._free.release()
             answer(*outcome(done.result, self._log))
 
-        self._pool.submit(call).add_done_callback(finish)
+        try:
+            begun = self._pool.submit(call)
+        except RuntimeError:  # closed: clients may still call while the server stops
+            begun = Future()
+            begun.cancel()
+        begun.add_done_callback(finish)
 
     def close(self) -> None:
         """Stop starting calls; queued calls fail."""
