@@ -125,6 +125,7 @@ class SampleSource:
         self._watched_ns = 0
         self._lock = threading.Lock()
         self.opened: Callable[[], None] = lambda: None  # called with each new stream
+        self.closed: Callable[[], None] = lambda: None  # called after `close`
 
     @property
     def is_watched(self) -> bool:
@@ -160,6 +161,7 @@ class SampleSource:
                 stream.is_fed = False
         self._streams = []
         self._end()
+        self.closed()
 
     def _end(self) -> None:
         self._newest, self._watched_ns = None, 0
@@ -185,7 +187,7 @@ class SampleSource:
 class Deliveries:
     """Delivers the samples of a simulator's sensors from time to time, so that streams that are not taken are bounded.
 
-    due_tick: when it does so next.
+    due_tick: when it does so next, at multiples of EVERY_STEPS, whenever a stream was opened.
     """
 
     def __init__(self, agenda: Agenda, sources: Iterable[SampleSource]) -> None:
@@ -193,6 +195,7 @@ class Deliveries:
         self.due_tick = 0
         for source in self._sources:
             source.opened = self._begin
+            source.closed = self._end
 
     def _begin(self) -> None:
         if self not in self._agenda:
@@ -200,11 +203,14 @@ class Deliveries:
             self._agenda.add(self, Rank.OBSERVER, self._deliver, jump=self._schedule)
 
     def _schedule(self, tick: int) -> None:
-        self.due_tick = tick + EVERY_STEPS
+        self.due_tick = (tick // EVERY_STEPS + 1) * EVERY_STEPS
 
     def _deliver(self, tick: int) -> None:
         self._schedule(tick)
         for source in self._sources:
             source.settle()
-        if not any(source.is_watched for source in self._sources):
+        self._end()
+
+    def _end(self) -> None:
+        if self in self._agenda and not any(source.is_watched for source in self._sources):
             self._agenda.remove(self)
