@@ -5,12 +5,15 @@ SIGHUP, which a terminal sends when it is closed, is treated as SIGTERM.
 
 from __future__ import annotations
 
+import errno
+import io
 import os
 import signal
 import stat
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from typing import Any, TextIO
 
 GRACE_S = 1.0
 """The longest wall time [s] from SIGTERM to a pause; a service manager kills the process soon after."""
@@ -31,6 +34,26 @@ def leave_closed_terminal() -> None:
                 discarding = os.open(os.devnull, os.O_WRONLY)
                 os.dup2(discarding, output)
                 os.close(discarding)
+
+
+class _Output(io.FileIO):
+    def write(self, data: Any, /) -> int:
+        try:
+            return super().write(data)
+        except OSError as error:
+            if error.errno != errno.EIO:
+                raise
+        leave_closed_terminal()
+        return super().write(data)
+
+
+def outliving_terminal(stream: TextIO) -> TextIO:
+    """Return a stream to the terminal of stdout or stderr that discards what is written after it was closed.
+
+    A write may find it closed before Python runs the handler of its SIGHUP, and would end the flight with an error.
+    """
+    raw = _Output(stream.fileno(), "w", closefd=False)
+    return io.TextIOWrapper(io.BufferedWriter(raw), stream.encoding, stream.errors, line_buffering=True)
 
 
 def note_kept(text: str) -> None:

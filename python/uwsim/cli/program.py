@@ -19,6 +19,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
+from uwsim.base.stoppable import outliving_terminal
 from uwsim.cli.bounds import UsageError, refusal
 from uwsim.cli.exit_codes import FAILED, exit_code_help
 from uwsim.cli.groups import Program
@@ -75,6 +76,7 @@ def run_program() -> NoReturn:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # it claims 33 MB of address space for each
     gc.set_threshold(COLLECT_EVERY)
     atexit.register(gc.freeze)  # otherwise the interpreter would search all objects for garbage before it ends
+    sys.stdout, sys.stderr = (outliving_terminal(each) if each.isatty() else each for each in (sys.stdout, sys.stderr))
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="replace")  # type: ignore[union-attr]  # for ASCII terminals
     warnings.showwarning = _show_warning

@@ -4,6 +4,7 @@ import os
 import pty
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -88,6 +89,31 @@ def test_a_closed_terminal_loses_nothing(tmp_path: Path) -> None:
     assert os.waitstatus_to_exitcode(status) == 130
     assert (out / "checkpoint" / "flight.json").exists()
     OccupancyMap.read(out / "map.bt")
+
+
+WRITES = """
+import os, signal, sys
+from uwsim.base.stoppable import outliving_terminal
+
+signal.signal(signal.SIGHUP, signal.SIG_IGN)
+output = outliving_terminal(sys.stdout)
+try:
+    while os.ttyname(1):
+        print("it flies", file=output, flush=True)
+except OSError:
+    print("it was closed", file=output, flush=True)
+os._exit(0 if os.fstat(1).st_rdev == os.stat(os.devnull).st_rdev else 2)
+"""
+
+
+def test_a_write_that_finds_the_terminal_closed_before_the_signal_is_discarded() -> None:
+    process, terminal = pty.fork()
+    if process == 0:
+        os.execv(sys.executable, [sys.executable, "-c", WRITES])
+    os.read(terminal, 1)
+    os.close(terminal)
+    _, status = os.waitpid(process, 0)
+    assert os.waitstatus_to_exitcode(status) == 0
 
 
 def test_a_program_that_ignores_hangups_goes_on() -> None:
