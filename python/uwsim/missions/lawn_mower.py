@@ -51,8 +51,7 @@ PASSABLE_Z_M = HIGHEST_Z_M - 2.0  # anything higher is a shoal, which the vehicl
 HALF_WIDTH_M = 3.0  # half the width of the corridor ahead in which the vehicle climbs over obstacles
 LOOK_AHEAD_M = 6.0  # a lane ends this far in front of a shoal
 SIDE_STEPS = 3.0  # in line spacings; a lane farther away is reached by a transit, facing the direction of travel
-STUCK_AFTER_S = 60.0
-TURN_FIRST_RAD = math.radians(30.0)
+STUCK_AFTER_S, TURN_FIRST_RAD = 60.0, math.radians(30.0)
 MOST_LEGS = 12  # for one lane, of a vehicle that flies curves
 
 
