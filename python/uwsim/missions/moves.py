@@ -74,7 +74,8 @@ def goto(
         speed = min(speed_m_s, SLOWEST_M_S + SLOW_DOWN_PER_S * left_m)
         if heading_rad is None and abs(wrap_angle(heading - vehicle.pose.yaw_rad)) > TURN_FIRST_RAD:
             speed = 0.0
-        share = 0.0 if altitude_m is not None or whole_m < 1e-6 else min(left_m / whole_m, 1.0)
+        is_upright = min(left_m, whole_m) <= REACHED_IN_PASSING_M  # a drift of centimetres is no part of the way
+        share = 0.0 if altitude_m is not None or is_upright else min(left_m / whole_m, 1.0)
         ahead = min(speed, BACK_PER_S * left_m) / max(left_m, 1e-9)
         velocity = (ahead * (x - at_x), ahead * (y - at_y))
         yield from steer(vehicle, heading, velocity, z_m + share * (start_z - z_m))
