@@ -220,6 +220,7 @@ export class EditorScene extends Stage {
 
   // The pixel of a place, null behind the camera.
   #pixelOf(place) {
+    this.camera.updateMatrixWorld();
     const { x, y, z } = place.clone().project(this.camera);
     if (z > 1) return null;
     return [((x + 1) / 2) * this.canvas.clientWidth, ((1 - y) / 2) * this.canvas.clientHeight];
@@ -227,6 +228,7 @@ export class EditorScene extends Stage {
 
   #ray([px, py]) {
     const { clientWidth, clientHeight } = this.canvas;
+    this.camera.updateMatrixWorld(); // also before the next picture is drawn
     const from = this.camera.position.clone();
     const way = new Vector3((2 * px) / clientWidth - 1, 1 - (2 * py) / clientHeight, 0.5).unproject(this.camera);
     return [from, way.sub(from).setLength(FAR_M).add(from)];
