@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from uwsim.base.arguments import require_positive
 from uwsim.missions.heights import YoYo
 from uwsim.missions.lanes import Lane
+from uwsim.missions.moves import require_speed
 
 TRANSIT_VIEW_S = 20.0  # on transits, the fan hits a flat bed this many seconds ahead, early enough to see a rise
 
@@ -23,7 +25,7 @@ class LawnMowerPlan:
 
     area_m: the polygon's corners (k, 2). altitude_m: height above the bed. tilt_deg: the sonar's tilt, nose down.
     lanes: the lanes in flight order; by default, lanes that cover the whole area. yoyo: fly one instead of altitude_m
-    above the bed.
+    above the bed. Raises ValueError for a length or a speed that is not positive, or a speed that no vehicle has.
     """
 
     area_m: Sequence[Sequence[float]]
@@ -33,6 +35,12 @@ class LawnMowerPlan:
     tilt_deg: float = 30.0
     lanes: Sequence[Lane] | None = None
     yoyo: YoYo | None = None
+
+    def __post_init__(self) -> None:
+        require_positive(
+            "LawnMowerPlan", altitude_m=self.altitude_m, line_spacing_m=self.line_spacing_m, speed_m_s=self.speed_m_s
+        )
+        require_speed("LawnMowerPlan", self.speed_m_s)
 
     @property
     def reach_m(self) -> float:

@@ -55,7 +55,7 @@ def goto(
     within_m = reached_m(vehicle) if within_m is None else within_m
     x, y, height = _target(vehicle, "goto", position_world_m, altitude_m)
     require_positive("goto", speed_m_s=speed_m_s, within_m=within_m)
-    _require_speed("goto", speed_m_s)
+    require_speed("goto", speed_m_s)
     start = vehicle.pose
     start_x, start_y, start_z = start.position_world_m.tolist()
     whole_m = math.hypot(x - start_x, y - start_y)
@@ -113,7 +113,7 @@ def hold(
     autopilot = vehicle.autopilot
     while vehicle.time_s < end_s:
         if isinstance(autopilot, Controller):
-            _require_able(vehicle)
+            require_able(vehicle)
             autopilot.hold((x, y, height()), heading)
             yield wait(autopilot.period_s)
         else:
@@ -162,7 +162,7 @@ def follow(
 ) -> Steps[None]:
     """Follow straight legs through points (n, 3), or (n, 2) with altitude_m above the bed, beginning at the first."""
     require_positive("follow", speed_m_s=speed_m_s)
-    _require_speed("follow", speed_m_s)
+    require_speed("follow", speed_m_s)
     points = np.asarray(path_world_m, np.float64)
     if points.ndim != 2 or len(points) < 2:
         raise ValueError(f"follow: path_world_m.shape = {points.shape}: must be (n, 3) or (n, 2), n at least 2")
@@ -239,7 +239,7 @@ def _target(
     return x, y, height
 
 
-def _require_speed(step: str, speed_m_s: float) -> None:
+def require_speed(step: str, speed_m_s: float) -> None:
     """Raise ValueError for a speed that no vehicle has."""
     if speed_m_s > SPEED_MAX_M_S:
         raise ValueError(f"{step}: speed_m_s = {speed_m_s:g} m/s: must be at most {SPEED_MAX_M_S:g} m/s")
@@ -271,7 +271,7 @@ def steer(
 
     autopilot: defaults to the vehicle's own. Raises StoppedError if the vehicle cannot move.
     """
-    _require_able(vehicle)
+    require_able(vehicle)
     if most_climb_m < math.inf:
         z_m = float(vehicle.pose.position_world_m[2])
         z_world_m = z_m + min(max(z_world_m - z_m, -most_climb_m), most_climb_m)
@@ -280,7 +280,7 @@ def steer(
     yield wait(pilot.period_s)
 
 
-def _require_able(vehicle: OwnVehicle) -> None:
+def require_able(vehicle: OwnVehicle) -> None:
     """Raise StoppedError if all stop is set, the battery is empty or it has capsized; watch its tilt."""
     if vehicle.all_stopped:
         raise StoppedError("all stop is set")

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import uwsim
-from uwsim.missions import StoppedError, goto
+from uwsim.missions import StoppedError, goto, run
+from uwsim.missions.planners import next_best_view
 from uwsim.missions.planners.gate import gate_posts, pass_gate
 
 GATE_M, GATE_WIDTH_M, GATE_HEIGHT_M = np.array([-4.0, 2.0]), 4.0, 4.0
@@ -52,3 +53,19 @@ def test_posts_make_a_gate_only_at_its_width() -> None:
     assert gate_posts(posts, np.array([5.0, 1.0]), 4.0) == pytest.approx(np.array([[5.0, 3.0], [5.0, -1.0]]))
     assert gate_posts(posts, np.array([5.0, 1.0]), 2.0) is None
     assert gate_posts(posts[:0], np.array([5.0, 1.0]), 4.0) is None
+
+
+def test_an_exploration_under_all_stop_ends_with_the_reason(monkeypatch) -> None:
+    """A view without a way is given up for the next; a vehicle that may not move has no next one."""
+    sim, view = uwsim.Simulator("pool"), next_best_view._view
+
+    def stopped_view(vehicle, live, goal):
+        vehicle.all_stop()
+        yield from view(vehicle, live, goal)
+
+    def mission(vehicle):
+        return (yield from next_best_view.next_best_view(vehicle))
+
+    monkeypatch.setattr(next_best_view, "_view", stopped_view)
+    with pytest.raises(StoppedError, match=r"^all stop is set$"):
+        run(mission, sim.rov, sim)

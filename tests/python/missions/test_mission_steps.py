@@ -246,6 +246,26 @@ def test_goto_goes_to_a_target_nearby_and_hold_keeps_it(offset_m) -> None:
     assert 0.0 < left_m[0] <= 0.1 and left_m[1] < 0.01
 
 
+def test_a_drift_of_centimetres_is_no_part_of_a_vertical_way(monkeypatch) -> None:
+    """The depth on the way follows the share of it that is left: 0.06 m aside is not all of a way of 0.05 m."""
+    sim = Simulator("pool")
+    sim.rov.release()
+    start_m, wanted_z_m = np.array([0.0, 0.0, -2.0]), []
+    sim.rov.place(start_m)
+    vehicle = OwnVehicle(sim.rov, sim)
+
+    def steer(vehicle, heading_rad, velocity_m_s, z_m):
+        wanted_z_m.append(z_m)
+        yield wait(0.1)
+
+    monkeypatch.setattr("uwsim.missions.moves.steer", steer)
+    way = goto(vehicle, start_m + (0.05, 0.0, -2.0))
+    next(way)
+    sim.rov.place(start_m - (0.01, 0.0, 0.0))
+    next(way)
+    assert wanted_z_m == [-4.0, -4.0]
+
+
 @pytest.mark.parametrize(
     ("step", "words"),
     [
@@ -266,6 +286,8 @@ def test_goto_goes_to_a_target_nearby_and_hold_keeps_it(offset_m) -> None:
         (lambda v: turn_to(v, math.nan), "heading_rad = nan: must be a number"),
         (lambda v: goto(v, (1.0, 2.0, -3.0), speed_m_s=50.0), "speed_m_s = 50 m/s: must be at most 10 m/s"),
         (lambda v: follow(v, [(1.0, 2.0, -3.0), (1.0, 3.0, -3.0)], speed_m_s=50.0), "must be at most 10 m/s"),
+        (lambda v: LawnMowerPlan([[0, 0], [9, 0], [9, 5]], speed_m_s=50.0), "must be at most 10 m/s"),
+        (lambda v: LawnMowerPlan([[0, 0], [9, 0], [9, 5]], line_spacing_m=0.0), "line_spacing_m = 0.0 m: must be pos"),
     ],
 )
 def test_moves_refuse_bad_values(step, words: str) -> None:

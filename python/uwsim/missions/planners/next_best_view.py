@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from uwsim.mapping import DistanceField, frontiers
 from uwsim.mapping.ranging import transform_points
 from uwsim.missions.aiming import aim_to
-from uwsim.missions.moves import turn_to
+from uwsim.missions.moves import require_able, turn_to
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.cells import Cells
 from uwsim.missions.planners.live_map import LiveMap
@@ -59,7 +59,7 @@ def next_best_view(
                 yield from race(_view(vehicle, live, candidates[k]), _map(vehicle, live))
                 break
             except StoppedError:
-                continue  # no free way leads there, or the vehicle cannot turn there
+                require_able(vehicle)  # else no free way leads there, or the vehicle cannot turn there
         else:
             return taken
         vehicle.log("view", gain_m3=float(gains[k]), position_m=candidates[k].tolist())
