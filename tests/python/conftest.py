@@ -8,6 +8,7 @@ import pytest
 from hypothesis import settings
 from matplotlib.figure import Figure
 
+from processor_seconds import ProcessorSeconds
 from uwsim import _core
 from uwsim.figures import style, truth_and_map
 from uwsim.scenario import build_world, load
@@ -16,6 +17,11 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 os.environ["UWSIM_LOGBOOK"] = ""  # attempts in tests are not the user's
 settings.register_profile("uwsim", derandomize=True, deadline=None, database=None)
 settings.load_profile("uwsim")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Measure the processor time of the tests."""
+    config.pluginmanager.register(ProcessorSeconds())
 
 
 @pytest.hookimpl(wrapper=True)

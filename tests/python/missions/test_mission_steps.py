@@ -250,8 +250,8 @@ def test_a_drift_of_centimetres_is_no_part_of_a_vertical_way(monkeypatch) -> Non
     """The depth on the way follows the share of it that is left: 0.06 m aside is not all of a way of 0.05 m."""
     sim = Simulator("pool")
     sim.rov.release()
-    start_m, wanted_z_m = np.array([0.0, 0.0, -2.0]), []
-    sim.rov.place(start_m)
+    wanted_z_m = []
+    sim.rov.place([0.0, 0.0, -2.0])
     vehicle = OwnVehicle(sim.rov, sim)
 
     def steer(vehicle, heading_rad, velocity_m_s, z_m):
@@ -259,9 +259,9 @@ def test_a_drift_of_centimetres_is_no_part_of_a_vertical_way(monkeypatch) -> Non
         yield wait(0.1)
 
     monkeypatch.setattr("uwsim.missions.moves.steer", steer)
-    way = goto(vehicle, start_m + (0.05, 0.0, -2.0))
+    way = goto(vehicle, (0.05, 0.0, -4.0))
     next(way)
-    sim.rov.place(start_m - (0.01, 0.0, 0.0))
+    sim.rov.place([-0.01, 0.0, -2.0])
     next(way)
     assert wanted_z_m == [-4.0, -4.0]
 

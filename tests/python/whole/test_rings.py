@@ -5,8 +5,7 @@ from itertools import pairwise
 
 import pytest
 from tools.assets.make_architecture_picture import PICTURE, picture
-
-from module_graph import HEART, ROOT, circles, imported_by, imports, modules, packages_around, ring_of, rings
+from tools.module_graph import HEART, ROOT, circles, imported_by, imports, modules, packages_around, ring_of, rings
 
 CIRCLES_OF_TYPES = 3
 """Groups of modules of which one imports another for type checkers alone. The number may only decrease."""

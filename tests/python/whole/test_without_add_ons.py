@@ -12,9 +12,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tools.module_graph import HEART, PYTHON, ROOT, imported_by, is_in, ring_of, rings
 
 from command_line import UWSIM, error_line
-from module_graph import HEART, PYTHON, ROOT, imported_by, is_in, ring_of, rings
 from uwsim import _core
 from uwsim.base.sockets import Entry, registered
 from uwsim.flight.survey import run_survey

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[1]
 PYTHON = ROOT / "python"
 HEART = "heart"
 
@@ -16,6 +16,8 @@ When = Literal["always", "later", "types"]
 
 
 class Import(NamedTuple):
+    """One import of a module of uwsim in another."""
+
     module: str
     imported: str
     when: When
@@ -46,6 +48,7 @@ def ring_of(module: str) -> str | None:
 
 
 def is_in(module: str, package: str) -> bool:
+    """Return whether a module is a package or lies in it."""
     return f"{module}.".startswith(f"{package}.")
 
 

@@ -1,0 +1,60 @@
+"""The budget: no count may exceed its number, and numbers follow the counts down."""
+
+import pytest
+from tools import budget
+
+
+def table(number: float) -> dict[str, dict[str, float]]:
+    return {name: {"a": number, "b": number} for name in budget.SLACK}
+
+
+@pytest.mark.parametrize(
+    ("name", "room"),
+    [
+        ("README.md", "docs"),
+        ("docs/guides/live.md", "docs"),
+        ("docs/reference/cli.md", None),
+        ("cpp/uwsim/core/parallel.h", "cpp/uwsim/core"),
+        ("cpp/bindings/sim/bind_ping.cpp", "cpp/bindings"),
+        ("python/uwsim/operator/station/server.py", "python/uwsim/operator"),
+        ("python/uwsim/__init__.py", "python/uwsim"),
+        ("python/uwsim/operator/station/page/vendor/three.js", None),
+        ("tests/python/browser.py", "tests/python"),
+        ("tests/python/mapping/test_clouds.py", "tests/python/mapping"),
+        ("tests/fuzz/readers.py", "tests/fuzz"),
+        ("tools/lint", "tools"),
+    ],
+)
+def test_a_file_counts_in_its_room(name: str, room: str | None) -> None:
+    assert budget.room_of(name) == room
+
+
+def test_a_count_above_its_number_fails_and_an_update_does_not_raise_the_number() -> None:
+    assert len(budget.problems(table(11), table(10))) == 2 * len(budget.SLACK)
+    assert budget.lowered(table(11), table(10)) == table(10)
+
+
+def test_a_room_without_a_number_may_hold_nothing() -> None:
+    assert budget.problems({"lines": {"a": 1, "new": 1}}, {"lines": {"a": 1}}) == [
+        "budget: lines of 'new': 1, at most 0: remove some, or raise it there"
+    ]
+
+
+@pytest.mark.parametrize(("name", "slack"), budget.SLACK.items())
+def test_a_number_follows_its_count_down(name: str, slack: int) -> None:
+    most = {name: {"a": slack + 10}}
+    assert budget.problems({name: {"a": 10}}, most) == []
+    assert [line.endswith("--update") for line in budget.problems({name: {"a": 9}}, most)] == [True]
+    assert budget.lowered({name: {"a": 9}}, most) == {name: {"a": 9}}
+
+
+def test_words_are_found_whole_in_any_case_and_docstrings_by_their_first_word() -> None:
+    text = '"""What it Says: anew."""\n/// Of all.\n"""Return what is not said; essays."""\nwhat is no file'
+    found = {word: len(pattern.findall(text)) for word, pattern in budget.PATTERNS.items()}
+    expected = {"says": 1, "anew": 1, "what is no": 1, "docstring What/Of/Who/Whether": 2}
+    assert {word: number for word, number in found.items() if number} == expected
+
+
+def test_the_numbers_are_written_as_they_are_read() -> None:
+    text = budget.NUMBERS.read_text()
+    assert budget.written(budget.tomllib.loads(text)) == text

@@ -1,0 +1,185 @@
+"""Keep lines, long files, imports, test seconds and some words within budget.toml: python -m tools.budget [--update].
+
+A number may only be raised by hand, in the commit that needs it, whose body states what it bought; --update lowers each
+to what stands. Rooms are the folders of cpp/uwsim, python/uwsim and of the tests beside them, and the other folders.
+Seconds are processor time of the last whole run of the Python tests (tests/python/processor_seconds.py).
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import tomllib
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+
+from tools.module_graph import ROOT, imports, modules, ring_of
+
+NUMBERS = Path(__file__).with_name("budget.toml")
+SECONDS = ROOT / "build/test_seconds.json"
+LONG_LINES = 300
+LOOP_S = 0.012  # of a fixed loop, in seconds of the machine for which budget.toml is written
+SLACK = {"lines": 300, "long": 0, "arrows": 0, "seconds": 10, "words": 5}
+"""How far a count may lie below its number before the number must be lowered."""
+COUNTED = {
+    ".py",
+    ".cpp",
+    ".h",
+    ".js",
+    ".mjs",
+    ".css",
+    ".html",
+    ".j2",
+    ".md",
+    ".sh",
+    ".cmake",
+    ".yaml",
+    ".yml",
+    ".toml",
+    "",
+}
+LEFT_OUT = re.compile(
+    r"/vendor/|_core\.pyi$|^docs/(reference|benchmarks)/|^tests/(fuzz/found|python/data)/|^(LICENSE|\.git)"
+)
+PROSE = {".h", ".cpp", ".py", ".js", ".html", ".j2", ".md", ""}
+WORDS = {
+    **{word: rf"\b{word}\b" for word in ("says", "tells", "told", "hears", "anew", "nobody", "somebody", "whoever")},
+    "what is no": r"\bwhat is no\b",
+    "docstring What/Of/Who/Whether": r'(?:"""|///? )(?:What|Of|Who|Whoever|Whose|Whether)\b',
+}
+PATTERNS = {
+    word: re.compile(pattern, 0 if word.startswith("docstring") else re.IGNORECASE) for word, pattern in WORDS.items()
+}
+
+Table = Mapping[str, Mapping[str, float]]
+
+
+def main() -> int:
+    """Print the price of the change; return 1 if a count is above its number, or too far below it."""
+    counts, numbers = count(), tomllib.loads(NUMBERS.read_text())
+    if "--update" in sys.argv[1:]:
+        numbers = lowered(counts, numbers)
+        NUMBERS.write_text(written(numbers))
+    print(price())
+    wrong = problems(counts, numbers)
+    print("\n".join(wrong), end="\n" if wrong else "")
+    return 1 if wrong else 0
+
+
+def count() -> dict[str, dict[str, float]]:
+    """Return what the tree holds, as budget.toml has it; seconds only where a whole run of the tests has left them."""
+    lines: Counter[str] = Counter()
+    long: Counter[str] = Counter()
+    words: Counter[str] = Counter(dict.fromkeys(WORDS, 0))
+    for name in _git("ls-files", "--cached", "--others", "--exclude-standard").splitlines():
+        if (room := room_of(name)) is None or not (path := ROOT / name).is_file():
+            continue
+        text = path.read_text()
+        number = text.count("\n")
+        lines[room] += number
+        lines["all"] += number
+        long[room] += number > LONG_LINES
+        if path.suffix in PROSE and path.name not in ("budget.py", "test_budget.py"):
+            words += Counter({word: len(pattern.findall(text)) for word, pattern in PATTERNS.items()})
+    for module, path in modules().items():
+        if ring := ring_of(module):
+            lines[f"ring {ring}"] += path.read_text().count("\n")
+    return {
+        "lines": dict(lines),
+        "long": {room: number for room, number in long.items() if number},
+        "arrows": dict(Counter(start for start, _ in arrows())),
+        "words": {word: words[word] for word in WORDS},
+    } | _seconds()
+
+
+def _seconds() -> dict[str, dict[str, float]]:
+    """Return the seconds that the last whole run of the tests has left, as if the machine were that of the numbers."""
+    if not SECONDS.is_file():
+        return {}
+    measured = json.loads(SECONDS.read_text())
+    scale = LOOP_S / measured["loop_s"]
+    rooms = {room: round(scale * seconds_s) for room, seconds_s in measured["rooms"].items()}
+    return {"seconds": {**rooms, "all": sum(rooms.values())}}
+
+
+def room_of(name: str) -> str | None:
+    """Return the room in which a path counts, None for files that nobody here writes by hand."""
+    path = Path(name)
+    if path.suffix not in COUNTED or LEFT_OUT.search(name):
+        return None
+    first, *rest = path.parts
+    if not rest:
+        return "docs" if path.suffix == ".md" else "root"
+    inside = rest[: min(len(rest) - 1, 2 if rest[0] in ("uwsim", "python", "cpp") else 1)]
+    return "/".join([first, *inside]) if first in ("cpp", "python", "tests") else first
+
+
+def arrows() -> set[tuple[str, str]]:
+    """Return which room of python/uwsim imports which other, not for type checkers alone."""
+    pairs = ((each.module, each.imported) for each in imports() if each.when != "types")
+    rooms = (tuple(name.split(".")[1] for name in pair if "." in name) for pair in pairs)
+    return {(room[0], room[1]) for room in rooms if len(room) == 2 and room[0] != room[1]}
+
+
+def problems(counts: Table, numbers: Table) -> list[str]:
+    """Return a line for each count that is above its number or too far below it."""
+    found: list[str] = []
+    for table in (name for name in numbers if name in counts):
+        row, numbers_of = counts[table], numbers[table]
+        for name in sorted(row.keys() | numbers_of.keys()):
+            number, most = row.get(name, 0), numbers_of.get(name, 0)
+            if number > most:
+                found.append(
+                    f"budget: {table} of {name!r}: {number:g}, at most {most:g}: remove some, or raise it there"
+                )
+            elif number < most - SLACK[table]:
+                found.append(
+                    f"budget: {table} of {name!r}: only {number:g} of {most:g}: python -m tools.budget --update"
+                )
+    return found
+
+
+def lowered(counts: Table, numbers: Table) -> dict[str, dict[str, float]]:
+    """Return the numbers, each lowered to its count; a room that is gone loses its line."""
+    kept = {}
+    for table, row in numbers.items():
+        now = counts.get(table, row)
+        kept[table] = {name: min(most, now[name]) for name, most in row.items() if name in now}
+    return kept
+
+
+def written(numbers: Table) -> str:
+    """Return the text of budget.toml."""
+    head = "# The most of each that the tree may hold; python -m tools.budget explains and checks it.\n"
+    tables = ("\n".join(f"{json.dumps(name)} = {most:g}" for name, most in row.items()) for row in numbers.values())
+    return head + "".join(f"\n[{table}]\n{rows}\n" for table, rows in zip(numbers, tables, strict=True))
+
+
+def price() -> str:
+    """Return how many lines a change adds and removes by room: what is not committed, else the last commit."""
+    base = "HEAD" if _git("status", "--porcelain", "--untracked-files=no") else "HEAD~1"
+    added: Counter[str] = Counter()
+    removed: Counter[str] = Counter()
+    new = _git("ls-files", "--others", "--exclude-standard").splitlines()
+    changes = [line.split("\t") for line in _git("diff", "--numstat", "--no-renames", base).splitlines()]
+    for plus, minus, name in [*changes, *([str(_lines(name)), "0", name] for name in new)]:
+        if (room := room_of(name)) and plus != "-":
+            added[room] += int(plus)
+            removed[room] += int(minus)
+    rooms = ", ".join(f"{room} +{added[room]} -{removed[room]}" for room in sorted(added))
+    return f"budget: the change: +{added.total()} -{removed.total()} lines: {rooms}"
+
+
+def _lines(name: str) -> int:
+    return (ROOT / name).read_bytes().count(b"\n")
+
+
+def _git(*arguments: str) -> str:
+    return subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+
+
+if __name__ == "__main__":
+    sys.exit(main())
