@@ -25,9 +25,8 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 def test_every_paper_states_the_same_version_and_authors() -> None:
     citation = YAML(typ="safe").load(ROOT / "CITATION.cff")
     meta = json.loads((ROOT / "codemeta.json").read_text())
-    newest = re.search(r"^## \[(\d.*?)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
-    assert newest
-    assert {PROJECT["version"], str(citation["version"]), meta["version"], newest[1]} == {PROJECT["version"]}
+    released = re.findall(r"^## \[(\d.*?)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)  # newest first
+    assert {str(citation["version"]), meta["version"], *released[:1]} == {PROJECT["version"]}
     names = [PROJECT["authors"], citation["authors"], meta["author"]]
     assert [[each["name"] for each in authors] for authors in names] == [["The uwsim authors"]] * 3
     minors = [int(each.rsplit(".")[-1]) for each in PROJECT["classifiers"] if "Python :: 3." in each]
@@ -36,6 +35,12 @@ def test_every_paper_states_the_same_version_and_authors() -> None:
     assert set(meta["keywords"]) <= {*citation["keywords"], *PROJECT["keywords"]}
     wheels = (ROOT / ".github/workflows/wheels.yml").read_text()
     assert wheels.count(" ".join(f"3.{minor}" for minor in minors)) == 2  # interpreters that are installed, and used
+
+
+def test_the_changelog_is_short_until_a_release() -> None:
+    head, *sections = re.split(r"^## ", (ROOT / "CHANGELOG.md").read_text(), flags=re.MULTILINE)
+    assert "Keep a Changelog" in head and sections[0].startswith("[Unreleased]\n")
+    assert len(sections[0].splitlines()) <= 160, "state what exists, in one line of its theme"
 
 
 def test_one_figure_of_speed_is_stated_everywhere() -> None:
