@@ -141,9 +141,10 @@ def _native(name: str) -> Path:
         settings["CMAKE_CXX_COMPILER_LAUNCHER"] = "ccache"
     options = [f"-D{key}={value}" for key, value in settings.items()]
     print(f"fuzz: compiling fuzz_{name} (minutes the first time)", flush=True)
-    quiet = {"stdout": subprocess.DEVNULL, "check": True}
-    subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", *options], **quiet)
-    subprocess.run(["cmake", "--build", build, "--target", f"fuzz_{name}"], **quiet)
+    for command in (["-S", ROOT, "-B", build, "-G", "Ninja", *options], ["--build", build, "--target", f"fuzz_{name}"]):
+        made = subprocess.run(["cmake", *command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if made.returncode:
+            sys.exit(f"{made.stdout}\nfuzz: fuzz_{name} could not be compiled")
     return build / "tests" / "fuzz" / "native" / f"fuzz_{name}"
 
 

@@ -1,5 +1,9 @@
 #pragma once
 
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -36,11 +40,11 @@ using IndexLanes = long long __attribute__((vector_size(kLanes * sizeof(double))
 /// Returns true if any lane of a mask (-1 or 0) is true.
 [[maybe_unused]] inline bool any_of(IndexLanes mask) {
 #if defined(__AVX512F__)
-  return __builtin_ia32_ptestmq512(mask, mask, 0xFF) != 0;
+  return _mm512_test_epi64_mask((__m512i)mask, (__m512i)mask) != 0;
 #elif defined(__AVX2__)
-  return __builtin_ia32_movmskpd256((DoubleLanes)mask) != 0;
+  return _mm256_movemask_pd((__m256d)mask) != 0;
 #elif defined(__SSE2__)
-  return __builtin_ia32_movmskpd((DoubleLanes)mask) != 0;
+  return _mm_movemask_pd((__m128d)mask) != 0;
 #else
   return mask[0] != 0 || mask[1] != 0;
 #endif

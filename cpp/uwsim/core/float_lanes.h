@@ -1,5 +1,9 @@
 #pragma once
 
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
 #include <cstdint>
 
 /// Arithmetic on sixteen values at once. It uses the compiler's vector types with the width of the CPU's registers; the
@@ -181,16 +185,13 @@ UWSIM_LANES Lanes<To> bits_as(Lanes<From> x) {
 /// Products of the low halves.
 UWSIM_LANES Wide times_low(Wide a, std::uint32_t b) {
   constexpr int kParts = Wide::kParts;
-  using PhiloxWords [[maybe_unused]] = Native<std::int32_t>::Part;
   const Wide many(std::uint64_t{b});
 #if defined(__AVX512F__)
-  using Product = long long __attribute__((vector_size(64)));
-  UWSIM_UNROLLED a.part[p] =
-      (Wide::Part)__builtin_ia32_pmuludq512_mask((PhiloxWords)a.part[p], (PhiloxWords)many.part[p], Product{}, -1);
+  UWSIM_UNROLLED a.part[p] = (Wide::Part)_mm512_mul_epu32((__m512i)a.part[p], (__m512i)many.part[p]);
 #elif defined(__AVX2__)
-  UWSIM_UNROLLED a.part[p] = (Wide::Part)__builtin_ia32_pmuludq256((PhiloxWords)a.part[p], (PhiloxWords)many.part[p]);
+  UWSIM_UNROLLED a.part[p] = (Wide::Part)_mm256_mul_epu32((__m256i)a.part[p], (__m256i)many.part[p]);
 #elif defined(__SSE2__)
-  UWSIM_UNROLLED a.part[p] = (Wide::Part)__builtin_ia32_pmuludq128((PhiloxWords)a.part[p], (PhiloxWords)many.part[p]);
+  UWSIM_UNROLLED a.part[p] = (Wide::Part)_mm_mul_epu32((__m128i)a.part[p], (__m128i)many.part[p]);
 #else
   UWSIM_UNROLLED a.part[p] = (a.part[p] & 0xFFFFFFFFu) * many.part[p];
 #endif
@@ -226,11 +227,11 @@ UWSIM_LANES bool any(Int mask) {
   Int::Part found = mask.part[0];
   for (int p = 1; p < Int::kParts; ++p) found |= mask.part[p];
 #if defined(__AVX512F__)
-  return __builtin_ia32_ptestmd512(found, found, 0xFFFF) != 0;
+  return _mm512_test_epi32_mask((__m512i)found, (__m512i)found) != 0;
 #elif defined(__AVX2__)
-  return __builtin_ia32_movmskps256((Float::Part)found) != 0;
+  return _mm256_movemask_ps((__m256)found) != 0;
 #elif defined(__SSE2__)
-  return __builtin_ia32_movmskps((Float::Part)found) != 0;
+  return _mm_movemask_ps((__m128)found) != 0;
 #else
   for (int k = 0; k < kLanes / Int::kParts; ++k) {
     if (found[k] != 0) return true;
@@ -242,11 +243,11 @@ UWSIM_LANES bool any(Int mask) {
 UWSIM_LANES Float min(Float a, Float b) {
   constexpr int kParts = Float::kParts;
 #if defined(__AVX512F__)
-  UWSIM_UNROLLED a.part[p] = __builtin_ia32_minps512_mask(a.part[p], b.part[p], a.part[p], -1, 4);
+  UWSIM_UNROLLED a.part[p] = _mm512_min_ps(a.part[p], b.part[p]);
 #elif defined(__AVX2__)
-  UWSIM_UNROLLED a.part[p] = __builtin_ia32_minps256(a.part[p], b.part[p]);
+  UWSIM_UNROLLED a.part[p] = _mm256_min_ps(a.part[p], b.part[p]);
 #elif defined(__SSE2__)
-  UWSIM_UNROLLED a.part[p] = __builtin_ia32_minps(a.part[p], b.part[p]);
+  UWSIM_UNROLLED a.part[p] = _mm_min_ps(a.part[p], b.part[p]);
 #else
   UWSIM_UNROLLED a.part[p] = a.part[p] < b.part[p] ? a.part[p] : b.part[p];
 #endif
@@ -255,11 +256,11 @@ UWSIM_LANES Float min(Float a, Float b) {
 UWSIM_LANES Float max(Float a, Float b) {
   constexpr int kParts = Float::kParts;
 #if defined(__AVX512F__)
-  UWSIM_UNROLLED a.part[p] = __builtin_ia32_maxps512_mask(a.part[p], b.part[p], a.part[p], -1, 4);
+  UWSIM_UNROLLED a.part[p] = _mm512_max_ps(a.part[p], b.part[p]);
 #elif defined(__AVX2__)
-  UWSIM_UNROLLED a.part[p] = __builtin_ia32_maxps256(a.part[p], b.part[p]);
+  UWSIM_UNROLLED a.part[p] = _mm256_max_ps(a.part[p], b.part[p]);
 #elif defined(__SSE2__)
-  UWSIM_UNROLLED a.part[p] = __builtin_ia32_maxps(a.part[p], b.part[p]);
+  UWSIM_UNROLLED a.part[p] = _mm_max_ps(a.part[p], b.part[p]);
 #else
   UWSIM_UNROLLED a.part[p] = a.part[p] > b.part[p] ? a.part[p] : b.part[p];
 #endif
@@ -274,11 +275,11 @@ UWSIM_LANES Int floor_int(Float x) {
 UWSIM_LANES Float square_root(Float x) {
   constexpr int kParts = Float::kParts;
 #if defined(__AVX512F__)
-  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtps512_mask(x.part[p], x.part[p], -1, 4);
+  UWSIM_UNROLLED x.part[p] = _mm512_sqrt_ps(x.part[p]);
 #elif defined(__AVX2__)
-  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtps256(x.part[p]);
+  UWSIM_UNROLLED x.part[p] = _mm256_sqrt_ps(x.part[p]);
 #elif defined(__SSE2__)
-  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtps(x.part[p]);
+  UWSIM_UNROLLED x.part[p] = _mm_sqrt_ps(x.part[p]);
 #else
   UWSIM_UNROLLED for (int k = 0; k < kLanes / kParts; ++k) x.part[p][k] = __builtin_sqrtf(x.part[p][k]);
 #endif

@@ -81,12 +81,11 @@ UWSIM_INLINE Reals select(Mask mask, Reals yes, Reals no) {
 /// One bit for each truth value.
 UWSIM_INLINE unsigned bits_of(MaskPart part) {
 #if defined(__AVX512F__)
-  using Words = long long __attribute__((vector_size(64)));
-  return __builtin_ia32_ptestmq512((Words)part, (Words)part, 0xFF);
+  return _mm512_test_epi64_mask((__m512i)part, (__m512i)part);
 #elif defined(__AVX2__)
-  return static_cast<unsigned>(__builtin_ia32_movmskpd256((Part)part));
+  return static_cast<unsigned>(_mm256_movemask_pd((__m256d)part));
 #elif defined(__SSE2__)
-  return static_cast<unsigned>(__builtin_ia32_movmskpd((Part)part));
+  return static_cast<unsigned>(_mm_movemask_pd((__m128d)part));
 #else
   unsigned bits = 0;
   for (int k = 0; k < kEach; ++k) bits |= (part[k] != 0 ? 1u : 0u) << k;
@@ -115,11 +114,11 @@ UWSIM_INLINE Reals smaller(Reals a, Reals b) { return select(b < a, b, a); }
 UWSIM_INLINE Reals larger(Reals a, Reals b) { return select(a < b, b, a); }
 UWSIM_INLINE Reals square_root(Reals x) {
 #if defined(__AVX512F__)
-  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtpd512_mask(x.part[p], x.part[p], -1, 4);
+  UWSIM_UNROLLED x.part[p] = _mm512_sqrt_pd(x.part[p]);
 #elif defined(__AVX2__)
-  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtpd256(x.part[p]);
+  UWSIM_UNROLLED x.part[p] = _mm256_sqrt_pd(x.part[p]);
 #elif defined(__SSE2__)
-  UWSIM_UNROLLED x.part[p] = __builtin_ia32_sqrtpd(x.part[p]);
+  UWSIM_UNROLLED x.part[p] = _mm_sqrt_pd(x.part[p]);
 #else
   UWSIM_UNROLLED for (int k = 0; k < kEach; ++k) x.part[p][k] = __builtin_sqrt(x.part[p][k]);
 #endif

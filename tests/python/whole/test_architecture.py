@@ -44,6 +44,10 @@ LIBRARIES: dict[str, tuple[str, str]] = {
     "OctoMap": (r"octomap/|octomath/", r"cpp/uwsim/mapping/octomap_engine\.cpp"),
     "dynamicEDT3D": (r"dynamicEDT3D/", r"cpp/uwsim/mapping/distance_field\.cpp"),
     "PCL": (r"pcl/", r"cpp/uwsim/mapping/(clouds\.cpp|scan_clouds\.cpp|pcl_clouds\.h)"),
+    "instructions of x86": (
+        r"immintrin\.h",
+        r"cpp/uwsim/(core/(float|double)_lanes\.h|mapping/bricks/kernels/scan_kernels_\w+\.cpp)",
+    ),
     "pybind11": (r"pybind11/", r"cpp/bindings/.*"),
 }
 STANDARD_HEADER = re.compile(r"[a-z_0-9]+")
@@ -95,6 +99,12 @@ def pragma_once(path: PurePosixPath, text: str) -> Iterator[str]:
         yield f"{path}: no #pragma once"
 
 
+def documented_instructions(path: PurePosixPath, text: str) -> Iterator[str]:
+    """GCC's own names of instructions keep clang, and so tools/fuzz, from compiling the kernels."""
+    for name in re.findall(r"__builtin_ia32_(?!pause\b)\w+", text):
+        yield f"{path}: {name}: use the intrinsic of <immintrin.h>"
+
+
 def only_core_from_uwsim(path: PurePosixPath, text: str) -> Iterator[str]:
     """Inside the package, only `_core` and submodules are imported from `uwsim`; import-linter cannot follow others."""
     submodules = {entry.stem for entry in (ROOT / "python/uwsim").iterdir()}
@@ -140,6 +150,7 @@ Rule = Callable[[PurePosixPath, str], Iterator[str]]
 RULES: list[tuple[Rule, str]] = [
     (include_edges, r"cpp/(uwsim|bindings)/.*\.(h|cpp)"),
     (library_includes, r"cpp/(uwsim|bindings)/.*\.(h|cpp)"),
+    (documented_instructions, r"cpp/.*\.(h|cpp)"),
     (pragma_once, r"(cpp|tests/(cpp|fast_dds))/.*\.h"),
     (only_core_from_uwsim, r"python/uwsim/(?!examples/).*\.py"),
     (
@@ -178,6 +189,7 @@ def test_the_sources_keep_the_rule(rule: Rule, applies_to: str) -> None:
         (library_includes, "cpp/uwsim/core/a.cpp", "#include <pybind11/numpy.h>", "#include <cmath>"),
         (library_includes, "cpp/uwsim/core/a.cpp", "#include <boost/any.hpp>", "#include <sys/stat.h>"),
         (library_includes, "cpp/uwsim/core/a.h", "#include <unistd.h>", "#include <string_view>"),
+        (documented_instructions, "cpp/uwsim/core/a.h", "__builtin_ia32_sqrtps(x)", "_mm_sqrt_ps(x)"),
         (pragma_once, "cpp/uwsim/core/a.h", "// #pragma once", "#pragma once\n"),
         (only_core_from_uwsim, "python/uwsim/a.py", "from uwsim import Simulator", "from uwsim import _core, scenario"),
         (only_core_from_uwsim, "python/uwsim/a.py", "def f():\n    import uwsim", "import uwsim.mapping.ranging"),
