@@ -112,6 +112,12 @@ def load_all(group: str, adapt: Adapt | None = None, *, own: bool = False) -> Ma
     return found
 
 
+def blamed(group: str, entry: Entry, error: BaseException, at: str = "cannot be used") -> str:
+    """Return a line that names the package and the entry whose code raised an error. at: what it was asked for."""
+    why = " ".join(f"{type(error).__name__}: {error}".split())
+    return f"{group}: '{entry.name}' of {entry.package} ({entry.value}): {at}: {why}"
+
+
 @cache
 def _loaded(group: str, entry: Entry, adapt: Adapt | None) -> Any:
     try:
@@ -120,9 +126,7 @@ def _loaded(group: str, entry: Entry, adapt: Adapt | None) -> Any:
     except (Exception, SystemExit) as error:  # a stranger's module may raise anything
         if entry.is_own and not _lacks_part(error):
             raise
-        why = " ".join(f"{type(error).__name__}: {error}".split())
-        where = f"{group}: '{entry.name}' of {entry.package} ({entry.value})"
-        raise EntryError(f"{where}: cannot be used: {why}") from error
+        raise EntryError(blamed(group, entry, error)) from error
 
 
 def _lacks_part(error: BaseException) -> bool:

@@ -12,8 +12,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from uwsim.base.sockets import load, registered
-
 if TYPE_CHECKING:
     from uwsim.base.journal import Observer
     from uwsim.flight.patch_errors import PatchErrors
@@ -22,8 +20,6 @@ if TYPE_CHECKING:
     from uwsim.flight.request import FlightRequest
     from uwsim.scoring.tpu import Uncertainties
     from uwsim.simulator.simulator import Simulator
-
-GROUP = "uwsim.attachments"
 
 
 @dataclass(frozen=True)
@@ -84,19 +80,3 @@ class Attachment:
     def try_close(self) -> OSError | None:
         """Close files, however the flight ended; return the error if writing failed."""
         return None
-
-
-def attached(flight: Departure) -> dict[str, Attachment]:
-    """Return the attachments of a flight by name. Raises ValueError.
-
-    uwsim's own are loaded only if they are needed, since channels are slow to import.
-    """
-    needed = {"recorder": flight.record is not None, "link": flight.sim.link is not None, "raw": flight.raw is not None}
-    for name in (name for name, is_needed in needed.items() if is_needed and name not in registered(GROUP)):
-        raise ValueError(f"{name}: no installed package provides it (entry point '{name}' in {GROUP})")
-    for name in registered(GROUP):
-        if needed.get(name, True):
-            found = load(GROUP, name)(flight)
-            if found is not None:
-                flight.others[name] = found
-    return flight.others

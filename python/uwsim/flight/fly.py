@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from uwsim.base.folder_lock import alone_in, require_free
-from uwsim.flight.attachment import Departure, attached
+from uwsim.flight.attached import attached
+from uwsim.flight.attachment import Departure
 from uwsim.flight.autosave import AUTOSAVE_S, FlightAutosave
 from uwsim.flight.checkpoint import FlightCheckpoint
 from uwsim.flight.engine import Flight

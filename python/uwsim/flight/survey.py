@@ -6,7 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from uwsim.flight.attachment import Departure, attached
+from uwsim.flight.attached import attached
+from uwsim.flight.attachment import Departure
 from uwsim.flight.engine import Flight
 from uwsim.flight.fly import fly, resume
 from uwsim.flight.flyable_lanes import LEAST_SHARE, required_survey

@@ -1,0 +1,141 @@
+"""The attachments of a flight: uwsim's own, and those of other packages, whose errors do not end it."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from typing import Any, TypeVar
+
+from uwsim.base.agenda import NEVER
+from uwsim.base.journal import CommandObserver, Observer
+from uwsim.base.sockets import Entry, EntryError, SocketWarning, blamed, load, registered
+from uwsim.flight.attachment import Attachment, Departure
+from uwsim.flight.record import FlightRecord
+
+GROUP = "uwsim.attachments"
+T = TypeVar("T")
+
+
+def attached(flight: Departure) -> dict[str, Attachment]:
+    """Return the attachments of a flight by name. Raises ValueError.
+
+    uwsim's own are loaded only if they are needed, since channels are slow to import. Another package's that cannot be
+    used, or that raises an error, costs a warning and takes no further part; the flight goes on.
+    """
+    needed = {"recorder": flight.record is not None, "link": flight.sim.link is not None, "raw": flight.raw is not None}
+    known = registered(GROUP)
+    for name in (name for name, is_needed in needed.items() if is_needed and name not in known):
+        raise ValueError(f"{name}: no installed package provides it (entry point '{name}' in {GROUP})")
+    for name, entry in known.items():
+        if entry.is_own:
+            found = load(GROUP, name)(flight) if needed.get(name, True) else None
+        else:
+            found = _foreign(entry, flight)
+        if found is not None:
+            flight.others[name] = found
+    return flight.others
+
+
+def _foreign(entry: Entry, flight: Departure) -> Attachment | None:
+    """Return what another package attaches, with its errors contained."""
+    guard = _Guard(entry)
+    found: Any = guard.call("attach", lambda: load(GROUP, entry.name)(flight), None)
+    if found is not None and not isinstance(found, Attachment):
+        guard.end("attach", TypeError(f"{type(found).__name__}: must be an Attachment or None"))
+    return None if guard.has_ended or found is None else _Foreign(guard, found)
+
+
+class _Guard:
+    """Calls what belongs to an entry until it raises an error, which becomes a warning."""
+
+    def __init__(self, entry: Entry) -> None:
+        self._entry = entry
+        self.has_ended = False
+
+    def call(self, name: str, function: Callable[..., T], default: T, *arguments: Any) -> T:
+        """Return the function's result, or the default if it raises an error, or if anything has raised one before."""
+        if self.has_ended:
+            return default
+        try:
+            return function(*arguments)
+        except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+            self.end(name, error)
+            return default
+
+    def end(self, name: str, error: BaseException) -> None:
+        """Warn of an error in a method of this name, and call nothing more."""
+        self.has_ended = True
+        what = str(error) if isinstance(error, EntryError) else blamed(GROUP, self._entry, error, name)
+        warnings.warn(f"{what}; the flight goes on without it", SocketWarning, stacklevel=2)
+
+
+class _Foreign(Attachment):
+    """Another package's attachment."""
+
+    def __init__(self, guard: _Guard, inner: Attachment) -> None:
+        self._guard, self._inner = guard, inner
+        self.table = guard.call("table", lambda: inner.table, None)
+        on_ping = guard.call("on_ping", lambda: inner.on_ping, None)
+        self.on_ping = None if on_ping is None else lambda *ping: guard.call("on_ping", on_ping, None, *ping)
+
+    def start(self) -> None:
+        self._guard.call("start", self._inner.start, None)
+
+    @contextmanager
+    def flying(self) -> Iterator[None]:
+        stack = ExitStack()
+        self._guard.call("flying", lambda: stack.enter_context(self._inner.flying()), None)
+        try:
+            yield
+        finally:
+            self._guard.call("flying", stack.close, None)
+
+    @property
+    def observer(self) -> Observer | None:
+        found = self._guard.call("observer", lambda: self._inner.observer, None)
+        if found is None:
+            return None
+        return (_ForeignListener if isinstance(found, CommandObserver) else _ForeignObserver)(self._guard, found)
+
+    def save(self) -> dict[str, Any] | None:
+        return self._guard.call("save", self._saved, None)
+
+    def _saved(self) -> dict[str, Any] | None:
+        found = self._inner.save()
+        json.dumps(found)  # raises an error here for what cannot be kept
+        return found
+
+    def ended(self, flown: FlightRecord) -> FlightRecord:
+        found = self._guard.call("ended", self._inner.ended, flown, flown)
+        if isinstance(found, FlightRecord):
+            return found
+        self._guard.end("ended", TypeError(f"{type(found).__name__}: must be a FlightRecord"))
+        return flown
+
+    def try_close(self) -> OSError | None:
+        return self._guard.call("try_close", self._inner.try_close, None)
+
+
+class _ForeignObserver:
+    """Another package's observer; never due again once anything of its package has raised an error."""
+
+    def __init__(self, guard: _Guard, inner: Observer) -> None:
+        self._guard, self._inner = guard, inner
+
+    @property
+    def due_tick(self) -> int:
+        return self._guard.call("due_tick", lambda: int(self._inner.due_tick), NEVER)
+
+    def observe(self) -> None:
+        self._guard.call("observe", self._inner.observe, None)
+
+
+class _ForeignListener(_ForeignObserver):
+    """Another package's observer that is notified of commands, too."""
+
+    _inner: Any
+
+    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
+        self._guard.call("commanded", self._inner.commanded, None, name, arguments)
