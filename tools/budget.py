@@ -24,6 +24,8 @@ LONG_LINES = 300
 LOOP_S = 0.012  # of a fixed loop, in seconds of the machine for which budget.toml is written
 SLACK = {"lines": 300, "long": 0, "arrows": 0, "seconds": 10, "words": 5}
 """How far a count may lie below its number before the number must be lowered."""
+STEP = {"lines": 50, "seconds": 5}
+"""Numbers are lowered to multiples of these, so that a small mend need not raise one."""
 COUNTED = {
     ".py",
     ".cpp",
@@ -147,7 +149,8 @@ def lowered(counts: Table, numbers: Table) -> dict[str, dict[str, float]]:
     kept = {}
     for table, row in numbers.items():
         now = counts.get(table, row)
-        kept[table] = {name: min(most, now[name]) for name, most in row.items() if name in now}
+        step = STEP.get(table, 1)
+        kept[table] = {name: min(most, -(-now[name] // step) * step) for name, most in row.items() if name in now}
     return kept
 
 
