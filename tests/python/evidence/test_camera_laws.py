@@ -1,4 +1,4 @@
-"""Rendered images obey the optical laws, and the checks detect a coefficient that is five percent off."""
+"""The optical laws, which tools/docs checks, are missed by a coefficient that is five percent off."""
 
 from __future__ import annotations
 
@@ -17,23 +17,7 @@ def failed(checks: list[Check]) -> list[str]:
     return [f"{c.group}, {c.name}: expected {c.expected}, got {c.got}, error {c.error}" for c in checks if not c.passed]
 
 
-@pytest.mark.parametrize(
-    "law",
-    [
-        camera.wall_against_range,
-        camera.sunlight_against_depth,
-        camera.lamp_against_distance,
-        camera.refraction_at_the_surface,
-        camera.lake_depths,
-        camera.checkerboard_corners,
-    ],
-)
-def test_the_law_holds(law: Callable[[], list[Check]]) -> None:
-    checks = law()
-    assert checks
-    assert failed(checks) == []
-
-
+@pytest.mark.mutation
 @pytest.mark.parametrize(
     ("law", "coefficient"),
     [
@@ -61,6 +45,7 @@ def test_a_coefficient_five_percent_off_fails_the_check(
     assert failed(law())
 
 
+@pytest.mark.mutation
 def test_a_distortion_five_percent_off_fails_the_check(monkeypatch: pytest.MonkeyPatch) -> None:
     lens = _core.Lens
 

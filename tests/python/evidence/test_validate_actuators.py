@@ -86,6 +86,7 @@ def changed_copy(name: str, path: tuple[str | int, ...], factor: float) -> Vehic
     return VehicleModel.model_validate(vehicle)
 
 
+@pytest.mark.mutation
 @pytest.mark.parametrize(
     ("name", "law", "path", "factor"),
     [pytest.param(*f, id="-".join(map(str, (f[0], *f[2])))) for f in actuator_figures()],

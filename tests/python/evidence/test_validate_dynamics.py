@@ -52,6 +52,7 @@ def test_impossible_moments_of_inertia_are_refused() -> None:
             next(each_check(REMUS, model.model_copy(update={"inertia_kg_m2": inertia}), []))
 
 
+@pytest.mark.mutation
 @pytest.mark.parametrize(
     ("name", "change"),
     [pytest.param(name, change, id=f"{name}-{what}") for name in PUBLISHED for what, change in coefficients(name)],

@@ -46,6 +46,7 @@ def test_a_narrow_forward_looking_sonar_passes() -> None:
     assert worst_db(suite.bed_level_ahead(NARROW)) < suite.AHEAD_TOLERANCE_DB
 
 
+@pytest.mark.mutation
 @pytest.mark.parametrize(
     "change",
     [
@@ -60,6 +61,7 @@ def test_a_wrong_value_of_a_forward_looking_sonar_fails(change: dict[str, float]
     assert worst_db(suite.bed_level_ahead(NARROW, replace(NARROW, **change))) > suite.AHEAD_TOLERANCE_DB
 
 
+@pytest.mark.mutation
 @pytest.mark.parametrize(
     "change",
     [
@@ -74,6 +76,7 @@ def test_a_wrong_value_of_a_side_scan_sonar_fails(change: dict[str, float]) -> N
     assert worst_db(suite.bed_level_aside(SideScan(), replace(SideScan(), **change))) > suite.ASIDE_TOLERANCE_DB
 
 
+@pytest.mark.mutation
 @pytest.mark.parametrize("law", [suite.gain_checks, suite.geometry_checks, suite.profile_checks])
 def test_a_head_at_a_wrong_pose_fails(law: Callable[[], list[suite.Check]], monkeypatch) -> None:
     honest = imaging.pose_matrix

@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import pytest
 from tools.assets.make_architecture_picture import PICTURE, picture
+from tools.changed_rings import folders, reached
 from tools.module_graph import HEART, ROOT, circles, imported_by, imports, modules, packages_around, ring_of, rings
 
 CIRCLES_OF_TYPES = 3
@@ -77,3 +78,21 @@ def test_a_circle_is_found() -> None:
 )
 def test_an_import_is_found_wherever_it_stands(text: str, when: str) -> None:
     assert list(imported_by(text)) == [("uwsim.mapping.merge", when)]
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("python/uwsim/learning/episodes.py", {HEART, "learning"}),
+        ("tests/python/exercises/test_goals.py", {HEART, "station", "evidence"}),  # which needs the station
+        ("python/uwsim/bridges/mavlink/plan.py", {HEART, "autopilots"}),
+        ("python/uwsim/simulator/helm.py", set(rings())),
+        ("cpp/uwsim/sim/simulation.cpp", set(rings())),
+        ("docs/guides/live.md", {HEART}),
+    ],
+)
+def test_a_change_reaches_the_rings_that_import_it(name: str, expected: set[str]) -> None:
+    assert reached([name]) == expected
+    tried = folders(expected)
+    assert {"tests/python/simulator", "tests/python/whole"} <= set(tried)
+    assert ("tests/python/learning" in tried) == ("learning" in expected)
