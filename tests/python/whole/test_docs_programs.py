@@ -155,3 +155,15 @@ def test_every_picture_is_shown_and_made_by_a_command() -> None:
     for name in [path.name for path in docs_pages.PICTURES]:
         assert name in texts, name
         assert name in commands or name in NOT_MADE_HERE, name
+
+
+def test_an_evenings_read_is_ten_functions_of_the_code_in_250_lines() -> None:
+    page = DOCS / "inside/evening.md"
+    shown = re.findall(r'literalinclude\} (\S+)\n.*\n:start-at: "(.*)"\n:end-before: "(.*)"', page.read_text())
+    lengths = []
+    for file, first, after in shown:
+        lines = (page.parent / file).read_text().splitlines()
+        begin = next(k for k, line in enumerate(lines) if first in line)
+        lengths.append(next(k for k, line in enumerate(lines[begin:]) if k and after in line))
+    assert len(lengths) == 10
+    assert 200 <= sum(lengths) <= 300 and max(lengths) <= 50
