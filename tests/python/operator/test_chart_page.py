@@ -76,7 +76,7 @@ def test_a_key_takes_over_and_another_page_may_not_fly(here, page):
     page.locator("body").click(position={"x": 700, "y": 5})
     page.keyboard.down("s")
     when(page, "station.chart.state?.is_flying === false")
-    shows(page, ".view.is-large .scene-note", "the pilot has taken over")
+    shows(page, ".view.is-large .scene-note", "the pilot has the controls")
     until(lambda: here.effort("surge") == -0.5, "the pilot's effort")
     page.keyboard.up("s")
     until(lambda: not here.rov.effort.any(), "rest")

@@ -29,6 +29,7 @@ from uwsim.operator.station.running import Running
 from uwsim.operator.station.saves import saved_names
 from uwsim.operator.station.sessions import Sessions
 from uwsim.scenario import ScenarioError
+from uwsim.simulator.helm import Reason
 from uwsim.simulator.notes import comment_of
 
 SUPERVISED = ("record", "stop_recording")  # controls of a pilot who has an instructor
@@ -116,7 +117,7 @@ class Services:
         if running.plan is not None and running.plan.is_on:
             if not any(request.get(axis) for axis in AXES):  # a released key does not end the plan
                 return {"success": True, "message": "a plan is flown", "tick": running.live.tick, "age_s": 0.0}
-            running.end_plan("the pilot has taken over")
+            running.end_plan(Reason.PILOT)
         return running.pilot.drive(request)
 
     def _all_stop(self, caller: str, request: Values) -> Future[Values]:
@@ -147,7 +148,7 @@ class Services:
             text = _sent(running)
         future = live.command(name, **({"vehicle": vehicle} if vehicle else {}), **given)
         if COMMANDS[name].steers:
-            running.end_plan("the pilot has taken over")
+            running.end_plan(Reason.PILOT)
         if name == "hold" and isinstance(vehicle, str):
             running.pilot.note_holds(vehicle, given)
         response = answered(live, future, text=text)
