@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import io
-import signal
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.extras import need_extra
+from uwsim.scenario.read.limited import run_limited
 
 READER = Path(__file__).with_name("assimp_process.py")
 MEMORY_BYTES, MEMORY_PER_BYTE = 2_000_000_000, 20
@@ -48,23 +46,9 @@ def nodes_by_assimp(path: Path) -> list[NodeMesh]:
     need_extra(*(("cascadio", "step") if step else ("assimp_py", "meshes")), "this format")
     size = path.stat().st_size
     cpu_s = CPU_S + round((STEP_CPU_S_PER_BYTE if step else CPU_S_PER_BYTE) * size)
-    limits = MEMORY_BYTES + MEMORY_PER_BYTE * size, cpu_s
-    command = [sys.executable, "-I", str(READER), str(path), *map(str, limits)]
-    ran = subprocess.run(command, capture_output=True, check=False, stdin=subprocess.DEVNULL)
-    if ran.returncode:
-        raise ValueError(
-            _reason("OpenCASCADE" if step else "assimp", ran.returncode, ran.stderr.decode(errors="replace"), cpu_s)
-        )
-    with np.load(io.BytesIO(ran.stdout), allow_pickle=False) as arrays:
+    reader = "OpenCASCADE" if step else "assimp"
+    made = run_limited(READER, reader, str(path), memory_bytes=MEMORY_BYTES + MEMORY_PER_BYTE * size, cpu_s=cpu_s)
+    with np.load(io.BytesIO(made), allow_pickle=False) as arrays:
         names = arrays["names"].tolist()
         parts = [arrays[name] for name in arrays.files if name != "names"]
     return [NodeMesh(name, *parts[3 * k : 3 * k + 3]) for k, name in enumerate(names)]
-
-
-def _reason(reader: str, code: int, output: str, cpu_s: int) -> str:
-    if code in (-signal.SIGXCPU, -signal.SIGKILL):
-        return f"{reader} had not read it after {cpu_s} s"
-    if code < 0:
-        return f"{reader} crashed on it ({signal.Signals(-code).name})"
-    lines = output.strip().splitlines()
-    return lines[-1] if lines else f"{reader} gave up"

@@ -101,7 +101,7 @@ def require_inside(path: Path, what: str) -> None:
 
     what: its role, for messages. Does nothing for other formats. Raises Hdf5Error, MissingExtraError, OSError.
     """
-    if not _is_hdf5(path):
+    if not is_hdf5(path):
         return
     need_extra("h5py", "terrain", f"{what}, HDF5,")
     import h5py
@@ -124,7 +124,7 @@ def require_inside(path: Path, what: str) -> None:
         raise Hdf5Error(f"is not readable: {' '.join(str(error).split())}") from None
 
 
-def _is_hdf5(path: Path) -> bool:
+def is_hdf5(path: Path) -> bool:
     """Return whether there is a signature where readers look for it: behind a user's block of 512 bytes, 1024, ..."""
     at, size = 0, path.stat().st_size
     with path.open("rb") as file:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,10 +11,8 @@ import numpy as np
 from affine import Affine
 from numpy.typing import NDArray
 from rasterio.crs import CRS
-from rasterio.env import Env
-from rasterio.errors import CRSError, NotGeoreferencedWarning, RasterioError
+from rasterio.errors import CRSError, RasterioError
 from rasterio.fill import fillnodata
-from rasterio.io import DatasetReader
 from rasterio.warp import transform
 
 from uwsim.base.cut_short import warn_if_cut_short
@@ -26,6 +23,7 @@ from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.hdf5_file import Hdf5Error, require_inside
 from uwsim.scenario.read.netcdf_file import require_whole_netcdf
 from uwsim.scenario.spec.terrain import LOCAL, MAX_NODES
+from uwsim.scenario.terrains.raster_file import opened
 from uwsim.scenario.terrains.raster_grid import Raster, mapped
 from uwsim.scenario.terrains.stated_heights import height_unit_m, without_gaps
 
@@ -37,13 +35,6 @@ MAX_HEIGHT_M = 12_000.0
 """Largest distance from the water surface; no sea is deeper."""
 DEGREE_CELL = 0.1
 """If a file has no coordinate system, cells smaller than this that lie on the globe are assumed to be in degrees."""
-FORMATS = (
-    *("GTiff", "AAIGrid", "HFA", "EHdr", "SRTMHGT", "USGSDEM", "DTED", "BAG", "netCDF", "GSAG", "GSBG", "GS7BG"),
-    *("ENVI", "SAGA", "XYZ", "BT", "PCRaster", "GRIB", "S102"),
-)
-"""GDAL's names of formats that contain the elevations themselves. Others, such as VRT, refer to further files and
-servers, which would let an untrusted file read anything that this machine can access."""
-
 WHOLE = {"GTiff": require_whole_tiff, "netCDF": require_whole_netcdf}
 """By GDAL's name: checks of formats whose missing parts GDAL reads as zeros."""
 GRID_HEADER = (b"ncols", b"nrows", b"xllcorner", b"xllcenter", b"yllcorner", b"yllcenter", b"cellsize", b"dx", b"dy")
@@ -144,7 +135,7 @@ def _read(spec: RasterTerrain) -> Raster:
     except Hdf5Error as error:
         raise ScenarioError(f"terrain '{name}': {error}", at=("file",)) from None
     try:
-        with _opened(spec.file) as file:
+        with opened(spec.file, spec.band or 1) as file:
             if file.driver in WHOLE:
                 _require_whole(spec.file, WHOLE[file.driver])
             if file.driver == "AAIGrid":
@@ -179,16 +170,6 @@ def _read(spec: RasterTerrain) -> Raster:
     known = without_gaps(np.where(np.isfinite(values), values, np.nan), spec)
     elevations = (known * scale + offset) * unit_m
     return Raster(name, _filled(elevations) if spec.fill_nodata else elevations, file_from_pixel, crs)
-
-
-def _opened(path: Path) -> DatasetReader:
-    with Env(), warnings.catch_warnings():
-        warnings.simplefilter("ignore", NotGeoreferencedWarning)  # `_read` raises an error instead
-        file = DatasetReader(str(path), driver=list(FORMATS))
-        if file.driver != "S102":
-            return file
-        file.close()  # it holds depths, positive down
-        return DatasetReader(str(path), driver=["S102"], DEPTH_OR_ELEVATION="ELEVATION")
 
 
 def _filled(elevations: FloatGrid) -> FloatGrid:

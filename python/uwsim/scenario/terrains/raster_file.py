@@ -1,0 +1,68 @@
+"""Opens an elevation raster; one of a rich format is imported by a process of its own, since GDAL may crash on it."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+from affine import Affine
+from rasterio.crs import CRS
+from rasterio.env import Env
+from rasterio.errors import NotGeoreferencedWarning
+from rasterio.io import DatasetReader
+
+from uwsim.scenario.read import raster_process
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.hdf5_file import is_hdf5
+from uwsim.scenario.read.limited import run_limited
+from uwsim.scenario.spec.terrain import MAX_NODES
+
+FORMATS = (
+    *("GTiff", "AAIGrid", "HFA", "EHdr", "SRTMHGT", "USGSDEM", "DTED", "BAG", "netCDF", "GSAG", "GSBG", "GS7BG"),
+    *("ENVI", "SAGA", "XYZ", "BT", "PCRaster", "GRIB", "S102"),
+)
+"""GDAL's names of formats that contain the elevations themselves. Others, such as VRT, refer to further files and
+servers, which would let an untrusted file read anything that this machine can access."""
+
+RICH = (b"CDF", b"GRIB")
+"""The first bytes of formats with which GDAL's libraries may crash, or fill the memory, as HDF5's: netCDF, GRIB."""
+MEMORY_BYTES, MEMORY_PER_BYTE = 2_000_000_000, 20
+CPU_S, CPU_S_PER_BYTE = 8, 1e-6
+"""Limits for a small file, and the allowance per byte of a larger one."""
+
+
+@contextmanager
+def opened(path: Path, band: int) -> Iterator[DatasetReader]:
+    """Open a raster; one of a rich format is read in a process of its own. Raises RasterioError, ScenarioError."""
+    with path.open("rb") as start:
+        is_rich = start.read(4).startswith(RICH)
+    if is_rich or is_hdf5(path):
+        yield _read_apart(path, band)
+        return
+    with Env(), warnings.catch_warnings():
+        warnings.simplefilter("ignore", NotGeoreferencedWarning)  # `_read` raises an error instead
+        with raster_process.opened(str(path), list(FORMATS)) as file:
+            yield file
+
+
+def _read_apart(path: Path, band: int) -> DatasetReader:
+    """Return what has the attributes of an open raster, and of one band the values."""
+    size = path.stat().st_size
+    limits = {"memory_bytes": MEMORY_BYTES + MEMORY_PER_BYTE * size, "cpu_s": CPU_S + round(CPU_S_PER_BYTE * size)}
+    asked = str(path), str(band), ",".join(FORMATS), str(4 * MAX_NODES)
+    try:
+        made = run_limited(Path(raster_process.__file__), "GDAL", *asked, **limits)
+    except ValueError as error:
+        raise ScenarioError(f"terrain '{path.name}': not a readable elevation raster: {error}", at=("file",)) from None
+    with np.load(io.BytesIO(made), allow_pickle=False) as arrays:
+        found = {name: arrays[name].tolist() if arrays[name].ndim < 2 else arrays[name] for name in arrays.files}
+    found["transform"] = Affine(*found["transform"])
+    found["crs"] = CRS.from_wkt(found["crs"]) if found["crs"] else None
+    found["read_masks"], found["read"] = (lambda band: found["masks"]), (lambda band, out_dtype: found["values"])
+    return cast(DatasetReader, SimpleNamespace(**found))
