@@ -20,7 +20,6 @@ World ENU, z up, water surface at z = 0; body x forward, y left, z up (REP 103);
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from uwsim._moved import lead_old_names_on
 from uwsim.base.extras import explain_missing_extras
 from uwsim.base.no_collections import no_collections
 
@@ -39,7 +38,6 @@ if TYPE_CHECKING:
 
     __version__: str
 
-lead_old_names_on()
 explain_missing_extras()
 
 # Imported on first use (PEP 562), so that `uwsim --help` responds immediately.

@@ -16,7 +16,7 @@ def test_each_room_is_in_one_ring() -> None:
     rooms = [room for ring in rings().values() for room in ring.rooms]
     assert len(rooms) == len(set(rooms))
     assert set(rooms) <= modules().keys()
-    assert {module for module in modules() if ring_of(module) is None} == {"uwsim", "uwsim.__main__", "uwsim._moved"}
+    assert {module for module in modules() if ring_of(module) is None} == {"uwsim", "uwsim.__main__"}
 
 
 def test_a_ring_imports_only_the_heart_and_what_it_needs() -> None:
