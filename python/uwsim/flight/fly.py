@@ -30,9 +30,7 @@ from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.missions.mission import R_co
 from uwsim.scenario import Scenario, Survey, load
 from uwsim.scenario.fingerprint import warn_of_other_build
-from uwsim.scenario.read.old_keys import renamed_argument
 from uwsim.scenario.read.validated import validated
-from uwsim.scenario.spec.sonar import ARGUMENT_ONCE_IN_KHZ
 from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.tpu import Uncertainties
 from uwsim.simulator.simulator import Simulator
@@ -74,7 +72,6 @@ def fly(
     autosave_s: float = AUTOSAVE_S,
     autosave: FlightAutosave | None = None,
     screen: Silent | None = None,
-    sonar_frequency_khz: float | None = None,
 ) -> FlightRecord[R_co]:
     """Fly a mission; return its record.
 
@@ -107,9 +104,6 @@ def fly(
     written; and the mission's own errors, as MissionError if the mission is a file, after the results so far have been
     written.
     """
-    sonar_frequency_hz = renamed_argument(
-        "sonar_frequency_hz", sonar_frequency_hz, ARGUMENT_ONCE_IN_KHZ, sonar_frequency_khz
-    )
     of_map = {
         "voxel_m": voxel_m, "engine": engine, "verify_map": verify_map or None, "map_memory_mb": map_memory_mb,
         "outlier_filter": outlier_filter,

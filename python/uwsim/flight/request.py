@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import ConfigDict, model_validator
+from pydantic import ConfigDict
 
 from uwsim.mapping import MapEngine, OccupancyMap
-from uwsim.scenario.spec.sonar import ARGUMENT_ONCE_IN_KHZ
 from uwsim.simulator.simulator import Simulator
 
 EstimateKind = Literal["truth", "filter"]
@@ -56,15 +54,6 @@ class FlightRequest:
     map_growth: bool = True
     sample_sensors: bool = True
     time_limit_s: float | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _under_todays_names(cls, given: Any) -> Any:
-        """Read a request that an earlier version saved, with the sonar's frequency in kHz."""
-        if not isinstance(given, Mapping) or ARGUMENT_ONCE_IN_KHZ.name not in given:
-            return given
-        others = {name: value for name, value in given.items() if name != ARGUMENT_ONCE_IN_KHZ.name}
-        return {**others, "sonar_frequency_hz": ARGUMENT_ONCE_IN_KHZ.todays(given[ARGUMENT_ONCE_IN_KHZ.name])}
 
     def new_simulator(self, threads: int | None = None) -> Simulator:
         """Return a new simulator for the flight. Raises ScenarioError or ValueError if the request is invalid."""

@@ -10,17 +10,13 @@ from typing import Any
 
 from pydantic_core import from_json
 
-from uwsim.recording.old_capsule import without_defaults
 from uwsim.scenario import Scenario
 from uwsim.scenario.dump import plain
 from uwsim.scenario.fingerprint import scenario_fingerprint
-from uwsim.scenario.read.old_keys import of_an_earlier_version
 from uwsim.scenario.read.validated import validated
 
 SCENARIO = "scenario.json"
 FILE = "$file"
-HOLDS, GIVEN = "$holds", "given"
-"""Marks a scenario that contains only values set explicitly; without the mark, it contains all defaults."""
 NAME = re.compile(r"files/\d+/[^/\0]*[^/\0.][^/\0]*")
 """The permitted names of files in a recording, which cannot lead outside the folder."""
 
@@ -30,7 +26,7 @@ def pack(scenario: Scenario) -> dict[str, bytes]:
     values = plain(scenario)
     names = {path: f"files/{k}/{path.name}" for k, path in enumerate(sorted(set(_paths(values))))}
     files = {name: path.read_bytes() for path, name in names.items()}
-    return {SCENARIO: json.dumps({HOLDS: GIVEN, **_without_paths(values, names)}).encode(), **files}
+    return {SCENARIO: json.dumps(_without_paths(values, names)).encode(), **files}
 
 
 def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
@@ -41,13 +37,7 @@ def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
     """
     if SCENARIO not in contents:
         raise ValueError(f"the recording holds no {SCENARIO}")
-    values = from_json(contents[SCENARIO])
-    if isinstance(values, dict) and values.get(HOLDS) == GIVEN:
-        del values[HOLDS]
-    else:
-        values = without_defaults(values)
-    with of_an_earlier_version():
-        return validated(Scenario, _with_files(values, contents, folder))
+    return validated(Scenario, _with_files(from_json(contents[SCENARIO]), contents, folder))
 
 
 def fingerprint(scenario: Scenario) -> str:

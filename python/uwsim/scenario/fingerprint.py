@@ -15,17 +15,11 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from uwsim import _core
-from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.water import LinearEnd, Water, WaterLevel
 
-ONCE_BY_DEFAULT = {(Water, "density_kg_m3"): 1000.0} | {
-    (kind, "salinity_psu"): 0.0 for kind in (Water, WaterLevel, LinearEnd)
-}
-"""The first version's defaults for values that are now derived from others; water with these values keeps its
-fingerprint."""
-
-
+DERIVED = {(Water, "density_kg_m3")} | {(kind, "salinity_psu") for kind in (Water, WaterLevel, LinearEnd)}
+"""Fields that are derived from others if they are left out; the value in effect counts, given or derived."""
 WITHOUT_EFFECT = ("wire",)
 """Fields of a scenario on which no result depends."""
 
@@ -34,8 +28,7 @@ def scenario_fingerprint(scenario: Scenario) -> str:
     """Return a digest of the scenario, including its seed and the contents of its files: 16 hexadecimal digits.
 
     Fields with their default value are omitted, so fields added in later versions do not change the digest. The fields
-    in WITHOUT_EFFECT are also omitted, and renamed fields are hashed under their first name. Raises OSError if a file
-    named in the scenario is missing.
+    in WITHOUT_EFFECT are also omitted. Raises OSError if a file named in the scenario is missing.
     """
     plain = _plain(scenario)
     return _digest(json.dumps(plain, sort_keys=True).encode())
@@ -65,11 +58,8 @@ def warn_of_other_build(what: str, build: str) -> None:
 def _plain(value: Any) -> Any:
     if isinstance(value, BaseModel):
         held = {name: _in_effect(value, name) for name in type(value).model_fields}
-        former = dict(type(value).once_named().values()) if isinstance(value, Model) else {}
         return {
-            former[name].name if name in former else name: _plain(
-                former[name].value(held[name]) if name in former else held[name]
-            )
+            name: _plain(held[name])
             for name, field in type(value).model_fields.items()
             if _counts(field, held[name]) and not (isinstance(value, Scenario) and name in WITHOUT_EFFECT)
         }
@@ -87,13 +77,11 @@ def _plain(value: Any) -> Any:
 
 
 def _in_effect(model: BaseModel, name: str) -> Any:
-    """Return the value of a field, or its current default if the value equals the first version's default."""
-    value = getattr(model, name)
-    if (type(model), name) not in ONCE_BY_DEFAULT or (isinstance(model, Water) and model.profile is not None):
-        return value
+    """Return the value of a field, or the one that is derived for it."""
+    if (type(model), name) not in DERIVED or (isinstance(model, Water) and model.profile is not None):
+        return getattr(model, name)
     assert isinstance(model, Water | WaterLevel | LinearEnd)
-    followed = model.state().salinity if name == "salinity_psu" else model.state().density
-    return None if followed == ONCE_BY_DEFAULT[type(model), name] else followed
+    return model.state().salinity if name == "salinity_psu" else model.state().density
 
 
 def _counts(field: FieldInfo, value: Any) -> bool:

@@ -105,11 +105,10 @@ class Simulator(SimulatorProperties):
         mission_time_s: float | None = None,
         link: str | Path | None = None,
         threads: int | None = None,
-        sonar_frequency_khz: float | None = None,
     ) -> None:
         own = load(scenario).with_changes(
             seed=seed, mission_time_s=mission_time_s, sonar_model=sonar_model, sonar_frequency_hz=sonar_frequency_hz,
-            sonar_frequency_khz=sonar_frequency_khz, vehicle_model=vehicle_model, modem=link,
+            vehicle_model=vehicle_model, modem=link,
         )  # fmt: skip
         checked = checked_threads(threads)
         world = build_world(own)

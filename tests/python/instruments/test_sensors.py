@@ -11,6 +11,7 @@ from uwsim.instruments.readings import Reading
 from uwsim.scenario import ScenarioError, load, load_vehicle
 from uwsim.scenario.build.sensor import sensor_spec
 from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 
@@ -228,3 +229,25 @@ def test_the_limits_of_noise_do_not_apply_to_missing_measurements() -> None:
     sample = sim.rov.sensors["altitude"].sample()  # 3 m above the bed
     assert sample.value == np.inf
     assert not sample.valid
+
+
+@pytest.mark.parametrize(
+    ("keys", "refused"),
+    [
+        (
+            {"kind": "imu", "noise": {"std": 0.1}},
+            "angular_velocity [rad/s], linear_acceleration [m/s2], orientation [rad]",
+        ),
+        ({"kind": "dvl", "noise_std": 0.1}, "beam_velocity [m/s], beam_range [m]"),
+        ({"kind": "usbl", "noise": {"std": 0.1}, "channels": {"range": {"std": 1.0}}}, ""),
+        ({"kind": "depth", "noise_std": 0.1}, ""),
+        ({"kind": "dvl", "noise_std": 0.0}, ""),
+    ],
+)
+def test_one_noise_for_several_units_is_refused(keys: dict[str, Any], refused: str) -> None:
+    if not refused:
+        validated(SensorMount, keys)
+        return
+    with pytest.raises(ScenarioError) as error:
+        validated(SensorMount, keys)
+    assert f"has no single unit: give channels, each with its noise, for {refused}" in str(error.value)

@@ -5,7 +5,6 @@ identical simulator.
 """
 
 import functools
-import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,7 @@ from uwsim.evidence import fingerprint as module
 from uwsim.evidence.fingerprint import fingerprint
 from uwsim.flight.fly import fly, resume
 from uwsim.recording import Recorder
-from uwsim.recording.capsule import FILE, SCENARIO, pack, unpack
+from uwsim.recording.capsule import pack, unpack
 from uwsim.recording.replay import replay
 from uwsim.scenario import Scenario, load, load_vehicle, packaged_scenarios
 from uwsim.scenario.dump import plain, write_scenario
@@ -296,40 +295,6 @@ def test_a_flight_is_resumed_to_the_same_bytes(flyable: Path) -> None:
     assert tracks
     for name in ("log.jsonl", *tracks):
         assert (flyable / "half" / name).read_bytes() == (flyable / "whole" / name).read_bytes(), name
-
-
-OLD = ["lake", "pair", "remus100", *(block for block in BLOCKS if block != "a figure of noise with its usual value")]
-
-
-@pytest.mark.parametrize("name", OLD)
-def test_a_recording_that_holds_every_default_is_read(name: str, tmp_path: Path) -> None:
-    """Older recordings contained every key, whether or not the scenario set it."""
-    is_pool = name in VEHICLES or name in BLOCKS
-    scenario, flight = pool_of(name) if is_pool else (load(name), flown(load(name)))
-    read = unpack(with_every_default(scenario), tmp_path)
-    assert read == scenario
-    assert scenario_fingerprint(read) == scenario_fingerprint(scenario)
-    assert flown(read) == flight
-
-
-def with_every_default(scenario: Scenario) -> dict[str, bytes]:
-    files: dict[str, bytes] = {}
-
-    def packed(value: Any) -> Any:
-        if isinstance(value, Path):
-            files[name := f"files/{len(files)}/{value.name}"] = value.read_bytes()
-            return {FILE: name, "path": str(value)}
-        if isinstance(value, dict):
-            return {key: packed(item) for key, item in value.items()}
-        return [packed(item) for item in value] if isinstance(value, list | tuple) else value
-
-    values = scenario.model_dump()
-    for vehicle in values["vehicles"]:
-        noise = vehicle["sonar"]["noise"]
-        if noise is not None:
-            given_figures = {key: figure for key, figure in noise.items() if figure is not None}
-            vehicle["sonar"]["noise"] = SonarNoise().model_dump() | given_figures
-    return {SCENARIO: json.dumps(packed(values)).encode(), **files}
 
 
 def test_parameters_of_noise_count_whatever_their_values(tmp_path: Path) -> None:

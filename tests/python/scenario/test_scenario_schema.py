@@ -127,3 +127,23 @@ def test_an_unknown_part_is_named() -> None:
 def test_the_cores_kinds_of_sensors_and_sonars_are_registered() -> None:
     assert sensor_kinds() == list(_core.sensor_kinds()), "pyproject.toml, uwsim.kinds.sensor"
     assert imaging_kinds() == list(_core.imaging_kinds()), "pyproject.toml, uwsim.kinds.imaging_sonar"
+
+
+def test_no_schema_has_two_names_for_a_field_of_view_a_frequency_or_a_range() -> None:
+    """Those of all instruments: the alarm `warnings.range_m` is none."""
+    found = {key for part in PARTS for key in _keys(schema(part), exclude="WarningLimits")}
+    assert {"field_of_view_deg", "frequency_hz", "range_max_m"} <= found
+    of_instruments = {"fov", "field_of_view", "frequency"}
+    assert {key for key in found if any(part in key for part in of_instruments) and key != "frequencies"} == {
+        "field_of_view_deg", "frequency_hz",
+    }  # fmt: skip
+    assert {key for key in found if key.startswith("range_m")} == {"range_max_m", "range_min_m"}
+
+
+def _keys(part: Any, exclude: str) -> set[str]:
+    if isinstance(part, list):
+        return {key for item in part for key in _keys(item, exclude)}
+    if not isinstance(part, dict):
+        return set()
+    own = set(part["properties"]) if isinstance(part.get("properties"), dict) else set()
+    return own.union(*(_keys(item, exclude) for name, item in part.items() if name != exclude))

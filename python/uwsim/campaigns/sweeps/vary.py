@@ -11,7 +11,7 @@ from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.spec.fields import Model
 from uwsim.simulator.parameters import Parameters
 from uwsim.simulator.parameters.edits import edited
-from uwsim.simulator.parameters.tree import Place, find, once_named
+from uwsim.simulator.parameters.tree import Place, find
 
 PART = re.compile(r"([^.\[\]]+)|\[(\d+)\]")
 
@@ -32,7 +32,7 @@ def varied(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
 
 def is_parameter(scenario: Scenario, name: str) -> bool:
     """Return whether a name refers to a parameter or a group of parameters."""
-    return find(scenario, name) is not None or once_named(scenario, name) is not None
+    return find(scenario, name) is not None
 
 
 def place(scenario: Scenario, name: str) -> Place:

@@ -8,7 +8,6 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, StrictBool, model_validator
 
-from uwsim.scenario.read.old_keys import OnceNamed
 from uwsim.scenario.spec.fields import Degrees, InRange, Model, Name, Point3, YawPitchRoll, broken
 
 LARGEST_SIDE = 8192
@@ -74,7 +73,7 @@ class CameraMount(Model):
     yaw_pitch_roll_deg: YawPitchRoll = FORWARD
     width: Pixels = 640
     height: Pixels = 360
-    field_of_view_deg: Annotated[float, InRange(1, 170, "deg"), OnceNamed("horizontal_fov_deg", until="0.4")] = 80.0
+    field_of_view_deg: Annotated[float, InRange(1, 170, "deg")] = 80.0
     distortion: tuple[Coefficient, Coefficient, Coefficient, Coefficient, Coefficient] = (0.0, 0.0, 0.0, 0.0, 0.0)
     port: FlatPort | None = None
     exposure: Annotated[float, InRange(0.001, 1000)] = 1.0

@@ -11,9 +11,8 @@ import operator
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
+from typing import Annotated, Any, Literal, get_args, get_origin
 
 import numpy as np
 from pydantic import (
@@ -33,7 +32,6 @@ from pydantic_core.core_schema import ValidationInfo
 from uwsim.base.deferred_models import DEFER_BUILD
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.read.assets import find_asset, packaged_names
-from uwsim.scenario.read.old_keys import OnceNamed, warn_of_old_name
 from uwsim.scenario.read.validation_errors import HINTS, HINTS_MAX
 from uwsim.scenario.spec.json_schema import described, in_range
 
@@ -54,27 +52,6 @@ class Model(BaseModel):
             rule = "cannot be assigned: it is fixed; make another with model_copy(update={...})"
             raise AttributeError(f"{type(self).__name__}.{name} {rule}")
         super().__setattr__(name, value)
-
-    @classmethod
-    @cache
-    def once_named(cls) -> dict[str, tuple[str, OnceNamed]]:
-        """Return the fields that have been renamed since an earlier version, keyed by their old name."""
-        return {
-            former.name: (name, former)
-            for name, field in cls.model_fields.items()
-            for former in field.metadata
-            if isinstance(former, OnceNamed)
-        }
-
-    if not TYPE_CHECKING:  # mypy would then accept any attribute
-
-        def __getattr__(self, name: str) -> Any:
-            """Return a field under its earlier name, with a warning."""
-            if name.startswith("_") or name not in type(self).once_named():
-                return super().__getattr__(name)
-            now, former = type(self).once_named()[name]
-            warn_of_old_name(name, now, former, stacklevel=3)
-            return former.value(getattr(self, now))
 
     def given(self) -> dict[str, Any]:
         """Return the fields whose presence carries information: fields set explicitly, and the name of a variant."""
@@ -102,8 +79,6 @@ class Model(BaseModel):
     def _check_keys(cls, data: object, info: ValidationInfo) -> object:
         """Note the most similar known key for each unknown one, for the message; pydantic rejects unknown keys."""
         hints = (info.context or {}).get(HINTS)
-        if isinstance(data, Mapping) and not cls.once_named().keys().isdisjoint(data):
-            data = cls._under_todays_names(data)
         for key in data if isinstance(data, Mapping) else ():
             if key not in cls.model_fields:
                 hint = did_you_mean(str(key), cls.model_fields) if len(hints or ()) < HINTS_MAX else ""
@@ -111,18 +86,6 @@ class Model(BaseModel):
                     raise broken(f"unknown key{hint}", at=(str(key),))
                 hints[key] = hint
         return data
-
-    @classmethod
-    def _under_todays_names(cls, data: Mapping[Any, Any]) -> dict[Any, Any]:
-        """Return the data with keys from earlier versions renamed to their current names, with a warning."""
-        named = dict(data)
-        for old, (now, former) in cls.once_named().items():
-            if old in named:
-                if now in named:
-                    raise broken(f"is the old name of {now}: give one of them", at=(old,))
-                warn_of_old_name(old, now, former, stacklevel=4)
-                named[now] = former.todays(named.pop(old))
-        return named
 
 
 def broken(rule: str, *, at: tuple[str | int, ...] = (), **context: Any) -> PydanticCustomError:

@@ -9,7 +9,6 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, PrivateAttr, model_validator
 
 from uwsim.base.did_you_mean import did_you_mean
-from uwsim.scenario.read.old_keys import renamed_argument
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.cover import Cover
@@ -22,7 +21,6 @@ from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.material import Ground
 from uwsim.scenario.spec.obstacle import ObstacleSpec
 from uwsim.scenario.spec.optics import Optics
-from uwsim.scenario.spec.sonar import ARGUMENT_ONCE_IN_KHZ
 from uwsim.scenario.spec.station import Station
 from uwsim.scenario.spec.survey import Survey
 from uwsim.scenario.spec.terrain import TerrainSpec
@@ -258,7 +256,6 @@ class Scenario(Model):
         mission_time_s: float | None = None,
         sonar_model: int | str | Path | None = None,
         sonar_frequency_hz: float | None = None,
-        sonar_frequency_khz: float | None = None,
         vehicle_model: str | Path | VehicleModel | None = None,
         modem: str | Path | None = None,
         step_s: float | None = None,
@@ -268,9 +265,6 @@ class Scenario(Model):
         vehicle_model: replaces that of the first vehicle; a packaged name, a path or the model itself. modem: the
         link's modem, as a packaged name or a path.
         """
-        sonar_frequency_hz = renamed_argument(
-            "sonar_frequency_hz", sonar_frequency_hz, ARGUMENT_ONCE_IN_KHZ, sonar_frequency_khz, stacklevel=4
-        )
         data = self.given()
         if seed is not None:
             data["seed"] = seed

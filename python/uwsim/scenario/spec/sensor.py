@@ -17,7 +17,6 @@ from pydantic_core.core_schema import ValidationInfo
 
 from uwsim import _core
 from uwsim.base.did_you_mean import did_you_mean
-from uwsim.scenario.read.old_keys import is_of_an_earlier_version
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.fields import AssetName, InRange, Model, Name, Point3, YawPitchRoll, broken
 from uwsim.scenario.spec.json_schema import figures, one_of_kinds
@@ -144,7 +143,7 @@ class SensorMount(Model):
                     at = ("noise",) if noise is self.noise else ("channels",)
                     raise broken(rule, at=(*at, key), value=getattr(noise, key))
         shared = {channel: known[channel][1] for channel in known if channel not in self.channels}
-        if len(set(shared.values())) > 1 and not is_of_an_earlier_version():
+        if len(set(shared.values())) > 1:
             units = ", ".join(f"{channel} [{unit}]" for channel, unit in shared.items())
             for key in ("noise", "noise_std"):
                 if getattr(self, key) not in (None, 0.0, Noise()):

@@ -9,7 +9,6 @@ from typing import Annotated, Literal
 from pydantic import Field, StrictBool, model_validator
 
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg
-from uwsim.scenario.read.old_keys import OnceNamed
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, YawPitchRoll, broken
 
@@ -19,8 +18,6 @@ NoiseLevel = Annotated[float, InRange(-100, 200, "dB")]
 DetectionThreshold = Annotated[float, InRange(-20, 60, "dB")]
 Receivers = Literal[1, 2]
 FrequencyHz = Annotated[float, InRange(1e3, 5e6, "Hz")]
-ONCE_IN_KHZ = OnceNamed("frequency_khz", until="0.4", factor=1e3)
-ARGUMENT_ONCE_IN_KHZ = OnceNamed("sonar_frequency_khz", until="0.4", factor=1e3)
 
 
 class SonarMounting(Model):
@@ -80,7 +77,7 @@ class SonarBand(Model):
     unsteered receiving beam. The last six are for physics mode: all or none.
     """
 
-    frequency_hz: Annotated[FrequencyHz, ONCE_IN_KHZ]
+    frequency_hz: FrequencyHz
     field_of_view_deg: Annotated[float, InRange(0.1, 360, "deg")]
     range_max_m: Annotated[float, InRange(0.1, 12_000, "m")]
     range_limit_m: Annotated[float, InRange(0.1, 12_000, "m")] | None = None

@@ -11,11 +11,9 @@ from pydantic import BeforeValidator, PlainSerializer, PlainValidator, StrictBoo
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.old_keys import OnceNamed
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.fields import AssetName, InRange, Model, NoseDown, broken
 from uwsim.scenario.spec.sonar import (
-    ONCE_IN_KHZ,
     WIRE_NUMBERS,
     FrequencyHz,
     Receivers,
@@ -77,8 +75,8 @@ class SonarSetup(Model):
         PlainValidator(_sonar_model, json_schema_input_type=SonarNumber | SonarName | SonarModel),
         PlainSerializer(_dumped),
     ] = 2
-    frequency_hz: Annotated[FrequencyHz | None, ONCE_IN_KHZ] = None
-    range_max_m: Annotated[Annotated[float, InRange(0.1, 12_000, "m")] | None, OnceNamed("range_m", until="0.4")] = None
+    frequency_hz: FrequencyHz | None = None
+    range_max_m: Annotated[float, InRange(0.1, 12_000, "m")] | None = None
     receivers: Receivers | None = None
     mode: SonarMode = "geometry"
     bending: bool = False

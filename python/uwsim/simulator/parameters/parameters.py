@@ -9,13 +9,12 @@ from uwsim.base.did_you_mean import did_you_mean
 from uwsim.base.named import UnknownNameError
 from uwsim.scenario import dump
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.old_keys import of_an_earlier_version, warn_of_old_name
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.simulator.parameters import table
 from uwsim.simulator.parameters.edits import KIND, edited
 from uwsim.simulator.parameters.parameter import Parameter, plain
-from uwsim.simulator.parameters.tree import Node, Place, find, nodes, once_named
+from uwsim.simulator.parameters.tree import Node, Place, find, nodes
 
 
 class UnknownParameterError(UnknownNameError):
@@ -157,21 +156,13 @@ class Parameters(Mapping[str, Any]):
         for name, value in changes.items():
             if not isinstance(name, str):
                 self._node(name)
-            self._spread(*self._under_todays_name(name, value), wanted)
+            self._spread(name, value, wanted)
         kept = self._changes
         for name in wanted:
             kept = {old: value for old, value in kept.items() if not _displaces(name, old)}
         switches = {name: value for name, value in wanted.items() if name in self._switches}
         self._switch_to({**kept, **wanted}, switches, new=wanted)
         self._note("set_parameters", changes=wanted)
-
-    def _under_todays_name(self, name: str, value: Any) -> tuple[str, Any]:
-        """Return a parameter's current name and value; warn if the name is from an earlier version."""
-        if name not in self and (found := once_named(self._running, name)) is not None:
-            now, former = found
-            warn_of_old_name(name, now, former, stacklevel=3)
-            return now, former.todays(value)
-        return name, value
 
     def reset(self, name: str | None = None) -> None:
         """Restore the scenario's values for one parameter, a group, or all. Raises ValueError, changing nothing."""
@@ -195,8 +186,7 @@ class Parameters(Mapping[str, Any]):
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Set the values returned by `save`, and reset all others. Raises ValueError, changing nothing."""
-        with of_an_earlier_version():
-            self._switch_to(dict(self._under_todays_name(name, value) for name, value in state.items()), {})
+        self._switch_to(dict(state), {})
 
     def scenario_with(self, values: Mapping[str, Any]) -> Scenario:
         """Return the scenario with these values, which are not set. Raises ValueError for invalid ones."""

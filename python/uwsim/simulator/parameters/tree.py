@@ -8,7 +8,6 @@ from functools import cache
 from typing import Any, get_args
 
 from uwsim.base.axes import AXES
-from uwsim.scenario.read.old_keys import OnceNamed
 from uwsim.scenario.spec.descriptions import descriptions
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
@@ -73,16 +72,6 @@ def _with_groups(found: dict[str, Node]) -> dict[str, Node]:
 def find(scenario: Scenario, name: object) -> Node | None:
     """Return the node with this name, or None, with much less work than `nodes`."""
     return nodes(scenario, name).get(name) if isinstance(name, str) else None
-
-
-def once_named(scenario: Scenario, name: str) -> tuple[str, OnceNamed] | None:
-    """Return the current name of a parameter that had this name in an earlier version, or None."""
-    above, _, last = name.rpartition(".")
-    node = find(scenario, above)
-    if node is None or not isinstance(node.value, Model) or last not in type(node.value).once_named():
-        return None
-    now, former = type(node.value).once_named()[last]
-    return joined(above, now), former
 
 
 @cache
