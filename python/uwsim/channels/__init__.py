@@ -2,7 +2,7 @@
 
 from uwsim.channels.channel import Authority, Channel, Delivery, OverLink, Service, require_live, start_updates
 from uwsim.channels.families.diagnostics import diagnostics_channel
-from uwsim.channels.table import ORIGINS, Table, channels, services
+from uwsim.channels.table import ORIGINS, Table, channels
 
 __all__ = [
     "ORIGINS",
@@ -15,6 +15,5 @@ __all__ = [
     "channels",
     "diagnostics_channel",
     "require_live",
-    "services",
     "start_updates",
 ]

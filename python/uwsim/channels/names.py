@@ -1,4 +1,4 @@
-"""Names of topics and services in a graph shared with other programs: namespaces, and names of earlier versions."""
+"""Names of topics and services in a graph shared with other programs: namespaces."""
 
 from __future__ import annotations
 
@@ -11,8 +11,6 @@ from uwsim.channels.channel import Channel, Service
 SHARED = frozenset({"clock", "tf", "tf_static", "diagnostics"})
 """Topics that all programs in a graph share, whatever their namespace."""
 NODE = "uwsim"
-EARLIER = {"odometry/estimate": "odometry/filtered"}
-"""Names from earlier versions, by current name. The earlier name now belongs to robot_localization's output."""
 _NAMESPACE = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 
 
@@ -48,15 +46,3 @@ def services_in(namespace: str, services: Iterable[Service]) -> list[Service]:
     """Return the services with their names moved to a namespace; "" changes nothing. Raises ValueError."""
     plain = checked_namespace(namespace)
     return [replace(service, name=f"{plain}/{service.name}") if plain else service for service in services]
-
-
-def with_earlier_names(channels: Iterable[Channel]) -> list[Channel]:
-    """Return the channels, plus copies with the names that they had in earlier versions, for a graph without ROS."""
-    found = list(channels)
-    taken = {channel.name for channel in found}
-    for channel in list(found):
-        for name, earlier in EARLIER.items():
-            old = channel.name.removesuffix(name) + earlier
-            if channel.name.endswith(name) and old not in taken:
-                found.append(replace(channel, name=old, description=f"the earlier name of /{channel.name}"))
-    return found

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Literal, get_args
@@ -199,21 +198,6 @@ def over_link(source: Source, channels: list[Channel]) -> list[Channel]:
 def channels(sim: Simulator, **options: Any) -> list[Channel]:
     """Return all channels of a simulator. options: as for Table."""
     return Table(sim, **options).channels
-
-
-def services(sim: Simulator) -> list[Service]:
-    """Return all services of a simulator, from a new table.
-
-    Warns (FutureWarning): to save the maps or configure the pictures of existing channels, take channels and services
-    from the same Table.
-    """
-    warnings.warn(
-        "services(sim): of a table of their own, whose maps and pictures no channels share: "
-        "make one uwsim.channels.Table(sim), and use its channels and its services",
-        FutureWarning,
-        stacklevel=2,
-    )
-    return Table(sim).services
 
 
 def check_tf(tf: str, sources: Sequence[Source]) -> None:

@@ -14,7 +14,7 @@ from ros2_tools import PATIENCE_S, until
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.foxglove import FoxgloveServer
-from uwsim.channels import Channel, Delivery, Service, Table, services
+from uwsim.channels import Channel, Delivery, Service
 from uwsim.channels.delivery.feed import Feed, Reading
 from uwsim.channels.ros.build import message, text
 from uwsim.live import LiveSimulator, NotRunningError
@@ -188,9 +188,3 @@ def test_what_cannot_be_commanded_is_reported_and_never_raised(live: LiveSimulat
     assert refused == ["/t: t = 'x': must be a number", "/t: 1048577 bytes: must be 1048576 at most"]
     with pytest.raises(NotRunningError):
         Kept(None, [])
-
-
-def test_services_of_a_simulator_warn_since_no_channels_share_their_table(live: LiveSimulator) -> None:
-    with pytest.warns(FutureWarning, match="of a table of their own"):
-        offered = services(live.simulator)
-    assert [service.name for service in offered] == [service.name for service in Table(live.simulator).services]

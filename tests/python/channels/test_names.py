@@ -12,10 +12,8 @@ import pytest
 from channel_tools import chain, table
 from client_socket import connect
 from uwsim import Simulator
-from uwsim.bridges import RosbridgeServer
 from uwsim.channels import Channel, Table
-from uwsim.channels.names import SHARED, channels_in, services_in, with_earlier_names
-from uwsim.live import LiveSimulator
+from uwsim.channels.names import SHARED, channels_in, services_in
 
 UWSIM = Path(sys.executable).with_name("uwsim")
 
@@ -102,17 +100,6 @@ def test_two_vehicles_are_in_their_own_namespaces_below_one_map() -> None:
     assert above["rov/odom"] == above["scout/odom"] == "map" and roots(above) == {"world"}
     own = [name for name in found if not name.startswith(("rov/", "scout/"))]
     assert set(own) <= {*SHARED, *(name for name in own if name.startswith(("camera/", "image")))}
-
-
-def test_the_earlier_name_of_the_estimate_is_read_on_our_own_rosbridge_alone() -> None:
-    with LiveSimulator("pool") as live, RosbridgeServer(live) as server, connect(server.url) as client:
-        for name in ("/odometry/filtered", "/odometry/estimate"):
-            client.send(json.dumps({"op": "subscribe", "topic": name}))
-            while (found := json.loads(client.recv(60.0)))["topic"] != name:
-                pass
-            assert found["msg"]["child_frame_id"] == "base_footprint"
-    own = with_earlier_names([Channel("rov/odometry/estimate", "nav_msgs/msg/Odometry", "out", "")])
-    assert [channel.name for channel in own] == ["rov/odometry/estimate", "rov/odometry/filtered"]
 
 
 @pytest.mark.parametrize("name", ["9a", "a b", "a//b", "a-b", "ä"])

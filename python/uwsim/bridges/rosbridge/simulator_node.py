@@ -21,7 +21,6 @@ from uwsim.channels import Channel, Service, require_live
 from uwsim.channels.calls.command_services import named_arguments
 from uwsim.channels.delivery.feed import Reading, Readings
 from uwsim.channels.delivery.outgoing import Line, Turns, queue_of
-from uwsim.channels.names import with_earlier_names
 from uwsim.live import LiveSimulator, NotRunningError
 
 LIVE, PLAYED = "/uwsim", "/playback"
@@ -44,7 +43,6 @@ class SimulatorNode(Bridge):
         loop: asyncio.AbstractEventLoop,
         actions: Sequence[Offered] = (),
     ) -> None:
-        channels = with_earlier_names(channels)
         super().__init__("rosbridge", live, channels, services, feed)
         self._name = PLAYED if live is None else LIVE
         self._graph = graph
