@@ -3,7 +3,7 @@
 The file is $UWSIM_LOGBOOK if set (empty: no log book), otherwise uwsim/logbook.jsonl in $XDG_DATA_HOME or
 ~/.local/share. Each line has a digest of its values, and that of the bytes of the line before it, so that a line that
 was changed, removed or inserted is noticed. As with a sheet's digest, they show mistakes, not the fraud of one who
-computes them again, nor the removal of the last lines. Lines of earlier versions have neither.
+computes them again, nor the removal of the last lines.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ NAME = "logbook.jsonl"
 RULE = "is not an entry of a log book"
 BEGIN = b'{"date":"'
 PREVIOUS, OWN = "previous", "line_digest"
-Check = Literal["valid", "not chained", "not valid"]
+Check = Literal["valid", "not valid"]
 
 
 class Entry(BaseModel):
@@ -90,8 +90,7 @@ def log_attempt(sheet: Mapping[str, Any]) -> Path | None:
 class Line(NamedTuple):
     """An attempt as a line of the book has it. number: of the line, from 1.
 
-    check: "valid" if the line is as it was written, "not chained" if an earlier version wrote it, so that this is not
-    known, else "not valid". why: the reason for that, or "".
+    check: "valid" if the line is as it was written, else "not valid". why: the reason for that, or "".
     """
 
     number: int
@@ -117,8 +116,7 @@ def read_book(path: Path) -> Book:
 
     Raises OSError, or ValueError for a file that is no log book.
     """
-    book, is_chained = Book([], []), False
-    data = b""
+    book, data = Book([], []), b""
     with contextlib.suppress(FileNotFoundError):
         data = path.read_bytes()
     lines = _lines(data, path)
@@ -126,10 +124,8 @@ def read_book(path: Path) -> Book:
         if values is None:
             book.unread.append(k + 1)
             continue
-        why = _why_not(lines, k, is_chained)
-        is_chained = is_chained or OWN in values
-        check: Check = "not valid" if why else "valid" if OWN in values else "not chained"
-        book.lines.append(Line(k + 1, Entry.model_validate(values), check, why))
+        why = _why_not(lines, k)
+        book.lines.append(Line(k + 1, Entry.model_validate(values), "not valid" if why else "valid", why))
     return book
 
 
@@ -165,13 +161,13 @@ def _is_own(values: Mapping[str, Any]) -> bool:
     return OWN in values and digest_of(values, OWN) == values[OWN]
 
 
-def _why_not(lines: Sequence[Read], k: int, is_chained: bool) -> str:
-    """Return why an entry does not check, or "". is_chained: whether a line before it has a digest."""
+def _why_not(lines: Sequence[Read], k: int) -> str:
+    """Return why an entry does not check, or ""."""
     values, after = lines[k][1], lines[k + 1][1] if k + 1 < len(lines) else None
     assert values is not None
-    if OWN not in values and is_chained:
-        return "it has no digest, as lines before it have"
-    if OWN in values and not _is_own(values):
+    if OWN not in values:
+        return "it has no digest"
+    if not _is_own(values):
         return "it was changed after it was written"
     if k == 0 and values.get(PREVIOUS, "") != "":
         return "lines before it were removed"

@@ -166,22 +166,6 @@ def test_a_line_that_is_not_as_it_was_written_is_shown_as_not_valid_and_counts_f
     assert any(f"not valid: line {wrong[0]} of the log book" in line for line in shown)
 
 
-def test_lines_of_earlier_versions_are_shown_as_not_chained_and_stay_as_they_are(book, lines, sheet):
-    old = b"".join(unsealed(line) + b"\n" for line in lines[:2])
-    book.write_bytes(old)
-    assert "2 not chained" in uwsim("logbook").stdout
-    log_attempt(sheet)
-    assert book.read_bytes().startswith(old)
-    assert [line.check for line in read_book(book).lines] == ["not chained", "not chained", "valid"]
-    printed = uwsim("logbook", "--person", PEOPLE[1])
-    assert printed.returncode == 0 and "not chained" in printed.stdout.splitlines()[0]
-    assert [row["line_check"] for row in csv.DictReader(io.StringIO(uwsim("logbook", "--csv").stdout))] == [
-        "not chained", "not chained", "valid"
-    ]  # fmt: skip
-    book.write_bytes(book.read_bytes().replace(b'"score": 9.75', b'"score": 9.5'))
-    assert [line.check for line in read_book(book).lines] == ["not chained", "not valid", "valid"], "the last is held"
-
-
 def test_a_book_cut_short_at_any_byte_keeps_its_other_lines_and_takes_new_ones(book, lines, sheet):
     first, second = (line + b"\n" for line in lines[:2])
     for end in (*range(1, len(first) + 1, 13), len(first) - 1, len(first)):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -37,8 +36,7 @@ def logbook(
     The log book has each attempt of a named person that `uwsim exercise` has judged. The file is uwsim/logbook.jsonl in
     the folder of the user's data, or that in the environment variable UWSIM_LOGBOOK. Lines that are no entries, such as
     one that was cut short, are reported and left out. Lines that are not as they were written are reported, shown as
-    not valid, and count for no person; for either, the exit code is 4. Lines that an earlier version wrote are shown as
-    not chained, since it is not known whether they were changed.
+    not valid, and count for no person; for either, the exit code is 4.
     """
     from uwsim.exercises.certified import checked_person, read_sheet
     from uwsim.exercises.logbook import RULE, logbook_path, read_book
@@ -59,7 +57,6 @@ def logbook(
     wanted = None if person is None else checked_person(person)
     book = read_book(path)
     found = [each for each in book.lines if wanted is None or each.entry.person == wanted]
-    counts = Counter(each.check for each in found)
     if json:
         typer.echo(_json(found))
     elif csv:
@@ -67,14 +64,14 @@ def logbook(
     else:
         for line in _attempts(found) if wanted is not None else _totals(found):
             typer.echo(line)
-        notes = [f"{counts[check]} {check}" for check in ("not chained", "not valid") if counts[check]]
-        typer.echo(", ".join([f"{path}: {len(found)} attempts", *notes]))
+        wrong = sum(each.check == "not valid" for each in found)
+        typer.echo(f"{path}: {len(found)} attempts" + (f", {wrong} not valid" if wrong else ""))
     for number in book.unread:
         typer.echo(f"uwsim: warning: '{path}', line {number}: {RULE}; it is left out", err=True)
-    wrong = [each for each in book.lines if each.check == "not valid"]
-    for each in wrong:
+    refused = [each for each in book.lines if each.check == "not valid"]
+    for each in refused:
         typer.echo(f"uwsim: warning: '{path}', line {each.number}: is not valid: {each.why}", err=True)
-    if book.unread or wrong:
+    if book.unread or refused:
         raise typer.Exit(INCOMPLETE)
 
 
@@ -90,8 +87,7 @@ def _verdict(line: Line) -> str:
     if line.check == "not valid":
         return f"not valid: line {line.number} of the log book: {line.why}"
     entry = line.entry
-    result = "passed" if entry.has_passed else "not passed" if entry.is_valid else "not valid"
-    return result if line.check == "valid" else f"{result}, {line.check}"
+    return "passed" if entry.has_passed else "not passed" if entry.is_valid else "not valid"
 
 
 def _totals(found: Sequence[Line]) -> list[str]:
