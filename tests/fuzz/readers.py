@@ -217,7 +217,7 @@ def _flight(data: bytes, folder: Path) -> str:
     from uwsim.flight.checkpoint import FOLDER, STATE, FlightCheckpoint
 
     (folder / FOLDER).mkdir(exist_ok=True)
-    _written(folder / FOLDER / STATE, data)
+    _written(folder / FOLDER / STATE, text_readers.sealed_flight(data))
     return repr(FlightCheckpoint(folder).read())
 
 

@@ -290,7 +290,7 @@ def _flight() -> list[bytes]:
     from uwsim.flight.request import FlightRequest
 
     request = FlightRequest(mission="m.py", function="mission", mission_digest="0", arguments={"depth_m": 3})
-    state = {"version": 1, "request": asdict(request), "tick": 4, "state_digest": "0", "echo_count": 2, "files": {}}
+    state = {"version": 2, "request": asdict(request), "tick": 4, "state_digest": "0", "files": {}}
     with_map = {**state, "files": {"map-4.ot": "0"}}
     mission = {"state": {"leg": 3}, "clock": [0, 1.5], "begun_tick": 0, "events": [[0.0, "rov", "begun", {}]]}
     return [json.dumps(each).encode() for each in (state, with_map, {**state, "mission": mission})]

@@ -33,8 +33,6 @@ from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.scoring.survey_track import TRACK, SurveyTrack
 
 MAP, FOLDER, STATE, EARLIER = "map.bt", "checkpoint", "flight.json", "checkpoint.old"
-BEFORE_ONE_ENGINE = "survey.state"
-"""State file of a survey saved by a version in which surveys were not yet flights."""
 SIGN = 8  # first columns of the samples, by which a file of them is recognized
 LEFTOVER = re.compile(r"\.uwsim-(\d+)-\d+\.tmp|\.([\w-]+\.(json|npz|png|csv)|report\.html|log\.jsonl)\.\w+")
 
@@ -120,9 +118,6 @@ class FlightCheckpoint:
 
     def require_one(self) -> None:
         """Raise ValueError if there is no flight to resume."""
-        if (old := self.folder / BEFORE_ONE_ENGINE).exists() and not self.exists:
-            rule = "was saved by an earlier uwsim, in a format that this one does not read: fly it again"
-            raise ValueError(f"--resume: '{old}': {rule}")
         if not self.exists:
             ended = (self.out / MAP).exists()
             why = f"its {MAP} belongs to a flight that has ended" if ended else "the folder holds no flight"

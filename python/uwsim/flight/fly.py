@@ -236,7 +236,7 @@ def _resumed(saved: SavedFlight, threads: int | None, report: str) -> Setup:
     if saved.occupancy is not None:
         mapping = _map_setup(sim, request, saved.occupancy, saved.reference, report)
     names = request.vehicles or (sim.rov.name,)
-    states = {} if saved.mission is None else saved.mission.attached
+    states = {} if saved.mission is None else saved.mission.attachments
     has_map = mapping is not None
     departure = Departure(sim, names, mission.make is not None, has_map, request, request.carried, saved=states)
     return Setup(

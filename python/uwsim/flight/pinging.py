@@ -68,13 +68,12 @@ class SavedPinging:
     """The pings of a saved flight up to `tick`.
 
     logs: saved logs by vehicle, see PingLog.save. due: for each vehicle, the tick of the next ping and the number of
-    steps from it to the following ping; None in flights saved by an earlier version. growth: measurements of the map so
-    far.
+    steps from it to the following ping. growth: measurements of the map so far.
     """
 
     tick: int
     logs: Mapping[str, Mapping[str, NDArray[Any]]]
-    due: Mapping[str, tuple[int, int]] | None = None
+    due: Mapping[str, tuple[int, int]]
     growth: tuple[GrowthRow, ...] = ()
 
 
@@ -155,20 +154,17 @@ class MapMaker:
         first_tick = -1
         if saved is not None:
             first_tick = saved.tick
-            self._restore(saved, begun_tick)
+            self._restore(saved)
         self._growth = GrowthWatch(
             sim, setup.occupancy, self.when_mapped, begun_tick=begun_tick, first_tick=first_tick,
             rows=() if saved is None else saved.growth,
         )  # fmt: skip
 
-    def _restore(self, saved: SavedPinging, begun_tick: int) -> None:
+    def _restore(self, saved: SavedPinging) -> None:
         for name, pinger in self.pingers.items():
             if name in saved.logs:
                 pinger.log.restore(saved.logs[name])
-            if saved.due is not None:
-                pinger.due_tick, pinger.steps = saved.due[name]
-            else:
-                pinger.due_tick = begun_tick + pinger.steps * ((saved.tick - begun_tick) // pinger.steps + 1)
+            pinger.due_tick, pinger.steps = saved.due[name]
 
     @property
     def growth(self) -> tuple[GrowthRow, ...]:

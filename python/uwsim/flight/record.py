@@ -213,20 +213,3 @@ class FlightRecord(Generic[R_co]):
         if self.area_world_m is None:
             return None
         return SurveyTrack(self.path_world_m, self.area_world_m, self.range_max_m, self.scenario)
-
-    # Names from the former survey record, retained for one version.
-
-    @property
-    def stopped_because(self) -> str:
-        """The same as ended_because."""
-        return self.ended_because
-
-    @property
-    def scenario_name(self) -> str:
-        """The same as scenario."""
-        return self.scenario
-
-    @property
-    def collision_count(self) -> int:
-        """The same as collisions."""
-        return self.collisions

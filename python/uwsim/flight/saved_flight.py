@@ -29,7 +29,7 @@ class SavedMission(BaseModel):
     """The state from which a mission with `save` continues, apart from the simulator's state and the samples.
 
     state: the mission's own state. clock: see FlightClock.phase. begun_tick: tick at which the flight began. events:
-    the log so far. attachments: what each returned from `save`, by name. ashore: the link's, in older files.
+    the log so far. attachments: what each returned from `save`, by name.
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -38,34 +38,24 @@ class SavedMission(BaseModel):
     begun_tick: Tick
     events: list[Event] = Field(default_factory=list)
     attachments: dict[str, dict[str, Any]] = Field(default_factory=dict)
-    ashore: dict[str, Any] | None = None
-
-    @property
-    def attached(self) -> dict[str, dict[str, Any]]:
-        """The saved state of each attachment by name, whatever the version."""
-        return self.attachments if self.ashore is None else {"link": self.ashore}
 
 
 class StateFile(BaseModel):
-    """The content of flight.json.
+    """The content of flight.json. due: see SavedPinging. files: checksums by file name.
 
     Raising the version makes users' saved flights unreadable: give new fields defaults instead.
-
-    Version 1 had no checksum and stored only the positions of pings. due: see SavedPinging. echo_count: used only in
-    version 1. files: checksums by file name.
     """
 
     model_config = ConfigDict(extra="forbid")
-    version: Literal[1, 2] = VERSION
+    version: Literal[2] = VERSION
     checksum: str = ""
     build: str = ""
     request: FlightRequest
     tick: Tick
     state_digest: str
-    echo_count: int = 0
     files: dict[str, str]
     growth: tuple[GrowthRow, ...] = ()
-    due: dict[str, tuple[Tick, Annotated[int, Field(ge=1)]]] | None = None
+    due: dict[str, tuple[Tick, Annotated[int, Field(ge=1)]]] = Field(default_factory=dict)
     wall_s: Annotated[float, Field(ge=0)] = 0.0
     stage_wall_s: dict[str, float] = Field(default_factory=dict)
     mission: SavedMission | None = None
@@ -73,11 +63,11 @@ class StateFile(BaseModel):
     def sealed(self) -> bytes:
         """Return the file's bytes, including a checksum of the other fields."""
         content = self.model_dump(mode="json")
-        return json.dumps({**content, "checksum": _checksum(content)}).encode()
+        return json.dumps({**content, "checksum": checksum_of(content)}).encode()
 
 
-def _checksum(content: Mapping[str, Any]) -> str:
-    """Return a checksum of all fields in a file except the checksum itself, for files written by any version."""
+def checksum_of(content: Mapping[str, Any]) -> str:
+    """Return a checksum of all fields in a file except the checksum itself."""
     fields = {name: value for name, value in content.items() if name != "checksum"}
     return hashlib.blake2b(json.dumps(fields, sort_keys=True).encode(), digest_size=16).hexdigest()
 
@@ -90,11 +80,11 @@ def read_state(data: bytes) -> StateFile:
     except ValidationError as error:
         first = error.errors()[0]
         if first["loc"] == ("version",):
-            raise ValueError(f"has version {first['input']!s:.20}: this uwsim reads up to {VERSION}") from None
+            raise ValueError(f"has version {first['input']!s:.20}: this uwsim reads {VERSION}") from None
         raise ValueError(f"is damaged: {'.'.join(map(str, first['loc']))}: {first['msg']}") from None
     except ValueError as error:
         raise ValueError(f"is damaged: {error}") from None
-    if state.version > 1 and state.checksum != _checksum(content):
+    if state.checksum != checksum_of(content):
         raise ValueError("is damaged: its checksum does not match its content")
     return state
 
@@ -128,7 +118,7 @@ class SavedFlight:
         return StateFile(
             build=build_fingerprint(), request=self.request, tick=self.tick, state_digest=self.state_digest,
             files=files, growth=() if pinging is None else pinging.growth,
-            due=None if pinging is None or pinging.due is None else dict(pinging.due),
+            due={} if pinging is None else dict(pinging.due),
             wall_s=self.wall_s, stage_wall_s=dict(self.stage_wall_s), mission=self.mission,
         )  # fmt: skip
 
@@ -146,8 +136,6 @@ class SavedFlight:
         reference: OccupancyMap | None,
     ) -> SavedFlight:  # fmt: skip
         """Build a saved flight from its state file, arrays and maps. Raises KeyError if an array is missing."""
-        if state.version == 1:
-            arrays = _arrays_of_version_1(arrays, state.echo_count)
         logs: dict[str, dict[str, NDArray[Any]]] = {}
         for key, array in arrays.items():
             if key.startswith("pings:"):
@@ -184,13 +172,3 @@ class SavedFlight:
 def state_digest(state: bytes) -> str:
     """Return a digest of a simulator's state."""
     return hashlib.blake2b(state, digest_size=16).hexdigest()
-
-
-def _arrays_of_version_1(paths: Mapping[str, NDArray[Any]], echo_count: int) -> dict[str, NDArray[Any]]:
-    """Convert the paths of version 1, by vehicle, to arrays of this version; all echoes go to the first vehicle."""
-    found: dict[str, NDArray[Any]] = {}
-    for vehicle, path in paths.items():
-        log = {"path": path, "mapped": path, "counts": np.array([echo_count, 0, 0, 0]), "score": np.array([-1.0])}
-        found |= {f"pings:{vehicle}:{name}": array for name, array in log.items()}
-        echo_count = 0
-    return found

@@ -125,10 +125,7 @@ def vehicle_values(samples: Samples) -> dict[str, Any]:
 
 
 def flight_values(flown: FlightRecord) -> dict[str, Any]:
-    """Return the flight's key values by name, in SI units, for JSON.
-
-    The map's score is under `map`; for one version, its values are also at the top level, as in earlier surveys.
-    """
+    """Return the flight's key values by name, in SI units, for JSON. The map's score is under `map`."""
     errors_m, made = flown.position_error_m, flown.occupancy is not None
     values = {
         "mission": flown.mission,
@@ -169,10 +166,9 @@ def flight_values(flown: FlightRecord) -> dict[str, Any]:
         values["ashore"] = {"pings": flown.ashore.ping_count, **score_values(flown.ashore_score, path_known=True)}
     if flown.soundings is not None:
         values["soundings"] = flown.soundings.values()
-    if flown.score is None:
-        return values
-    score = score_values(flown.score, path_known=True)
-    return {**values, **score, "map": score}
+    if flown.score is not None:
+        values["map"] = score_values(flown.score, path_known=True)
+    return values
 
 
 def _closed_values(flown: FlightRecord, name: str) -> dict[str, Any]:

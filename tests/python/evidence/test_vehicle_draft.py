@@ -132,7 +132,7 @@ def test_a_draft_rests_level_and_keeps_its_depth(mine: Path, tmp_path: Path) -> 
 def test_a_draft_surveys_without_another_edit(mine: Path, tmp_path: Path) -> None:
     ran = uwsim("survey", "lagoon", "--vehicle-model", mine, "--out", tmp_path / "out", "--report", "json")
     assert ran.returncode == 0, ran.stderr
-    assert json.loads((tmp_path / "out/summary.json").read_text())["coverage"] > 0.9
+    assert json.loads((tmp_path / "out/summary.json").read_text())["map"]["coverage"] > 0.9
 
 
 FACTORS = {"added_mass": 0.8, "linear_damping": 1.3, "quadratic_damping": 1.5, "thrust_gain": 0.9, "thrust_lag": 1.6}

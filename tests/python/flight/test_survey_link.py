@@ -43,7 +43,7 @@ def test_the_report_tells_both_maps_and_what_became_of_the_messages(tmp_path: Pa
     assert told["sent"] == told["delivered"] + told["lost"] > 5
     assert told["bytes_delivered"] == 166 * told["delivered"]
     assert said["ashore"]["pings"] == told["delivered"] < said["pings"]
-    assert 0.0 < said["ashore"]["coverage"] <= said["coverage"]
+    assert 0.0 < said["ashore"]["coverage"] <= said["map"]["coverage"]
     assert ("ranging/usbl", "rov") in rows
     ashore = OccupancyMap.read(tmp_path / "map_ashore.bt")
     assert ashore.statistics().occupied_voxels == said["ashore"]["occupied_voxels"]

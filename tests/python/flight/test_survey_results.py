@@ -27,7 +27,7 @@ def test_json_holds_the_flight_and_the_score_of_the_map_file(tmp_path: Path) -> 
     )
     score = json.loads((tmp_path / "score.json").read_text())
     assert score["precision"] == pytest.approx(1.0, abs=0.05)
-    assert {name: summary[name] for name in score} == pytest.approx(score)
+    assert {name: summary["map"][name] for name in score} == pytest.approx(score)
 
 
 def test_none_leaves_the_map_and_the_track(tmp_path: Path) -> None:

@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from uwsim.base.folder_lock import require_free
-from uwsim.campaigns.sweeps.job import Job, flat
+from uwsim.campaigns.sweeps.job import Job, flat, run_values
 from uwsim.flight.fly import fly
 from uwsim.flight.folder import made_folder
-from uwsim.flight.summary import flight_values
 from uwsim.scenario.dump import write_scenario
 
 WORST = "worst"
@@ -38,7 +37,7 @@ def fly_run_again(job: Job, folder: Path, expected: Mapping[str, Any], report: s
         job.mission, scenario, folder, autosave_s=0.0, threads=1, report=report,
         record=folder / RECORDING if is_recordable else None, **job.flight(),
     )  # fmt: skip
-    again = flat(flight_values(flown) | {"result": flown.result})
+    again = flat(run_values(flown))
     return [
         f"{name} = {again[name]!r}, but {expected[name]!r} in the sweep"
         for name in sorted(expected.keys() & again.keys())

@@ -18,6 +18,7 @@ from uwsim.flight.fly import fly
 from uwsim.flight.flyable_lanes import SurveyAreaWarning
 from uwsim.flight.mission_file import MissionError
 from uwsim.flight.pinging import SURVEYED
+from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import EstimateKind, file_digest
 from uwsim.flight.results import scored
 from uwsim.flight.summary import flight_values
@@ -112,11 +113,17 @@ def _flown(job: Job, sim: Simulator) -> dict[str, Any]:
     flown = fly(job.mission, sim, report="none", autosave_s=0.0, **job.flight())
     if flown.interrupted:
         raise KeyboardInterrupt  # the flight caught the error, but half a run is not a result
-    values = flight_values(scored(flown, sim)) | {"result": flown.result}
-    values.pop("map", None)
+    values = run_values(scored(flown, sim))
     if values["lanes"] is not None:
         del values["lanes"]["each"]  # its lanes would be columns
     return values
+
+
+def run_values(flown: FlightRecord) -> dict[str, Any]:
+    """Return the values of a flight, with those of its map beside the others, and its result."""
+    values = flight_values(flown)
+    score = values.pop("map", {})
+    return {**values, **score, "result": flown.result}
 
 
 def _is_same_file(path: Path, digest: str | None) -> bool:
