@@ -37,14 +37,14 @@ class Flown:
 
 
 def own_soundings(flown: Flown) -> np.ndarray:
-    from uwsim.recording.pings import mappable_pings
+    from uwsim.recording.pings import recorded_pings
     from uwsim.recording.reader import Recording
     from uwsim.recording.replay import new_simulator
 
     recording = Recording(flown.recording)
     sim = new_simulator(recording)
     profile, points = sound_speed_profile(sim.world.water), []
-    for taken, _ in mappable_pings(recording, "sonar_ping", sim.rov.sonar.chain):
+    for taken, _ in recorded_pings(recording, "sonar_ping"):
         pose, angles = taken.odom_from_sonar, taken.ping.angles_rad.astype(float)
         axes = np.stack([np.cos(angles), np.sin(angles), 0 * angles], 1) @ pose[:3, :3].T
         times = 2.0 * taken.ping.ranges_m.astype(float) / profile.at(-pose[2, 3])

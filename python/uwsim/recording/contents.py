@@ -136,7 +136,7 @@ class DataReader:
         if header.profile != PROFILE:
             raise ValueError(f"its profile is {header.profile!r}, not {PROFILE!r}")
         self.contents.is_ours = True
-        self._start_checksum = int(found[1], 16) if found[1] else None
+        self._start_checksum = int(found[1], 16)
 
     def _add_metadata(self, record: Record, metadata: Metadata) -> None:
         if metadata.name in self.contents.metadata:
@@ -202,7 +202,7 @@ class DataReader:
         chunks[-1].message_index_length += record.length
 
     def _add_end(self, record: Record, end: DataEnd) -> None:
-        if end.data_section_crc != self._before and (end.data_section_crc or self._start_checksum is not None):
+        if end.data_section_crc != self._before and (end.data_section_crc or self.contents.is_ours):
             raise ValueError("the checksum of all data is wrong")
         self.contents.is_whole = True
 
@@ -217,8 +217,8 @@ class DataReader:
         channel = self.contents.channels.get(message.channel_id)
         if channel is None:
             raise ValueError(f"it has a message of channel {message.channel_id}, which does not exist")
-        if self._start_checksum is None:
-            return  # from an earlier build, or another tool
+        if not self.contents.is_ours:
+            return  # other tools may reorder or leave out messages
         last = self._sequences.get(message.channel_id, -1)
         ahead = (message.sequence - last) % SEQUENCES
         if not 0 < ahead < SEQUENCES // 2:

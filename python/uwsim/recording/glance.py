@@ -49,10 +49,8 @@ def glance(path: Path) -> Glance:
             metadata, last_ns = _of_cut_off(path, file)
     if START not in metadata or (is_whole and END not in metadata):
         raise ValueError(f"recording '{path}': was not written by uwsim" + (", or is still empty" * (not is_whole)))
-    if metadata[START].get("version", VERSION) != VERSION:
-        raise ValueError(
-            f"recording '{path}': has version {metadata[START]['version']:.20}: this uwsim reads {VERSION}"
-        )
+    if (version := metadata[START].get("version", "none")) != VERSION:
+        raise ValueError(f"recording '{path}': has version {version:.20}: this uwsim reads {VERSION}")
     try:
         start = checked(Start, metadata[START])
         end = checked(End, metadata[END]) if is_whole else None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from uwsim.channels.families.map import insert_ping
 from uwsim.mapping import OccupancyMap
 from uwsim.recording.head import recorded_head
-from uwsim.recording.pings import mappable_pings, ping_topic
+from uwsim.recording.pings import ping_topic, recorded_pings
 from uwsim.recording.reader import Recording
 
 
@@ -19,7 +19,7 @@ def live_map(
     topic = ping_topic(recording, vehicle)
     head = recorded_head(recording, topic, outlier_filter)
     occupancy, newest_ns, count = head.new_map(), -1, 0
-    for taken, _ in mappable_pings(recording, topic, head.chain):
+    for taken, _ in recorded_pings(recording, topic):
         stamp_ns = taken.ping.time_ns
         if stamp_ns == newest_ns:
             continue

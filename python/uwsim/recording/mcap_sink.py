@@ -39,9 +39,9 @@ VERSION = "1"
 LIVE, SURVEY = "live", "survey"
 """Kinds of runs; in a survey, the pings contain everything that its sonar produced."""
 PROFILE = "ros2"
-LIBRARY = re.compile("uwsim(?:, start ([0-9a-f]{8}))?")
+LIBRARY = re.compile("uwsim, start ([0-9a-f]{8})")
 """The writer's name in the header, with the checksum of the metadata at the start, which is not otherwise protected if
-the process is killed. Recordings of earlier builds lack this, and have no checksum over all data at their end."""
+the process is killed."""
 ROSBAG2_VERSION = 9
 FOREVER = QosTime(0x7FFFFFFF, 0xFFFFFFFF)  # rmw's value for an infinite duration
 DEPTH = 10

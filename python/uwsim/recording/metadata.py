@@ -8,7 +8,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, Json, NonNegativeInt, ValidationError
 
 from uwsim.channels.delivery.pictures import Stream
-from uwsim.channels.families.frames import RATE_HZ, Tf
+from uwsim.channels.families.frames import Tf
 
 Metadata = TypeVar("Metadata", bound=BaseModel)
 
@@ -27,16 +27,16 @@ class Start(BaseModel):
     streams: Json[dict[str, Stream]]
     map_is_older: Json[bool]
     truth: Json[bool]
-    tf: Tf = "truth"
-    frame_prefix: str = ""
-    tf_rate_hz: Annotated[FiniteFloat, Field(gt=0.0)] = RATE_HZ
-    joint_frames: Json[bool] = False
-    through_link: Json[bool] = False
+    tf: Tf
+    frame_prefix: str
+    tf_rate_hz: Annotated[FiniteFloat, Field(gt=0.0)]
+    joint_frames: Json[bool]
+    through_link: Json[bool]
     on_wall_clock: Json[bool]
     fingerprint: str
     build: str
     begun: str
-    notes: Json[dict[str, Any]] = {}
+    notes: Json[dict[str, Any]]
 
 
 class End(BaseModel):
@@ -50,9 +50,9 @@ class End(BaseModel):
 
     tick: NonNegativeInt
     state: str
-    dropped: Json[dict[str, NonNegativeInt]] = {}
-    on_wall_clock: Json[bool] = False
-    notes: Json[dict[str, Any]] = {}
+    dropped: Json[dict[str, NonNegativeInt]]
+    on_wall_clock: Json[bool]
+    notes: Json[dict[str, Any]]
 
 
 def checked(kind: type[Metadata], text: Mapping[str, str]) -> Metadata:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.channels.families.pings import TakenPing
-from uwsim.mapping.ping_to_map import PingToMap
 from uwsim.recording.ping_channel import NAME
 
 if TYPE_CHECKING:
@@ -23,7 +22,7 @@ class RecordedPing:
     """A ping with the attributes of _core.Ping.
 
     ranges_m, angles_rad, valid, labels, intensity_db: (beams,); world_from_sonar (4, 4). vertical_deviation_m,
-    horizontal_deviation_m: (beams,), of the echoes' places, None in geometry mode and in older recordings.
+    horizontal_deviation_m: (beams,), of the echoes' places, None in geometry mode.
     """
 
     time_ns: int
@@ -64,20 +63,6 @@ def recorded_pings(recording: Messages, topic: str) -> Iterator[tuple[TakenPing,
         message = recorded.message
         panel = Panel(message.range_warning, message.proximity_warning, message.collision_warning)
         yield taken_ping(message), panel
-
-
-def mappable_pings(recording: Messages, topic: str, chain: PingToMap) -> Iterator[tuple[TakenPing, Panel]]:
-    """Yield the pings on a channel as `recorded_pings` does, for a map by a chain.
-
-    Raises ValueError if the chain limits uncertainties that the recording, of an earlier version, does not contain.
-    """
-    for taken, panel in recorded_pings(recording, topic):
-        if chain.max_uncertainty_m is not None and taken.deviation_m is None:
-            raise ValueError(
-                f"recording '{recording.path}': was made before pings were recorded with their uncertainties, which "
-                f"max_uncertainty_m = {chain.max_uncertainty_m:g} m limits: map it with --no-outlier-filter"
-            )
-        yield taken, panel
 
 
 def taken_ping(message: Any) -> TakenPing:

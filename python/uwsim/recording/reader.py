@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import re
-import struct
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -54,7 +51,6 @@ class Recording:
         self._require_our_version(metadata[START])
         self.complete, self.attachments = contents.complete, contents.attachments
         self._channels, self._schemas = contents.channels, contents.schemas
-        self._appended: dict[str, list[bytes]] = {}
         self._counts, self._chunks = contents.counts, contents.chunks
         chunks = contents.indexes[Opcode.CHUNK_INDEX]
         self._last_ns: int | None = chunks[-1].message_end_time if chunks else None
@@ -200,25 +196,20 @@ class Recording:
 
     def _recorded(self, message: Message) -> Recorded:
         channel = self._channels[message.channel_id]
-        kind, data = self._schemas[channel.schema_id].name, message.data
-        for field in self._appended.get(kind, ()):
-            data = data + bytes(-len(data) % 4) + field
-        return Recorded(channel.topic.removeprefix("/"), kind, message.time_ns, data)
+        kind = self._schemas[channel.schema_id].name
+        return Recorded(channel.topic.removeprefix("/"), kind, message.time_ns, message.data)
 
     def _numbers(self, names: Iterable[str]) -> set[int]:
         numbers = {channel.topic.removeprefix("/"): number for number, channel in self._channels.items()}
         return {numbers[name] for name in names}
 
     def _require_our_version(self, start: Mapping[str, str]) -> None:
-        version = start.get("version", VERSION)
+        version = start.get("version", "none")
         if version != VERSION:
             raise ValueError(f"recording '{self.path}': has version {version}: this uwsim reads {VERSION}")
 
     def _require_our_types(self) -> None:
-        """Raise ValueError if a channel has no type, or a uwsim type whose fields differ from this version's.
-
-        Fields that this version appends are allowed. In the recorded messages, they are nan or empty.
-        """
+        """Raise ValueError if a channel has no type, or a uwsim type whose fields differ from this version's."""
         for channel in self._channels.values():
             if channel.schema_id not in self._schemas:
                 raise ValueError(f"recording '{self.path}': topic '{channel.topic}' has no type")
@@ -227,39 +218,11 @@ class Recording:
             except ValueError as error:
                 raise ValueError(f"recording '{self.path}': topic '{channel.topic}': {error}") from None
         for found in self._schemas.values():
-            if found.name not in OWN_TYPES:
-                continue
-            fields = _appended(found.data.decode(), schema(found.name).text)
-            if fields is not None:
-                self._appended[found.name] = fields
-            else:
+            if found.name in OWN_TYPES and _fields(found.data.decode()) != _fields(schema(found.name).text):
                 raise ValueError(
                     f"recording '{self.path}': {found.name} has other fields in this version of uwsim than in the "
                     f"build that wrote it, {self.start.build}"
                 )
-
-
-def _appended(recorded: str, ours: str) -> list[bytes] | None:
-    """Return the CDR of the fields appended to a recorded type by our definition, or None if other fields differ.
-
-    Numbers are nan; lists and strings are empty. Each field begins at a multiple of four bytes.
-    """
-    (old, *old_parts), (new, *new_parts) = (
-        [_fields(part) for part in re.split("={9,}", text)] for text in (recorded, ours)
-    )
-    added = [_unset(line) for line in new[len(old) :]]
-    if old != new[: len(old)] or old_parts != new_parts or None in added:
-        return None
-    return [field for field in added if field is not None]
-
-
-def _unset(line: str) -> bytes | None:
-    """Return the CDR of an unset field of a message definition, or None for types that are never appended."""
-    if floats := re.fullmatch(r"float32\[(\d+)\] \w+", line):
-        return int(floats[1]) * struct.pack("<f", math.nan)
-    if re.fullmatch(r"(string|float32)\[\] \w+", line):
-        return struct.pack("<I", 0)
-    return struct.pack("<Ix", 1) if re.fullmatch(r"string \w+", line) else None
 
 
 def _fields(text: str) -> list[str]:

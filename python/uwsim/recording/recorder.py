@@ -20,7 +20,6 @@ from uwsim.base.arguments import plain
 from uwsim.base.commands.table import SERVO_FRAMES
 from uwsim.channels import Channel, Table
 from uwsim.channels.delivery.feed import Feed, Reading
-from uwsim.channels.families.frames import RATE_HZ
 from uwsim.channels.ros.own_types import MAP_CHANGES
 from uwsim.link import is_seen
 from uwsim.live import LiveSimulator
@@ -280,7 +279,8 @@ class Recorder:
             "truth": json.dumps(self._table.truth),
             "tf": self._table.tf,
             "frame_prefix": self._table.frame_prefix,
-            **self._extra_frames(),
+            "tf_rate_hz": repr(self._table.tf_rate_hz),
+            "joint_frames": json.dumps(self._table.joint_frames),
             "through_link": json.dumps(self._through_link),
             "on_wall_clock": json.dumps(not self._may_wait()),
             "fingerprint": fingerprint(sim.scenario),
@@ -288,12 +288,6 @@ class Recorder:
             "notes": json.dumps(self._notes),
             "begun": datetime.now(UTC).isoformat(timespec="seconds"),
         }
-
-    def _extra_frames(self) -> dict[str, str]:
-        """Return the options of /tf that differ from the default, without which files keep the bytes they had."""
-        table = self._table
-        given = {"tf_rate_hz": repr(table.tf_rate_hz)} if table.tf_rate_hz != RATE_HZ else {}
-        return given | ({"joint_frames": "true"} if table.joint_frames else {})
 
     def _record_reading(self, channel: Channel, message: Any) -> None:
         reading = self._reading(channel, message)

@@ -22,15 +22,11 @@ from uwsim.mapping import OccupancyMap
 from uwsim.mapping.map_filler import MapFiller
 from uwsim.recording.flight_recorder import NOTED
 from uwsim.recording.ping_channel import NAME
-from uwsim.recording.pings import mappable_pings
+from uwsim.recording.pings import recorded_pings
 from uwsim.recording.reader import Recording
 from uwsim.recording.replay import new_simulator
 from uwsim.scoring.tpu import Uncertainties
 from uwsim.simulator.simulator import Simulator
-
-RENAMED = {"scenario_name": "scenario", "stopped_because": "ended_because"}
-"""New names of fields, keyed by their names in recordings of the first version."""
-
 
 Seen = Callable[[MapFiller, PingLog, int], None]
 """Sees how a map grows: the filler, the log of the pings so far, and the time of the last one [ns]."""
@@ -75,12 +71,11 @@ def survey_from(
 
 def _record_of(values: dict[str, Any]) -> FlightRecord:
     """Return the flight record from a recording's notes, without its pings."""
-    named = {RENAMED.get(name, name): value for name, value in values.items()}
-    return FlightRecord(**{"mission": "survey", "planned": True, **{k: v for k, v in named.items() if k in NOTED}})
+    return FlightRecord(**{name: value for name, value in values.items() if name in NOTED})
 
 
 def request_of(recording: Recording) -> FlightRequest:
-    """Return the request for a recorded survey; the keys of the first version are a subset of the current ones."""
+    """Return the request for a recorded survey. Raises ValueError."""
     try:
         return TypeAdapter(FlightRequest).validate_python(recording.notes.get("request"))
     except ValidationError as error:
@@ -98,7 +93,7 @@ def repeated(
     log, model = PingLog(survey_area_m(sim)), sim.rov.sonar.model
     with MapFiller(occupancy, model.range_max_m, threads=sim.threads) as filler:
         chain = chain_of(sim, sim.rov.name, filler, filters_outliers(sim, sim.rov.name, request.outlier_filter))
-        for taken, warnings in mappable_pings(recording, NAME, chain):
+        for taken, warnings in recorded_pings(recording, NAME):
             ping, panel = taken.ping, cast(_core.Telemetry, warnings)  # has the fields that the log reads
             body, sonar, stamp_s = taken.odom_from_body, taken.odom_from_sonar, ping.time_ns * 1e-9
             points = chain.insert(ping.ranges_m, body, sonar, stamp_s, taken.deviation_m)

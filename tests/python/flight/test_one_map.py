@@ -212,19 +212,6 @@ def test_a_planner_s_map_has_no_echo_that_the_survey_filters() -> None:
     assert occupied["a limit that none meets"] == 1  # the bed below, from the altimeter
 
 
-def test_a_recording_without_uncertainties_is_refused_where_they_are_limited(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("uwsim.recording.ping_channel.place_deviation_m", lambda ping: None)  # as of earlier versions
-    path = tmp_path / "old.mcap"
-    with LiveSimulator(lake(), speed="max", paused=True) as live, recording.Recorder(live, path, topics=["sonar_ping"]):
-        live.step(100)
-    run = recording.open(path)
-    with pytest.raises(ValueError, match=r"max_uncertainty_m = 0.1 m limits: map it with --no-outlier-filter"):
-        live_map(run)
-    assert live_map(run, outlier_filter=False)[0].statistics().occupied_voxels > 100
-
-
 def test_a_limit_in_geometry_mode_is_refused_with_the_scenario() -> None:
     rule = r"survey.max_uncertainty_m = 0.1 m: needs a sonar with `mode: physics`"
     with pytest.raises(ScenarioError, match=rule):
