@@ -51,7 +51,6 @@ TEXTS = (
     "/dev/zero",
 )
 NONSENSE = frozenset({"", LONG, "\x01\x1b[31m", "%s%n{}$(x)", "/dev/full", "/dev/zero", "/proc/self"})
-SAVED = Path(__file__).parents[1] / "python" / "data" / "v1"
 NEEDS_MORE = {"scheduler": "a cluster", "ros1": "a ROS 1 master"}
 """Flags that are not tried by themselves."""
 
@@ -237,17 +236,25 @@ def _values(parameter: Parameter) -> tuple[str, ...]:
 
 
 def prepare(folder: Path) -> None:
-    """Write the files that BASES name; map and recording are those of the tests."""
+    """Write the files that BASES name."""
     from fuzz.surveys import side_scan, survey
 
+    from uwsim import Simulator, fly
+    from uwsim.recording import Recorder
     from uwsim.scenario.read.assets import assets_folder
 
     (folder / "folder").mkdir()
     (folder / "pool.yaml").write_bytes((assets_folder() / "scenarios" / "pool.yaml").read_bytes())
-    (folder / "map.bt").write_bytes((SAVED / "survey" / "map.bt").read_bytes())
+    surveyed = fly(None, "pool", map=True, mission_time_s=6.0, report="none").occupancy
+    assert surveyed is not None
+    surveyed.write(folder / "map.bt")
     (folder / "survey.gsf").write_bytes(survey(".gsf"))
     (folder / "survey.xtf").write_bytes(side_scan())
-    (folder / "run.mcap").write_bytes((SAVED / "live.mcap").read_bytes())
+    sim = Simulator("pool", seed=5)
+    with Recorder(sim, folder / "run.mcap", topics=["odom", "imu*", "telemetry", "sonar_ping"]):
+        sim.rov.release()
+        sim.rov.set_effort(surge=0.4)
+        sim.advance(1.0)
     (folder / "mission.py").write_text(
         "from uwsim.missions import wait\n\ndef mission(vehicle):\n    vehicle.release()\n    yield wait(1.0)\n"
     )

@@ -53,7 +53,7 @@ const shown = (holds, hold_targets) => shownHolds({ holds, hold_targets }).map((
 assert.deepEqual(shown(['heading'], [0]), ['HDG 090°']);
 assert.deepEqual(shown(['heading'], [-Math.PI]), ['HDG 270°']);
 assert.deepEqual(shown(['depth', 'position'], [2.04, NaN]), ['DEP 2.0 m', 'POS –']);
-assert.deepEqual(shownHolds({}), []); // a server of another version
+assert.deepEqual(shownHolds({}), []);
 
 // The horizon follows mount, motor and hull: their pitches add up, and a camera that looks back sees them reversed.
 const LEVEL = [0, 0, 0, 1];

@@ -15,7 +15,7 @@ from uwsim.cli.exit_codes import EXIT_CODES, INCOMPLETE
 from uwsim.cli.program import app
 from uwsim.scenario.read.assets import assets_folder
 
-MAP = str(Path(__file__).parents[1] / "data" / "v1" / "survey" / "map.bt")
+CLOUD = str(Path(__file__).parents[1] / "data" / "pcl_binary.ply")
 MESH = str(next((assets_folder() / "meshes").glob("*.obj")))
 POOL_TERRAIN = "source: noise\n  size_m: [20, 20]\n  spacing_m: 0.5\n  bed_depth_m: 5"
 
@@ -39,7 +39,7 @@ POOL_TERRAIN = "source: noise\n  size_m: [20, 20]\n  spacing_m: 0.5\n  bed_depth
         (["dataset", "--sequence", "cove-lane"], "did you mean 'cove-lanes'?"),
         (["dataset", "lake", "--sequence", "cove-lanes"], "SCENARIO: set by the sequence cove-lanes; leave it out"),
         (["bench", "surveyy"], "unknown"),
-        (["survey", "pool", "--out", MAP], "map.bt: is not a folder"),
+        (["survey", "pool", "--out", CLOUD], "pcl_binary.ply: is not a folder"),
         (["surveyy"], "No such command"),
         (["survey", "pool", "--out="], "--out is empty"),
         (["survey", "pool", "--out", ""], "--out is empty"),
@@ -48,7 +48,7 @@ POOL_TERRAIN = "source: noise\n  size_m: [20, 20]\n  spacing_m: 0.5\n  bed_depth
         (["station", "--no-browser", "--origin", "here"], "origin = 'here'"),
         (["decompose", MESH, "--out", "no/such/pieces.obj"], "cannot write into the folder 'no/such'"),
         (
-            ["map", "convert", MAP, "cloud.ply", "--scenario", "lake"],
+            ["map", "convert", CLOUD, "cloud.ply", "--scenario", "lake"],
             "--scenario: needs a target that ends in .las, .xyz, .tif",
         ),
         (["reproduce", "--out", "/proc/self"], "/proc/self"),

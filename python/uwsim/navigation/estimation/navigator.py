@@ -360,11 +360,12 @@ class Navigator(Attached):
     def restore(self, saved: str) -> None:
         """Continue from a saved state of the same vehicle at the same time. Raises ValueError."""
         state = checked(NavigatorState, saved)
+        if state.version != (version := self._filter.save_version):
+            raise ValueError(f"state.version = {state.version}: must be {version}: another version of uwsim saved it")
         require_names("from_ns", state.from_ns, self._from_ns)
         with self._lock:
-            self._filter.restore(state.filter, state.version)
+            self._filter.restore(state.filter, version)
             self._held = state.held
-            if figures := state.figures:
-                self._silence_ns = figures.silence_ns
-                self._around = replace(self._around, **figures.model_dump(exclude={"silence_ns"}))
+            self._silence_ns = state.figures.silence_ns
+            self._around = replace(self._around, **state.figures.model_dump(exclude={"silence_ns"}))
             self._listen(state.from_ns, state.imu_ns)

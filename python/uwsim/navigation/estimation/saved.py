@@ -10,12 +10,12 @@ from uwsim.base.saved_state import Nanoseconds, State
 
 
 class WaterState(State):
-    """The water properties that a Navigator assumes from its creation onwards. Versions 1 to 5: incompressible."""
+    """The water properties that a Navigator assumes from its creation onwards."""
 
     silence_ns: Annotated[int, Field(gt=0, lt=2**63)]
     gravity_m_s2: Annotated[FiniteFloat, Field(gt=0)]
     density_kg_m3: Annotated[FiniteFloat, Field(gt=0)]
-    compressibility_1_pa: Annotated[FiniteFloat, Field(ge=0)] = 0.0
+    compressibility_1_pa: Annotated[FiniteFloat, Field(ge=0)]
 
 
 class HeldState(State):
@@ -29,16 +29,16 @@ class HeldState(State):
 
 
 class NavigatorState(State):
-    """A saved Navigator. version: that of `filter`; 1 lacks `figures`, 1 and 2 lack `held`.
+    """A saved Navigator.
 
-    use: who uses the estimate, as in uwsim.simulator.onboard_navigation; older states lack it, and were used by all.
-    from_ns: the earliest possible stamp of each sensor's next sample.
+    version: that of `filter`. use: who uses the estimate, as in uwsim.simulator.onboard_navigation. from_ns: the
+    earliest possible stamp of each sensor's next sample.
     """
 
-    version: Literal[1, 2, 3, 4, 5, 6] = 1
-    use: Literal["observer", "program", "steering"] = "steering"
-    figures: WaterState | None = None
-    held: HeldState | None = None
+    version: int
+    use: Literal["observer", "program", "steering"]
+    figures: WaterState
+    held: HeldState | None
     filter: Base64Bytes
     imu_ns: Nanoseconds
     from_ns: dict[str, Nanoseconds]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any, ClassVar
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict
 
 from uwsim.base.agenda import Agenda, Rank
 from uwsim.base.named import require_names
@@ -29,9 +29,9 @@ class AboardState(State):
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, FailsafeState]
-    all_stopped: list[str] = Field(default=[])  # version 1 did not have all stop
+    all_stopped: list[str]
     faults: FaultsState
-    holds: dict[str, HoldsState] = Field(default={})  # keyed by vehicle, for vehicles with active holds
+    holds: dict[str, HoldsState]  # keyed by vehicle, for vehicles with active holds
 
 
 class Aboard:

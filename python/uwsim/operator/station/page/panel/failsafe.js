@@ -29,7 +29,7 @@ export class Failsafe {
     this.#vehicle = vehicle.name;
   }
 
-  // Show the state from the telemetry, which servers of other versions may lack.
+  // Show the state from the telemetry; message is null before the first.
   show(message, isStale) {
     const { failsafe = '', failsafe_cause: cause = '' } = message ?? {};
     const alarms = (message?.alarms ?? []).filter((alarm) => alarm !== ALL_STOPPED).map(said);
