@@ -78,7 +78,8 @@ def test_a_mission_that_never_waits_is_ended(tmp_path: Path) -> None:
 def test_a_closed_terminal_loses_nothing(tmp_path: Path) -> None:
     """The flight is saved at its last pause, as after SIGTERM, although nothing can be printed any more."""
     out = tmp_path / "out"
-    words = [*UWSIM, *LAKE, "--out", str(out), "--autosave", "3600", "--min-coverage", "0"]
+    whole_lake = ["survey", "lake", "--voxel", "0.4"]  # which lasts, where this process waits for a processor
+    words = [*UWSIM, *whole_lake, "--out", str(out), "--autosave", "3600", "--min-coverage", "0"]
     process, terminal = pty.fork()
     if process == 0:
         os.execv(words[0], words)
