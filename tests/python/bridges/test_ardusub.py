@@ -195,7 +195,7 @@ def test_pieces_of_frames_end_at_ticks_however_they_arrive() -> None:
 
 
 def test_a_recorded_flight_of_the_firmware_ends_where_it_did(scenario: Scenario) -> None:
-    """The frames of a compiled ArduSub (tools/ardusub-trial), sent again: 88 s of diving, holding and moving.
+    """The frames of a compiled ArduSub (tools/trial), sent again: 88 s of diving, holding and moving.
 
     The vehicle takes the way that it took with the firmware, whose frames answered that way; positions may differ
     between kinds of CPU by rounding alone. The journalled frames lead to the same state, to the byte.

@@ -327,9 +327,9 @@ def test_no_number_of_announcements_shuts_out_a_console() -> None:
     reason="needs DUNE: its program as UWSIM_DUNE, its folder etc as UWSIM_DUNE_CONFIG",
 )
 def test_a_dune_flies_its_plan_with_its_own_autopilot() -> None:
-    trial = Path(__file__).parents[3] / "tools/imc-trial"
+    trial = Path(__file__).parents[3] / "tools/trial"
     given = ["--dune", os.environ["UWSIM_DUNE"], "--config", os.environ["UWSIM_DUNE_CONFIG"]]
-    done = subprocess.run([trial, *given], capture_output=True, text=True, timeout=900)
+    done = subprocess.run([trial, "imc", *given], capture_output=True, text=True, timeout=900)
     assert done.returncode == 0, done.stdout + done.stderr
 
 

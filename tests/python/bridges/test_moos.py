@@ -394,7 +394,7 @@ def test_a_real_moosdb(tmp_path: Path) -> None:
     reason="needs MOOS-IvP: its programs in the folder UWSIM_MOOS_BIN, its missions in UWSIM_MOOS_MISSIONS",
 )
 def test_missions_of_moos_ivp_are_flown() -> None:
-    trial = Path(__file__).parents[3] / "tools/moos-trial"
+    trial = Path(__file__).parents[3] / "tools/trial"
     folders = ["--bin", os.environ["UWSIM_MOOS_BIN"], "--missions", os.environ["UWSIM_MOOS_MISSIONS"]]
-    done = subprocess.run([trial, *folders, "s1_alpha"], capture_output=True, text=True, timeout=900)
+    done = subprocess.run([trial, "moos", *folders, "s1_alpha"], capture_output=True, text=True, timeout=900)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -1,4 +1,4 @@
-"""Let DUNE fly a plan with its own autopilot, navigation and maneuvers on our LAUV; see tools/imc-trial.
+"""DUNE flies a plan with its own autopilot, navigation and maneuvers on our LAUV.
 
 DUNE runs its configuration lauv-simulator-1 for simulations, without its simulator of the vehicle, VSIM. Everything
 else is its own, also the simulated instruments, which follow our motion. An operator's connection sends the plan, a
@@ -9,31 +9,22 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
-import signal
 import subprocess
-import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from tools.trials.parts import bay, flown, nearest_m, running, shown
 
-from uwsim import Simulator
-from uwsim.bridges.aboard import aboard_of
 from uwsim.bridges.imc.link import Address, Identity, ImcLink
 from uwsim.bridges.imc.plug import ImcOptions, ImcPlug
 from uwsim.bridges.imc.readings import Place
 from uwsim.bridges.imc.wire import Message, define, fields
-from uwsim.bridges.plug import Context
-from uwsim.channels.delivery.feed import Feed
-from uwsim.channels.served import served_table
-from uwsim.live import LiveSimulator
-from uwsim.scenario import Scenario
 from uwsim.scenario.georeference import georeference
-from uwsim.scenario.read.validated import validated
 
 SIMULATOR_PORT, OPERATOR_PORT = 6010, 6011
 OPERATOR = 0x4101
@@ -44,13 +35,8 @@ POINTS_M = ((120.0, 0.0), (120.0, 120.0), (0.0, 60.0))
 DEPTH_M, SPEED_M_S = 3.0, 1.3
 NEAR_M, TOO_DEEP_M = 12.0, 1.0
 """How near to each corner the true track has to come, and how much deeper than asked it may be."""
-BAY = {
-    "name": "bay", "description": "an empty bay, 40 m deep", "mission_time_s": 3600, "water": {"density_kg_m3": 1020},
-    "terrain": {"source": "noise", "size_m": [800, 800], "spacing_m": 10, "bed_depth_m": 40},
-    "station": {"position_m": [60, -70, 0], "dock_m": [0, 0, -2]},
-    "earth": {"latitude_deg": 41.185, "longitude_deg": -8.7062},
-    "vehicles": [{"name": "lauv", "model": "lauv", "start": {"position_m": [0, 0, -0.3], "yaw_deg": 0}}],
-}  # fmt: skip
+LAUV = {"name": "lauv", "model": "lauv", "start": {"position_m": [0, 0, -0.3], "yaw_deg": 0}}
+BAY = bay(40, 1020, 41.185, -8.7062) | {"vehicles": [LAUV]}
 CONFIGURATION = f"""\
 [Require lauv-simulator-1.ini]
 
@@ -89,11 +75,17 @@ READY, EXECUTING, SUCCESS = 1, 3, 1
 
 
 class Seen(NamedTuple):
-    """DUNE's messages. states: of its plan. estimates: rows of wall time, latitude, longitude [rad] and depth [m]."""
+    """DUNE's messages: states of its plan, estimated depths [m], and faults."""
 
     states: list[Message]
-    estimates: list[tuple[float, float, float, float]]
+    depths_m: list[float]
     faults: list[str]
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument("--dune", type=Path, required=True, help="DUNE's program")
+    parser.add_argument("--config", type=Path, required=True, help="its folder etc, with lauv-simulator-1.ini")
 
 
 def plan(place: Place) -> dict[str, Any]:
@@ -117,36 +109,33 @@ def plan(place: Place) -> dict[str, Any]:
     }
 
 
-def fly(dune: Path, config: Path) -> tuple[bool, str]:
-    """Fly the plan; return whether it was flown as asked, and what was measured."""
+def fly(given: argparse.Namespace) -> Iterator[tuple[str, bool, str]]:
+    """Fly the plan; yield whether it was flown as asked, and what was measured."""
+    if not (given.config / "lauv-simulator-1.ini").is_file():
+        raise SystemExit(f"--config {given.config}: has no lauv-simulator-1.ini")
     with ExitStack() as stack:
         work = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="imc-trial-")))
-        for part in config.iterdir():
+        for part in given.config.resolve().iterdir():
             (work / part.name).symlink_to(part)
         (work / "trial.ini").write_text(CONFIGURATION)
-        log = stack.enter_context((work / "dune.log").open("wb"))
-        process = subprocess.Popen(
-            [str(dune), "-c", "trial", "-p", "Simulation", "--config-dir", str(work)], cwd=work, stdout=log, stderr=log,
-            stdin=subprocess.DEVNULL, start_new_session=True,
-        )  # fmt: skip
-        stack.callback(end, process)
-        live = stack.enter_context(LiveSimulator(Simulator(validated(Scenario, BAY), seed=1)))
-        table = served_table(live, wire=None, origin="world", tf="truth", frame_prefix="")
-        context = Context(table.channels, Feed(live), live, aboard=aboard_of(live.simulator, table))
-        stack.enter_context(ImcPlug(ImcOptions(imc=(f"localhost:{SIMULATOR_PORT}",))).open(context))
+        command = [str(given.dune.resolve()), "-c", "trial", "-p", "Simulation", "--config-dir", str(work)]
+        process = stack.enter_context(running(command, work, work / "dune.log"))
+        live = stack.enter_context(flown(BAY, ImcPlug(ImcOptions(imc=(f"localhost:{SIMULATOR_PORT}",)))))
         track: list[tuple[float, float, float]] = []
         live.every(0.2, lambda sim: tuple(sim.rov.pose.position_world_m.tolist()), track.append)
         seen = Seen([], [], [])
-        place = Place.of(georeference(live.simulator.scenario))
         begun_s = time.monotonic()
-        ended = operate(stack, process, place, seen)
-        text = f"{time.monotonic() - begun_s:.0f} s; {ended}"
+        ended = operate(stack, process, Place.of(georeference(live.simulator.scenario)), seen)
+        text, good = f"{time.monotonic() - begun_s:.0f} s; {ended}", False
         if len(track) < 100:
-            return False, f"{text}; a track of {len(track)} points; DUNE's last words: {last_words(work)}"
-        good, shown = judged(np.array(track), seen, place)
-        if "is done" not in ended:
-            shown += f"; DUNE's last words: {last_words(work)}"
-        return good and "is done" in ended, f"{text}; {shown}"
+            text += f"; a track of {len(track)} points"
+        else:
+            good, measured = judged(np.array(track), seen)
+            text += f"; {measured}"
+        if not good or "is done" not in ended:
+            text += "; DUNE's last words: "
+            text += " | ".join((work / "dune.log").read_text(errors="replace").splitlines()[-6:])[-600:]
+        yield "triangle", good and "is done" in ended, text
 
 
 def operate(stack: ExitStack, process: subprocess.Popen[bytes], place: Place, seen: Seen) -> str:
@@ -159,8 +148,7 @@ def operate(stack: ExitStack, process: subprocess.Popen[bytes], place: Place, se
             if each.name == "PlanControlState":
                 seen.states.append(each)
             elif each.name == "EstimatedState":
-                north_m, east_m = each.content["x"], each.content["y"]
-                seen.estimates.append((time.monotonic(), north_m, east_m, each.content["depth"]))
+                seen.depths_m.append(each.content["depth"])
             elif each.name == "PlanControl" and each.content["info"]:
                 seen.faults.append(each.content["info"])
             elif each.name == "VehicleState" and each.content["last_error"]:
@@ -185,48 +173,15 @@ def operate(stack: ExitStack, process: subprocess.Popen[bytes], place: Place, se
     return f"not done in {LONGEST_S:.0f} s: {'flying' if is_started else 'not started'}, {seen.faults[-3:]}"
 
 
-def judged(track: np.ndarray[Any, Any], seen: Seen, place: Place) -> tuple[bool, str]:
+def judged(track: np.ndarray[Any, Any], seen: Seen) -> tuple[bool, str]:
     """Return whether the true track is what the plan is for, and a text with what was measured."""
-    nearest = [float(np.linalg.norm(track[:, :2] - each, axis=1).min()) for each in POINTS_M]
+    nearest = nearest_m(track[:, :2], POINTS_M)
     first, last = (int(np.linalg.norm(track[:, :2] - POINTS_M[k], axis=1).argmin()) for k in (0, -1))
     depths = -track[first:last, 2] if last > first else -track[:, 2]
-    estimated_m = float(np.median([depth for *_, depth in seen.estimates])) if seen.estimates else math.nan
-    shown = (
-        f"corners passed at {', '.join(f'{each:.1f}' for each in nearest)} m (at most {NEAR_M:g}); depth between them "
+    estimated_m = float(np.median(seen.depths_m)) if seen.depths_m else math.nan
+    text = (
+        f"corners passed at {shown(nearest)} m (at most {NEAR_M:g}); depth between them "
         f"{np.median(depths):.2f} m, at most {depths.max():.2f} (asked {DEPTH_M:g}, at most {DEPTH_M + TOO_DEEP_M:g}); "
         f"DUNE's median depth {estimated_m:.2f} m"
     )
-    return max(nearest) <= NEAR_M and depths.max() <= DEPTH_M + TOO_DEEP_M and np.median(depths) > DEPTH_M / 2, shown
-
-
-def last_words(work: Path) -> str:
-    """Return the end of DUNE's output."""
-    return " | ".join((work / "dune.log").read_text(errors="replace").splitlines()[-6:])[-600:]
-
-
-def end(process: subprocess.Popen[bytes]) -> None:
-    """End DUNE."""
-    if process.poll() is None:
-        os.killpg(process.pid, signal.SIGTERM)
-        try:
-            process.wait(10)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-
-
-def main() -> int:
-    """Fly the plan; return 1 if it was not flown as asked."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--dune", type=Path, required=True, help="DUNE's program")
-    parser.add_argument("--config", type=Path, required=True, help="its folder etc, with lauv-simulator-1.ini")
-    given = parser.parse_args()
-    if not (given.config / "lauv-simulator-1.ini").is_file():
-        parser.error(f"--config {given.config}: has no lauv-simulator-1.ini")
-    passed, text = fly(given.dune.resolve(), given.config.resolve())
-    print(f"{'ok  ' if passed else 'MISS'} triangle: {text}", flush=True)
-    return 0 if passed else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return max(nearest) <= NEAR_M and depths.max() <= DEPTH_M + TOO_DEEP_M and np.median(depths) > DEPTH_M / 2, text

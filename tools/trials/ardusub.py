@@ -1,4 +1,4 @@
-"""Fly a compiled ArduSub in lockstep through its modes; see tools/ardusub-trial.
+"""A compiled ArduSub flies in lockstep through its modes, twice.
 
 A single thread makes the steps and sends MAVLink messages while the firmware waits for a line, so that each message
 arrives at the same frame in each run. ArduSub gets its position from the vehicle's own navigation (IMU, compass, DVL,
@@ -9,15 +9,14 @@ from __future__ import annotations
 
 import argparse
 import hashlib
-import os
-import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+import psutil
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from uwsim import Simulator
@@ -156,8 +155,8 @@ def started() -> Simulator:
     return sim
 
 
-def flown(binary: Path, defaults: list[Path], path: Path, print_row: Callable[[Row], None]) -> str:
-    """Fly all modes, recorded; return a digest of the recorded messages and the final state."""
+def flown(binary: Path, defaults: list[Path], path: Path) -> Iterator[Row | str]:
+    """Fly all modes, recorded; yield the measured values and then a digest of recorded messages and final state."""
     sim = started()
     with (
         Recorder(sim, path, topics=["odom", "imu"]),
@@ -165,93 +164,60 @@ def flown(binary: Path, defaults: list[Path], path: Path, print_row: Callable[[R
         Trial(ardusub) as trial,
         firmware_flying(ardusub, binary, station=trial.address, files=defaults, parameters=PARAMETERS),
     ):
-        for row in flights(trial):
-            print_row(row)
+        yield from flights(trial)
     digest = hashlib.blake2b(sim.save_state(), digest_size=8)
     for message in Recording(path).messages():
         digest.update(message.data)
-    return digest.hexdigest()
+    yield digest.hexdigest()
 
 
-def differences(first: Path, second: Path) -> list[str]:
-    """Return a line for each channel whose messages differ between two recordings, and for each other difference."""
-    one, other = Recording(first), Recording(second)
-    found = diff(one, other)
-    lines = [f"/{each.topic}: {each.messages} messages differ, first at tick {each.tick}: {each.text}"
-             for each in found.partings]  # fmt: skip
-    states = {recording.end.state if recording.end else "" for recording in (one, other)}
-    return [*lines, *found.notes, *(["the states at the end differ"] if len(states) > 1 else [])]
-
-
-class Speed(NamedTuple):
-    """Simulated seconds per second; processor time per frame [us] of this thread's steps, pings and the firmware."""
-
-    factor: float
-    steps_us: float
-    pings_us: float
-    firmware_us: float
-
-
-def processor_s(process: int) -> float:
-    """Return the processor time that a process has used."""
-    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def speed(binary: Path, defaults: list[Path], seconds: float = 60.0) -> Speed:
-    """Return how fast both programs run while the sonar pings at 10 Hz."""
+def speed(binary: Path, defaults: list[Path], seconds: float = 60.0) -> str:
+    """Return how fast both programs run while the sonar pings at 10 Hz, and processor times per frame."""
     sim = started()
     with ArduSub(sim, port=0) as ardusub, firmware_flying(ardusub, binary, files=defaults, parameters=PARAMETERS) as it:
+        firmware = psutil.Process(it.pid)
         sim.advance(5.0)
-        began_s, theirs_s, steps_s, pings_s = time.monotonic(), processor_s(it.pid), 0.0, 0.0
+        began_s, theirs_s, steps_s, pings_s = time.monotonic(), sum(firmware.cpu_times()[:2]), 0.0, 0.0
         for _ in range(round(10 * seconds)):
             before_s = time.thread_time()
             sim.advance(0.1)
             between_s = time.thread_time()
             sim.rov.sonar.ping()
             steps_s, pings_s = steps_s + between_s - before_s, pings_s + time.thread_time() - between_s
-        theirs_s = processor_s(it.pid) - theirs_s
-        costs = (1e6 * each / (400 * seconds) for each in (steps_s, pings_s, theirs_s))
-        return Speed(seconds / (time.monotonic() - began_s), *costs)
+        steps_us, pings_us, theirs_us = (
+            1e6 * each / (400 * seconds) for each in (steps_s, pings_s, sum(firmware.cpu_times()[:2]) - theirs_s)
+        )
+        return (
+            f"{seconds / (time.monotonic() - began_s):.1f} times real time with the sonar at 10 Hz; processor time of "
+            f"a frame [us]: steps and exchange {steps_us:.1f}, pings {pings_us:.1f}, firmware {theirs_us:.1f}"
+        )
 
 
-def main() -> int:
-    """Fly twice and measure the speed. Return 1 if a check fails."""
-    parser = argparse.ArgumentParser(description="Fly a compiled ArduSub through its modes.")
+def options(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
     parser.add_argument("--binary", type=Path, required=True, help="ardusub, compiled for simulation (SITL)")
     parser.add_argument("--defaults", default="", help="its parameter files, such as sub-6dof.parm, with commas")
     parser.add_argument("--out", type=Path, help="folder for the two recordings")
-    given = parser.parse_args()
+
+
+def fly(given: argparse.Namespace) -> Iterator[tuple[str, bool, str]]:
+    """Fly twice and measure the speed; yield whether each check passed, and what was measured."""
     if not given.binary.is_file():
-        parser.error(f"--binary '{given.binary}': no such file")
-    defaults = [Path(name) for name in given.defaults.split(",") if name]
-    failed: list[str] = []
-
-    def print_row(row: Row) -> None:
-        name, value, limit = row
-        is_ok = value <= limit
-        print(f"{'ok  ' if is_ok else 'FAIL'} {name}: {value:.4g} (at most {limit:g})", flush=True)
-        failed.extend([] if is_ok else [name])
-
+        raise SystemExit(f"--binary '{given.binary}': no such file")
+    binary, defaults = given.binary.resolve(), [Path(name) for name in given.defaults.split(",") if name]
+    digests: list[str] = []
     with tempfile.TemporaryDirectory() as scratch:
         out = given.out or Path(scratch)
         out.mkdir(parents=True, exist_ok=True)
-        binary = given.binary.resolve()
-        digests = [
-            flown(binary, defaults, out / f"{run}.mcap", print_row if run == 1 else lambda row: None) for run in (1, 2)
-        ]
-        differing = differences(out / "1.mcap", out / "2.mcap")
-    print(f"digests of two flights: {' '.join(digests)}")
-    for line in differing:
-        print(f"     {line}")
-    failed.extend([] if digests[0] == digests[1] else ["the same bytes twice"])
-    found = speed(binary, defaults)
-    print(f"{found.factor:.1f} times real time with the sonar at 10 Hz")
-    print(f"processor time of a frame [us]: steps and exchange {found.steps_us:.1f}, "
-          f"pings {found.pings_us:.1f}, firmware {found.firmware_us:.1f}")  # fmt: skip
-    print(f"failed: {', '.join(failed)}" if failed else "all passed")
-    return 1 if failed else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+        for run in (1, 2):
+            for row in flown(binary, defaults, out / f"{run}.mcap"):
+                if isinstance(row, str):
+                    digests.append(row)
+                elif run == 1:
+                    name, value, limit = row
+                    yield name, value <= limit, f"{value:.4g} (at most {limit:g})"
+        found = diff(*(Recording(out / f"{run}.mcap") for run in (1, 2)))
+    differing = [f"/{each.topic}: {each.messages} messages differ, first at tick {each.tick}: {each.text}"
+                 for each in found.partings]  # fmt: skip
+    yield "the same bytes twice", digests[0] == digests[1], "; ".join([" ".join(digests), *differing, *found.notes])
+    yield "speed", True, speed(binary, defaults)
