@@ -8,51 +8,40 @@ from __future__ import annotations
 
 import inspect
 import os
+import random
+import re
 import typing
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import typer
-from hostile.files import FILES, names
 
 HUGE = "9" * 400
 NUMBERS = (
-    "-1",
-    "0",
-    "1e-308",
-    "-1e-308",
-    "1e308",
-    "inf",
-    "-inf",
-    "nan",
-    "1e400",
-    HUGE,
-    str(2**63),
-    str(-(2**64)),
-    "",
-    "x",
-)
+    "-1", "0", "1e-308", "-1e-308", "1e308", "inf", "-inf", "nan", "1e400", HUGE, str(2**63), str(-(2**64)), "", "x",
+)  # fmt: skip
 LONG = "x" * 5000
 NOT_UTF8 = os.fsdecode(b"\xff\xfe\x80.bt")
 TEXTS = (
-    "",
-    "/dev/full",
-    "folder",
-    "/proc/self",
-    LONG,
-    NOT_UTF8,
-    "\x01\x1b[31m",
-    "-",
-    "nan",
-    "../" * 60 + "x",
-    "%s%n{}$(x)",
-    "/dev/zero",
-)
+    "", "/dev/full", "folder", "/proc/self", LONG, NOT_UTF8, "\x01\x1b[31m", "-", "nan", "../" * 60 + "x",
+    "%s%n{}$(x)", "/dev/zero",
+)  # fmt: skip
 NONSENSE = frozenset({"", LONG, "\x01\x1b[31m", "%s%n{}$(x)", "/dev/full", "/dev/zero", "/proc/self"})
 NEEDS_MORE = {"scheduler": "a cluster", "ros1": "a ROS 1 master"}
 """Flags that are not tried by themselves."""
+
+FILES: dict[str, Callable[[Path], object]] = {
+    "a-folder": Path.mkdir,
+    "empty": Path.touch,
+    "noise": lambda path: path.write_bytes(random.Random(0).randbytes(4096)),
+    "sparse": lambda path: (path.touch(), os.truncate(path, 100 << 20)),
+    "fifo": os.mkfifo,
+    "loop": lambda path: path.symlink_to(path.name),
+    "secret": lambda path: path.touch(0),
+}
+"""Functions that create the hostile files, by stem. fifo: without a writer. secret: readable only by root."""
+SUFFIX = re.compile(r"(?<![\w.])\w*(\.(?:bt|ot|mcap|bag|png|csv|json|ya?ml|py|obj|tif|ply))\b")
 
 # Lines that work and end soon. SERVER marks those that end by SIGTERM.
 SERVER = frozenset({"serve", "station", "connect", "nodes", "teleop", "map view"})
@@ -114,8 +103,7 @@ NOT_TRIED = {
 }
 
 
-@dataclass(frozen=True)
-class Parameter:
+class Parameter(NamedTuple):
     """A parameter of a command: option is "" for an argument; kind is int, float, str, Path or bool."""
 
     name: str
@@ -130,8 +118,7 @@ class Parameter:
         return self.info.callback
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """A command line without the program's name. value: the hostile value of `parameter`."""
 
     command: str
@@ -147,12 +134,10 @@ class Line:
 
     @property
     def is_about_a_file(self) -> bool:
-        """Return whether its hostile value is the name of a file of `hostile.files`."""
         return Path(self.value).stem in FILES
 
     @property
     def is_server(self) -> bool:
-        """Return whether it may run until it is stopped."""
         return self.command in SERVER or not {"--as-topics", "--serve"}.isdisjoint(self.words)
 
 
@@ -208,7 +193,7 @@ def lines() -> Iterator[Line]:
         for parameter in parameters:
             place = places.index(parameter) if parameter in places else 0
             works = options.get(parameter.name, "") if parameter.option else "".join(arguments[place : place + 1])
-            files = names(parameter.kind, works, parameter.info.help or "")
+            files = file_names(parameter.kind, works, parameter.info.help or "")
             for value in (*_values(parameter), *files):
                 given = {name: [by_name[name].option, text] for name, text in options.items()}
                 texts = list(arguments)
@@ -227,6 +212,17 @@ def lines() -> Iterator[Line]:
                 flags = ["--no-browser"] if command in BROWSING and parameter.name != "browser" else []
                 words = [*command.split(), *(word for words in given.values() for word in words), *flags, "--", *texts]
                 yield Line(command, parameter.name, parameter.kind, value, tuple(words))
+
+
+def file_names(kind: type, base: str, help_text: str) -> tuple[str, ...]:
+    """Return the hostile files for a parameter; none if it takes no path.
+
+    base: a working value, "" if unknown. They have its suffix, or else the first one that the help names.
+    """
+    named = SUFFIX.fullmatch(base) or SUFFIX.search(help_text)
+    is_path = kind is Path or (kind is str and (SUFFIX.fullmatch(base) or "file" in help_text.lower()))
+    suffix = named[1] if named else ".yaml" if "YAML" in help_text else ".png" if "PNG" in help_text else ""
+    return tuple(f"{name}{suffix}" for name in FILES) if is_path else ()
 
 
 def _values(parameter: Parameter) -> tuple[str, ...]:
@@ -263,5 +259,5 @@ def prepare(folder: Path) -> None:
     )
     corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
     faces = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"]
-    cube = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {face}" for face in faces]
-    (folder / "cube.obj").write_text("\n".join(cube) + "\n")
+    cube = [*(f"v {x} {y} {z}" for x, y, z in corners), *(f"f {face}" for face in faces), ""]
+    (folder / "cube.obj").write_text("\n".join(cube))
