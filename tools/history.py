@@ -25,7 +25,7 @@ import typer
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "docs" / "benchmarks"
 PEERS = {
-    "sonar": ["--no-growth", "--pings", "100"],
+    "sonar": ["--pings", "100"],
     "dynamics": [],
     "camera": ["--threads", "1"],
     "imaging": [],

@@ -1,33 +1,39 @@
 """The growth of cost with size, such as of triangles, beams, vehicles, voxels, pieces of cover or elements of a tether.
 
-The sizes of a panel alternate within each round, so that other load on the machine affects them equally; medians over
-the rounds are reported, in processor time. The slope is that of a straight line through the larger half of the sizes,
-in logarithms of cost and size: 1 is proportional, 0 does not depend on the size.
+The sizes of a panel alternate within each round; processor time. The slope is that of a straight line through the
+larger half of the sizes, in logarithms of cost and size: 1 is proportional, 0 does not depend on the size.
 """
 
 from __future__ import annotations
 
-import runpy
 import statistics
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import typer
-from _harness import PlotFile, alternated, console, new_table, spent_s
-from rich.table import Table
+from _harness import (
+    SWITCH_S,
+    PlotFile,
+    Rounds,
+    alternated,
+    console,
+    flat_water,
+    lake_fleet,
+    new_table,
+    readable,
+    spent_s,
+    true_messages,
+)
+from network import load
 
 from uwsim import Batch, Simulator, _core, recording
-from uwsim.figures.style import ACCENT, FAINT_INK, INK, label_axes, new_figure, save_figure
+from uwsim.figures.style import ACCENT, FAINT_INK, INK, MISSED, label_axes, new_figure, save_figure
 from uwsim.mapping import OccupancyMap
 from uwsim.recording import Recorder
-from uwsim.scenario import Scenario, VehicleEntry, load
-from uwsim.scenario.read.validated import validated
-from uwsim.scenario.spec.vehicle import load_vehicle
 
 SIDE_M, DEPTH_M = 200.0, 30.0  # of the bed below the pings
 FAN_RAD = np.radians(60.0)  # to each side
@@ -39,12 +45,8 @@ CLIENTS_S = 2.0
 Costs = dict[str, float]  # the processor time of each operation [s]
 
 
-@dataclass(frozen=True)
-class Growth:
-    """A kind of size, and the operations that are measured at each of its values.
-
-    prepare: returns the measurement at a size, which is called once per round.
-    """
+class Growth(NamedTuple):
+    """A kind of size, and what returns the measurement at a size, which is called once per round."""
 
     name: str
     of: str
@@ -53,21 +55,22 @@ class Growth:
 
 
 def main(
-    rounds: Annotated[int, typer.Option(min=1, help="How often each size is measured. Medians are reported.")] = 5,
+    rounds: Rounds = 5,
     only: Annotated[list[str] | None, typer.Option(help="Measure only this panel; may be repeated.")] = None,
     plot: PlotFile = None,
 ) -> dict[str, Any]:
     """Measure all sizes alternately, print the slopes; the figure has one panel for each kind of size."""
-    unknown = set(only or ()) - {growth.name for growth in GROWTHS}
-    if unknown:
-        names = ", ".join(growth.name for growth in GROWTHS)
-        raise typer.BadParameter(f"{min(unknown)!r}: must be one of {names}", param_hint="--only")
-    found: dict[str, dict[str, Any]] = {}
-    for growth in GROWTHS:
-        if only and growth.name not in only:
-            continue
-        found[growth.name] = measured(growth, rounds)
-    console.print(table(found))
+    known = {growth.name: growth for growth in GROWTHS}
+    if unknown := set(only or ()) - known.keys():
+        raise typer.BadParameter(f"{min(unknown)!r}: must be one of {', '.join(known)}", param_hint="--only")
+    found = {name: measured(growth, rounds) for name, growth in known.items() if not only or name in only}
+    columns = "size", "operation", "cost at the smallest", "at the largest", "slope"
+    table = new_table("processor time; slope: over the larger half of the sizes", *columns, texts=2)
+    for panel in found.values():
+        for name, costs in panel["cost_s"].items():
+            ends = [f"{panel['sizes'][k]:,}: {readable(costs[k])}" for k in (0, -1)]
+            table.add_row(panel["of"], name, *ends, f"{panel['slope'][name]:.2f}")
+    console.print(table)
     if plot is not None:
         draw(found, plot)
     return found
@@ -104,52 +107,35 @@ def bed(cells: int, lowered_m: float = 0.0) -> _core.World:
     return world
 
 
-def fan(beams: int) -> Any:
-    """Return the directions of a fan across x, (beams, 3)."""
+def ping_s(scene: _core.RayScene, beams: int, rng: np.random.Generator) -> float:
+    """Return the time of a ping, a fan across x, at random places."""
     angles = np.linspace(-FAN_RAD, FAN_RAD, beams)
-    return np.column_stack([np.full(beams, 0.1), np.sin(angles), -np.cos(angles)])
+    directions = np.column_stack([np.full(beams, 0.1), np.sin(angles), -np.cos(angles)])
+    return mean_s(lambda: scene.cast(np.append(rng.uniform(-50.0, 50.0, 2), -10.0)[None, :], directions, 100.0))
 
 
 def triangles(count: int) -> Callable[[], Costs]:
     """Measure a ping of 512 beams over a bed of `count` triangles, and the preparation of the bed for rays."""
-    cells, beams = round(np.sqrt(count / 2.0)), fan(512)
+    cells = round(np.sqrt(count / 2.0))
     scene, rng = _core.RayScene(bed(cells)), np.random.default_rng(count)
 
     def prepare() -> float:
         fresh = bed(cells, rng.uniform())  # a bed that is known already would be shared
         return spent_s(lambda: _core.RayScene(fresh).prepare())
 
-    def ping() -> None:
-        scene.cast(np.append(rng.uniform(-50.0, 50.0, 2), -10.0)[None, :], beams, 100.0)
-
-    return lambda: {"a ping of 512 beams": mean_s(ping), "preparing the bed": prepare()}
+    return lambda: {"a ping of 512 beams": ping_s(scene, 512, rng), "preparing the bed": prepare()}
 
 
 def beams(count: int) -> Callable[[], Costs]:
     """Measure a ping of `count` beams over a bed of half a million triangles."""
-    scene, directions = _core.RayScene(bed(500)), fan(count)
-    rng = np.random.default_rng(0)
-
-    def ping() -> None:
-        scene.cast(np.append(rng.uniform(-50.0, 50.0, 2), -10.0)[None, :], directions, 100.0)
-
-    return lambda: {"a ping": mean_s(ping)}
+    scene, rng = _core.RayScene(bed(500)), np.random.default_rng(0)
+    return lambda: {"a ping": ping_s(scene, count, rng)}
 
 
 def vehicles(count: int) -> Callable[[], Costs]:
     """Measure a step of `count` vehicles, 5 m apart."""
-    scenario = load("lake")
-    entry = VehicleEntry.model_validate(
-        {"name": "x", "model": load_vehicle("bluerov2_heavy"), "start": {"position_m": START_M}}
-    )
     starts = [(START_M[0] + 5.0 * (k % 8), START_M[1] + 5.0 * (k // 8), START_M[2]) for k in range(count)]
-    fleet = tuple(
-        entry.model_copy(
-            update={"name": f"rov{k}", "start": entry.start.model_copy(update={"position_m": start})}  # type: ignore[union-attr]
-        )
-        for k, start in enumerate(starts)
-    )
-    sim = Simulator(scenario.model_copy(update={"vehicles": fleet}), threads=1)
+    sim = Simulator(lake_fleet(starts), threads=1)
 
     def advance() -> float:
         for rov, start in zip(sim.vehicles.values(), starts, strict=True):
@@ -220,18 +206,15 @@ def seconds(count: int) -> Callable[[], Costs]:
 
 def clients(count: int) -> Callable[[], Costs]:
     """Measure the server's cost per second with `count` clients that read scans at 50 Hz and pictures at 10 Hz."""
-    network = runpy.run_path(str(Path(__file__).with_name("network.py")))
-    sys.setswitchinterval(network["SWITCH_S"])
+    sys.setswitchinterval(SWITCH_S)
     sim = Simulator("lake", sonar_model=4)
-    scan, picture = network["true_messages"](sim)
-    return lambda: {"a second in real time": network["load"](sim, scan, picture, count, 0, CLIENTS_S)["cpu_share"]}
+    scan, picture = true_messages(sim)
+    return lambda: {"a second in real time": load(sim, scan, picture, count, 0, CLIENTS_S)["cores"]}
 
 
 def water(vehicle: dict[str, Any], **others: Any) -> Simulator:
     """Return calm water, 20 m deep over a flat bed, with one vehicle."""
-    terrain = {"source": "noise", "size_m": [120, 120], "spacing_m": 1, "bed_depth_m": 20, "hill_height_m": 0}
-    rov = {"name": "rov", "start": {"position_m": [15, 0, -8]}, **vehicle}
-    return Simulator(validated(Scenario, {"name": "bench", "terrain": terrain, "vehicles": [rov], **others}), threads=1)
+    return flat_water([{"start": {"position_m": [15, 0, -8]}, **vehicle}], **others)
 
 
 def moved_step_s(sim: Simulator) -> float:
@@ -241,7 +224,7 @@ def moved_step_s(sim: Simulator) -> float:
 
 
 def pieces(count: int) -> Callable[[], Costs]:
-    """Measure a ping over `count` rocks on the bed, and the start of that world."""
+    """Measure a ping and a picture over `count` rocks on the bed, and the start of that world."""
     layer = {"kind": "rock", "name": "rock", "density_per_m2": count / 120.0**2, "size_m": [0.1, 0.5], "seed": 1}
 
     def start() -> Simulator:
@@ -250,13 +233,18 @@ def pieces(count: int) -> Callable[[], Costs]:
         sim.rov.sonar.ping()
         return sim
 
-    sim, rng = start(), np.random.default_rng(count)
+    sim, looking, rng = start(), water({"model": "rov"}, cover=[layer]), np.random.default_rng(count)
+    camera = looking.rov.cameras["front"].resized(256, 256)
 
     def ping() -> None:
         sim.rov.place((*rng.uniform(-40.0, 40.0, 2), -17.0))
         sim.rov.sonar.ping()
 
-    return lambda: {"a ping": mean_s(ping), "a start": spent_s(start)}
+    def picture() -> None:
+        looking.rov.place((*rng.uniform(-40.0, 40.0, 2), -18.0), (0.0, 0.383, 0.0, 0.924))  # 45 degrees down
+        camera.capture()
+
+    return lambda: {"a ping": mean_s(ping), "a start": spent_s(start), "a picture": mean_s(picture, 3)}
 
 
 def elements(count: int) -> Callable[[], Costs]:
@@ -267,12 +255,8 @@ def elements(count: int) -> Callable[[], Costs]:
 
 def joints(count: int) -> Callable[[], Costs]:
     """Measure a step of a vehicle with a chain of `count` hinged links that swing freely."""
-    link = {
-        "mass_kg": 0.2,
-        "inertia_kg_m2": [1e-4, 1e-4, 1e-4],
-        "volume_m3": 1.5e-4,
-        "quadratic_drag": [0.1, 1, 1, 0, 0, 0],
-    }
+    link: dict[str, Any] = {"mass_kg": 0.2, "inertia_kg_m2": [1e-4] * 3, "volume_m3": 1.5e-4}
+    link["quadratic_drag"] = [0.1, 1, 1, 0, 0, 0]
     arm = {
         f"link{k}": {
             **link,
@@ -300,27 +284,6 @@ GROWTHS = (
 )
 
 
-def table(found: dict[str, dict[str, Any]]) -> Table:
-    """Return the costs at the smallest and the largest size, and the slopes."""
-    title, columns = (
-        "processor time; slope: over the larger half of the sizes",
-        ("cost at the smallest", "at the largest"),
-    )
-    shown = new_table(title, "size", "operation", *columns, "slope", texts=2)
-    for panel in found.values():
-        for name, costs in panel["cost_s"].items():
-            ends = [f"{size:,}: {readable(cost)}" for size, cost in ((panel["sizes"][k], costs[k]) for k in (0, -1))]
-            shown.add_row(panel["of"], name, *ends, f"{panel['slope'][name]:.2f}")
-    return shown
-
-
-def readable(cost_s: float) -> str:
-    """Return a time with its unit."""
-    if cost_s >= 1.0:
-        return f"{cost_s:.3g} s"
-    return f"{1e3 * cost_s:.3g} ms" if cost_s >= 1e-3 else f"{1e6 * cost_s:.3g} us"
-
-
 def draw(found: dict[str, dict[str, Any]], path: Path) -> None:
     """Draw one panel for each kind of size, with logarithmic axes and a dashed line of slope 1 for comparison."""
     columns = min(4, len(found))
@@ -330,7 +293,7 @@ def draw(found: dict[str, dict[str, Any]], path: Path) -> None:
     for k, (name, panel) in enumerate(found.items()):
         axes = figure.add_subplot(rows, columns, k + 1)
         sizes = np.array(panel["sizes"], float)
-        for colour, (operation, costs) in zip((ACCENT, INK), panel["cost_s"].items(), strict=False):
+        for colour, (operation, costs) in zip((ACCENT, INK, MISSED), panel["cost_s"].items(), strict=False):
             label = f"{operation}: slope {panel['slope'][operation]:.2f}"
             axes.loglog(sizes, costs, "o-", color=colour, markersize=4, linewidth=1.4, label=label)
         low, high = axes.get_ylim()

@@ -1,157 +1,129 @@
 """Environment steps per second by members, observations and threads, compared with the bare C++ step and pybullet.
 
-All cases alternate in each round; medians of rates, and of per-round ratios, are reported. Single-threaded cases are
-measured by processor time. The others, and the ratio of many threads to one, are measured by wall time, which
-requires an idle machine. Actions are random; episodes end and restart as in training.
+Single-threaded cases are measured by processor time. The others, and the ratio of many threads to one, are measured by
+wall time, which requires an idle machine. Actions are random; episodes end and restart as in training.
 """
 
 from __future__ import annotations
 
 import os
-import runpy
 import time
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import gymnasium
 import numpy as np
 import typer
-from _harness import alternated, console, medians, ratio
-from rich.table import Table
+from _harness import Rounds, alternated, console, medians, ratio, show
 
 import uwsim.learning  # noqa: F401, registers the environments
 
-COUNTS = (1, 16, 256)
+MANY = 256
+PROPRIOCEPTION, BARE, PYBULLET = "proprioception", "bare C++ step", "pybullet and NumPy, one vehicle"
 KINDS: dict[str, tuple[str, dict[str, Any]]] = {
-    "proprioception": ("uwsim/StationKeeping-v1", {}),
+    PROPRIOCEPTION: ("uwsim/StationKeeping-v1", {}),
     "sonar of 64 beams": ("uwsim/PipelineFollowing-v1", {}),
     "camera of 84 x 84": ("uwsim/PipelineFollowing-v1", {"camera": "front"}),
 }
-GOAL = 0.5  # share of the bare C++ step's rate, for 256 members and proprioception
-MARINEGYM = 250_000
-MARINEGYM_SOURCE = "MarineGym, arXiv:2503.09203, abstract: frames a second on an RTX 3060; not measured here"
+PERIOD_STEPS = 10  # of uwsim/StationKeeping-v1
 
 
 def main(
-    rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured. Medians are reported.")] = 7,
+    rounds: Rounds = 7,
     seconds: Annotated[float, typer.Option(min=0.01, help="About how long each case takes in a round.")] = 0.3,
 ) -> dict[str, Any]:
     """Measure all cases alternately and print medians."""
     cores = len(os.sched_getaffinity(0))
-    cases: dict[str, Callable[[float], Rate]] = {}
+    counts = [(1, 1), (16, 1), *((MANY, threads) for threads in sorted({1, cores}))]
+    cases: dict[str, Callable[[], tuple[float, float]]] = {}
     for kind, (name, options) in KINDS.items():
-        for count in COUNTS:
-            for threads in sorted({1, cores}) if count == max(COUNTS) else (1,):
-                cases[f"{kind}, n = {count}, threads = {threads}"] = Driven(name, count, threads, options)
+        for count, threads in counts:
+            cases[f"{kind}, n = {count}, threads = {threads}"] = driven(name, count, threads, options, seconds)
     for threads in sorted({1, cores}):
-        cases[f"bare C++ step, n = {max(COUNTS)}, threads = {threads}"] = Bare(KINDS["proprioception"][0], threads)
-    if (peer := pybullet_step()) is not None:
-        cases["pybullet and NumPy, one vehicle"] = peer
-    else:
+        cases[f"{BARE}, n = {MANY}, threads = {threads}"] = bare(threads, seconds)
+    try:
+        cases[PYBULLET] = pybullet_steps()
+    except ImportError:
         console.print("without pybullet: not installed (pip install pybullet)")
-    found = alternated({name: partial(measure, seconds) for name, measure in cases.items()}, rounds)
-    results = medians({name: [rate.own for rate in rates] for name, rates in found.items()})
-    ratios = compared(found, cores)
-    console.print(rates_table(results))
-    console.print(ratios_table(ratios))
-    console.print(f"on paper: {MARINEGYM:,} ({MARINEGYM_SOURCE})")
+    found = alternated(cases, rounds)
+    own, wall = ({name: [rate[k] for rate in rates] for name, rates in found.items()} for k in (0, 1))
+    results, ratios = medians(own), {}
+    first = f"{PROPRIOCEPTION}, n = {MANY}, threads = 1"
+    for threads in sorted({1, cores}):
+        case = f"n = {MANY}, threads = {threads}"
+        peer = f"{BARE}, {case}"
+        ratios[f"{PROPRIOCEPTION} / {BARE}, {threads} threads"] = ratio(own[f"{PROPRIOCEPTION}, {case}"], own[peer])
+        for kind in KINDS if threads > 1 else ():
+            one, many = (wall[f"{kind}, n = {MANY}, threads = {n}"] for n in (1, threads))
+            ratios[f"{kind}, {threads} threads / 1"] = ratio(many, one)
+    if PYBULLET in own:
+        ratios[f"{PROPRIOCEPTION} / pybullet, 1 thread"] = ratio(own[first], own[PYBULLET])
+    show("environment steps of all members a second, and ratios", results | ratios)
     return {"steps_s": results, "ratios": ratios}
 
 
-class Rate(NamedTuple):
-    """Environment steps per second of all members, by the case's own clock and by wall time."""
+def rates(step: Callable[[int], object], members: int, threads: int, seconds: float) -> tuple[float, float]:
+    """Call step(0), step(1), ... for about `seconds`; return steps of all members a second by own clock and wall time.
 
-    own: float
-    wall: float
-
-
-def timed(step: Callable[[int], object], members: int, threads: int, seconds: float) -> Rate:
-    """Call step(0), step(1), ... for about `seconds` of processor time, or wall time if there are several threads."""
+    The own clock is processor time, or wall time if there are several threads.
+    """
     clock = time.process_time if threads == 1 else time.perf_counter
     calls, begin, wall_begin = 0, clock(), time.perf_counter()
     while (elapsed := clock() - begin) < seconds or calls < 1:
         step(calls)
         calls += 1
-    return Rate(calls * members / elapsed, calls * members / (time.perf_counter() - wall_begin))
+    return calls * members / elapsed, calls * members / (time.perf_counter() - wall_begin)
 
 
-class Driven:
-    """A vector environment driven by random actions."""
-
-    def __init__(self, name: str, count: int, threads: int, options: dict[str, Any]) -> None:
-        self._env = gymnasium.make_vec(name, count, threads=threads, **options)
-        self._env.reset(seed=0)
-        self._threads = threads
-        draws = np.random.default_rng(0)
-        self._actions = draws.uniform(-0.3, 0.3, (64, *(self._env.action_space.shape or ()))).astype(np.float32)
-
-    def __call__(self, seconds: float) -> Rate:
-        """Step for about `seconds`."""
-
-        def step(call: int) -> object:
-            return self._env.step(self._actions[call % len(self._actions)])
-
-        return timed(step, self._env.num_envs, self._threads, seconds)
+def driven(name: str, count: int, threads: int, options: dict[str, Any], seconds: float) -> Any:
+    """Return a measurement of a vector environment driven by random actions."""
+    env = gymnasium.make_vec(name, count, threads=threads, **options)
+    env.reset(seed=0)
+    shape = (64, *(env.action_space.shape or ()))
+    actions = np.random.default_rng(0).uniform(-0.3, 0.3, shape).astype(np.float32)
+    return partial(rates, lambda call: env.step(actions[call % len(actions)]), count, threads, seconds)
 
 
-class Bare:
-    """The bare C++ step of as many members in the same water, without actions, observations, rewards or episodes."""
-
-    def __init__(self, name: str, threads: int) -> None:
-        env: Any = gymnasium.make_vec(name, max(COUNTS), threads=threads).unwrapped
-        env.reset(seed=0)
-        self._threads = threads
-        self._batch, self._steps = env.episodes.batch, env.episodes.steps
-        efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (self._batch.n, 6))
-        self._batch.step(1, efforts)
-
-    def __call__(self, seconds: float) -> Rate:
-        """Step for about `seconds`; each call is one period of an environment."""
-        return timed(lambda call: self._batch.step(self._steps), self._batch.n, self._threads, seconds)
+def bare(threads: int, seconds: float) -> Any:
+    """Return a measurement of the bare C++ step of as many members, without observations, rewards or episodes."""
+    env: Any = gymnasium.make_vec(KINDS[PROPRIOCEPTION][0], MANY, threads=threads).unwrapped
+    env.reset(seed=0)
+    batch, steps = env.episodes.batch, env.episodes.steps
+    batch.step(1, np.random.default_rng(0).uniform(-0.3, 0.3, (MANY, 6)))
+    return partial(rates, lambda call: batch.step(steps), MANY, threads, seconds)
 
 
-def pybullet_step() -> Callable[[float], Rate] | None:
-    """Return a function that steps a BlueROV2 Heavy in pybullet for an environment's period; None without pybullet."""
-    peer = runpy.run_path(str(Path(__file__).with_name("dynamics.py")))["pybullet_peer"]()
-    if peer is None:
-        return None
-    steps_s = peer(on_bed=False)
-    return lambda seconds: Rate(*[steps_s() / 10.0] * 2)  # ten pybullet steps are one period of uwsim/StationKeeping-v1
+def pybullet_steps() -> Callable[[], tuple[float, float]]:
+    """Return a measurement of a BlueROV2 Heavy in pybullet: drag and thrust in Python at every step, no added mass."""
+    import pybullet
+    from pybullet_utils import bullet_client
 
+    p = bullet_client.BulletClient(connection_mode=pybullet.DIRECT)
+    p.setGravity(0, 0, -9.80665)
+    p.setTimeStep(0.005)
+    start = [0.0, 0.0, -10.0]
+    body = p.createMultiBody(13.5, p.createCollisionShape(p.GEOM_BOX, halfExtents=[0.2285, 0.2875, 0.127]))
+    linear_drag = np.array([13.7, 0.0, 33.0, 0.0, 0.8, 0.0])
+    quadratic_drag = np.array([141.0, 217.0, 190.0, 1.192, 0.470, 1.5])
+    thrust = np.random.default_rng(0).normal(size=(6, 8)) @ np.full(8, 2.0)
+    lift = np.array([0.0, 0.0, 0.0134 * 1000 * 9.80665])
 
-def compared(found: dict[str, list[Rate]], cores: int) -> dict[str, float]:
-    """Return medians of the per-round ratios."""
+    def step(call: int) -> None:
+        position, orientation = p.getBasePositionAndOrientation(body)
+        linear, angular = p.getBaseVelocity(body)
+        rotation = np.array(p.getMatrixFromQuaternion(orientation)).reshape(3, 3)
+        nu = np.concatenate([rotation.T @ linear, rotation.T @ angular])
+        wrench = thrust - linear_drag * nu - quadratic_drag * np.abs(nu) * nu
+        torque = rotation @ (wrench[3:] + np.cross([0.0, 0.0, 0.01], rotation.T @ lift))
+        p.applyExternalForce(body, -1, (rotation @ wrench[:3] + lift).tolist(), position, p.WORLD_FRAME)
+        p.applyExternalTorque(body, -1, torque.tolist(), p.WORLD_FRAME)
+        p.stepSimulation()
 
-    def against(one: str, other: str) -> float:
-        return ratio(*([rate.own for rate in found[name]] for name in (one, other)))
+    def run() -> tuple[float, float]:
+        p.resetBasePositionAndOrientation(body, start, [0, 0, 0, 1])
+        p.resetBaseVelocity(body, [0, 0, 0], [0, 0, 0])
+        own, wall = rates(step, 1, 1, 0.3)
+        return own / PERIOD_STEPS, wall / PERIOD_STEPS
 
-    most, ratios = max(COUNTS), {}
-    for threads in sorted({1, cores}):
-        case, tail = f"n = {most}, threads = {threads}", f", {threads} thread(s)"
-        ratios[f"proprioception / bare C++ step{tail}"] = against(f"proprioception, {case}", f"bare C++ step, {case}")
-    for kind in KINDS if cores > 1 else ():
-        few, many = (f"{kind}, n = {most}, threads = {threads}" for threads in (1, cores))
-        ratios[f"{kind}, {cores} threads / 1"] = ratio(*([rate.wall for rate in found[name]] for name in (many, few)))
-    if "pybullet and NumPy, one vehicle" in found:
-        one = f"proprioception, n = {most}, threads = 1"
-        ratios["proprioception / pybullet and NumPy, 1 thread"] = against(one, "pybullet and NumPy, one vehicle")
-    return ratios
-
-
-def rates_table(results: dict[str, float]) -> Table:
-    """Return the rates as a table."""
-    table = Table("case", "environment steps/s", title="environment steps of all members a second: medians")
-    for name, rate in results.items():
-        table.add_row(name, f"{rate:,.0f}")
-    return table
-
-
-def ratios_table(ratios: dict[str, float]) -> Table:
-    """Return the ratios as a table."""
-    table = Table("ratio", "median", "goal")
-    for name, value in ratios.items():
-        goal = f"{GOAL:g}: {'met' if value >= GOAL else 'missed'}" if "bare" in name else ""
-        table.add_row(name, f"{value:.2f}", goal)
-    return table
+    return run

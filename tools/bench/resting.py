@@ -1,53 +1,42 @@
 """The cost of loose bodies at rest: 100 boxes on the bed, beside two more vehicles.
 
-The cases alternate within one run, so that other load affects them equally. Times are CPU times of the process, on one
-thread, for a step in calm water.
+Times are CPU times of the process, on one thread, for a step in calm water.
 """
 
 from __future__ import annotations
 
 import statistics
-from functools import partial
 from typing import Annotated, Any
 
 import typer
-from _harness import alternated, console, spent_s
+from _harness import Rounds, alternated, flat_water, show, spent_s
 
 from uwsim import Simulator
-from uwsim.scenario import Scenario
-from uwsim.scenario.read.validated import validated
-
-TERRAIN = {"source": "noise", "size_m": [80, 80], "spacing_m": 1, "bed_depth_m": 10, "hill_height_m": 0}
-SETTLING_S = 20.0
-MOST = 1.0  # of the cost of two vehicles
 
 
 def main(
-    rounds: Annotated[int, typer.Option(min=1, help="Rounds; medians over them are reported.")] = 15,
+    rounds: Rounds = 15,
     steps: Annotated[int, typer.Option(min=1, help="Steps of each case in a round.")] = 2000,
     bodies: Annotated[int, typer.Option(min=1, max=200, help="Bodies at rest.")] = 100,
 ) -> dict[str, Any]:
     """Measure all cases alternately; print what a step costs, and the bodies' share of the cost of two vehicles."""
     worlds = {"one": world(1, 0), "three": world(3, 0), "resting": world(1, bodies)}
-    times = alternated({name: partial(step_s, sim, steps) for name, sim in worlds.items()}, rounds, warm_up=True)
-    one, three, resting = (times[name] for name in worlds)
-    vehicles_s = statistics.median(more - alone for more, alone in zip(three, one, strict=True))
-    bodies_s = statistics.median(more - alone for more, alone in zip(resting, one, strict=True))
-    share = statistics.median((r - o) / (t - o) for r, t, o in zip(resting, three, one, strict=True))
-    console.print(f"one vehicle {1e6 * statistics.median(one):.2f} us a step, two more {1e6 * vehicles_s:.2f} us")
-    console.print(
-        f"{bodies} bodies at rest {1e6 * bodies_s:.2f} us, {share:.2f} of two vehicles; "
-        f"{'within' if share <= MOST else 'ABOVE'} {MOST:g}"
-    )
-    return {"vehicles_s": vehicles_s, "bodies_s": bodies_s, "share": share}
+    cases = {name: lambda sim=sim: spent_s(lambda: sim.step(steps)) / steps for name, sim in worlds.items()}
+    times = alternated(cases, rounds, warm_up=True)
+    rows = list(zip(*(times[name] for name in worlds), strict=True))
+    results = {
+        "one vehicle [us]": 1e6 * statistics.median(one for one, _, _ in rows),
+        "two more [us]": 1e6 * statistics.median(three - one for one, three, _ in rows),
+        "bodies at rest [us]": 1e6 * statistics.median(resting - one for one, _, resting in rows),
+        "bodies of two vehicles": statistics.median((resting - one) / (three - one) for one, three, resting in rows),
+    }
+    show(f"a step with {bodies} bodies", results, {"bodies of two vehicles": "<= 1"})
+    return results
 
 
 def world(vehicles: int, bodies: int) -> Simulator:
     """Return a world whose bodies have come to rest on a flat bed; its vehicles float in mid-water."""
-    rovs = [
-        {"name": f"rov_{k}", "model": "bluerov2_heavy", "start": {"position_m": [3 * k, -20, -4]}}
-        for k in range(vehicles)
-    ]
+    rovs = [{"model": "bluerov2_heavy", "start": {"position_m": [3 * k, -20, -4]}} for k in range(vehicles)]
     boxes = [
         {
             "shape": {
@@ -58,12 +47,6 @@ def world(vehicles: int, bodies: int) -> Simulator:
         }
         for k in range(bodies)
     ]  # fmt: skip
-    scenario = {"name": "bench", "terrain": TERRAIN, "vehicles": rovs, "objects": boxes}
-    sim = Simulator(validated(Scenario, scenario))
-    sim.advance(SETTLING_S)
+    sim = flat_water(rovs, 10.0, objects=boxes)
+    sim.advance(20.0)
     return sim
-
-
-def step_s(sim: Simulator, steps: int) -> float:
-    """Return the time of a step."""
-    return spent_s(lambda: sim.step(steps)) / steps

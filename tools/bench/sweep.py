@@ -1,7 +1,6 @@
 """A sweep of short surveys: runs per second, the overhead of a run over its flight, and the workers' memory over time.
 
-The flight and the whole run around it are measured alternately in this process, by processor time, so that other load
-does not count; wall time and memory are those of a sweep with workers.
+Flight and whole run alternate in this process, by processor time; wall time and memory are those of a sweep.
 """
 
 from __future__ import annotations
@@ -15,8 +14,7 @@ from typing import Annotated, Any
 
 import psutil
 import typer
-from _harness import console, spent_s
-from rich.table import Table
+from _harness import show, spent_s
 
 from uwsim import Simulator
 from uwsim.campaigns.sweeps import run_sweep
@@ -32,12 +30,12 @@ VARY = {
     "rov.drag.linear.surge": {"low": 20, "high": 60},
 }
 VOXEL_M = 0.5
-TEN = 10  # memory samples
+SAMPLES = 10  # of memory
 
 
 def main(
     scenario: Annotated[str, typer.Option(help="A scenario with a short survey.")] = "pool",
-    runs: Annotated[int, typer.Option(min=20, help="Runs of the sweep.")] = 1000,
+    runs: Annotated[int, typer.Option(min=20, help="Runs of the sweep.")] = 100,
     workers: Annotated[int, typer.Option(min=1, help="Number of worker processes.")] = 2,
     turns: Annotated[int, typer.Option(min=1, help="Pairs of a run and its flight that are measured here.")] = 30,
     mission_time: Annotated[
@@ -47,14 +45,11 @@ def main(
     """Compare a run with its flight, then measure a sweep."""
     always: dict[str, Any] = {} if mission_time is None else {"mission_time_s": mission_time}
     results = run_against_flight(scenario, turns, always) | whole_sweep(scenario, runs, workers, always)
-    table = Table("result", "value", title=f"{runs:,} surveys of {scenario} on {workers} workers")
-    for name, value in results.items():
-        table.add_row(name, ", ".join(f"{v:.0f}" for v in value) if isinstance(value, list) else f"{value:,.2f}")
-    console.print(table)
+    show(f"{runs:,} surveys of {scenario} on {workers} workers", results)
     return results
 
 
-def run_against_flight(scenario: str, turns: int, always: dict[str, Any]) -> dict[str, Any]:
+def run_against_flight(scenario: str, turns: int, always: dict[str, Any]) -> dict[str, float]:
     """Return the processor time of a run in a warm process, and that of its flight and score alone."""
     altitudes = ({"survey.altitude_m": 1.5 + seed / turns, **always} for seed in range(turns))
     jobs = [Job(scenario, seed, values, voxel_m=VOXEL_M) for seed, values in enumerate(altitudes)]
@@ -81,33 +76,32 @@ def flight_cpu_s(job: Job) -> float:
     return spent_s(fly)
 
 
-def whole_sweep(scenario: str, runs: int, workers: int, always: dict[str, Any]) -> dict[str, Any]:
+def whole_sweep(scenario: str, runs: int, workers: int, always: dict[str, Any]) -> dict[str, float]:
     """Return a sweep's wall time, the part of it not spent on flights, and the workers' memory [MB] at ten times."""
     same = {name: {"choices": [value]} for name, value in always.items()}
     sweep = {
         "scenario": scenario, "vary": VARY | same, "method": "latin_hypercube", "samples": runs, "voxel_m": VOXEL_M,
         "seeds": {"first": 0},
     }  # fmt: skip
-    memory_mb: list[list[float]] = []
+    memory: dict[str, float] = {}
     times_s: list[float] = []
 
     def tell(finished: int, failed: int, count: int) -> None:
         times_s.append(time.perf_counter())
-        if finished in {max(1, count * k // TEN) for k in range(1, TEN + 1)}:
+        if finished in {max(1, count * k // SAMPLES) for k in range(1, SAMPLES + 1)}:
             children = psutil.Process().children(recursive=True)
-            memory_mb.append(sorted((child.memory_info().rss / 1e6 for child in children), reverse=True)[:workers])
+            sizes = sorted((child.memory_info().rss / 1e6 for child in children), reverse=True)[:workers]
+            memory[f"largest worker after {finished} runs [MB]"] = sizes[0]
 
     with tempfile.TemporaryDirectory() as out:
         done = run_sweep(sweep, out, workers=workers, report=False, tell=tell)
-    rows = done.rows
     wall_s = times_s[-1] - times_s[0]
-    flights_s, walls_s = rows.numbers("flight_wall_s"), rows.numbers("run_wall_s")
+    flights_s, walls_s = done.rows.numbers("flight_wall_s"), done.rows.numbers("run_wall_s")
     return {
         "failed": done.failed,
         "runs_a_second": runs / wall_s,
         "run_wall_ms": 1e3 * statistics.median(walls_s),
         "beside_flight_wall_ms": 1e3 * statistics.median(walls_s - flights_s),
         "between_runs_wall_ms": 1e3 * (workers * wall_s - float(walls_s.sum())) / runs,
-        "largest_worker_mb": [sizes[0] for sizes in memory_mb],
-        "smallest_worker_mb": [sizes[-1] for sizes in memory_mb],
+        **memory,
     }

@@ -121,7 +121,8 @@ def _options(text: str) -> Iterator[tuple[str, Any]]:
     (function,) = ast.parse(f"{head[0]}None: ...").body
     assert isinstance(function, ast.FunctionDef)
     for argument in function.args.args:
-        for call in ast.walk(argument):
-            if isinstance(call, ast.Call) and ast.unparse(call.func) == "typer.Option":
-                given = [str(each.value) for each in call.args if isinstance(each, ast.Constant)]
-                yield argument.arg, Annotated[str | None, typer.Option(*given)]
+        calls = {ast.unparse(call.func): call for call in ast.walk(argument) if isinstance(call, ast.Call)}
+        if "typer.Argument" not in calls:
+            option = calls.get("typer.Option")  # none where the harness has the type
+            given = [str(each.value) for each in option.args if isinstance(each, ast.Constant)] if option else []
+            yield argument.arg, Annotated[str | None, typer.Option(*given)]

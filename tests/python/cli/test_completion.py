@@ -62,7 +62,7 @@ def test_the_shell_offers_files_where_nothing_fits(line: str, tmp_path: Path) ->
 
 
 def test_benchmarks_and_their_options_are_offered(tmp_path: Path) -> None:
-    assert {"survey", "station_page"} <= set(offered("bash", "uwsim bench ", tmp_path))
+    assert {"survey", "station"} <= set(offered("bash", "uwsim bench ", tmp_path))
     assert offered("bash", "uwsim bench survey --ru", tmp_path) == ["--runs"]
     assert offered("bash", "uwsim bench survey --js", tmp_path) == ["--json"]
 
