@@ -22,12 +22,12 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import pandas as pd
 import typer
+from steady import verdict
 
 from uwsim.mapping import OccupancyMap
 
@@ -41,11 +41,9 @@ vary: {mission.depth_m: {choices: [1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.4]}}
 seeds: {first: 3}
 """
 MISSION = "from uwsim.examples.m01_hello_dive import mission\n__all__ = ['mission']\n"
-FLEET = ("fleet", "pool", "--tile", "5", "--voxel", "0.3", "--workers", "2")
 
 
-@dataclass(frozen=True)
-class Work:
+class Work(NamedTuple):
     """A job to kill. options: those of the command, except --out and --resume. digest: hashes a folder's results."""
 
     name: str
@@ -53,15 +51,10 @@ class Work:
     digest: Callable[[Path], str]
 
 
-def digest_of_map(out: Path) -> str:
-    """Return the hash of map.bt."""
-    return hashlib.sha256((out / "map.bt").read_bytes()).hexdigest()
-
-
-def digest_of_flight(out: Path) -> str:
-    """Return the hash of map and track."""
-    tracks = b"".join(path.read_bytes() for path in sorted(out.glob("track-*.csv")))
-    return hashlib.sha256((out / "map.bt").read_bytes() + tracks).hexdigest()
+def digest_of_files(out: Path) -> str:
+    """Return the hash of map and tracks."""
+    files = [out / "map.bt", *sorted(out.glob("track-*.csv"))]
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()
 
 
 def digest_of_table(out: Path) -> str:
@@ -78,24 +71,18 @@ def works(folder: Path) -> list[Work]:
     sweep.write_text(SWEEP.replace("MISSION", str(mission)))
     saved = ("--autosave", "0.1")
     return [
-        Work("survey", ("survey", "pool", "--voxel", "0.1", "--seed", "3", *saved), digest_of_map),
-        Work("run", ("run", str(mission), "--scenario", "lake", "--map", "--seed", "3", *saved), digest_of_flight),
-        Work("sweep", ("sweep", str(sweep), "--workers", "2"), digest_of_table),
-        Work("fleet", FLEET, digest_of_map),
+        Work("survey", ("pool", "--voxel", "0.1", "--seed", "3", *saved), digest_of_files),
+        Work("run", (str(mission), "--scenario", "lake", "--map", "--seed", "3", *saved), digest_of_files),
+        Work("sweep", (str(sweep), "--workers", "2"), digest_of_table),
+        Work("fleet", ("pool", "--tile", "5", "--voxel", "0.3", "--workers", "2"), digest_of_files),
     ]
 
 
 def start(work: Work, out: Path, *, resume: bool) -> subprocess.Popen[str]:
     """Start a command as the leader of its own process group."""
-    arguments = ["--resume"] if resume and work.name in ("survey", "run") else [*work.options[1:]]
-    arguments += ["--resume"] if resume and work.name not in ("survey", "run") else []
-    command = [*UWSIM, work.options[0], *arguments, "--out", str(out)]
+    arguments = () if resume and work.name in ("survey", "run") else work.options
+    command = [*UWSIM, work.name, *arguments, *["--resume"] * resume, "--out", str(out)]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
-
-
-def is_writing(out: Path) -> bool:
-    """Return True if a temporary file exists, which is renamed when complete."""
-    return any(name.startswith(".") for _, _, files in os.walk(out) for name in files)
 
 
 def wait_for_the_moment(process: subprocess.Popen[str], out: Path, whole_s: float, draw: random.Random) -> str:
@@ -105,29 +92,17 @@ def wait_for_the_moment(process: subprocess.Popen[str], out: Path, whole_s: floa
     after_s = draw.uniform(0.0, whole_s) if kind != "end" else draw.uniform(0.7, 1.0) * whole_s
     while process.poll() is None and time.monotonic() - began_s < after_s:
         time.sleep(POLL_S)
-    while kind == "write" and process.poll() is None and not is_writing(out):
+    while kind == "write" and process.poll() is None:  # until there is a temporary file, which is renamed when complete
+        if any(name.startswith(".") for _, _, files in os.walk(out) for name in files):
+            break
         time.sleep(POLL_S)
     if kind == "write":
         time.sleep(draw.uniform(0.0, 0.01))
     return kind
 
 
-def kill(process: subprocess.Popen[str]) -> None:
-    """Kill the process and its workers."""
-    os.killpg(process.pid, signal.SIGKILL)
-    process.communicate()
-
-
-@dataclass(frozen=True)
-class Whole:
-    """An undisturbed job: the digest of its results, and its duration."""
-
-    digest: str
-    took_s: float
-
-
-def done_whole(work: Work, folder: Path) -> Whole:
-    """Run the job undisturbed."""
+def done_whole(work: Work, folder: Path) -> tuple[str, float]:
+    """Run the job undisturbed; return the digest of its results, and its duration [s]."""
     out = folder / f"{work.name}-whole"
     shutil.rmtree(out, ignore_errors=True)
     began_s = time.monotonic()
@@ -135,39 +110,32 @@ def done_whole(work: Work, folder: Path) -> Whole:
     _, errors = process.communicate()
     if process.returncode != 0:
         sys.exit(f"{work.name}: ends with {process.returncode}: {errors}")
-    return Whole(work.digest(out), time.monotonic() - began_s)
+    return work.digest(out), time.monotonic() - began_s
 
 
-def attack(work: Work, out: Path, whole: Whole, draw: random.Random, kills: int) -> tuple[list[str], str]:
+def attack(work: Work, out: Path, took_s: float, draw: random.Random, kills: int) -> tuple[list[str], str]:
     """Kill the job up to `kills` times, then let it finish; return the kinds of kill times, and "" or a fault."""
     kinds: list[str] = []
     resume = False
     while True:
         process = start(work, out, resume=resume)
         if len(kinds) < kills:
-            kind = wait_for_the_moment(process, out, whole.took_s, draw)
+            kind = wait_for_the_moment(process, out, took_s, draw)
             if process.poll() is None:
-                kill(process)
+                os.killpg(process.pid, signal.SIGKILL)  # its workers as well
+                process.communicate()
                 kinds.append(kind)
                 resume = True
                 if (out / "map.bt").exists():
                     OccupancyMap.read(out / "map.bt")  # raises an error if the file is damaged
                 continue
         _, errors = process.communicate()
-        if resume and any(words in errors for words in NOTHING_SAVED):
-            if (out / "map.bt").exists() or (out / "runs.parquet").exists():  # killed after its last save was removed
-                return kinds, judged(work, out, whole)
-            shutil.rmtree(out, ignore_errors=True)  # killed before the first save
-            resume = False
-            continue
-        if process.returncode != 0:
-            return kinds, f"ends with {process.returncode}: {errors.strip()[-300:]}"
-        return kinds, judged(work, out, whole)
-
-
-def judged(work: Work, out: Path, whole: Whole) -> str:
-    """Return "", or a description of what is wrong with the results."""
-    return "" if work.digest(out) == whole.digest else "other bytes than when nobody kills it"
+        if not resume or not any(words in errors for words in NOTHING_SAVED):
+            return kinds, "" if process.returncode == 0 else f"ends with {process.returncode}: {errors.strip()[-300:]}"
+        if (out / "map.bt").exists() or (out / "runs.parquet").exists():  # killed after its last save was removed
+            return kinds, ""
+        shutil.rmtree(out, ignore_errors=True)  # killed before the first save
+        resume = False
 
 
 def main(
@@ -190,10 +158,12 @@ def main(
             out = folder / "killed"
             shutil.rmtree(out, ignore_errors=True)
             # measured each time: on a machine that has become faster, kills would come too late
-            whole = done_whole(work, folder)
-            kinds, wrong = attack(work, out, whole, draw, draw.randint(1, each))
-            if first.setdefault(work.name, whole.digest) != whole.digest:
-                wrong = "other bytes, though nobody killed it"
+            digest, took_s = done_whole(work, folder)
+            kinds, wrong = attack(work, out, took_s, draw, draw.randint(1, each))
+            if not wrong and work.digest(out) != digest:
+                wrong = "other bytes than of an uninterrupted job"
+            if first.setdefault(work.name, digest) != digest:
+                wrong = "other bytes, though it was not killed"
             moments.update(kinds)
             failures += bool(wrong)
             typer.echo(
@@ -202,7 +172,7 @@ def main(
             if moments.total() >= kills:
                 break
     typer.echo(f"{moments.total()} kills ({dict(moments)}), {failures} failures")
-    raise typer.Exit(1 if failures else 0)
+    raise typer.Exit(verdict(["results"] if failures else []))
 
 
 if __name__ == "__main__":

@@ -2,13 +2,12 @@
 
     .venv/bin/python tools/soak/rosbridge.py [SECONDS]
 
-Clients connect in waves of up to 1,000, send garbage, valid and damaged operations, floods, unfinished fragments and
-huge frames, subscribe without reading, and leave at any time. One line is printed after each minute: resident memory,
-Python's objects in use, sessions, topics, and the simulator's pace.
+Up to 1,000 clients at once send garbage, valid and damaged operations, floods, unfinished fragments and huge frames,
+subscribe without reading, and leave at any time. A first wave precedes the first memory measurement, since the
+allocator keeps the memory of the largest number of clients so far. The exit code is 1 if, after that, memory grew by
+more than 16 MB or objects in use by more than 1 %, or if anything was left behind.
 
-A first wave precedes the first memory measurement, since the allocator keeps and reuses the memory of the largest
-number of clients so far, about 15 MB. The exit code is 1 if, after that, memory grew by more than 16 MB or objects in
-use by more than 1 %, or if anything was left behind.
+With `clients URL SECONDS` it is what days.py starts: clients that read and steer, come and go, or stop reading.
 """
 
 from __future__ import annotations
@@ -16,13 +15,15 @@ from __future__ import annotations
 import asyncio
 import json
 import random
-import subprocess
 import sys
 import time
+from contextlib import suppress
+from typing import Any
 
 import cbor2
-from steady import resident_mb  # in this folder
-from websockets.asyncio.client import connect
+from steady import child, resident_mb, verdict
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import WebSocketException
 
 from uwsim.bridges import RosbridgeServer
 from uwsim.cli.run_live import keep_threads_moving
@@ -31,20 +32,23 @@ from uwsim.live import LiveSimulator
 GROWTH_MB = 16.0
 GROWTH_OBJECTS = 0.01  # a few thousand freed tuples are kept for reuse
 SETTLE_S = 5.0
-CROWD = 40
-WAVE = 1000
+CROWD, WAVE = 40, 1000
 OPS = (
     "advertise", "unadvertise", "publish", "subscribe", "unsubscribe", "call_service", "advertise_service",
     "unadvertise_service", "service_response", "fragment", "set_level", "status",
 )  # fmt: skip
 TOPICS = ("/scan", "/tf", "/odom", "/key", "/chatter", "/octomap_binary", "/camera/front/image_raw/compressed")
 TYPES = ("std_msgs/String", "sensor_msgs/LaserScan", "geometry_msgs/Pose", "nonsense")
+PICTURES = ("/camera/front/image_raw/compressed", "/images/compressed", "/forward_looking/picture/compressed")
+CLOUDS = ("/points", "/laserPointCloud", "/octomap_binary", "/scan")
+TELEMETRY = ("/telemetry", "/odom", "/imu", "/tf", "/battery_state", "/diagnostics")
+PICTURE_MS, CLOUD_MS = 2000, 500  # minimum interval between two messages
 
 
 def operation(rng: random.Random) -> dict[str, object]:
     """Return an operation that may be valid."""
     fields: dict[str, object] = {"op": rng.choice(OPS), "topic": rng.choice(TOPICS), "type": rng.choice(TYPES)}
-    fields |= {"id": str(rng.randrange(20)), "service": rng.choice(("/rosapi/topics", "/own", "/nobody"))}
+    fields |= {"id": str(rng.randrange(20)), "service": rng.choice(("/rosapi/topics", "/own", "/no_such"))}
     fields |= {"msg": {"data": "x" * rng.randrange(2000)}, "args": {"a": [rng.random()] * rng.randrange(50)}}
     fields |= {"data": "x" * rng.randrange(5000), "num": rng.randrange(3), "total": rng.randrange(1, 4)}
     fields |= {"compression": rng.choice(("none", "cbor", "cbor-raw", "png")), "queue_length": rng.randrange(3)}
@@ -82,50 +86,102 @@ async def attack(url: str, rng: random.Random) -> None:
         pass
 
 
-async def besiege(url: str, until_s: float, seed: int) -> None:
-    """Maintain a crowd of hostile clients, with an occasional wave."""
-    rng = random.Random(seed)
+async def besiege(url: str, seconds: float) -> None:
+    """Connect a wave of hostile clients and, for some seconds, a crowd of them with an occasional wave."""
+    await asyncio.gather(*(attack(url, random.Random(seed)) for seed in range(WAVE if not seconds else 0)))
+    until_s, rng = time.monotonic() + seconds, random.Random(1)
     while time.monotonic() < until_s:
         count = WAVE if rng.random() < 0.02 else CROWD
         await asyncio.gather(*(attack(url, random.Random(rng.random())) for _ in range(count)))
 
 
-async def wave(url: str) -> None:
-    """Connect 1,000 hostile clients at once."""
-    await asyncio.gather(*(attack(url, random.Random(seed)) for seed in range(WAVE)))
+async def connected(url: str, **options: Any) -> ClientConnection:
+    """Return a connection that accepts large messages."""
+    return await connect(
+        url, **{"compression": None, "max_size": None, "open_timeout": 60, "close_timeout": 1, **options}
+    )
 
 
-def main() -> int:
-    """Run; return the exit code."""
-    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 600.0
-    keep_threads_moving()
-    with LiveSimulator("lake") as live, RosbridgeServer(live) as server:
-        topics = len(server.graph.topics)
-        # In separate processes, since here they would compete with the simulator for the interpreter.
-        subprocess.run([sys.executable, __file__, "--wave", server.url], check=True)
-        first_mb, first_objects = settled()
-        print(f"after the first wave: {first_mb:.0f} MB, {first_objects} objects", flush=True)
-        said_s = start_s = time.monotonic()
-        siege = subprocess.Popen([sys.executable, __file__, "--siege", server.url, str(seconds)])
-        while siege.poll() is None:
-            time.sleep(1.0)
-            if time.monotonic() - said_s >= min(60.0, seconds / 4):
-                said_s = time.monotonic()
-                print(
-                    f"{said_s - start_s:5.0f} s: {resident_mb():.0f} MB, {sys.getallocatedblocks()} objects, "
-                    f"{len(server.sessions)} sessions, "
-                    f"{len(server.graph.topics)} topics, pace {live.factor:.3f}, late {1e3 * live.lateness:.1f} ms",
-                    flush=True,
-                )
-                live.forget_delays()  # each line reports the worst delay of its own minute
-        last_mb, last_objects = settled()
-        grown_mb, grown = last_mb - first_mb, last_objects / first_objects - 1.0
-        left = len(server.sessions), len(server.graph.topics) - topics
-        print(
-            f"end: {last_mb:.0f} MB, grown by {grown_mb:.0f}; objects by {grown:.2%}; sessions and topics left: {left}"
-        )
-        failed = grown_mb > GROWTH_MB or grown > GROWTH_OBJECTS or left != (0, 0) or live.error is not None
-        return int(failed)
+async def send(connection: ClientConnection, **fields: Any) -> None:
+    """Send an operation."""
+    await connection.send(json.dumps(fields))
+
+
+async def subscribe(connection: ClientConnection, topics: tuple[str, ...], every_ms: int = 0) -> None:
+    """Subscribe to topics."""
+    for topic in topics:
+        await send(connection, op="subscribe", topic=topic, throttle_rate=every_ms, queue_length=1, compression="cbor")
+
+
+async def read(url: str, topics: tuple[str, ...], every_ms: int = 0) -> None:
+    """Subscribe, and read until the connection ends."""
+    connection = await connected(url)
+    await subscribe(connection, topics, every_ms)
+    async for _ in connection:
+        pass
+
+
+async def steer(url: str) -> None:
+    """Undock the vehicle, and turn it on the spot, to and fro, for two seconds out of every twenty.
+
+    The turns are short because the velocity control loop sends 20 commands per second, which stay in the log.
+    """
+
+    async def listen(seconds: float) -> None:
+        with suppress(TimeoutError):
+            async with asyncio.timeout(seconds):
+                while True:
+                    await connection.recv()
+
+    connection = await connected(url)
+    await send(connection, op="subscribe", topic="/odom", throttle_rate=1000)
+    turn = 0.2
+    while True:
+        await send(connection, op="call_service", service="/undock", args={})
+        await send(connection, op="publish", topic="/cmd_vel", msg={"linear": {"x": 0.1}, "angular": {"z": turn}})
+        await listen(2.0)
+        await send(connection, op="publish", topic="/cmd_wrench", msg={"torque": {"z": turn}})
+        await listen(18.0)
+        turn = -turn
+
+
+async def come_and_vanish(url: str, rng: random.Random) -> None:
+    """Subscribe to random topics, and leave without closing the connection."""
+    while True:
+        connection = await connected(url)
+        await subscribe(connection, (rng.choice(PICTURES), rng.choice(CLOUDS), rng.choice(TELEMETRY)), 200)
+        await asyncio.sleep(rng.uniform(0.0, 4.0))
+        connection.transport.abort()
+        await asyncio.sleep(rng.uniform(0.0, 2.0))
+
+
+async def stop_reading(url: str) -> None:
+    """Subscribe to all large topics and read nothing for a minute; then reconnect."""
+    while True:
+        connection = await connected(url, max_queue=1, ping_interval=None)
+        await subscribe(connection, CLOUDS + PICTURES[:1], 1000)
+        await asyncio.sleep(60.0)
+        connection.transport.abort()
+
+
+async def again(client: Any, *arguments: Any) -> None:
+    """Run a client, and restart it whenever it has ended, as when the server has closed its connection."""
+    while True:
+        with suppress(OSError, TimeoutError, WebSocketException):
+            await client(*arguments)
+        await asyncio.sleep(1.0)
+
+
+async def typical(url: str, seconds: float) -> None:
+    """Run all typical clients at once."""
+    rng = random.Random(1)
+    clients = [
+        (read, url, TELEMETRY), (read, url, CLOUDS, CLOUD_MS), (read, url, PICTURES, PICTURE_MS), (steer, url),
+        (come_and_vanish, url, rng), (attack, url, rng), (stop_reading, url),
+    ]  # fmt: skip
+    with suppress(TimeoutError):
+        async with asyncio.timeout(seconds):
+            await asyncio.gather(*(again(*client) for client in clients))
 
 
 def settled() -> tuple[float, int]:
@@ -134,10 +190,43 @@ def settled() -> tuple[float, int]:
     return resident_mb(), sys.getallocatedblocks()
 
 
+def main(seconds: float) -> int:
+    """Run; return the exit code."""
+    keep_threads_moving()
+    with LiveSimulator("lake") as live, RosbridgeServer(live) as server:
+        topics = len(server.graph.topics)
+        # Clients are in other processes, since here they would compete with the simulator for the interpreter.
+        child(__file__, "siege", server.url, 0).wait()
+        first_mb, first_objects = settled()
+        print(f"after the first wave: {first_mb:.0f} MB, {first_objects} objects", flush=True)
+        shown_s = time.monotonic()
+        siege = child(__file__, "siege", server.url, seconds)
+        while siege.poll() is None:
+            time.sleep(1.0)
+            if time.monotonic() - shown_s >= min(60.0, seconds / 4):
+                shown_s = time.monotonic()
+                print(
+                    f"{resident_mb():.0f} MB, {sys.getallocatedblocks()} objects, {len(server.sessions)} sessions, "
+                    f"{len(server.graph.topics)} topics, pace {live.factor:.3f}, late {1e3 * live.lateness:.1f} ms",
+                    flush=True,
+                )
+                live.forget_delays()  # each line reports the worst delay of its own minute
+        last_mb, last_objects = settled()
+        grown = last_objects / first_objects - 1.0
+        left = len(server.sessions), len(server.graph.topics) - topics
+        print(f"{last_mb:.0f} MB, grown by {last_mb - first_mb:.0f}; objects by {grown:.2%}; left: {left}")
+        rules = {
+            "memory": last_mb - first_mb <= GROWTH_MB,
+            "objects": grown <= GROWTH_OBJECTS,
+            "sessions and topics": left == (0, 0),
+            f"the simulator: {live.error}": live.error is None,
+        }
+        return verdict(name for name, is_kept in rules.items() if not is_kept)
+
+
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["--wave"]:
-        asyncio.run(wave(sys.argv[2]))
-    elif sys.argv[1:2] == ["--siege"]:
-        asyncio.run(besiege(sys.argv[2], time.monotonic() + float(sys.argv[3]), 1))
-    else:
-        sys.exit(main())
+    match sys.argv[1:]:
+        case [("siege" | "clients") as kind, url, seconds]:
+            asyncio.run((besiege if kind == "siege" else typical)(url, float(seconds)))
+        case arguments:
+            sys.exit(main(float(*arguments or ["600"])))
