@@ -37,8 +37,6 @@ EXTRA_OF = {
     "pandas": "tables",
     "pyarrow": "tables",
     "xarray": "tables",
-    "textual": "teleop",
-    "pygame": "gamepad",
     "gymnasium": "gym",
     "cma": "learn",
     "pettingzoo": "multi",

@@ -25,7 +25,7 @@ from uwsim.link import Carrier
 from uwsim.link.packing import PACKINGS
 from uwsim.link.remote import TOPIC
 from uwsim.live import LiveSimulator
-from uwsim.operator.teleop.app import TeleopApp
+from uwsim.operator.teleop.app import Screen
 from uwsim.operator.teleop.connection import Connection
 from uwsim.operator.teleop.hands import Hands
 from waiting import until
@@ -188,7 +188,7 @@ def test_the_panel_over_a_modem_tells_it(packing: str, is_stopped: bool) -> None
 
 def test_x_in_the_terminal_stops_and_capital_x_releases(live: LiveSimulator, server: RosbridgeServer) -> None:
     connection = Connection(server.url, Hands())
-    app = TeleopApp(connection, "pool")
+    app = Screen(connection, "pool")
     said: list[str] = []
     connection.report = said.append
     connection.start()
@@ -201,7 +201,7 @@ def test_x_in_the_terminal_stops_and_capital_x_releases(live: LiveSimulator, ser
             app.press("x")  # keyboard auto-repeat
             until(lambda: live.rov.all_stopped and not live.rov.effort.any())
             until(lambda: connection.readout.all_stop)
-            assert any("ALL STOP" in warning for warning in connection.readout.warnings)
+            assert "ALL STOP: X releases it" in app.lines(80, 24)[0]
             app.press("w")
             until(lambda: any("all stop is set" in text for text in said))
             assert not live.rov.effort.any()

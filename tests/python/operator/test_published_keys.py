@@ -1,7 +1,6 @@
 """The driving keys are those of the published keyboard node, and add up where the pilot chooses so."""
 
-from uwsim.operator.teleop.hands import ZERO, Hands
-from uwsim.operator.teleop.keys import DRIVING
+from uwsim.operator.teleop.hands import DRIVING, ZERO, Hands
 
 PUBLISHED = {"w": "surge", "s": "-surge", "d": "-sway", "a": "sway", " ": "heave", "b": "-heave", "i": "pitch",
              "k": "-pitch", "l": "roll", "j": "-roll", "e": "-yaw", "q": "yaw"}  # fmt: skip

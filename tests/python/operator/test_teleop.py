@@ -1,9 +1,9 @@
 """The pilot's terminal: efforts expire, and are zero however the flight ends."""
 
-import asyncio
 import math
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
@@ -12,22 +12,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rich.text import Text
-from textual import events
 
 from command_line import error_line, uwsim
 from uwsim.bridges import RosbridgeServer
 from uwsim.channels.families.key import Function
 from uwsim.live import LiveSimulator
 from uwsim.operator.cli.teleop import own_server
-from uwsim.operator.teleop.app import TeleopApp
+from uwsim.operator.teleop.app import Screen
 from uwsim.operator.teleop.connection import Connection
-from uwsim.operator.teleop.fan import draw_fan, fan_scale_m
-from uwsim.operator.teleop.gamepad import FULL, Gamepads, shaped
 from uwsim.operator.teleop.hands import FIRST_HOLD_S, REPEAT_HOLD_S, ZERO, Hands
 from uwsim.operator.teleop.readout import Readout, read_state_data
-from uwsim.operator.teleop.tapes import depth_tape, heading_tape
-from uwsim.operator.teleop.terminal import ReleaseParser
+from uwsim.operator.teleop.terminal import BLUR, KEY
 from uwsim.simulator.simulator import Simulator
 from waiting import until
 
@@ -90,41 +85,31 @@ def test_the_opposite_key_turns_the_effort_round_at_once(hands):
     assert hands.efforts()["surge"] == -hands.share
 
 
-def test_where_releases_are_told_a_key_holds_until_it_is_let_go(hands, watch):
-    hands.reports_releases = True
-    hands.press(" ")
-    watch.now_s += 1000.0
-    assert hands.efforts()["heave"] == hands.share
-    hands.release(" ")
-    assert hands.efforts() == ZERO
-
-
 def test_everything_is_let_go_when_the_screen_hangs(hands, watch):
-    hands.reports_releases = True
+    for _ in range(9):
+        hands.beat()
+        hands.press("w")
+        watch.now_s += 0.2
     hands.beat()
-    hands.press("w")
     watch.now_s += 0.9
+    hands.press("w")
     assert hands.efforts()["surge"] == hands.share
     watch.now_s += 0.2
     assert hands.efforts() == ZERO
 
 
 def test_stop_lets_everything_go_and_giving_the_helm_away_as_well(hands):
-    hands.reports_releases = True
     for key, has_helm in (("x", True), ("c", False)):
         hands.press("w")
-        hands.set_sticks({"yaw": 1.0})
         hands.press(key)
         assert hands.efforts() == ZERO
         assert hands.has_helm is has_helm
 
 
-def test_the_share_scales_keys_and_sticks_together_and_stays_within_one(hands):
+def test_the_share_scales_keys_and_stays_within_one(hands):
     hands.change_share(-99)
     hands.press("w")
-    hands.set_sticks({"surge": 1.0, "sway": -0.5})
     assert hands.efforts()["surge"] == pytest.approx(0.1)
-    assert hands.efforts()["sway"] == pytest.approx(-0.05)
     hands.change_share(99)
     assert hands.efforts()["surge"] == 1.0
 
@@ -137,20 +122,17 @@ def test_a_sonar_tilts_while_its_key_is_held(hands, watch):
     assert hands.tilt() is Function.TILT_HOLD
 
 
-def test_the_kitty_protocol_tells_of_presses_repeats_and_releases():
-    released = []
-    parser = ReleaseParser(released.append)
-
-    def typed(text):
-        return [event.character for event in parser.feed(text) if isinstance(event, events.Key)]
-
-    assert typed("\x1b[119;1:1;119u") == ["w"]
-    assert typed("\x1b[119;1:2;119u") == ["w"]
-    assert released == []
-    assert typed("\x1b[119;1:3u\x1b[32;1:3u") == []
-    assert released == ["w", " "]
-    assert len(typed("\x1b[1;1:1A\x1b[1;1:3A")) == 1  # an arrow key's press and release
-    assert typed("ab") == ["a", "b"]  # from any other terminal
+@pytest.mark.parametrize(
+    ("sent", "keys"),
+    [
+        ("wX ", ["w", "X", " "]),
+        ("\x1b[A\x1b[1;5Dx", ["\x1b[A", "\x1b[1;5D", "x"]),
+        ("\x1b[O", [BLUR]),
+        ("\x1bx", ["x"]),
+    ],
+)
+def test_no_escape_sequence_is_taken_for_a_key_nor_swallows_one(sent, keys):
+    assert KEY.findall(sent) == keys
 
 
 def test_the_published_panel_is_read():
@@ -161,67 +143,62 @@ def test_the_published_panel_is_read():
 
     read_state_data(readout, Message)
     assert (readout.depth_m, readout.battery_percent) == (5.0, 99.5)
-    assert math.isinf(readout.seabed_m)
+    assert math.isinf(readout.altitude_m)
     Message.data = "1a2a"
     with pytest.raises(ValueError, match="stateData: 2 values: must be 9"):
         read_state_data(readout, Message)
 
 
-def test_the_fan_has_an_echo_where_it_is():
-    angles = np.radians([-45.0, 0.0, 45.0])
-    port = draw_fan(angles, np.array([np.inf, np.inf, 9.0], np.float32), 60, 20)
-    starboard = draw_fan(angles, np.array([9.0, np.inf, np.inf], np.float32), 60, 20)
-
-    def column(picture):
-        (span,) = [span for span in picture.spans if span.style == "bold cyan"]
-        return (span.start % 61, span.start // 61)
-
-    assert column(port)[0] < 30 < column(starboard)[0]
-    assert column(port)[1] == column(starboard)[1]
-    assert column(port)[0] + column(starboard)[0] == 59  # mirror images
+def test_the_sonars_line_has_the_nearest_echo_of_each_sector_from_port_to_starboard():
+    readout = Readout()
+    assert readout.sonar_line() == "---"
+    readout.ranges_m = np.array([np.inf, np.inf, 9.0, 4.5, *[np.inf] * 12, 12.0, 30.0], np.float32)
+    assert readout.sonar_line().split() == ["port", "-", "4.5", *"------", "12.0", "starboard"]
 
 
-def test_the_fans_scale_shows_nine_in_ten_echoes():
-    assert fan_scale_m(np.full(100, 9.9, np.float32)) == 10.0
-    assert fan_scale_m(np.r_[np.full(89, 9.0), np.full(11, 50.0)].astype(np.float32)) == 60.0
-    assert fan_scale_m(np.full(5, np.inf, np.float32)) == 100.0
+@pytest.mark.parametrize(
+    ("is_connected", "is_set", "is_wanted", "expected"),
+    [
+        (True, True, False, "ALL STOP: X releases it"),
+        (True, True, True, "ALL STOP: X releases it"),
+        (True, False, True, "NOT CONFIRMED"),
+        (True, None, True, "NOT CONFIRMED"),
+        (True, False, False, "no all stop"),
+        (True, None, False, "all stop unknown"),
+        (False, True, False, "all stop unknown"),
+    ],
+)
+def test_all_stop_is_seen_in_any_size_of_the_terminal(is_connected, is_set, is_wanted, expected):
+    screen = Screen(Connection("ws://127.0.0.1:1", Hands()), "pool")
+    screen.connection.state = "connected" if is_connected else "lost"
+    screen.connection.readout.all_stop, screen.connection.stop_is_wanted = is_set, is_wanted
+    screen.report("a message\n" * 50)
+    for columns, rows in ((80, 24), (80, 1), (20, 3)):
+        lines = screen.lines(columns, rows)
+        assert expected in lines[0]
+        assert len(lines) <= rows
 
 
-def test_tapes_point_where_the_vehicle_does():
-    tape = heading_tape(90.0, 41).plain.split("\n")[0]
-    assert tape[20] == "E"
-    assert tape.index("075") < 20 < tape.index("105") if "075" in tape else True
-    lines = depth_tape(2.0, 1.0, 11).plain.split("\n")
-    assert "2.0 m" in lines[5]
-    assert lines[1].startswith("~")  # the surface, 2 m above
-    assert [line.startswith("▒") for line in lines[6:9]] == [False, True, True]  # the bed, 1 m below
+def test_all_stop_lets_the_keys_go_and_anothers_release_ends_the_wish_for_it(hands):
+    screen = Screen(Connection("ws://127.0.0.1:1", hands), "pool")
+    screen.connection.state, readout = "connected", screen.connection.readout
+    screen.press("x")
+    for is_set in (False, True):
+        assert screen.connection.stop_is_wanted
+        readout.all_stop = is_set
+        screen.press("w")
+        screen.lines(80, 24)
+        assert any(hands.efforts().values()) is not is_set
+    readout.all_stop = False
+    assert "no all stop" in screen.lines(80, 24)[0]
 
 
-def test_sticks_do_not_drift_and_reach_full_effort():
-    assert shaped(int(0.1 * FULL)) == 0.0
-    assert shaped(FULL) == 1.0
-    assert shaped(-FULL - 1) == -1.0
-    values = [shaped(v) for v in range(-FULL, FULL, 500)]
-    assert values == sorted(values)
-
-
-def test_a_pads_sticks_and_buttons_have_their_meaning():
-    class Pad:
-        axes = (0, 0, 0, -FULL)  # right stick forward
-        buttons = frozenset({0})
-
-        def get_axis(self, axis):
-            return self.axes[axis]
-
-        def get_button(self, button):
-            return button in self.buttons
-
-    pads, pad = Gamepads(), Pad()
-    efforts, pressed, released = pads.read(pad)
-    assert efforts["surge"] == 1.0
-    assert (pressed, released) == (["x"], [])
-    pad.buttons = frozenset()
-    assert pads.read(pad)[1:] == ([], ["x"])
+def test_a_servers_text_has_no_power_over_the_terminal():
+    screen = Screen(Connection("ws://127.0.0.1:1", Hands()), "po\x1b[2Jol")
+    screen.connection.readout.warnings = ("BAD\x1b]0;title\x07",)
+    screen.report("also\x9b2J")
+    text = "".join(screen.lines(80, 24))
+    assert not {"\x1b[2J", "\x1b]", "\x07", "\x9b"} & {text[k : k + n] for k in range(len(text)) for n in (1, 2, 4)}
 
 
 # Against a simulator
@@ -263,8 +240,7 @@ def test_a_key_drives_the_vehicle_and_its_end_stops_it(live, server):
 
 
 def test_a_connection_that_is_lost_stops_the_vehicle_and_comes_back_with_zero(live, server):
-    hands = Hands()
-    hands.reports_releases = True
+    hands = Hands(lambda: 0.0)  # a key holds until it is let go
     connection = connected(server, hands)
     hands.press("w")
     until(lambda: live.rov.effort[0] == 0.5)
@@ -279,8 +255,7 @@ def test_a_connection_that_is_lost_stops_the_vehicle_and_comes_back_with_zero(li
 
 
 def test_the_vehicle_stops_when_its_keyboard_vanishes(live, server):
-    hands = Hands()
-    hands.reports_releases = True
+    hands = Hands(lambda: 0.0)  # a key holds until it is let go
     connection = connected(server, hands)
     hands.press("w")
     until(lambda: live.rov.effort[0] == 0.5)
@@ -309,28 +284,22 @@ def test_what_a_service_answers_is_told(live, server):
     connection.stop()
 
 
-def test_the_screen_flies_and_ends_with_zero(live, server):
-    async def fly():
-        hands = Hands()
-        hands.reports_releases = True  # a key counts as held until it is released, however slow the screen is
-        app = TeleopApp(Connection(server.url, hands), "pool")
-        async with app.run_test(size=(120, 40)) as pilot:
-            while app.connection.silence_s > 1.0:
-                await pilot.pause(0.05)
-            await pilot.press("=", "w")
-            while live.rov.effort[0] != 0.75:
-                await pilot.press("w")  # again, because a brief silence of the server releases all keys
-                await pilot.pause(0.05)
-            await pilot.press("m")
-            app.draw()
-            text = app.export_screenshot()
-            assert "depth" in text and "75" in text
-            assert len(app.marks) == 1
-        app.draw()  # timers and queued calls still arrive while the screen is being taken down
-        app._write(Text("a line from another thread"))
-        app.connection.stop()
-
-    asyncio.run(asyncio.wait_for(fly(), PATIENCE_S))
+def test_the_screen_flies_and_shows_numbers(live, server):
+    screen = Screen(Connection(server.url, Hands(lambda: 0.0)), "pool")
+    screen.connection.start()
+    until(lambda: screen.connection.silence_s < 1.0 and len(screen.connection.readout.ranges_m))
+    screen.press("=")
+    until(lambda: screen.press("w") or live.rov.effort[0] == 0.75)  # again, since a silence releases all keys
+    until(lambda: screen.connection.readout.efforts[:1] == (0.75,))
+    screen.press("m")
+    text = "\n".join(screen.lines(100, 30))
+    for part in ("no all stop", "at the helm", "75% effort", "mark 1:"):
+        assert part in text
+    assert re.search(r"heading +\d+°   depth +\d+\.\d m   altitude +\d+\.\d m   battery +\d+ %", text)
+    assert text.count("surge +0.75") == 2  # asked for and applied
+    assert re.search(r"sonar   port (\s+[\d.]+|\s+-)+ starboard", text)
+    assert len(screen.marks) == 1
+    screen.connection.stop()
     until(lambda: not live.rov.effort.any())
 
 
@@ -346,7 +315,7 @@ def test_a_terminal_that_ends_stops_the_vehicle(live, server, number):
         deadline = time.monotonic() + PATIENCE_S
         while live.rov.effort[0] != 0.5:
             assert time.monotonic() < deadline
-            os.write(master, b"\x1b[119;1:1;119u\x1b[32;1:3u")  # a key release occurs only in kitty
+            os.write(master, b"w")
             time.sleep(0.1)  # its output is not read, so the terminal blocks
         process.send_signal(number)
         until(lambda: not live.rov.effort.any())

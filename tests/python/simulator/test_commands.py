@@ -24,7 +24,7 @@ from uwsim.link import Carrier
 from uwsim.live import LiveSimulator, replay
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.operator.station.running import piloted_commands
-from uwsim.operator.teleop.keys import SERVICES
+from uwsim.operator.teleop.hands import SERVICES
 from uwsim.recording import Recorder
 from uwsim.recording.replay import replay as replay_recording
 from uwsim.simulator.vehicle import Vehicle

@@ -105,7 +105,6 @@ PACKAGE_OF = {
     "PIL": "pillow",
     "zenoh": "eclipse-zenoh",
     "foxglove": "foxglove-sdk",
-    "pygame": "pygame-ce",
 }
 OF_OTHERS = {
     "ruamel",

@@ -143,7 +143,7 @@ class Node:
         """
         deadline_s = time.monotonic() + patience_s
         while True:
-            values = self._ask("/rosapi/topics").get("values")
+            values = self.ask("/rosapi/topics").get("values")
             if not isinstance(values, dict) or not isinstance(known := values.get("topics"), list):
                 return {}
             missing = {name: kind for name, kind in self._advertised.items() if name not in known}
@@ -151,7 +151,7 @@ class Node:
                 return missing
             time.sleep(0.1)
 
-    def _ask(self, service: str, patience_s: float = 10.0) -> dict[str, Any]:
+    def ask(self, service: str, patience_s: float = 10.0) -> dict[str, Any]:
         """Return the answer to a call, or {} if there is none after patience_s."""
         answers: list[dict[str, Any]] = []
         self.call(service, answers.append)

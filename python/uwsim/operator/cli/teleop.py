@@ -45,14 +45,14 @@ def teleop(
         ),
     ] = "standard",
 ) -> None:
-    """Fly a vehicle from the terminal with keys or a gamepad.
+    """Fly a vehicle from the terminal with keys.
 
     ? shows the keys; Ctrl-Q quits. At the end, the efforts are always set to zero.
     """
     from uwsim.base.extras import need_extra
 
-    need_extra("textual", "teleop", "uwsim teleop")
-    from uwsim.operator.teleop.fly import fly
+    need_extra("websockets", "ros", "uwsim teleop")
+    from uwsim.operator.teleop.app import fly
 
     if url is not None:
         if any(option is not None for option in (scenario, seed, sonar_model, link, threads)):

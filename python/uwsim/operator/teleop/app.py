@@ -1,138 +1,108 @@
-"""The pilot's screen: fan, tapes, panel and messages. It passes keys to the hands."""
+"""The pilot's screen: all stop, numbers, a line of sonar, messages. It passes keys to the hands."""
 
 from __future__ import annotations
 
-import asyncio
+import logging
+import math
 import os
+import shutil
 import signal
 import sys
 import threading
 import time
-from collections.abc import Iterable
-from typing import Any, ClassVar
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from textwrap import wrap
 
-from rich.text import Text
-from textual import events
-from textual.app import App, ComposeResult
-from textual.containers import Horizontal, Vertical
-from textual.widgets import RichLog, Static
-
-from uwsim.operator.teleop import panel
+from uwsim.base.axes import AXES
 from uwsim.operator.teleop.connection import Connection
-from uwsim.operator.teleop.fan import draw_fan
-from uwsim.operator.teleop.gamepad import Gamepads
-from uwsim.operator.teleop.keys import ALL_STOP, END_STOP, HELP, HELP_TEXT, LESS, MARK, MORE, SERVICES, SWITCHES
-from uwsim.operator.teleop.tapes import depth_tape, heading_tape
-from uwsim.operator.teleop.terminal import KeyReleased, ReleaseDriver
+from uwsim.operator.teleop.hands import ALL_STOP, END_STOP, HELP, HELP_TEXT, MARK, SERVICES, STEPS, SWITCHES, Hands
+from uwsim.operator.teleop.terminal import BLUR, Terminal
 
 FRAME_S = 0.1
-PAD_S, LOOK_S = 0.02, 1.0
 SILENT_S = 1.0  # time without telemetry after which the pilot is warned
 LATE = 2.5  # the same over a slow modem, in multiples of the last interval
 QUIT_S = 3.0  # time limit for restoring the terminal
+QUIT = ("\x03", "\x11")  # Ctrl-C, Ctrl-Q
 INTERRUPTED = 130  # exit code, as for all commands
+RED, YELLOW, DIM, RESET = "\x1b[1;37;41m", "\x1b[1;30;43m", "\x1b[2m", "\x1b[m"
 
 
-class TeleopApp(App[None]):
-    """Draws a connection's readout, and passes keys and gamepad input to its hands. name: the vehicle's name."""
+class Screen(logging.Handler):
+    """Shows a connection's readout, and passes keys to its hands; also shows logged warnings. name: the vehicle's."""
 
-    CSS = """
-    Screen { layout: vertical; background: $background; }
-    #top { height: 1; background: $primary-darken-2; }
-    #middle { height: 1fr; }
-    #left { width: 1fr; }
-    #heading { height: 2; }
-    #fan { height: 1fr; }
-    #depth { width: 14; height: 1fr; padding: 0 1; }
-    #right { width: 43; padding: 0 1; }
-    #efforts { height: 7; margin-top: 1; }
-    #figures { height: 9; }
-    #warnings { height: 2; }
-    #log { height: 1fr; min-height: 3; background: $background; scrollbar-size: 0 0; }
-    #keys { height: 1; color: $text-muted; }
-    """
-    BINDINGS: ClassVar[Any] = [("ctrl+q", "quit", "quit"), ("ctrl+c", "quit", "quit")]
-    ENABLE_COMMAND_PALETTE = False
-
-    def __init__(self, connection: Connection, name: str, gamepads: Gamepads | None = None) -> None:
-        super().__init__(driver_class=ReleaseDriver if sys.platform != "win32" else None)
-        self.connection = connection
-        self.hands = connection.hands
-        self.flown = name
-        self.gamepads = gamepads
+    def __init__(self, connection: Connection, name: str) -> None:
+        super().__init__(logging.WARNING)
+        self.connection, self.hands, self.vehicle = connection, connection.hands, name
         self.marks: list[str] = []
+        self.code: int | None = None  # exit code, once the flight has ended
+        self._log: deque[str] = deque(maxlen=100)
         self._last_text = ""
-        self._was_stopped = False
+        self._error: Exception | None = None
+        self._was_stopped: bool | None = None
         connection.report = self.report
 
-    def compose(self) -> ComposeResult:
-        """Return the widgets."""
-        yield Static(id="top")
-        with Horizontal(id="middle"):
-            with Vertical(id="left"):
-                yield Static(id="heading")
-                yield Static(id="fan")
-            yield Static(id="depth")
-            with Vertical(id="right"):
-                yield Static(id="figures")
-                yield Static(id="efforts")
-                yield Static(id="warnings")
-                yield RichLog(id="log", wrap=True, min_width=20, max_lines=200)
-        yield Static("w s a d q e b space: drive   x X: all stop, its end   - =: effort   ?: keys", id="keys")
-
-    def on_mount(self) -> None:
-        """Start listening and drawing; shut down cleanly on signals."""
-        self.query_one("#log", RichLog).can_focus = False
-        loop = asyncio.get_running_loop()
-        for name in ("SIGTERM", "SIGHUP", "SIGINT"):
-            if hasattr(signal, name) and not self.is_headless:
-                loop.add_signal_handler(getattr(signal, name), self.end_at_once)
-        self.connection.start()
-        self.set_interval(FRAME_S, self.draw)
-        if self.gamepads is not None:
-            self.gamepads.look()
-            self.set_interval(LOOK_S, self.gamepads.look)
-            self.set_interval(PAD_S, self._poll_gamepads)
-
-    def end_at_once(self) -> None:
-        """Set the efforts to zero and quit, even if the terminal accepts no more output."""
-        self.connection.stop()
+    def run(self) -> int:
+        """Fly until the pilot quits, a signal arrives or the terminal is gone. Return the exit code."""
+        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+            signal.signal(number, lambda *_: self._end(INTERRUPTED))
+        self.report("w s a d q e b space: drive   x X: all stop, its end   - =: effort   ?: all keys   Ctrl-Q: quit")
         last = threading.Timer(QUIT_S, os._exit, (INTERRUPTED,))
         last.daemon = True
-        last.start()
-        self.exit(return_code=INTERRUPTED)
+        try:
+            with Terminal() as terminal:
+                self.connection.start()
+                for act in (self._draw_on, self._read_on):
+                    threading.Thread(target=self._end_after, args=(act, terminal), daemon=True).start()
+                while self.code is None:
+                    time.sleep(FRAME_S)
+                self.connection.stop()
+                last.start()  # the terminal may accept no more output
+        finally:
+            self.connection.stop()
+        if self.code == 0:
+            last.cancel()
+        if self._error is not None:
+            raise self._error
+        return self.code
+
+    def _end(self, code: int) -> None:
+        self.code = code if self.code is None else self.code
+
+    def _end_after(self, act: Callable[[Terminal], object], terminal: Terminal) -> None:
+        try:
+            act(terminal)
+        except OSError:
+            pass  # the terminal is gone
+        except Exception as error:  # to be raised once the terminal is as before
+            self._error = error
+        self._end(INTERRUPTED)
+
+    def _draw_on(self, terminal: Terminal) -> None:
+        while self.code is None:
+            size = shutil.get_terminal_size()
+            terminal.show(self.lines(size.columns, size.lines))
+            self.hands.beat()
+            time.sleep(FRAME_S)
+
+    def _read_on(self, terminal: Terminal) -> None:
+        for key in terminal.typed():
+            if key in QUIT:
+                self._end(0)
+            elif key == BLUR:
+                self.hands.drop()
+            else:
+                self.press(key)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Show a logged warning, since printing it would corrupt the screen."""
+        self.report(record.getMessage())
 
     def report(self, text: str) -> None:
-        """Show the pilot a line of text; may be called on any thread."""
-        if text == self._last_text:
-            return
-        self._last_text = text
-        line = Text(f"{time.strftime('%H:%M:%S')} {text}")
-        try:
-            self.call_later(self._write, line)
-        except RuntimeError:  # the screen is gone
-            return
-
-    def _write(self, line: Text) -> None:
-        if self.is_running:  # as for `draw`
-            self.query_one("#log", RichLog).write(line)
-
-    # Input
-
-    def on_key(self, event: events.Key) -> None:
-        """Handle a key."""
-        character = event.character or ""
-        if character:
-            self.press(character)
-
-    def on_key_released(self, message: KeyReleased) -> None:
-        """Record that this key was released, and thus that the terminal reports releases."""
-        self.hands.reports_releases = True
-        self.hands.release(message.character)
-
-    def on_app_blur(self) -> None:
-        """Release all keys when the terminal loses focus, since releases would no longer be reported."""
-        self.hands.drop()
+        """Show the pilot some text; may be called on any thread."""
+        if text != self._last_text:
+            self._last_text = text
+            self._log.extend(f"{time.strftime('%H:%M:%S')} {text}".splitlines())
 
     def press(self, character: str) -> None:
         """Perform the action assigned to a character."""
@@ -143,71 +113,92 @@ class TeleopApp(App[None]):
         elif character in (ALL_STOP, END_STOP):
             self.hands.press(ALL_STOP)
             self.connection.all_stop(on=character == ALL_STOP)
-        elif character in (LESS, MORE):
-            self.hands.change_share(-1 if character == LESS else 1)
-        elif character == MARK:
-            self._mark()
+        elif character in STEPS:
+            self.hands.change_share(STEPS[character])
+        elif character == MARK:  # a function of the published keyboard, not a command
+            readout = self.connection.readout
+            self.marks.append(f"{readout.mission_s:.1f} s: {readout.place(2)}, {readout.depth_m:.2f} m deep")
+            self.report(f"mark {len(self.marks)}: {self.marks[-1]}")
         elif character == HELP:
             self._last_text = ""
             self.report(HELP_TEXT)
         else:
             self.hands.press(character)
 
-    def _mark(self) -> None:
-        """Store the current position. This is a function of the published keyboard, not a command."""
-        readout = self.connection.readout
-        east, north, up = readout.position_m
-        self.marks.append(
-            f"{readout.mission_s:.1f} s: {east:.2f}, {north:.2f}, {up:.2f} m, {readout.depth_m:.2f} m deep"
-        )
-        self._last_text = ""
-        self.report(f"mark {len(self.marks)}: {self.marks[-1]}")
-
-    def _poll_gamepads(self) -> None:
-        if self.gamepads is None:
-            return
-        efforts, pressed, released = self.gamepads.poll()
-        self.hands.set_sticks(efforts)
-        for character in pressed:
-            self.press(character)
-        for character in released:
-            self.hands.release(character)
-
-    # Display
-
-    def draw(self) -> None:
-        """Redraw everything."""
-        if not self.is_running:  # timers and queued calls still arrive while the screen is being taken down
-            return
-        self.hands.beat()
-        readout = self.connection.readout
-        if readout.all_stop and not self._was_stopped:
+    def lines(self, columns: int, rows: int) -> list[str]:
+        """Return what is shown, all stop first, so that no size of the terminal hides it."""
+        is_stopped = self.connection.readout.all_stop
+        if is_stopped and not self._was_stopped:
             self.hands.drop()  # so that a held key does not move the vehicle when all stop is released
-        self._was_stopped = readout.all_stop
-        heading, fan, depth = (self.query_one(name, Static) for name in ("#heading", "#fan", "#depth"))
-        heading.update(heading_tape(readout.heading_deg, heading.size.width))
-        fan.update(draw_fan(readout.angles_rad, readout.ranges_m, fan.size.width, fan.size.height))
-        depth.update(depth_tape(readout.depth_m, readout.seabed_m, depth.size.height))
-        self.query_one("#figures", Static).update(panel.figures(readout))
-        self.query_one("#efforts", Static).update(panel.effort_bars(self.hands.efforts(), readout.efforts))
-        self.query_one("#warnings", Static).update(Text("  ".join(self._warnings()), "bold white on red"))
-        self.query_one("#top", Static).update(self._top_line())
+        if self._was_stopped and is_stopped is False:
+            self.connection.stop_is_wanted = False  # by another's release
+        self._was_stopped = is_stopped
+        warnings = wrap(_plain("  ".join(self._warnings())), columns)
+        shown = [*map(_plain, self._numbers()), *(f"{RED}{line}{RESET}" for line in warnings)]
+        log = [part for line in list(self._log) for part in wrap(_plain(line), columns)]
+        room = max(rows - 1 - len(shown), 0)
+        return [self.stop_line(), *shown, *log[len(log) - min(room, len(log)) :]][:rows]
 
-    def _warnings(self) -> Iterable[str]:
-        if self.connection.state != "connected":
-            yield f"{self.connection.state.upper()}: {self.connection.url}"
-        elif self.connection.silence_s > max(SILENT_S, LATE * self.connection.interval_s):
-            yield f"NO TELEMETRY FOR {min(self.connection.silence_s, 999.0):.0f} s"
-        if self.connection.readout.link_fault:
-            yield self.connection.readout.link_fault
-        yield from self.connection.readout.warnings
-        if self.connection.readout.released is False:
-            yield "DOCKED"
+    def stop_line(self) -> str:
+        """Return all stop as far as it is known: set, asked for, or neither."""
+        is_set = self.connection.readout.all_stop if self.connection.state == "connected" else None
+        if is_set:
+            return f"{RED}ALL STOP: X releases it{RESET}"
+        if self.connection.stop_is_wanted:
+            return f"{YELLOW}ALL STOP ASKED FOR, NOT CONFIRMED: X withdraws it{RESET}"
+        return f"{DIM}{'all stop unknown' if is_set is None else 'no all stop'}: x sets it{RESET}"
 
-    def _top_line(self) -> Text:
-        keys = "key releases" if self.hands.reports_releases else "keys end by themselves"
-        pad = f"gamepad {self.gamepads.name}" if self.gamepads is not None and self.gamepads.name else keys
-        helm = "at the helm" if self.hands.has_helm else "helm free"
-        left = f" uwsim teleop   {self.flown}   {self.connection.state}"
-        right = f"{helm}   {round(100 * self.hands.share)} % effort   {pad} "
-        return Text(left + right.rjust(max(self.size.width - len(left), 0)), "bold")
+    def _numbers(self) -> Iterator[str]:
+        readout, hands = self.connection.readout, self.hands
+        helm = "at the helm" if hands.has_helm else "helm free"
+        yield f"{self.vehicle}   {self.connection.state}   {helm}   {hands.share:.0%} effort"
+        yield (
+            f"heading {_figure(readout.heading_deg)}°   depth {_figure(readout.depth_m, 1)} m   "
+            f"altitude {_figure(readout.altitude_m, 1)} m   battery {_figure(readout.battery_percent)} %"
+        )
+        yield f"at      {readout.place(1)}"
+        yield f"thrust  {_efforts(hands.efforts().values())}"
+        yield f"applied {_efforts(readout.efforts)}"
+        yield f"sonar   {readout.sonar_line()}"
+        if readout.link:
+            yield f"link    {readout.link}"
+
+    def _warnings(self) -> Iterator[str]:
+        connection = self.connection
+        if connection.state != "connected":
+            yield f"{connection.state.upper()}: {connection.url}"
+        elif connection.silence_s > max(SILENT_S, LATE * connection.interval_s):
+            yield f"NO TELEMETRY FOR {min(connection.silence_s, 999.0):.0f} s"
+        yield from filter(None, (connection.readout.link_fault, *connection.readout.warnings))
+
+
+def _figure(value: float, digits: int = 0) -> str:
+    return ("beyond" if math.isinf(value) else "---" if math.isnan(value) else f"{value:.{digits}f}").rjust(5)
+
+
+def _efforts(efforts: Iterable[float]) -> str:
+    return "  ".join(f"{axis} {effort:+.2f}" for axis, effort in zip(AXES, efforts, strict=False)) or "---"
+
+
+def _plain(text: str) -> str:
+    """Return a text without what a terminal would obey."""
+    return "".join(each if each.isprintable() else " " for each in text)
+
+
+def fly(url: str, name: str, vehicle: str | None = None, *, adds_up: bool = False) -> tuple[list[str], int]:
+    """Show the pilot's screen until the pilot quits. Return the marked positions and the exit code.
+
+    The efforts are left at zero in all cases. adds_up: see Hands. Raises ValueError.
+    """
+    connection = Connection(url, Hands(adds_up=adds_up), vehicle)
+    for each, stream in (("stdin", sys.stdin), ("stderr", sys.stderr)):  # where the terminal is read and written
+        if not stream.isatty():
+            raise ValueError(
+                f"{each} is not a terminal: uwsim teleop needs one; without, see uwsim run and uwsim serve"
+            )
+    screen, root = Screen(connection, name), logging.getLogger()
+    root.addHandler(screen)
+    try:
+        return screen.marks, screen.run()
+    finally:
+        root.removeHandler(screen)

@@ -10,6 +10,7 @@ import math
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from websockets.exceptions import WebSocketException
@@ -18,7 +19,7 @@ from uwsim.bridges.nodes.node import Node
 from uwsim.bridges.nodes.websocket import checked_url
 from uwsim.channels.families.key import POSE, Function, key_message
 from uwsim.operator.teleop.hands import ZERO, Hands
-from uwsim.operator.teleop.readout import PANELS, Readout, topics_to_read
+from uwsim.operator.teleop.readout import PANELS, Reader, Readout, topics_to_read
 
 PERIOD_S = 0.05  # interval at which the hands are polled
 STOP_AGAIN_S = 1.0  # interval at which an unanswered all stop is requested again
@@ -33,32 +34,26 @@ class Connection:
     """Keeps a terminal connected to a rosbridge server.
 
     vehicle: the vehicle's name, needed if there are several. report: called with text for the pilot, on any thread.
-    Raises ValueError for an invalid url.
+    stop_is_wanted: whether the pilot's last word on all stop was to set it. interval_s: between the last two messages
+    of telemetry. Raises ValueError for an invalid url.
     """
 
     def __init__(
         self, url: str, hands: Hands, vehicle: str | None = None, report: Callable[[str], object] = lambda text: None
     ) -> None:
-        self.url = checked_url(url)
-        self.hands = hands
-        self.report = report
+        self.url, self.hands, self.report = checked_url(url), hands, report
         self.readout = Readout()
         self.state = "connecting"
-        self.received_s = -float("inf")  # time of the last telemetry
-        self.interval_s = 0.0  # time between the last two
-        self._vehicle = vehicle
-        self._prefix = ""
+        self.received_s, self.interval_s = -math.inf, 0.0
+        self.stop_is_wanted = False
+        self._vehicle, self._prefix = vehicle, ""
         self._node: Node | None = None
         self._publish: Callable[[Any], None] = lambda message: None
         self._sending = threading.Lock()  # guards the node, and the last efforts and requests
-        self._efforts, self._tilt, self._published_s = dict(ZERO), Function.TILT_HOLD, -float("inf")
-        # time of the last request for all stop, until it is known to be set
-        self._stop_asked_s: float | None = None
+        self._efforts, self._tilt, self._published_s = dict(ZERO), Function.TILT_HOLD, -math.inf
+        self._stop_asked_s: float | None = None  # time of the last request for all stop, until it is answered
         self._stopping = threading.Event()
-        self._threads = [
-            threading.Thread(target=run, name=f"uwsim-teleop-{name}", daemon=True)
-            for name, run in (("listen", self._listen), ("send", self._send_on))
-        ]
+        self._threads = [threading.Thread(target=run, daemon=True) for run in (self._listen, self._send_on)]
 
     def start(self) -> None:
         """Start connecting."""
@@ -69,8 +64,8 @@ class Connection:
         """Set the efforts to zero, send them to the vehicle, and disconnect. May be called twice, on any thread."""
         self.hands.drop()
         with self._sending:
-            if self._node is not None and self._any_effort_published():
-                self._publish_efforts(dict(ZERO), Function.TILT_HOLD)
+            if self._efforts != ZERO or self._tilt != Function.TILT_HOLD or self.hands.has_helm:
+                self._publish_efforts(ZERO, Function.TILT_HOLD)
             node, self._node = self._node, None
         self._stopping.set()
         if node is not None:
@@ -87,18 +82,14 @@ class Connection:
     def do(self, function: Function) -> None:
         """Request a function from the published wire, such as release."""
         with self._sending:
-            if self._node is None:
-                self.report("not connected")
-            else:
+            if self._is_connected():
                 self._publish_efforts(self._efforts, function)
 
     def call(self, service: str) -> None:
         """Call a service of the vehicle and show its response."""
         with self._sending:
-            if self._node is None:
-                self.report("not connected")
-            else:
-                self._guarded(lambda node: node.call(f"/{self._prefix}{service}", self._report_answer(service)))
+            if self._is_connected():
+                self._call(service, partial(self._report_answer, service))
 
     def all_stop(self, *, on: bool) -> None:
         """Set or release all stop.
@@ -108,101 +99,72 @@ class Connection:
         with self._sending:
             if on and self._stop_asked_s is not None:
                 return  # the key has repeated
+            self.stop_is_wanted = on
             self._stop_asked_s = -math.inf if on else None
-            if self._node is None:
-                self.report("not connected: all stop is sent as soon as it is" if on else "not connected")
-            elif on:
-                self._ask_to_stop()
-            else:
-                answered = self._report_answer("release of all stop")
-                self._guarded(lambda node: node.call(f"/{self._prefix}all_stop", answered, {"data": False}))
+            if self._is_connected(", all stop is sent as soon as it is" if on else ""):
+                self._ask_to_stop(on)
 
-    def _ask_to_stop(self) -> None:
-        self._stop_asked_s = time.monotonic()
-        report = self._report_answer("all stop")
-
+    def _ask_to_stop(self, on: bool) -> None:
         def answered(response: dict[str, Any]) -> None:
             values = response.get("values")
             is_refused = isinstance(values, dict) and not values.get("success", True)
-            if not (response.get("result") and is_refused):
+            if on and not (response.get("result") and is_refused):
                 with self._sending:  # it is set, or the server lacks the service, but efforts are zero anyway
                     self._stop_asked_s = None
-            report(response)
+            self._report_answer("all stop" if on else "release of all stop", response)
 
-        self._guarded(lambda node: node.call(f"/{self._prefix}all_stop", answered, {"data": True}))
+        self._stop_asked_s = time.monotonic() if on else None
+        self._call("all_stop", answered, {"data": on})
 
-    def _report_answer(self, service: str) -> Callable[[dict[str, Any]], None]:
-        def report(response: dict[str, Any]) -> None:
-            values = response.get("values")
-            if response.get("result") and isinstance(values, dict) and values.get("success", True):
-                self.report(f"{service}: {values.get('message') or 'done'}")
-            else:
-                self.report(f"{service}: {values.get('message') if isinstance(values, dict) else values}")
-
-        return report
+    def _report_answer(self, service: str, response: dict[str, Any]) -> None:
+        values = response.get("values")
+        text = values.get("message") if isinstance(values, dict) else values
+        is_done = response.get("result") and isinstance(values, dict) and values.get("success", True)
+        self.report(f"{service}: {text or ('done' if is_done else 'failed')}")
 
     # Listening
 
     def _listen(self) -> None:
-        wait_s, last = FIRST_WAIT_S, ""
+        wait_s = FIRST_WAIT_S
         while not self._stopping.is_set():
             try:
                 node = Node(self.url, QUEUE)
             except (OSError, WebSocketException) as error:
-                text = f"{self.url}: {error}"
-                if text != last:
-                    self.report(text)
-                last = text
+                self.report(f"{self.url}: {error}")
                 self._stopping.wait(wait_s)
                 wait_s = min(2.0 * wait_s, LONGEST_WAIT_S)
                 continue
-            wait_s, last = FIRST_WAIT_S, ""
+            wait_s = FIRST_WAIT_S
             try:
                 self._converse(node)
             except (OSError, ValueError, WebSocketException) as error:
                 self.report(f"{self.url}: {error}")
-            finally:
-                self._forget(node)
+            self.state = "lost"
+            self.hands.drop()
+            with self._sending:
+                self._node = None
+            node.close()
             if not self._stopping.is_set():
                 self.report("the connection is lost: efforts are zero")
                 self._stopping.wait(FIRST_WAIT_S)
 
     def _converse(self, node: Node) -> None:
         node.complain = self.report
-        offered = self._offered(node)
+        values = node.ask("/rosapi/topics", ANSWER_S).get("values")
+        topics = values.get("topics", []) if isinstance(values, dict) else []
+        offered = {str(topic).lstrip("/") for topic in topics}  # none: taken for a server of the published topics
         self._prefix = self._found_prefix(offered)
         key = f"{self._prefix}key"
         if offered and key not in offered:
             raise ValueError("the server has no topic 'key': start it with --wire both or published")
-        for name, (kind, receive) in topics_to_read(offered, self._prefix).items():
-            node.subscribe(f"/{name}", kind, self._receiver(receive))
+        for name, (kind, read) in topics_to_read(offered, self._prefix).items():
+            node.subscribe(f"/{name}", kind, partial(self._receive, read))
         with self._sending:
-            self._publish = node.advertise(f"/{key}", POSE)
-            self._node = node
+            self._publish, self._node = node.advertise(f"/{key}", POSE), node
             self._efforts, self._tilt = dict(ZERO), Function.TILT_HOLD
         self.state = "connected"
         self.report(f"connected to {self.url}")
         node.spin(self._stopping.is_set)
-
-    def _forget(self, node: Node) -> None:
-        self.state = "lost"
-        self.hands.drop()
-        with self._sending:
-            self._node = None
-        node.close()
-
-    def _offered(self, node: Node) -> set[str]:
-        """Return the server's topics, or an empty set if the server does not list them.
-
-        In that case, the server is assumed to have the published topics.
-        """
-        answers: list[dict[str, Any]] = []
-        node.call("/rosapi/topics", answers.append)
-        deadline_s = time.monotonic() + ANSWER_S
-        node.spin(lambda: bool(answers) or time.monotonic() > deadline_s or self._stopping.is_set())
-        values = answers[0].get("values") if answers and answers[0].get("result") else None
-        topics = values.get("topics", []) if isinstance(values, dict) else []
-        return {str(topic).lstrip("/") for topic in topics}
 
     def _found_prefix(self, offered: set[str]) -> str:
         vehicles = sorted(name.removesuffix("/key") for name in offered if name.endswith("/key"))
@@ -212,20 +174,17 @@ class Connection:
             raise ValueError(f"--vehicle = {self._vehicle!r}: the server has {', '.join(vehicles) or 'no vehicle'}")
         return f"{self._vehicle}/"
 
-    def _receiver(self, receive: Callable[[Readout, Any], None]) -> Callable[[Any], None]:
-        def received(message: Any) -> None:
-            try:
-                receive(self.readout, message)
-            except (ValueError, AttributeError) as error:
-                self.report(str(error))
-            if receive in PANELS:
-                now_s = time.monotonic()
-                self.interval_s = now_s - self.received_s if math.isfinite(self.received_s) else 0.0
-                self.received_s = now_s
+    def _receive(self, read: Reader, message: Any) -> None:
+        try:
+            read(self.readout, message)
+        except (ValueError, AttributeError) as error:
+            self.report(str(error))
+        if read in PANELS:
+            now_s = time.monotonic()
+            self.interval_s = now_s - self.received_s if math.isfinite(self.received_s) else 0.0
+            self.received_s = now_s
 
-        return received
-
-    # Sending
+    # Sending, with the lock held
 
     def _send_on(self) -> None:
         while not self._stopping.wait(PERIOD_S):
@@ -234,22 +193,24 @@ class Connection:
                 if self._node is None:
                     continue
                 if self._stop_asked_s is not None and time.monotonic() - self._stop_asked_s >= STOP_AGAIN_S:
-                    self._ask_to_stop()
+                    self._ask_to_stop(on=True)
                 due = self.hands.has_helm and time.monotonic() - self._published_s >= REPEAT_S
-                if tilt != self._tilt:
-                    self._publish_efforts(efforts, tilt)
-                elif efforts != self._efforts or due:
-                    self._publish_efforts(efforts, Function.NONE)
+                if tilt != self._tilt or efforts != self._efforts or due:
+                    self._publish_efforts(efforts, tilt if tilt != self._tilt else Function.NONE)
                 self._tilt = tilt
 
-    def _any_effort_published(self) -> bool:
-        return self._efforts != ZERO or self._tilt != Function.TILT_HOLD or self.hands.has_helm
+    def _is_connected(self, otherwise: str = "") -> bool:
+        if self._node is None:
+            self.report(f"not connected{otherwise}")
+        return self._node is not None
 
     def _publish_efforts(self, efforts: dict[str, float], function: Function) -> None:
-        """Publish efforts and a function."""
         message = key_message(efforts, function)
         self._efforts, self._published_s = dict(efforts), time.monotonic()
         self._guarded(lambda node: self._publish(message))
+
+    def _call(self, service: str, answer: Callable[[dict[str, Any]], None], arguments: Any = None) -> None:
+        self._guarded(lambda node: node.call(f"/{self._prefix}{service}", answer, arguments))
 
     def _guarded(self, act: Callable[[Node], object]) -> None:
         """Call `act` with the node unless its connection is closing, which the listening thread reports."""

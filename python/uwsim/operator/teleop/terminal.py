@@ -1,84 +1,44 @@
-"""Reports key releases from terminals with the kitty keyboard protocol, which textual does not request.
-
-See https://sw.kovidgoyal.net/kitty/keyboard-protocol/. With the protocol's flag 2, a key event states whether the key
-was pressed (1), has repeated (2) or was released (3): `CSI code ; modifiers : event ; text u`.
-"""
+"""The pilot's terminal: it reports keys and shows lines, by escape sequences that all terminals know."""
 
 from __future__ import annotations
 
 import os
 import re
-import selectors
-from codecs import getincrementaldecoder
-from collections.abc import Callable, Iterable
+import sys
+import termios
+import tty
+from collections.abc import Iterator, Sequence
 
-from textual import events
-from textual._xterm_parser import XTermParser
-from textual.drivers.linux_driver import LinuxDriver
-from textual.message import Message
-
-REPORT_EVENTS = "\x1b[=2;2u"  # set flag 2 in addition to those already set
-EVENT = re.compile(
-    r"\x1b\[(?P<code>\d+)(?P<others>:[\d:]*)?;(?P<modifiers>\d*):(?P<event>[123])(?P<rest>(?:;[\d:]*)?[u~ABCDEFHPQRS])"
-)
-LET_GO = "3"
+START = "\x1b[?1049h\x1b[?25l\x1b[?7l\x1b[?1004h"  # a screen of its own, no cursor, no wrapping, reports of focus
+END = "\x1b[?1004l\x1b[?7h\x1b[?25h\x1b[?1049l"
+BLUR = "\x1b[O"  # sent by a terminal that loses focus
+KEY = re.compile(r"\x1b\[[\d:;<=>?]*[@-~]|[^\x1b]", re.DOTALL)
+"""An escape sequence, such as an arrow key's, or a character. An escape alone is no key, and what follows it is one."""
 
 
-class KeyReleased(Message):
-    """A message that a key was released. character: the character of the key without modifiers."""
+class Terminal:
+    """The terminal of this process, in raw mode within a `with` block."""
 
-    def __init__(self, character: str) -> None:
-        super().__init__()
-        self.character = character
+    def __enter__(self) -> Terminal:
+        self._before = termios.tcgetattr(sys.stdin)
+        tty.setraw(sys.stdin, termios.TCSANOW)
+        self._write(START)
+        return self
 
+    def __exit__(self, *_: object) -> None:
+        termios.tcsetattr(sys.stdin, termios.TCSANOW, self._before)
+        self._write(END)
 
-class ReleaseParser(XTermParser):
-    """Reports key releases through a callback. Presses and repeats are handled as in textual."""
+    def typed(self) -> Iterator[str]:
+        """Yield the keys that the pilot types, until the terminal is gone."""
+        while data := os.read(sys.stdin.fileno(), 4096):
+            yield from KEY.findall(data.decode("ascii", "ignore"))
 
-    def __init__(self, released: Callable[[str], object]) -> None:
-        super().__init__()
-        self._released = released
+    def show(self, lines: Sequence[str]) -> None:
+        """Replace what is shown."""
+        self._write("\x1b[H" + "\x1b[K\r\n".join(lines) + "\x1b[K\x1b[J")
 
-    def _sequence_to_key_events(self, sequence: str, alt: bool = False) -> Iterable[events.Key]:
-        match = EVENT.fullmatch(sequence)
-        if match is None:
-            return super()._sequence_to_key_events(sequence, alt)
-        if match["event"] == LET_GO:
-            if match["rest"].endswith("u"):  # not an arrow or function key
-                self._released(chr(int(match["code"])))
-            return [events.Key("<ignore>", None)]
-        plain = f"\x1b[{match['code']}{match['others'] or ''};{match['modifiers'] or '1'}{match['rest']}"
-        return super()._sequence_to_key_events(plain, alt)
-
-
-class ReleaseDriver(LinuxDriver):
-    """Textual's driver for Linux and macOS, which also posts KeyReleased."""
-
-    def start_application_mode(self) -> None:
-        """Also request releases. Terminals without support ignore this."""
-        super().start_application_mode()  # type: ignore[no-untyped-call]
-        self.write(REPORT_EVENTS)
-        self.flush()
-
-    def run_input_thread(self) -> None:
-        """Read the terminal until the application ends."""
-        parser = ReleaseParser(lambda character: self.process_message(KeyReleased(character)))
-        decode = getincrementaldecoder("utf-8")(errors="replace").decode
-        with selectors.DefaultSelector() as selector:
-            selector.register(self.fileno, selectors.EVENT_READ)
-            while not self.exit_event.is_set():
-                if selector.select(0.1):
-                    if not (data := _read(self.fileno)):  # the terminal is gone
-                        self._app.call_later(self._app.exit)
-                        return
-                    for message in parser.feed(decode(data)):
-                        self.process_message(message)
-                for message in parser.tick():
-                    self.process_message(message)
-
-
-def _read(descriptor: int) -> bytes:
-    try:
-        return os.read(descriptor, 4096)
-    except OSError:
-        return b""
+    def _write(self, text: str) -> None:
+        data = text.encode(errors="replace")
+        while data:
+            data = data[os.write(sys.stderr.fileno(), data) :]
