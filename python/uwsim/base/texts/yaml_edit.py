@@ -78,7 +78,7 @@ def _edit(root: Node, place: Place, value: str, name: str) -> _Edit:
     """Return the replacement of a value, or the insertion of its key before the first key of its mapping."""
     node = root
     for depth, key in enumerate(place):
-        inner = _child(node, key)
+        inner = child(node, key)
         if inner is None and depth == len(place) - 1 and isinstance(node, MappingNode) and node.value:
             first = node.value[0][0].start_mark
             gap = ", " if node.flow_style else "\n" + " " * first.column
@@ -89,7 +89,8 @@ def _edit(root: Node, place: Place, value: str, name: str) -> _Edit:
     return _Edit(node.start_mark.index, node.end_mark.index, value, place)
 
 
-def _child(node: Node, key: Key) -> Any:
+def child(node: Node, key: Key) -> Any:
+    """Return the node below a node, or None."""
     if isinstance(node, MappingNode):
         return next((value for own, value in node.value if own.value == key), None)
     if isinstance(node, SequenceNode) and isinstance(key, int) and key < len(node.value):

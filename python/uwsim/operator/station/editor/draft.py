@@ -7,12 +7,12 @@ from itertools import accumulate
 from pathlib import Path, PurePath
 from typing import Any
 
-from uwsim.base.texts.yaml_change import flow, with_value, without
 from uwsim.base.texts.yaml_document import Key, YamlDocument, dotted, yaml_document
 from uwsim.channels.guest import Values
 from uwsim.operator.station.editor.forms import SECTIONS, Section, flattened, forms, start_values, unflattened
 from uwsim.operator.station.editor.ground_plan import GroundPlan
 from uwsim.operator.station.editor.vehicle_parts import is_inherited, raw_parts
+from uwsim.operator.station.editor.yaml_change import flow, with_value, without
 from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validated import validated

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from uwsim.base.texts.yaml_change import flow, with_value, without
 from uwsim.base.texts.yaml_parser import plain_values
+from uwsim.operator.station.editor.yaml_change import flow, with_value, without
 
 TEXT = """\
 a: 1                # one

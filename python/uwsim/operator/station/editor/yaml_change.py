@@ -1,6 +1,8 @@
 """Changes of the structure of a YAML text: values that are set, added and removed, while all else stays as it is.
 
-Each change is verified: the changed text is read again, and must hold exactly the values that were asked for. Slow to
+Each change is verified: the changed text is read again, and must hold exactly the values that were asked for. Texts are
+parsed by ruamel.yaml but not written by it: its dump wraps every long line of the file again and aligns columns its own
+way, adds keys below the comment of the next section, and removes that comment with the last key above it. Slow to
 import.
 """
 
@@ -20,7 +22,7 @@ from ruamel.yaml.error import StringMark
 from ruamel.yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
 from uwsim.base.texts.yaml_document import Key, dotted
-from uwsim.base.texts.yaml_edit import Place
+from uwsim.base.texts.yaml_edit import Place, child
 from uwsim.base.texts.yaml_parser import plain_values
 
 PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_./ -]*(?<! )")
@@ -182,7 +184,7 @@ class _Text:
         """Yield the replacements that put a value at a place."""
         node, above, depth = self._root, None, 0
         for key in place:
-            inner = _child(node, key)
+            inner = child(node, key)
             if inner is None:
                 break
             node, above, depth = inner, node, depth + 1
@@ -205,16 +207,15 @@ class _Text:
         """Yield the removal of a key or an item that has others beside it."""
         node = self._root
         for key in place[:-1]:
-            node = _child(node, key)
+            node = child(node, key)
         starts = [(key if isinstance(node, MappingNode) else value).start_mark.index for key, value in _pairs(node)]
         index = [key.value for key, _ in _pairs(node)].index(place[-1]) if isinstance(node, MappingNode) else place[-1]
         assert isinstance(index, int)
         end = self._end(_pairs(node)[index][1])
+        is_after_a_dash = self.text[self._line_start(starts[index]) : starts[index]].strip()
         if node.flow_style and index > 0:
             yield _Span(self._end(_pairs(node)[index - 1][1]), end, "")
-        elif index + 1 < len(starts) and (
-            node.flow_style or (isinstance(node, MappingNode) and self._is_after_a_dash(starts[index]))
-        ):
+        elif index + 1 < len(starts) and (node.flow_style or (isinstance(node, MappingNode) and is_after_a_dash)):
             yield _Span(starts[index], starts[index + 1], "")
         else:
             yield _Span(self._line_start(starts[index]), self._line_end(end) + len(self.newline), "")
@@ -266,9 +267,6 @@ class _Text:
             lines = f"{key}:{_below(value, column, self.newline)}"
         return _Span(at, at, self.newline + " " * column + lines)
 
-    def _is_after_a_dash(self, index: int) -> bool:
-        return bool(self.text[self._line_start(index) : index].strip())
-
     def _is_too_long(self, node: Any, above: Any, addition: _Span) -> bool:
         """Return whether a mapping in braces, in a block, no longer fits on its line with an addition."""
         is_inline = node.flow_style and isinstance(above, MappingNode) and not above.flow_style
@@ -293,18 +291,8 @@ class _Text:
 
 
 def _pairs(node: Any) -> list[tuple[Any, Any]]:
-    if isinstance(node, MappingNode):
-        return list(node.value)
-    return [(k, item) for k, item in enumerate(node.value)]
+    return list(node.value if isinstance(node, MappingNode) else enumerate(node.value))
 
 
 def _has_items(node: Any) -> bool:
     return isinstance(node, MappingNode | SequenceNode) and bool(node.value)
-
-
-def _child(node: Any, key: Key) -> Any:
-    if isinstance(node, MappingNode):
-        return next((value for own, value in node.value if own.value == key), None)
-    if isinstance(node, SequenceNode) and isinstance(key, int) and key < len(node.value):
-        return node.value[key]
-    return None
