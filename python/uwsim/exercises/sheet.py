@@ -66,7 +66,14 @@ def sheet_html(course: Course, sheet: Mapping[str, Any]) -> str:
     """Return the self-contained page of a certified sheet. Raises OSError."""
     from uwsim.figures.html_page import filled_page
 
-    return filled_page(TEMPLATE, sheet=sheet, figures=_figures(course))
+    met = sum(goal["share"] >= 1.0 for goal in sheet["goals"])
+    tiles = (
+        (f"{sheet['score']:.1f}", f"of {sheet['points']:.1f} points"),
+        (f"{met} of {len(sheet['goals'])}", "goals met"),
+        (f"{sheet['lost']:.1f}", "points lost"),
+        (f"{sheet['time_s']:.0f} s", f"of {sheet['limit_s']:.0f} s"),
+    )
+    return filled_page(TEMPLATE, sheet=sheet, tiles=tiles, figures=_figures(course))
 
 
 def _figures(course: Course) -> list[SheetFigure]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import math
 import time
@@ -11,12 +10,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, StrictUndefined
-
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.folder_lock import alone_in
 from uwsim.evidence.reproduce import drawn_graphs, movement_and_ray, mown_map, running_system, scenes, screens, sonar
 from uwsim.evidence.reproduce.figure import PAPER, Figure
+from uwsim.figures.html_page import data_uri, filled_page
 from uwsim.scenario import load
 from uwsim.simulator.simulator import Simulator
 
@@ -66,13 +64,11 @@ def _make_all(out: Path, progress: Callable[[str], object]) -> list[Figure]:
 
 
 def _page(figures: list[Figure], out: Path) -> str:
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    pictures = {
-        figure.number: "data:image/png;base64," + base64.b64encode((out / f"{figure.name}.png").read_bytes()).decode()
+    shown = [
+        (figure, data_uri(out / f"{figure.name}.png"), [list(map(_shown, row)) for row in figure.rows])
         for figure in figures
-    }
-    template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
-    return template.render(paper=PAPER, figures=figures, pictures=pictures, shown=_shown)
+    ]
+    return filled_page(TEMPLATE, paper=PAPER, figures=shown, shown=_shown)
 
 
 def _shown(value: Any) -> str:

@@ -31,7 +31,6 @@ def write_page(path: Path, report: VehicleReport, warnings: Sequence[str] = ()) 
             tiles=_tiles(report),
             lines=list(vehicle_lines(report.figures)),
             figures=[(title, caption, data_uri(picture)) for title, caption, picture in figures],
-            narrow=[False, *[True] * (len(figures) - 1)],
             tables=list(tables(report)),
         )
     write_atomically(path, page.encode())
