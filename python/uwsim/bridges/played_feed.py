@@ -28,7 +28,7 @@ def channels_of(recording: Recording) -> list[Channel]:
             description, latched = about.get("description", ""), is_latched(about)
             found.append(
                 Channel(info.name, info.type, "out", description, rate_hz=info.rate_hz, delivery=Delivery(latched))
-            )  # fmt: skip
+            )
     return found
 
 

@@ -93,9 +93,7 @@ def test_between_points_with_speeds_the_path_is_the_cubic_of_hermite(action):
     message = trajectory({1.0: [[0.5, 1.0], [0.2, 0.0]], 3.0: [[0.7, 1.5], [0.0, -0.1]]})
     path = trajectory_of(message, action.source, action.limits)
     curve = path.from_state(Point(np.array([0.1, 0.9]), np.zeros(2)), 0.0)
-    spline = CubicHermiteSpline(
-        [0, 1, 3], [[0.1, 0.9], [0.5, 1.0], [0.7, 1.5]], [[0, 0], [0.2, 0.0], [0.0, -0.1]]
-    )  # fmt: skip
+    spline = CubicHermiteSpline([0, 1, 3], [[0.1, 0.9], [0.5, 1.0], [0.7, 1.5]], [[0, 0], [0.2, 0.0], [0.0, -0.1]])
     for at_s in (0.0, 0.3, 1.0, 2.2, 3.0):
         assert curve(at_s).positions == pytest.approx(spline(at_s), abs=1e-12)
         assert curve(at_s).speeds == pytest.approx(spline(at_s, 1), abs=1e-12)

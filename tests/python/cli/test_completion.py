@@ -48,7 +48,7 @@ def offered(shell: str, line: str, cwd: Path) -> list[str]:
         ("uwsim survey po", {"pool", "pole.yaml"}),
         ("uwsim survey lake --link mi", {"micromodem"}),
     ],
-)  # fmt: skip
+)
 def test_commands_options_and_values_are_offered(shell: str, line: str, expected: set[str], tmp_path: Path) -> None:
     (tmp_path / "pole.yaml").touch()
     (tmp_path / "pole.txt").touch()

@@ -121,7 +121,7 @@ FIGURES: dict[str, Callable[[Path, str], object]] = {
     "a sweep's sensitivity": lambda path, text: draw_sensitivity(
         path, Sensitivity([text], [text], ["rank"], np.array([[0.5]]))
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", FIGURES)

@@ -98,7 +98,7 @@ BAD = [
     ({"goal_fields": (*Plain.goal_fields, *Plain.goal_fields)}, "two fields have the name 'north'"),
     ({"__init__": lambda self, batch: None}, r"Broken.__init__: must call super\(\).__init__"),
     ({"scenario": {**e06_own_task.TANK, "terain": {}}}, "terain"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("changes", "message"), BAD)

@@ -168,7 +168,7 @@ def test_frontiers_are_the_free_voxels_beside_unknown_ones_in_clusters():
         (lambda world: body_points(CUBE, CUBE_TRIANGLES, 0.0), "spacing_m = 0.0 m: must be positive"),
         (lambda world: poses_along([[0, 0, 0]], [UPRIGHT], 1, 0.1), "must be"),
     ],
-)  # fmt: skip
+)
 def test_bad_arguments_are_refused(call, text):
     with pytest.raises(ValueError, match=text.replace("(", r"\(")):
         call(seen(scans=1))

@@ -153,9 +153,7 @@ def test_a_saved_moment_brings_back_vehicle_and_score(here, trainee, instructor)
     actions = [entry["action"] for entry in log]
     assert actions[-4:] == ["save_moment", "pause", "return_to", "resume"]
     assert not course.state()["is_valid"], "the instructor returned to a moment"
-    assert log[0]["args"]["args"] == {
-        "kind": "sensor", "vehicle": "rov", "sensor": "depth", "mode": "stuck"
-    }  # fmt: skip
+    assert log[0]["args"]["args"] == {"kind": "sensor", "vehicle": "rov", "sensor": "depth", "mode": "stuck"}
     assert "inject_fault" in [entry.name for entry in live.log]
 
 

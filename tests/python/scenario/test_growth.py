@@ -155,7 +155,7 @@ def test_a_seed_draws_features_that_do_not_overlap() -> None:
         ({"condition": {"features": [{"kind": "leak", "at_m": 9, "rate_l_min": -1}]}}, "rate_l_min = -1 l/min"),
         ({"condition": {"features": [{"kind": "span", "at_m": 9}, {"kind": "span", "at_m": 12}]}}, "features overlap"),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_is_refused(wrong: dict, rule: str) -> None:
     with pytest.raises(ScenarioError, match=rule):
         site(PIPE | wrong)

@@ -109,7 +109,7 @@ def test_kinds_are_registered() -> None:
         ({"name": "rov"}, "is already in use"),
         ({"kind": "whale"}, "school"),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_swim_is_refused(wrong: dict, rule: str) -> None:
     with pytest.raises(ScenarioError, match=rule):
         site(**wrong)

@@ -142,7 +142,7 @@ FAR_GATE = "{kind: gate, name: far, position_m: [0, 50], width_m: 2, height_m: 1
         ("obstacles:", f"obstacles:\n  - {FAR_GATE}", "name: far", "obstacle 'far': (0, 49) m lies outside the"),
         ("bed_depth_m: 5", "bed_depth_m: 0", "terrain:", "terrain: its lowest point is at z = "),
     ],
-)  # fmt: skip
+)
 def test_a_value_that_does_not_fit_the_world_is_reported_with_file_and_line(
     given: str, instead: str, culprit: str, message: str, tmp_path: Path
 ) -> None:

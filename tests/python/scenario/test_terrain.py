@@ -161,7 +161,7 @@ def write_degrees(path: Path, south: float) -> Path:
         ({"crs": "EPSG:4326"}, "crs", r"terrain\.crs: 'a\.asc' is read as degrees, but .* of its middle is 2060"),
         ({"crs": "EPSG:4978"}, "crs", r"terrain\.crs: that of 'a\.asc' is neither geographic nor projected"),
     ],
-)  # fmt: skip
+)
 def test_an_error_names_the_setting_at_fault(
     settings: dict[str, object], key: str, message: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

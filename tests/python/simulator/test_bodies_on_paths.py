@@ -159,7 +159,7 @@ def test_instruments_perceive_it_where_it_is() -> None:
         ({"points_m": [[20, 0, -5]], "times_s": [0.1]}, "must be at most 30 m/s"),
         ({"points_m": [[50, 0, -5]], "speed_m_s": 1}, "outside the terrain"),
     ],
-)  # fmt: skip
+)
 def test_a_path_that_cannot_be_followed_is_refused(wrong: dict, rule: str) -> None:
     with pytest.raises(ScenarioError, match=rule):
         site(on_path(BALL, **wrong))

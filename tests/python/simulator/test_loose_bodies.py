@@ -160,7 +160,7 @@ def poses(sim: Simulator) -> list[list[float]]:
             "must be one of box, cylinder, mesh, sphere",
         ),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_is_refused_with_the_reason(wrong: dict, rule: str) -> None:
     with pytest.raises(ScenarioError, match=rule):
         site(wrong)

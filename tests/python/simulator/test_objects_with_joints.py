@@ -150,7 +150,7 @@ def test_joints_are_saved_restored_reset_and_batched() -> None:
         (post(a=lever() | {"on": "b"}, b=lever() | {"on": "a", "shape": None}), r"hold each other in a circle"),
         (post(a=lever(), b=lever()), r"links.a.shape.name = 'lever': must be unique"),
     ],
-)  # fmt: skip
+)
 def test_what_a_fixed_body_cannot_have_is_refused(wrong: dict[str, Any], rule: str) -> None:
     with pytest.raises(ScenarioError, match=rule):
         site(wrong)

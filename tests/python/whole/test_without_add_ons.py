@@ -78,9 +78,7 @@ def run(tmp_path: Path, add_on: str) -> Run:
     (python / "sitecustomize.py").write_text(ISOLATED)
     (python / "needs_add_on.py").write_text(SKIPPING)
     settings = os.environ | {"PYTHONPATH": str(python)}
-    return lambda *words: subprocess.run(
-        [*words], capture_output=True, text=True, check=False, cwd=ROOT, env=settings
-    )  # fmt: skip
+    return lambda *words: subprocess.run([*words], capture_output=True, text=True, check=False, cwd=ROOT, env=settings)
 
 
 @pytest.fixture(scope="module")

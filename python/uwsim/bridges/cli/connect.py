@@ -101,9 +101,7 @@ def connect(
             for each in table.channels
             if each.direction == "in" or each.delivery.latched or not each.delivery.on_request
         ]
-        named = {
-            "channels": channels_in(namespace, sent), "services": services_in(namespace, table.services)
-        }  # fmt: skip
+        named = {"channels": channels_in(namespace, sent), "services": services_in(namespace, table.services)}
         client = sinks.enter_context(RosbridgeClient(live, url, ros=ros, **named))  # type: ignore[arg-type]  # bounded
         run_until_interrupted(live, f"{scenario} to {url}")
         if client.is_refused:

@@ -19,9 +19,7 @@ class FoxglovePlug(BridgePlug[FoxgloveOptions]):
 
     options = FoxgloveOptions
     examined = ("foxglove_port",)
-    doors = (
-        Door("`--foxglove`", "TCP", 1, HOST, "Foxglove", WEB, ("--foxglove", "--foxglove-port", "0")),
-    )  # fmt: skip
+    doors = (Door("`--foxglove`", "TCP", 1, HOST, "Foxglove", WEB, ("--foxglove", "--foxglove-port", "0")),)
 
     def __init__(self, options: FoxgloveOptions) -> None:
         super().__init__(options)

@@ -28,15 +28,15 @@ def simulation_services() -> list[Service]:
         Service("simulation/pause", TRIGGER, answered(lambda live, request: live.pause()), "stand still"),
         Service("simulation/resume", TRIGGER, answered(lambda live, request: live.resume()), "run again"),
         Service("simulation/reset", TRIGGER, answered(lambda live, request: live.reset()), "go to the start"),
+        Service("simulation/step", "uwsim_msgs/srv/Step", answered(_step), "make request.steps steps while paused"),
         Service(
-            "simulation/step", "uwsim_msgs/srv/Step", answered(_step), "make request.steps steps while paused"
-        ),
-        Service(
-            "simulation/set_speed", "uwsim_msgs/srv/SetSpeed", answered(_set_speed),
+            "simulation/set_speed",
+            "uwsim_msgs/srv/SetSpeed",
+            answered(_set_speed),
             'run at request.speed simulated seconds per second; 0 stands for "max"',
         ),
         Service("simulation/pace", "uwsim_msgs/srv/Pace", _pace, "requested pace, how well it is kept, step_s"),
-    ]  # fmt: skip
+    ]
 
 
 def vehicle_services(

@@ -19,9 +19,7 @@ from uwsim.navigation.sensor_choice import port_proximity
 from uwsim.simulator.simulator import Simulator
 
 NAN = math.nan
-SCALARS = {
-    "depth": "depth", "pressure": "pressure", "temperature": "temperature", "distance_to_seabed": "altitude"
-}  # fmt: skip
+SCALARS = {"depth": "depth", "pressure": "pressure", "temperature": "temperature", "distance_to_seabed": "altitude"}
 """The kind of sensor that measures each field of /telemetry."""
 SPEEDS = {"linear": "speed", "angular": "angular_speed"}
 

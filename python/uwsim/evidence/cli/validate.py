@@ -85,9 +85,9 @@ def validate(
 
             print_predictions()
     if as_json:
-        print_json({
-            suite: [{**asdict(check), "passed": check.passed} for check in checks] for suite, checks in found.items()
-        })  # fmt: skip
+        print_json(
+            {suite: [{**asdict(check), "passed": check.passed} for check in checks] for suite, checks in found.items()}
+        )
     if out is not None:
         write_page(out, found)
     if not all(check.passed for checks in found.values() for check in checks):

@@ -39,9 +39,9 @@ ENUMERATIONS = {
 UNKNOWN = np.float32(-1.0)
 CELL = np.dtype([("depth", "<f4"), ("uncertainty", "<f4")])
 TEXT = h5py.string_dtype()
-FEATURE = np.dtype([(name, TEXT) for name in (
-    "code", "name", "uom.name", "fillValue", "datatype", "lower", "upper", "closure"
-)])  # fmt: skip
+FEATURE = np.dtype(
+    [(name, TEXT) for name in ("code", "name", "uom.name", "fillValue", "datatype", "lower", "upper", "closure")]
+)
 QUANTITIES = [
     ("depth", "depth", "metres", "1000000", "H5T_FLOAT", "-12000", "12000", "closedInterval"),
     ("uncertainty", "uncertainty", "metres", "1000000", "H5T_FLOAT", "0", "12000", "gtLeInterval"),

@@ -61,9 +61,7 @@ def body_path(path: BodyPath, start_m: Floats, position_m: Floats, orientation_x
 def standing(position_m: Floats, orientation_xyzw: Floats) -> _core.BodyPath:
     """Return the path of a body that stands still with this pose in the world: (3,) and (4,)."""
     here = [np.array([[at, 0.0, 0.0, 0.0]]) for at in position_m]
-    return _core.BodyPath(
-        [0.0, 1.0], here, [0.0, 1.0], np.zeros((1, 4)), True, False, np.zeros(3), orientation_xyzw
-    )  # fmt: skip
+    return _core.BodyPath([0.0, 1.0], here, [0.0, 1.0], np.zeros((1, 4)), True, False, np.zeros(3), orientation_xyzw)
 
 
 def points_on(path: BodyPath, start_m: Floats) -> Floats:

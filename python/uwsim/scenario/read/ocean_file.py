@@ -29,7 +29,7 @@ LENGTH = dict.fromkeys(("m", "meter", "meters", "metre", "metres"), (1.0, 0.0))
 SPEED = {
     **dict.fromkeys(("m s-1", "m/s", "m s**-1", "meter_per_sec", "m_s", "meter second-1"), (1.0, 0.0)),
     **dict.fromkeys(("cm s-1", "cm/s", "cm_s"), (0.01, 0.0)),
-}  # fmt: skip
+}
 CELSIUS = {
     **dict.fromkeys(("degC", "degree_C", "degrees_C", "deg_C", "celsius", "Celsius", "degree_Celsius"), (1.0, 0.0)),
     "K": (1.0, -273.15), "kelvin": (1.0, -273.15),

@@ -10,9 +10,7 @@ from uwsim.scenario.spec.fields import broken
 from uwsim.scenario.spec.sensor_figure import SensorFigure
 
 
-def checked_values(
-    key: str, value: Any, parameter: SensorFigure, *, in_degrees: bool = False
-) -> tuple[float, ...]:  # fmt: skip
+def checked_values(key: str, value: Any, parameter: SensorFigure, *, in_degrees: bool = False) -> tuple[float, ...]:
     """Return a parameter's values, in degrees if in_degrees. If a rule is broken, raises the error at the key."""
     several = parameter.width > 1
     values = list(value) if several and isinstance(value, Sequence) and not isinstance(value, str) else [value]
