@@ -10,6 +10,8 @@ namespace {
 std::atomic<std::size_t> allocations = 0;
 }
 
+// Under ThreadSanitizer not: Embree's own threads would call these, and it would not see that a library is the caller.
+#if !defined(__SANITIZE_THREAD__)
 [[gnu::noinline]] void* operator new(std::size_t size) {
   ++allocations;
   if (void* memory = std::malloc(size)) return memory;
@@ -21,6 +23,7 @@ std::atomic<std::size_t> allocations = 0;
 }
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#endif
 
 namespace uwsim {
 namespace {
@@ -322,6 +325,9 @@ TEST_F(SensorNoise, SteppingAndReadingDoNotAllocateMemory) {
   };
   step();
   const std::size_t before = allocations;
+#if defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "allocations are not counted under ThreadSanitizer";
+#endif
   for (int k = 0; k < 500; ++k) step();
   EXPECT_EQ(allocations, before);
 }
