@@ -112,6 +112,17 @@ def load_all(group: str, adapt: Adapt | None = None, *, own: bool = False) -> Ma
     return found
 
 
+def planner(name: str) -> Callable[..., Any]:
+    """Return the planner that is registered under a name. Raises ValueError."""
+    return load(PLANNERS, name, _function)  # type: ignore[no-any-return]
+
+
+def _function(name: str, found: Any) -> Any:
+    if not callable(found):
+        raise TypeError(f"{type(found).__name__}: must be a function")
+    return found
+
+
 def blamed(group: str, entry: Entry, error: BaseException, at: str = "cannot be used") -> str:
     """Return a line that names the package and the entry whose code raised an error. at: what it was asked for."""
     why = " ".join(f"{type(error).__name__}: {error}".split())

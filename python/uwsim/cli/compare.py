@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from uwsim.base.sockets import PLANNERS, load, registered
+from uwsim.base.sockets import PLANNERS, planner, registered
 from uwsim.base.stoppable import note_kept
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
@@ -142,7 +142,7 @@ def _missions(names: Iterable[str]) -> dict[str, Any]:
             raise ValueError(f"mission '{text}': must be a file, or one of {', '.join(planners)}, {SURVEY}")
         if name in chosen:
             raise ValueError(f"mission '{text}': there is another '{name}'")
-        chosen[name] = None if text == SURVEY else load(PLANNERS, text) if text in planners else Path(text)
+        chosen[name] = None if text == SURVEY else planner(text) if text in planners else Path(text)
     return chosen
 
 

@@ -91,7 +91,7 @@ def _command(name: str, found: Any) -> Any:
     program = typer.Typer(**SETTINGS)
     if isinstance(found, typer.Typer):
         known = {each.name for each in found.registered_commands}
-        more = load_all(f"{SOCKET}.{name}") if is_offered(f"{SOCKET}.{name}") else {}
+        more = load_all(f"{SOCKET}.{name}", _function) if is_offered(f"{SOCKET}.{name}") else {}
         for subcommand in [each for each in more if each not in known]:
             found.command(subcommand)(more[subcommand])
         program.add_typer(found, name=name, rich_help_panel=found.rich_help_panel)
@@ -100,6 +100,15 @@ def _command(name: str, found: Any) -> Any:
     else:
         raise TypeError(f"{type(found).__name__}: must be a function or a typer.Typer")
     return typer.main.get_group(program).commands[name]
+
+
+def _function(name: str, found: Any) -> Callable[..., Any]:
+    """Return a subcommand. Raises TypeError, or RuntimeError for parameters of which typer cannot make options."""
+    if not inspect.isfunction(found):
+        raise TypeError(f"{type(found).__name__}: must be a function")
+    if not found.__module__.startswith("uwsim."):  # one that is refused later would take the whole group with it
+        _command(name, found)
+    return found
 
 
 def _outline(name: str, found: Any) -> Any:

@@ -103,12 +103,19 @@ def schema(
 
     Draft 7, for editors and other programs.
     """
+    from pydantic import BaseModel
+
     from uwsim.base.sockets import load_all
     from uwsim.scenario.schema import FILES, schema_file
     from uwsim.scenario.schema import schema as schema_of
 
+    def model(name: str, found: Any) -> Any:
+        if not (isinstance(found, type) and issubclass(found, BaseModel)):
+            raise TypeError("must be a class derived from pydantic.BaseModel")
+        return found
+
     if not path:
-        typer.echo(json.dumps(schema_of(part, dict(load_all("uwsim.schemas"))), indent=2))
+        typer.echo(json.dumps(schema_of(part, dict(load_all("uwsim.schemas", model))), indent=2))
         return
     if part not in FILES:
         raise ValueError(f"part '{part}': only {', '.join(FILES)} are files of their own")

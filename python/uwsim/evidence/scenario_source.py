@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,9 +39,16 @@ def source_of(path: Path) -> ScenarioSource:
     if not path.exists():
         raise FileNotFoundError(f"'{path}': there is no such file or folder")
     sources: Mapping[str, ScenarioSource] = sockets.load_all(GROUP, _source)
-    for source in sources.values():
-        if source.accepts(path):
-            return source
+    for name, source in sources.items():
+        entry = sockets.registered(GROUP)[name]
+        try:
+            if source.accepts(path):
+                return source
+        except Exception as error:  # another package's code may raise anything
+            if entry.is_own:
+                raise
+            what = sockets.blamed(GROUP, entry, error, "accepts")
+            warnings.warn(f"{what}; not asked further", sockets.SocketWarning, stacklevel=2)
     raise ValueError(f"'{path}': must be {', '.join(source.what for source in sources.values())}")
 
 

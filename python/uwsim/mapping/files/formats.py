@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.base.sockets import load, registered
+from uwsim.base.sockets import load, load_all, registered
 
 if TYPE_CHECKING:
     from uwsim.mapping.depth_grid import DepthGrid
@@ -86,6 +86,10 @@ class Formats(Mapping[str, Format], Generic[Format]):
     def __len__(self) -> int:
         return len(registered(self._group))
 
+    def usable(self) -> Mapping[str, Format]:
+        """Return all formats by suffix but those of broken packages, of which it warns."""
+        return {f".{name}": each for name, each in load_all(self._group, self._fitting).items()}
+
     def _fitting(self, name: str, found: Any) -> Any:
         if not isinstance(found, self._of):
             raise TypeError(f"must be a {self._of.__module__}.{self._of.__name__}")
@@ -99,4 +103,4 @@ GRID_FORMATS = Formats("uwsim.kinds.grid_file", GridFormat)
 
 def placed_clouds() -> list[str]:
     """Return the suffixes of the cloud formats that hold a place on Earth."""
-    return [suffix for suffix, each in CLOUD_FORMATS.items() if each.encode_at is not None]
+    return [suffix for suffix, each in CLOUD_FORMATS.usable().items() if each.encode_at is not None]

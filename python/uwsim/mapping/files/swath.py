@@ -132,7 +132,11 @@ def survey_format(path: Path, option: str) -> SurveyFormat:
     suffixes = [f".{name}" for name in registered(GROUP)]
     if path.suffix.lower() not in suffixes:
         raise ValueError(f"{option} {path}: must end in {' or '.join(suffixes)}")
-    found = load(GROUP, path.suffix.lower().removeprefix("."))
+    found: SurveyFormat = load(GROUP, path.suffix.lower().removeprefix("."), _fitting)
+    return found
+
+
+def _fitting(name: str, found: object) -> SurveyFormat:
     if not isinstance(found, SurveyFormat):
-        raise ValueError(f"{option} {path}: the format's package does not provide a SurveyFormat")
+        raise TypeError(f"must be a {SurveyFormat.__module__}.{SurveyFormat.__name__}")
     return found

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from uwsim.base.sockets import PLANNERS, load
+from uwsim.base.sockets import planner
 from uwsim.campaigns.datasets.sequences.make import Sequence, make_sequence
 from uwsim.flight.missions import SURVEY
 from uwsim.flight.terminal import Silent
@@ -45,7 +45,7 @@ def make_named_sequence(
 ) -> Sequence:
     """Make a packaged sequence, or that of a file, with its baselines; see make_sequence. Raises its errors."""
     spec = load_sequence(name)
-    mission = None if spec.mission == SURVEY else load(PLANNERS, spec.mission)
+    mission = None if spec.mission == SURVEY else planner(spec.mission)
     return make_sequence(
         spec.scenario, mission, out, cameras=spec.cameras, instruments=spec.instruments, bag=bag, baselines=True,
         seed=spec.seed, time_limit_s=spec.time_limit_s, threads=threads, screen=screen,
