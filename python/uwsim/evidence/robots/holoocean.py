@@ -53,7 +53,7 @@ def read_holoocean(path: Path) -> Found:
 
 def _robot(agent: dict[str, Any], path: str, found: Found) -> Robot:
     kind = agent.get("agent_type")
-    if kind not in AGENTS:
+    if not isinstance(kind, str) or kind not in AGENTS:
         raise ValueError(f"{path}/agent_type: {kind!r}: must be one of {', '.join(AGENTS)}")
     at = np.array(_three(agent.get("location", [0, 0, 0]), f"{path}/location", "m"))
     roll, pitch, yaw = np.radians(_three(agent.get("rotation", [0, 0, 0]), f"{path}/rotation", "deg"))
@@ -64,7 +64,7 @@ def _robot(agent: dict[str, Any], path: str, found: Found) -> Robot:
     for key in sorted(agent.keys() - {"agent_type", "agent_name", "location", "rotation", "sensors"}):
         found.left_out(f"agent '{name}': '{key}'")
     for sensor in _objects(agent.get("sensors", []), f"{path}/sensors"):
-        if (type_of := sensor.get("sensor_type")) not in SENSORS:
+        if (type_of := str(sensor.get("sensor_type"))) not in SENSORS:
             found.left_out(f"agent '{name}': sensor {type_of}")
     return Robot(name, place, model=AGENTS[kind])
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.extras import need_extra
+from uwsim.scenario.read.limited import run_limited
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 FREE_BYTES, BYTES_PER_BYTE = 16_000_000, 400
@@ -25,6 +26,8 @@ CHUNK_BYTES = 64_000_000
 """The largest chunk of a dataset that is smaller: it is unpacked whole."""
 TEXTS = 1000
 """The most texts of any length in a dataset: each may be the same long one."""
+PROCESS, PROCESS_BYTES, PROCESS_CPU_S = Path(__file__).with_name("hdf5_process.py"), 2_000_000_000, 5
+"""The process that reads texts first, and its limits."""
 SHUFFLE, FLETCHER32 = 2, 3
 """HDF5's numbers of the filters that do not compress."""
 
@@ -36,9 +39,9 @@ class Hdf5Error(ValueError):
 class InsideHdf5:
     """The datasets of an HDF5 file that are in the file itself."""
 
-    def __init__(self, file: Any, file_bytes: int) -> None:
-        self._file = file
-        self._left_bytes = FREE_BYTES + BYTES_PER_BYTE * file_bytes
+    def __init__(self, file: Any, path: Path) -> None:
+        self._file, self._path = file, path
+        self._left_bytes = FREE_BYTES + BYTES_PER_BYTE * path.stat().st_size
 
     def names(self) -> Iterator[str]:
         """Yield the names in the root, of whatever kind."""
@@ -71,19 +74,32 @@ class InsideHdf5:
         return node
 
     def attributes(self, dataset: Any, names: Iterable[str]) -> dict[str, Any]:
-        """Return the attributes of a dataset with these names that are single values."""
+        """Return the attributes of a dataset with these names that are single values. Raises Hdf5Error."""
         given = dataset.attrs
-        return {name: given[name] for name in names if name in given and prod(given.get_id(name).shape or ()) == 1}
+        single = [name for name in names if name in given and prod(given.get_id(name).shape or ()) == 1]
+        if texts := [name for name in single if given.get_id(name).dtype.hasobject]:
+            self._require_texts(dataset.name, texts)
+        return {name: given[name] for name in single}
 
     def values(self, path: str, dataset: Any) -> NDArray[Any]:
         """Return the values of a dataset. Raises Hdf5Error if they are more than a file of this size may hold."""
         count, width = dataset.size or 0, max(dataset.dtype.itemsize, 8)
         if dataset.dtype.hasobject and count > TEXTS:
             raise Hdf5Error(f"{path} has {count:,} texts: must be at most {TEXTS:,}")
+        if dataset.dtype.hasobject:
+            self._require_texts(path)
         if count * width > self._left_bytes:
             raise Hdf5Error(f"{path} has {count:,} values, too many for a file of this size")
         self._left_bytes -= count * width
         return np.asarray(dataset[()])
+
+    def _require_texts(self, path: str, attributes: Iterable[str] = ()) -> None:
+        """Raise Hdf5Error if a process with limits cannot read texts: of some, the library would never return."""
+        limits = {"memory_bytes": PROCESS_BYTES, "cpu_s": PROCESS_CPU_S}
+        try:
+            run_limited(PROCESS, "HDF5", str(self._path), path, "\n".join(attributes), **limits)
+        except ValueError as error:
+            raise Hdf5Error(f"is not readable: {error}") from None
 
 
 @contextmanager
@@ -93,7 +109,7 @@ def inside_hdf5(path: Path, what: str) -> Iterator[InsideHdf5]:
     import h5py
 
     with h5py.File(path, "r") as file:
-        yield InsideHdf5(file, path.stat().st_size)
+        yield InsideHdf5(file, path)
 
 
 def require_inside(path: Path, what: str) -> None:
