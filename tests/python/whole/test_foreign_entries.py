@@ -52,7 +52,7 @@ Results = dict[tuple[str, ...], subprocess.CompletedProcess[str]]
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, Results]:
-    """What all commands return, without and with a package that is broken in every group."""
+    """The results of all commands, without and with a package that is broken in every group."""
     folder = tmp_path_factory.mktemp("broken")
     lines = []
     for group, own in OWN.items():

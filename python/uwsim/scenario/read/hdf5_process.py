@@ -1,8 +1,8 @@
 """Reading of texts in an HDF5 file, in a process: python hdf5_process.py FILE DATASET ATTRIBUTES BYTES CPU_S.
 
 ATTRIBUTES: names, one a line; if there are none, the dataset itself is read. Texts of any length are stored in a heap
-of their own, and the library reads a damaged one for ever. An error that it raises is no failure here: whoever reads
-the file gets the same one. To start quickly, this must not import uwsim.
+of their own, and the library reads a damaged one for ever. An error that it raises is no failure here: uwsim's own
+process gets the same one. To start quickly, this must not import uwsim.
 """
 
 from __future__ import annotations
