@@ -72,7 +72,9 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, Results]
         (work / "empty.txt").touch()
         for name in (*named("uwsim.kinds.map_file"), *named("uwsim.kinds.survey_file")):
             (work / f"empty.{name}").touch()
-        placed = [[str(work / word) if "." in word or word in FOLDERS else word for word in words] for words in commands]
+        placed = [
+            [str(work / each) if "." in each or each in FOLDERS else each for each in words] for words in commands
+        ]
         done = uwsim_in_another_process(*placed, env=with_plugins(*folders))
         return {words: _relative(each, work) for words, each in zip(commands, done, strict=True)}
 

@@ -16,7 +16,8 @@ import h5py
 
 def main() -> None:
     """Read all texts within the limits; if they take more memory, print one line to stderr and exit with code 1."""
-    path, dataset, attributes, memory_bytes, cpu_s = *sys.argv[1:4], *map(int, sys.argv[4:])
+    path, dataset, attributes = sys.argv[1:4]
+    memory_bytes, cpu_s = map(int, sys.argv[4:])
     os.dup2(2, 1)  # keeps the library's output out of the result
     for kind, limit in ((resource.RLIMIT_AS, memory_bytes), (resource.RLIMIT_CPU, cpu_s), (resource.RLIMIT_CORE, 0)):
         resource.setrlimit(kind, (limit, limit))
