@@ -78,6 +78,18 @@ def test_each_kind_is_added_read_again_and_removed_without_a_trace(section: str,
     assert found.scenario == draft().scenario
 
 
+def test_a_solid_of_an_older_edition_is_empty_and_one_that_never_was_is_refused() -> None:
+    """A page that asks while another change is on its way gets the newer solid next: it is no error."""
+    found = draft()
+    older = found.plan.edition
+    assert found.plan.solid(older, 0)[:4] == b"glTF"
+    found.set("obstacles", ("obstacles", 0), {"position_m": [1, 2, -3]})
+    assert found.plan.edition == older + 1 and found.plan.solid(older, 0) == b""
+    for edition, number in ((older + 2, 0), (older + 1, len(found.scenario.obstacles))):
+        with pytest.raises(ValueError, match="does not exist"):
+            found.plan.solid(edition, number)
+
+
 def test_comments_and_untouched_lines_stay() -> None:
     found, before = draft("lake"), draft("lake").text
     found.set("obstacles", ("obstacles", 1), {"position_m": [-57.5, -54], "lower_bar_m": 1.5})

@@ -51,8 +51,13 @@ class GroundPlan:
         self._obstacles, self.outlines_m, self._solids = scenario.obstacles, outlines, solids
 
     def solid(self, edition: int, number: int) -> bytes:
-        """Return an obstacle as binary glTF, in the world. Raises ValueError for an old edition or a wrong number."""
-        if edition != self.edition or not 0 <= number < len(self._solids):
+        """Return an obstacle as binary glTF, in the world; nothing for an old edition, since a newer one is on its way.
+
+        Raises ValueError for an edition or a number that there never was.
+        """
+        if 0 <= edition < self.edition:
+            return b""
+        if edition != self.edition or number >= len(self._solids):
             raise ValueError(f"obstacle {number} of edition {edition}: does not exist")
         return glb(self._solids[number], np.zeros(3))
 

@@ -85,7 +85,7 @@ export class PartSolids {
   }
 
   async #fetch(k, key, fetchSolid) {
-    const node = await fetchSolid().catch(() => null); // of an edition that is no more: a newer one is under way
+    const node = await fetchSolid().catch(() => null); // empty if of an edition that is no more: a newer one is under way
     if (!node || keyOf(this.#parts.list[k] ?? { values: null }) !== key) return;
     this.#solids[k] = { key, node: wrapped(node) };
     this.show();
