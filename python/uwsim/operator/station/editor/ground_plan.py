@@ -51,10 +51,7 @@ class GroundPlan:
         self._obstacles, self.outlines_m, self._solids = scenario.obstacles, outlines, solids
 
     def solid(self, edition: int, number: int) -> bytes:
-        """Return an obstacle as binary glTF, in the world; nothing for an old edition, since a newer one is on its way.
-
-        Raises ValueError for an edition or a number that there never was.
-        """
+        """Return an obstacle as binary glTF, b"" if a newer edition replaces it. Raises ValueError if it never was."""
         if 0 <= edition < self.edition:
             return b""
         if edition != self.edition or number >= len(self._solids):
