@@ -27,7 +27,16 @@ TEXTS = (
     "", "/dev/full", "folder", "/proc/self", LONG, NOT_UTF8, "\x01\x1b[31m", "-", "nan", "../" * 60 + "x",
     "%s%n{}$(x)", "/dev/zero",
 )  # fmt: skip
-NONSENSE = frozenset({"", LONG, "\x01\x1b[31m", "%s%n{}$(x)", "/dev/full", "/dev/zero", "/proc/self"})
+PATHS = frozenset({"/dev/full", "/dev/zero", "/proc/self"})
+NONSENSE = PATHS | {"", LONG, "\x01\x1b[31m", "%s%n{}$(x)"}
+MEANT = {
+    ("exercise", "person"): PATHS | {"%s%n{}$(x)"},
+    ("logbook", "person"): NONSENSE,
+    ("station", "instructor_token"): NONSENSE,
+    ("identify", "name"): frozenset({""}),
+    **{(command, name): PATHS | {""} for command in ("serve", "connect") for name in ("namespace", "frame_prefix")},
+}
+"""Texts that mean something to a parameter of a command: a name, a token, a place in ROS's tree of names."""
 NEEDS_MORE = {"scheduler": "a cluster", "ros1": "a ROS 1 master"}
 """Flags that are not tried by themselves."""
 
@@ -130,7 +139,8 @@ class Line(NamedTuple):
     @property
     def is_nonsense(self) -> bool:
         """Return whether its value is a text that is meaningless for every parameter, except as the name of a file."""
-        return self.kind is str and self.value in NONSENSE
+        meant = MEANT.get((self.command, self.parameter), frozenset())
+        return self.kind is str and self.value in NONSENSE - meant
 
     @property
     def is_about_a_file(self) -> bool:

@@ -16,6 +16,7 @@ from types import TracebackType
 from typing import NamedTuple, Self
 
 from uwsim.base.ffmpeg import encoder_path
+from uwsim.bridges.hosts import checked_host
 from uwsim.channels.delivery.pictures import RATE_HZ
 from uwsim.instruments.cameras import Camera, Frame
 from uwsim.live import LiveSimulator, Subscription
@@ -50,9 +51,7 @@ class Target(NamedTuple):
         host, _, port = text.rpartition(":")
         if not re.fullmatch(r"\d{1,5}", port) or not 0 < int(port) <= 65535:
             raise ValueError(f"video = '{text}': must be [HOST:]PORT, with a port in [1, 65535]")
-        if host and not re.fullmatch(r"[A-Za-z0-9._-]+", host):
-            raise ValueError(f"video = '{text}': the host must be a name or an IPv4 address")
-        return cls(host or "127.0.0.1", int(port))
+        return cls(checked_host(host or "127.0.0.1", f"video = '{text[:80]}'"), int(port))
 
     def __str__(self) -> str:
         return f"{self.host}:{self.port}"

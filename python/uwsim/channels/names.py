@@ -11,14 +11,16 @@ from uwsim.channels.channel import Channel, Service
 SHARED = frozenset({"clock", "tf", "tf_static", "diagnostics"})
 """Topics that all programs in a graph share, whatever their namespace."""
 NODE = "uwsim"
+NAME_MAX = 200  # characters; ROS 2 allows 255 for a topic
 _NAMESPACE = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 
 
 def checked_namespace(namespace: str) -> str:
     """Return a namespace without slashes at its ends. Raises ValueError for a namespace that ROS does not allow."""
     plain = namespace.strip("/")
-    if plain and not _NAMESPACE.fullmatch(plain):
-        raise ValueError(f"namespace = '{namespace}': must be letters, digits and _, beginning with a letter")
+    if plain and not (_NAMESPACE.fullmatch(plain) and len(plain) <= NAME_MAX):
+        rule = f"must be letters, digits and _, beginning with a letter, at most {NAME_MAX}"
+        raise ValueError(f"namespace = '{namespace[:80]}': {rule}")
     return plain
 
 

@@ -51,6 +51,8 @@ def writable(param: typer.CallbackParam, value: Path | None) -> Path | None:
     """Return a path if it can be written; a typer callback, which reports an error before a long computation."""
     if value is not None:
         _require_file(value, option_name(param))
+        if value.is_dir():
+            raise UsageError(f"{option_name(param)} = '{value}': is a folder: must be a file")
         if not os.access(value.parent, os.W_OK):
             raise UsageError(f"{option_name(param)} = '{value}': cannot write into the folder '{value.parent}'")
     return value

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple, Self
 
+from uwsim.bridges.hosts import checked_host
 from uwsim.bridges.imc.wire import NO_SYSTEM, UNKNOWN_ENTITY, ImcError, Message, PacketReader, Sent, decoded, encoded
 from uwsim.bridges.kept_connection import CONNECT_S, Datagrams, KeptConnection, Stream
 
@@ -49,7 +50,7 @@ class Address(NamedTuple):
         port = int(found[3] or (LISTEN_PORT if kind == "announce" else TCP_PORT))
         if not 1 <= port <= 65535:
             raise ValueError(f"imc = '{text[:80]}': the port must be in [1, 65535]")
-        return cls(vehicle, kind, host, port)
+        return cls(vehicle, kind, checked_host(host, f"imc = '{text[:80]}'"), port)
 
     def __str__(self) -> str:
         return f"{self.kind}:{self.host}:{self.port}"

@@ -14,6 +14,7 @@ from contextlib import suppress
 from typing import Any, NamedTuple, Self
 
 from uwsim.bridges.admission import warn_beyond_loopback
+from uwsim.bridges.hosts import checked_host
 from uwsim.bridges.places import HALF_OPEN_MAX, HalfOpen, Places
 from uwsim.bridges.rare_log import RareLog
 
@@ -51,7 +52,8 @@ class Endpoint(NamedTuple):
         port = rest[-1] if rest else str(PORTS[kind])
         if not re.fullmatch(r"\d{1,5}", port) or int(port) > 65535:
             raise ValueError(f"mavlink = '{text}': the port must be in [0, 65535]")
-        return cls(kind, rest[0] if len(rest) == 2 else "127.0.0.1", int(port))
+        host = checked_host(rest[0], f"mavlink = '{text[:80]}'") if len(rest) == 2 else "127.0.0.1"
+        return cls(kind, host, int(port))
 
     def __str__(self) -> str:
         return f"{self.kind}:{self.host}:{self.port}"

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterable
 from typing import NamedTuple, Self
 
+from uwsim.bridges.hosts import checked_host
 from uwsim.bridges.kept_connection import CONNECT_S, READ_BYTES, KeptConnection, Stream
 from uwsim.bridges.moos.wire import DATA, NOTIFY, POISON, PROTOCOL, REGISTER, TIMING, Message, MoosError, PacketReader
 from uwsim.bridges.moos.wire import encoded as packet_of
@@ -38,7 +39,7 @@ class Address(NamedTuple):
         port = int(found[2] or PORT)
         if not 1 <= port <= 65535:
             raise ValueError(f"moos = '{text[:80]}': the port must be in [1, 65535]")
-        return cls(vehicle, found[1], port)
+        return cls(vehicle, checked_host(found[1], f"moos = '{text[:80]}'"), port)
 
     def __str__(self) -> str:
         return f"{self.host}:{self.port}"

@@ -8,6 +8,7 @@ import socket
 from contextlib import suppress
 from typing import NamedTuple, Self
 
+from uwsim.bridges.hosts import checked_host
 from uwsim.bridges.rare_log import RareLog
 
 PORT = 10110
@@ -34,7 +35,8 @@ class Target(NamedTuple):
         low = 1 if kind == "udp" else 0
         if not re.fullmatch(r"\d{1,5}", port) or not low <= int(port) <= 65535:
             raise ValueError(f"nmea = '{text[:80]}': the port must be in [{low}, 65535]")
-        return cls(kind, rest[0] if len(rest) == 2 else "127.0.0.1", int(port))
+        host = checked_host(rest[0], f"nmea = '{text[:80]}'") if len(rest) == 2 else "127.0.0.1"
+        return cls(kind, host, int(port))
 
     def __str__(self) -> str:
         return f"{self.kind}:{self.host}:{self.port}"

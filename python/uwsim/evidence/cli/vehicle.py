@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from uwsim.base.axes import AXES
+from uwsim.base.own_files import require_own
 from uwsim.cli.bounds import UsageError, within, writable
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.groups import under
@@ -32,7 +33,9 @@ def vehicle(
             autocompletion=vehicles,
         ),
     ],
-    out: Annotated[Path | None, typer.Option(help="The HTML page to write. Default: no page.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="The HTML page to write. Default: no page.", callback=writable)
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
     wet: Annotated[
         Path | None,
@@ -83,6 +86,8 @@ def vehicle(
     from uwsim.evidence.vehicle.report import vehicle_report
     from uwsim.evidence.vehicle.text import report_lines
 
+    if out is not None:
+        require_own(out)  # before a minute's work
     check = check_part(file, "vehicle")
     for mistake in check.mistakes:
         typer.echo(f"uwsim: error: {mistake}", err=True)

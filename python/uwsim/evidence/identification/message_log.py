@@ -30,6 +30,7 @@ class MessageLog:
             raise FileNotFoundError(2, "No such file or directory", str(path))
         self.path = path
         self._cache: dict[str, tuple[Array, list[Any]]] = {}
+        self.commanded: set[str] = set()  # the vehicles that commands name, once they are read
         self.topics = {topic for topic, _, _ in self._read(None)}
 
     def keep_efforts(self, vehicle: str) -> bool:
@@ -43,6 +44,7 @@ class MessageLog:
             except ValueError as error:
                 raise ValueError(f"{self.path}: {error}") from None
             given = command.arguments
+            self.commanded |= {str(given["vehicle"])} if "vehicle" in given else set()
             if vehicle and given.get("vehicle", vehicle) != vehicle:
                 continue
             if command.name == "set_effort":

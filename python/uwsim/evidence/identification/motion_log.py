@@ -155,6 +155,8 @@ def own_mapping(messages: MessageLog, vehicle: str) -> Mapping:
         raise ValueError(f"{messages.path}: no {prefix}/odom and {prefix}/telemetry: name the topics in a mapping file")
     fields: dict[str, Any] = {key: [name.format(odometry) for name in names] for key, names in ODOMETRY.items()}
     has_commands = messages.keep_efforts(vehicle)
+    if vehicle and not prefix and messages.commanded and vehicle not in messages.commanded:
+        raise ValueError(f"{messages.path}: no vehicle '{vehicle[:40]}': has {', '.join(sorted(messages.commanded))}")
     source = COMMANDS if has_commands else f"{prefix}/telemetry"
     efforts = [f"{source}:efforts[{k}]" for k in range(6)]
     return Mapping.model_validate({**fields, "effort": efforts, "effort_is_sampled": not has_commands})
