@@ -11,6 +11,7 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, reduce
 from importlib import import_module
@@ -121,6 +122,21 @@ def _function(name: str, found: Any) -> Any:
     if not callable(found):
         raise TypeError(f"{type(found).__name__}: must be a function")
     return found
+
+
+@contextmanager
+def blaming(group: str, name: str, at: str, passes: tuple[type[Exception], ...] = ()) -> Iterator[None]:
+    """Raise EntryError for what the code of another package's entry raises within the block.
+
+    at: what it was asked for. passes: errors of the user, which the entry may raise.
+    """
+    try:
+        yield
+    except Exception as error:
+        entry = registered(group).get(name)
+        if entry is None or entry.is_own or isinstance(error, (EntryError, *passes)):
+            raise
+        raise EntryError(blamed(group, entry, error, at)) from error
 
 
 def blamed(group: str, entry: Entry, error: BaseException, at: str = "cannot be used") -> str:

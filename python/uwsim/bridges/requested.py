@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from uwsim.base.options import Flag, FlagGroup, Options, flag_name
 from uwsim.base.registered_options import RegisteredOptions, require_named
-from uwsim.base.sockets import load_all
+from uwsim.base.sockets import blaming, load_all
 from uwsim.bridges.plug import BridgePlug, Context
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ class Bridges(RegisteredOptions[Options]):
     values: options by name. `prepare` comes before anything is built, then `check`, then `open`.
     """
 
+    socket = SOCKET
     plays = False
 
     def __init__(self, **values: Any) -> None:
@@ -79,7 +80,8 @@ class Bridges(RegisteredOptions[Options]):
         Raises OSError, ValueError or MissingExtraError.
         """
         for name, plug in self._plugs.items():
-            context.opened[name] = stack.enter_context(plug.open(context))
+            with blaming(SOCKET, name, "open", (OSError, ValueError, ImportError)):
+                context.opened[name] = stack.enter_context(plug.open(context))
         return [opened.address for opened in context.opened.values()]
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import inspect
 import signal
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any, TypeVar
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from uwsim.base.sockets import is_offered, load, load_all, registered
+from uwsim.base.sockets import blaming, is_offered, load, load_all, registered
 from uwsim.cli.flags import expanded
 from uwsim.cli.options import SETTINGS
 from uwsim.cli.signals import exit_interrupted
@@ -22,6 +23,9 @@ Those of some commands with subcommands are groups, too: `uwsim.cli.map` and `uw
 """
 OTHERS = "From other packages"
 """The heading of commands that give none."""
+
+ENDS = (OSError, ValueError, typer.BadParameter.__bases__[0], typer.Exit, typer.Abort)
+"""The errors with which a command may end, any usage error included."""
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -93,13 +97,20 @@ def _command(name: str, found: Any) -> Any:
         known = {each.name for each in found.registered_commands}
         more = load_all(f"{SOCKET}.{name}", _function) if is_offered(f"{SOCKET}.{name}") else {}
         for subcommand in [each for each in more if each not in known]:
-            found.command(subcommand)(more[subcommand])
+            found.command(subcommand)(expanded(more[subcommand]))
         program.add_typer(found, name=name, rich_help_panel=found.rich_help_panel)
     elif inspect.isfunction(found):
         program.command(name)(expanded(found))
     else:
         raise TypeError(f"{type(found).__name__}: must be a function or a typer.Typer")
-    return typer.main.get_group(program).commands[name]
+    made = typer.main.get_group(program).commands[name]
+    made.invoke = partial(_invoked, name, made.invoke)  # type: ignore[method-assign]
+    return made
+
+
+def _invoked(name: str, invoke: Callable[..., Any], *context: Any) -> Any:
+    with blaming(SOCKET, name, "command", ENDS):
+        return invoke(*context)
 
 
 def _function(name: str, found: Any) -> Callable[..., Any]:

@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.sockets import blaming
 from uwsim.instruments.errors import Errors
 from uwsim.instruments.readings import Reading
 from uwsim.scenario.spec.sensor import Noise, SensorMount
-from uwsim.scenario.spec.sensor_kind import DerivedKind, Widths, figures_of
+from uwsim.scenario.spec.sensor_kind import GROUP, DerivedKind, Widths, figures_of
 
 Floats = NDArray[np.float64]
 
@@ -35,7 +36,8 @@ class Derivation:
 
     def reading(self, values: Mapping[str, Any], stamp_ns: int, *, noise: bool) -> dict[str, Any]:
         """Return the quantities by name, numbers or arrays (n,), from those of the source. Raises ValueError."""
-        given = self.kind.measure(values, figures_of(self.kind, self.mount.parameters), 1e-9 * stamp_ns)
+        with blaming(GROUP, self.kind.name, "measure"):
+            given = self.kind.measure(values, figures_of(self.kind, self.mount.parameters), 1e-9 * stamp_ns)
         if set(given) != set(self.kind.fields):
             rule = f"must measure {', '.join(self.kind.fields)}"
             raise ValueError(f"sensor kind '{self.kind.name}': measured {', '.join(given) or 'nothing'}: {rule}")

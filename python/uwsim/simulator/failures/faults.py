@@ -22,10 +22,11 @@ from uwsim.base.arguments import plain
 from uwsim.base.journal import Journal
 from uwsim.base.saved_state import State
 from uwsim.base.sealed import Sealed
+from uwsim.base.sockets import blaming
 from uwsim.instruments.distortion import Distortion
 from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.spec.fault import FaultModel, FaultyVehicle
+from uwsim.scenario.spec.fault import FAULTS, FaultModel, FaultyVehicle, Overlay
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.simulator.failures.events import EventLog
 from uwsim.simulator.failures.fault import Fault, FaultState, checked_fault
@@ -175,7 +176,7 @@ class Faults(Sealed):
         found = _Overlay(scenario)
         for fault in self._faults.values():
             if fault.is_active or fault.water_kg > 0:
-                fault.spec.apply(found, self._faulty(fault.vehicle, scenario), fault.water_kg)
+                self._apply_one(fault.spec, found, fault.vehicle, scenario, fault.water_kg)
         return found
 
     def overlay_of(self, spec: FaultModel) -> dict[str, Any]:
@@ -185,8 +186,12 @@ class Faults(Sealed):
         if spec.water_kg_after(water_kg, NEVER, step_s) > water_kg and spec.for_s is None:  # it is never full
             water_kg = spec.water_kg_after(0.0, self._ticks(FILL_S), step_s)
         vehicle = spec.vehicle or next(iter(self._vehicles))
-        spec.apply(found, self._faulty(vehicle, self._scenario), water_kg)
+        self._apply_one(spec, found, vehicle, self._scenario, water_kg)
         return found
+
+    def _apply_one(self, spec: FaultModel, overlay: Overlay, vehicle: str, scenario: Scenario, water_kg: float) -> None:
+        with blaming(FAULTS.group, spec.kind, "apply"):
+            spec.apply(overlay, self._faulty(vehicle, scenario), water_kg)
 
     def _faulty(self, vehicle: str, scenario: Scenario) -> FaultyVehicle:
         model = next(entry.model for entry in scenario.vehicles if entry.name == vehicle)
