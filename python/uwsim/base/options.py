@@ -36,6 +36,8 @@ class Flag:
     type: bool, int, float, str or Path (of a file to read), with None as a default; or tuple[str, ...] for a flag that
     may be repeated.
     choices: the accepted words, or () for any. bounds: lowest and highest accepted number, and the unit, or None.
+    completion: the kind of packaged file that the shell completes, such as "modems". is_written: whether a Path is of a
+    file or a folder to write.
     """
 
     type: Any
@@ -44,10 +46,12 @@ class Flag:
     choices: tuple[str, ...] = ()
     bounds: tuple[float, float, str] | None = None
     metavar: str | None = None
+    completion: str = ""
+    is_written: bool = False
 
 
 def option(default: Any, help: str, **settings: Any) -> Any:  # noqa: A002  # as in typer.Option
-    """Return a field of Options. settings: choices, bounds and metavar, as in Flag."""
+    """Return a field of Options. settings: the others of Flag, by name."""
     return dataclasses.field(default=default, metadata={"help": help, **settings})
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from typing import Any, ClassVar, Generic, TypeVar
 
-from uwsim.base.options import Flag, FlagGroup, OptionError, Options, flag_name
-from uwsim.base.sockets import load_all, registered
+from uwsim.base.options import Flag, FlagGroup, OptionError, Options, flag_name, is_given
+from uwsim.base.sockets import EntryError, SocketWarning, blamed, load_all, registered
 
 OptionsT = TypeVar("OptionsT", bound=Options)
 
@@ -14,21 +15,36 @@ OptionsT = TypeVar("OptionsT", bound=Options)
 class RegisteredOptions(FlagGroup, Generic[OptionsT]):
     """The options of all entries of a socket, which are classes of options. Raises OptionError.
 
-    socket: the group of entry points. base: the class from which its entries are derived. requested: the options whose
-    switch is given, by their entry's name.
+    socket: the group of entry points. base: the class from which its entries are derived. is_switched: whether each
+    has a switch. requested: the options whose switch is given, or that have none, by their entry's name.
     """
 
     socket: ClassVar[str]
     base: ClassVar[type[Options]]
+    is_switched: ClassVar[bool] = True
 
     def __init__(self, **values: Any) -> None:
         self.requested: dict[str, OptionsT] = {}
         for name, kind in self.offered().items():
-            options = kind(**{each: values.pop(each) for each in kind.flags() if each in values})
-            if options.is_requested:
+            options = self._made(name, kind, {each: values.pop(each) for each in kind.flags() if each in values})
+            if options is not None and options.is_requested:
                 self.requested[name] = options
         if values:
             raise TypeError(f"{', '.join(values)}: nothing that is registered has this option")
+
+    def _made(self, name: str, kind: type[OptionsT], values: Mapping[str, Any]) -> OptionsT | None:
+        """Return an entry's options. Another package's whose class raises an error is used only by who asks for it."""
+        entry = registered(self.socket)[name]
+        try:
+            return kind(**values)
+        except Exception as error:
+            if isinstance(error, OptionError) or entry.is_own:
+                raise
+            what = blamed(self.socket, entry, error, "options")
+            if any(map(is_given, values.values())):
+                raise EntryError(what) from error
+            warnings.warn(what, SocketWarning, stacklevel=2)
+            return None
 
     @classmethod
     def offered(cls) -> Mapping[str, type[OptionsT]]:
@@ -39,7 +55,7 @@ class RegisteredOptions(FlagGroup, Generic[OptionsT]):
     def _fitting(cls, name: str, found: Any) -> type[OptionsT]:
         if not (isinstance(found, type) and issubclass(found, cls.base)):
             raise TypeError(f"must be a class derived from {cls.base.__name__}")
-        require_named(cls.socket, name, found)
+        require_named(cls.socket, name, found, cls.is_switched)
         return found  # type: ignore[return-value]  # derived from `base`
 
     @classmethod
@@ -56,9 +72,9 @@ class RegisteredOptions(FlagGroup, Generic[OptionsT]):
         return next(iter(self.requested.values()), None)
 
 
-def require_named(group: str, name: str, options: type[Options]) -> None:
+def require_named(group: str, name: str, options: type[Options], is_switched: bool = True) -> None:
     """Raise ValueError unless options are named as the entry is registered; uwsim's own need only its switch."""
-    if options.switch != name:
+    if options.switch != name and (is_switched or options.switch is not None):
         raise ValueError(f"switch = {options.switch!r}: must be {name!r}, as it is registered")
     if not registered(group)[name].is_own:
         for flag in options.flags():

@@ -15,6 +15,7 @@ from uwsim.base.options import Flag, FlagGroup, flag_name
 from uwsim.base.sockets import SocketWarning
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.choices import one_of
+from uwsim.cli.values import COMPLETED
 
 
 def expanded(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -60,9 +61,12 @@ def _parameter(name: str, flag: Flag) -> inspect.Parameter:
         settings |= one_of(*flag.choices)
     if flag.bounds is not None:
         settings["callback"] = within(*flag.bounds)
-    if Path in get_args(flag.type):
+    if Path in get_args(flag.type) and not flag.is_written:
         settings["callback"] = readable
-    option = typer.Option(flag_name(name), **settings)
+    if flag.completion:
+        settings["autocompletion"] = COMPLETED[flag.completion]
+    both = f"/--no-{flag_name(name)[2:]}" if bool in get_args(flag.type) else ""  # None: neither was given
+    option = typer.Option(flag_name(name) + both, **settings)
     kind, default = (list[str] | None, None) if _is_repeated(flag) else (flag.type, flag.default)
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, option])
 

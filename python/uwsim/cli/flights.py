@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from uwsim.base.options import need
-from uwsim.base.sockets import registered
-from uwsim.cli.bounds import within
-from uwsim.cli.choices import one_of
+from uwsim.base.options import Options, option
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED, STUCK
 from uwsim.cli.values import scenarios
+from uwsim.flight.attachment import Attachments
 
 if TYPE_CHECKING:
     from uwsim.flight.record import FlightRecord
@@ -26,118 +25,87 @@ ScenarioOfFlight = Annotated[
         help="Name of a packaged scenario, or path of a YAML file. Default: lake.", autocompletion=scenarios
     ),
 ]
-Engine = Annotated[
-    str | None,
-    typer.Option(
-        help="Engine of the map: bricks (default), or octomap, the stock library.", **one_of("bricks", "octomap")
-    ),
-]
-VerifyMap = Annotated[
-    bool, typer.Option("--verify-map", help="Also build a stock OctoMap map; exit with 1 if a byte differs.")
-]
-MapMemory = Annotated[
-    float | None,
-    typer.Option(
-        help="Limit of the map's memory [MB]; the rest of the map goes to disk. Default: no limit.",
-        callback=within(0.001, 1e9, "MB"),
-    ),
-]
-OutlierFilter = Annotated[
-    bool | None,
-    typer.Option(
-        "--outlier-filter/--no-outlier-filter",
-        help="Discard ranges with which their neighbours in the swath disagree. Default: in physics mode.",
-    ),
-]
-Estimate = Annotated[
-    str | None,
-    typer.Option(
-        help="Poses by which vehicles steer and maps are built: truth (default), or filter, estimated from the "
-        "vehicle's own instruments.",
-        **one_of("truth", "filter"),
-    ),
-]
-CloseLoops = Annotated[
-    bool,
-    typer.Option(
-        "--close-loops",
-        help="With a map and --estimate filter: after the flight, adjust the track until overlapping observations "
-        "agree, and rebuild the map. Such a flight is not autosaved.",
-    ),
-]
-TimeLimit = Annotated[
-    float | None,
-    typer.Option(
-        help="End the flight after this simulated time [s]. Default: the battery's.", callback=within(0.001, 1e9, "s")
-    ),
-]
-Report = Annotated[
-    str,
-    typer.Option(
-        help="full: report.html, figures and summary.json; json: summary.json alone; none: neither, and no score.",
-        **one_of("full", "json", "none"),
-    ),
-]
-MinCoverage = Annotated[
-    float | None,
-    typer.Option(
-        help="Exit with 4 if the map's coverage is below this [%]. "
-        "Default: 95 for a survey that ended early, 0 for one that flew all its lanes.",
-        callback=within(0, 100, "%"),
-    ),
-]
-Autosave = Annotated[
-    float | None,
-    typer.Option(help="Wall time between saves [s]; 0 for none. Default: 30.", callback=within(0, 1e6, "s")),
-]
-Raw = Annotated[
-    Path | None,
-    typer.Option(
-        help="Also write every mapped ping with its travel times for survey software: "
-        f"{' or '.join(f'.{name}' for name in registered('uwsim.kinds.survey_file'))}; all but .pd0 need earth: in the "
-        "scenario."
-    ),
-]
-Offsets = Annotated[
-    str | None,
-    typer.Option(
-        help="With --raw: errors of installation in that file, to be found by calibration: roll, pitch, heading [deg], "
-        "latency [s], such as roll=0.5,latency=0.02."
-    ),
-]
-Uncertainty = Annotated[
-    str | None,
-    typer.Option(
-        help="With --raw: standard deviations of the survey's instruments, for the errors that the file states and the "
-        "order of S-44: roll, pitch, heading, mount, angle [deg], position, depth, heave, tide, lever, "
-        "range [m], latency [s], sound_speed, surface_speed [m/s], such as roll=0.05,position=0.5."
-    ),
-]
-Resume = Annotated[bool, typer.Option("--resume", help="Continue the flight last saved in --out.")]
+
+
+@dataclass(frozen=True)
+class MapOptions(Options):
+    """The options of a flight's map. Raises WithoutEffectError."""
+
+    voxel: float | None = option(None, "Edge of the map's voxels [m]; replaces the scenario's.", bounds=(0.02, 10, "m"))
+    engine: str | None = option(
+        None, "Engine of the map: bricks (default), or octomap, the stock library.", choices=("bricks", "octomap")
+    )
+    verify_map: bool = option(False, "Also build a stock OctoMap map; exit with 1 if a byte differs.")
+    map_memory: float | None = option(
+        None,
+        "Limit of the map's memory [MB]; the rest of the map goes to disk. Default: no limit.",
+        bounds=(0.001, 1e9, "MB"),
+    )
+    outlier_filter: bool | None = option(
+        None, "Discard ranges with which their neighbours in the swath disagree. Default: in physics mode."
+    )
+    close_loops: bool = option(
+        False,
+        "With a map and --estimate filter: after the flight, adjust the track until overlapping observations agree, "
+        "and rebuild the map. Such a flight is not autosaved.",
+    )
+    min_coverage: float | None = option(
+        None,
+        "Exit with 4 if the map's coverage is below this [%]. Default: 95 for a survey that ended early, 0 for one "
+        "that flew all its lanes.",
+        bounds=(0, 100, "%"),
+    )
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """The arguments of `fly` that are given, without close_loops, which `resume` does not have."""
+        return given(
+            voxel_m=self.voxel, engine=self.engine, verify_map=self.verify_map or None, map_memory_mb=self.map_memory,
+            outlier_filter=self.outlier_filter,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class FlightOptions(Options):
+    """The options of any flight."""
+
+    estimate: str | None = option(
+        None,
+        "Poses by which vehicles steer and maps are built: truth (default), or filter, estimated from the vehicle's "
+        "own instruments.",
+        choices=("truth", "filter"),
+    )
+    time_limit: float | None = option(
+        None, "End the flight after this simulated time [s]. Default: the battery's.", bounds=(0.001, 1e9, "s")
+    )
+    report: str = option(
+        "full",
+        "full: report.html, figures and summary.json; json: summary.json alone; none: neither, and no score.",
+        choices=("full", "json", "none"),
+    )
+    autosave: float | None = option(None, "Wall time between saves [s]; 0 for none. Default: 30.", bounds=(0, 1e6, "s"))
+    resume: bool = option(False, "Continue the flight last saved in --out.")
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """The arguments of `fly` that are given."""
+        return given(estimate=self.estimate, time_limit_s=self.time_limit, report=self.report, autosave_s=self.autosave)
+
+    def require_fit(self, maps: MapOptions, attachments: Attachments) -> None:
+        """Raise ValueError for options that contradict each other."""
+        if maps.min_coverage and self.report == "none":
+            raise ValueError("--min-coverage: needs a score of the map, which --report none leaves out")
+        if maps.close_loops and self.autosave:
+            raise ValueError(f"--autosave {self.autosave:g} s: a flight with --close-loops is not autosaved")
+        if self.resume:
+            attachments.require_start()
+        if self.resume and maps.close_loops:
+            raise ValueError("--close-loops: such a flight is not saved, so it cannot be resumed")
 
 
 def given(**options: Any) -> dict[str, Any]:
     """Return the options that are not None."""
     return {name: value for name, value in options.items() if value is not None}
-
-
-def require_consistent(
-    *, resume: bool, record: Path | None, record_topic: list[str] | None, close_loops: bool, autosave: float | None,
-    min_coverage: float | None, report: str, raw: Path | None = None,
-) -> None:  # fmt: skip
-    """Raise ValueError or WithoutEffectError for options that contradict each other."""
-    if min_coverage and report == "none":
-        raise ValueError("--min-coverage: needs a score of the map, which --report none leaves out")
-    if resume and record is not None:
-        raise ValueError("--record: a flight that is resumed cannot be recorded from its start")
-    if resume and raw is not None:
-        raise ValueError("--raw: a flight that is resumed has no pings from its start")
-    if close_loops and autosave:
-        raise ValueError(f"--autosave {autosave:g} s: a flight with --close-loops is not autosaved")
-    if resume and close_loops:
-        raise ValueError("--close-loops: such a flight is not saved, so it cannot be resumed")
-    if record is None:
-        need("--record", record_topic=record_topic)
 
 
 def exit_as(flown: FlightRecord, min_coverage: float | None = None) -> None:

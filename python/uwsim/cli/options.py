@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from uwsim.base.options import Options, option
 from uwsim.cli.bounds import within
-from uwsim.cli.values import modems, scenarios, sonars, vehicle_models
+from uwsim.cli.values import scenarios
 
 SETTINGS: dict[str, Any] = {
     "add_completion": False,
@@ -27,28 +29,6 @@ Voxel = Annotated[
     float | None,
     typer.Option(help="Edge of the map's voxels [m]; replaces the scenario's.", callback=within(0.02, 10, "m")),
 ]
-VehicleModel = Annotated[
-    str | None,
-    typer.Option(
-        "--vehicle-model",
-        help="Replaces the model of the scenario's first vehicle: a packaged one's name, or a YAML file.",
-        autocompletion=vehicle_models,
-    ),
-]
-SonarModel = Annotated[
-    str | None,
-    typer.Option(
-        help="Replaces the scenario's sonar: 1 to 4 as in the protocol, a packaged model's name, or a YAML file.",
-        autocompletion=sonars,
-    ),
-]
-Frequency = Annotated[
-    float | None,
-    typer.Option(
-        help="Replaces the scenario's sonar frequency [kHz], for a sonar with several.",
-        callback=within(0.1, 1e5, "kHz"),
-    ),
-]
 
 
 def print_json(values: Any) -> None:
@@ -56,11 +36,6 @@ def print_json(values: Any) -> None:
     import orjson  # imported here, so that --help is fast
 
     typer.echo(orjson.dumps(values, option=orjson.OPT_INDENT_2 | orjson.OPT_SERIALIZE_NUMPY).decode())
-
-
-def hertz(frequency_khz: float | None) -> float | None:
-    """Convert the value of --frequency, which is in kHz, if it is given."""
-    return None if frequency_khz is None else 1e3 * frequency_khz
 
 
 Pose = Annotated[
@@ -71,17 +46,6 @@ Pose = Annotated[
     ),
 ]
 VehicleName = Annotated[str | None, typer.Option("--vehicle", help="Name of the vehicle. Default: the first.")]
-MissionTime = Annotated[
-    float | None, typer.Option(help="Replaces the scenario's battery time [s].", callback=within(1, 1e6, "s"))
-]
-Link = Annotated[
-    str | None,
-    typer.Option(
-        help="Link between station and vehicles: none, tether, ideal_acoustic, micromodem, s2cm_hs, or a YAML file. "
-        "Replaces the scenario's modem.",
-        autocompletion=modems,
-    ),
-]
 Record = Annotated[
     Path | None, typer.Option(help="Record the run into a new file: FILE.mcap, or FILE.bag for ROS 1 (no replay).")
 ]
@@ -97,14 +61,6 @@ RecordAll = Annotated[
         "--record-all", help="Also record pictures and maps; prints first how much processor time that takes."
     ),
 ]
-SurveyTopics = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--record-topic",
-        help="Channels to record, such as odom or 'proximity_*'. Default: all but pictures and channels derived "
-        "from pings: scan, ping, laserPointCloud, points, depthArray, map_changes and octomap_binary.",
-    ),
-]
 Threads = Annotated[
     int | None,
     typer.Option(
@@ -113,6 +69,58 @@ Threads = Annotated[
 ]
 
 
-def sonar_model(text: str | None) -> int | str | None:
-    """Convert a protocol number to int; return a name or path unchanged."""
-    return int(text) if text is not None and text.isascii() and text.isdigit() else text
+@dataclass(frozen=True)
+class SonarOptions(Options):
+    """The options of a scenario with another sonar."""
+
+    seed: int | None = option(None, "Replaces the scenario's seed.", bounds=(0, 2**63 - 1, ""))
+    sonar_model: str | None = option(
+        None,
+        "Replaces the scenario's sonar: 1 to 4 as in the protocol, a packaged model's name, or a YAML file.",
+        completion="sonars",
+    )
+    frequency: float | None = option(
+        None, "Replaces the scenario's sonar frequency [kHz], for a sonar with several.", bounds=(0.1, 1e5, "kHz")
+    )
+
+    @property
+    def sonar(self) -> int | str | None:
+        """The sonar: a number of the protocol, a name or a path."""
+        text = self.sonar_model
+        return int(text) if text is not None and text.isascii() and text.isdigit() else text
+
+    @property
+    def frequency_hz(self) -> float | None:
+        """The frequency [Hz]."""
+        return None if self.frequency is None else 1e3 * self.frequency
+
+
+@dataclass(frozen=True)
+class SimulatorOptions(SonarOptions):
+    """The options of a simulator that is built for a command."""
+
+    vehicle_model: str | None = option(
+        None,
+        "Replaces the model of the scenario's first vehicle: a packaged one's name, or a YAML file.",
+        completion="vehicles",
+    )
+    mission_time: float | None = option(None, "Replaces the scenario's battery time [s].", bounds=(1, 1e6, "s"))
+    link: str | None = option(
+        None,
+        "Link between station and vehicles: none, tether, ideal_acoustic, micromodem, s2cm_hs, or a YAML file. "
+        "Replaces the scenario's modem.",
+        completion="modems",
+    )
+    threads: int | None = option(
+        None, "Number of threads; the result does not depend on it. Default: one per core.", bounds=(1, 1024, "")
+    )
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """The arguments of a Simulator that are given."""
+        found = {
+            "seed": self.seed, "sonar_model": self.sonar, "sonar_frequency_hz": self.frequency_hz,
+            "vehicle_model": self.vehicle_model, "mission_time_s": self.mission_time, "link": self.link,
+            "threads": self.threads,
+        }  # fmt: skip
+        return {name: value for name, value in found.items() if value is not None}

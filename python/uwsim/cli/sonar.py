@@ -10,12 +10,12 @@ import typer
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.groups import under
-from uwsim.cli.options import Frequency, Pose, ScenarioName, Seed, SonarModel, VehicleName, hertz
-from uwsim.cli.options import sonar_model as parsed_sonar_model
+from uwsim.cli.options import Pose, ScenarioName, SonarOptions, VehicleName
 
 
 @under("Look")
 def sonar(
+    *,
     scenario: ScenarioName = "lake",
     vehicle: VehicleName = None,
     pose: Pose = None,
@@ -28,7 +28,6 @@ def sonar(
             **one_of("fan", "image", "side-scan", "profile", "all", "water-column"),
         ),
     ] = "all",
-    sonar_model: SonarModel = None,
     tilt: Annotated[
         float | None,
         typer.Option(
@@ -40,8 +39,7 @@ def sonar(
         float,
         typer.Option(help="Length of the side-scan's track straight ahead [m].", callback=within(0.01, 1000, "m")),
     ] = 60.0,
-    seed: Seed = None,
-    frequency: Frequency = None,
+    sonars: SonarOptions,
 ) -> None:
     """Draw what the sonars would see from a pose.
 
@@ -49,6 +47,6 @@ def sonar(
     """
     from uwsim.cli.draw_sonar import Request, run_sonar
 
-    model = parsed_sonar_model(sonar_model)
-    for line in run_sonar(Request(scenario, out, pose, kind, model, tilt, track, seed, hertz(frequency), vehicle)):
+    model, hertz = sonars.sonar, sonars.frequency_hz
+    for line in run_sonar(Request(scenario, out, pose, kind, model, tilt, track, sonars.seed, hertz, vehicle)):
         typer.echo(line)

@@ -48,6 +48,8 @@ vehicle_models = packaged("vehicles")
 sonars = packaged("sonars", "1", "2", "3", "4")
 modems = packaged("modems")
 vehicles = packaged("vehicles")
+COMPLETED = {"vehicles": vehicle_models, "sonars": sonars, "modems": modems}
+"""By the kind that a flag states."""
 
 
 def offer_fast() -> None:

@@ -10,38 +10,32 @@ from typing import Any, TypeVar
 
 from uwsim.base.agenda import NEVER
 from uwsim.base.journal import CommandObserver, Observer
-from uwsim.base.sockets import Entry, EntryError, SocketWarning, blamed, load, registered
-from uwsim.flight.attachment import Attachment, Departure
+from uwsim.base.sockets import Entry, SocketWarning, blamed, registered
+from uwsim.flight.attachment import Attachment, AttachmentOptions, Attachments, Departure
 from uwsim.flight.record import FlightRecord
 
-GROUP = "uwsim.attachments"
 T = TypeVar("T")
 
 
-def attached(flight: Departure) -> dict[str, Attachment]:
+def attached(options: Attachments, flight: Departure) -> dict[str, Attachment]:
     """Return the attachments of a flight by name. Raises ValueError.
 
-    uwsim's own are loaded only if they are needed, since channels are slow to import. Another package's that cannot be
-    used, or that raises an error, costs a warning and takes no further part; the flight goes on.
+    Another package's that raises an error costs a warning and takes no further part; the flight goes on.
     """
-    needed = {"recorder": flight.record is not None, "link": flight.sim.link is not None, "raw": flight.raw is not None}
-    known = registered(GROUP)
-    for name in (name for name, is_needed in needed.items() if is_needed and name not in known):
-        raise ValueError(f"{name}: no installed package provides it (entry point '{name}' in {GROUP})")
-    for name, entry in known.items():
-        if entry.is_own:
-            found = load(GROUP, name)(flight) if needed.get(name, True) else None
-        else:
-            found = _foreign(entry, flight)
+    known = registered(Attachments.socket)
+    if flight.sim.link is not None and "link" not in options.requested:
+        raise ValueError(f"link: no installed package provides it (entry point 'link' in {Attachments.socket})")
+    for name, each in options.requested.items():
+        found = each.attach(flight) if known[name].is_own else _foreign(known[name], each, flight)
         if found is not None:
             flight.others[name] = found
     return flight.others
 
 
-def _foreign(entry: Entry, flight: Departure) -> Attachment | None:
+def _foreign(entry: Entry, options: AttachmentOptions, flight: Departure) -> Attachment | None:
     """Return what another package attaches, with its errors contained."""
     guard = _Guard(entry)
-    found: Any = guard.call("attach", lambda: load(GROUP, entry.name)(flight), None)
+    found: Any = guard.call("attach", lambda: options.attach(flight), None)
     if found is not None and not isinstance(found, Attachment):
         guard.end("attach", TypeError(f"{type(found).__name__}: must be an Attachment or None"))
     return None if guard.has_ended or found is None else _Foreign(guard, found)
@@ -67,7 +61,7 @@ class _Guard:
     def end(self, name: str, error: BaseException) -> None:
         """Warn of an error in a method of this name, and call nothing more."""
         self.has_ended = True
-        what = str(error) if isinstance(error, EntryError) else blamed(GROUP, self._entry, error, name)
+        what = blamed(Attachments.socket, self._entry, error, name)
         warnings.warn(f"{what}; the flight goes on without it", SocketWarning, stacklevel=2)
 
 

@@ -1,24 +1,34 @@
 """Attachment: what takes part in a flight from another room, such as a recorder or the station's end of a link.
 
-Attachments are registered by entry points in the group `uwsim.attachments`. An entry is a function that receives a
-Departure and returns an Attachment, or None if it has nothing to do in this flight.
+Attachments are registered by entry points in the group `uwsim.attachments`. An entry is a class of options:
+
+    @dataclass(frozen=True)
+    class Diary(AttachmentOptions):
+        switch = "diary"  # without it, it attaches to every flight
+
+        diary: Path | None = option(None, "Write a diary into this file.", metavar="FILE", is_written=True)
+
+        def attach(self, flight: Departure) -> Attachment | None:
+            return DiaryOf(flight, self.diary)
+
+Then `uwsim run` and `uwsim survey` have the flag `--diary FILE`, and `uwsim.fly` the keyword `diary`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from uwsim.base.options import OptionError, Options, flag_name
+from uwsim.base.registered_options import RegisteredOptions
 
 if TYPE_CHECKING:
     from uwsim.base.journal import Observer
-    from uwsim.flight.patch_errors import PatchErrors
     from uwsim.flight.pinging import TakePing
     from uwsim.flight.record import FlightRecord
     from uwsim.flight.request import FlightRequest
-    from uwsim.scoring.tpu import Uncertainties
     from uwsim.simulator.simulator import Simulator
 
 
@@ -28,8 +38,8 @@ class Departure:
 
     names: the vehicles that fly. is_planned: whether they fly the scenario's survey. has_map: whether pings are mapped.
     request: what was asked for, for the flight's own files, if it writes any. carried: name endings of the channels
-    that cross a link. record, record_topics, raw, raw_errors, raw_known: see fly(). saved: the state of each attachment
-    of the flight that continues, by name. others: those attached earlier, by name.
+    that cross a link. saved: the state of each attachment of the flight that continues, by name. others: those attached
+    earlier, by name.
     """
 
     sim: Simulator
@@ -38,11 +48,6 @@ class Departure:
     has_map: bool
     request: FlightRequest | None = None
     carried: tuple[str, ...] | None = None
-    record: Path | None = None
-    record_topics: tuple[str, ...] | None = None
-    raw: Path | None = None
-    raw_errors: PatchErrors | None = None
-    raw_known: Uncertainties | None = None
     saved: Mapping[str, Any] = field(default_factory=dict)
     others: dict[str, Attachment] = field(default_factory=dict)
 
@@ -80,3 +85,44 @@ class Attachment:
     def try_close(self) -> OSError | None:
         """Close files, however the flight ended; return the error if writing failed."""
         return None
+
+
+class AttachmentOptions(Options):
+    """The base of an attachment's options. Their values are JSON values, or `since_start` is stated.
+
+    since_start: why a flight that is resumed cannot have it, or "" if it can.
+    """
+
+    since_start: ClassVar[str] = ""
+
+    def attach(self, flight: Departure) -> Attachment | None:
+        """Return what takes part in a flight, or None if there is nothing to do. Raises ValueError or OSError."""
+        raise NotImplementedError
+
+
+class Attachments(RegisteredOptions[AttachmentOptions]):
+    """The options of all attachments that are registered."""
+
+    socket = "uwsim.attachments"
+    base = AttachmentOptions
+    is_switched = False
+
+    def require_start(self) -> None:
+        """Raise OptionError for what a flight that is resumed cannot have."""
+        for options in self.requested.values():
+            if options.since_start:
+                raise OptionError(f"{flag_name(str(options.switch))}: {options.since_start}")
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """The options that are given, as keywords of `uwsim.fly`."""
+        return _given(self.requested.values())
+
+    @property
+    def kept(self) -> dict[str, Any]:
+        """Those of them with which the flight is resumed."""
+        return _given(options for options in self.requested.values() if not options.since_start)
+
+
+def _given(found: Iterable[Options]) -> dict[str, Any]:
+    return {name: getattr(each, name) for each in found for name, is_given in each.given().items() if is_given}

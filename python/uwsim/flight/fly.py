@@ -10,14 +10,13 @@ from typing import Any
 
 from uwsim.base.folder_lock import alone_in, require_free
 from uwsim.flight.attached import attached
-from uwsim.flight.attachment import Departure
+from uwsim.flight.attachment import Attachments, Departure
 from uwsim.flight.autosave import AUTOSAVE_S, FlightAutosave
 from uwsim.flight.checkpoint import FlightCheckpoint
 from uwsim.flight.engine import Flight
 from uwsim.flight.folder import results_folder
 from uwsim.flight.mission_file import FUNCTION
 from uwsim.flight.missions import AnyMission, FlownMission, found_mission
-from uwsim.flight.patch_errors import PatchErrors
 from uwsim.flight.pinging import MapSetup
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import ESTIMATES, EstimateKind, FlightRequest, file_digest, resolved_path
@@ -32,7 +31,6 @@ from uwsim.scenario import Scenario, Survey, load
 from uwsim.scenario.fingerprint import warn_of_other_build
 from uwsim.scenario.read.validated import validated
 from uwsim.scoring.surface_ahead import SurfaceAhead
-from uwsim.scoring.tpu import Uncertainties
 from uwsim.simulator.simulator import Simulator
 
 
@@ -63,15 +61,11 @@ def fly(
     carried: tuple[str, ...] | None = None,
     time_limit_s: float | None = None,
     threads: int | None = None,
-    record: Path | None = None,
-    record_topics: tuple[str, ...] | None = None,
-    raw: str | Path | None = None,
-    raw_errors: PatchErrors | None = None,
-    raw_known: Uncertainties | None = None,
     report: str = "full",
     autosave_s: float = AUTOSAVE_S,
     autosave: FlightAutosave | None = None,
     screen: Silent | None = None,
+    **attachments: Any,
 ) -> FlightRecord[R_co]:
     """Fly a mission; return its record.
 
@@ -87,13 +81,13 @@ def fly(
     mission_time_s: battery life. time_limit_s: limit in simulated time; by default the battery life. link: a modem, by
     name or file, that replaces the scenario's; the map built ashore from the pings that arrive is written to
     map_ashore.bt. carried: name endings of the channels that vehicles send over the link; by default all that the link
-    can carry. record: path of a new recording (.mcap). record_topics: the channels to record; by default all but
-    pictures and maps. raw: path of a new file with each mapped ping of the first vehicle, in a format of
-    uwsim.kinds.survey_file; needs map. raw_errors: errors of installation in that file. raw_known: uncertainties of the
-    survey's instruments, for the errors that the file states. sample_sensors: whether the record's samples include the
-    readings of all sensors. autosave_s: wall time between saves, from which `resume` can continue; 0 disables saving.
-    screen: displays the flight; by default nothing is displayed. With a Terminal, Ctrl-C ends the flight and keeps its
-    results.
+    can carry. sample_sensors: whether the record's samples include the readings of all sensors. autosave_s: wall time
+    between saves, from which `resume` can continue; 0 disables saving. screen: displays the flight; by default nothing
+    is displayed. With a Terminal, Ctrl-C ends the flight and keeps its results.
+
+    attachments: options of what takes part in the flight, named as the flags of `uwsim run`: record (path of a new
+    recording), record_topic; raw (path of a new file with each mapped ping of the first vehicle), offsets, uncertainty;
+    and those of other packages, see uwsim.flight.attachment.
 
     Map options: engine is "bricks" by default. verify_map also inserts every scan into a stock OctoMap and compares the
     two maps byte for byte. map_memory_mb limits the map's memory; the rest is kept on disk. map_growth measures the map
@@ -113,6 +107,7 @@ def fly(
     _require_consistent(estimate, report, map, of_map, close_loops, time_limit_s)
     screen = screen or Silent()
     saving = autosave or _autosave(0.0 if close_loops else autosave_s, screen)
+    options = Attachments(**attachments)
     found = found_mission(mission, function, arguments)
     if out is not None:
         require_free(Path(out))
@@ -147,27 +142,15 @@ def fly(
         map_growth=map_growth,
         sample_sensors=sample_sensors,
         time_limit_s=time_limit_s,
+        attachments=options.kept,
     )
     if found.file is None:
         request = replace(request, mission=found.name)
-    departure = Departure(
-        sim,
-        names,
-        found.make is not None,
-        map,
-        request,
-        carried,
-        record,
-        record_topics,
-        None if raw is None else Path(raw),
-        raw_errors,
-        raw_known,
-    )
-    attachments = attached(departure)
+    taking_part = attached(options, Departure(sim, names, found.make is not None, map, request, carried))
     can_be_saved = isinstance(scenario, str | Path) and not close_loops and (mission is None or request.mission)
     setup = Setup(
         sim=sim, mission=found, names=names, estimate=estimate, close_loops=close_loops, time_limit_s=time_limit_s,
-        plan=plan, lanes_left_out=left_out, attachments=attachments, sample_sensors=sample_sensors,
+        plan=plan, lanes_left_out=left_out, attachments=taking_part, sample_sensors=sample_sensors,
         out=None if out is None else results_folder(Path(out), names),
         request=request if can_be_saved and out is not None else None, report=report, autosave=saving, screen=screen,
     )  # fmt: skip
@@ -177,7 +160,7 @@ def fly(
         )
         setup.mapping = replace(
             _map_setup(sim, request, occupancy, request.new_reference(), report), keep=close_loops,
-            on_ping=tuple(each.on_ping for each in attachments.values() if each.on_ping is not None),
+            on_ping=tuple(each.on_ping for each in taking_part.values() if each.on_ping is not None),
         )  # fmt: skip
     if setup.out is None:
         return Flight(setup).run()
@@ -241,8 +224,9 @@ def _resumed(saved: SavedFlight, threads: int | None, report: str) -> Setup:
     departure = Departure(sim, names, mission.make is not None, has_map, request, request.carried, saved=states)
     return Setup(
         sim=sim, mission=mission, names=names, estimate=request.estimate, mapping=mapping,
-        time_limit_s=request.time_limit_s, plan=plan, lanes_left_out=left_out, attachments=attached(departure),
-        request=request, report=report, saved=saved, sample_sensors=request.sample_sensors,
+        time_limit_s=request.time_limit_s, plan=plan, lanes_left_out=left_out,
+        attachments=attached(Attachments(**request.attachments), departure), request=request, report=report,
+        saved=saved, sample_sensors=request.sample_sensors,
     )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from uwsim import _core
-from uwsim.flight.attachment import Attachment, Departure
+from uwsim.flight.attachment import Attachment
 from uwsim.flight.patch_errors import ErringPoses, PatchErrors
 from uwsim.flight.raw_dvl import RawDvl
 from uwsim.flight.raw_places import Array, Motion, angles, estimated_covariance, level_axes, place_of_survey
@@ -192,16 +192,6 @@ class RawFlight(Attachment):
         except OSError as error:
             return error
         return None
-
-
-def attach(flight: Departure) -> RawFlight | None:
-    """Return the raw survey of a flight with a map, if one was asked for. Raises ValueError."""
-    if flight.raw is None:
-        return None
-    if not flight.has_map:
-        raise ValueError(f"--raw {flight.raw}: needs a flight that maps: give --map")
-    pose: Literal["truth", "filter"] = "truth" if flight.request is None else flight.request.estimate
-    return RawFlight(raw_writer(flight.sim, flight.raw, flight.raw_errors, flight.raw_known, pose))
 
 
 def raw_writer(

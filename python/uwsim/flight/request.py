@@ -27,7 +27,8 @@ class FlightRequest:
     vehicle's. link: a modem that replaces the
     scenario's. carried: name endings of the channels that vehicles send over the link. time_limit_s: limit in simulated
     time; by default the battery life. voxel_m, engine, verify_map, outlier_filter, map_growth: options of the map, if
-    one is built. sample_sensors: whether `samples` include the sensors' readings.
+    one is built. sample_sensors: whether `samples` include the sensors' readings. attachments: options of what takes
+    part in the flight, by name.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
@@ -54,6 +55,7 @@ class FlightRequest:
     map_growth: bool = True
     sample_sensors: bool = True
     time_limit_s: float | None = None
+    attachments: dict[str, Any] = field(default_factory=dict)
 
     def new_simulator(self, threads: int | None = None) -> Simulator:
         """Return a new simulator for the flight. Raises ScenarioError or ValueError if the request is invalid."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from uwsim.flight.attached import attached
-from uwsim.flight.attachment import Departure
+from uwsim.flight.attachment import Attachments, Departure
 from uwsim.flight.engine import Flight
 from uwsim.flight.fly import fly, resume
 from uwsim.flight.flyable_lanes import LEAST_SHARE, required_survey
@@ -96,7 +96,7 @@ def fly_survey(
     departure = Departure(sim, names, found.make is not None, has_map=True, carried=SURVEYED)
     setup = Setup(
         sim=sim, mission=found, names=names, estimate=estimate, plan=plan, lanes_left_out=left_out,
-        attachments=attached(departure), sample_sensors=False,
+        attachments=attached(Attachments(), departure), sample_sensors=False,
     )  # fmt: skip
     flight = Flight(setup)
     on_ping = () if on_ping_taken is None else (on_ping_taken,)

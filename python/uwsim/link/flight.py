@@ -125,8 +125,3 @@ class LinkAttachment(Attachment):
     def ended(self, flown: FlightRecord) -> FlightRecord:
         """Return the record with the station's end."""
         return replace(flown, ashore=self._ashore)
-
-
-def attach(flight: Departure) -> LinkAttachment:
-    """Return the attachment of a flight in a scenario with a link."""
-    return LinkAttachment(flight)

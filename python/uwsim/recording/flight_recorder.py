@@ -51,18 +51,18 @@ class FlightRecorder(Attachment):
         return self._recorder.try_close()
 
 
-def attach(flight: Departure) -> FlightRecorder:
+def recorder_of(flight: Departure, path: Path, topics: tuple[str, ...] | None) -> FlightRecorder:
     """Return the recorder of a flight; by default, it records all channels except pictures and maps.
 
     The map and report of a planned flight can be rebuilt from its recording. Raises ValueError.
     """
-    assert flight.record is not None and flight.request is not None
-    sim, topics = flight.sim, flight.record_topics
+    assert flight.request is not None
+    sim = flight.sim
     if flight.is_planned:
-        return FlightRecorder(survey_recorder(sim, flight.record, flight.request, topics), None)
+        return FlightRecorder(survey_recorder(sim, path, flight.request, topics), None)
     table = Table(sim)
     costly = [c.name for c in table.channels if c.delivery.late or c.type == MAP_TYPE] if topics is None else []
-    return FlightRecorder(Recorder(sim, flight.record, topics=topics, without=costly, shared=table), table)
+    return FlightRecorder(Recorder(sim, path, topics=topics, without=costly, shared=table), table)
 
 
 def survey_recorder(sim: Simulator, path: Path, request: FlightRequest, topics: tuple[str, ...] | None) -> Recorder:
@@ -75,7 +75,7 @@ def survey_recorder(sim: Simulator, path: Path, request: FlightRequest, topics: 
         raise ValueError(f"--record {path}: must end in .mcap for a survey")
     if request.estimate != "truth":
         raise ValueError(f"--record {path}: a survey with --estimate {request.estimate} cannot be recorded")
-    notes = {"request": dataclasses.asdict(request)}
+    notes = {"request": {name: value for name, value in dataclasses.asdict(request).items() if name != "attachments"}}
     pings = dataclasses.replace(PINGS, rate_hz=1.0 / ping_interval_s(sim, sim.rov.name))
     return Recorder(sim, path, topics=topics, kind=SURVEY, written=[pings], notes=notes)
 

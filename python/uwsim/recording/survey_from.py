@@ -39,12 +39,12 @@ def survey_from(
     *,
     outlier_filter: bool | None = None,
     raw: Path | None = None,
-    raw_errors: PatchErrors | None = None,
-    raw_known: Uncertainties | None = None,
+    offsets: PatchErrors | None = None,
+    uncertainty: Uncertainties | None = None,
 ) -> int:
     """Write the map of a recorded survey to `out` and its report to the folder `report`; return the number of pings.
 
-    outlier_filter: overrides the survey's setting. raw, raw_errors, raw_known: also write the pings there, with these
+    outlier_filter: overrides the survey's setting. raw, offsets, uncertainty: also write the pings there, with these
     errors and uncertainties; see RawSurvey. Raises ValueError if the recording ends before the data that a report
     needs, OSError if a file cannot be read or written.
     """
@@ -56,7 +56,7 @@ def survey_from(
         raise ValueError(f"--report: recording '{recording.path}': was cut off before the survey ended")
     sim = new_simulator(recording)
     survey = None if raw is None else RawSurvey(
-        sim, raw, raw_errors, raw_known, "truth" if request.estimate == "truth" else "recorded filter"
+        sim, raw, offsets, uncertainty, "truth" if request.estimate == "truth" else "recorded filter"
     )  # fmt: skip
     occupancy, log = repeated(recording, sim, request, raw=survey)
     occupancy.write(out)

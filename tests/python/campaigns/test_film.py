@@ -35,7 +35,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
         eastward,
         "pool",
         record=path,
-        record_topics=("odom",),
+        record_topic=("odom",),
         time_limit_s=3.0,
         sample_sensors=False,
         autosave_s=0.0,

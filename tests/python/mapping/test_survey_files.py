@@ -16,6 +16,7 @@ from uwsim.channels import Table
 from uwsim.cli.map_build import build
 from uwsim.cli.map_convert import convert
 from uwsim.flight.patch_errors import PatchErrors
+from uwsim.flight.raw_options import RawOptions
 from uwsim.flight.survey import run_survey
 from uwsim.live import LiveSimulator
 from uwsim.mapping.files.gsf_read import read_gsf
@@ -42,9 +43,10 @@ def straight(tmp_path_factory):
 def test_a_recordings_raw_survey_has_the_errors_of_the_flights(bent, tmp_path):
     """The total propagated uncertainties, by sounder and instruments, are those that the flight wrote."""
     known = Uncertainties(roll=0.05, position=0.5)
-    run_survey(bent.folder / "scenario.yaml", tmp_path / "out", raw=tmp_path / "live.gsf", raw_known=known,
+    run_survey(bent.folder / "scenario.yaml", tmp_path / "out", raw=tmp_path / "live.gsf", uncertainty=known,
                record=tmp_path / "a.mcap", report="none")  # fmt: skip
-    survey_from(Recording(tmp_path / "a.mcap"), tmp_path / "map.bt", None, raw=tmp_path / "again.gsf", raw_known=known)
+    again = tmp_path / "again.gsf"
+    survey_from(Recording(tmp_path / "a.mcap"), tmp_path / "map.bt", None, raw=again, uncertainty=known)
     live, again = (list(read_gsf(tmp_path / name)[1]) for name in ("live.gsf", "again.gsf"))
     assert len(live) == len(again) > 50
     for mine, other in zip(live, again, strict=True):
@@ -134,7 +136,7 @@ def test_leidos_library_reads_the_survey_and_it_grids_to_our_own_bed(bent):
 def test_a_recording_gives_the_same_bytes(bent, tmp_path):
     from uwsim.recording.cli.map_from import from_recording
 
-    from_recording(bent.recording, tmp_path / "map.bt", None, None, None, tmp_path / "again.gsf", None)
+    from_recording(source=bent.recording, out=tmp_path / "map.bt", written=RawOptions(tmp_path / "again.gsf"))
     again, first = (list(read_gsf(path)[1]) for path in (tmp_path / "again.gsf", bent.raw))
     assert len(again) == len(first)
     for ours, theirs in zip(first, again, strict=True):
@@ -158,7 +160,7 @@ def test_a_live_runs_recording_gives_the_survey_of_its_pings(straight, tmp_path)
         live.step(300)
     times_ns = [each.message.header.stamp.nanosec for each in Recording(path).messages("sonar_ping")]
     for suffix in (".gsf", ".pd0", ".xtf"):
-        from_recording(path, tmp_path / "map.bt", raw=tmp_path / f"live{suffix}")
+        from_recording(source=path, out=tmp_path / "map.bt", written=RawOptions(tmp_path / f"live{suffix}"))
         assert (tmp_path / f"live{suffix}").stat().st_size > 1000
     swaths = list(read_gsf(tmp_path / "live.gsf")[1])
     assert len(swaths) == len(times_ns) > 10
@@ -212,7 +214,8 @@ def test_a_run_whose_time_was_reset_gives_no_raw_survey(straight, tmp_path):
         live.reset()
         live.step(200)
     with pytest.raises(ValueError, match=r"live\.mcap': tick \d+: its time was reset, at which a raw survey ends"):
-        from_recording(tmp_path / "live.mcap", tmp_path / "map.bt", raw=tmp_path / "live.gsf")
+        written = RawOptions(tmp_path / "live.gsf")
+        from_recording(source=tmp_path / "live.mcap", out=tmp_path / "map.bt", written=written)
     assert not (tmp_path / "live.gsf").exists()
 
 
@@ -225,7 +228,8 @@ def test_errors_of_installation_are_found_back(straight, tmp_path):
         ("heading=2", "heading"),
         ("latency=0.3", "late"),
     ):
-        from_recording(straight.recording, tmp_path / "map.bt", None, None, None, tmp_path / f"{name}.gsf", offsets)
+        written = RawOptions(tmp_path / f"{name}.gsf", offsets)
+        from_recording(source=straight.recording, out=tmp_path / "map.bt", written=written)
     true = list(read_gsf(straight.raw)[1])
     found = {name: list(read_gsf(tmp_path / f"{name}.gsf")[1]) for name in ("roll", "pitch", "heading", "late")}
     k = len(true) // 2  # under way; the bed is level, 9 m deep
@@ -254,7 +258,7 @@ def test_truth_and_tpu_are_side_by_side(bent, tmp_path):
     assert bent.record.soundings.within_own == pytest.approx(0.95, abs=0.01)
     (tmp_path / "scenario.yaml").write_text(POOL.replace("SONAR", ""))
     known = Uncertainties(roll=0.1, depth=0.03, position=0.6)
-    asked = {"raw": tmp_path / "a.kmall", "raw_errors": PatchErrors(roll=10.0), "raw_known": known}
+    asked = {"raw": tmp_path / "a.kmall", "offsets": PatchErrors(roll=10.0), "uncertainty": known}
     soundings = run_survey(tmp_path / "scenario.yaml", tmp_path / "out", report="json", **asked).soundings
     assert soundings.by_tpu.name == "Special"  # 2.45 x 0.6 m is more than 1 m
     assert soundings.within_own < 0.3
@@ -265,7 +269,9 @@ def test_truth_and_tpu_are_side_by_side(bent, tmp_path):
     middle = swath.is_detected & (np.abs(swath.beam_rad) < 0.01)
     assert swath.vertical_deviation_m[middle] == pytest.approx(0.03, abs=0.003)
     assert (swath.horizontal_deviation_m[swath.is_detected] >= 0.6).all()
-    from_recording(bent.recording, tmp_path / "map.bt", raw=tmp_path / "b.gsf", uncertainty="depth=0.2")
+    from_recording(
+        source=bent.recording, out=tmp_path / "map.bt", written=RawOptions(tmp_path / "b.gsf", uncertainty="depth=0.2")
+    )
     ours, theirs = (next(read_gsf(path)[1]) for path in (bent.raw, tmp_path / "b.gsf"))
     seen = ours.is_detected & np.isfinite(theirs.vertical_deviation_m)
     assert seen.any()

@@ -14,6 +14,7 @@ from tests.fuzz.surveys import survey
 from flown_survey import LATITUDE, LONGITUDE, Flown, grids_apart_m, own_soundings, traced
 from uwsim import _core
 from uwsim.cli.map_build import build
+from uwsim.flight.raw_options import RawOptions
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.files.gsf_read import read_gsf
 from uwsim.mapping.files.kmall import KmallWriter
@@ -120,7 +121,7 @@ def test_gsfus_converter_makes_a_gsf_of_the_same_beams(flown, tmp_path):
     from GSFU.kmall2gsf import convert
 
     assert convert(str(flown.raw), str(tmp_path / "theirs.gsf")) == len(flown.record.path_world_m)
-    from_recording(flown.recording, tmp_path / "map.bt", None, None, None, tmp_path / "ours.gsf", None)
+    from_recording(source=flown.recording, out=tmp_path / "map.bt", written=RawOptions(tmp_path / "ours.gsf"))
     for ours, theirs in zip(read_gsf(tmp_path / "ours.gsf")[1], read_gsf(tmp_path / "theirs.gsf")[1], strict=True):
         seen = ours.is_detected
         np.testing.assert_allclose(theirs.travel_time_s[seen], ours.travel_time_s[seen], atol=6e-6)  # its step is 10 us
@@ -147,7 +148,7 @@ def test_another_reader_has_the_pings_with_their_places_attitudes_and_soundings(
 
 
 def test_our_reader_has_the_same_swaths_as_from_gsf_and_its_travel_times_lead_to_its_soundings(flown, tmp_path):
-    from_recording(flown.recording, tmp_path / "map.bt", None, None, None, tmp_path / "ours.gsf", None)
+    from_recording(source=flown.recording, out=tmp_path / "map.bt", written=RawOptions(tmp_path / "ours.gsf"))
     head, swaths = read_kmall(flown.raw)
     profile = _core.SoundSpeedProfile(head.profile.depths_m, head.profile.speeds_m_s)
     for ours, theirs in zip(read_gsf(tmp_path / "ours.gsf")[1], swaths, strict=True):

@@ -8,6 +8,7 @@ import pytest
 
 from command_line import uwsim as uwsim_command
 from flown_survey import POOL
+from uwsim.flight.raw_options import RawOptions
 from uwsim.flight.survey import run_survey
 from uwsim.mapping.files.dvl_ensemble import DvlEnsemble, DvlHead, WaterCells
 from uwsim.mapping.files.pd0 import Pd0Writer
@@ -102,7 +103,7 @@ def test_a_recording_gives_the_same_bytes(flown):
     from uwsim.recording.cli.map_from import from_recording
 
     folder, _ = flown
-    from_recording(folder / "a.mcap", folder / "map.bt", raw=folder / "again.pd0")
+    from_recording(source=folder / "a.mcap", out=folder / "map.bt", written=RawOptions(folder / "again.pd0"))
     assert (folder / "again.pd0").read_bytes() == (folder / "a.pd0").read_bytes()
 
 

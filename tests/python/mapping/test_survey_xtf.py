@@ -8,6 +8,7 @@ import pytest
 
 from command_line import uwsim as uwsim_command
 from flown_survey import LATITUDE, LONGITUDE, POOL, Flown
+from uwsim.flight.raw_options import RawOptions
 from uwsim.flight.survey import run_survey
 from uwsim.mapping.files.xtf_read import read_xtf
 
@@ -63,7 +64,7 @@ def test_the_first_return_is_that_of_the_bed_on_both_sides(file):
 def test_a_recording_gives_the_same_bytes(flown, tmp_path):
     from uwsim.recording.cli.map_from import from_recording
 
-    from_recording(flown.recording, tmp_path / "map.bt", raw=tmp_path / "survey.xtf")
+    from_recording(source=flown.recording, out=tmp_path / "map.bt", written=RawOptions(tmp_path / "survey.xtf"))
     assert (tmp_path / "survey.xtf").read_bytes() == flown.raw.read_bytes()
 
 

@@ -14,6 +14,7 @@ from uwsim.channels import Table
 from uwsim.channels.families.scans import PING_TOPICS
 from uwsim.channels.ros.cdr import encode
 from uwsim.channels.ros.messages import from_bytes
+from uwsim.flight.raw_options import RawOptions
 from uwsim.flight.request import FlightRequest
 from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
@@ -227,11 +228,11 @@ def test_what_only_one_recording_has_is_a_difference(folder: Path, tmp_path: Pat
 def test_mistakes_of_map_from_and_diff_are_one_line(folder: Path, tmp_path: Path) -> None:
     run = folder / "a.mcap"
     with pytest.raises(ValueError, match=r"must end in [.]bt or [.]ot"):
-        from_recording(run, Path("map.png"))
+        from_recording(source=run, out=Path("map.png"), written=RawOptions())
     with pytest.raises(ValueError, match="no recording of a survey"):
-        from_recording(run, tmp_path / "map.bt", tmp_path)
+        from_recording(source=run, out=tmp_path / "map.bt", report=tmp_path, written=RawOptions())
     with pytest.raises(ValueError, match="vehicle = 'auv'"):
-        from_recording(run, tmp_path / "map.bt", None, "auv")
+        from_recording(source=run, out=tmp_path / "map.bt", vehicle="auv", written=RawOptions())
     with pytest.raises(ValueError, match=r"must end in [.]png"):
         diff_command(run, run, Path("x.jpg"))
     assert not list(tmp_path.iterdir())

@@ -11,8 +11,7 @@ from uwsim.bridges.cli.serve import FramePrefix, Namespace, Origin, Paused, Spee
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.groups import under
-from uwsim.cli.options import Link, Seed, SonarModel, Threads
-from uwsim.cli.options import sonar_model as parsed_sonar_model
+from uwsim.cli.options import SimulatorOptions
 from uwsim.cli.values import scenarios
 
 ServersRos = Annotated[
@@ -31,8 +30,7 @@ def connect(
         str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.", autocompletion=scenarios)
     ] = "lake",
     speed: Speed = "1",
-    seed: Seed = None,
-    sonar_model: SonarModel = None,
+    simulated: SimulatorOptions,
     wire: Annotated[
         str,
         typer.Option(
@@ -47,8 +45,6 @@ def connect(
     graph: GraphOptions,
     ros: ServersRos = None,
     paused: Paused = False,
-    link: Link = None,
-    threads: Threads = None,
 ) -> None:
     """Run a scenario as a client of a rosbridge_server.
 
@@ -74,7 +70,7 @@ def connect(
     prefix = prefix_of(namespace, frame_prefix)
     parameters = graph.parameters(node_name(namespace))
     checked_url(url)  # before the scenario is built
-    simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads)
+    simulator = Simulator(scenario, **simulated.arguments)
     graph.apply(parameters, simulator)
     live = LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused)
     table = Table(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
@@ -15,8 +16,7 @@ from uwsim.cli.autopilots import Autopilots, prepared
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.groups import under
-from uwsim.cli.options import Link, Record, RecordAll, RecordTopics, Seed, SonarModel, Threads
-from uwsim.cli.options import sonar_model as parsed_sonar_model
+from uwsim.cli.options import Record, RecordAll, RecordTopics, SimulatorOptions
 from uwsim.cli.values import scenarios
 
 if TYPE_CHECKING:
@@ -67,8 +67,7 @@ def serve(
         "127.0.0.1"
     ),
     speed: Speed = "1",
-    seed: Seed = None,
-    sonar_model: SonarModel = None,
+    simulated: SimulatorOptions,
     wire: Wire = None,
     origin: Origin = None,
     namespace: Namespace = "",
@@ -85,13 +84,11 @@ def serve(
     access: Access,
     paused: Paused = False,
     pages: Pages,
-    link: Link = None,
     bridges: Bridges,
     record: Record = None,
     record_topic: RecordTopics = None,
     record_all: RecordAll = False,
     autopilots: Autopilots,
-    threads: Threads = None,
 ) -> None:
     """Run a scenario in real time for rosbridge.
 
@@ -121,9 +118,7 @@ def serve(
     if record_topic and record_all:
         raise ValueError("--record-all: cannot be given with --record-topic, which selects the channels")
     accessible = access.settings(host)
-    simulator = prepared(
-        autopilot, scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads
-    )
+    simulator = prepared(autopilot, scenario, **simulated.arguments)
     bridges.check(simulator)
     graph.apply(parameters, simulator)
     origin = origin or default_origin(simulator.scenario)
@@ -139,13 +134,13 @@ def serve(
                 from uwsim.recording import Recorder
                 from uwsim.recording.picture_cost import picture_cost_text
 
+                recorder = Recorder(
+                    live, record, topics=record_topic or None, shared=table, feed=feed, is_light=not record_all
+                )
                 if record_all:
                     typer.echo(f"recording everything, which takes {picture_cost_text(simulator)}", err=True)
                 elif not record_topic:
                     typer.echo("recording without pictures and maps, which --record-all adds", err=True)
-                recorder = Recorder(
-                    live, record, topics=record_topic or None, shared=table, feed=feed, is_light=not record_all
-                )
                 table.channels = recorder.record_received(table.channels)
                 sinks.enter_context(recorder)
 
@@ -188,9 +183,12 @@ def serve(
 
 
 def prefix_of(namespace: str, frame_prefix: str | None) -> str:
-    """Return the prefix of frames. Raises ValueError for a namespace that ROS does not allow."""
-    from uwsim.channels.names import checked_namespace
+    """Return the prefix of frames. Raises ValueError for names that ROS does not allow."""
+    from uwsim.channels.names import NAME_MAX, checked_namespace
 
+    if frame_prefix is not None and not re.fullmatch(rf"[\w./~-]{{0,{NAME_MAX}}}", frame_prefix):
+        rule = f"must be at most {NAME_MAX} letters, digits, _, -, ~, . and /"
+        raise ValueError(f"--frame-prefix = '{frame_prefix[:80]}': {rule}")
     plain = checked_namespace(namespace)
     return (f"{plain}/" if plain else "") if frame_prefix is None else frame_prefix
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from uwsim.base.options import flag_name
 from uwsim.cli.choices import one_of
 from uwsim.cli.groups import under
-from uwsim.cli.options import Link, Seed, SonarModel, Threads
-from uwsim.cli.options import sonar_model as parsed_sonar_model
+from uwsim.cli.options import SimulatorOptions
 from uwsim.cli.values import scenarios
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 @under("Connect")
 def teleop(
+    *,
     url: Annotated[
         str | None, typer.Argument(help="A rosbridge, such as ws://host:9090. Default: its own simulator.")
     ] = None,
@@ -33,10 +34,7 @@ def teleop(
     vehicle: Annotated[str | None, typer.Option(help="The vehicle, if there are several. Default: the first.")] = (
         None
     ),
-    seed: Seed = None,
-    sonar_model: SonarModel = None,
-    link: Link = None,
-    threads: Threads = None,
+    simulator: SimulatorOptions,
     keys: Annotated[
         str,
         typer.Option(
@@ -55,21 +53,19 @@ def teleop(
     from uwsim.operator.teleop.app import fly
 
     if url is not None:
-        if any(option is not None for option in (scenario, seed, sonar_model, link, threads)):
-            raise ValueError(
-                "--scenario, --seed, --sonar-model, --link and --threads are for its own simulator, not for a URL"
-            )
+        given = [name for name, is_given in {"scenario": scenario is not None, **simulator.given()}.items() if is_given]
+        if given:
+            raise ValueError(f"{flag_name(given[0])}: is for its own simulator, not for a URL")
         marks, code = fly(url, url, vehicle, adds_up=keys == "published")
     else:
         from uwsim.simulator.simulator import Simulator
 
         flown = scenario or "lake"
-        model = parsed_sonar_model(sonar_model)
-        simulator = Simulator(flown, seed=seed, sonar_model=model, link=link, threads=threads)
-        if vehicle is not None and vehicle not in simulator.vehicles:
-            raise ValueError(f"--vehicle = {vehicle!r}: must be one of {', '.join(simulator.vehicles)}")
-        with own_server(simulator) as server:
-            named = vehicle if len(simulator.vehicles) > 1 else None
+        own = Simulator(flown, **simulator.arguments)
+        if vehicle is not None and vehicle not in own.vehicles:
+            raise ValueError(f"--vehicle = {vehicle!r}: must be one of {', '.join(own.vehicles)}")
+        with own_server(own) as server:
+            named = vehicle if len(own.vehicles) > 1 else None
             marks, code = fly(server.url, flown, named, adds_up=keys == "published")
     for number, mark in enumerate(marks, 1):
         typer.echo(f"mark {number}: {mark}")

@@ -7,13 +7,13 @@ from typing import Annotated
 
 import typer
 
-from uwsim.base.options import need
 from uwsim.cli.bounds import readable
-from uwsim.cli.flights import Offsets, OutlierFilter, Raw, Uncertainty
 from uwsim.cli.map import MAPS
+from uwsim.flight.raw_options import RawOptions
 
 
 def from_recording(
+    *,
     source: Annotated[
         Path, typer.Argument(help="A recording, FILE.mcap, of a survey or a live run.", callback=readable)
     ],
@@ -24,26 +24,25 @@ def from_recording(
     vehicle: Annotated[
         str | None, typer.Option(help="Vehicle whose pings to use. Default: the first with any.")
     ] = None,
-    outlier_filter: OutlierFilter = None,
-    raw: Raw = None,
-    offsets: Offsets = None,
-    uncertainty: Uncertainty = None,
+    outlier_filter: Annotated[
+        bool | None,
+        typer.Option(
+            "--outlier-filter/--no-outlier-filter",
+            help="Discard ranges with which their neighbours in the swath disagree. Default: as in the run.",
+        ),
+    ] = None,
+    written: RawOptions,
 ) -> None:
     """Rebuild the map from a recording, byte for byte as in the run."""
-    from uwsim.flight.patch_errors import PatchErrors
     from uwsim.mapping.files.formats import MAP_FORMATS
     from uwsim.mapping.files.swath import survey_format
     from uwsim.recording.mcap_sink import SURVEY
     from uwsim.recording.pings import ping_topic
     from uwsim.recording.reader import Recording
-    from uwsim.scoring.tpu import Uncertainties
 
     if out.suffix not in MAP_FORMATS:
         raise ValueError(f"--out {out}: must end in {' or '.join(MAP_FORMATS)}")
-    if raw is None:
-        need("--raw", offsets=offsets, uncertainty=uncertainty)
-    errors = None if offsets is None else PatchErrors.parse(offsets)
-    known = None if uncertainty is None else Uncertainties.parse(uncertainty)
+    raw, errors, known = written.raw, written.errors, written.known
     recording = Recording(source)
     is_survey = recording.start.kind == SURVEY
     has_its_pings = raw is not None and is_survey and survey_format(raw, "--raw").write is not None
@@ -54,7 +53,7 @@ def from_recording(
 
         count = survey_from(
             recording, out, report, outlier_filter=outlier_filter, raw=raw if has_its_pings else None,
-            raw_errors=errors, raw_known=known,
+            offsets=errors, uncertainty=known,
         )  # fmt: skip
     else:
         if report is not None:
