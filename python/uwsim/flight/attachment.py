@@ -71,7 +71,7 @@ class Attachment:
 
     @property
     def observer(self) -> Observer | None:
-        """An observer of the simulator that is called after the pings of its tick, while a map is built."""
+        """An observer of the simulator that is called after the pings of its tick."""
         return None
 
     def save(self) -> dict[str, Any] | None:

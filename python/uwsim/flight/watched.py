@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
 from uwsim.base.wall_timer import WallTimer
@@ -43,22 +43,17 @@ def sampling(flight: Watched, on_event: OnEvent) -> Iterator[Sampler]:
 
 @contextmanager
 def mapping(flight: Watched) -> Iterator[MapMaker | None]:
-    """Build the map while the block runs; attachments observe after the pings of a tick."""
-    setup, journal = flight.setup, flight.setup.sim.journal
-    if setup.mapping is None:
-        yield None
-        return
+    """Build the map, if there is one, while the block runs; attachments observe after the pings of a tick."""
+    setup, journal, maker = flight.setup, flight.setup.sim.journal, None
     saved = None if setup.saved is None else setup.saved.pinging
     observers = [each.observer for each in setup.attachments.values()]
-    with MapMaker(
-        setup.sim, flight.own, setup.mapping, flight.timer, begun_tick=flight.begun_tick, saved=saved
-    ) as maker:
+    with ExitStack() as stack:
+        if setup.mapping is not None:
+            maker = stack.enter_context(
+                MapMaker(setup.sim, flight.own, setup.mapping, flight.timer, begun_tick=flight.begun_tick, saved=saved)
+            )
         for observer in observers:
             if observer is not None:
                 journal.attach(observer)
-        try:
-            yield maker
-        finally:
-            for observer in observers:
-                if observer is not None:
-                    journal.detach(observer)
+                stack.callback(journal.detach, observer)
+        yield maker
