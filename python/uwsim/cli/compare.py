@@ -13,7 +13,7 @@ from uwsim.base.stoppable import note_kept
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.groups import under
-from uwsim.cli.options import Threads
+from uwsim.cli.options import Threads, Voxel
 from uwsim.cli.seeds import parsed_seeds
 from uwsim.cli.values import packaged, scenarios, words
 
@@ -61,10 +61,7 @@ def compare(
         str | None,
         typer.Option(help="How many seeds from 0, such as 30; or a list, such as 3,7,100-129. Default: 3."),
     ] = None,
-    voxel: Annotated[
-        float | None,
-        typer.Option(help="Edge of the maps' voxels [m]; replaces the scenario's.", callback=within(0.02, 10, "m")),
-    ] = None,
+    voxel: Voxel = None,
     by: Annotated[
         str | None,
         typer.Option(

@@ -10,6 +10,7 @@ import typer
 
 from uwsim.base.options import Options, option
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED, STUCK
+from uwsim.cli.options import VOXEL, VOXELS
 from uwsim.cli.values import scenarios
 from uwsim.flight.attachment import Attachments
 
@@ -31,7 +32,7 @@ ScenarioOfFlight = Annotated[
 class MapOptions(Options):
     """The options of a flight's map. Raises WithoutEffectError."""
 
-    voxel: float | None = option(None, "Edge of the map's voxels [m]; replaces the scenario's.", bounds=(0.02, 10, "m"))
+    voxel: float | None = option(None, VOXEL, bounds=VOXELS)
     engine: str | None = option(
         None, "Engine of the map: bricks (default), or octomap, the stock library.", choices=("bricks", "octomap")
     )

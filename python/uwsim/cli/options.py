@@ -24,10 +24,13 @@ ScenarioName = Annotated[
     str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.", autocompletion=scenarios)
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
-Seed = Annotated[int | None, typer.Option(help="Replaces the scenario's seed.", callback=within(0, 2**63 - 1))]
+SEED, SEEDS = "Replaces the scenario's seed.", (0, 2**63 - 1, "")
+VOXEL, VOXELS = "Edge of the map's voxels [m]; replaces the scenario's.", (0.02, 10, "m")
+THREADS, THREAD_COUNTS = "Number of threads; the result does not depend on it. Default: one per core.", (1, 1024, "")
+Seed = Annotated[int | None, typer.Option(help=SEED, callback=within(*SEEDS))]
 Voxel = Annotated[
     float | None,
-    typer.Option(help="Edge of the map's voxels [m]; replaces the scenario's.", callback=within(0.02, 10, "m")),
+    typer.Option(help=VOXEL, callback=within(*VOXELS)),
 ]
 
 
@@ -61,19 +64,14 @@ RecordAll = Annotated[
         "--record-all", help="Also record pictures and maps; prints first how much processor time that takes."
     ),
 ]
-Threads = Annotated[
-    int | None,
-    typer.Option(
-        help="Number of threads; the result does not depend on it. Default: one per core.", callback=within(1, 1024)
-    ),
-]
+Threads = Annotated[int | None, typer.Option(help=THREADS, callback=within(*THREAD_COUNTS))]
 
 
 @dataclass(frozen=True)
 class SonarOptions(Options):
     """The options of a scenario with another sonar."""
 
-    seed: int | None = option(None, "Replaces the scenario's seed.", bounds=(0, 2**63 - 1, ""))
+    seed: int | None = option(None, SEED, bounds=SEEDS)
     sonar_model: str | None = option(
         None,
         "Replaces the scenario's sonar: 1 to 4 as in the protocol, a packaged model's name, or a YAML file.",
@@ -111,9 +109,7 @@ class SimulatorOptions(SonarOptions):
         "Replaces the scenario's modem.",
         completion="modems",
     )
-    threads: int | None = option(
-        None, "Number of threads; the result does not depend on it. Default: one per core.", bounds=(1, 1024, "")
-    )
+    threads: int | None = option(None, THREADS, bounds=THREAD_COUNTS)
 
     @property
     def arguments(self) -> dict[str, Any]:
