@@ -108,6 +108,9 @@ def run_program() -> NoReturn:
         if str(error) == "can't start new thread":  # CPython's RuntimeError
             _print_error("the system allows no further thread: its limit of processes, threads or memory is reached")
             sys.exit(FAILED)
+        if str(error).startswith("Symlink loop from "):  # pathlib's RuntimeError, an OSError from Python 3.13 on
+            _print_error(f"{str(error)[18:]}: is a link to itself")
+            sys.exit(FAILED)
         # Recognise typer's usage errors by their method, since the class's module depends on typer's version.
         if not hasattr(error, "format_message"):
             raise
