@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy.stats import chi2, kstest
 
+from channel_tools import table
+from sites import flat, rov
 from uwsim import Simulator
-from uwsim.channels import Table
 from uwsim.scenario import Scenario, ScenarioError
-from uwsim.scenario.read.validated import validated
 
 QUANTUM_RAD, STD_RAD_S, TURN_ON_A, TORQUE_NM_A = 0.01, 0.02, 0.5, 2.0
 ERRORS = {"position": {"quantum": QUANTUM_RAD}, "speed": {"std": STD_RAD_S}, "current": {"turn_on_std": TURN_ON_A}}
@@ -25,15 +25,8 @@ def site(errors: dict[str, Any] | None = ERRORS, **changes: Any) -> Scenario:
         "mass_kg": 1.0, "centre_of_mass_m": [0.2, 0, 0], "inertia_kg_m2": [0.01, 0.01, 0.01],
     }  # fmt: skip
     plain = {**link, "position_m": [0, 0, 0.2], "hinge": {"axis": [0, 1, 0], "motor": motor}}
-    values = {
-        "name": "site",
-        "terrain": {"source": "noise", "size_m": [40, 40], "spacing_m": 1, "bed_depth_m": 12, "hill_height_m": 0},
-        "vehicles": [{
-            "name": "rov", "start": {"position_m": [0, 0, -5]},
-            "model": {"builds_on": "bluerov2_heavy", "name": "boom", "arm": {"boom": link, "plain": plain}},
-        }],
-    }  # fmt: skip
-    return validated(Scenario, values | changes)
+    model = {"builds_on": "bluerov2_heavy", "name": "boom", "arm": {"boom": link, "plain": plain}}
+    return flat(rov(model), bed_m=-12.0, **changes)
 
 
 def test_each_error_is_as_stated_and_the_truth_stays() -> None:
@@ -79,8 +72,7 @@ def test_joint_states_has_what_is_measured() -> None:
     with Simulator(site()) as sim:
         sim.rov.set_joints(speeds={"boom": 0.3})
         sim.advance(1.0)
-        channels = {channel.name: channel for channel in Table(sim).channels}
-        message = channels["joint_states"].read(sim)
+        message = table(sim)["joint_states"].read(sim)
         now = sim.rov.arm.measure()
         at = [name.rsplit("/", 1)[-1] for name in message.name].index("boom")
         assert message.position[at] == now.positions[0] != sim.rov.arm.read().positions[0]

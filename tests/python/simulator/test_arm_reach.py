@@ -8,20 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+from channel_tools import table
+from sites import flat, rov
 from uwsim import Simulator
-from uwsim.channels import Table
-from uwsim.scenario import Scenario
-from uwsim.scenario.read.validated import validated
 from uwsim.simulator.arm import Arm
 
 JOINTS = ("shoulder", "upperarm", "forearm", "wrist")
 LIMITS_RAD = np.radians([[-175, 175], [0, 200], [0, 200], [-165, 165]])
-TERRAIN = {"source": "noise", "size_m": [60, 60], "spacing_m": 1, "bed_depth_m": 15, "hill_height_m": 0}
 
 
 def site(model: Any = "bluerov2_heavy_alpha5", **start: Any) -> Simulator:
-    rov = {"name": "rov", "model": model, "start": {"position_m": [3, 2, -5], "yaw_deg": 40} | start}
-    return Simulator(validated(Scenario, {"name": "site", "terrain": TERRAIN, "vehicles": [rov]}))
+    return Simulator(flat(rov(model, start={"position_m": [3, 2, -5], "yaw_deg": 40} | start), bed_m=-15.0))
 
 
 def arm_of(sim: Simulator) -> Arm:
@@ -38,7 +35,7 @@ def put(sim: Simulator, positions: dict[str, float]) -> None:
 def test_what_it_returns_brings_the_jaw_to_any_point_that_the_joints_can() -> None:
     sim = site()
     rng = np.random.default_rng(3)
-    for _ in range(8):
+    for _ in range(4):
         put(sim, dict(zip(JOINTS, rng.uniform(LIMITS_RAD[:, 0], LIMITS_RAD[:, 1]).tolist(), strict=True)))
         wanted = arm_of(sim).poses_world()["jaw"]
         put(sim, {"shoulder": 0.1, "upperarm": 1.0, "forearm": 1.0, "wrist": 0.0})
@@ -91,9 +88,8 @@ def test_bad_arguments_are_refused(arguments: dict[str, Any], rule: str) -> None
 def test_ikpy_comes_no_nearer_to_what_is_out_of_reach(tmp_path: Path) -> None:
     chains = pytest.importorskip("ikpy.chain", reason="pip install ikpy, which judges what is out of reach")
     sim = site()
-    channel = next(one for one in Table(sim).channels if one.name == "robot_description")
     path = tmp_path / "rov.urdf"
-    path.write_text(channel.read(sim).data)
+    path.write_text(table(sim)["robot_description"].read(sim).data)
     names = ["armbase", *JOINTS, "jaw"]
     elements = ["base_link"]
     for name in names:

@@ -5,13 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from channel_tools import table
+from sites import flat, rov
 from uwsim import Batch, Simulator
-from uwsim.channels import Table
 from uwsim.scenario import Scenario, ScenarioError
-from uwsim.scenario.read.validated import validated
 from uwsim.simulator.moving_shapes import moving_shapes, shape_poses
 
-TERRAIN = {"source": "noise", "size_m": [60, 60], "spacing_m": 1, "bed_depth_m": 15, "hill_height_m": 0}
 BOX = {"kind": "box", "name": "boom", "position_m": [0.5, 0, 0], "size_m": [1.0, 0.2, 0.1]}
 CAMERA = {"position_m": [0, 0, 0.5], "yaw_pitch_roll_deg": [0, 30, 0], "width": 64, "height": 48}
 
@@ -24,8 +23,7 @@ def boom(shape: Any, **more: Any) -> dict[str, Any]:
 
 
 def site(model: Any, *others: Any, **changes: Any) -> Scenario:
-    rov = {"name": "rov", "model": model, "start": {"position_m": [0, 0, -5]}}
-    return validated(Scenario, {"name": "site", "terrain": TERRAIN, "vehicles": [rov, *others]} | changes)
+    return flat(rov(model), *others, bed_m=-15.0, **changes)
 
 
 def down(sim: Simulator, x_m: float) -> tuple[float, str]:
@@ -92,7 +90,7 @@ def test_viewers_draw_it_and_rviz_finds_its_shape() -> None:
         assert [one.name for one in shapes][:2] == ["rov boom", "other armbase"]
         links = sim.vehicles["other"].arm.poses_world()  # type: ignore[union-attr]
         assert poses[1:, :3] == pytest.approx(np.array([pose[:3, 3] for pose in links.values()]))
-        text = next(one for one in Table(sim).channels if one.name == "rov/robot_description").read(sim).data
+        text = table(sim)["rov/robot_description"].read(sim).data
         robot = pytest.importorskip("urdf_parser_py.urdf").URDF.from_xml_string(text.encode())
         link = robot.link_map["rov/boom_arm_link"]
         assert (link.visual.geometry.size, link.visual.origin.xyz) == ([1.0, 0.2, 0.1], [0.5, 0.0, 0.0])

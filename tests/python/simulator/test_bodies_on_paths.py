@@ -5,16 +5,10 @@ from math import pi
 import numpy as np
 import pytest
 
-import uwsim
+from sites import flat, rov
 from uwsim import Simulator
-from uwsim.scenario import Scenario, ScenarioError
-from uwsim.scenario.read.validated import validated
+from uwsim.scenario import ScenarioError
 
-SITE = {
-    "name": "site",
-    "terrain": {"source": "noise", "size_m": [60, 60], "spacing_m": 1, "bed_depth_m": 10, "hill_height_m": 0},
-    "vehicles": [{"name": "rov", "model": "bluerov2_heavy", "start": {"position_m": [-8, 0, -5]}}],
-}
 BALL = {"kind": "sphere", "name": "diver", "position_m": [0, 0, -5], "radius_m": 0.4}
 
 
@@ -22,8 +16,8 @@ def on_path(shape: dict, **path: object) -> dict:
     return {"shape": shape, "path": path}
 
 
-def site(*objects: dict, **changes: object) -> Simulator:
-    return Simulator(validated(Scenario, SITE | {"objects": list(objects)} | changes))
+def site(*objects: dict, vehicle: dict | None = None, **changes: object) -> Simulator:
+    return Simulator(flat(vehicle or rov(position_m=(-8, 0, -5)), objects=list(objects), **changes))
 
 
 def state_bytes(sim: Simulator) -> bytes:
@@ -47,13 +41,8 @@ def test_a_straight_path_is_followed_at_its_speed_and_ends_in_rest() -> None:
 
 @pytest.mark.parametrize("climbs", [False, True])
 def test_velocity_is_the_derivative_of_the_pose_also_at_the_points_of_the_path(climbs: bool) -> None:
-    block = {
-        "kind": "box",
-        "name": "diver",
-        "position_m": [0, 0, -5],
-        "size_m": [1, 0.4, 0.3],
-        "yaw_pitch_roll_deg": [20, 5, 3],
-    }
+    block = {"kind": "box", "name": "diver", "position_m": [0, 0, -5], "size_m": [1, 0.4, 0.3]}
+    block["yaw_pitch_roll_deg"] = [20, 5, 3]
     points = [[4, 1, -4], [6, 5, -6], [1, 7, -5]]
     times = [6.0, 9.0, 17.0, 21.0]
     step_s = 0.001
@@ -95,10 +84,7 @@ def test_a_vehicle_is_pushed_and_the_body_is_not() -> None:
     hammer = {"kind": "box", "name": "diver", "position_m": [-12, 0, -5], "size_m": [1, 2, 2]}
     path = {"points_m": [[20, 0, -5]], "speed_m_s": 0.5}
     sim = site(on_path(hammer, **path))
-    alone = site(
-        on_path(hammer, **path),
-        vehicles=[{"name": "rov", "model": "bluerov2_heavy", "start": {"position_m": [0, 9, -5]}}],
-    )
+    alone = site(on_path(hammer, **path), vehicle=rov(position_m=(0, 9, -5)))
     start = sim.rov.pose.position_world_m
     others = set()
     for _ in range(16):
@@ -112,28 +98,9 @@ def test_a_vehicle_is_pushed_and_the_body_is_not() -> None:
         _ = sim.objects["diver"].forces
 
 
-def test_it_is_restored_and_repeated_to_the_byte() -> None:
-    path = {"points_m": [[4, 1, -4], [6, 5, -6]], "speed_m_s": 0.7, "closed": True, "climbs": True}
-    sim, other = site(on_path(BALL, **path)), site(on_path(BALL, **path))
-    start = state_bytes(sim)
-    sim.advance(3.0)
-    other.restore_state(sim.save_state())
-    sim.advance(2.0)
-    other.advance(2.0)
-    assert state_bytes(sim) == state_bytes(other) != start
-    then = state_bytes(sim)
-    sim.reset()
-    assert state_bytes(sim) == start
-    sim.advance(5.0)
-    assert state_bytes(sim) == then
-
-
 def test_instruments_perceive_it_where_it_is() -> None:
     wall = {"kind": "box", "name": "diver", "position_m": [-3, 0, -5], "size_m": [1, 4, 4]}
-    sim = site(
-        on_path(wall, points_m=[[9, 0, -5]], speed_m_s=1.0),
-        vehicles=[{"name": "rov", "model": "rov", "start": {"position_m": [-10, 0, -5]}}],
-    )
+    sim = site(on_path(wall, points_m=[[9, 0, -5]], speed_m_s=1.0), vehicle=rov("rov", (-10, 0, -5)))
     label = sim.label_names.index("diver")
     ranges = []
     for _ in range(2):
@@ -171,11 +138,3 @@ def test_what_does_not_belong_to_a_path_is_refused() -> None:
         site(on_path(BALL, **path) | {"mass_kg": 80.0})
     with pytest.raises((ScenarioError, ValueError), match="must be uwsim for bodies on a path"):
         site(on_path(BALL, **path), dynamics={"engine": "bullet"})
-
-
-def test_a_batch_moves_it_alike() -> None:
-    sim = site(on_path(BALL, points_m=[[4, 1, -4]], speed_m_s=0.7))
-    batch = uwsim.Batch(sim.scenario, n=2, threads=1)
-    batch.step(300)
-    sim.step(300)
-    assert state_bytes(batch.aboard(1)) == state_bytes(sim)

@@ -5,18 +5,11 @@ from math import pi, sqrt, tanh
 import numpy as np
 import pytest
 
-import uwsim
+from sites import flat, rov
 from uwsim import Simulator
-from uwsim.scenario import Scenario, ScenarioError
-from uwsim.scenario.read.validated import validated
+from uwsim.scenario import ScenarioError
 
 WATER_KG_M3, BED_M = 1000.0, -10.0
-SITE = {
-    "name": "site",
-    "water": {"density_kg_m3": WATER_KG_M3},
-    "terrain": {"source": "noise", "size_m": [60, 60], "spacing_m": 1, "bed_depth_m": -BED_M, "hill_height_m": 0},
-    "vehicles": [{"name": "rov", "model": "bluerov2_heavy", "start": {"position_m": [-8, 0, -5]}}],
-}
 
 
 def body(kind: str, name: str, position_m: list[float], *, on_bed: bool = False, **values: object) -> dict:
@@ -25,8 +18,9 @@ def body(kind: str, name: str, position_m: list[float], *, on_bed: bool = False,
     return {"shape": shape, **values}
 
 
-def site(*objects: dict, **changes: object) -> Simulator:
-    return Simulator(validated(Scenario, SITE | {"objects": list(objects)} | changes))
+def site(*objects: dict, vehicle: dict | None = None, **changes: object) -> Simulator:
+    values = {"water": {"density_kg_m3": WATER_KG_M3}, "objects": list(objects)} | changes
+    return Simulator(flat(vehicle or rov(position_m=(-8, 0, -5)), bed_m=BED_M, **values))
 
 
 def gravity(sim: Simulator) -> float:
@@ -107,7 +101,7 @@ def test_parameters_are_those_without_objects() -> None:
 def test_instruments_perceive_loose_bodies_where_they_are() -> None:
     sim = site(
         body("box", "wall", [-5, 0, -5], density_kg_m3=1000.0, size_m=[1, 4, 4], drag_coefficient=10.0),
-        vehicles=[{"name": "rov", "model": "rov", "start": {"position_m": [-10, 0, -5]}}],
+        vehicle=rov("rov", (-10, 0, -5)),
     )
     ping = sim.rov.sonar.ping()
     label = sim.label_names.index("wall")
@@ -118,34 +112,6 @@ def test_instruments_perceive_loose_bodies_where_they_are() -> None:
     frame = sim.rov.cameras["front"].capture()
     assert "wall" in {frame.label_names[k] for k in np.unique(frame.labels)}
     assert "wall" in sim.strengths_db and "wall" in sim.materials
-
-
-def test_state_is_saved_restored_reset_and_batched() -> None:
-    bodies = [
-        body("box", "crate", [0, 0, -9.0], density_kg_m3=1800.0),
-        body("sphere", "ball", [0.1, 0, -8.2], density_kg_m3=1300.0),
-    ]
-    sim, other = site(*bodies), site(*bodies)
-    start = poses(sim)
-    sim.advance(1.0)
-    other.restore_state(sim.save_state())
-    assert poses(other) == poses(sim) != start
-    sim.advance(1.0)
-    other.advance(1.0)
-    assert poses(other) == poses(sim)
-    sim.reset()
-    assert poses(sim) == start
-    batch = uwsim.Batch(sim.scenario, n=2, threads=1)
-    batch.step(400)
-    sim.advance(2.0)
-    assert poses(batch.aboard(1)) == poses(sim)
-    assert batch.capture("chase", size=(24, 32)).shape == (2, 24, 32, 3)
-
-
-def poses(sim: Simulator) -> list[list[float]]:
-    return [
-        [*each.pose.position_world_m.tolist(), *each.pose.orientation_xyzw.tolist()] for each in sim.objects.values()
-    ]
 
 
 @pytest.mark.parametrize(
