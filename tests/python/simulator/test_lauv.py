@@ -4,22 +4,15 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
+from sites import lake
 from uwsim import Simulator
-from uwsim.scenario import Scenario
-from uwsim.scenario.read.validated import validated
 
-DEEP = {
-    "name": "deep", "description": "deep water", "mission_time_s": 600, "water": {"density_kg_m3": 1025},
-    "terrain": {"source": "noise", "size_m": [200, 200], "spacing_m": 10, "bed_depth_m": 100},
-    "station": {"position_m": [-50, 0, 0], "dock_m": [0, 0, -2]},
-    "vehicles": [{"name": "lauv", "model": "lauv", "start": {"position_m": [0, 0, -40]}}],
-}  # fmt: skip
 MASS_KG, FIN, LEVER_M = 24.0, 9.64, 0.398
 
 
 def flown(command: float, rudder_rad: float) -> tuple[float, float, float]:
     """Return the steady velocities ahead and to starboard [m/s] and the turning rate to starboard [rad/s]."""
-    sim = Simulator(validated(Scenario, DEEP), seed=1)
+    sim = Simulator(lake("lauv", (0, 0, -40), bed_m=-100), seed=1)
     sim.rov.set_thrusters({"propeller": command})
     sim.rov.set_fins({"top": -rudder_rad, "bottom": rudder_rad})
     sim.advance(60.0)

@@ -4,26 +4,19 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
+from sites import lake
 from uwsim import Simulator
-from uwsim.scenario import Scenario
-from uwsim.scenario.read.validated import validated
 
-LAKE = {
-    "name": "open", "description": "open water", "mission_time_s": 900, "water": {"density_kg_m3": 1025},
-    "terrain": {"source": "noise", "size_m": [800, 800], "spacing_m": 20, "bed_depth_m": 60},
-    "station": {"position_m": [-50, 0, 0], "dock_m": [0, 0, -2]},
-    "vehicles": [{"name": "boat", "model": "otter", "start": {"position_m": [0, 0, 0]}}],
-}  # fmt: skip
 MASS_KG, CENTRE_M, ARM_M = 80.0, 0.153125, 0.395
 ADDED = np.array([5.5, 82.5, 25.67])
 DAMPING = np.array([77.55, 162.5, 42.65])
 
 
 def steady(port: float, starboard: float) -> tuple[float, float, float]:
-    """Return the velocities ahead and to port [m/s] and the turning rate to port [rad/s] after 200 s."""
-    sim = Simulator(validated(Scenario, LAKE), seed=1)
+    """Return the velocities ahead and to port [m/s] and the turning rate to port [rad/s] after 80 s."""
+    sim = Simulator(lake("otter"), seed=1)
     sim.rov.set_thrusters({"port": port, "starboard": starboard})
-    sim.advance(200.0)
+    sim.advance(80.0)
     linear, angular = sim.rov.velocity.linear_body_m_s, sim.rov.velocity.angular_body_rad_s
     return float(linear[0]), float(linear[1]), float(angular[2])
 
@@ -83,7 +76,7 @@ def test_a_propeller_that_ventilates_keeps_the_published_share_of_its_thrust(hei
         for name, y, spin in (("port", 0.395, "clockwise"), ("starboard", -0.395, "counter-clockwise"))
     }  # fmt: skip
     model = {"builds_on": "otter", "thrusters": mounts}
-    sim = Simulator(validated(Scenario, LAKE | {"vehicles": [LAKE["vehicles"][0] | {"model": model}]}), seed=1)
+    sim = Simulator(lake(model), seed=1)
     sim.rov.set_thrusters({"port": 0.5, "starboard": 0.5})
     sim.advance(3.0)
     thrust_n = []
@@ -95,7 +88,7 @@ def test_a_propeller_that_ventilates_keeps_the_published_share_of_its_thrust(hei
 
 
 def test_it_floats_level_where_its_file_has_the_waterline() -> None:
-    sim = Simulator(validated(Scenario, LAKE), seed=1)
+    sim = Simulator(lake("otter"), seed=1)
     sim.advance(20.0)
     assert abs(sim.rov.pose.position_world_m[2]) < 0.002
     assert sim.rov.pose.world_from_body[2, 2] > np.cos(np.radians(0.1))

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+import sites
 from uwsim import Simulator
-from uwsim.scenario import Scenario, ScenarioError
-from uwsim.scenario.read.validated import validated
+from uwsim.scenario import ScenarioError
 
 RUDDER = {
     "position_m": [-1.0, 0, -0.15], "span": [0, 0, 1], "area_m2": 0.02, "aspect_ratio": 2, "parasitic_drag": 0.01,
@@ -19,12 +19,7 @@ def lake(**rudder: object) -> Simulator:
     propeller = {"model": "otter_propeller", "position_m": [-0.8, 0, -0.15], "axis": [1, 0, 0]}
     thrusters = {"port": None, "starboard": None, "propeller": propeller}
     model = {"builds_on": "otter", "thrusters": thrusters, "fins": {"rudder": RUDDER | rudder}}
-    values = {
-        "name": "open", "description": "open water", "mission_time_s": 900,
-        "terrain": {"source": "noise", "size_m": [800, 800], "spacing_m": 20, "bed_depth_m": 60},
-        "vehicles": [{"name": "boat", "model": model, "start": {"position_m": [0, 0, 0]}}],
-    }  # fmt: skip
-    return Simulator(validated(Scenario, values), seed=1)
+    return Simulator(sites.lake(model), seed=1)
 
 
 def turned(sim: Simulator, thrust: float, rudder_rad: float, duration_s: float) -> tuple[float, float]:
@@ -50,7 +45,7 @@ def test_from_rest_it_turns_by_its_jet_and_not_without_one(side: int) -> None:
 def test_its_circle_is_narrower_in_the_jet_and_as_wide_to_either_side() -> None:
     circles_m = {}
     for name, rudder, side in (("port", JET, -1), ("starboard", JET, 1), ("no jet", {}, 1)):
-        speed_m_s, rate_rad_s = turned(lake(**rudder), 0.5, side * 0.4, 120.0)
+        speed_m_s, rate_rad_s = turned(lake(**rudder), 0.5, side * 0.4, 60.0)
         circles_m[name] = 2.0 * speed_m_s / abs(rate_rad_s)
     assert circles_m["port"] == pytest.approx(circles_m["starboard"], rel=0.01)
     assert circles_m["port"] < 0.8 * circles_m["no jet"]

@@ -1,29 +1,28 @@
 """The packaged glider against the closed form of steady glides, and against the package gliderflight."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
 
 import uwsim
+from sites import lake
 from uwsim import Simulator
 from uwsim.examples import m14_glider
 from uwsim.missions import OwnVehicle, Steps
-from uwsim.scenario import Scenario
-from uwsim.scenario.read.validated import validated
 
-DEEP = {
-    "name": "deep", "description": "deep water", "mission_time_s": 6000, "water": {"density_kg_m3": 1025},
-    "terrain": {"source": "noise", "size_m": [4000, 4000], "spacing_m": 50, "bed_depth_m": 900},
-    "station": {"position_m": [-50, 0, 0], "dock_m": [0, 0, -2]},
-    "vehicles": [{"name": "slocum", "model": "slocum", "start": {"position_m": [0, 0, -450]}}],
-}  # fmt: skip
 PUMP_N, LIFT, DRAG_0, DRAG_2 = 2.514, 132.5, 2.15, 25.0  # the full pump; K_L, K_D0 and K_D of Graver
 
 
+def deep(model: object = "slocum") -> Simulator:
+    return Simulator(lake(model, (0, 0, -450), size_m=4000, bed_m=-900, mission_time_s=6000), seed=1)
+
+
+@cache
 def glide(pump: float, battery: float) -> tuple[float, float, float]:
     """Return the speed [m/s], the path's slope and the pitch [rad, positive upward] of a steady glide."""
-    sim = Simulator(validated(Scenario, DEEP), seed=1)
+    sim = deep()
     sim.rov.set_thrusters({"pump": pump, "battery": battery})
     sim.advance(300.0)
     turn = sim.rov.pose.world_from_body[:3, :3]
@@ -87,7 +86,7 @@ def test_dives_cost_the_net_buoyancy_times_the_slope_for_each_metre() -> None:
 
 
 def test_a_moved_mass_pitches_it_and_adds_no_force() -> None:
-    sim = Simulator(validated(Scenario, DEEP), seed=1)
+    sim = deep()
     sim.rov.set_thrusters({"battery": 1.0})
     sim.advance(60.0)
     lever = np.asarray(sim.rov.forces["actuators"].force_body_n)
@@ -109,4 +108,4 @@ def test_what_its_file_gets_wrong_is_refused(change: dict, rule: str) -> None:
     }  # fmt: skip
     model = {"builds_on": "slocum", "thrusters": {"battery": battery | change}}
     with pytest.raises(ValueError, match=rule):
-        validated(Scenario, DEEP | {"vehicles": [DEEP["vehicles"][0] | {"model": model}]})
+        deep(model)

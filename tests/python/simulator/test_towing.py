@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from sites import lake
 from uwsim import Simulator
 from uwsim.evidence.validate.tether import critical_angle_rad
 from uwsim.navigation.control import Controller
-from uwsim.scenario import Scenario
-from uwsim.scenario.read.validated import validated
 
 GRAVITY_M_S2, WATER_KG_M3, SPEED_M_S = 9.80665, 1000.0, 1.5
 LENGTH_M, DIAMETER_M, CABLE_KG_M, NORMAL, ALONG = 30.0, 0.006, 0.06, 1.2, 0.01
@@ -30,15 +29,9 @@ def towed(net_n: float) -> tuple[float, np.ndarray, np.ndarray]:
         "shape": {"kind": "sphere", "name": "fish", "position_m": [-25, 0, -10], "radius_m": RADIUS_M},
         "mass_kg": WATER_KG_M3 * volume_m3 + net_n / GRAVITY_M_S2, "drag_coefficient": DRAG, "tether": cable,
     }  # fmt: skip
-    values = {
-        "name": "tow", "description": "a boat that tows", "mission_time_s": 900,
-        "water": {"density_kg_m3": WATER_KG_M3},
-        "terrain": {"source": "noise", "size_m": [800, 200], "spacing_m": 20, "bed_depth_m": 60},
-        "vehicles": [{"name": "boat", "model": "otter", "start": {"position_m": [0, 0, 0]}}], "objects": [fish],
-    }  # fmt: skip
-    sim = Simulator(validated(Scenario, values), seed=1)
+    sim = Simulator(lake("otter", water={"density_kg_m3": WATER_KG_M3}, objects=[fish]), seed=1)
     pilot = Controller(sim.rov, 0.1)
-    for _ in range(1500):
+    for _ in range(700):
         pilot.steer(0.0, (SPEED_M_S, 0.0))
         sim.advance(0.1)
     now = sim.tethers["fish"].read()

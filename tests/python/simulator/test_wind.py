@@ -6,18 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from sites import lake
 from uwsim import Simulator
-from uwsim.scenario import Scenario, load
+from uwsim.scenario import load
 from uwsim.scenario.build.wind import LEAST_HZ, MOST_HZ, gusts
-from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.wind import Wind
-
-LAKE = {
-    "name": "open", "description": "open water", "mission_time_s": 900, "water": {"density_kg_m3": 1025},
-    "terrain": {"source": "noise", "size_m": [800, 800], "spacing_m": 20, "bed_depth_m": 60},
-    "station": {"position_m": [-50, 0, 0], "dock_m": [0, 0, -2]},
-    "vehicles": [{"name": "boat", "model": "otter", "start": {"position_m": [0, 0, 0]}}],
-}  # fmt: skip
 
 
 def npd(f: float, speed: float) -> float:
@@ -30,8 +23,7 @@ def davenport(f: float, speed: float) -> float:
     return 4 * 0.0015 * speed**2 * x**2 / (1 + x**2) ** (4 / 3) / f
 
 
-@pytest.mark.parametrize(("name", "spectrum"), [("npd", npd), ("davenport", davenport)])
-@pytest.mark.parametrize("speed", [6.0, 18.0])
+@pytest.mark.parametrize(("name", "spectrum", "speed"), [("npd", npd, 18.0), ("davenport", davenport, 6.0)])
 def test_gusts_have_the_spectrum_of_their_name(name: str, spectrum, speed: float) -> None:
     """That of the series which the harmonics sum to, not of their amplitudes."""
     seeds, total, bands = 20, [], []
@@ -55,7 +47,7 @@ def test_gusts_have_the_spectrum_of_their_name(name: str, spectrum, speed: float
 def test_a_drifting_boat_goes_before_the_wind_as_its_drag_allows(speed: float) -> None:
     """Windage in surge is the drag ahead: 1/2 rho_a c A (w - u)^2 = 77.55 u."""
     wind = {"speed_m_s": speed, "heading_deg": 0.0}
-    sim = Simulator(validated(Scenario, LAKE | {"wind": wind}), seed=1)
+    sim = Simulator(lake("otter", wind=wind), seed=1)
     sim.advance(60.0)
     u = float(sim.rov.velocity.linear_body_m_s[0])
     air = speed * (0.15 / 10) ** (1 / 7)
@@ -64,8 +56,7 @@ def test_a_drifting_boat_goes_before_the_wind_as_its_drag_allows(speed: float) -
 
 def test_without_windage_no_wind_is_felt() -> None:
     still, windy = (
-        Simulator(validated(Scenario, LAKE | {"vehicles": [LAKE["vehicles"][0] | {"model": "rov"}]} | change), seed=1)
-        for change in ({}, {"wind": {"speed_m_s": 20.0, "gusts": "npd"}})
+        Simulator(lake("rov", **change), seed=1) for change in ({}, {"wind": {"speed_m_s": 20.0, "gusts": "npd"}})
     )
     for sim in (still, windy):
         sim.advance(5.0)
@@ -73,16 +64,16 @@ def test_without_windage_no_wind_is_felt() -> None:
 
 
 def test_optics_and_link_have_the_wind_unless_they_have_their_own() -> None:
-    plain = LAKE | {"wind": {"speed_m_s": 9.0}, "link": {"modem": "s2cm_hs"}}
-    assert validated(Scenario, plain).link.wind_m_s == validated(Scenario, plain).optics.wind_m_s == 9.0
-    own = validated(Scenario, plain | {"link": {"modem": "s2cm_hs", "wind_m_s": 2.0}})
-    assert own.link.wind_m_s == 2.0
+    wind, link = {"speed_m_s": 9.0}, {"modem": "s2cm_hs"}
+    common = lake("otter", wind=wind, link=link)
+    assert common.link.wind_m_s == common.optics.wind_m_s == 9.0
+    assert lake("otter", wind=wind, link=link | {"wind_m_s": 2.0}).link.wind_m_s == 2.0
     assert load("lake").wind is None
 
 
 def test_windage_of_a_hull_that_sinks_is_refused() -> None:
     sail = {"frontal_area_m2": 1.0, "lateral_area_m2": 1.0, "length_m": 1.0, "height_m": 1.0}
     model = {"builds_on": "otter", "mass_kg": 300.0, "coefficients": None, "windage": sail}
-    scenario = validated(Scenario, LAKE | {"vehicles": [LAKE["vehicles"][0] | {"model": model}]})
+    scenario = lake(model)
     with pytest.raises(ValueError, match="windage: is only for a hull that floats"):
-        Simulator(scenario, seed=1)
+        Simulator(scenario)
