@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sites import gusty_pool
 from uwsim import Batch, DockedWarning, Scenario, Simulator
 from uwsim.scenario import load
-from uwsim.scenario.read.assets import assets_folder
 
 SEEDS = (3, 11, 4)
 CHANGES: tuple[dict[str, Any], ...] = (
@@ -27,14 +27,7 @@ SENSORS = ("imu", "depth", "dvl")
 
 @pytest.fixture(scope="module")
 def scenario(tmp_path_factory: pytest.TempPathFactory) -> Scenario:
-    """A pool with waves and gusts, both of which depend on the seed."""
-    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
-    waves = "\nwater:\n  surface: {kind: jonswap, significant_height_m: 0.3, peak_period_s: 3.0, component_count: 16}\n"
-    gusts = "  current:\n    - {kind: gusts, sigma_m_s: [0.1, 0.1, 0.0], correlation_time_s: 5.0}\n"
-    assert text.count("\nwater:\n") == 1
-    path = tmp_path_factory.mktemp("batch") / "gusty.yaml"
-    path.write_text(text.replace("\nwater:\n", waves + gusts))
-    return load(path)
+    return load(gusty_pool(tmp_path_factory.mktemp("batch")))
 
 
 def flown(scenario: Scenario, k: int) -> Simulator:

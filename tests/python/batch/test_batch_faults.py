@@ -47,23 +47,27 @@ def lone(scenario: Scenario, k: int) -> Simulator:
     if CHANGES[k]:
         sim.parameters.update(CHANGES[k])
     sim.rov.place(STARTS[k])
+    for efforts in (EFFORTS, None, -EFFORTS):
+        if efforts is not None:
+            sim.rov.set_effort(*efforts[k])
+        sim.step(230)
     return sim
 
 
-@pytest.mark.filterwarnings("ignore::uwsim.simulator.helm.FailsafeWarning")
-@pytest.mark.parametrize("threads", [1, 2])
-def test_a_member_fails_as_the_lone_simulator_does(scenario: Scenario, threads: int) -> None:
+def flown(scenario: Scenario, threads: int) -> Batch:
     batch = Batch(scenario, n=N, seeds=SEEDS, parameters=CHANGES, faults=FAULTS, threads=threads)
     batch.place(STARTS)
     for efforts in (EFFORTS, None, -EFFORTS):
         batch.step(230, efforts)
+    return batch
+
+
+@pytest.mark.filterwarnings("ignore::uwsim.simulator.helm.FailsafeWarning")
+def test_a_member_fails_as_the_lone_simulator_does_whatever_the_number_of_threads(scenario: Scenario) -> None:
+    batch, other = flown(scenario, 1), flown(scenario, 2)
     happened = set()
     for k in range(N):
         sim = lone(scenario, k)
-        for efforts in (EFFORTS, None, -EFFORTS):
-            if efforts is not None:
-                sim.rov.set_effort(*efforts[k])
-            sim.step(230)
         assert list(batch.aboard(k).events) == list(sim.events)
         happened |= {(event.name, event.values.get("kind", event.values.get("cause"))) for event in sim.events}
         for name, sensor in sim.rov.sensors.items():
@@ -73,7 +77,8 @@ def test_a_member_fails_as_the_lone_simulator_does(scenario: Scenario, threads: 
                 np.testing.assert_array_equal(told.values[k], np.concatenate(values), err_msg=name)
                 assert told.valid[k] == sample.valid
         assert batch.ping().ranges_m[k].tobytes() == sim.rov.sonar.ping().ranges_m.tobytes()
-        assert batch.simulator(k).save_state() == sim.save_state()
+        assert batch.simulator(k).save_state() == other.simulator(k).save_state() == sim.save_state()
+        assert list(other.aboard(k).events) == list(sim.events)
     assert batch.ping().valid.any(axis=1).tolist() == [True, False, True]
     kinds = ("leak", "battery", "sensor", "sonar", "camera", "current")
     assert {("fault", kind) for kind in kinds} | {("failsafe", "silence"), ("failsafe", "leak")} <= happened
@@ -81,7 +86,7 @@ def test_a_member_fails_as_the_lone_simulator_does(scenario: Scenario, threads: 
 
 def test_how_many_steps_are_made_at_once_does_not_matter(scenario: Scenario) -> None:
     states = []
-    for parts in ((600,), (1, 199, 7, 393)):
+    for parts in ((300,), (1, 199, 7, 93)):
         batch = Batch(scenario, n=2, faults=BY_CHANCE)
         batch.place(STARTS[0])
         for steps in parts:

@@ -22,6 +22,7 @@ STARTS = np.array([[0.0, 0.0, -2.0], [5.0, 2.0, -4.0]])
 PATHS = np.array([[[0.0, 0.0, -2.0], [3.0, 1.0, -2.5]], [[4.0, 2.0, -4.0], [7.0, 4.0, -3.0]]])
 HEADINGS = np.array([0.4, -1.0])
 PERIOD_STEPS = 10  # 0.05 s
+GUIDANCE = ("course_rad", "cross_track_m", "along_m", "left_m", "z_world_m", "is_done")
 
 
 @pytest.fixture(scope="module")
@@ -57,79 +58,45 @@ def same_states(batch: Batch, lone: list[Simulator]) -> None:
         assert batch.save_state(k) == sim.save_state(), f"batch[{k}]"
 
 
-Steer = Callable[[], object]
+Of = Callable[[np.ndarray], Any]
+"""All rows of an array for a batch, or the one of a lone vehicle."""
+VELOCITIES = np.array([[0.3, 0.1, 0.0, 0.0, 0.0, 0.2], [0.0, -0.2, 0.1, 0.0, 0.1, 0.0]])
+MOVING = np.array([[0.3, 0.0], [0.0, 0.2]])
+LINE = {"lookahead_m": 1.0, "integral_m_s": 0.1}
+STEERS: dict[str, Callable[[Any, Of], object]] = {
+    "hold": lambda pilot, of: pilot.hold(
+        of(STARTS + np.array([1.0, -0.5, 0.3])), of(HEADINGS), pitch_rad=0.1, velocity_world_m_s=(0.05, 0.0, 0.0)
+    ),
+    "velocity": lambda pilot, of: pilot.velocity(of(VELOCITIES)),
+    "altitude": lambda pilot, of: pilot.steer(
+        of(HEADINGS), (0.2, 0.1), altitude_m=(2.0, of(np.array([2.5, 1.5]))), across_first=True
+    ),
+    "path": lambda pilot, of: pilot.steer(),
+    "autopilot": lambda pilot, of: pilot.steer(of(HEADINGS), of(MOVING), of(np.array([-2.5, -3.5]))),
+}
 
 
-def hold(batch: Batch, lone: list[Simulator]) -> list[Steer]:
-    targets = STARTS + np.array([1.0, -0.5, 0.3])
-    all_of_them = BatchController(batch)
-    each = [Controller(sim.rov) for sim in lone]
-    return [
-        lambda: all_of_them.hold(targets, HEADINGS, pitch_rad=0.1, velocity_world_m_s=[0.05, 0.0, 0.0]),
-        lambda: [
-            one.hold(target, heading, pitch_rad=0.1, velocity_world_m_s=(0.05, 0.0, 0.0))
-            for one, target, heading in zip(each, targets, HEADINGS.tolist(), strict=True)
-        ],
-    ]
+def pilots(name: str, batch: Batch, lone: list[Simulator]) -> tuple[Any, list[Any]]:
+    """Return the pilot of a batch, and those of the lone vehicles."""
+    if name == "autopilot":
+        return BatchAutopilot(batch), [Autopilot(sim.rov) for sim in lone]
+    together, each = BatchController(batch), [Controller(sim.rov) for sim in lone]
+    if name != "path":
+        return together, each
+    alone = [PathFollower(one, points, 0.9, **LINE) for one, points in zip(each, PATHS, strict=True)]
+    return BatchPathFollower(together, PATHS, 0.9, **LINE), alone
 
 
-def velocity(batch: Batch, lone: list[Simulator]) -> list[Steer]:
-    wanted = np.array([[0.3, 0.1, 0.0, 0.0, 0.0, 0.2], [0.0, -0.2, 0.1, 0.0, 0.1, 0.0]])
-    all_of_them, each = BatchController(batch), [Controller(sim.rov) for sim in lone]
-    return [
-        lambda: all_of_them.velocity(wanted),
-        lambda: [one.velocity(row) for one, row in zip(each, wanted, strict=True)],
-    ]
-
-
-def altitude(batch: Batch, lone: list[Simulator]) -> list[Steer]:
-    all_of_them, each = BatchController(batch), [Controller(sim.rov) for sim in lone]
-    return [
-        lambda: all_of_them.steer(HEADINGS, [0.2, 0.1], altitude_m=(2.0, [2.5, 1.5]), across_first=True),
-        lambda: [
-            one.steer(heading, (0.2, 0.1), altitude_m=(2.0, measured), across_first=True)
-            for one, heading, measured in zip(each, HEADINGS.tolist(), (2.5, 1.5), strict=True)
-        ],
-    ]
-
-
-def path(batch: Batch, lone: list[Simulator]) -> list[Steer]:
-    all_of_them = BatchPathFollower(BatchController(batch), PATHS, 0.9, lookahead_m=1.0, integral_m_s=0.1)
-    each = [
-        PathFollower(Controller(sim.rov), points, 0.9, lookahead_m=1.0, integral_m_s=0.1)
-        for sim, points in zip(lone, PATHS, strict=True)
-    ]
-
-    def together() -> None:
-        guidance = all_of_them.steer()
-        alone = [one.steer() for one in each]
-        for name in ("course_rad", "cross_track_m", "along_m", "left_m", "z_world_m", "is_done"):
-            np.testing.assert_array_equal(getattr(guidance, name), [getattr(one, name) for one in alone])
-
-    return [together]
-
-
-def autopilot(batch: Batch, lone: list[Simulator]) -> list[Steer]:
-    all_of_them, each = BatchAutopilot(batch), [Autopilot(sim.rov) for sim in lone]
-    return [
-        lambda: all_of_them.steer(HEADINGS, [[0.3, 0.0], [0.0, 0.2]], [-2.5, -3.5]),
-        lambda: [
-            one.steer(heading, moving, height)
-            for one, heading, moving, height in zip(
-                each, HEADINGS.tolist(), ((0.3, 0.0), (0.0, 0.2)), (-2.5, -3.5), strict=True
-            )
-        ],
-    ]
-
-
-@pytest.mark.parametrize("pilot", [hold, velocity, altitude, path, autopilot])
+@pytest.mark.parametrize("name", STEERS)
 def test_controllers_steer_a_member_as_they_steer_the_lone_vehicle(
-    batch: Batch, lone: list[Simulator], pilot: Callable[[Batch, list[Simulator]], list[Steer]]
+    batch: Batch, lone: list[Simulator], name: str
 ) -> None:
-    steers = pilot(*started(batch, lone))
+    together, each = pilots(name, *started(batch, lone))
     for _ in range(20):
-        for steer in steers:
-            steer()
+        guided = STEERS[name](together, lambda rows: rows)
+        alone = [STEERS[name](one, lambda rows, k=k: rows[k]) for k, one in enumerate(each)]
+        for field in GUIDANCE if name == "path" else ():
+            np.testing.assert_array_equal(getattr(guided, field), [getattr(one, field) for one in alone])
         step(batch, lone, PERIOD_STEPS)
     same_states(batch, lone)
     assert np.abs(batch.observe().velocity_body).max() > 0.05

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import math
 from concurrent.futures import wait
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from uwsim import Simulator
 from uwsim.channels import Table, channels
@@ -92,15 +94,6 @@ def test_commands_may_be_sent_several_times_and_a_pattern_without_effect_is_refu
     wrong = Simulator(scenario.model_copy(update={"link": other}), threads=1)
     with pytest.raises(ValueError, match=r"'kye': must match a channel.*did you mean 'key'"):
         Carrier(wrong, Table(wrong))
-
-
-def test_services_go_over_the_link() -> None:
-    with linked() as live, Carrier(live, Table(live.simulator)) as carrier:
-        release = next(one for one in carrier.over(Table(live.simulator).services) if one.name == "release")
-        assert release.call(live, {})["success"]
-        assert not live.simulator.rov.released
-        live.step(300)
-        assert live.simulator.rov.released
 
 
 @pytest.mark.parametrize("by", ["key", "release"])
@@ -237,10 +230,8 @@ def test_what_the_vehicle_does_by_itself_is_carried() -> None:
     message.failsafe, message.failsafe_cause, message.alarms = "return", "leak", ["water inside"]
     after = panel.packing.unpack(panel.packing.pack(message), panel.channel)
     assert (after.failsafe, after.failsafe_cause, after.alarms) == ("return", "leak", ["water inside"])
-    assert (
-        PACKINGS["telemetry_short"].unpack(PACKINGS["telemetry_short"].pack(message), panel.channel).failsafe
-        == "return"
-    )
+    short = PACKINGS["telemetry_short"]
+    assert short.unpack(short.pack(message), panel.channel).failsafe == "return"
 
 
 def test_infinite_distances_stay_so() -> None:
@@ -251,19 +242,11 @@ def test_infinite_distances_stay_so() -> None:
 
 
 def test_pictures_arrive_as_thumbnails() -> None:
-    from PIL import Image
-
     rng = np.random.default_rng(1)
-    import io
-
     jpeg = io.BytesIO()
     Image.fromarray(rng.integers(0, 255, (90, 160, 3), np.uint8)).resize((640, 360)).save(jpeg, "JPEG")
-    message = build.message(
-        "sensor_msgs/msg/CompressedImage",
-        header=build.header(1_500_000_000, "front_optical"),
-        format="jpeg",
-        data=np.frombuffer(jpeg.getvalue(), np.uint8),
-    )
+    header, data = build.header(1_500_000_000, "front_optical"), np.frombuffer(jpeg.getvalue(), np.uint8)
+    message = build.message("sensor_msgs/msg/CompressedImage", header=header, format="jpeg", data=data)
     packing = PACKINGS["thumbnail"]
     data = packing.pack(message)
     small = packing.unpack(data, Channel("x", "sensor_msgs/msg/CompressedImage", "out", ""))

@@ -8,16 +8,20 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from uwsim import Simulator, fly
+from uwsim.channels import channels
 from uwsim.cli.program import app
-from uwsim.link.rates import airtime_share, send_rates
+from uwsim.link.carried import carried_channels
+from uwsim.link.rates import airtime_s, airtime_share, send_rates
 from uwsim.link.trial import run_trial
+from uwsim.missions import wait
 from uwsim.operator.station.choice import ChoiceError, catalog, chosen
 from uwsim.scenario import load
 from uwsim.scenario.spec.link import LinkFault, LinkSetup
 from uwsim.scenario.spec.modem import load_modem
 
 
-def test_the_command_draws_delay_delivery_and_goodput(tmp_path: Path) -> None:
+def test_the_command_draws_delay_delivery_and_goodput(tmp_path: Path, blank_figures: None) -> None:
     path = tmp_path / "link.png"
     result = CliRunner().invoke(app, ["link", "pool", "--out", str(path), "--depth", "1"])
     assert result.exit_code == 0, result.output
@@ -58,11 +62,6 @@ def test_the_start_screen_offers_every_modem() -> None:
 
 
 def test_what_is_sent_fits_into_the_modem_s_time() -> None:
-    from uwsim import Simulator
-    from uwsim.channels import channels
-    from uwsim.link.carried import carried_channels
-    from uwsim.link.rates import airtime_s
-
     sim = Simulator("pool", link="s2cm_hs", threads=1)
     said = [one for one in carried_channels(channels(sim), sim) if one.channel.direction == "out"]
     sizes = {one.channel.name: 40 for one in said}
@@ -75,20 +74,15 @@ def test_what_is_sent_fits_into_the_modem_s_time() -> None:
         assert "stateData" in rates
 
 
-def test_a_flight_over_a_link_reports_it_by_channel(tmp_path: Path) -> None:
-    import json
-
-    from uwsim import fly
-    from uwsim.missions import wait
-
+def test_a_flight_over_a_link_reports_it_by_channel(tmp_path: Path, blank_figures: None) -> None:
     def mission(vehicle):
         vehicle.release()
         yield wait(4.0)
 
     scenario = load("pool").with_changes(modem="s2cm_hs")
     fly(mission, scenario, tmp_path)
-    (state,) = [row for row in json.loads((tmp_path / "summary.json").read_text())["link"]
-                if row["topic"] == "stateData"]  # fmt: skip
+    rows = json.loads((tmp_path / "summary.json").read_text())["link"]
+    (state,) = [row for row in rows if row["topic"] == "stateData"]
     assert state["delivered"] >= 3
     page = (tmp_path / "report.html").read_text()
     assert "The link" in page and "stateData" in page

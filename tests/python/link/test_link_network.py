@@ -224,15 +224,6 @@ def test_a_bed_that_is_not_flat_is_reported() -> None:
     assert departure(0.1).bed_departure == 0.0, "no arrival that counts has touched the bed"
 
 
-def test_reset_forgets_all_messages() -> None:
-    sim = lake("ideal_acoustic")
-    sim.link.send("station", "rov", "t", b"x")
-    sim.advance(0.1)
-    sim.reset()
-    assert sim.link.received("rov") == []
-    assert sim.link.counts() == []
-
-
 def test_mistakes_are_named(tmp_path) -> None:
     sim = lake("tether")
     with pytest.raises(ValueError, match="node = 'rob': must be one of station, rov, scout; did you mean 'rov'"):

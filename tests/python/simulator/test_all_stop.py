@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +13,14 @@ import pytest
 
 from all_stop_world import DRIVES, at_rest, motion, scenario
 from uwsim import Simulator
-from uwsim.live import COMMANDS, LiveSimulator, replay
+from uwsim.live import COMMANDS
 from uwsim.missions import LawnMowerPlan, StoppedError, dive_to, follow, goto, hold, mow, run, turn_to, wait
 from uwsim.navigation.control.autopilot import Autopilot
 from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.control.path import PathFollower
 from uwsim.navigation.control.velocity_hold import VelocityHold
-from uwsim.recording import Recorder
-from uwsim.recording.replay import replay as replay_recording
 from uwsim.simulator.helm import AllStopWarning
+from uwsim.simulator.vehicle import Vehicle
 
 STEPS = 200
 
@@ -170,56 +170,31 @@ def test_all_stop_is_set_or_not(sim: Simulator, on: object) -> None:
 # Controllers, missions, failsafes
 
 
-def by_controller(sim: Simulator) -> None:
-    pilot = Controller(sim.rov, 0.05)
-    for _ in range(STEPS // 10):
-        pilot.hold((20.0, 0.0, -2.0), 1.0)
-        sim.step(10)
+def holding_velocity(rov: Vehicle) -> Callable[[], object]:
+    held = VelocityHold(rov, 0.05)
+    return lambda: rov.set_effort(**held.efforts(np.array([0.5, 0, 0.2, 0, 0, 0])))
 
 
-def by_path(sim: Simulator) -> None:
-    follower = PathFollower(Controller(sim.rov, 0.05), [(0, 0, -5), (20, 5, -4)], 0.5)
-    for _ in range(STEPS // 10):
-        follower.steer()
-        sim.step(10)
-
-
-def by_velocity_hold(sim: Simulator) -> None:
-    held = VelocityHold(sim.rov, 0.05)
-    for _ in range(STEPS // 10):
-        sim.rov.set_effort(**held.efforts(np.array([0.5, 0, 0.2, 0, 0, 0])))
-        sim.step(10)
-
-
-def by_autopilot(sim: Simulator) -> None:
-    pilot = Autopilot(sim.vehicles["forces"], 0.05)
-    for _ in range(STEPS // 10):
-        pilot.steer(1.0, (0.5, 0.0), -2.0)
-        sim.step(10)
-
-
-def by_efforts(sim: Simulator) -> None:
-    def mission(vehicle: Any) -> Any:
-        for _ in range(STEPS // 10):
-            vehicle.set_effort(surge=1.0, heave=0.5)
-            yield wait(10 * sim.step_s)
-
-    run(mission, sim.rov, sim)
-
-
-STEERED = {
-    "Controller": by_controller,
-    "PathFollower": by_path,
-    "VelocityHold": by_velocity_hold,
-    "Autopilot": by_autopilot,
-    "a mission's efforts": by_efforts,
+STEERED: dict[str, Callable[[Vehicle], Callable[[], object]]] = {
+    "Controller": lambda rov: partial(Controller(rov, 0.05).hold, (20.0, 0.0, -2.0), 1.0),
+    "PathFollower": lambda rov: PathFollower(Controller(rov, 0.05), [(0, 0, -5), (20, 5, -4)], 0.5).steer,
+    "VelocityHold": holding_velocity,
+    "Autopilot": lambda rov: partial(Autopilot(rov, 0.05).steer, 1.0, (0.5, 0.0), -2.0),
 }
 
 
-@pytest.mark.parametrize("way", STEERED)
-def test_nobody_who_steers_moves_a_stopped_vehicle(sim: Simulator, alone: bytes, way: str) -> None:
+@pytest.mark.parametrize("way", [*STEERED, "a mission's efforts"])
+def test_what_steers_does_not_move_a_stopped_vehicle(sim: Simulator, alone: bytes, way: str) -> None:
+    rov = sim.vehicles["forces"]
+    steer = STEERED[way](rov) if way in STEERED else lambda: rov.set_effort(surge=1.0, heave=0.5)
+
+    def mission(vehicle: Any) -> Any:
+        for _ in range(STEPS // 10):
+            steer()
+            yield wait(10 * sim.step_s)
+
     with pytest.warns(AllStopWarning):
-        STEERED[way](sim)
+        run(mission, rov, sim)
     assert at_rest(sim) and motion(sim) == alone
 
 
@@ -281,37 +256,3 @@ def test_no_failsafe_moves_a_stopped_vehicle_and_it_begins_where_it_is_released(
 
 
 # Log, recording, state
-
-
-@pytest.mark.filterwarnings("ignore::uwsim.simulator.helm.AllStopWarning")
-def test_a_replay_of_log_and_recording_stops_at_the_same_tick(tmp_path: Path) -> None:
-    with LiveSimulator(Simulator("pool", seed=3), paused=True) as live:
-        live.rov.undock()
-        with Recorder(live, tmp_path / "run.mcap", topics=["imu", "telemetry"]):
-            live.rov.set_effort(surge=1.0)
-            live.step(100)
-            live.rov.all_stop()
-            live.rov.set_effort(surge=1.0)
-            live.step(100)
-        state, tick = live.simulator.save_state(), live.tick
-        log = live.log
-    again = replay(Simulator("pool", seed=3), log, tick)
-    assert again.save_state() == state and again.rov.all_stopped
-    found = replay_recording(tmp_path / "run.mcap")
-    assert found.difference is None and found.state_compared and found.sim.rov.all_stopped
-
-
-@pytest.mark.filterwarnings("ignore::uwsim.simulator.helm.AllStopWarning")
-def test_a_saved_state_has_it_and_a_reset_releases_it(sim: Simulator, alone: bytes) -> None:
-    state = sim.save_state()
-    other = Simulator(sim.scenario)
-    swing(other), other.reset()
-    assert not any(rov.all_stopped for rov in other.vehicles.values())
-    other.restore_state(state)
-    assert all(rov.all_stopped for rov in other.vehicles.values()) and other.save_state() == state
-    other.vehicles["forces"].set_effort(surge=1.0)
-    other.step(STEPS)
-    assert motion(other) == alone
-    fresh = Simulator(sim.scenario)
-    other.restore_state(fresh.save_state())
-    assert not any(rov.all_stopped for rov in other.vehicles.values())

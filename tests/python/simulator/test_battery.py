@@ -4,44 +4,25 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from sites import flat, rov
 from uwsim import ScenarioError, Simulator
 from uwsim.evidence.validate.reality.thrust import LEFT_OUT, misses, read_sheets, without
 from uwsim.scenario.spec.actuator import load_thruster
 from uwsim.scenario.spec.battery import load_battery
 
 SHEETS = Path(__file__).parents[4] / "shared/reality/t200/t200_10_14_16_20V.csv"
-BATTERY = "{model: bluerov2_18ah, hotel_w: 40}"
-WORLD = """
-name: powered
-mission_time_s: 5
-terrain: {{source: noise, size_m: [400, 400], spacing_m: 20, bed_depth_m: 60}}
-vehicles:
-  - name: rov
-    model: {model}
-    start: {{position_m: [0, 0, -20]}}
-    trim: {{net_buoyancy_n: 0}}
-    {more}
-"""
+BATTERY = {"model": "bluerov2_18ah", "hotel_w": 40}
 
 
-def made(battery: str | None = BATTERY, more: str = "", model: str = "bluerov2_heavy") -> Simulator:
-    lines = ([f"battery: {battery}"] if battery else []) + ([more] if more else [])
-    return Simulator(scenario("\n    ".join(lines), model))
-
-
-def scenario(more: str, model: str = "bluerov2_heavy") -> Path:
-    path = Path("powered.yaml")
-    path.write_text(WORLD.format(model=model, more=more))
-    return path
-
-
-@pytest.fixture(autouse=True)
-def _in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def made(battery: Any = BATTERY, model: str = "bluerov2_heavy", **more: Any) -> Simulator:
+    supply = {} if battery is None else {"battery": battery}
+    vehicle = rov(model, (0, 0, -20), trim={"net_buoyancy_n": 0}, **supply, **more)
+    return Simulator(flat(vehicle, bed_m=-60.0, size_m=400, mission_time_s=5))
 
 
 def test_a_sheet_that_was_not_used_is_met_where_the_square_of_the_voltage_is_not() -> None:
@@ -55,7 +36,7 @@ def test_a_sheet_that_was_not_used_is_met_where_the_square_of_the_voltage_is_not
 
 
 def test_thrust_and_current_are_those_of_the_sheets_at_the_voltage_that_the_battery_has() -> None:
-    sim = made("{model: bluerov2_18ah, hotel_w: 40, initial_charge: 0.4}")
+    sim = made(BATTERY | {"initial_charge": 0.4})
     rov, sheets = sim.rov, load_thruster("t200_16v").performance()
     rov.set_thrusters({"front_left": -0.9, "rear_right": 0.6, "vertical_front_left": 0.3})
     sim.advance(2.0)
@@ -73,7 +54,7 @@ def test_thrust_and_current_are_those_of_the_sheets_at_the_voltage_that_the_batt
 
 
 def test_an_idle_vehicle_lasts_as_long_as_its_charge_at_constant_power() -> None:
-    sim = made("{model: bluerov2_18ah, hotel_w: 2000}")
+    sim = made(BATTERY | {"hotel_w": 2000})
     cells = load_battery("bluerov2_18ah")
     charges, volts = map(np.array, zip(*cells.open_circuit_v, strict=True))
     share = np.linspace(1.0, 0.0, 200_001)
@@ -90,7 +71,7 @@ def test_an_idle_vehicle_lasts_as_long_as_its_charge_at_constant_power() -> None
 
 def test_a_vehicle_slows_as_its_battery_drains() -> None:
     def speed_m_s(charge: float) -> float:
-        sim = made(f"{{model: bluerov2_18ah, initial_charge: {charge}}}")
+        sim = made({"model": "bluerov2_18ah", "initial_charge": charge})
         sim.rov.set_effort(surge=0.8)
         sim.advance(4.0)
         return float(sim.rov.velocity.linear_body_m_s[0])
@@ -100,7 +81,7 @@ def test_a_vehicle_slows_as_its_battery_drains() -> None:
 
 
 def test_an_empty_battery_stops_the_thrusters_until_the_vehicle_has_been_docked() -> None:
-    sim = made("{model: bluerov2_18ah, hotel_w: 40, initial_charge: 0.002}")
+    sim = made(BATTERY | {"initial_charge": 0.002})
     rov = sim.rov
     rov.set_effort(surge=0.5)
     sim.advance(2.0)
@@ -126,8 +107,8 @@ def test_without_a_battery_the_mission_time_counts_as_before() -> None:
 
 
 def test_a_low_battery_calls_the_failsafe_and_a_sagging_one_is_no_thruster_fault() -> None:
-    failsafe = "failsafe: {battery_percent: 10, battery_then: surface, thruster_then: hold}"
-    sim = made("{model: bluerov2_18ah, initial_charge: 0.12}", failsafe)
+    failsafe = {"battery_percent": 10, "battery_then": "surface", "thruster_then": "hold"}
+    sim = made({"model": "bluerov2_18ah", "initial_charge": 0.12}, failsafe=failsafe)
     sim.rov.set_thrusters({"front_left": -1.0, "rear_right": 1.0})
     while sim.rov.battery.percent >= 10.0:
         assert sim.rov.failsafe.state == ""
@@ -136,18 +117,6 @@ def test_a_low_battery_calls_the_failsafe_and_a_sagging_one_is_no_thruster_fault
     assert weak < 0.75
     sim.advance(1.0)
     assert (sim.rov.failsafe.state, sim.rov.failsafe.cause) == ("surface", "battery")
-
-
-def test_a_saved_state_continues_to_the_same_charge() -> None:
-    sim = made()
-    sim.rov.set_effort(surge=0.7, yaw=0.2)
-    sim.advance(1.0)
-    saved = sim.save_state()
-    sim.advance(1.0)
-    expected = sim.rov.battery.to_dict(), sim.save_state()
-    sim.restore_state(saved)
-    sim.advance(1.0)
-    assert (sim.rov.battery.to_dict(), sim.save_state()) == expected
 
 
 def test_its_parameters_can_be_changed_in_a_run() -> None:
@@ -166,30 +135,29 @@ def test_its_parameters_can_be_changed_in_a_run() -> None:
     assert sim.rov.battery.charge_ah == pytest.approx(0.09 * share)
 
 
+def of_cells(*open_circuit_v: list[float], cutoff_v: float) -> dict[str, Any]:
+    cells = {"name": "odd", "capacity_ah": 1, "open_circuit_v": open_circuit_v, "resistance_ohm": 0.1}
+    return {"model": cells | {"cutoff_v": cutoff_v}}
+
+
 @pytest.mark.parametrize(
-    ("more", "model", "message"),
+    ("battery", "model", "message"),
     [
-        ("battery: nonesuch", "bluerov2_heavy", r"vehicles\[0\]\.battery.*unknown battery 'nonesuch'"),
-        ("battery: bluerov2_18ah", "rov", r"has no thrusters to supply: use mission_time_s"),
-        ("battery: bluerov2_18ah", "remus100", r"thruster 'propeller'.*has no `sheets`"),
+        ("nonesuch", "bluerov2_heavy", r"vehicles\[0\]\.battery.*unknown battery 'nonesuch'"),
+        ("bluerov2_18ah", "rov", r"has no thrusters to supply: use mission_time_s"),
+        ("bluerov2_18ah", "remus100", r"thruster 'propeller'.*has no `sheets`"),
         (
-            "battery: {model: {name: weak, capacity_ah: 1, open_circuit_v: [[0, 9], [1, 12]], resistance_ohm: 0.1, "
-            "cutoff_v: 9}}",
+            of_cells([0, 9], [1, 12], cutoff_v=9),
             "bluerov2_heavy",
             r"9 to 12 V, must lie within those of thruster 'front_left', 10 to 20 V",
         ),
-        ("battery: {model: bluerov2_18ah, hotel_w: 9000}", "bluerov2_heavy", r"hotel_w = 9000 W: must be less than"),
-        (
-            "battery: {model: {name: flat, capacity_ah: 1, open_circuit_v: [[0, 13], [1, 12]], resistance_ohm: 0.1, "
-            "cutoff_v: 11}}",
-            "bluerov2_heavy",
-            r"voltages must not fall as the charge rises",
-        ),
+        (BATTERY | {"hotel_w": 9000}, "bluerov2_heavy", r"hotel_w = 9000 W: must be less than"),
+        (of_cells([0, 13], [1, 12], cutoff_v=11), "bluerov2_heavy", r"voltages must not fall as the charge rises"),
     ],
 )
-def test_mistakes_are_met_at_the_door(more: str, model: str, message: str) -> None:
+def test_mistakes_are_met_at_the_door(battery: Any, model: str, message: str) -> None:
     with pytest.raises(ScenarioError, match=message):
-        Simulator(scenario(more, model))
+        made(battery, model)
 
 
 @pytest.mark.parametrize(
@@ -204,8 +172,9 @@ def test_mistakes_are_met_at_the_door(more: str, model: str, message: str) -> No
         ("voltage_v,command,thrust_n,current_a,rpm\n10,-1,-5,1,1\n10,1,5,1,1\n", r"= 1: must be those of at least 2"),
     ],
 )
-def test_an_invalid_sheet_is_refused_with_file_and_line(text: str, message: str) -> None:
-    Path("mine.csv").write_text(text)
-    thruster = load_thruster("t200_16v").model_copy(update={"sheets": Path("mine.csv")})
+def test_an_invalid_sheet_is_refused_with_file_and_line(text: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.csv"
+    path.write_text(text)
+    thruster = load_thruster("t200_16v").model_copy(update={"sheets": path})
     with pytest.raises(ScenarioError, match=message):
         thruster.performance()

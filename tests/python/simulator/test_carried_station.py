@@ -1,5 +1,7 @@
 """A station that rides on a boat: its position, its modem, its USBL, its dock and its tether move with it."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
@@ -29,10 +31,19 @@ def on_boat(sim: Simulator, point_m: list[float]) -> np.ndarray:
     return world_from_body[:3, :3] @ point_m + world_from_body[:3, 3]
 
 
-def test_distances_and_travel_times_are_to_where_the_boat_has_carried_it() -> None:
-    sim = sea()
+@pytest.fixture(scope="module")
+def sim() -> Iterator[Simulator]:
+    """The pair after the boat has gone for 40 s."""
+    yield gone(sea())
+
+
+def gone(sim: Simulator) -> Simulator:
     sim.vehicles["boat"].set_thrusters({"port": 0.9, "starboard": 0.8})
     sim.advance(40.0)
+    return sim
+
+
+def test_distances_and_travel_times_are_to_where_the_boat_has_carried_it(sim: Simulator) -> None:
     station, rov = on_boat(sim, AT), sim.vehicles["rov"]
     assert np.linalg.norm(station - [10, 5, 0]) > 15.0
     assert np.allclose(sim.station_world_m, station)
@@ -44,10 +55,7 @@ def test_distances_and_travel_times_are_to_where_the_boat_has_carried_it() -> No
     assert delay_s * speed == pytest.approx(np.linalg.norm(head - there), rel=2e-3)
 
 
-def test_a_usbl_measures_from_the_boat() -> None:
-    sim = sea()
-    sim.vehicles["boat"].set_thrusters({"port": 0.9, "starboard": 0.8})
-    sim.advance(40.0)
+def test_a_usbl_measures_from_the_boat(sim: Simulator) -> None:
     rov = sim.vehicles["rov"]
     usbl = next(one for one in rov.sensors.values() if one.kind == "usbl")
     seen = usbl.read(noise=False).position_m
@@ -58,9 +66,7 @@ def test_a_usbl_measures_from_the_boat() -> None:
 
 def test_what_is_docked_rides_along_and_leaves_from_where_the_boat_is() -> None:
     docked = [SEA["vehicles"][0], SEA["vehicles"][1] | {"start": "station"}]
-    sim = sea(vehicles=docked)
-    sim.vehicles["boat"].set_thrusters({"port": 0.9, "starboard": 0.8})
-    sim.advance(40.0)
+    sim = gone(sea(vehicles=docked))
     boat, rov = sim.vehicles["boat"], sim.vehicles["rov"]
     assert np.allclose(rov.pose.position_world_m, on_boat(sim, [AT[0], AT[1], -3.0]), atol=1e-9)
     assert np.allclose(rov.pose.world_from_body[:3, :3], boat.pose.world_from_body[:3, :3], atol=1e-9)
@@ -68,10 +74,7 @@ def test_what_is_docked_rides_along_and_leaves_from_where_the_boat_is() -> None:
     assert np.allclose(rov.pose.position_world_m, on_boat(sim, [AT[0] + 3.0, AT[1], -3.0]), atol=1e-6)
 
 
-def test_saved_and_restored_it_flies_the_same() -> None:
-    sim = sea()
-    sim.vehicles["boat"].set_thrusters({"port": 0.9, "starboard": 0.8})
-    sim.advance(5.0)
+def test_saved_and_restored_it_flies_the_same(sim: Simulator) -> None:
     state = sim.save_state()
     sim.advance(5.0)
     first = sim.station_world_m

@@ -5,31 +5,21 @@ import math
 import numpy as np
 import pytest
 
+from sites import deep_lake
 from uwsim import Simulator
-from uwsim.live import LiveSimulator, replay
 from uwsim.navigation.estimation import Start
-from uwsim.scenario import Scenario, load
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.simulator.failures.manoeuvres import ascent
 from uwsim.simulator.helm import FailsafeWarning
 
-START = {"position_m": [-60.0, -40.0, -12.0], "yaw_deg": 30.0}
 SILENCE_S = 2.0
 
 
-def lake(**failsafe) -> Scenario:
-    base = load("lake")
-    (entry,) = base.vehicles
-    plain = {key: getattr(base, key) for key in type(base).model_fields}
-    vehicle = {**dict(entry), "start": START, "failsafe": failsafe}
-    return Scenario.model_validate({**plain, "vehicles": [vehicle]})
+def lake(**failsafe):
+    return deep_lake(failsafe=failsafe, yaw_deg=30.0)
 
 
-def named(sim, name):
-    return [event for event in sim.events if event.name == name]
-
-
-def test_silence_is_counted_from_the_last_command():
+def test_silence_is_counted_from_the_last_command_and_ended_by_the_next():
     sim = Simulator(lake(silence_s=SILENCE_S, then="hold"))
     sim.advance(1.0)
     sim.rov.set_effort(surge=0.5)
@@ -37,8 +27,13 @@ def test_silence_is_counted_from_the_last_command():
     assert sim.rov.failsafe.state == ""
     sim.step()
     assert (sim.rov.failsafe.state, sim.rov.failsafe.cause) == ("hold", "silence")
-    (event,) = named(sim, "failsafe")
-    assert event.time_s == pytest.approx(1.0 + SILENCE_S)
+    (event,) = sim.events
+    assert (event.name, event.time_s) == ("failsafe", pytest.approx(1.0 + SILENCE_S))
+    sim.advance(1.0)
+    sim.rov.set_effort(sway=0.4)
+    assert sim.rov.failsafe.state == ""
+    assert sim.rov.effort.tolist() == [0.0, 0.4, 0.0, 0.0, 0.0, 0.0]
+    assert [event.name for event in sim.events] == ["failsafe", "failsafe_ends"]
 
 
 def test_hold_keeps_depth_heading_and_place():
@@ -91,15 +86,6 @@ def test_go_on_leaves_the_commands_as_they_are():
     assert sim.rov.effort[0] == 0.3
 
 
-def test_a_command_ends_a_silence():
-    sim = Simulator(lake(silence_s=SILENCE_S, then="hold"))
-    sim.advance(SILENCE_S + 5.0)
-    sim.rov.set_effort(sway=0.4)
-    assert sim.rov.failsafe.state == ""
-    assert sim.rov.effort.tolist() == [0.0, 0.4, 0.0, 0.0, 0.0, 0.0]
-    assert len(named(sim, "failsafe_ends")) == 1
-
-
 def test_a_low_battery_takes_the_vehicle_until_it_is_overridden():
     scenario = lake(battery_percent=50.0, battery_then="surface")
     sim = Simulator(scenario, mission_time_s=60.0)
@@ -116,59 +102,6 @@ def test_a_low_battery_takes_the_vehicle_until_it_is_overridden():
     sim.rov.set_effort(surge=1.0)
     assert sim.rov.effort[0] == 1.0
     assert sim.rov.failsafe.state == ""
-
-
-def flown(scenario, parts):
-    sim = Simulator(scenario, seed=4)
-    sim.rov.set_effort(surge=0.5, yaw=0.1)
-    for steps in parts:
-        sim.step(steps)
-    return sim
-
-
-def test_it_acts_at_the_same_ticks_however_many_steps_are_made_at_once():
-    scenario = lake(silence_s=SILENCE_S, then="return")
-    together, apart = flown(scenario, [3000]), flown(scenario, [1, 399, 1, 20, 79, 2500])
-    assert together.save_state() == apart.save_state()
-    assert together.rov.failsafe.state == "return"
-
-
-def test_it_goes_on_from_a_saved_state():
-    scenario = lake(silence_s=SILENCE_S, then="surface", battery_percent=1.0)
-    sim = flown(scenario, [777])
-    other = Simulator(scenario, seed=4)
-    other.restore_state(sim.save_state())
-    for each in (sim, other):
-        each.step(1000)
-    assert other.rov.failsafe.state == "surface"
-    assert other.save_state() == sim.save_state()
-    assert list(other.events) == list(sim.events)
-
-
-def test_it_begins_anew_with_the_simulator():
-    scenario = lake(silence_s=SILENCE_S, then="hold")
-    sim, fresh = flown(scenario, [1000]), Simulator(scenario, seed=4)
-    sim.reset()
-    assert (sim.rov.failsafe.state, len(sim.events)) == ("", 0)
-    for each in (sim, fresh):
-        each.step(1000)
-    assert sim.save_state() == fresh.save_state()
-
-
-def test_a_live_run_with_a_failsafe_replays():
-    scenario = lake(silence_s=0.5, then="hold")
-    with LiveSimulator(scenario, speed="max") as live:
-        live.command("set_effort", vehicle="rov", surge=1.0).result()
-        while live.tick < 400:
-            pass
-        live.command("set_effort", vehicle="rov", yaw=1.0).result()
-        while live.tick < 1000:
-            pass
-        live.pause()
-        state, tick = live.simulator.save_state(), live.tick
-        again = replay(scenario, live.log, tick)
-    assert again.save_state() == state
-    assert len(named(again, "failsafe")) >= 1
 
 
 @pytest.mark.parametrize(

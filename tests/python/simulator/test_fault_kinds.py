@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from test_faults import lake
+from sites import deep_lake
 from uwsim import Simulator
 from uwsim.operator.station.fault_kinds import fault_kinds
 from uwsim.operator.station.wire_training import FaultKinds
@@ -14,7 +14,7 @@ def test_each_kind_can_be_injected_as_the_instructors_form_begins():
     kinds = FaultKinds.model_validate({"success": True, "kinds": fault_kinds()}).kinds
     assert [each.kind for each in kinds] == list(FAULTS.models())
     for model, thruster in (("rov", {"axis": "yaw"}), ("bluerov2_heavy", {"thruster": "front_left"})):
-        sim = Simulator(lake(model=model))
+        sim = Simulator(deep_lake(model=model))
         own = {"thruster": thruster, "sensor": {"sensor": "depth"}, "camera": {"camera": "front"}}
         lacking = {"tether"} if sim.scenario.vehicles[0].model.cameras else {"tether", "camera"}
         offered = [each for each in kinds if each.kind not in lacking]

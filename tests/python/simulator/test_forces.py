@@ -1,28 +1,17 @@
 """Forces are visible: their sum moves the vehicle, and what pushes it from outside is a command like any other."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
+from channel_tools import table
+from sites import flat, rov
 from uwsim import Simulator
 from uwsim.channels import Table
-from uwsim.live import LiveSimulator, replay
-from uwsim.recording import Recorder
-from uwsim.recording.replay import replay as replay_recording
-from uwsim.scenario import Scenario, ScenarioError
-from uwsim.scenario.read.validated import validated
-
-PUDDLE = {
-    "name": "puddle",
-    "terrain": {"source": "noise", "size_m": [40, 40], "spacing_m": 1, "bed_depth_m": 20, "hill_height_m": 0},
-    "vehicles": [{"name": "rov", "model": "bluerov2_heavy", "start": {"position_m": [0, 0, -5]}}],
-}
+from uwsim.scenario import ScenarioError
 
 
-def puddle(**changes: object) -> Simulator:
-    entry = PUDDLE["vehicles"][0] | changes.pop("vehicle", {})
-    return Simulator(validated(Scenario, PUDDLE | {"vehicles": [entry]} | changes))
+def puddle(vehicle: dict | None = None, **changes: object) -> Simulator:
+    return Simulator(flat(rov() | (vehicle or {}), bed_m=-20.0, **changes))
 
 
 def test_the_terms_sum_to_the_total_and_each_is_what_its_name_says() -> None:
@@ -52,30 +41,6 @@ def test_contacts_carry_what_the_water_does_not() -> None:
     assert np.abs(forces["total"].force_body_n).max() < 1e-9
 
 
-def test_a_push_is_recorded_and_replayed(tmp_path: Path) -> None:
-    with LiveSimulator(puddle(), paused=True, speed="max") as live:
-        with Recorder(live, tmp_path / "run.mcap", topics=["forces", "force_arrows"]):
-            live.step(10)
-            live.rov.apply_wrench([30.0, 0.0, 0.0], axes="world", duration_s=0.5)
-            live.step(200)
-            assert live.rov.velocity.linear_body_m_s[0] > 0.1
-        state, tick = live.simulator.save_state(), live.tick
-    assert replay(puddle(), live.log, tick).save_state() == state
-    found = replay_recording(tmp_path / "run.mcap")
-    assert found.difference is None and found.state_compared and found.commands == 1
-
-
-def test_a_schedule_pushes_as_commands_do() -> None:
-    pushed = puddle(vehicle={"wrenches": [{"force_n": [30, 0, 0], "torque_nm": [0, 0, 2], "from_s": 1, "until_s": 2}]})
-    by_hand = puddle()
-    pushed.advance(3.0)
-    by_hand.advance(1.0)
-    by_hand.rov.apply_wrench([30.0, 0.0, 0.0], [0.0, 0.0, 2.0], duration_s=1.0)
-    by_hand.advance(2.0)
-    assert pushed.rov.pose.position_world_m.tolist() == by_hand.rov.pose.position_world_m.tolist()
-    assert pushed.rov.pose.position_world_m[0] > 0.1
-
-
 def test_a_push_shorter_than_a_step_lasts_a_step() -> None:
     sim = puddle()
     sim.rov.apply_wrench([30.0, 0.0, 0.0], duration_s=0.1 * sim.step_s)
@@ -89,7 +54,7 @@ def test_arrows_show_the_forces_to_scale() -> None:
     sim = puddle()
     sim.rov.set_effort(surge=1.0)
     sim.advance(1.0)
-    channels = {channel.name: channel for channel in Table(sim).channels}
+    channels = table(sim)
     message, arrows = channels["forces"].read(sim), channels["force_arrows"].read(sim).markers
     longest_n = max(np.linalg.norm([each.force.x, each.force.y, each.force.z]) for each in message.wrenches)
     (thrust,) = [arrow.points[1] for arrow in arrows if arrow.ns == "actuators"]
@@ -99,16 +64,7 @@ def test_arrows_show_the_forces_to_scale() -> None:
     assert "forces" not in {channel.name for channel in Table(sim, truth=False).channels}, "they are the truth"
 
 
-def test_what_cannot_be_is_refused_with_the_reason() -> None:
-    sim = puddle()
-    for arguments, rule in (
-        ({"force_n": [1.0, 0.0]}, r"force_n.shape = \(2,\): expected \(3,\)"),
-        ({"force_n": [float("nan"), 0.0, 0.0]}, "must be at most 1e9 N"),
-        ({"force_n": [1.0, 0.0, 0.0], "axes": "sideways"}, "axes = 'sideways': must be one of body, world"),
-        ({"force_n": [1.0, 0.0, 0.0], "duration_s": -1.0}, "duration_s = -1: must not be negative"),
-    ):
-        with pytest.raises(ValueError, match=rule):
-            sim.rov.apply_wrench(**arguments)
+def test_forces_are_refused_where_they_cannot_be() -> None:
     with pytest.raises(ScenarioError, match=r"until_s = 1 s: must be after from_s, 2 s"):
         puddle(vehicle={"wrenches": [{"from_s": 2, "until_s": 1}]})
     bullet = puddle(dynamics={"engine": "bullet"})

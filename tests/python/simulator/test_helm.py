@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -34,13 +35,18 @@ def table(column: str) -> dict[tuple[str, str], str]:
 LEASES, COMMANDS = table("`CLIENT`"), table("`place`")
 
 
-def afloat(model: str = "") -> Simulator:
+@cache
+def pool(model: str) -> Scenario:
     """Return the pool with a vehicle that a leak makes surface."""
-    pool = load("pool").with_changes(vehicle_model=load_vehicle(model) if model else None)
+    plain = load("pool").with_changes(vehicle_model=load_vehicle(model) if model else None)
     guard = Failsafe(leak_then="surface")
-    data = {key: getattr(pool, key) for key in type(pool).model_fields}
-    entry = {**dict(pool.vehicles[0]), "failsafe": guard, "start": {"position_m": PLACE}}
-    return Simulator(Scenario.model_validate({**data, "vehicles": [entry]}), threads=1)
+    data = {key: getattr(plain, key) for key in type(plain).model_fields}
+    entry = {**dict(plain.vehicles[0]), "failsafe": guard, "start": {"position_m": PLACE}}
+    return Scenario.model_validate({**data, "vehicles": [entry]})
+
+
+def afloat(model: str = "") -> Simulator:
+    return Simulator(pool(model), threads=1)
 
 
 def steering(sim: Simulator, who: str) -> Lease | None:

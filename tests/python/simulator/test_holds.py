@@ -13,7 +13,6 @@ from uwsim.base.commands import HOLDS
 from uwsim.channels.ros.own_types import TELEMETRY
 from uwsim.channels.table import Table
 from uwsim.link.packing.panels import pack_telemetry, unpack_telemetry
-from uwsim.live import LiveSimulator, replay
 
 PLACE = [-4.0, 0.0, -2.5]
 
@@ -143,25 +142,6 @@ def test_what_cannot_be_held_is_refused() -> None:
         sim.rov.command("hold", heading=True)
     with pytest.raises(ValueError, match=r"command 'hold': depth = 1: must be True or False"):
         sim.rov.command("hold", depth=1)
-
-
-def test_holds_are_replayed_and_restored_to_the_last_bit() -> None:
-    with LiveSimulator(Simulator("pool", seed=3), paused=True, speed="max") as live:
-        live.rov.place(PLACE)
-        live.rov.command("hold", heading=True, depth=True, speed=True)
-        live.step(100)
-        live.rov.set_effort(yaw=0.4, surge=0.2)
-        live.step(130)
-        middle = live.simulator.save_state()
-        live.rov.set_effort()
-        live.step(100)
-        final, tick, seen = live.simulator.save_state(), live.tick, live.log
-    assert replay(Simulator("pool", seed=3), seen, tick).save_state() == final
-    resumed = Simulator("pool", seed=3)
-    resumed.restore_state(middle)
-    resumed.rov.set_effort()
-    resumed.step(100)
-    assert resumed.save_state() == final
 
 
 def test_telemetry_carries_the_holds_over_a_modem_too() -> None:

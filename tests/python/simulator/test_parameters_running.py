@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,10 +10,6 @@ import pytest
 from parameter_world import observed, world
 from uwsim import Scenario, Simulator
 from uwsim.channels import channels
-from uwsim.live import LiveSimulator, replay
-from uwsim.recording import Recorder
-from uwsim.recording.replay import replay as repeat_recording
-from uwsim.simulator.docking import DockedWarning
 from uwsim.simulator.parameters import UnknownParameterError
 
 CHANGES: dict[str, Any] = {
@@ -202,27 +196,6 @@ def test_a_sensor_that_is_off_reads_nothing(sim: Simulator) -> None:
     assert math.isfinite(sim.rov.sensors["depth"].read())
 
 
-def test_the_log_of_a_live_simulator_replays_to_the_same_bytes() -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DockedWarning)
-        with LiveSimulator(Simulator(Scenario(**world()), threads=1), paused=True) as live:
-            live.command("set_effort", vehicle="rov", surge=0.4).result()
-            live.step(7)
-            live.command("set_parameter", name="rov.drag.linear.surge", value=400.0).result()
-            live.step(9)
-            live.command("set_parameters", changes=CHANGES).result()
-            with pytest.raises(ValueError, match=r"rov\.mass_kg"):
-                live.command("set_parameter", name="rov.mass_kg", value=-1.0).result()
-            live.step(5)
-            live.command("reset_parameters", name="rov.sensors").result()
-            live.step(11)
-            log, state, tick = list(live.log), live.simulator.save_state(), live.simulator.tick
-        assert [(entry.tick, entry.name) for entry in log] == [
-            (0, "set_effort"), (7, "set_parameter"), (16, "set_parameters"), (21, "reset_parameters"),
-        ]  # fmt: skip
-        assert replay(Scenario(**world()), live.log, tick).save_state() == state
-
-
 def test_set_optics_is_one_way_to_set_parameters(sim: Simulator) -> None:
     sim.set_optics(jerlov="II", sun_elevation_deg=20)
     assert sim.parameters.changes == {"optics.jerlov": "II", "optics.sun_elevation_deg": 20}
@@ -248,21 +221,3 @@ def test_channels_follow_the_parameters() -> None:
     sim.parameters.update({"rov.sonar.model": "em2040-07", "rov.sonar.frequency_hz": 400000.0})
     assert len(read("scan").ranges) == 400
     assert read("depthArray") is None and read("modelTrigger") is None
-
-
-def test_a_recording_repeats_them(tmp_path: Path) -> None:
-    sim = Simulator("pool", threads=1)
-    sim.parameters["rov.friction"] = 0.6  # before the simulator starts
-    with Recorder(sim, tmp_path / "run.mcap", topics=("odom", "imu", "scan")):
-        sim.rov.undock()
-        sim.rov.set_effort(surge=0.5)
-        sim.step(50)
-        sim.parameters.update({"rov.drag.linear.surge": 400.0, "rov.sonar.model": 3, "rov.lamps.front.on": True})
-        sim.step(50)
-        sim.parameters.reset("rov.drag")
-        sim.set_optics(jerlov="II")
-        sim.step(50)
-        expected = sim.parameters.changes
-    result = repeat_recording(tmp_path / "run.mcap")
-    assert result.difference is None and result.state_compared
-    assert result.sim.parameters.changes == expected and result.sim.rov.lamps["front"].on

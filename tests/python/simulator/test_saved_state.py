@@ -54,48 +54,6 @@ def test_a_fresh_simulator_continues_to_the_last_bit(scenario: str) -> None:
         np.testing.assert_array_equal(got, expected)
 
 
-def test_lamps_that_are_on_stay_on() -> None:
-    sim = flown("lake")
-    lamp = next(iter(sim.rov.lamps))
-    sim.rov.lamps[lamp].on = True
-    fresh = Simulator("lake", seed=5)
-    assert not fresh.rov.lamps[lamp].on
-    fresh.restore_state(sim.save_state())
-    assert fresh.rov.lamps[lamp].on
-
-
-@pytest.mark.parametrize(
-    "light",
-    [
-        {"jerlov": "5C", "sun_elevation_deg": 12.3, "wind_m_s": 7.1},
-        {
-            "coefficients": {
-                "diffuse_attenuation": [0.5, 0.21, 0.33],
-                "absorption": [0.4, 0.1, 0.2],
-                "scattering": [0.3, 0.3, 0.31],
-            }
-        },
-    ],
-)
-def test_the_light_is_restored(light: dict[str, object]) -> None:
-    sim = flown()
-    sim.set_optics(**light)
-    fresh = Simulator("pool", seed=5)
-    assert fresh.optics != sim.optics
-    fresh.restore_state(sim.save_state())
-    assert fresh.optics == sim.optics
-    np.testing.assert_array_equal(fresh.rov.cameras["front"].capture().rgb, sim.rov.cameras["front"].capture().rgb)
-
-
-def test_a_simulator_may_go_back_to_its_own_past() -> None:
-    sim = flown()
-    state = sim.save_state()
-    first = [values.copy() for values in observed(sim)]
-    sim.restore_state(state)
-    for expected, got in zip(first, observed(sim), strict=True):
-        np.testing.assert_array_equal(got, expected)
-
-
 def test_a_state_of_another_scenario_or_seed_is_refused() -> None:
     state = flown().save_state()
     for other in (Simulator("pool", seed=6), Simulator("pool", seed=5, mission_time_s=9.0), Simulator("pair", seed=5)):

@@ -1,5 +1,6 @@
 """Propellers lift the bed's sediment, which cameras and a multibeam in physics mode meet."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +48,13 @@ def hold(sim: Simulator) -> None:
     sim.step(round(0.5 / sim.step_s))
 
 
+@pytest.fixture(scope="module")
+def cloudy() -> Iterator[tuple[Simulator, bytes]]:
+    """A simulator that has stirred for half a minute, and its state then."""
+    sim = stirred(60, rate_kg_m2_s=1e-3)
+    yield sim, sim.save_state()
+
+
 def table(sim: Simulator) -> Any:
     clouds = sim.sediment_clouds
     assert clouds is not None
@@ -92,8 +100,9 @@ def test_a_restored_run_has_the_same_clouds() -> None:
     np.testing.assert_array_equal(table(sim), once)
 
 
-def test_a_cloud_hides_what_is_behind_it_by_beer_and_lambert() -> None:
-    sim = stirred(60, rate_kg_m2_s=1e-3)
+def test_a_cloud_hides_what_is_behind_it_by_beer_and_lambert(cloudy: tuple[Simulator, bytes]) -> None:
+    sim, state = cloudy
+    sim.restore_state(state)
     sim.rov.place([-7.5, 0.0, BED_Z_M + HEIGHT_M])
     camera, clouds = sim.rov.cameras["front"], sim.sediment_clouds
     assert clouds is not None
@@ -120,8 +129,9 @@ def test_a_cloud_hides_what_is_behind_it_by_beer_and_lambert() -> None:
     np.testing.assert_allclose(seen[used], clear[used] * np.exp(-thickness), atol=2e-3 * np.abs(clear).max())
 
 
-def test_a_multibeam_hears_a_cloud_as_water_that_scatters_as_much() -> None:
-    sim, calm = stirred(60, rate_kg_m2_s=1e-3), Simulator(basin())
+def test_a_multibeam_hears_a_cloud_as_water_that_scatters_as_much(cloudy: tuple[Simulator, bytes]) -> None:
+    (sim, state), calm = cloudy, Simulator(basin())
+    sim.restore_state(state)
     values = plain(basin())
     values["water"]["volume_strength_db"] = VOLUME_DB
     murky = Simulator(validated(Scenario, values))

@@ -44,14 +44,6 @@ def test_efforts_follow_the_axes_of_rep_103(pool: Simulator) -> None:
     np.testing.assert_array_equal(pool.rov.effort, [0.2, 0, 0, 0, 0, 0])
 
 
-@pytest.mark.parametrize("effort", [1.01, -2.0, float("nan"), float("inf")])
-def test_an_effort_outside_its_range_is_refused_and_changes_nothing(pool: Simulator, effort: float) -> None:
-    pool.rov.set_effort(sway=0.5)
-    with pytest.raises(ValueError, match=r"effort\.heave = .*: must be in \[-1, 1\]"):
-        pool.rov.set_effort(heave=effort)
-    assert pool.rov.effort[1] == 0.5
-
-
 def test_reading_and_pinging_do_not_advance_time_and_give_the_same_again(pool: Simulator) -> None:
     fly_ahead(pool, 1.0)
     rov, before = pool.rov, pool.time_ns
@@ -209,7 +201,7 @@ def test_a_step_that_diverges_moves_no_vehicle_and_names_the_one_at_fault(tmp_pa
     sim.rov.release()
     sim.rov.set_effort(surge=1.0)
     sim.vehicles["stiff"].place([5, 5, -2], velocity_body=[1, 0, 0, 0, 0, 0])
-    with pytest.raises(ValueError, match="vehicle 'stiff', step"):
+    with pytest.raises(ValueError, match=r"vehicle 'stiff', step \d+: last finite state = \[.*the motion diverged"):
         sim.step(1000)
     place = sim.rov.pose.position_world_m
     with pytest.raises(ValueError, match="vehicle 'stiff', step"):
