@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -151,6 +152,14 @@ def world(variant: str = "") -> dict[str, Any]:
 
 def observed(sim: Simulator, *, pictures: bool, imaging: bool) -> dict[str, bytes]:
     """Fly for some steps and return everything observable."""
+    seen: dict[str, bytes] = {}
+    for what, found in watched(sim, pictures=pictures, imaging=imaging):
+        seen[what] = seen.get(what, b"") + found
+    return seen
+
+
+def watched(sim: Simulator, *, pictures: bool, imaging: bool) -> Iterator[tuple[str, bytes]]:
+    """Fly for some steps and yield everything observable, as soon as it is, with its name."""
     rov, auv = sim.vehicles.values()
     bed_m = sim.world.height_at([[2.0, 0.0], [-2.0, 3.0]])
     rov.place((2.0, 0.0, bed_m[0] + 0.4), (0, 0, 0, 1), (0.5, 0.4, -2, 0.3, 0.2, 0.1))
@@ -160,29 +169,29 @@ def observed(sim: Simulator, *, pictures: bool, imaging: bool) -> dict[str, byte
     auv.set_thrusters({"left": 0.8, "right": 0.5})
     for vehicle in (rov, auv):
         vehicle.sonar.aim(-0.5)
-    seen: dict[str, list[Any]] = {"motion": [], "sensors": [], "panel": [], "pings": []}
     for _ in range(10):
         sim.step(5)
         for vehicle in (rov, auv):
-            seen["motion"] += [vehicle.pose.world_from_body, *vars(vehicle.velocity).values()]
-            seen["panel"].append(_panel(vehicle.telemetry()))
-            seen["sensors"] += [_sample(sensor.sample()) for sensor in vehicle.sensors.values()]
-            seen["sensors"] += [thruster.thrust_n for thruster in vehicle.thrusters.values()]
-            seen["sensors"] += list(vehicle.battery.to_dict().values())
+            yield "motion", _bytes(vehicle.pose.world_from_body, *vars(vehicle.velocity).values())
+            yield "panel", _bytes(_panel(vehicle.telemetry()))
+            yield "sensors", _bytes(*(_sample(sensor.sample()) for sensor in vehicle.sensors.values()))
+            thrusts_n = [thruster.thrust_n for thruster in vehicle.thrusters.values()]
+            yield "sensors", _bytes(*thrusts_n, *vehicle.battery.to_dict().values())
     for vehicle in (rov, auv):
-        ping = vehicle.sonar.ping()
-        seen["pings"] += [ping.ranges_m, ping.intensity_db, ping.angles_rad, vehicle.sonar.ping_rate_max_hz]
-        seen["pings"] += [vehicle.sonar.elevation_rad]
+        ping, sonar = vehicle.sonar.ping(), vehicle.sonar
+        head = sonar.ping_rate_max_hz, sonar.elevation_rad
+        yield "pings", _bytes(ping.ranges_m, ping.intensity_db, ping.angles_rad, *head)
     if pictures:
-        seen["pictures"] = [rov.cameras["front"].capture().rgb, sim.cameras["deck"].capture().rgb]
+        yield "pictures", _bytes(rov.cameras["front"].capture().rgb, sim.cameras["deck"].capture().rgb)
     if imaging:
         aside = auv.imaging_sonars["aside"].line()
         below = auv.imaging_sonars["below"].profile([0.0, 0.9])
-        seen["imaging"] = [
-            rov.imaging_sonars["ahead"].look().level_db, aside.port_db, aside.starboard_db, aside.altitude_m,
-            below.level_db, below.ranges_m,
-        ]  # fmt: skip
-    return {what: b"".join(np.asarray(part).tobytes() for part in parts) for what, parts in seen.items()}
+        yield "imaging", _bytes(rov.imaging_sonars["ahead"].look().level_db, below.level_db, below.ranges_m)
+        yield "imaging", _bytes(aside.port_db, aside.starboard_db, aside.altitude_m)
+
+
+def _bytes(*parts: Any) -> bytes:
+    return b"".join(np.asarray(part).tobytes() for part in parts)
 
 
 def _panel(panel: Any) -> list[float]:

@@ -1,4 +1,4 @@
-"""Restoring an earlier state, or resetting, undoes all later changes in every part of a simulator.
+"""Restoring an earlier state, or resetting, undoes all later changes in every part of a simulator; replays repeat them.
 
 The parts are found by walking the objects, calling every query of the native simulation, and issuing every command.
 A part that is added later but not saved or not reset fails here.
@@ -12,6 +12,7 @@ import inspect
 import re
 import warnings
 from collections.abc import Iterator, Mapping, Set
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +20,14 @@ import numpy as np
 import pytest
 from pydantic import BaseModel
 
-from uwsim import Simulator, _core
+from uwsim import Batch, Simulator, _core
 from uwsim.base.commands import COMMANDS, bound_command
+from uwsim.live import LiveSimulator, replay
+from uwsim.recording import Recorder
+from uwsim.recording.replay import replay as replay_recording
 from uwsim.simulator.docking import DockedWarning
+
+pytestmark = pytest.mark.filterwarnings("ignore")
 
 SCENARIO = """
 name: everything
@@ -48,8 +54,24 @@ objects:
   - shape: {kind: sphere, name: ball, position_m: [9, 9, -3], radius_m: 0.2}
     density_kg_m3: 1000
     tether: {anchor: [9, 6, -4], length_m: 5, winch: {longest_m: 8}}
+  - shape: {kind: box, name: post, position_m: [9, -6, -4], size_m: [0.3, 0.3, 0.3]}
+    fixed: true
+    links:
+      bob:
+        hinge: {axis: [0, 1, 0], start_deg: 60}
+        mass_kg: 3
+        centre_of_mass_m: [0, 0, -0.4]
+        inertia_kg_m2: [0.05, 0.05, 0.05]
+        volume_m3: 0.001
+  - shape: {kind: sphere, name: diver, position_m: [0, -12, -3], radius_m: 0.3}
+    path: {points_m: [[9, -12, -3], [9, -14, -4]], speed_m_s: 0.5, closed: true, climbs: true}
 """
-BETWEEN_S = 0.1
+for number, (end, x_m, y_m) in enumerate((("post", 9, -9), ("diver", 0, -15), ("ball", 9, 12), ("scout", 0, -3))):
+    SCENARIO += f"""
+  - shape: {{kind: box, name: buoy{number}, position_m: [{x_m}, {y_m}, -4], size_m: [0.4, 0.4, 0.4]}}
+    density_kg_m3: 800
+    tether: {{anchor: {{to: {end}}}, length_m: 5, elements: 4}}"""
+PAUSE_STEPS = 20
 EPISODE: list[tuple[str, dict[str, Any]]] = [
     ("set_effort", {"vehicle": "rov", "surge": 0.1}),
     ("undock", {"vehicle": "rov"}),
@@ -72,6 +94,7 @@ EPISODE: list[tuple[str, dict[str, Any]]] = [
     ("inject_fault", {"kind": "leak", "name": "leak", "kg_per_s": 0.5}),
     ("inject_fault", {"kind": "sensor", "name": "stuck", "sensor": "compass", "mode": "stuck"}),
     ("inject_fault", {"kind": "link", "name": "deaf", "vehicle": "scout"}),
+    ("inject_fault", {"kind": "battery", "name": "weak", "vehicle": "scout", "thrust": 0.5, "for_s": 0.5}),
     ("link_send", {"sender": "rov", "receiver": "station", "topic": "t", "payload": b"x" * 200, "repeats": 2}),
     ("end_fault", {"name": "stuck"}),
     ("set_effort", {"vehicle": "rov", "heave": -0.2}),
@@ -104,13 +127,15 @@ NO_STATE = {
 }
 NOT_YET_STATE = {"servo_frames"}
 """Commands for steps to come, of which a replay repeats all before the next command: they leave nothing to save."""
+SMALL = 64
+"""Arrays of fewer numbers are compared as numbers, others by their digests."""
 LEAVES = (type(None), bool, int, float, complex, str, bytes, enum.Enum, Path)
 
 
 def episode() -> list[tuple[str, dict[str, Any]]]:
     """Return EPISODE, plus each missing command that needs only a vehicle as its argument."""
     steps, given = list(EPISODE), {name for name, _ in EPISODE}
-    for name in COMMANDS.keys() - given - NOT_YET_STATE:
+    for name in sorted(COMMANDS.keys() - given - NOT_YET_STATE):
         needed = [argument.name for argument in COMMANDS[name].all_arguments if argument.is_required]
         assert needed == ["vehicle"], f"a new command, {name}: give it arguments in EPISODE"
         steps.insert(len(steps) // 2, (name, {"vehicle": "rov"}))
@@ -164,19 +189,25 @@ def parts_of(value: Any) -> Iterator[tuple[str, Any]]:
         yield from sorted(held.items(), key=lambda item: item[0])
 
 
-def answers(sim: Simulator) -> dict[str, str]:
-    """Return the results of every native query that has no argument, or only a vehicle's or node's index."""
-    core, found = sim._core, {"tick": str(sim.tick)}
+@cache
+def queries() -> list[tuple[str, bool]]:
+    """Return the names of the native queries without an argument, or (True) with a vehicle's or node's index."""
+    found = []
     for name in dir(_core.Simulation):
-        first_line = (getattr(_core.Simulation, name).__doc__ or "").partition("\n")[0]
-        asked = re.fullmatch(
-            rf"{name}\(self: [\w.]+(?P<index>, (vehicle|node): [^,=]+)?\) -> (?P<answer>.+)", first_line
-        )
-        if name.startswith("_") or asked is None or asked["answer"] in ("None", "uwsim._core.RayScene"):
-            continue
-        for index in range(len(sim.vehicles)) if asked["index"] else [None]:
+        line = (getattr(_core.Simulation, name).__doc__ or "").partition("\n")[0]
+        asked = re.fullmatch(rf"{name}\(self: [\w.]+(?P<index>, (vehicle|node): [^,=]+)?\) -> (?P<answer>.+)", line)
+        if not name.startswith("_") and asked and asked["answer"] not in ("None", "uwsim._core.RayScene"):
+            found.append((name, asked["index"] is not None))
+    return found
+
+
+def answers(sim: Simulator) -> dict[str, str]:
+    """Return the results of all queries, of each vehicle's instruments, and of the link."""
+    found = {"tick": str(sim.tick)}
+    for name, has_index in queries():
+        for index in range(len(sim.vehicles)) if has_index else [None]:
             try:
-                answer = plain(getattr(core, name)(*([] if index is None else [index])))
+                answer = plain(getattr(sim._core, name)(*([] if index is None else [index])))
             except ValueError as error:  # of a part that this vehicle does not have
                 answer = str(error)
             found[f"{name}({index})"] = repr(answer)
@@ -192,17 +223,18 @@ def answers(sim: Simulator) -> dict[str, str]:
 
 def plain(value: Any) -> Any:
     if isinstance(value, np.ndarray):
-        return value.tolist()
+        return value.tolist() if value.size < SMALL else (value.shape, digest(value.tobytes()))
     if isinstance(value, LEAVES):
         return value
     if isinstance(value, Mapping):
         return {str(key): plain(part) for key, part in value.items()}
-    if isinstance(value, list | tuple | set | frozenset):
-        return sorted(map(repr, value)) if isinstance(value, Set) else [plain(part) for part in value]
+    if isinstance(value, Set):
+        return sorted(map(repr, value))
+    if isinstance(value, list | tuple):
+        return [plain(part) for part in value]
     names = [name for name, part in inspect.getmembers(type(value)) if isinstance(part, property)]
-    return {name: plain(getattr(value, name)) for name in names} | {
-        k: plain(v) for k, v in getattr(value, "__dict__", {}).items()
-    }
+    own = {name: plain(part) for name, part in getattr(value, "__dict__", {}).items()}
+    return {name: plain(getattr(value, name)) for name in names} | own
 
 
 def digest(data: bytes) -> str:
@@ -213,13 +245,14 @@ def everything(sim: Simulator) -> dict[str, str]:
     return {"saved state": digest(sim.save_state()), **walked(sim), **answers(sim)}
 
 
-def fly(sim: Simulator) -> Iterator[None]:
-    """Issue every command; pause after each, and some times afterwards."""
+def fly(sim: Simulator, parts: tuple[int, ...] = (PAUSE_STEPS,)) -> Iterator[None]:
+    """Issue every command; pause after each, and some times afterwards. parts: the steps that are made at once."""
     for name, arguments in [*episode(), *[("", {})] * 10]:
         if name:
             bound_command(name, arguments)(sim)
         yield
-        sim.advance(BETWEEN_S)
+        for steps in parts:
+            sim.step(steps)
     yield
 
 
@@ -247,19 +280,15 @@ def scenario(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def sim(scenario: Path) -> Iterator[Simulator]:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        yield Simulator(scenario, seed=5, threads=1)
+def sim(scenario: Path) -> Simulator:
+    return Simulator(scenario, seed=5, threads=1)
 
 
 @pytest.fixture(scope="module")
 def first(scenario: Path) -> list[dict[str, str]]:
     """All values of a new simulator, and at each pause of its episode."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        sim = Simulator(scenario, seed=5, threads=1)
-        return [everything(sim), *flown(sim)]
+    sim = Simulator(scenario, seed=5, threads=1)
+    return [everything(sim), *flown(sim)]
 
 
 def test_the_episode_sets_everything_going(first: list[dict[str, str]]) -> None:
@@ -281,6 +310,34 @@ def test_a_restored_early_state_and_a_reset_undo_everything(sim: Simulator, firs
     for undo in (lambda: sim.restore_state(early), sim.reset):
         undo()
         require_same(first, [everything(sim), *flown(sim)])
+
+
+def test_how_many_steps_are_made_at_once_does_not_matter(sim: Simulator, first: list[dict[str, str]]) -> None:
+    for _ in fly(sim, (1, 13, 6)):
+        pass
+    assert differences(first[-1], everything(sim)) == []
+
+
+def test_the_episode_is_replayed_from_its_log_and_its_recording(sim: Simulator, scenario: Path, tmp_path: Path) -> None:
+    path, orders = tmp_path / "run.mcap", episode()
+    with LiveSimulator(sim, paused=True, speed="max") as live:
+        live.command("set_parameter", name="rov.friction", value=0.6).result()  # before the recording begins
+        live.step(PAUSE_STEPS)
+        with Recorder(live, path, topics=["rov/imu"]):
+            for name, arguments in orders:
+                live.command(name, **arguments).result()
+                live.step(PAUSE_STEPS)
+        state, tick, log = sim.save_state(), live.tick, live.log
+    assert replay(Simulator(scenario, seed=5, threads=1), log, tick).save_state() == state
+    found = replay_recording(path, threads=1)
+    assert found.difference is None and found.state_compared and found.commands == len(orders)
+
+
+def test_a_member_of_a_batch_equals_it(sim: Simulator) -> None:
+    batch = Batch(sim.scenario, n=2, seeds=[4, 5], threads=1)
+    batch.step(100)
+    sim.step(100)
+    assert batch.save_state(1) == sim.save_state()
 
 
 def test_a_restored_late_state_is_as_it_was(sim: Simulator, scenario: Path) -> None:

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from functools import cache
+from itertools import zip_longest
 from typing import Any
 
 import pytest
 
-from parameter_world import VARIANTS, observed, world
+from parameter_world import VARIANTS, observed, watched, world
 from uwsim import Scenario, Simulator
 from uwsim.scenario.spec.water import ONE_WATER
 from uwsim.simulator.parameters.tree import nodes
 
+VEHICLES = ("rov", "auv")
+SEVERAL = ("sensors", "imaging_sonars", "thrusters")
 SEEN_ONLY = ("optics.", "station.", ".cameras.", ".lamps.")
 OTHER: dict[str, Any] = {
     "water.sound_speed_equation": "medwin",
@@ -72,14 +76,17 @@ SAME = {
 """Parameters whose effect cannot be shown here, with the reason."""
 
 
-def names() -> list[Any]:
-    found = []
-    for variant, water in VARIANTS.items():
-        for name, node in nodes(Scenario(**world(variant))).items():
-            is_parameter = node.type is not None and not node.idle and not name.endswith(SERVED) and name not in SAME
-            if is_parameter and (not variant or any(name.startswith(f"water.{part}") for part in water)):
-                found.append(pytest.param(variant, name, id=f"{variant}:{name}"))
-    return found
+@cache
+def owners(variant: str) -> dict[str, list[str]]:
+    """Return the names of all parameters by what they belong to: the water, or a part of a vehicle."""
+    found = defaultdict(list)
+    for name, node in nodes(Scenario(**world(variant))).items():
+        is_parameter = node.type is not None and not node.idle and not name.endswith(SERVED) and name not in SAME
+        if is_parameter and (not variant or any(name.startswith(f"water.{part}") for part in VARIANTS[variant])):
+            first, *rest = name.split(".")
+            deeper = rest[: 2 if rest[0] in SEVERAL else 1] if first in VEHICLES else []
+            found[".".join([first, *deeper])].append(name)
+    return dict(found)
 
 
 def other_value(sim: Simulator, name: str) -> Any:
@@ -123,22 +130,38 @@ def simulator(variant: str) -> Simulator:
 
 
 @cache
-def unchanged(variant: str, **looks: bool) -> dict[str, bytes]:
+def unchanged(variant: str, **looks: bool) -> list[tuple[str, bytes]]:
     sim = simulator(variant)
     sim.reset()
-    return observed(sim, **looks)
+    return list(watched(sim, **looks))
 
 
-@pytest.mark.parametrize(("variant", "name"), names())
-def test_a_change_is_as_a_scenario_that_says_so_and_has_an_effect(variant: str, name: str) -> None:
-    looks = seen_by(name)
-    before = unchanged(variant, **looks)
-    sim = simulator(variant)
-    sim.reset()
-    value = other_value(sim, name)
-    key = sim.parameters.describe(name).key
-    sim.parameters[name] = value
-    changed = observed(sim, **looks)
-    said = observed(Simulator(Scenario(**with_value(world(variant), key, value)), threads=1), **looks)
-    assert [what for what in said if changed[what] != said[what]] == []
-    assert [what for what in said if changed[what] != before[what]] != [], f"{name} = {value} has no effect"
+@pytest.mark.parametrize(("variant", "owner"), [(variant, owner) for variant in VARIANTS for owner in owners(variant)])
+def test_every_parameter_has_an_effect(variant: str, owner: str) -> None:
+    sim, without = simulator(variant), {}
+    for name in owners(variant)[owner]:
+        sim.reset()
+        value = other_value(sim, name)
+        sim.parameters[name] = value
+        looks = seen_by(name)
+        seen = zip(watched(sim, **looks), unchanged(variant, **looks), strict=True)
+        if all(found == before for found, before in seen):
+            without[name] = value
+    assert without == {}
+
+
+@pytest.mark.parametrize(("variant", "of_vehicles"), [("", True), *((variant, False) for variant in VARIANTS)])
+def test_changes_are_as_a_scenario_that_has_them(variant: str, of_vehicles: bool) -> None:
+    """One parameter of each owner at a time, so that none hides another."""
+    sim, found = simulator(variant), owners(variant).items()
+    for changed in zip_longest(*(names for owner, names in found if (owner.split(".")[0] in VEHICLES) == of_vehicles)):
+        sim.reset()
+        values = {name: other_value(sim, name) for name in changed if name is not None}
+        data = world(variant)
+        for name, value in values.items():
+            data = with_value(data, sim.parameters.describe(name).key, value)
+        sim.parameters.update(values)
+        looks = {look: any(seen_by(name)[look] for name in values) for look in ("pictures", "imaging")}
+        begun = Simulator(Scenario(**data), threads=1)
+        seen, expected = (observed(each, **looks) for each in (sim, begun))
+        assert [what for what in expected if seen[what] != expected[what]] == [], values
