@@ -1,5 +1,6 @@
 """Datasets: the depth, normals, masks and poses of labelled frames agree with each other and with the world."""
 
+import itertools
 import json
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,7 +12,9 @@ from pycocotools.coco import COCO
 from ruamel.yaml import YAML
 
 import uwsim
+from elsewhere import Elsewhere
 from uwsim.base import own_files
+from uwsim.campaigns.datasets import make, studio
 from uwsim.campaigns.datasets.formats.masks import bounds, run_lengths
 from uwsim.campaigns.datasets.spec import DatasetSpec
 from uwsim.campaigns.datasets.split import split_of_frames
@@ -84,76 +87,55 @@ def points_m(k: np.ndarray, depth_m: np.ndarray) -> np.ndarray:
     return np.stack([(u - cx) / fx * depth_m, (v - cy) / fy * depth_m, depth_m], axis=-1)
 
 
-def seen_points_m(data: SimpleNamespace) -> list[tuple[np.ndarray, np.ndarray, dict[str, np.ndarray], np.ndarray]]:
-    """Yield for each frame: world points (H, W, 3), depth validity (H, W), images, rotation to the world (3, 3)."""
-    found = []
-    for line, pictures in zip(data.lines, data.pictures, strict=True):
-        pose = np.array(line["world_from_optical"])
-        points = points_m(data.k, pictures["depth"] / 1000.0) @ pose[:3, :3].T + pose[:3, 3]
-        found.append((points, pictures["depth"] > 0, pictures, pose[:3, :3]))
-    return found
-
-
-def test_depth_and_pose_give_points_on_the_surfaces_that_the_masks_name(data: SimpleNamespace) -> None:
+def test_depth_and_pose_give_points_on_the_surfaces_that_the_masks_name_and_normals_are_theirs(
+    data: SimpleNamespace,
+) -> None:
     ball, terrain = (data.about["label_names"].index(name) for name in ("ball", "terrain"))
     seen = 0
-    for points, hit, pictures, _ in seen_points_m(data):
+    for line, pictures in zip(data.lines, data.pictures, strict=True):
+        pose, hit = np.array(line["world_from_optical"]), pictures["depth"] > 0
+        points = points_m(data.k, pictures["depth"] / 1000.0) @ pose[:3, :3].T + pose[:3, 3]
+        normals_world = (pictures["normals"] / 127.5 - 1.0) @ pose[:3, :3].T
         of_ball = hit & (pictures["instances"] == ball)
         seen += of_ball.sum()
-        from_centre = np.linalg.norm(points[of_ball] - CENTRE_M, axis=1)
-        assert np.abs(from_centre - RADIUS_M).max() < 2e-3  # depth is stored in whole millimetres
+        from_centre = points[of_ball] - CENTRE_M
+        # depth is stored in whole millimetres
+        assert np.abs(np.linalg.norm(from_centre, axis=1) - RADIUS_M).max() < 2e-3
+        assert np.abs(normals_world[of_ball] - from_centre / RADIUS_M).max(initial=0.0) < 0.01
         of_bed = hit & (pictures["instances"] == terrain)
         assert np.abs(points[of_bed][:, 2] - BED_M).max(initial=0.0) < 2e-3
+        assert np.abs(normals_world[of_bed] - (0.0, 0.0, 1.0)).max(initial=0.0) < 0.01
+        assert not hit[pictures["normals"].sum(axis=-1) == 0].any()
     assert seen > 200
 
 
-def test_normals_are_those_of_a_sphere_and_a_plane_in_the_optical_frame(data: SimpleNamespace) -> None:
-    names = data.about["label_names"]
-    for points, hit, pictures, rotation in seen_points_m(data):
-        normals_world = (pictures["normals"] / 127.5 - 1.0) @ rotation.T
-        of_ball = hit & (pictures["instances"] == names.index("ball"))
-        assert np.abs(normals_world[of_ball] - (points[of_ball] - CENTRE_M) / RADIUS_M).max(initial=0.0) < 0.01
-        of_bed = hit & (pictures["instances"] == names.index("terrain"))
-        assert np.abs(normals_world[of_bed] - (0.0, 0.0, 1.0)).max(initial=0.0) < 0.01
-        nothing = pictures["normals"].sum(axis=-1) == 0
-        assert (pictures["depth"][nothing] == 0).all()
-
-
-def test_pycocotools_reads_the_masks_and_boxes(data: SimpleNamespace, capsys: pytest.CaptureFixture[str]) -> None:
-    annotations = 0
-    for split in ("train", "val"):
-        for kind, folder in (("instances", "images"), ("sonar", "sonar")):
-            coco = COCO(str(data.out / f"annotations/{kind}_{split}.json"))
-            for image in coco.loadImgs(coco.getImgIds()):
-                pictures = data.pictures[image["id"]]
-                labels = pictures["instances" if kind == "instances" else "sonar_instances"]
-                assert labels.shape == (image["height"], image["width"])
-                assert (data.out / folder / image["file_name"]).is_file()
-                for thing in coco.loadAnns(coco.getAnnIds(imgIds=image["id"])):
-                    mask = labels == thing["instance"]
-                    assert np.array_equal(coco.annToMask(thing).astype(bool), mask)
-                    rows, columns = np.nonzero(mask)
-                    left, top, width, height = thing["bbox"]
-                    assert (left, top) == (columns.min(), rows.min())
-                    assert (left + width - 1, top + height - 1) == (columns.max(), rows.max())
-                    assert thing["area"] == mask.sum()
-                    assert (
-                        coco.cats[thing["category_id"]]["name"]
-                        == {"ball": "structure", "pipe": "pipeline"}[thing["name"]]
-                    )
-                    annotations += 1
-    assert annotations >= FRAMES
-
-
-def test_things_are_in_coco_once_for_each_label_in_the_mask(data: SimpleNamespace) -> None:
-    things = [thing for split in ("train", "val") for thing in json.loads(
-        (data.out / f"annotations/instances_{split}.json").read_text())["annotations"]]  # fmt: skip
+def test_pycocotools_reads_the_masks_and_boxes_once_for_each_label(data: SimpleNamespace) -> None:
+    class_of = {"ball": "structure", "pipe": "pipeline"}
+    found: dict[str, dict[int, set[int]]] = {"instances": {}, "sonar": {}}
+    for split, (kind, folder) in itertools.product(("train", "val"), (("instances", "images"), ("sonar", "sonar"))):
+        coco = COCO(str(data.out / f"annotations/{kind}_{split}.json"))
+        for image in coco.loadImgs(coco.getImgIds()):
+            labels = data.pictures[image["id"]]["instances" if kind == "instances" else "sonar_instances"]
+            assert labels.shape == (image["height"], image["width"])
+            assert (data.out / folder / image["file_name"]).is_file()
+            things = coco.loadAnns(coco.getAnnIds(imgIds=image["id"]))
+            found[kind][image["id"]] = {thing["instance"] for thing in things}
+            assert len(found[kind][image["id"]]) == len(things)
+            for thing in things:
+                mask = labels == thing["instance"]
+                assert np.array_equal(coco.annToMask(thing).astype(bool), mask)
+                rows, columns = np.nonzero(mask)
+                left, top, width, height = thing["bbox"]
+                assert (left, top) == (columns.min(), rows.min())
+                assert (left + width - 1, top + height - 1) == (columns.max(), rows.max())
+                assert thing["area"] == mask.sum()
+                assert coco.cats[thing["category_id"]]["name"] == class_of[thing["name"]]
     for line, pictures in zip(data.lines, data.pictures, strict=True):
         labels, counts = np.unique(pictures["instances"], return_counts=True)
-        large = set(labels[counts >= OPTIONS["min_pixels"]].tolist()) - {0, 1}
-        assert {thing["instance"] for thing in things if thing["image_id"] == line["frame"]} == large
+        assert found["instances"][line["frame"]] == set(labels[counts >= OPTIONS["min_pixels"]].tolist()) - {0, 1}
         of_label = np.array(data.about["class_of_label"])
         assert np.array_equal(pictures["classes"], of_label[pictures["instances"]])
+    assert sum(map(len, found["instances"].values())) >= FRAMES
 
 
 def test_yolo_s_boxes_are_coco_s(data: SimpleNamespace) -> None:
@@ -223,7 +205,7 @@ def test_arrays_hold_what_the_pictures_round(data: SimpleNamespace) -> None:
         assert ping["ranges_m"].shape == ping["labels"].shape == ping["angles_rad"].shape
 
 
-def test_drawn_poses_are_in_free_water_and_look_at_something(data: SimpleNamespace, aquarium: Path) -> None:
+def test_drawn_poses_differ_are_in_free_water_and_look_at_something(data: SimpleNamespace, aquarium: Path) -> None:
     sim = uwsim.Simulator(aquarium)
     clear_m = hull_radius_m(sim.scenario.vehicles[0].model) + 0.2
     for line, pictures in zip(data.lines, data.pictures, strict=True):
@@ -234,15 +216,12 @@ def test_drawn_poses_are_in_free_water_and_look_at_something(data: SimpleNamespa
         assert line["target"] == "ball"
         assert 2.0 <= line["distance_m"] <= 5.0
         assert (pictures["instances"] == data.about["label_names"].index("ball")).any()
-
-
-def test_frames_differ_in_time_and_pose(data: SimpleNamespace) -> None:
     assert len({line["time_ns"] for line in data.lines}) == FRAMES
     assert len({tuple(np.ravel(line["world_from_body"])) for line in data.lines}) == FRAMES
 
 
-def test_the_same_bytes_after_a_stop_and_with_two_workers(
-    data: SimpleNamespace, aquarium: Path, tmp_path: Path
+def test_the_same_bytes_after_a_stop_and_by_other_workers(
+    data: SimpleNamespace, aquarium: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stopped, asked = tmp_path / "stopped", iter([False, False, True])
     begun = uwsim.make_dataset(aquarium, stopped, FRAMES, workers=0, stop_requested=lambda: next(asked), **OPTIONS)
@@ -255,7 +234,8 @@ def test_the_same_bytes_after_a_stop_and_with_two_workers(
         uwsim.make_dataset(aquarium, stopped, FRAMES, workers=0, **OPTIONS)
     with pytest.raises(ValueError, match=r"--resume: .*options"):
         uwsim.make_dataset(aquarium, stopped, FRAMES, workers=0, resume=True, **{**OPTIONS, "seed": 9})
-    done = uwsim.make_dataset(aquarium, stopped, FRAMES, workers=2, resume=True, **OPTIONS)
+    monkeypatch.setattr(make, "open_workers", lambda count, scheduler: Elsewhere(studio._kept.cache_clear))
+    done = uwsim.make_dataset(aquarium, stopped, FRAMES, resume=True, **OPTIONS)
     assert done.made == FRAMES - 2 and not done.interrupted
     assert files_of(stopped) == files_of(data.out)
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import pickle
 import resource
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +10,10 @@ import pytest
 from PIL import Image
 
 import uwsim
+from elsewhere import Elsewhere
 from uwsim.campaigns.film import Film, make, make_film, shot
 from uwsim.campaigns.film.shot import FilmCamera, between, developed
 from uwsim.campaigns.film.views import along_path
-from uwsim.campaigns.workers import Finished
-from uwsim.campaigns.workers.workers import ThisProcess
 from uwsim.missions import goto
 from uwsim.scenario.spec.camera import CameraMount
 
@@ -31,30 +28,13 @@ def eastward(vehicle):
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("run") / "run.mcap"
-    uwsim.fly(
-        eastward,
-        "pool",
-        record=path,
-        record_topic=("odom",),
-        time_limit_s=3.0,
-        sample_sensors=False,
-        autosave_s=0.0,
-        report="none",
-    )
+    options = {"sample_sensors": False, "autosave_s": 0.0, "report": "none"}
+    uwsim.fly(eastward, "pool", record=path, record_topic=("odom",), time_limit_s=3.0, **options)
     return path
 
 
 def frames(film: Film) -> list[bytes]:
     return [path.read_bytes() for path in sorted(film.out.with_suffix(".frames").glob("*.png"))]
-
-
-class Elsewhere(ThisProcess):
-    """Runs jobs as other processes would: as copies, the last first, on other threads, without what ours has built."""
-
-    def finished(self, work, jobs, *, retries, stop_requested):
-        for number in reversed(list(jobs)):
-            shot._stage.cache_clear()
-            yield Finished(number, work(pickle.loads(pickle.dumps(replace(jobs[number], threads=2)))))
 
 
 def test_frames_do_not_depend_on_workers_and_an_interrupted_film_resumes(
@@ -70,7 +50,7 @@ def test_frames_do_not_depend_on_workers_and_an_interrupted_film_resumes(
         make_film(recording, out, **options)
     with pytest.raises(ValueError, match=r"fps is 4\.0: was begun with 5\.0"):
         make_film(recording, out, **{**options, "fps": 4.0}, resume=True)
-    monkeypatch.setattr(make, "open_workers", lambda count, scheduler: Elsewhere())
+    monkeypatch.setattr(make, "open_workers", lambda count, scheduler: Elsewhere(shot._stage.cache_clear))
     rest = make_film(recording, out, **options, resume=True)
     assert rest.made == 2 and not rest.interrupted
     assert frames(rest) == frames(whole) and len(frames(whole)) == 3

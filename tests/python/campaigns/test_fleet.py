@@ -10,9 +10,8 @@ from uwsim import Simulator
 from uwsim.campaigns.fleet import run_fleet
 from uwsim.campaigns.fleet.fleet import shares
 from uwsim.campaigns.fleet.score import by_tile
-from uwsim.campaigns.fleet.tile_job import TileJob, fly_tile
+from uwsim.campaigns.fleet.tile_job import TileJob
 from uwsim.campaigns.fleet.tiles import Grid, grid_over, tiles_of
-from uwsim.campaigns.workers.ledger import LEDGER
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario import ScenarioError, build_terrain, load
 from uwsim.scenario.spec.polygon import area
@@ -25,7 +24,7 @@ name: wide_pool
 terrain: {source: noise, size_m: [32, 20], spacing_m: 0.5, bed_depth_m: 5, hill_height_m: 0.5, hill_wavelength_m: 9}
 station: {position_m: [0, 0, 0]}
 vehicles: [{name: rov, model: rov, sonar: {model: 2, tilt_deg: 30}}]
-survey: {area_m: [[-10, -4], [10, -4], [10, 4], [-10, 4]], altitude_m: 2, line_spacing_m: 2, speed_m_s: 0.7,
+survey: {area_m: [[-6, -2], [6, -2], [6, 2], [-6, 2]], altitude_m: 2, line_spacing_m: 2, speed_m_s: 0.7,
   tilt_deg: 30, voxel_m: 0.5}
 """
 
@@ -37,7 +36,7 @@ def pool(tmp_path: Path) -> Path:
     return path
 
 
-def test_tiles_cover_the_area_without_overlap() -> None:
+def test_tiles_cover_the_area_without_overlap_but_for_slivers() -> None:
     for outline in (SQUARE, HORSESHOE):
         grid = grid_over(outline, 40.0)
         tiles, left_m2 = tiles_of(outline, grid, 0.5)
@@ -46,6 +45,10 @@ def test_tiles_cover_the_area_without_overlap() -> None:
         for tile in tiles:
             middle = np.mean(tile.area_m, axis=0)[None]
             assert tuple(grid.cells_of(middle)[0]) == tile.cell
+    outline = ((0.0, 0.0), (10.4, 0.0), (10.4, 10.0), (0.0, 10.0))
+    tiles, left_m2 = tiles_of(outline, Grid((0.0, 0.0), (10.0, 10.0), (2, 1)), 0.5)
+    assert [area(tile.area_m) for tile in tiles] == pytest.approx([100.0])
+    assert left_m2 == pytest.approx(4.0)
 
 
 def test_a_square_that_the_outline_cuts_in_two_has_two_tiles() -> None:
@@ -57,13 +60,6 @@ def test_a_square_that_the_outline_cuts_in_two_has_two_tiles() -> None:
     assert sorted(len(part) for part in shared.values()) in ([1, 3], [2, 2])  # no point twice
 
 
-def test_slivers_are_left_out_and_told_of() -> None:
-    outline = ((0.0, 0.0), (10.4, 0.0), (10.4, 10.0), (0.0, 10.0))
-    tiles, left_m2 = tiles_of(outline, Grid((0.0, 0.0), (10.0, 10.0), (2, 1)), 0.5)
-    assert [area(tile.area_m) for tile in tiles] == pytest.approx([100.0])
-    assert left_m2 == pytest.approx(4.0)
-
-
 def test_the_fleet_is_out_as_long_as_its_busiest_vehicle() -> None:
     times_s = [5.0, 3.0, 3.0, 2.0, 2.0, 1.0]
     assert shares(times_s, 1) == [16.0]
@@ -71,7 +67,7 @@ def test_the_fleet_is_out_as_long_as_its_busiest_vehicle() -> None:
     assert max(shares(times_s, 50)) == 5.0
 
 
-def test_a_part_of_the_terrain_has_the_heights_of_the_whole() -> None:
+def test_a_part_of_the_terrain_has_the_heights_and_the_water_of_the_whole() -> None:
     whole, low, high = load("lake"), (-30.2, -10.0), (40.0, 25.3)
     full = build_terrain(whole.terrain)
     part = full.window((low, high))
@@ -80,38 +76,41 @@ def test_a_part_of_the_terrain_has_the_heights_of_the_whole() -> None:
     assert y0 <= low[1] and high[1] <= y1
     places = np.random.default_rng(0).uniform(low, high, (500, 2))
     np.testing.assert_allclose(part.height_at(places), full.height_at(places), atol=1e-9)
-    tile = tiles_of(whole.survey.area_m, grid_over(whole.survey.area_m, 60.0), 0.5)[0][0]
-    with Simulator(TileJob("lake", 0, tile, 0.5).scenario_of_tile(whole)) as sim, Simulator(whole) as all_of_it:
+    tile, beside = tiles_of(whole.survey.area_m, grid_over(whole.survey.area_m, 60.0), 0.5)[0][:2]
+    first, second = (TileJob("lake", 3, each, 0.5).scenario_of_tile(whole) for each in (tile, beside))
+    assert first.water == second.water and first.vehicles[0].name != second.vehicles[0].name, "noise of its own"
+    with Simulator(first) as sim, Simulator(whole) as all_of_it:
         places = np.random.default_rng(1).uniform(np.min(tile.area_m, axis=0), np.max(tile.area_m, axis=0), (500, 2))
         np.testing.assert_allclose(sim.world.height_at(places), all_of_it.world.height_at(places), atol=1e-5)
     with pytest.raises(ScenarioError, match="window_m: is outside the terrain"):
         full.window(((5000.0, 0.0), (6000.0, 10.0)))
 
 
-def test_vehicles_of_tiles_have_noise_of_their_own_in_the_same_water() -> None:
-    base = load("lake")
-    tiles, _ = tiles_of(base.survey.area_m, grid_over(base.survey.area_m, 60.0), 0.5)
-    first, second = (TileJob("lake", 3, tile, 0.5).scenario_of_tile(base) for tile in tiles[:2])
-    assert first.water == second.water
-    assert first.vehicles[0].name != second.vehicles[0].name
+OPTIONS = {"tile_m": 6.0, "vehicles": 2, "workers": 0}
 
 
-def test_a_fleets_map_is_scored_as_one_and_survives_a_stop(pool: Path, tmp_path: Path) -> None:
-    seen: list[int] = []
-    whole = run_fleet(pool, tmp_path / "whole", tile_m=10.0, vehicles=2, workers=0)
+def test_a_fleets_map_is_scored_as_one_and_survives_a_stop_and_a_failure(
+    pool: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole, again = run_fleet(pool, tmp_path / "whole", **OPTIONS), tmp_path / "part"
     assert (len(whole.tiles), whole.figures["tiles_flown"]) == (2, 2)
-    part = run_fleet(
-        pool, tmp_path / "part", tile_m=10.0, vehicles=2, workers=0,
-        tell=lambda done, *_: seen.append(done), stop_requested=lambda: 1 in seen,
-    )  # fmt: skip
-    assert part.interrupted and not (tmp_path / "part" / "map.bt").exists()
+    seen: list[int] = []
+    watched = {"tell": lambda done, *_: seen.append(done), "stop_requested": lambda: 1 in seen}
+    assert run_fleet(pool, again, **OPTIONS, **watched).interrupted and not (again / "map.bt").exists()
     with pytest.raises(ValueError, match="holds a fleet already, 1 tiles of it finished: --resume"):
-        run_fleet(pool, tmp_path / "part", tile_m=10.0, workers=0)
-    with pytest.raises(ValueError, match=r"tile_m is 5\.0: was begun with 10\.0"):
-        run_fleet(pool, tmp_path / "part", tile_m=5.0, workers=0, resume=True)
-    run_fleet(pool, tmp_path / "part", tile_m=10.0, vehicles=2, workers=0, resume=True)
-    assert (tmp_path / "part" / "map.bt").read_bytes() == (tmp_path / "whole" / "map.bt").read_bytes()
-    assert len((tmp_path / "part" / LEDGER).read_text().splitlines()) == 3
+        run_fleet(pool, again, **OPTIONS)
+    with pytest.raises(ValueError, match=r"tile_m is 5\.0: was begun with 6\.0"):
+        run_fleet(pool, again, **{**OPTIONS, "tile_m": 5.0}, resume=True)
+    with pytest.raises(ValueError, match="retry_failed: needs resume"):
+        run_fleet(pool, tmp_path / "new", **OPTIONS, retry_failed=True)
+    with monkeypatch.context() as patched:
+        failing = {"error": "ValueError: no", "dry": None}
+        patched.setattr("uwsim.campaigns.fleet.fleet.fly_tile", lambda job: failing)
+        flown = run_fleet(pool, again, **OPTIONS, resume=True)
+        assert flown.failed == {1: "ValueError: no"} and flown.figures["tiles_failed"] == 1
+        assert run_fleet(pool, again, **OPTIONS, resume=True).failed
+    assert not run_fleet(pool, again, **OPTIONS, resume=True, retry_failed=True).failed
+    assert (again / "map.bt").read_bytes() == (tmp_path / "whole" / "map.bt").read_bytes()
 
     figures = json.loads((tmp_path / "whole" / "summary.json").read_text())
     occupied = OccupancyMap.read(tmp_path / "whole" / "map.bt").occupied_voxels()
@@ -126,29 +125,10 @@ def test_a_fleets_map_is_scored_as_one_and_survives_a_stop(pool: Path, tmp_path:
     assert figures["fleet_out_s"] < figures["simulated_s"]
 
 
-def test_a_tile_that_failed_is_flown_again_if_asked(
-    pool: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    options = {"tile_m": 10.0, "workers": 0, "score": False}
-    run_fleet(pool, tmp_path / "whole", **options)
-    failing = {"error": "ValueError: no", "dry": None}
-    with monkeypatch.context() as patched:
-        patched.setattr(
-            "uwsim.campaigns.fleet.fleet.fly_tile", lambda job: failing if job.tile.number else fly_tile(job)
-        )
-        flown = run_fleet(pool, tmp_path / "part", **options)
-    assert flown.failed == {1: "ValueError: no"} and flown.figures["tiles_failed"] == 1
-    assert run_fleet(pool, tmp_path / "part", resume=True, **options).failed
-    assert not run_fleet(pool, tmp_path / "part", resume=True, retry_failed=True, **options).failed
-    assert (tmp_path / "part" / "map.bt").read_bytes() == (tmp_path / "whole" / "map.bt").read_bytes()
-    with pytest.raises(ValueError, match="retry_failed: needs resume"):
-        run_fleet(pool, tmp_path / "new", retry_failed=True, **options)
-
-
 def test_what_makes_no_sense_is_refused_before_anything_is_written(pool: Path, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"tile_m = 0.5 m: must be in \[1, 100000\] m"):
         run_fleet(pool, tmp_path / "out", tile_m=0.5, workers=0)
     pool.write_text(POOL + "faults: [{kind: leak, at_s: 1, kg_per_s: 1}]")
     with pytest.raises(ScenarioError, match="faults: must be left out for a fleet"):
-        run_fleet(pool, tmp_path / "out", tile_m=10.0, workers=0)
+        run_fleet(pool, tmp_path / "out", **OPTIONS)
     assert not (tmp_path / "out").exists()

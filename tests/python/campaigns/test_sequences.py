@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import cv2
 import numpy as np
 import pytest
+import yaml as pyyaml
 from numpy.typing import NDArray
 from rosbags.highlevel import AnyReader
 from ruamel.yaml import YAML
@@ -95,9 +96,14 @@ def read(path: Path) -> Any:
     return YAML(typ="safe", pure=True).load(path.read_text())
 
 
+def rows_of(folder: Path) -> list[list[str]]:
+    """Return the rows of a data.csv."""
+    return list(csv.reader((folder / "data.csv").open()))[1:]
+
+
 def table(folder: Path) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Return the stamps (n,) [ns] and the values (n, k) of a data.csv."""
-    rows = list(csv.reader((folder / "data.csv").open()))[1:]
+    rows = rows_of(folder)
     return np.array([int(row[0]) for row in rows]), np.array([[float(value) for value in row[1:]] for row in rows])
 
 
@@ -114,7 +120,7 @@ def truth(sequence: SimpleNamespace) -> SimpleNamespace:
 
 def test_every_instrument_is_there_at_its_rate(sequence: SimpleNamespace) -> None:
     for name, count in sequence.made.counts.items():
-        stamps = [int(row[0]) for row in list(csv.reader((sequence.mav / name / "data.csv").open()))[1:]]
+        stamps = [int(row[0]) for row in rows_of(sequence.mav / name)]
         assert len(stamps) == count > 5
         steps = np.diff(stamps)
         assert (steps > 0).all()
@@ -167,7 +173,7 @@ def test_opencv_projects_what_is_in_the_pictures_to_where_it_is(
     true, folder = truth(sequence), sequence.mav / f"cam{camera}"
     calibration, body_from_optical = read(folder / "sensor.yaml"), pose(folder)
     (fu, fv, cu, cv), distortion = calibration["intrinsics"], np.array(calibration["distortion_coefficients"])
-    rows = list(csv.reader((folder / "data.csv").open()))[1:]
+    rows = rows_of(folder)
     row = np.flatnonzero(true.stamps == int(rows[-1][0]))[0]
     picture = cv2.imread(str(folder / "data" / rows[-1][1]))
     assert picture.shape == (calibration["resolution"][1], calibration["resolution"][0], 3)
@@ -175,10 +181,9 @@ def test_opencv_projects_what_is_in_the_pictures_to_where_it_is(
     world_from_body = np.eye(4)
     world_from_body[:3, :3], world_from_body[:3, 3] = true.turn[row].as_matrix(), true.position[row]
     optical_from_world = np.linalg.inv(world_from_body @ body_from_optical)
-    with Simulator(world, seed=5) as sim:
-        sim.rov.place(true.position[row], orientation_xyzw=true.turn[row].as_quat())
-        frame = sim.rov.cameras[name].capture(geometry_only=True)
-    points = frame.depth_m
+    sim = Simulator(world, seed=5)
+    sim.rov.place(true.position[row], orientation_xyzw=true.turn[row].as_quat())
+    points = sim.rov.cameras[name].capture(geometry_only=True).depth_m
     v, u = np.nonzero(np.isfinite(points))
     chosen = np.linspace(0, len(u) - 1, 40).astype(int)
     matrix = np.array([[fu, 0, cu], [0, fv, cv], [0, 0, 1]])
@@ -188,13 +193,9 @@ def test_opencv_projects_what_is_in_the_pictures_to_where_it_is(
     depths = points[v[chosen], u[chosen], None].astype(float)
     optical = np.column_stack([rays * depths, depths])
     on_surface = (optical - optical_from_world[:3, 3]) @ optical_from_world[:3, :3]
-    distance_m = sim_distances(world, on_surface)
-    assert np.abs(distance_m).max() < 1e-3 * depths.max(), "each pixel's point lies on a surface of the world"
-
-
-def sim_distances(world: Path, points_world_m: NDArray[np.float64]) -> NDArray[np.float64]:
-    with Simulator(world, seed=5) as sim:
-        return np.asarray(sim.scene.distance_m(points_world_m))
+    assert np.abs(sim.scene.distance_m(on_surface)).max() < 1e-3 * depths.max(), (
+        "each pixel's point lies on a surface of the world"
+    )
 
 
 def test_the_chain_of_cameras_is_that_of_their_mounts(sequence: SimpleNamespace) -> None:
@@ -213,8 +214,7 @@ def test_the_chain_of_cameras_is_that_of_their_mounts(sequence: SimpleNamespace)
 
 
 def test_kalibrs_yaml_reader_takes_numbers_for_numbers(sequence: SimpleNamespace) -> None:
-    yaml = pytest.importorskip("yaml", reason="pip install pyyaml")
-    noise = yaml.safe_load((sequence.out / IMU).read_text())
+    noise = pyyaml.safe_load((sequence.out / IMU).read_text())
     assert all(isinstance(value, float) for key, value in noise.items() if key != "rostopic")
 
 
@@ -235,14 +235,14 @@ def test_the_bag_has_the_same_measurements(sequence: SimpleNamespace) -> None:
     assert {"/dvl", "/depth", "/points", "/ahead/image", "/aside/image", "/ground_truth/odom", "/tf_static"} <= topics
     np.testing.assert_array_equal(np.array(imu)[:, 0], stamps)
     np.testing.assert_array_equal(np.array(imu)[:, 1:], values)
-    rows = list(csv.reader((sequence.mav / "cam0" / "data.csv").open()))[1:]
-    assert seen == [(int(ns), (sequence.mav / "cam0" / "data" / name).read_bytes()) for ns, name in rows]
+    camera = sequence.mav / "cam0"
+    assert seen == [(int(ns), (camera / "data" / name).read_bytes()) for ns, name in rows_of(camera)]
     assert echoes == sequence.made.counts["multibeam0"]
 
 
 def test_sonar_files_give_the_levels_and_the_echoes(sequence: SimpleNamespace) -> None:
     true = truth(sequence)
-    rows = list(csv.reader((sequence.mav / "multibeam0" / "data.csv").open()))[1:]
+    rows = rows_of(sequence.mav / "multibeam0")
     ping = np.load(sequence.mav / "multibeam0" / "data" / rows[-1][1])
     row = np.flatnonzero(true.stamps == int(rows[-1][0]))[0]
     points = ping["points_sonar_m"][ping["valid"]] @ ping["body_from_sonar"][:3, :3].T + ping["body_from_sonar"][:3, 3]
@@ -250,7 +250,7 @@ def test_sonar_files_give_the_levels_and_the_echoes(sequence: SimpleNamespace) -
     on_bed = points[np.linalg.norm(points - BALL_M, axis=1) > 0.3]
     assert len(on_bed) > 50 and np.abs(on_bed[:, 2] + 8.0).max() < 0.01
     about = read(sequence.mav / "forwardlooking0" / "sensor.yaml")
-    name = list(csv.reader((sequence.mav / "forwardlooking0" / "data.csv").open()))[-1][1]
+    name = rows_of(sequence.mav / "forwardlooking0")[-1][1]
     levels = cv2.imread(str(sequence.mav / "forwardlooking0" / "data" / name), cv2.IMREAD_UNCHANGED)
     assert levels.dtype == np.uint16
     assert levels.shape == (about["ranges_m"]["count"], len(about["bearings_rad"])) == (50, 16)
@@ -297,7 +297,7 @@ def test_a_camera_that_cannot_be_described_is_refused(world: Path, tmp_path: Pat
     assert not list(tmp_path.iterdir())
 
 
-def test_a_flight_that_fails_leaves_nothing(world: Path, tmp_path: Path) -> None:
+def test_a_flight_that_fails_or_ends_at_once_leaves_nothing(world: Path, tmp_path: Path) -> None:
     def fails(vehicle: Any) -> Any:
         yield wait(0.1)
         raise RuntimeError("a mistake")
@@ -306,6 +306,13 @@ def test_a_flight_that_fails_leaves_nothing(world: Path, tmp_path: Path) -> None
         vehicle.cameras["turning"].aim(tilt_rad=0.3)
         yield wait(0.3)
 
+    def ends(vehicle: Any) -> Any:
+        yield wait(0.1)
+        remove_unfinished()  # what a second Ctrl-C calls before it ends the process
+        raise KeyboardInterrupt
+
+    with pytest.raises((KeyboardInterrupt, OSError)):
+        uwsim.make_sequence(world, ends, tmp_path / "out", cameras=())
     with pytest.raises(RuntimeError, match="a mistake"):
         uwsim.make_sequence(world, fails, tmp_path / "out", cameras=())
     with pytest.raises(ValueError, match="camera turning: was turned by the mission"):
@@ -332,17 +339,6 @@ def test_the_folder_gets_its_name_only_when_it_is_complete(world: Path, tmp_path
     made = uwsim.make_sequence(world, looks, tmp_path / "out", cameras=())
     assert made.counts["imu0"] == 20 and not left.exists()
     assert (tmp_path / "out" / ABOUT).exists()
-
-
-def test_an_immediate_exit_removes_what_is_unfinished(world: Path, tmp_path: Path) -> None:
-    def ends(vehicle: Any) -> Any:
-        yield wait(0.1)
-        remove_unfinished()  # what a second Ctrl-C calls before it ends the process
-        raise KeyboardInterrupt
-
-    with pytest.raises((KeyboardInterrupt, OSError)):
-        uwsim.make_sequence(world, ends, tmp_path / "out", cameras=())
-    assert not list(tmp_path.iterdir())
 
 
 def test_chosen_instruments_are_written_with_the_same_bytes_and_the_cost_is_shown(
