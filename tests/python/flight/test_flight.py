@@ -3,22 +3,20 @@
 import json
 import signal
 import subprocess
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import uwsim
-from command_line import UWSIM, error_line, wait_for
+from command_line import UWSIM, error_line, hears_ctrl_c, wait_for
 from command_line import uwsim as run_uwsim
-from uwsim.flight.autosave import FlightAutosave
+from stopped_flights import StopAfter
 from uwsim.flight.fly import fly, resume
 from uwsim.flight.mission_file import MissionError
-from uwsim.flight.record import BATTERY_EMPTY
+from uwsim.flight.record import BATTERY_EMPTY, FlightRecord
 from uwsim.mapping import OccupancyMap
-from uwsim.missions import StoppedError, goto, hold, parallel, turn_to, wait
-from uwsim.scenario.read.assets import assets_folder
+from uwsim.missions import parallel, turn_to, wait
 
 ROUND = """
 from uwsim.missions import goto, turn_to
@@ -49,14 +47,21 @@ def short(vehicle):
     return "deep"
 
 
-def test_a_scenario_may_be_the_content_of_a_file_and_a_mission_must_be_one() -> None:
+@pytest.mark.usefixtures("blank_figures")
+def test_a_scenario_may_be_the_content_of_a_file_and_a_mission_must_be_one(tmp_path: Path) -> None:
+    def at_once(vehicle):
+        return 3
+        yield
+
     content = {
         "name": "tank",
         "terrain": {"source": "noise", "size_m": [100, 100], "spacing_m": 5, "bed_depth_m": 8},
         "station": {"position_m": [0, 0, 0]},
         "vehicles": [{"name": "rov", "model": "rov"}],
     }
-    assert uwsim.fly(short, content).result == "deep"
+    flown = uwsim.fly(at_once, content, tmp_path, map=True)
+    assert (flown.result, flown.simulated_s) == (3, 0.0)
+    assert (tmp_path / "report.html").exists() and (tmp_path / "map.bt").exists()
     with pytest.raises(ValueError, match=r"mission = \{'rov': .*: must be a function, .*; one of all vehicles takes"):
         uwsim.fly({"rov": short}, "pool")
 
@@ -87,11 +92,12 @@ def test_a_flight_steps_as_the_simulator_alone_does() -> None:
 
 
 @pytest.mark.usefixtures("blank_figures")
-def test_the_command_writes_log_track_map_summary_and_report(mission: Path, tmp_path: Path) -> None:
+def test_the_command_writes_all_results_and_a_recording_that_replays(mission: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     result = run_uwsim(
-        "run", str(mission), "--scenario", "pool", "--map", "--set", "depth_m=3.0", "--out", str(out), "--seed", "3"
-    )
+        "run", mission, "--scenario", "pool", "--map", "--set", "depth_m=3.0", "--out", out, "--seed", "3",
+        "--record", tmp_path / "run.mcap", "--record-topic", "odom",
+    )  # fmt: skip
     assert result.returncode == 0, result.stderr
     assert "the mission is complete" in result.stdout
     lines = [json.loads(line) for line in (out / "log.jsonl").read_text().splitlines()]
@@ -110,6 +116,8 @@ def test_the_command_writes_log_track_map_summary_and_report(mission: Path, tmp_
     assert page.count("data:image/png;base64,") == 9
     assert "http" not in page.split("<body>")[1], "it needs nothing from elsewhere"
     assert not (out / "checkpoint").exists()
+    replayed = run_uwsim("replay", tmp_path / "run.mcap")
+    assert replayed.returncode == 0, replayed.stderr
 
 
 @pytest.mark.parametrize(
@@ -187,58 +195,55 @@ def test_waits_that_are_no_whole_steps_do_not_drift() -> None:
     assert fly(mission, "pool").simulated_s == pytest.approx(300 * 0.0333, abs=0.005)
 
 
-def test_a_mission_that_is_stuck_says_so() -> None:
-    def mission(vehicle):
-        vehicle.undock()
-        yield wait(1.0)
-        raise StoppedError("stuck in the mud")
-
-    flown = fly(mission, "pool")
-    assert flown.ended_because == "stuck in the mud"
-    assert flown.ended_early
+CARRIED = {"estimate": "filter", "link": "s2cm_hs"}
 
 
-class StopAfter(FlightAutosave):
-    """Ask the flight to stop after a number of pauses, as Ctrl-C would."""
-
-    def __init__(self, pauses: int) -> None:
-        super().__init__(1e6)
-        self.pauses = pauses
-
-    def stop_requested(self) -> bool:
-        self.pauses -= 1
-        return self.pauses <= 0
+@pytest.fixture(scope="module")
+def carried(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, FlightRecord, Path]:
+    """Return a mission's file, the record of its flight by the filter and over a link, and its folder."""
+    folder = tmp_path_factory.mktemp("carried")
+    (folder / "round.py").write_text(ROUND)
+    whole = fly(folder / "round.py", "pool", folder / "whole", map=True, report="json", **CARRIED)
+    return folder / "round.py", whole, folder / "whole"
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_a_resumed_flight_gives_the_same_map_track_and_log(mission: Path, tmp_path: Path, threads: int) -> None:
-    whole = fly(mission, "pool", tmp_path / "whole", map=True, report="none")
-    half = fly(mission, "pool", tmp_path / "half", map=True, report="none", threads=threads, autosave=StopAfter(150))
-    assert half.interrupted
+def test_a_resumed_flight_gives_the_same_map_track_log_and_messages(carried, tmp_path: Path, threads: int) -> None:
+    mission, whole, out = carried
+    options = {"map": True, "report": "json", "threads": threads, **CARRIED}
+    half = fly(mission, "pool", tmp_path, autosave=StopAfter(150), **options)
+    assert half.interrupted and half.simulated_s < whole.simulated_s
     assert 0 < len(half.all_pings_world_m) < len(whole.all_pings_world_m)
-    again = resume(tmp_path / "half", threads=threads, report="none")
+    assert "interrupted" in json.loads((tmp_path / "summary.json").read_text())["ended_because"]
+    again = resume(tmp_path, threads=threads, report="json")
     assert again.result == whole.result
     assert again.echo_count == whole.echo_count
     assert again.map_growth == whole.map_growth and len(whole.map_growth) > 3
     for name in ("map.bt", "log.jsonl", "track-rov.csv", "track.npz"):
-        assert (tmp_path / "half" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
-    assert not (tmp_path / "half" / "checkpoint").exists()
+        assert (tmp_path / name).read_bytes() == (out / name).read_bytes(), name
+    table, expected = (json.loads((folder / "summary.json").read_text())["link"] for folder in (tmp_path, out))
+    assert table == expected and sum(row["delivered"] for row in table) > 0
+    assert not (tmp_path / "checkpoint").exists()
     with pytest.raises(ValueError, match="no unfinished flight"):
-        resume(tmp_path / "half")
+        resume(tmp_path)
+    with pytest.raises(ValueError, match="link: has no effect on an existing simulator"):
+        fly(mission, uwsim.Simulator("pool"), link="tether")
 
 
-def test_a_killed_flight_is_resumed(mission: Path, tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    command = ["run", str(mission), "--scenario", "pool", "--map", "--out", str(out), "--autosave", "0.05"]
-    process = subprocess.Popen([*UWSIM, *command, "--report", "none"], stderr=subprocess.PIPE, text=True)
-    wait_for(out / "checkpoint" / "flight.json", process)
-    process.kill()
-    process.wait()
-    result = run_uwsim("run", "--resume", "--out", str(out), "--report", "none")
-    assert result.returncode == 0, result.stderr
-    whole = fly(mission, "pool", map=True)
-    assert whole.occupancy is not None
-    assert (out / "map.bt").read_bytes() == whole.occupancy.to_bytes("bt")
+def test_a_flight_by_the_filter_steers_and_maps_by_the_estimate(carried) -> None:
+    mission, flown, out = carried
+    true = fly(mission, "pool", map=True)
+    samples = flown.samples["rov"]
+    off_m = np.linalg.norm(samples.estimated_path_world_m - samples.path_world_m, axis=1)
+    assert 1e-3 < off_m.max() < 1.0
+    assert (true.samples["rov"].estimated_path_world_m == true.samples["rov"].path_world_m).all()
+    values = json.loads((out / "summary.json").read_text())
+    assert values["vehicles"]["rov"]["estimate_rms_m"] == pytest.approx(np.sqrt((off_m**2).mean()))
+    pings_m = flown.pings_world_m["rov"]
+    assert len(flown.position_error_m) == len(pings_m) and 0.0 < flown.position_error_m.max() < 1.0
+    apart_m = np.linalg.norm(samples.estimated_path_world_m[:, None] - pings_m[None], axis=2).min(axis=0)
+    assert np.median(apart_m) < 0.7, "the pings are where the vehicle thinks that it is, and the head on its hull"
+    assert flown.occupancy.to_bytes("bt") != true.occupancy.to_bytes("bt")
 
 
 def test_a_mission_that_has_changed_or_throws_dice_is_not_resumed(mission: Path, tmp_path: Path) -> None:
@@ -258,24 +263,20 @@ def test_a_mission_that_has_changed_or_throws_dice_is_not_resumed(mission: Path,
 
 
 def test_two_vehicles_make_one_map_and_it_does_not_depend_on_threads() -> None:
-    def mission(vehicles):
-        first, second = vehicles["rov"], vehicles["scout"]
-        first.undock()
-        yield from parallel(goto(first, (-5.0, 8.0, -5.0)), turn_to(second, 0.0))
-        second.log("done")
+    def out(vehicle):
+        vehicle.undock()
+        yield wait(6.0)
 
-    flights = [fly(mission, "pair", map=True, threads=threads) for threads in (1, 2)]
+    def mission(vehicles):
+        yield from parallel(out(vehicles["rov"]), turn_to(vehicles["scout"], 0.0))
+
+    flights = [fly(mission, "pair", map=True, threads=threads, time_limit_s=6.0) for threads in (1, 2)]
     maps = [flown.occupancy.to_bytes("ot") for flown in flights]
     assert maps[0] == maps[1]
     assert flights[0].map_growth == flights[1].map_growth
     assert set(flights[0].pings_world_m) == {"rov", "scout"}
-    alone = fly(lambda_goto, "pair", map=True, vehicles=["rov"])
+    alone = fly(out, "pair", map=True, vehicles=["rov"], time_limit_s=6.0)
     assert len(alone.occupancy.occupied_voxels()) < len(flights[0].occupancy.occupied_voxels())
-
-
-def lambda_goto(vehicle):
-    vehicle.undock()
-    yield from goto(vehicle, (-5.0, 8.0, -5.0))
 
 
 @pytest.mark.parametrize(
@@ -295,102 +296,17 @@ def test_wrong_arguments_are_refused_before_anything_is_written(arguments: dict,
     assert not (tmp_path / "out").exists()
 
 
-def test_a_recorded_mission_replays_to_the_same_bytes(mission: Path, tmp_path: Path) -> None:
-    file = tmp_path / "run.mcap"
-    result = run_uwsim(
-        "run", str(mission), "--scenario", "pool", "--out", str(tmp_path / "out"), "--report", "none",
-        "--record", str(file), "--record-topic", "odom",
-    )  # fmt: skip
-    assert result.returncode == 0, result.stderr
-    replayed = run_uwsim("replay", str(file))
-    assert replayed.returncode == 0, replayed.stderr
-
-
-def test_holding_a_place_keeps_it() -> None:
-    def mission(vehicle):
-        vehicle.undock()
-        yield from goto(vehicle, (0.0, 3.0, -2.5))
-        yield from hold(vehicle, 20.0)
-
-    path = fly(mission, "pool").samples["rov"].path_world_m
-    assert np.linalg.norm(path[-25:] - path[-1], axis=1).max() < 0.05
-
-
-def test_what_a_link_carried_is_in_the_summary(tmp_path: Path) -> None:
-    text = (assets_folder() / "scenarios" / "pool.yaml").read_text() + "link: {modem: ideal_acoustic}\n"
-    (tmp_path / "linked.yaml").write_text(text)
-    sim = uwsim.Simulator(tmp_path / "linked.yaml")
-
-    def mission(vehicle):
-        for _ in range(3):
-            sim.link.send("rov", "station", "hello", bytes(10))
-            yield wait(0.5)
-
-    fly(mission, sim, tmp_path / "out", report="json")
-    (row,) = json.loads((tmp_path / "out" / "summary.json").read_text())["link"]
-    assert (row["topic"], row["given"], row["delivered"], row["bytes_delivered"]) == ("hello", 3, 3, 30)
-    assert 0.0 < row["delay_s"] < 0.01, "sound needs 4 ms for the six metres to the station"
-
-
-def test_a_resumed_flight_has_the_link_that_it_was_given(mission: Path, tmp_path: Path) -> None:
-    fly(mission, "pool", tmp_path / "whole", link="s2cm_hs", report="json")
-    half = fly(mission, "pool", tmp_path / "half", link="s2cm_hs", report="json", autosave=StopAfter(150))
-    assert half.interrupted
-    resume(tmp_path / "half", report="json")
-    whole, again = (json.loads((tmp_path / name / "summary.json").read_text())["link"] for name in ("whole", "half"))
-    assert sum(row["delivered"] for row in whole) > 0
-    assert again == whole
-    with pytest.raises(ValueError, match="link: has no effect on an existing simulator"):
-        fly(mission, uwsim.Simulator("pool"), link="tether")
-
-
-def test_a_flight_by_the_filter_steers_and_maps_by_the_estimate(mission: Path, tmp_path: Path) -> None:
-    true = fly(mission, "pool", map=True)
-    flown = fly(mission, "pool", tmp_path / "out", map=True, estimate="filter", report="json")
-    samples = flown.samples["rov"]
-    off_m = np.linalg.norm(samples.estimated_path_world_m - samples.path_world_m, axis=1)
-    assert 1e-3 < off_m.max() < 1.0
-    assert (true.samples["rov"].estimated_path_world_m == true.samples["rov"].path_world_m).all()
-    values = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert values["vehicles"]["rov"]["estimate_rms_m"] == pytest.approx(np.sqrt((off_m**2).mean()))
-    pings_m = flown.pings_world_m["rov"]
-    apart_m = np.linalg.norm(samples.estimated_path_world_m[:, None] - pings_m[None], axis=2).min(axis=0)
-    assert np.median(apart_m) < 0.7, "the pings are where the vehicle thinks that it is, and the head on its hull"
-    assert flown.occupancy.to_bytes("bt") != true.occupancy.to_bytes("bt")
-
-
-def test_a_flight_by_the_filter_is_resumed_to_the_same_map(mission: Path, tmp_path: Path) -> None:
-    whole = fly(mission, "pool", tmp_path / "whole", map=True, estimate="filter", report="none")
-    assert whole.simulated_s > 15.0
-    fly(mission, "pool", tmp_path / "half", map=True, estimate="filter", report="none", autosave=StopAfter(150))
-    resume(tmp_path / "half", report="none")
-    assert (tmp_path / "half" / "map.bt").read_bytes() == (tmp_path / "whole" / "map.bt").read_bytes()
-
-
-def test_a_mission_that_ends_at_once_has_a_report(tmp_path: Path) -> None:
-    def mission(vehicle):
-        return 3
-        yield
-
-    flown = fly(mission, "pool", tmp_path, map=True)
-    assert flown.result == 3
-    assert flown.simulated_s == 0.0
-    assert (tmp_path / "report.html").exists()
-    assert (tmp_path / "map.bt").exists()
-
-
-def test_ctrl_c_ends_a_flight_with_its_results_and_it_can_be_resumed(tmp_path: Path) -> None:
-    path, out = tmp_path / "long.py", tmp_path / "out"
-    path.write_text(
-        "from uwsim.missions import hold\ndef mission(vehicle):\n    vehicle.undock()\n    yield from hold(vehicle)\n"
-    )
-    options = ["--scenario", "pool", "--mission-time", "100000", "--report", "json", "--out", str(out)]
-    process = subprocess.Popen([*UWSIM, "run", str(path), *options], stderr=subprocess.PIPE, text=True)
-    wait_for(out / "log.jsonl", process)
-    time.sleep(0.5)
+def test_ctrl_c_ends_a_flight_with_its_results_and_it_is_resumed_to_the_same_map(carried, tmp_path: Path) -> None:
+    mission, _, whole = carried
+    options = ["--estimate", "filter", "--link", "s2cm_hs", "--autosave", "0.05", "--report", "json"]
+    command = [*UWSIM, "run", mission, "--scenario", "pool", "--map", "--out", tmp_path / "out", *options]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=hears_ctrl_c)
+    wait_for(tmp_path / "out" / "checkpoint" / "flight.json", process)
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=60)
+    _, errors = process.communicate(timeout=600)
     assert process.returncode == 130, errors
-    assert "Traceback" not in errors
-    assert "interrupted" in json.loads((out / "summary.json").read_text())["ended_because"]
-    assert (out / "checkpoint" / "flight.json").exists()
+    assert "--resume continues" in " ".join(errors.split()) and "Traceback" not in errors
+    assert "interrupted" in json.loads((tmp_path / "out" / "summary.json").read_text())["ended_because"]
+    result = run_uwsim("run", "--resume", "--out", tmp_path / "out", "--report", "none")
+    assert result.returncode == 0, result.stderr
+    assert (tmp_path / "out" / "map.bt").read_bytes() == (whole / "map.bt").read_bytes()

@@ -2,6 +2,7 @@
 
 import inspect
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,26 +22,27 @@ from uwsim.missions import AdaptiveLawnMower, mow, wait
 from uwsim.scenario import load
 
 
-def mowing(vehicle: Any) -> Any:
-    yield from mow(vehicle, survey_plan(load("pool").survey))
+def mowing(vehicle: Any, scenario: str | Path = "pool") -> Any:
+    yield from mow(vehicle, survey_plan(load(scenario).survey))
 
 
 def idle(vehicle: Any) -> Any:
     yield wait(100.0)
 
 
-def test_the_lawn_mower_as_a_mission_is_the_survey(tmp_path: Path) -> None:
+def test_the_lawn_mower_as_a_mission_is_the_survey(surveyed, small_pool: Path, tmp_path: Path) -> None:
     """The map, outcome, score and summary are the same."""
-    surveyed = uwsim.run_survey("pool", tmp_path / "survey", report="json")
-    flown = fly(mowing, "pool", tmp_path / "flight", map=True, report="json", sample_sensors=False)
-    assert flown.occupancy.to_bytes("ot") == surveyed.occupancy.to_bytes("ot")
-    values, expected = (json.loads((tmp_path / n / "summary.json").read_text()) for n in ("flight", "survey"))
+    record, folder = surveyed
+    mission = partial(mowing, scenario=small_pool)
+    flown = fly(mission, small_pool, tmp_path, map=True, report="json", sample_sensors=False)
+    assert flown.occupancy.to_bytes("ot") == record.occupancy.to_bytes("ot")
+    values, expected = (json.loads((out / "summary.json").read_text()) for out in (tmp_path, folder))
     assert values.keys() == expected.keys()
     assert values["map"] == expected["map"] and values["map"]["coverage"] > 0.95
     assert values["ended_because"] == expected["ended_because"] == DONE
     parts = ("pings", "echoes", "vehicles", "simulated_s", "pings_with_warning", "ping_interval_s", "path_length_m")
     assert {name: values[name] for name in parts} == {name: expected[name] for name in parts}
-    assert (tmp_path / "flight" / "track-rov.csv").read_bytes() == (tmp_path / "survey" / "track-rov.csv").read_bytes()
+    assert (tmp_path / "track-rov.csv").read_bytes() == (folder / "track-rov.csv").read_bytes()
 
 
 def test_an_empty_battery_ends_every_flight_in_the_same_words() -> None:

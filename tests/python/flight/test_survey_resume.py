@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import signal
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,12 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from command_line import start_survey, wait_for
+from command_line import start_survey
+from stopped_flights import StopAfter
 from uwsim import Simulator
 from uwsim.base.atomic_file import write_atomically
-from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.fly import fly, resume
 from uwsim.flight.record import DONE, FlightRecord
+from uwsim.flight.request import FlightRequest
 from uwsim.flight.survey import fly_survey, resume_survey, run_survey
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario import load
@@ -33,40 +33,18 @@ def only_the_map(flown: FlightRecord, sim: object, out: Path, *arguments: object
     return flown
 
 
-class SaveAt(FlightAutosave):
-    """Save a flight at the given pauses, counted from 1, and stop it at the last."""
-
-    def __init__(self, *pauses: int) -> None:
-        super().__init__(1e6)
-        self.pauses, self.count = pauses, 0
-
-    def due(self) -> bool:
-        return self.count in self.pauses
-
-    def stop_requested(self) -> bool:
-        self.count += 1
-        return self.count == self.pauses[-1]
-
-
 def survey(out: Path, scenario: object = "pool", **options: object) -> FlightRecord:
     return fly(None, scenario, out, map=True, map_growth=False, sample_sensors=False, **options)
 
 
-@pytest.fixture(scope="module")
-def uninterrupted() -> tuple[bytes, FlightRecord]:
-    occupancy, record = fly_survey(Simulator("pool"))
-    return occupancy.to_bytes("ot"), record
-
-
-@pytest.mark.parametrize(("pause", "threads"), [(1, 1), (150, 2), (333, 1), (600, 2)])
+@pytest.mark.parametrize(("pauses", "threads"), [((1,), 1), ((*range(1, 150, 20), 151), 2)])
 def test_a_survey_resumed_from_any_pause_is_the_same(
-    pause: int, threads: int, uninterrupted: tuple[bytes, FlightRecord], tmp_path: Path
+    pauses: tuple[int, ...], threads: int, small_pool: Path, surveyed: tuple[FlightRecord, Path], tmp_path: Path
 ) -> None:
-    stopped = survey(tmp_path, threads=threads, autosave=SaveAt(pause))
+    stopped = survey(tmp_path, small_pool, threads=threads, autosave=StopAfter(*pauses))
     assert stopped.interrupted
-    record = resume(tmp_path)
-    expected_map, expected = uninterrupted
-    assert record.occupancy.to_bytes("ot") == expected_map, "all log-odds"
+    record, (expected, _) = resume(tmp_path), surveyed
+    assert record.occupancy.to_bytes("ot") == expected.occupancy.to_bytes("ot"), "all log-odds"
     np.testing.assert_array_equal(record.path_world_m, expected.path_world_m)
     for name in ("simulated_s", "ping_count", "echo_count", "collisions", "ended_because", "result"):
         assert getattr(record, name) == getattr(expected, name)
@@ -80,14 +58,14 @@ def test_a_ping_rate_out_of_step_with_the_control_period_is_resumed(tmp_path: Pa
     pool = load("pool")
     odd = pool.model_copy(update={"survey": pool.survey.model_copy(update={"ping_rate_hz": 7.0})})
     write_scenario(tmp_path / "odd.yaml", odd)
-    whole, _ = fly_survey(Simulator(tmp_path / "odd.yaml", mission_time_s=12.0))
-    survey(tmp_path, tmp_path / "odd.yaml", mission_time_s=12.0, autosave=SaveAt(51))
+    whole, _ = fly_survey(Simulator(tmp_path / "odd.yaml", mission_time_s=7.0))
+    survey(tmp_path, tmp_path / "odd.yaml", mission_time_s=7.0, autosave=StopAfter(31))
     assert resume(tmp_path).occupancy.to_bytes("ot") == whole.to_bytes("ot")
 
 
-def test_saving_does_not_change_the_map(uninterrupted: tuple[bytes, FlightRecord], tmp_path: Path) -> None:
-    flown = survey(tmp_path, threads=2, autosave=SaveAt(*range(1, 700, 20), 10_000))
-    assert flown.occupancy.to_bytes("ot") == uninterrupted[0]
+def test_saving_does_not_change_the_map(small_pool: Path, surveyed: tuple[FlightRecord, Path], tmp_path: Path) -> None:
+    flown = survey(tmp_path, small_pool, threads=2, autosave=StopAfter(*range(1, 700, 20), 10_000))
+    assert flown.occupancy.to_bytes("ot") == surveyed[0].occupancy.to_bytes("ot")
 
 
 def saved_state(out: Path) -> bytes | None:
@@ -129,8 +107,7 @@ def test_a_survey_killed_several_times_ends_with_the_same_map(tmp_path: Path) ->
 
 
 def test_temporary_files_are_removed_even_if_the_process_was_killed_before_it_marked_them(tmp_path: Path) -> None:
-    survey(tmp_path, autosave=SaveAt(30))
-    folder = tmp_path / "checkpoint"
+    folder = saved_pool(tmp_path)
     (folder / ".uwsim-4194305-0.tmp").touch()  # larger than any process ID
     (folder / ".flight-7.npz.abc_1234").touch()
     (folder / ".flight-8.npz.abc_1234").write_bytes(b"foreign")
@@ -138,29 +115,16 @@ def test_temporary_files_are_removed_even_if_the_process_was_killed_before_it_ma
     assert [path.name for path in folder.iterdir()] == [".flight-8.npz.abc_1234"]
 
 
-@pytest.mark.parametrize("name", ["track.npz", "report.html", "map_from_above.png"])
-def test_results_of_an_earlier_survey_are_removed(tmp_path: Path, name: str) -> None:
-    write_atomically(tmp_path / name, b"of an earlier survey")
+def test_results_of_an_earlier_survey_are_removed(tmp_path: Path) -> None:
+    earlier = [tmp_path / name for name in ("track.npz", "report.html", "map_from_above.png")]
+    for path in earlier:
+        write_atomically(path, b"of an earlier survey")
     run_survey("pool", tmp_path, mission_time_s=1.0)  # results are skipped, see no_results
-    assert not (tmp_path / name).exists()
-
-
-def test_ctrl_c_saves_before_it_ends(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    process = start_survey(out, "pool", "--report", "none")
-    wait_for(out / "checkpoint" / "flight.json", process)
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=90)
-    assert process.returncode == 130, errors
-    assert "--resume continues" in " ".join(errors.split())
-    record = resume_survey(out)
-    assert record.ended_because == DONE
-    expected = fly_survey(Simulator("pool"))[0].to_bytes("bt")
-    assert (out / "map.bt").read_bytes() == expected
+    assert not any(path.exists() for path in earlier)
 
 
 def saved_pool(out: Path, pause: int = 30) -> Path:
-    survey(out, seed=0, autosave=SaveAt(pause))
+    survey(out, seed=0, mission_time_s=4.0, autosave=StopAfter(pause))
     return out / "checkpoint"
 
 
@@ -176,6 +140,8 @@ def test_a_survey_that_cannot_be_resumed_says_why(tmp_path: Path) -> None:
         resume_survey(tmp_path, seed=9)
     with pytest.raises(ValueError, match="scenario = lake: the flight was started with pool"):
         resume_survey(tmp_path, scenario="lake")
+    with pytest.raises(ValueError, match="link = tether: the flight was started with s2cm_hs"):
+        FlightRequest(scenario="pool", link="s2cm_hs").require_same({"link": "tether"})
 
 
 def damaged_copies(path: Path) -> Iterator[bytes]:
@@ -213,36 +179,6 @@ def test_another_survey_in_the_same_folder_sets_the_unfinished_one_aside(
     assert not (tmp_path / "checkpoint").exists()
 
 
-def test_a_mission_without_save_and_restore_is_flown_again_as_far_as_it_was(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "hovering.py").write_text(HOVER)
-    monkeypatch.chdir(tmp_path)
-    mission = "hovering:Hover"
-    whole = fly(mission, "pool", tmp_path / "whole", map=True)
-    assert whole.ended_because == "hovered" and whole.ended_early
-    half = fly(mission, "pool", tmp_path / "half", map=True, autosave=SaveAt(15))
-    assert half.interrupted and 0 < half.ping_count < whole.ping_count
-    again = resume(tmp_path / "half")
-    assert again.occupancy.to_bytes("ot") == whole.occupancy.to_bytes("ot")
-    assert again.ended_because == "hovered"
-    assert again.map_growth == whole.map_growth
-
-
-HOVER = """
-class Hover:
-    progress = 0.0
-
-    def __init__(self, vehicle, clock, plan):
-        self.clock = clock
-
-    def run(self):
-        for _ in range(60):
-            self.clock.wait(0.1)
-        return "hovered"
-"""
-
-
 ZIGZAG = """
 from uwsim.missions import wait
 
@@ -273,7 +209,7 @@ def test_a_mission_with_save_and_restore_continues_from_its_state(tmp_path: Path
     file.write_text(ZIGZAG)
     whole = fly(file, "pool", tmp_path / "whole", function="Zigzag", map=True)
     half = tmp_path / "half"
-    assert fly(file, "pool", half, function="Zigzag", map=True, autosave=SaveAt(13)).interrupted
+    assert fly(file, "pool", half, function="Zigzag", map=True, autosave=StopAfter(13)).interrupted
     assert json.loads((half / "checkpoint" / "flight.json").read_bytes())["mission"]["state"] == {"left": 17}
     again = resume(half)
     assert again.result == whole.result == "all legs are flown"
@@ -282,22 +218,19 @@ def test_a_mission_with_save_and_restore_continues_from_its_state(tmp_path: Path
     np.testing.assert_array_equal(again.samples["rov"].values, whole.samples["rov"].values)
 
 
-@pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf")])
-def test_an_invalid_autosave_interval_is_refused(seconds: float, tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"autosave_s = .*: must be 0"):
-        run_survey("pool", tmp_path / "out", autosave_s=seconds)
+def test_an_invalid_autosave_interval_is_refused(tmp_path: Path) -> None:
+    for seconds in (-1.0, float("nan"), float("inf")):
+        with pytest.raises(ValueError, match=r"autosave_s = .*: must be 0"):
+            run_survey("pool", tmp_path / "out", autosave_s=seconds)
     assert not any(tmp_path.iterdir())
 
 
-def test_a_map_in_limited_memory_is_the_same_even_when_resumed(tmp_path: Path) -> None:
+def test_a_map_in_limited_memory_is_the_same_and_verified_even_when_resumed(tmp_path: Path) -> None:
     """At 0.05 m the pool's map exceeds the limit."""
-    options = {"voxel_m": 0.05, "mission_time_s": 12.0}
-    run_survey("pool", tmp_path / "whole", **options)
+    options = {"voxel_m": 0.05, "mission_time_s": 8.0}
+    assert run_survey("pool", tmp_path / "whole", **options).verified is None
     out = tmp_path / "out"
-    limited = ("pool", "--voxel", "0.05", "--mission-time", "12", "--map-memory", "2")
-    process = start_survey(out, *limited)
-    wait_for(out / "checkpoint" / "flight.json", process)
-    process.send_signal(signal.SIGKILL)
-    process.communicate()
-    resume_survey(out, map_memory_mb=2.0)
+    survey(out, map_memory_mb=2.0, verify_map=True, autosave=StopAfter(40), **options)
+    assert list((out / "checkpoint").glob("reference-*.ot"))
+    assert resume_survey(out, map_memory_mb=2.0).verified is True
     assert (out / "map.bt").read_bytes() == (tmp_path / "whole" / "map.bt").read_bytes()
