@@ -37,12 +37,8 @@ def test_a_few_generations_find_a_better_policy() -> None:
     weights = np.zeros((6, 21))
     for axis in range(3):
         weights[axis, axis], weights[axis, 9 + axis] = 0.1, -0.1  # a weak pull towards the target, with damping
-    start, options, course = (
-        LinearPolicy(weights, np.zeros(6)),
-        EpisodeOptions(threads=1, duration_s=4.0, normalise=False),
-        [],
-    )
-    search = {"candidates": 10, "episodes_each": 3, "start": start, "spread": 0.1}
+    start, options = LinearPolicy(weights, np.zeros(6)), EpisodeOptions(threads=1, duration_s=4.0, normalise=False)
+    search, course = {"candidates": 10, "episodes_each": 3, "start": start, "spread": 0.1}, []
     found = evolve(StationKeeping, options, generations=12, **search, notify=course.append)
     arena = Episodes(StationKeeping, len(HELD_OUT), options)
     assert fly(arena, found, HELD_OUT).total.mean() > fly(arena, start, HELD_OUT).total.mean() + 3.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ from uwsim.learning.tasks import (
     Waypoint,
 )
 
-SEEDS = range(3)
+SEEDS = range(2)
 Target = Callable[[Any, Motion], tuple[Any, Any]]
 """A function from the task and the motion to target positions (n, 3) and headings (n, 2)."""
 
@@ -53,6 +54,7 @@ class Pilot:
         return np.clip(efforts, -1.0, 1.0)[:, task.columns]
 
 
+@cache
 def flown(kind: type[Task], target: Target | None, gain: float = 0.6) -> Flown:
     episodes = Episodes(kind, len(SEEDS), EpisodeOptions(threads=1))
     still = np.zeros((len(SEEDS), len(kind.axes)))
@@ -86,6 +88,7 @@ def pipeline(task: PipelineFollowing, now: Motion) -> tuple[Any, Any]:
     return np.column_stack([points, task.batch.world.height_at(points) + 3.0]), direction
 
 
+@cache
 def round_the_pile(sides: tuple[float, float]) -> Target:
     """Return a target that passes the pile on one side on the way out, and on one on the way back: 1 is north."""
 
