@@ -1,17 +1,18 @@
-"""Missions reach everything a vehicle has: heads that turn slowly, fins, thrusters and imaging sonars."""
+"""Missions reach all that a vehicle has: heads, fins, thrusters, imaging sonars, and sensors by kind, not by name."""
 
 import math
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import uwsim
 from uwsim import Simulator
-from uwsim.bridges import RosbridgeServer
-from uwsim.bridges.remote import LockstepClock, RemoteConnection, RemoteVehicle
-from uwsim.live import LiveSimulator
-from uwsim.missions import OwnVehicle, StoppedError, aim_to, drive, run, wait
+from uwsim.missions import OwnVehicle, StoppedError, aim_to, drive, goto, run, wait
+from uwsim.missions.planners.area_missions import unknown_water
+from uwsim.navigation.sensor_choice import altimeter, height_above_bed_m, port_proximity
+from uwsim.scenario.read.assets import find_yaml
 from uwsim.simulator.helm import IdleAxisWarning
 from vehicle_files import OPEN_WATER
 
@@ -119,26 +120,38 @@ def test_imaging_sonars_are_placed_where_the_vehicle_assumes_it_is() -> None:
     assert sonar.model is sim.rov.imaging_sonars["forward_looking"].model
 
 
-def test_a_remote_vehicle_aims_and_looks_like_the_simulated_one() -> None:
-    with LiveSimulator(Simulator("pool"), paused=True) as live, RosbridgeServer(live) as server:
-        rov = live.simulator.rov
-        with RemoteConnection(server.url) as connection:
-            far, clock = RemoteVehicle(connection), LockstepClock(connection, "odom")
-            far.release()
+OTHER_NAMES = (
+    "{builds_on: rov, sensors: {altitude: null, proximity_port: null, sounder: {kind: altitude},"
+    " aside: {kind: proximity, position_m: [0, 0.4, 0], yaw_pitch_roll_deg: [80, 0, 0], range_max_m: 10}}}"
+)
 
-            def mission(vehicle):
-                yield from aim_to(vehicle.sonar, -0.7)
-                yield from aim_to(vehicle.cameras["front"], pan_rad=0.3)
-                return vehicle.imaging_sonars["forward_looking"].ping()
 
-            image = run(mission, far, clock)
-            assert rov.sonar.elevation_rad == pytest.approx(-0.7) and rov.cameras["front"].aim_rad[0] == pytest.approx(
-                0.3
-            )
-            clock.wait(1.0)
-            image, truth = far.imaging_sonars["forward_looking"].ping(), rov.imaging_sonars["forward_looking"].look()
-            assert image.level_db.shape == truth.level_db.shape
-            assert image.bearings_rad == pytest.approx(truth.bearings_rad, abs=1e-6)
-            assert image.world_from_sonar == pytest.approx(truth.world_from_sonar, abs=0.05), "a moment ago"
-            with pytest.raises(ValueError, match="no motor: there is no topic 'camera/down/cmd_pan'"):
-                far.cameras["down"].aim(pan_rad=0.1)
+@pytest.fixture
+def pool(tmp_path: Path) -> Path:
+    path = tmp_path / "pool.yaml"
+    path.write_text(find_yaml("pool", "scenarios").read_text().replace("model: rov", f"model: {OTHER_NAMES}"))
+    return path
+
+
+def test_they_are_chosen_by_kind_and_direction(pool: Path) -> None:
+    with uwsim.Simulator(pool) as sim, uwsim.Simulator("pool") as packaged:
+        sensors = sim.rov.sensors
+        assert altimeter(sensors) is sensors["sounder"] and port_proximity(sensors) is sensors["aside"]
+        assert altimeter(packaged.rov.sensors) is packaged.rov.sensors["altitude"]
+        assert port_proximity(packaged.rov.sensors) is packaged.rov.sensors["proximity_port"]
+        assert height_above_bed_m(sim.rov) == pytest.approx(sensors["sounder"].read())
+        assert port_proximity({}) is None
+    with pytest.raises(ValueError, match="no sensor of kind 'altitude'"):
+        height_above_bed_m(type("Blind", (), {"sensors": {}}))
+
+
+def test_moves_and_planners_fly_with_them(pool: Path) -> None:
+    def mission(vehicle):
+        vehicle.undock()
+        yield from goto(vehicle, (-2.0, 1.0), altitude_m=2.5)
+        assert height_above_bed_m(vehicle) == pytest.approx(2.5, abs=0.3)
+        yield from unknown_water(vehicle, bound_m=7.0, altitude_m=2.0)
+
+    flown = uwsim.fly(mission, pool, time_limit_s=60.0)
+    assert flown.ended_because == "the time limit is reached" or not flown.ended_early
+    assert flown.collisions == 0

@@ -65,7 +65,8 @@ def test_the_height_is_above_the_bed_and_above_what_is_ahead(points_m, z_m: floa
 
 
 def test_a_climb_that_is_still_to_be_made_slows_the_vehicle_down() -> None:
-    (lookout, _) = lookouts(Seeing())
+    (lookout, _) = lookouts(vehicle := Seeing())
+    assert type(AdaptiveLawnMower(vehicle, vehicle, PLAN).lookout) is type(lookout), "the lawn-mower's too"
     shares = [lookout.share_of_speed(z_m) for z_m in (-30.0, -20.0, -19.0, -17.0, -15.0, -5.0)]
     assert shares == pytest.approx([1.0, 1.0, 1.0, 0.5, SLOWEST, SLOWEST])
 
@@ -88,8 +89,3 @@ def test_what_reaches_too_high_is_a_shoal_and_what_is_at_the_vehicles_height_sto
         lookout.look()
         assert lookout.shoals.cells == [(2, 0)]
     assert lookout.ahead_m == pytest.approx(3.0) and lookout.must_stop
-
-
-def test_the_lawn_mower_keeps_the_same_lookout() -> None:
-    vehicle = ScriptedVehicle()
-    assert type(AdaptiveLawnMower(vehicle, vehicle, PLAN).lookout) is Lookout

@@ -10,7 +10,6 @@ import pytest
 from uwsim import Simulator
 from uwsim.live import LiveSimulator
 from uwsim.missions import (
-    AdaptiveLawnMower,
     LawnMowerPlan,
     OwnVehicle,
     StoppedError,
@@ -19,7 +18,6 @@ from uwsim.missions import (
     follow,
     goto,
     hold,
-    mow,
     parallel,
     race,
     run,
@@ -38,7 +36,7 @@ class Clock:
         self.time_s = round(self.time_s + duration_s, 9)
 
 
-def test_time_passes_only_where_a_mission_yields() -> None:
+def test_time_passes_only_where_a_mission_yields_and_until_its_condition_or_its_time() -> None:
     clock, times = Clock(), []
 
     def steps():
@@ -51,6 +49,10 @@ def test_time_passes_only_where_a_mission_yields() -> None:
 
     assert drive(steps(), clock) == "done"
     assert times == [0.0, 0.5, 0.75]
+    assert drive(until(lambda: clock.time_s >= 1.75), clock) is True
+    assert clock.time_s == pytest.approx(1.75)
+    assert drive(until(lambda: False, timeout_s=2.0), clock) is False
+    assert clock.time_s == pytest.approx(3.75)
 
 
 def ticking(clock: Clock, name: str, period_s: float, times: int, log: list) -> object:
@@ -67,7 +69,7 @@ def test_branches_run_at_their_own_times_and_in_the_order_of_the_arguments_at_on
     assert log == [(0.2, "a"), (0.3, "b"), (0.4, "a"), (0.6, "a"), (0.6, "b")]
 
 
-def test_the_first_branch_to_end_wins_and_the_others_are_closed() -> None:
+def test_the_first_branch_to_end_wins_or_its_error_does_and_the_others_are_closed() -> None:
     clock, closed = Clock(), []
 
     def slow():
@@ -76,35 +78,16 @@ def test_the_first_branch_to_end_wins_and_the_others_are_closed() -> None:
         finally:
             closed.append(clock.time_s)
 
-    assert drive(race(slow(), ticking(clock, "b", 1.0, 2, [])), clock) == (1, "b")
-    assert closed == [2.0]
-    assert clock.time_s == 2.0
-
-
-def test_an_error_in_a_branch_ends_the_others_and_reaches_the_mission() -> None:
-    closed = []
-
     def failing():
         yield wait(1.0)
         raise ValueError("broken")
 
-    def other():
-        try:
-            yield wait(5.0)
-        finally:
-            closed.append(True)
-
+    assert drive(race(slow(), ticking(clock, "b", 1.0, 2, [])), clock) == (1, "b")
+    assert closed == [2.0]
+    assert clock.time_s == 2.0
     with pytest.raises(ValueError, match="broken"):
-        drive(parallel(other(), failing()), Clock())
-    assert closed == [True]
-
-
-def test_until_ends_with_its_condition_or_its_time() -> None:
-    clock = Clock()
-    assert drive(until(lambda: clock.time_s >= 1.0), clock) is True
-    assert clock.time_s == pytest.approx(1.0)
-    assert drive(until(lambda: False, timeout_s=2.0), clock) is False
-    assert clock.time_s == pytest.approx(3.0)
+        drive(parallel(slow(), failing()), clock)
+    assert closed == [2.0, 3.0]
 
 
 @pytest.mark.parametrize(
@@ -121,12 +104,9 @@ def test_what_is_no_wait_is_refused_with_what_to_write(yielded, words: str) -> N
 
     with pytest.raises(TypeError, match=words):
         drive(steps(), Clock())
-
-
-@pytest.mark.parametrize("duration_s", [0.0, -1.0, math.nan, math.inf])
-def test_a_wait_must_be_positive(duration_s: float) -> None:
-    with pytest.raises(ValueError, match="must be positive"):
-        wait(duration_s)
+    for duration_s in (0.0, -1.0, math.nan, math.inf):
+        with pytest.raises(ValueError, match="must be positive"):
+            wait(duration_s)
 
 
 def test_a_simulator_rounds_waits_to_whole_steps() -> None:
@@ -157,24 +137,6 @@ def test_a_mission_must_be_a_generator_of_one_argument() -> None:
         run(of_two, vehicle, Clock())
 
 
-def holds(vehicle):
-    """Hold station in many short steps; return where the first began and where the last ended."""
-    vehicle.undock()
-    yield from goto(vehicle, (0.0, 3.0, -2.0), within_m=0.3)
-    vehicle.set_effort(surge=1.0)
-    yield wait(2.0)  # the vehicle is still moving
-    began = vehicle.pose.position_world_m
-    for _ in range(60):
-        yield from hold(vehicle, 0.5)
-    return began, vehicle.pose.position_world_m
-
-
-def test_repeated_holds_keep_the_place_of_the_first() -> None:
-    sim = Simulator("pool")
-    began, ended = run(holds, sim.rov, sim)
-    assert ended == pytest.approx(began, abs=0.15)
-
-
 def tour(vehicle):
     """A mission with every kind of move."""
     vehicle.undock()
@@ -190,7 +152,7 @@ def tour(vehicle):
     return turned, there, held, vehicle.sensors["altitude"].read()
 
 
-def test_a_vehicle_gets_where_the_moves_send_it() -> None:
+def test_a_vehicle_gets_where_the_moves_send_it_and_live_to_the_same_bits() -> None:
     sim, events = Simulator("pool"), []
     turned, there, held, altitude_m = run(tour, sim.rov, sim, hear=events.append)
     assert turned == pytest.approx(1.0, abs=math.radians(4.0))
@@ -201,11 +163,6 @@ def test_a_vehicle_gets_where_the_moves_send_it() -> None:
     assert sim.rov.collisions == 0
     assert [event.name for event in events] == ["undocked"]
     assert len(events[0].values["position_m"]) == 3
-
-
-def test_the_same_mission_flies_to_the_same_bits_live() -> None:
-    sim = Simulator("pool")
-    run(tour, sim.rov, sim)
     with LiveSimulator("pool", speed="max", paused=True) as live, live.mission_clock() as clock:
         live.resume()
         run(tour, live.rov, clock)
@@ -214,10 +171,6 @@ def test_the_same_mission_flies_to_the_same_bits_live() -> None:
 
 
 def test_a_way_that_is_blocked_ends_the_mission() -> None:
-    def mission(vehicle):
-        vehicle.undock()
-        yield from goto(vehicle, (25.0, 0.0, -3.0))  # outside the pool's wall
-
     sim = Simulator("pool")
     sim.rov.release()
     sim.rov.place([0.0, 6.0, -3.0])
@@ -241,9 +194,16 @@ def test_goto_goes_to_a_target_nearby_and_hold_keeps_it(offset_m) -> None:
         left_m.append(math.dist(vehicle.pose.position_world_m, target_m))
         yield from hold(vehicle, 10.0, position_world_m=target_m)
         left_m.append(math.dist(vehicle.pose.position_world_m, target_m))
+        vehicle.set_effort(surge=1.0)
+        yield wait(2.0)  # the vehicle is still moving
+        began_m = vehicle.pose.position_world_m
+        for _ in range(60):
+            yield from hold(vehicle, 0.5)
+        left_m.append(math.dist(vehicle.pose.position_world_m, began_m))
 
     run(mission, sim.rov, sim)
     assert 0.0 < left_m[0] <= 0.1 and left_m[1] < 0.01
+    assert left_m[2] < 0.15, "repeated holds keep the place of the first"
 
 
 def test_a_drift_of_centimetres_is_no_part_of_a_vertical_way(monkeypatch) -> None:
@@ -359,28 +319,16 @@ def test_a_mission_watches_the_tilt() -> None:
             sim.rov.place([0.0, 0.0, -2.0], heeled)
 
 
-def test_the_lawn_mower_flies_as_a_step_as_it_does_alone() -> None:
-    plan = LawnMowerPlan(area_m=[[-4, -4], [4, -4], [4, 4], [-4, 4]], altitude_m=2.0, line_spacing_m=4.0, speed_m_s=0.5)
-    alone, as_step = Simulator("pool"), Simulator("pool")
-    AdaptiveLawnMower(alone.rov, alone, plan).run()
-
-    def mission(vehicle):
-        yield from mow(vehicle, plan)
-
-    run(mission, as_step.rov, as_step)
-    assert as_step.save_state() == alone.save_state()
-
-
 def test_several_vehicles_fly_one_mission_in_one_process() -> None:
     sim = Simulator("pair")
+    places = {"rov": (-5.0, 10.0, -4.0), "scout": (5.0, -10.0, -6.0)}
 
     def mission(vehicles):
-        first, second = vehicles["rov"], vehicles["scout"]
-        first.undock()
-        yield from parallel(goto(first, (-5.0, 10.0, -4.0)), goto(second, (5.0, -10.0, -6.0)))
+        vehicles["rov"].undock()
+        yield from parallel(*(goto(vehicles[name], place) for name, place in places.items()))
 
     run(mission, sim.vehicles, sim)
-    for name, place in (("rov", (-5.0, 10.0, -4.0)), ("scout", (5.0, -10.0, -6.0))):
+    for name, place in places.items():
         assert np.linalg.norm(sim.vehicles[name].pose.position_world_m - place) < 1.0, name
 
     def alike(vehicle):

@@ -1,9 +1,7 @@
 """Lanes, obstacle memory, autopilot, and the rules of the adaptive lawn-mower."""
 
 import itertools
-import tempfile
 from dataclasses import dataclass, field
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,7 +13,7 @@ from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan
 from uwsim.missions.lanes import lawn_mower_lanes
 from uwsim.missions.obstacle_memory import ObstacleMemory
 from uwsim.navigation.control.autopilot import Autopilot, wrap_angle
-from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario import load, load_vehicle
 
 SQUARE = [[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]]
 
@@ -83,12 +81,8 @@ def test_the_autopilot_holds_heading_height_and_velocity() -> None:
 
 @pytest.mark.parametrize("model", ["rov", "bluerov2_heavy", "bluerov2_wu", "bluerov2_tank"])
 @pytest.mark.filterwarnings("error::uwsim.simulator.helm.IdleAxisWarning")
-def test_the_autopilot_holds_every_packaged_vehicle_still(model: str, tmp_path: Path) -> None:
-    text = (assets_folder() / "scenarios" / "pool.yaml").read_text().replace("model: rov", f"model: {model}")
-    (tmp_path / "pool.yaml").write_text(text)
-    sim = Simulator(tmp_path / "pool.yaml")
-    sim.rov.release()
-    sim.rov.place([0.0, 0.0, -2.5])
+def test_the_autopilot_holds_every_packaged_vehicle_still(model: str) -> None:
+    sim = wide_pool(model)
     autopilot = Autopilot(sim.rov)
     rates = []
     for k in range(300):
@@ -100,15 +94,19 @@ def test_the_autopilot_holds_every_packaged_vehicle_still(model: str, tmp_path: 
     assert sim.rov.pose.yaw_rad == pytest.approx(0.5, abs=0.1)
 
 
-def test_the_autopilot_keeps_a_vehicle_level_that_would_nose_over_without_it() -> None:
-    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
-    wide = text.replace("size_m: [20, 20]", "size_m: [100, 100]").replace("model: rov", "model: bluerov2_heavy")
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "wide.yaml"
-        path.write_text(wide)
-        sim = Simulator(path)
+def wide_pool(model: str, seconds: float = 60.0) -> Simulator:
+    """Return a pool of 100 x 100 m with this vehicle, free in a corner of it."""
+    pool, start = load("pool"), (-42.0, -12.0, -2.5)
+    terrain = pool.terrain.model_copy(update={"size_m": (100.0, 100.0)})
+    vehicle = pool.vehicles[0].model_copy(update={"model": load_vehicle(model)})
+    sim = Simulator(pool.model_copy(update={"terrain": terrain, "vehicles": (vehicle,)}), mission_time_s=seconds)
     sim.rov.release()
-    sim.rov.place([-40.0, 0.0, -2.5])
+    sim.rov.place(start)
+    return sim
+
+
+def test_the_autopilot_keeps_a_vehicle_level_that_would_nose_over_without_it() -> None:
+    sim = wide_pool("bluerov2_heavy")
     autopilot = Autopilot(sim.rov, period_s=0.1)
     tilt_deg = []
     for _ in range(400):
@@ -193,21 +191,24 @@ def test_a_lane_ends_where_all_three_beams_read_seven_metres_or_less() -> None:
     assert free_ended == COVERED and "no water ahead on 3 of the lanes" in walled_ended
 
 
-def test_an_empty_battery_ends_the_mission() -> None:
-    vehicle = ScriptedVehicle(battery_percent=0.0)
-    assert AdaptiveLawnMower(vehicle, vehicle, PLAN).run() == "the battery is used up"
+class Unturning(ScriptedVehicle):
+    def wait(self, duration_s: float) -> None:
+        yaw_rad = self.yaw_rad
+        super().wait(duration_s)
+        if self.time_s > 20.0:
+            self.yaw_rad = yaw_rad
 
 
-def test_a_vehicle_that_does_not_turn_ends_the_mission() -> None:
-    class Unturning(ScriptedVehicle):
-        def wait(self, duration_s: float) -> None:
-            yaw_rad = self.yaw_rad
-            super().wait(duration_s)
-            if self.time_s > 20.0:
-                self.yaw_rad = yaw_rad
+class Unmoving(ScriptedVehicle):
+    def set_effort(self, *values: float, **efforts: float) -> None: ...
 
-    vehicle = Unturning()
-    assert "stuck" in AdaptiveLawnMower(vehicle, vehicle, PLAN).run()
+
+@pytest.mark.parametrize(
+    ("vehicle", "ends"),
+    [(ScriptedVehicle(battery_percent=0.0), "the battery is used up"), (Unturning(), "stuck"), (Unmoving(), "stuck")],
+)
+def test_a_vehicle_without_power_or_motion_ends_the_mission(vehicle: ScriptedVehicle, ends: str) -> None:
+    assert ends in AdaptiveLawnMower(vehicle, vehicle, PLAN).run()
 
 
 def test_a_vehicle_without_the_sensors_that_the_mission_needs_is_refused() -> None:
@@ -233,9 +234,3 @@ def test_the_first_lane_begins_after_the_head_has_turned() -> None:
     mission._mow = lambda start: (mown_s.append(start.time_s), mow(start))[1]
     assert mission.run() == COVERED
     assert mown_s[0] >= 26.0
-
-
-def test_a_vehicle_that_does_not_move_ends_the_mission() -> None:
-    vehicle = ScriptedVehicle()
-    vehicle.set_effort = lambda *values: None  # type: ignore[method-assign]
-    assert "stuck" in AdaptiveLawnMower(vehicle, vehicle, PLAN).run()

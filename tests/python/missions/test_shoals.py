@@ -42,30 +42,26 @@ def fly(chart: ShoalChart, start: tuple[float, float], goal: tuple[float, float]
     return path
 
 
-def test_without_shoals_the_way_is_straight() -> None:
-    assert chart_of([]).next_point(START, GOAL) == GOAL
-    assert chart_of([(50, 50)]).next_point(START, GOAL) == GOAL
-
-
 def test_the_way_leads_round_a_wall_and_keeps_off_it() -> None:
-    path = fly(chart_of(WALL), START, GOAL)
+    for shoals in ([], [(50, 50)]):
+        assert chart_of(shoals).next_point(START, GOAL) == GOAL, "straight"
+    chart = chart_of(WALL)
+    assert chart_of(chart.cells).next_point(START, GOAL) == chart.next_point(START, GOAL) != GOAL, "also if restored"
+    path = fly(chart, START, GOAL)
     assert path is not None
     centres_m = (np.array(WALL) + 0.5) * CELL_M
     beside_m = np.abs(np.array(path)[:, None] - centres_m).clip(CELL_M / 2) - CELL_M / 2
     assert np.hypot(*beside_m.T).min() > 0.7 * CELL_M, "it may cut a corner of the cells beside the wall"
     length = sum(np.hypot(*np.subtract(b, a)) for a, b in itertools.pairwise(path))
     assert length < 2 * np.hypot(20.0, 26.0), "no longer than round the wall's end, with its margin"
+    for goal in (START, GOAL):
+        assert fly(chart_of(WALL), (19.0, 0.0), goal) is not None, "away from beside it"
 
 
 def test_a_place_in_a_ring_of_shoals_has_no_way_out() -> None:
     ring = [(i, j) for i in range(-6, 7) for j in range(-6, 7) if max(abs(i), abs(j)) == 6]
     assert fly(chart_of(ring), START, (100.0, 0.0)) is None
     assert fly(chart_of(ring), START, (-8.0, 6.0)) is not None
-
-
-def test_a_vehicle_beside_a_shoal_gets_away_from_it() -> None:
-    assert fly(chart_of(WALL), (19.0, 0.0), START) is not None
-    assert fly(chart_of(WALL), (19.0, 0.0), GOAL) is not None
 
 
 def test_a_shoal_is_charted_from_several_echoes_of_a_ping_that_reach_high_enough() -> None:
@@ -82,29 +78,23 @@ def test_a_shoal_is_charted_from_several_echoes_of_a_ping_that_reach_high_enough
     assert seen(-3.0) == [], "it may be a false detection"
 
 
-def test_a_restored_chart_leads_the_same_way() -> None:
-    chart = chart_of(WALL)
-    assert chart_of(chart.cells).next_point(START, GOAL) == chart.next_point(START, GOAL)
-
-
-def lake(area_m: list[list[float]]) -> Simulator:
-    scenario = load("lake")
-    changes = {"area_m": tuple(map(tuple, area_m)), "line_spacing_m": 20.0}
-    return Simulator(scenario.model_copy(update={"survey": scenario.survey.model_copy(update=changes)}))
-
-
 @pytest.mark.parametrize(
     ("area_m", "reason"),
     [
-        ([[-190, -10], [190, -10], [190, 10], [-190, 10]], r"in water less than 3\.5 m deep"),
+        ([[-190, -10], [-110, -10], [-110, 10], [-190, 10]], r"in water less than 3\.5 m deep"),
         ([[-130, -125], [-118, -125], [-118, -70], [-130, -70]], r"at obstacles that reach higher than 3\.5 m deep"),
     ],
-    ids=["from shore to shore", "under the station"],
+    ids=["from the shore", "under the station"],
 )
 def test_a_survey_over_shoals_leaves_them_out_says_why_and_touches_nothing(
     area_m: list[list[float]], reason: str
 ) -> None:
-    sim = lake(area_m)
+    lake = load("lake")
+    changes = {"area_m": tuple(map(tuple, area_m)), "line_spacing_m": 20.0}
+    sim = Simulator(lake.model_copy(update={"survey": lake.survey.model_copy(update=changes)}))
+    for lane in flyable_plan(sim, survey_plan(sim.scenario.survey))[0].lanes:
+        points = lane.start_m + np.linspace(0.0, 1.0, 500)[:, None] * (lane.end_m - lane.start_m)
+        assert sim.world.height_at(points).max() < PASSABLE_Z_M
     with pytest.warns(SurveyAreaWarning, match=rf"^[\d.]+ % of the survey's lanes cannot be flown \(.*{reason}"):
         _, record = fly_survey(sim)
     assert record.ended_because == DONE
@@ -112,22 +102,16 @@ def test_a_survey_over_shoals_leaves_them_out_says_why_and_touches_nothing(
     assert record.lanes_left_out is not None and reason.replace("\\", "") in record.lanes_left_out
 
 
-def test_lanes_that_are_left_lie_in_water_deep_enough() -> None:
-    sim = lake([[-190, -10], [190, -10], [190, 10], [-190, 10]])
-    plan, _ = flyable_plan(sim, survey_plan(sim.scenario.survey))
-    for lane in plan.lanes:
-        points = lane.start_m + np.linspace(0.0, 1.0, 500)[:, None] * (lane.end_m - lane.start_m)
-        assert sim.world.height_at(points).max() < PASSABLE_Z_M
-
-
 def test_lanes_do_not_lead_through_a_pile_that_stands_out_of_the_water() -> None:
     sim = Simulator("wind_farm")
+    plan = survey_plan(sim.scenario.survey)
+    assert flyable_plan(sim, plan) == (plan, None)
     through = Lane(np.array([-30.0, 0.5]), np.array([30.0, 0.5]))  # its monopile has a radius of 3 m
     west, east = flyable_lanes(sim, [through]).lanes
     assert west.end_m[0] == pytest.approx(-5.0, abs=1.0) and east.start_m[0] == pytest.approx(5.0, abs=1.0)
 
 
-@pytest.mark.parametrize("name", ["lake", "pool", "valley", "reservoir", "wind_farm", "harbour"])
+@pytest.mark.parametrize("name", ["lake", "pool", "valley", "reservoir", "harbour"])
 def test_every_lane_of_a_packaged_survey_can_be_flown(name: str) -> None:
     sim = Simulator(name)
     plan = survey_plan(sim.scenario.survey)

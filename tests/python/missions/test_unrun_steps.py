@@ -5,93 +5,49 @@ from pathlib import Path
 
 import pytest
 
-from uwsim import missions
 from uwsim.flight.mission_file import MissionError, load_mission
 from uwsim.missions import OwnVehicle, drive, goto, hold, parallel, until, wait
-from uwsim.missions.planners.area_pilot import AreaPilot
 from uwsim.missions.run import made
 from uwsim.missions.unrun_steps import require_steps_run
 
 HERE = (0.0, 0.0, -2.0)
-
-
+BEGUN = """from uwsim import missions
+from uwsim.missions import goto, hold, parallel, until, wait
+from uwsim.missions.planners.area_pilot import AreaPilot
+HERE = (0.0, 0.0, -2.0)
 def leg(vehicle):
     yield from goto(vehicle, HERE)
-
-
-def forgets_a_step(vehicle):
+def forgets(vehicle):
     yield wait(1.0)
     goto(vehicle, HERE)
-
-
-def forgets_a_wait(vehicle):
+def mission(vehicle):
     yield wait(1.0)
-    wait(1.0)
+    """
+FORGETFUL = {
+    "a step": "goto(vehicle, HERE)",
+    "a wait": "wait(1.0)",
+    "by module": "missions.hold(vehicle, 1.0)",
+    "its own": "if vehicle.all_stopped:\n        leg(vehicle)",
+    "in a part": "yield from parallel(hold(vehicle, 1.0), forgets(vehicle))",
+    "all at once": "parallel(hold(vehicle, 1.0), leg(vehicle))",
+    "an inner one": "def lap():\n        yield from goto(vehicle, HERE)\n    lap()",
+    "a method": "pilot = AreaPilot(vehicle, None)\n    pilot.clear()",
+    "a choice": "goto(vehicle, HERE) if vehicle.all_stopped else hold(vehicle, 1.0)",
+    "a list": "[goto(vehicle, place) for place in (HERE, HERE)]",
+    "what it asks for": "if until(lambda: vehicle.all_stopped, timeout_s=1.0):\n        vehicle.undock()",
+    "to wait in a loop": "while vehicle.all_stopped or not until(lambda: True):\n        yield wait(1.0)",
+    "what it stores": "step = goto(vehicle, HERE)\n    if step:\n        vehicle.undock()",
+}
 
 
-def forgets_by_module(vehicle):
-    missions.hold(vehicle, 1.0)
-    yield wait(1.0)
+@pytest.mark.parametrize("forgotten", FORGETFUL.values(), ids=FORGETFUL.keys())
+def test_a_step_that_is_never_run_is_found(forgotten, tmp_path: Path):
+    (tmp_path / "m.py").write_text(BEGUN + forgotten)
+    with pytest.raises(MissionError, match=r"m.py:\d+: [\w.]+\(\.\.\.\) is made and never run"):
+        load_mission(tmp_path / "m.py")
 
 
-def forgets_its_own(vehicle):
-    yield wait(1.0)
-    if vehicle.all_stopped:
-        leg(vehicle)
-
-
-def forgets_in_a_part(vehicle):
-    yield from parallel(hold(vehicle, 1.0), forgets_a_step(vehicle))
-
-
-def forgets_all_at_once(vehicle):
-    yield wait(1.0)
-    parallel(hold(vehicle, 1.0), leg(vehicle))
-
-
-def forgets_an_inner_one(vehicle):
-    def lap():
-        yield from goto(vehicle, HERE)
-
-    yield wait(1.0)
-    lap()
-
-
-def forgets_a_method(vehicle: OwnVehicle):
-    pilot = AreaPilot(vehicle, None)
-    yield wait(1.0)
-    pilot.clear()
-
-
-def forgets_a_choice(vehicle):
-    yield wait(1.0)
-    goto(vehicle, HERE) if vehicle.all_stopped else hold(vehicle, 1.0)
-
-
-def forgets_a_list(vehicle):
-    yield wait(1.0)
-    [goto(vehicle, place) for place in (HERE, HERE)]
-
-
-def forgets_what_it_asks_for(vehicle):
-    yield wait(1.0)
-    if until(lambda: vehicle.all_stopped, timeout_s=1.0):
-        vehicle.undock()
-
-
-def forgets_to_wait_in_a_loop(vehicle):
-    while vehicle.all_stopped or not until(lambda: vehicle.all_stopped):
-        yield wait(1.0)
-
-
-def forgets_what_it_stores(vehicle):
-    yield wait(1.0)
-    step = goto(vehicle, HERE)
-    if step:
-        vehicle.undock()
-
-
-class ForgetsInAClass:
+class Forgets:
     def __init__(self, vehicle):
         self.vehicle = vehicle
 
@@ -103,12 +59,14 @@ class ForgetsInAClass:
         self.lap()
 
 
-FORGETFUL = {name: value for name, value in globals().items() if name.lower().startswith("forgets")}
-FORGETFUL["partial"] = partial(forgets_a_step)
+def leg(vehicle, forgets=True):
+    yield from goto(vehicle, HERE)
+    if forgets:
+        hold(vehicle)
 
 
-@pytest.mark.parametrize("mission", FORGETFUL.values(), ids=FORGETFUL.keys())
-def test_a_step_that_is_never_run_is_found(mission):
+@pytest.mark.parametrize("mission", [Forgets, leg, partial(leg, forgets=False)])
+def test_it_is_found_in_every_kind_of_mission(mission):
     with pytest.raises(ValueError, match=r"test_unrun_steps.py:\d+: [\w.]+\(\.\.\.\) is made and never run"):
         made(mission, {})
 
@@ -117,7 +75,7 @@ def test_steps_that_run_are_accepted():
     def mission(vehicle: OwnVehicle):
         vehicle.undock()
         vehicle.telemetry()
-        ways = [leg(vehicle), hold(vehicle, 1.0)]
+        ways = [goto(vehicle, HERE), hold(vehicle, 1.0)]
         for way in ways:
             yield from way
         reached = yield from until(lambda: vehicle.all_stopped, timeout_s=1.0)
@@ -131,7 +89,7 @@ def test_steps_that_run_are_accepted():
             yield from either
         yield from wait(1.0)
         sorted(ways, key=lambda way: hold(vehicle))
-        yield from parallel(leg(vehicle), goto(vehicle, HERE))
+        yield from parallel(hold(vehicle), goto(vehicle, HERE))
 
     require_steps_run(mission)
 

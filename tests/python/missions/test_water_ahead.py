@@ -76,6 +76,7 @@ def test_lanes_near_a_flat_bed_are_flown_to_their_ends(altitude_m: float, tmp_pa
     assert check_file(tmp_path / "flat.yaml").warnings == ()
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_lanes_that_a_wall_cuts_short_are_not_a_complete_survey(tmp_path: Path) -> None:
     wall = "{kind: box, name: wall, position_m: [2, 0, -8], size_m: [1, 30, 9]}"  # as high as 3.5 m below the surface
     plan = LawnMowerPlan([[-10, -6], [10, -6], [10, 6], [-10, 6]], 2.0, 4.0, 0.6)

@@ -1,6 +1,5 @@
 """A yo-yo: its period and slope by closed form, its limits, bed and surface; a survey that begins one by itself."""
 
-import json
 import math
 from functools import partial
 from pathlib import Path
@@ -10,6 +9,7 @@ import pytest
 import yaml
 
 import uwsim
+from resumed_mowing import mow_twice
 from uwsim import Simulator
 from uwsim.flight.flyable_lanes import survey_plan
 from uwsim.missions import AdaptiveLawnMower, LawnMowerPlan, YoYo
@@ -113,24 +113,11 @@ def test_it_stays_clear_of_the_bed_and_the_surface() -> None:
 
 def test_a_yoyo_resumes_to_the_last_bit(deep) -> None:
     path, plan = deep(), LawnMowerPlan([[-130, -4], [-60, -4], [-60, 4]], yoyo=YoYo(8.0, 12.0))
-    saved = []
 
-    def after(ticks: int, restored=None):
-        with Simulator(path) as sim:
-            mission = AdaptiveLawnMower(sim.rov, sim, plan)
-            if restored is not None:
-                mission.restore(json.loads(restored[0]))
-                sim.restore_state(restored[1])
-            for wait in mission.steps():
-                sim.wait(wait.duration_s)
-                if (not saved and mission.lookout.heights.early_m != (0.0, 0.0)) or sim.time_s > 45.0:
-                    saved.append((json.dumps(mission.save()), sim.save_state()))
-                if sim.time_s > 60.0:
-                    break
-            return sim.save_state()
+    def has_turned(mission: AdaptiveLawnMower, sim: Simulator) -> bool:
+        return mission.lookout.heights.early_m != (0.0, 0.0) or sim.time_s > 45.0
 
-    whole = after(0)
-    assert after(0, saved[0]) == whole
+    mow_twice(partial(Simulator, path), plan, has_turned, lambda mission, sim: sim.time_s > 60.0)
 
 
 @pytest.mark.parametrize(
