@@ -88,14 +88,15 @@ def test_samples_are_in_range_and_follow_from_the_seed(method: str) -> None:
     assert 0.35 < np.mean([s["b"] < 10 for s in first]) < 0.65  # about half of the samples are below 10
 
 
-def test_a_latin_hypercube_has_one_sample_in_each_slice() -> None:
-    found = runs(vary={"a": {"low": 0, "high": 16}}, method="latin_hypercube", samples=16)
-    assert sorted(int(run.levels["a"].value) for run in found) == list(range(16))
-
-
-def test_one_seed_for_each_sample() -> None:
-    found = runs(vary={"a": {"low": 0, "high": 1}}, method="random", samples=5, seeds={"first": 7})
-    assert [run.seed for run in found] == [7, 8, 9, 10, 11]
+def test_the_samples_of_each_method_are_laid_out_as_it_says() -> None:
+    found = runs(vary={"a": {"low": 0, "high": 16}}, method="latin_hypercube", samples=16, seeds={"first": 7})
+    assert sorted(int(run.levels["a"].value) for run in found) == list(range(16)), "one in each slice"
+    assert [run.seed for run in found] == list(range(7, 23)), "each with a seed of its own"
+    points = saltelli(np.random.default_rng(0).random((4, 6)))
+    a, b, *mixed = points.reshape(5, 4, 3)
+    for column, part in enumerate(mixed):  # changes one column at a time
+        np.testing.assert_array_equal(part[:, column], b[:, column])
+        np.testing.assert_array_equal(np.delete(part, column, 1), np.delete(a, column, 1))
 
 
 def test_parameters_and_keys_give_what_the_file_would_say() -> None:
@@ -260,20 +261,6 @@ def test_a_metric_that_does_not_exist_is_refused_after_one_run(folder: Path) -> 
     assert seen == [1, 2, 3] and [row["run"] for row in part.rows.rows] == [0, 1, 2]
 
 
-def test_a_result_that_a_mission_does_not_always_return_is_looked_for_in_the_next_run(folder: Path) -> None:
-    (folder / "some.py").write_text(
-        "def mission(vehicle, which=0):\n    yield from ()\n    return {'x_m': 1.0} if which else None\n"
-    )
-    sweep = {
-        "scenario": "pool",
-        "mission": str(folder / "some.py"),
-        "vary": {"mission.which": {"choices": [0, 1, 1, 1]}},
-    }
-    run_sweep({**sweep, "show": ["result.x_m"]}, folder / "good", workers=0, report=False)
-    with pytest.raises(ScenarioError, match=r"show = result\.y_m: run 1 has no such metric"):
-        run_sweep({**sweep, "show": ["result.y_m"]}, folder / "bad", workers=0, report=False)
-
-
 def test_a_plan_estimates_the_cost_of_all_runs(folder: Path) -> None:
     path = written(
         folder,
@@ -301,9 +288,9 @@ def test_what_failed_may_be_tried_again(folder: Path) -> None:
 
 
 def test_a_jobs_values_do_not_depend_on_what_was_flown_before() -> None:
-    job = Job("pool", 3, {"survey.altitude_m": 1.5}, voxel_m=0.5)
+    job = Job("pool", 3, {"survey.altitude_m": 1.5, "mission_time_s": 8.0}, voxel_m=0.5)
     first = fly_job(job)
-    fly_job(Job("pool", 4, {"terrain.bed_depth_m": 6.0}, voxel_m=0.5))
+    fly_job(Job("pool", 4, {"terrain.bed_depth_m": 6.0, "mission_time_s": 8.0}, voxel_m=0.5))
     assert first["error"] is None
     assert fly_job(job)["metrics"] == first["metrics"]
 
@@ -339,14 +326,6 @@ def test_rank_correlation_and_share_of_what_decides_alone() -> None:
     assert found.values[0, 1] < 0.05
 
 
-def test_saltellis_points_change_one_column_at_a_time() -> None:
-    points = saltelli(np.random.default_rng(0).random((4, 6)))
-    a, b, *mixed = points.reshape(5, 4, 3)
-    for column, part in enumerate(mixed):
-        np.testing.assert_array_equal(part[:, column], b[:, column])
-        np.testing.assert_array_equal(np.delete(part, column, 1), np.delete(a, column, 1))
-
-
 def test_the_sweeps_of_the_page_are_accepted(folder: Path) -> None:
     page = page_named("sweeps").read_text()
     (folder / "mow.py").write_text(page.split("```python\n# mow.py\n")[1].split("```")[0])
@@ -355,34 +334,34 @@ def test_the_sweeps_of_the_page_are_accepted(folder: Path) -> None:
         require_flyable(*read_sweep(written(folder, text)))
 
 
-def test_runs_that_ended_early_are_counted_and_named(folder: Path) -> None:
+def test_the_command_says_what_it_did(folder: Path) -> None:
     (folder / "stop.py").write_text(
         "from uwsim.missions import StoppedError, wait\n"
-        "def mission(vehicle, far=1):\n    yield wait(1.0)\n    if far > 1:\n        raise StoppedError('no way on')\n"
-        "    return 1.0\n"
+        "def mission(vehicle, far=1):\n    yield wait(1.0)\n    if far > 2: raise ValueError('too much')\n"
+        "    if far > 1: raise StoppedError('no way on')\n    return 1.0\n"
     )
-    path = written(
-        folder,
-        "scenario: pool\nmission: stop.py\nvary: {mission.far: {choices: [1, 2, 3]}}\n"
-        "objective: {metric: result, best: high}\nshow: [result]\nworst: 0\n",
-    )
-    done = uwsim("sweep", str(path), "--out", str(folder / "out"), "--workers", "0")
+    text = "scenario: pool\nmission: stop.py\nvary: {mission.far: {choices: [1, 2, 2, 3]}}\n"
+    path = written(folder, f"{text}objective: {{metric: result, best: high}}\nshow: [result]\nworst: 0\n")
+    words = ("sweep", path, "--out", folder / "out", "--workers", "0")
+    done = uwsim(*words)
     assert done.returncode == 1
-    assert "3 of 3 runs, 0 failed, 2 ended early" in done.stdout
+    assert "4 of 4 runs, 1 failed, 2 ended early" in done.stdout
     assert "run 1 ended early: no way on" in done.stderr
+    assert "run 3: " in done.stderr and "too much" in done.stderr and "Traceback" not in done.stderr
     assert "2 runs have no result, the objective" in done.stderr
     page = (folder / "out/report.html").read_text()
     assert "2 runs have no result: figures and ranking are of the others." in page
     assert "2 x, first run 1" in page and "no way on" in page
-
-
-def test_the_command_says_what_it_did(folder: Path) -> None:
-    path = written(folder, "scenario: pool\nmission: push.py\nvary: {mission.effort: {choices: [0.1, 1.0]}}\n")
-    done = uwsim("sweep", str(path), "--out", str(folder / "out"), "--workers", "0", "--no-report")
-    assert done.returncode == 1
-    assert "2 of 2 runs, 1 failed, 0 ended early" in done.stdout
-    assert "run 1: " in done.stderr and "too much" in done.stderr and "Traceback" not in done.stderr
-    refused = uwsim("sweep", str(path), "--out", str(folder / "out"), "--workers", "0")
-    assert "holds a sweep already, 2 runs of it finished" in error_line(refused)
+    assert "holds a sweep already, 4 runs of it finished" in error_line(uwsim(*words))
     plan, *results = [json.loads(line) for line in (folder / "out" / LEDGER).read_text().splitlines()]
-    assert len(results) == 2 and "sweep" in plan["plan"]
+    assert len(results) == 4 and "sweep" in plan["plan"]
+
+
+def test_a_result_that_a_mission_does_not_always_return_is_looked_for_in_the_next_run(folder: Path) -> None:
+    mission = "def mission(vehicle, which=0):\n    yield from ()\n    return {'x_m': 1.0} if which else None\n"
+    (folder / "some.py").write_text(mission)
+    vary = {"mission.which": {"choices": [0, 1, 1, 1]}}
+    sweep = {"scenario": "pool", "mission": str(folder / "some.py"), "vary": vary}
+    run_sweep({**sweep, "show": ["result.x_m"]}, folder / "good", workers=0, report=False)
+    with pytest.raises(ScenarioError, match=r"show = result\.y_m: run 1 has no such metric"):
+        run_sweep({**sweep, "show": ["result.y_m"]}, folder / "bad", workers=0, report=False)
