@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -139,42 +140,37 @@ def test_flights_by_the_estimate_and_with_faults_say_so_and_show_their_error(tmp
 
 def test_the_command_flies_files_and_prints_the_table(tmp_path: Path) -> None:
     mission = tmp_path / "sink.py"
-    mission.write_text(
-        "from uwsim.missions import wait\ndef mission(vehicle):\n    vehicle.undock()\n    yield wait(2)\n"
-    )
-    done = run_uwsim("compare", mission, "--scenario", "pool", "--seeds", "5-5", "--out", tmp_path / "out")
+    words = ("compare", mission, "--scenario", "pool", "--seeds", "5-5", "--out", tmp_path / "out")
+    text = "from uwsim.missions import wait\ndef mission(vehicle):\n    vehicle.undock()\n    yield wait(2)\n"
+    mission.write_text(text)
+    done = run_uwsim(*words)
     assert done.returncode == 0, done.stderr
     assert "sink" in done.stdout and "map coverage [%]" in done.stdout
     assert "sink, seed 5: 2 s" in done.stdout  # a line after each flight, before the table
-    mission.write_text(mission.read_text().replace("wait(2)", "wait(3)"))
-    changed = run_uwsim(
-        "compare", mission, "--scenario", "pool", "--seeds", "5-5", "--out", tmp_path / "out", "--resume"
-    )
+    mission.write_text(text.replace("wait(2)", "wait(3)"))
+    changed = run_uwsim(*words, "--resume")
     assert changed.returncode != 0 and "mission, scenario, options or build have changed" in error_line(changed)
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("mow_the_moon",), "mission 'mow_the_moon': must be a file, or one of unknown_water, frontier"),
-        (("--seeds", "1,x"), "--seeds 1,x: must be how many, such as 30, or a list"),
-        (("--seeds", "1,1"), "must not contain duplicates"),
-        (("frontier", "frontier"), "there is another 'frontier'"),
-        (("--by", "guess"), "--by = 'guess': must be one of truth, estimate"),
-        (("--fault", "thruster"), "--fault thruster: must be written as in a scenario"),
-        (("--fault", "kind: sensor, sensor: dvl, mode: of"), "mode"),
-        (("--set", "bound_km=3", "--seeds", "1"), "bound_km"),
-        (("--held-out",), "--held-out: needs --benchmark"),
-        (("--benchmark", "moon"), "unknown benchmark 'moon': expected one of cave-next-best-view, dock-in-current"),
-        (("--benchmark", "pipe-follow", "--by", "truth"), "--by: is set by the benchmark pipe-follow"),
-        (("--benchmark", "pipe-follow", "--seeds", "1000-1002"), "held-out seeds are 1000 to 1029, and only with"),
-        (
-            ("--benchmark", "pipe-follow", "--held-out", "--seeds", "5"),
-            "held-out seeds are 1000 to 1029, and only with",
-        ),
+        ("mow_the_moon", "mission 'mow_the_moon': must be a file, or one of unknown_water, frontier"),
+        ("--seeds 1,x", "--seeds 1,x: must be how many, such as 30, or a list"),
+        ("--seeds 1,1", "must not contain duplicates"),
+        ("frontier frontier", "there is another 'frontier'"),
+        ("--by guess", "--by = 'guess': must be one of truth, estimate"),
+        ("--fault thruster", "--fault thruster: must be written as in a scenario"),
+        ("--fault 'kind: sensor, sensor: dvl, mode: of'", "mode"),
+        ("--set bound_km=3 --seeds 1", "bound_km"),
+        ("--held-out", "--held-out: needs --benchmark"),
+        ("--benchmark moon", "unknown benchmark 'moon': expected one of cave-next-best-view, dock-in-current"),
+        ("--benchmark pipe-follow --by truth", "--by: is set by the benchmark pipe-follow"),
+        ("--benchmark pipe-follow --seeds 1000-1002", "held-out seeds are 1000 to 1029, and only with"),
+        ("--benchmark pipe-follow --held-out --seeds 5", "held-out seeds are 1000 to 1029, and only with"),
     ],
 )
-def test_mistakes_are_told_before_anything_flies(arguments: tuple[str, ...], message: str, tmp_path: Path) -> None:
-    done = run_uwsim("compare", *arguments, "--out", tmp_path / "out")
+def test_mistakes_are_told_before_anything_flies(arguments: str, message: str, tmp_path: Path) -> None:
+    done = run_uwsim("compare", *shlex.split(arguments), "--out", tmp_path / "out")
     assert done.returncode != 0 and message in error_line(done)
     assert not list(tmp_path.glob("out/*-*"))
