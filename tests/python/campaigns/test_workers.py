@@ -1,8 +1,9 @@
-"""Dask workers: job results, worker deaths and retries, and sweeps that are interrupted or killed."""
+"""Workers: results, deaths and retries; signals, which end at once what has nothing to keep, and jobs at a pause."""
 
 import os
 import signal
 import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -12,13 +13,16 @@ import pandas as pd
 import psutil
 import pytest
 
-from command_line import UWSIM
+from command_line import UWSIM, hears_ctrl_c
 from uwsim.base.folder_lock import LOCK
+from uwsim.base.stoppable import stop_on_signals
 from uwsim.campaigns.sweeps import run_sweep
 from uwsim.campaigns.sweeps.table import TABLE
 from uwsim.campaigns.workers import Workers, dask_workers, open_workers
 from uwsim.campaigns.workers.dask_workers import SCRATCH, scratch_folder
+from uwsim.campaigns.workers.job_progress import job_progress
 from uwsim.campaigns.workers.ledger import LEDGER
+from waiting import until
 from worker_jobs import die_at_three, double, fail_at_first, tell_and_take_long
 
 SLOW = """
@@ -64,9 +68,8 @@ def test_a_worker_that_gets_a_signal_costs_no_job(crew: Workers, tmp_path: Path,
     told = tmp_path / "pid"
 
     def disturb() -> None:
-        while not told.exists() or not told.read_text():
-            time.sleep(0.01)
-        os.kill(int(told.read_text()), number)
+        pid = until(lambda: told.exists() and told.read_text(), "the job", limit_s=300.0)
+        os.kill(int(pid), number)
 
     disturber = threading.Thread(target=disturb)
     disturber.start()
@@ -95,14 +98,17 @@ def slow_sweep(folder: Path) -> tuple[Path, Path]:
     return path, folder / "out"
 
 
-def begun(path: Path, out: Path) -> subprocess.Popen:
-    """Start a sweep in its own session and wait until its first runs are finished."""
-    command = [*UWSIM, "sweep", str(path), "--out", str(out), "--workers", "1", "--no-report"]
-    process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+def started(*words: str | Path, cwd: Path | None = None) -> subprocess.Popen:
+    """Start a command in a session of its own, which hears Ctrl-C."""
+    return subprocess.Popen(
+        [*UWSIM, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=hears_ctrl_c, cwd=cwd,
     )  # fmt: skip
-    ledger = out / LEDGER
+
+
+def begun(path: Path, out: Path) -> subprocess.Popen:
+    """Start a sweep and wait until its first runs are finished."""
+    process, ledger = started("sweep", path, "--out", out, "--workers", "1", "--no-report"), out / LEDGER
     while not ledger.exists() or ledger.read_bytes().count(b"\n") < 3:
         assert process.poll() is None, process.communicate()
         time.sleep(0.01)
@@ -124,7 +130,7 @@ def test_ctrl_c_ends_cleanly_and_resumes(tmp_path: Path) -> None:
     path, out = slow_sweep(tmp_path)
     process = begun(path, out)
     os.killpg(process.pid, signal.SIGINT)  # like a terminal: to the whole process group
-    _, said = process.communicate(timeout=60)
+    _, said = process.communicate(timeout=300)
     assert process.returncode == 130, said
     assert "--resume continues" in said and "Traceback" not in said
     assert 2 <= len(pd.read_parquet(out / TABLE)) < 8
@@ -136,11 +142,8 @@ def test_a_sweep_that_is_killed_resumes_and_leaves_no_processes(tmp_path: Path) 
     path, out = slow_sweep(tmp_path)
     process = begun(path, out)
     process.kill()
-    process.communicate(timeout=60)
-    end = time.monotonic() + 60
-    while in_session(process.pid) and time.monotonic() < end:
-        time.sleep(0.1)
-    assert in_session(process.pid) == []
+    process.communicate(timeout=300)
+    until(lambda: not in_session(process.pid), "the end of its workers", limit_s=300.0)
     assert not run_sweep(path, out, workers=0, resume=True, report=False).interrupted
     assert pd.read_parquet(out / TABLE)["result"].notna().sum() == 8
 
@@ -160,11 +163,7 @@ def test_what_killed_clusters_left_is_removed_at_the_next_start(
 def test_ctrl_c_while_workers_start_prints_no_traceback(tmp_path: Path) -> None:
     """It comes to all processes, as from a terminal, while those of the workers are imported."""
     path, out = slow_sweep(tmp_path)
-    process = subprocess.Popen(
-        [*UWSIM, "sweep", str(path), "--out", str(out), "--workers", "2", "--no-report"],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )  # fmt: skip
+    process = started("sweep", path, "--out", out, "--workers", "2", "--no-report")
     while sum("spawn_main" in " ".join(each.cmdline()) for each in psutil.Process(process.pid).children()) < 2:
         assert process.poll() is None, process.communicate()
     os.killpg(process.pid, signal.SIGINT)
@@ -186,3 +185,50 @@ def test_workers_that_are_gone_for_good_are_noticed(monkeypatch: pytest.MonkeyPa
 
 async def gone(nanny: object, code: int) -> None:
     """In place of a restart."""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_what_has_nothing_to_keep_ends_at_once(number: signal.Signals) -> None:
+    with (
+        pytest.raises(KeyboardInterrupt),
+        job_progress("frames") as progress,
+        stop_on_signals(progress),
+        progress.abandonable("flying"),
+    ):
+        os.kill(os.getpid(), number)
+        time.sleep(10.0)
+
+
+def test_the_line_of_an_interrupted_command_names_what_is_kept(tmp_path: Path) -> None:
+    (tmp_path / "stay.py").write_text(
+        "from uwsim.missions import wait\n\ndef mission(vehicle):\n    vehicle.undock()\n    yield wait(0.5)\n"
+    )
+    words = ["compare", "stay.py", "--scenario", "pool", "--seeds", "1000", "--voxel", "1", "--out", "out"]
+    process = started(*words, cwd=tmp_path)
+    assert "seed 0" in process.stdout.readline()
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=300)
+    assert process.returncode == 130
+    assert errors.splitlines()[-1] == "uwsim: interrupted; finished flights are kept: --resume flies the rest"
+
+
+def test_an_interruption_that_a_command_leaves_to_the_program_is_one_line() -> None:
+    code = (
+        "import typer; from uwsim.cli import main, program\n"
+        "def raises(): raise KeyboardInterrupt\n"
+        "command = typer.main.get_command(typer.Typer(callback=raises, invoke_without_command=True))\n"
+        "program.Program.get_command = lambda *_: command\n"
+        "main()"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", code, "doctor"], capture_output=True, text=True, timeout=300, check=False
+    )
+    assert (ended.returncode, ended.stderr) == (130, "uwsim: interrupted\n")
+
+
+def test_jobs_end_at_their_next_pause() -> None:
+    with job_progress("frames") as progress, stop_on_signals(progress):
+        with progress.abandonable("flying"):
+            pass
+        os.kill(os.getpid(), signal.SIGINT)
+        assert progress.stop_requested()

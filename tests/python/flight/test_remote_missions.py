@@ -14,7 +14,7 @@ from uwsim.bridges.remote import LockstepClock, RemoteClock, RemoteConnection, R
 from uwsim.bridges.remote.flight import fly_remote
 from uwsim.flight.fly import fly
 from uwsim.live import LiveSimulator
-from uwsim.missions import dive_to, goto, run, wait
+from uwsim.missions import aim_to, dive_to, goto, run, wait
 
 
 def there(vehicle):
@@ -55,7 +55,14 @@ def test_a_mission_flies_remotely_as_in_process(tmp_path: Path) -> None:
     assert far.score is not None and far.score.distance_mean_m < 0.3, "the truth was named"
 
 
-def test_a_remote_vehicle_reads_what_the_simulated_one_does() -> None:
+def aimed(vehicle):
+    """Aim the sonar and a camera, and look."""
+    yield from aim_to(vehicle.sonar, -0.7)
+    yield from aim_to(vehicle.cameras["front"], pan_rad=0.3)
+    return vehicle.imaging_sonars["forward_looking"].ping()
+
+
+def test_a_remote_vehicle_reads_and_aims_as_the_simulated_one_does() -> None:
     with LiveSimulator(Simulator("pool", seed=4), paused=True) as live, RosbridgeServer(live) as server:
         sim = live.simulator
         with RemoteConnection(server.url) as connection:
@@ -86,6 +93,17 @@ def test_a_remote_vehicle_reads_what_the_simulated_one_does() -> None:
             assert picture.rgb.shape == (picture.info.height, picture.info.width, 3)
             assert picture.info.k[:2, :2] == pytest.approx(scale * camera.info.k[:2, :2], rel=0.02)
             assert picture.world_from_camera == pytest.approx(camera.world_from_camera, abs=0.15), "a moment ago"
+            far.set_effort()
+            run(aimed, far, clock)
+            assert sim.rov.sonar.elevation_rad == pytest.approx(-0.7)
+            assert sim.rov.cameras["front"].aim_rad[0] == pytest.approx(0.3)
+            clock.wait(4.0)  # until it is nearly at rest
+            look, truth = far.imaging_sonars["forward_looking"].ping(), sim.rov.imaging_sonars["forward_looking"].look()
+            assert look.level_db.shape == truth.level_db.shape
+            assert look.bearings_rad == pytest.approx(truth.bearings_rad, abs=1e-6)
+            assert look.world_from_sonar == pytest.approx(truth.world_from_sonar, abs=0.05), "a moment ago"
+            with pytest.raises(ValueError, match="no motor: there is no topic 'camera/down/cmd_pan'"):
+                far.cameras["down"].aim(pan_rad=0.1)
             with pytest.raises(ValueError, match=r"dock: it is .* away"):
                 far.dock()
             with pytest.raises(ValueError, match="did you mean 'altitude'"):
@@ -125,43 +143,38 @@ def test_a_server_that_goes_away_ends_the_mission_with_its_results(tmp_path: Pat
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--connect", "http://localhost:1"], "must begin with ws://"),
-        (["--connect", "ws://127.0.0.1:9"], "no rosbridge answers"),
-        (["--connect", "ws://127.0.0.1:9", "--estimate", "filter"], "--estimate: cannot be given with --connect"),
-        (["--voxel", "0.5"], "--voxel: needs --map"),
-        (["--record-topic", "odom"], "--record-topic: needs --record"),
-        (["--resume"], "no unfinished flight is saved"),
-        (["--connect", "ws://127.0.0.1:9", "--resume"], "a remote vehicle cannot be put back to where it was"),
-        (["--lockstep"], "--lockstep: needs --connect"),
-        (["--connect", "ws://127.0.0.1:9", "--seed", "3"], "--seed: cannot be given with --connect"),
-        (["--connect", "ws://127.0.0.1:9", "--record", "a.mcap"], "--record: cannot be given with --connect"),
-        (["--connect", "ws://127.0.0.1:9", "--autosave", "5"], "a remote vehicle cannot be put back to where it was"),
-        (["--connect", "ws://127.0.0.1:9", "--report", "fulll"], "report = 'fulll': must be one of full, json, none"),
+        ("--connect http://localhost:1", "must begin with ws://"),
+        ("--connect ws://127.0.0.1:9", "no rosbridge answers"),
+        ("--connect ws://127.0.0.1:9 --estimate filter", "--estimate: cannot be given with --connect"),
+        ("--voxel 0.5", "--voxel: needs --map"),
+        ("--record-topic odom", "--record-topic: needs --record"),
+        ("--resume", "no unfinished flight is saved"),
+        ("--connect ws://127.0.0.1:9 --resume", "a remote vehicle cannot be put back to where it was"),
+        ("--lockstep", "--lockstep: needs --connect"),
+        ("--connect ws://127.0.0.1:9 --seed 3", "--seed: cannot be given with --connect"),
+        ("--connect ws://127.0.0.1:9 --record a.mcap", "--record: cannot be given with --connect"),
+        ("--connect ws://127.0.0.1:9 --autosave 5", "a remote vehicle cannot be put back to where it was"),
+        ("--connect ws://127.0.0.1:9 --report fulll", "report = 'fulll': must be one of full, json, none"),
     ],
 )
-def test_wrong_ways_to_connect_are_one_line(options: list[str], words: str, tmp_path: Path) -> None:
+def test_wrong_ways_to_connect_are_one_line(options: str, words: str, tmp_path: Path) -> None:
     file = tmp_path / "m.py"
     file.write_text("from uwsim.missions import wait\ndef mission(vehicle):\n    yield wait(1.0)\n")
-    result = run_uwsim("run", str(file), "--out", str(tmp_path / "out"), *options)
+    result = run_uwsim("run", file, "--out", tmp_path / "out", *options.split())
     assert words in error_line(result)
     assert not (tmp_path / "out").exists()
 
 
-def test_several_vehicles_are_told_apart() -> None:
-    with LiveSimulator("pair", paused=True) as live, RosbridgeServer(live) as server:
-        connection = RemoteConnection(server.url)
-        scout = RemoteVehicle(connection, "scout")
-        assert scout.pose.position_world_m == pytest.approx(live.simulator.vehicles["scout"].pose.position_world_m)
-        with pytest.raises(ValueError, match="must be one of rov, scout"):
-            RemoteVehicle(connection, "diver")
-        connection.close()
-
-
-def test_a_mission_of_vehicles_gets_all_of_a_server() -> None:
+def test_a_mission_of_vehicles_gets_all_of_a_server_told_apart() -> None:
     def mission(vehicles):
         yield wait(0.2)
         return sorted(vehicles)
 
     with LiveSimulator("pair", paused=True) as live, RosbridgeServer(live) as server:
+        with RemoteConnection(server.url) as connection:
+            scout = RemoteVehicle(connection, "scout")
+            assert scout.pose.position_world_m == pytest.approx(live.simulator.vehicles["scout"].pose.position_world_m)
+            with pytest.raises(ValueError, match="must be one of rov, scout"):
+                RemoteVehicle(connection, "diver")
         flown = fly_remote(mission, server.url, lockstep=True)
     assert flown.result == ["rov", "scout"] == sorted(flown.samples)

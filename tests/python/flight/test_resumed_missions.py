@@ -1,13 +1,14 @@
 """A mission restored from a saved state continues as if it had not been interrupted."""
 
 import copy
-import itertools
 import json
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from resumed_mowing import mow_twice
 from test_missions import PLAN, ScriptedVehicle
 from uwsim import Simulator
 from uwsim.missions import (
@@ -50,44 +51,25 @@ def test_a_mission_resumed_at_any_moment_flies_the_same_path(beams_m: float, leg
     clock.mission = AdaptiveLawnMower(vehicle, clock, PLAN)
     ended = clock.mission.run()
     assert len(clock.saved) > 100
-    seen = set()
-    for text, then in clock.saved[::7]:
-        seen.add(json.loads(text)["mower"]["leg"])
+    leg_at = [json.loads(text)["mower"]["leg"] for text, _ in clock.saved]
+    changes = [k for k, (leg, following) in enumerate(pairwise(leg_at)) if leg != following]
+    chosen = sorted({*changes[:6], *range(0, len(leg_at), 150)})
+    for text, then in (clock.saved[k] for k in chosen):
         again = AdaptiveLawnMower(then, then, PLAN)
         again.restore(json.loads(text))
         assert again.run() == ended
         assert then.time_s == vehicle.time_s
         np.testing.assert_array_equal(then.position, vehicle.position)
-    assert seen == legs
+    assert {leg_at[k] for k in chosen} == legs
 
 
-def test_a_simulated_mission_resumes_to_the_last_bit() -> None:
+@pytest.mark.parametrize("saved_s", [2.0, 50.0])
+def test_a_simulated_mission_resumes_to_the_last_bit(saved_s: float) -> None:
     """Covers obstacle memory, autopilot and sensor noise, during and after undocking."""
     plan = LawnMowerPlan(area_m=[[-104, -80], [56, -80], [56, 24], [-104, 24]])
-    sim = Simulator("lake", mission_time_s=120.0)
-    saved: list[tuple[str, bytes]] = []
-    waited = itertools.count()
-
-    class Clock:
-        time_s = property(lambda self: sim.time_s)
-
-        def wait(self, duration_s: float) -> None:
-            sim.wait(duration_s)
-            if next(waited) in (20, 500, 1180):
-                saved.append((json.dumps(mission.save()), sim.save_state()))
-
-    mission = AdaptiveLawnMower(sim.rov, Clock(), plan)
-    assert mission.run() == "the battery is used up"
-    expected = sim.save_state()
+    lake = partial(Simulator, "lake", mission_time_s=70.0)
+    mission = mow_twice(lake, plan, lambda mission, sim: sim.time_s > saved_s)
     assert len(mission.lookout.obstacles.peaks_world_m) > 10
-    assert len(saved) == 3
-    for notes, state in saved:
-        fresh = Simulator("lake", mission_time_s=120.0)
-        again = AdaptiveLawnMower(fresh.rov, fresh, plan)
-        again.restore(json.loads(notes))
-        fresh.restore_state(state)
-        again.run()
-        assert fresh.save_state() == expected
 
 
 def test_remembered_obstacles_are_saved_the_oldest_first() -> None:

@@ -39,7 +39,7 @@ def test_resume_makes_a_report_that_could_not_be_written(tmp_path: Path, monkeyp
 
 
 def test_a_lost_folder_is_reported_once_and_the_flight_continues(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    small_pool: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     messages: list[str] = []
     out = tmp_path / "out"
@@ -57,7 +57,7 @@ def test_a_lost_folder_is_reported_once_and_the_flight_continues(
             out.mkdir()
 
     monkeypatch.setattr(Flight, "_on_pause", lose_and_restore)
-    flown = fly(None, "pool", out, map=True, autosave=autosave)
+    flown = fly(None, small_pool, out, map=True, autosave=autosave)
     assert flown.ended_because == DONE
     assert [text.split(":")[0] for text in messages] == ["autosave failed", "autosave works again"]
     assert "the flight continues with the map in memory" in messages[0]
@@ -65,7 +65,7 @@ def test_a_lost_folder_is_reported_once_and_the_flight_continues(
 
 
 def test_a_full_disk_is_reported_with_all_attempts_at_the_end(tmp_path: Path) -> None:
-    options = ("--autosave", "0.001", "--mission-time", "20", "--report", "none")
+    options = ("--autosave", "0.001", "--mission-time", "8", "--report", "none")
     result = uwsim_process("survey", "pool", "--out", str(tmp_path), *options, preexec_fn=files_limited_to(100))
     assert result.returncode == 1
     *in_flight, end = result.stderr.strip().splitlines()

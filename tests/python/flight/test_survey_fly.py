@@ -1,4 +1,4 @@
-"""A survey of the pool: every ping passes through the whole chain, maps are reproducible, and every exit is clean."""
+"""Surveys of pool and lake: they keep their promises, maps are reproducible, and every exit is clean."""
 
 import os
 import signal
@@ -9,19 +9,18 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
-from uwsim.flight.record import BATTERY_EMPTY, DONE, INTERRUPTED
+from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
 from uwsim.flight.survey import fly_survey
 from uwsim.mapping import OccupancyMap
-from uwsim.mapping.difference import map_difference
 from uwsim.mapping.map_filler import MapFiller
 from uwsim.mapping.ping_to_map import PingToMap
 from uwsim.missions import COVERED
-from uwsim.scoring.map_score import score_map
+from uwsim.scoring.map_score import MapScore, score_map
 
 
-def survey_bytes(**options: object) -> bytes:
-    occupancy, _ = fly_survey(Simulator("pool", mission_time_s=20.0, **options))
-    return occupancy.to_bytes("bt")
+def score(sim: Simulator, occupancy: OccupancyMap, record: FlightRecord) -> MapScore:
+    voxels, voxel_m = occupancy.occupied_voxels(), occupancy.resolution_m
+    return score_map(sim.world, voxels, voxel_m, record.path_world_m, record.area_world_m, record.range_max_m)
 
 
 def test_the_pool_is_covered_and_the_map_lies_on_the_true_surface() -> None:
@@ -31,37 +30,43 @@ def test_the_pool_is_covered_and_the_map_lies_on_the_true_surface() -> None:
     assert not record.ended_early
     assert record.collisions == 0
     assert record.ping_count == pytest.approx(10 * record.simulated_s, abs=1)
-    score = score_map(
-        sim.world,
-        occupancy.occupied_voxels(),
-        occupancy.resolution_m,
-        record.path_world_m,
-        record.area_world_m,
-        record.range_max_m,
-    )
-    assert score.coverage > 0.95
+    scored = score(sim, occupancy, record)
+    assert scored.coverage > 0.95
     # The centre of a voxel that the surface passes through is at most half its diagonal away.
-    assert score.distance_max_m < 0.5 * np.sqrt(3) * occupancy.resolution_m + 1e-3
+    assert scored.distance_max_m < 0.5 * np.sqrt(3) * occupancy.resolution_m + 1e-3
 
 
-def test_scenario_and_seed_determine_the_map_to_the_byte_whatever_the_threads() -> None:
-    first = survey_bytes(seed=3, threads=1)
-    assert survey_bytes(seed=3, threads=1) == first
-    assert survey_bytes(seed=3, threads=2) == first
-    assert survey_bytes(seed=4, threads=1) != first, "the sensors' noise steers the vehicle"
+def test_the_lake_survey_meets_its_promises() -> None:
+    sim = Simulator("lake")
+    occupancy, record = fly_survey(sim)
+    assert (record.ended_because, record.collisions) == (DONE, 0)
+    assert record.simulated_s >= 20 * 60
+    assert sim.step_s <= 0.005
+    assert record.ping_count >= 10 * record.simulated_s - 1
+    assert (np.ptp(record.area_world_m, axis=0) >= (150, 100)).all()
+    scored = score(sim, occupancy, record)
+    assert scored.coverage >= 0.95
+    assert scored.distance_p95_m < 0.5
+    vertices, triangles, labels = sim.world.surface_mesh()
+    gate_m = vertices[triangles[labels == sim.world.label_names.index("gate_main")]].reshape(-1, 3)
+    top_m = gate_m[gate_m[:, 2].argmax()]
+    assert (abs(occupancy.occupied_voxels() - top_m).max(axis=1) < 1.0).any(), "the gate's bar is in the map"
 
 
-def test_both_engines_give_the_same_map_to_the_byte() -> None:
-    maps = [OccupancyMap(0.2, engine=engine) for engine in ("bricks", "octomap")]
-    for occupancy, threads in zip(maps, (2, 1), strict=True):
-        fly_survey(Simulator("pool", mission_time_s=10.0, threads=threads), occupancy)
-    assert maps[0].to_bytes("ot") == maps[1].to_bytes("ot")
-    assert maps[0].to_bytes("bt") == maps[1].to_bytes("bt")
+def test_scenario_and_seed_determine_the_map_to_the_byte_whatever_the_threads_and_the_engine() -> None:
+    def surveyed(seed: int, threads: int, engine: str) -> OccupancyMap:
+        occupancy = OccupancyMap(0.2, engine=engine)
+        return fly_survey(Simulator("pool", mission_time_s=20.0, seed=seed, threads=threads), occupancy)[0]
+
+    first, other = surveyed(3, 1, "bricks"), surveyed(3, 2, "octomap")
+    assert first.to_bytes("ot") == other.to_bytes("ot")
+    assert first.to_bytes("bt") == other.to_bytes("bt") == surveyed(3, 2, "bricks").to_bytes("bt")
+    assert first.to_bytes("bt") != surveyed(4, 1, "bricks").to_bytes("bt"), "the sensors' noise steers the vehicle"
 
 
 def test_a_survey_keeps_one_sample_ping_only() -> None:
     """Hours of pings would exhaust the memory."""
-    sim = Simulator("pool", mission_time_s=20.0)
+    sim = Simulator("pool", mission_time_s=11.0)
     pings: list[weakref.ref[object]] = []
     fly_survey(sim, on_progress=lambda share: pings.append(weakref.ref(sim.rov.sonar.ping().ranges_m)))
     assert len(pings) > 100
@@ -121,18 +126,3 @@ def test_a_survey_with_another_sonar_model_decodes_its_own_beams() -> None:
     assert record.sonar_model == "3"
     assert record.range_max_m == pytest.approx(94.9)
     assert record.sample_ping is None or len(record.sample_ping.ranges_m) == 1025
-
-
-def test_an_empty_battery_ends_the_survey() -> None:
-    _, record = fly_survey(Simulator("pool", mission_time_s=4.0))
-    assert record.ended_because == BATTERY_EMPTY
-    assert record.simulated_s == pytest.approx(4.0, abs=0.11)
-
-
-def test_a_survey_by_the_filter_maps_what_the_vehicle_believes() -> None:
-    sim = Simulator("pool", mission_time_s=15.0)
-    occupancy, record = fly_survey(sim, estimate="filter")
-    true_map, _ = fly_survey(Simulator("pool", mission_time_s=15.0))
-    assert record.estimate == "filter" and len(record.position_error_m) == record.ping_count
-    assert 0.0 < record.position_error_m.max() < 1.0
-    assert map_difference(occupancy, true_map).differing > 0

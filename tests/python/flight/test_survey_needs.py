@@ -8,9 +8,6 @@ import trimesh
 import yaml
 
 from command_line import error_line, uwsim
-from uwsim import Simulator
-from uwsim.base.axes import AXES
-from uwsim.missions import AdaptiveLawnMower, LawnMowerPlan
 from uwsim.scenario.read.assets import find_yaml
 
 
@@ -47,13 +44,6 @@ def test_all_that_is_missing_is_reported_and_nothing_written(tmp_path, name, par
     assert re.search(rf"{path}:\d+: vehicle 'rov(_0)?' cannot fly the survey's lanes: ", line)
     assert all(each in line for each in missing)
     assert not (tmp_path / "out").exists()
-
-
-def test_a_vehicle_with_all_of_it_is_accepted():
-    with Simulator("pool") as sim:
-        plan = LawnMowerPlan(area_m=((0, 0), (4, 0), (4, 4)), altitude_m=2.0, line_spacing_m=2.0, speed_m_s=0.5)
-        assert sim.rov.controllable == frozenset(AXES)
-        AdaptiveLawnMower(sim.rov, sim, plan)
 
 
 def test_after_an_error_no_library_complains_of_a_repaired_mesh(tmp_path):

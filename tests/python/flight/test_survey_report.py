@@ -2,6 +2,7 @@
 
 import base64
 import dataclasses
+import io
 import re
 import xml.etree.ElementTree as ElementTree
 
@@ -88,18 +89,14 @@ class Occupied(OccupancyMap):
         return self._voxels
 
 
-def scored(world, record, voxels=None):
-    """Return the record with the score of a map of the given voxels; by default, of all visible ones."""
-    path = record.path_world_m
-    if voxels is None:
-        voxels = score_map(world, NO_VOXELS, 0.5, path, AREA, 15.0).visible_centres_m
-    score = score_map(world, voxels, 0.5, path, record.area_world_m, 15.0)
+def scored(world, record, voxels):
+    """Return the record with the score of a map of the given voxels."""
+    score = score_map(world, voxels, 0.5, record.path_world_m, record.area_world_m, 15.0)
     return dataclasses.replace(record, occupancy=Occupied(voxels), score=score)
 
 
-def survey(world, record, folder, voxels=None):
-    """Write the report of a record; return the scored record, its figures and the page."""
-    flown = scored(world, record, voxels)
+def survey(world, flown, folder):
+    """Write the report of a scored record; return it, its figures and the page."""
     figures = map_figures(folder, flown, world, _core.RayScene(world))
     write_page(folder / "report.html", flown, figures)
     return flown, figures, (folder / "report.html").read_text(encoding="utf-8")
@@ -111,7 +108,8 @@ def surveyed(world, record, tmp_path_factory):
     folder = tmp_path_factory.mktemp("surveyed")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(truth_and_map, "PANEL_PIXELS", 160)
-        return *survey(world, record, folder), folder
+        visible = score_map(world, NO_VOXELS, 0.5, record.path_world_m, AREA, 15.0).visible_centres_m
+        return *survey(world, scored(world, record, visible), folder), folder
 
 
 def without_pings(record, count=0, **changes):
@@ -119,10 +117,22 @@ def without_pings(record, count=0, **changes):
     return dataclasses.replace(record, pings_world_m={"rov": path}, **changes)
 
 
-def collided(record, times):
+def collided(times):
+    """Return samples of a flight with this number of collisions."""
     row = np.zeros(len(COLUMNS) + 1)
     row[COLUMNS.index("collisions")] = times
-    return dataclasses.replace(record, samples={"rov": Samples((*COLUMNS, "effort surge"), row[None])})
+    return {"rov": Samples((*COLUMNS, "effort surge"), row[None])}
+
+
+def with_score(flown, **changes):
+    return dataclasses.replace(flown, score=dataclasses.replace(flown.score, **changes))
+
+
+def printed(flown, columns):
+    """Return the table of a flight as a terminal shows it."""
+    console = Console(width=columns, record=True, file=io.StringIO())
+    console.print(summary_table(flown))
+    return console.export_text()
 
 
 def texts(page: str) -> str:
@@ -148,14 +158,14 @@ def test_the_report_is_well_formed_and_shows_every_key_value_and_picture(record,
     assert [base64.b64decode(text) for text in embedded] == [figure.path.read_bytes() for figure in figures]
 
 
-def test_table_and_report_show_for_what_share_of_the_pings_each_warning_was_lit(world, record):
+def test_table_and_report_show_for_what_share_of_the_pings_each_warning_was_lit(record, surveyed):
     shown = dict(warning_rows(record))
     assert shown == {
         "pings over 110 m from the station": "62.5 %",
         "pings under 10 m above the bed": "100 %",
         "pings in contact": "0 %",
     }
-    assert set(warning_rows(record)) <= set(key_figures(scored(world, record)))
+    assert set(warning_rows(record)) <= set(key_figures(surveyed[0]))
     many = {"rov": np.zeros((100_000, 3))}
     rare = dataclasses.replace(record, pings_world_m=many, pings_with_warning={"range": 1, "proximity": 99_999})
     assert [value for _, value in warning_rows(rare)] == ["0.1 %", "99.9 %"], "neither none nor all"
@@ -173,12 +183,9 @@ def test_table_and_report_show_for_what_share_of_the_pings_each_warning_was_lit(
         (None, True, None, True),
     ],
 )
-def test_a_survey_that_ended_early_or_has_a_minimum_must_cover_enough(
-    world, record, coverage, ended_early, least, short
-):
-    score = None if coverage is None else dataclasses.replace(scored(world, record).score, coverage=coverage)
-    flown = dataclasses.replace(record, score=score, ended_early=ended_early)
-    shortfall = coverage_shortfall(flown, least)
+def test_a_survey_that_ended_early_or_has_a_minimum_must_cover_enough(surveyed, coverage, ended_early, least, short):
+    flown = with_score(surveyed[0], coverage=coverage) if coverage else dataclasses.replace(surveyed[0], score=None)
+    shortfall = coverage_shortfall(dataclasses.replace(flown, ended_early=ended_early), least)
     assert (shortfall is not None) == short
     if shortfall and coverage:
         assert "coverage is 48.0 %, must be at least" in shortfall
@@ -197,7 +204,7 @@ def test_the_report_of_a_survey_without_pings_says_so(world, record, tmp_path):
         record, echo_count=0, sample_ping=None, wall_s=0.0, stage_wall_s={}, simulated_s=0.0,
         ended_because="interrupted",
     )  # fmt: skip
-    _, figures, page = survey(world, empty, tmp_path, NO_VOXELS)
+    _, figures, page = survey(world, scored(world, empty, NO_VOXELS), tmp_path)
     names = ["truth_and_map.png", "map_from_above.png", "where_it_is_wrong.png"]
     assert [figure.path.name for figure in figures] == names
     shown = texts(page)
@@ -209,38 +216,31 @@ def test_the_report_of_a_survey_without_pings_says_so(world, record, tmp_path):
 
 def test_one_ping_and_one_voxel_are_enough_for_a_report(world, record, tmp_path):
     short = without_pings(record, 1)
-    _, figures, page = survey(world, short, tmp_path, np.array([[0.25, 0.25, -19.75]]))
+    _, figures, page = survey(world, scored(world, short, np.array([[0.25, 0.25, -19.75]])), tmp_path)
     assert len(figures) == 4
     assert "first ping" not in texts(page)
 
 
-def test_the_same_survey_gives_the_same_bytes(world, record, surveyed, tmp_path):
-    survey(world, record, tmp_path)
-    first = surveyed[-1]
+def test_the_same_survey_gives_the_same_bytes(world, surveyed, tmp_path):
+    flown, *_, first = surveyed
+    survey(world, flown, tmp_path)
     assert {path.name for path in first.iterdir()} == {path.name for path in tmp_path.iterdir()}
     for path in first.iterdir():
         assert path.read_bytes() == (tmp_path / path.name).read_bytes()
 
 
-def test_the_table_shows_the_same_key_values(surveyed, tmp_path):
-    flown = surveyed[0]
-    console = Console(width=100, record=True, file=(tmp_path / "terminal").open("w"))
-    console.print(summary_table(dataclasses.replace(flown, scenario="[red]lake[/red]")))
-    shown = console.export_text()
+def test_the_table_shows_the_same_key_values(surveyed):
+    shown = printed(dataclasses.replace(surveyed[0], scenario="[red]lake[/red]"), 100)
     assert "[red]lake[/red]" in shown
-    for name, value in key_figures(flown):
+    for name, value in key_figures(surveyed[0]):
         assert re.search(f"{re.escape(name)} .* {re.escape(value)} ", shown)
 
 
 @pytest.mark.parametrize("columns", [40, 60])
-def test_a_narrow_terminal_folds_the_names_and_keeps_the_values(surveyed, tmp_path, columns):
-    flown = surveyed[0]
-    console = Console(width=columns, record=True, file=(tmp_path / "terminal").open("w"))
-    console.print(summary_table(flown))
-    shown = console.export_text()
+def test_a_narrow_terminal_folds_the_names_and_keeps_the_values(surveyed, columns):
+    shown = printed(surveyed[0], columns)
     assert max(len(line) for line in shown.splitlines()) <= columns
-    for _, value in key_figures(flown):
-        assert value in shown
+    assert all(value in shown for _, value in key_figures(surveyed[0]))
 
 
 @pytest.mark.parametrize(
@@ -249,22 +249,16 @@ def test_a_narrow_terminal_folds_the_names_and_keeps_the_values(surveyed, tmp_pa
         ({}, {}, None),
         ({}, {"coverage": 0.95}, None),
         ({}, {"coverage": 0.9499}, "coverage is 94.9 % of"),
-        ({"collisions": 1}, {}, "There was a collision."),
-        ({"collisions": 1200}, {}, "There were 1,200 collisions."),
+        ({"samples": collided(1)}, {}, "There was a collision."),
+        ({"samples": collided(1200)}, {}, "There were 1,200 collisions."),
         ({"ping_interval_s": 0.15}, {}, "The sonar pinged at 6.67 Hz, not 10: sound takes longer to 15 m and back."),
         ({"ended_early": True}, {}, "The mission ended early: the <proximity> sensor read less than 7 m."),
     ],
 )
-def test_table_and_report_show_the_same_warnings(world, record, tmp_path, record_change, score_change, warning):
-    flown = scored(world, record)
-    flown = dataclasses.replace(flown, score=dataclasses.replace(flown.score, **score_change))
-    if times := record_change.pop("collisions", 0):
-        flown = collided(flown, times)
-    flown = dataclasses.replace(flown, **record_change)
+def test_table_and_report_show_the_same_warnings(surveyed, tmp_path, record_change, score_change, warning):
+    flown = dataclasses.replace(with_score(surveyed[0], **score_change), **record_change)
     write_page(tmp_path / "report.html", flown, [])
-    console = Console(width=200, record=True, file=(tmp_path / "terminal").open("w"))
-    console.print(summary_table(flown))
-    page, table = (tmp_path / "report.html").read_text(encoding="utf-8"), " ".join(console.export_text().split())
+    page, table = (tmp_path / "report.html").read_text(encoding="utf-8"), " ".join(printed(flown, 200).split())
     if warning is None:
         assert 'class="warning"' not in page
         assert "warning" not in table
@@ -273,10 +267,8 @@ def test_table_and_report_show_the_same_warnings(world, record, tmp_path, record
         assert f"warning: {warning}" in table or f"warning: The map is incomplete: {warning}" in table
 
 
-def test_coverage_is_not_rounded_up_to_100_percent(world, record):
-    flown = scored(world, record)
-    almost = dataclasses.replace(flown, score=dataclasses.replace(flown.score, coverage=0.99996))
-    assert dict(key_figures(almost))["coverage"].startswith("99.9 %")
+def test_coverage_is_not_rounded_up_to_100_percent(surveyed):
+    assert dict(key_figures(with_score(surveyed[0], coverage=0.99996)))["coverage"].startswith("99.9 %")
 
 
 @pytest.mark.parametrize("size_m", [1e-4, 1e-9])
@@ -287,6 +279,4 @@ def test_a_tiny_area_has_figures_too(world, record, tmp_path, size_m):
     for tiny in (speck, without_pings(speck)):
         flown = scored(world, tiny, np.array([[3.25, 2.25, -19.75]]))
         for figure in map_figures(tmp_path, flown, world, _core.RayScene(world)):
-            width, height = Image.open(figure.path).size
-            assert 100 < width < 4000
-            assert 100 < height < 4000
+            assert all(100 < size < 4000 for size in Image.open(figure.path).size)

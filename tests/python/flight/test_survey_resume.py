@@ -179,6 +179,36 @@ def test_another_survey_in_the_same_folder_sets_the_unfinished_one_aside(
     assert not (tmp_path / "checkpoint").exists()
 
 
+HOVER = """
+class Hover:
+    progress = 0.0
+
+    def __init__(self, vehicle, clock, plan):
+        self.clock = clock
+
+    def run(self):
+        for _ in range(60):
+            self.clock.wait(0.1)
+        return "hovered"
+"""
+
+
+def test_a_mission_without_save_and_restore_is_flown_again_as_far_as_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "hovering.py").write_text(HOVER)
+    monkeypatch.chdir(tmp_path)
+    mission = "hovering:Hover"
+    whole = fly(mission, "pool", tmp_path / "whole", map=True)
+    assert whole.ended_because == "hovered" and whole.ended_early
+    half = fly(mission, "pool", tmp_path / "half", map=True, autosave=StopAfter(15))
+    assert half.interrupted and 0 < half.ping_count < whole.ping_count
+    again = resume(tmp_path / "half")
+    assert again.occupancy.to_bytes("ot") == whole.occupancy.to_bytes("ot")
+    assert again.ended_because == "hovered"
+    assert again.map_growth == whole.map_growth
+
+
 ZIGZAG = """
 from uwsim.missions import wait
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import uwsim
-from uwsim.flight.record import FlightRecord
 from uwsim.missions.planners.pipe_track import PipeTrack, crossings
 from uwsim.missions.planners.pipe_view import SeenPipe, pipe_in_picture, pixels_of
 from uwsim.missions.planners.pipeline import follow_pipeline
@@ -25,42 +24,40 @@ def off_pipe_m(points_m: np.ndarray) -> np.ndarray:
     return np.min([np.linalg.norm(points_m - near, axis=1) for near in nearest], axis=0)
 
 
-def followed(start: str, *faults: dict, **options: object) -> FlightRecord:
-    begin_m, heading_rad = ((-19.0, -5.0), -0.3) if start == "west" else ((17.0, -8.5), math.pi - 0.3)
-
-    def mission(vehicle):
-        vehicle.undock()
-        return (yield from follow_pipeline(vehicle, begin_m, heading_rad, **options))
-
-    sim = uwsim.Simulator("cove")
-    for fault in faults:
-        sim.faults.inject(**fault)
-    flown = uwsim.fly(mission, sim)
-    assert not flown.ended_early, flown.ended_because
-    assert flown.collisions == 0
-    return flown
-
-
-BLIND_LATER = {"kind": "sonar", "at_s": 110.0}  # halfway along the pipe, found at 70 s
+BLIND_LATER = {"kind": "sonar", "at_s": 40.0}  # before the bend
 BLIND, DARK = {"kind": "sonar"}, {"kind": "camera", "camera": "down"}
 
 
 @pytest.mark.parametrize(
-    ("start", "faults"),
-    [("west", (BLIND,)), ("east", (BLIND_LATER,)), ("west", (DARK,))],
+    ("begin_m", "heading_rad", "end", "fault", "least_m"),
+    [
+        ((-4.0, -8.0), 0.25, -1, BLIND, 18.0),
+        ((0.0, -7.0), math.pi + 0.25, 0, BLIND_LATER, 18.0),
+        ((-19.0, -5.0), -0.3, -1, DARK, 25.0),
+    ],
     ids=["camera", "both, then camera", "sonar"],
 )
-def test_a_pipeline_is_followed_to_its_end_by_sonar_and_camera_and_by_either_alone(start: str, faults: tuple) -> None:
-    flown = followed(start, *faults)
+def test_a_pipeline_is_followed_to_its_end_by_sonar_and_camera_and_by_either_alone(
+    begin_m, heading_rad, end, fault, least_m
+) -> None:
+    def mission(vehicle):
+        vehicle.undock()
+        return (yield from follow_pipeline(vehicle, begin_m, heading_rad))
+
+    sim = uwsim.Simulator("cove")
+    sim.faults.inject(**fault)
+    flown = uwsim.fly(mission, sim)
+    assert not flown.ended_early, flown.ended_because
+    assert flown.collisions == 0
     track = flown.result
-    assert (track.by_sonar > 0, track.by_camera > 0) == (BLIND not in faults, DARK not in faults)
+    assert (track.by_sonar > 0, track.by_camera > 0) == (fault is not BLIND, fault is not DARK)
     assert off_pipe_m(track.crossings_m).max() < 0.4
-    end_m = PIPE_M[-1] if start == "west" else PIPE_M[0]
-    assert np.linalg.norm(track.crossings_m[-1] - end_m) < 1.0
-    assert track.length_m > 25.0 and track.pictures == pytest.approx(track.length_m / 5.0, abs=2.0)
+    assert np.linalg.norm(track.crossings_m[-1] - PIPE_M[end]) < 1.0
+    assert track.length_m > least_m and track.pictures == pytest.approx(track.length_m / 5.0, abs=2.0)
     found_s = next(event.time_s for event in flown.events if event.name == "pipe_found")
     samples = flown.samples["rov"]
-    on_it = (samples["time_s"] > found_s + 15.0) & (samples["time_s"] < flown.simulated_s - 30.0)
+    on_it = (samples["time_s"] > found_s + 8.0) & (samples["time_s"] < flown.simulated_s - 25.0)
+    assert on_it.sum() > 30
     assert np.sqrt(np.mean(off_pipe_m(samples.path_world_m[on_it, :2]) ** 2)) < 0.6
 
 
