@@ -7,7 +7,6 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.instruments.cameras import EFFECTS
-from uwsim.scenario.spec.camera import FlatPort
 
 BED_M = 5.0
 """Depth of the pool."""
@@ -18,33 +17,6 @@ def pool() -> Simulator:
     sim = Simulator("pool", threads=2)
     sim.rov.place((0.0, 0.0, -3.0))
     return sim
-
-
-def test_a_flat_port_refracts_and_a_calibration_under_water_describes_it(pool: Simulator) -> None:
-    camera = pool.rov.cameras["front"].resized(320)
-    in_air = camera.info.k[0, 0]
-    camera.change(camera.mount.model_copy(update={"port": FlatPort(distance_m=0.02, thickness_m=0.01)}))
-    air, water = camera.ray_table(in_water=False), camera.ray_table()
-    sines = [np.sin(np.arctan(np.linalg.norm(rays.astype(float), axis=-1))) for rays in (air, water)]
-    np.testing.assert_allclose(sines[0], 1.333 * sines[1], rtol=1e-5, atol=1e-7)
-    info, (x, y) = camera.info, np.moveaxis(water.astype(float), -1, 0)
-    k1, k2, p1, p2, k3 = info.d
-    r2 = x * x + y * y
-    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
-    v, u = np.mgrid[0 : info.height, 0 : info.width]
-    np.testing.assert_allclose(
-        info.k[0, 0] * (x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)) + info.k[0, 2], u, atol=0.2
-    )
-    np.testing.assert_allclose(
-        info.k[1, 1] * (y * radial + 2 * p2 * x * y + p1 * (r2 + 2 * y * y)) + info.k[1, 2], v, atol=0.2
-    )
-    assert info.k[0, 0] == pytest.approx(1.333 * in_air, rel=0.02)
-    frame = camera.capture(["distortion", "attenuation"])
-    bed = frame.labels == frame.label_names.index("terrain")
-    seen = camera.ray_offsets_m()[bed] + water[bed] * frame.depth_m[bed, None]
-    up = frame.world_from_camera[2, :3]  # of x ahead, y left, z up
-    height_m = frame.world_from_camera[2, 3] + frame.depth_m[bed] * up[0] - seen[:, 0] * up[1] - seen[:, 1] * up[2]
-    np.testing.assert_allclose(height_m, -BED_M, atol=2e-5)
 
 
 def test_a_rolling_shutter_sees_each_row_from_where_the_camera_was(pool: Simulator) -> None:

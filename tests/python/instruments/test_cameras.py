@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import io
+import re
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +15,11 @@ import trimesh
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
-from uwsim import ScenarioError, Simulator, _core
-from uwsim.instruments.cameras import EFFECTS, Camera
-from uwsim.scenario import load
+from test_imaging_mount import POOL
+from uwsim import Simulator, _core
+from uwsim.instruments.cameras import EFFECTS
 from uwsim.scenario.build.optics import core_optics
 
-POOL = Path(__file__).parents[3] / "assets" / "scenarios" / "pool.yaml"
 BED_M = 5.0
 """Depth of the pool."""
 
@@ -31,29 +32,21 @@ def pool() -> Simulator:
 
 
 def test_a_capture_gives_all_arrays_and_does_not_advance_time(pool: Simulator) -> None:
-    before = pool.time_ns
-    frame = pool.rov.cameras["front"].capture()
+    before, camera = pool.time_ns, pool.rov.cameras["front"]
+    frame, info = camera.capture(), camera.info
     assert pool.time_ns == before == frame.time_ns
     shapes = [frame.rgb, frame.depth_m, frame.normals_world, frame.labels, frame.classes]
     assert [a.shape for a in shapes] == [(360, 640, 3), (360, 640), (360, 640, 3), (360, 640), (360, 640)]
     assert [str(a.dtype) for a in shapes] == ["uint8", "float32", "float32", "uint16", "uint8"]
     assert not any(a.flags.writeable for a in shapes)
     hit = np.isfinite(frame.depth_m)
-    assert hit.any()
     np.testing.assert_allclose(np.linalg.norm(frame.normals_world[hit], axis=1), 1, atol=1e-5)
     assert (frame.labels[~hit] == 0).all()
-    names = {frame.label_names[label] for label in np.unique(frame.labels[hit])}
-    assert {"terrain", "box"} <= names
+    assert {"terrain", "box"} <= {frame.label_names[label] for label in np.unique(frame.labels[hit])}
     assert {frame.class_names[k] for k in np.unique(frame.classes[hit])} == {"terrain", "structure"}
-
-
-def test_the_down_camera_measures_the_height_above_a_flat_bed(pool: Simulator) -> None:
-    camera = pool.rov.cameras["down"]
-    frame = camera.capture("off")
-    lens_m = BED_M - 3.0 + camera.mount.position_m[2]
-    bed = frame.labels == frame.label_names.index("terrain")
-    np.testing.assert_allclose(frame.depth_m[bed], lens_m, rtol=1e-6)
-    np.testing.assert_allclose(frame.normals_world[bed], np.broadcast_to([0, 0, 1], (bed.sum(), 3)), atol=1e-6)
+    assert (info.width, info.height, info.distortion_model) == (640, 360, "plumb_bob")
+    assert [each.shape for each in (info.k, info.r, info.p, info.d)] == [(3, 3), (3, 3), (3, 4), (5,)]
+    np.testing.assert_allclose(np.degrees(2 * np.arctan(320 / info.k[0, 0])), 84)
 
 
 def test_depth_and_intrinsics_recover_the_box_in_the_world(pool: Simulator) -> None:
@@ -68,41 +61,26 @@ def test_depth_and_intrinsics_recover_the_box_in_the_world(pool: Simulator) -> N
     assert points.max(axis=0) == pytest.approx([2.5, 0.5, -4.0], abs=0.02)
 
 
-def test_a_frame_depends_on_time_and_seed_but_not_on_threads(pool: Simulator) -> None:
-    rov = pool.rov
-    rov.lamps["front"].on = True
-    pool.step(3)
-    first = rov.cameras["front"].capture(threads=1)
-    for threads in (1, 2, 3, 7):
-        again = rov.cameras["front"].capture(threads=threads)
-        assert again.rgb.tobytes() == first.rgb.tobytes()
-        assert again.depth_m.tobytes() == first.depth_m.tobytes()
-    twin = Simulator("pool", threads=1)
-    twin.rov.place((0.0, 0.0, -3.0))
-    twin.rov.lamps["front"].on = True
-    twin.step(3)
-    assert twin.rov.cameras["front"].capture().rgb.tobytes() == first.rgb.tobytes()
-    other = Simulator("pool", seed=5)
-    other.rov.place((0.0, 0.0, -3.0))
-    other.rov.lamps["front"].on = True
-    other.step(3)
-    assert other.rov.cameras["front"].capture().rgb.tobytes() != first.rgb.tobytes()
+def test_a_frame_depends_on_time_and_seed_but_not_on_threads() -> None:
+    def lit(steps: int = 3, seed: int = 0, threads: int = 1) -> tuple[bytes, bytes]:
+        sim = Simulator("pool", seed=seed)
+        sim.rov.place((0.0, 0.0, -3.0))
+        sim.rov.lamps["front"].on = True
+        sim.step(steps)
+        frame = sim.rov.cameras["front"].resized(320).capture(threads=threads)
+        return frame.rgb.tobytes(), frame.depth_m.tobytes()
+
+    first = lit()
+    assert all(lit(threads=threads) == first for threads in (2, 7))
+    assert lit(seed=5)[0] != first[0] != lit(steps=4)[0]
 
 
 def test_captures_on_several_python_threads_equal_captures_one_by_one(pool: Simulator) -> None:
     cameras = [pool.rov.cameras["front"], pool.rov.cameras["down"], pool.cameras["station"]]
     alone = [camera.capture().rgb.tobytes() for camera in cameras]
-    together: dict[int, bytes] = {}
-
-    def capture(k: int, camera: Camera) -> None:
-        together[k] = camera.capture().rgb.tobytes()
-
-    workers = [threading.Thread(target=capture, args=(k, cameras[k % 3])) for k in range(6)]
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join()
-    assert [together[k] for k in range(6)] == alone * 2
+    with ThreadPoolExecutor(6) as threads:
+        together = list(threads.map(lambda camera: camera.capture().rgb.tobytes(), cameras * 2))
+    assert together == alone * 2
 
 
 def test_other_python_threads_run_while_a_camera_computes_its_rays() -> None:
@@ -123,7 +101,6 @@ def test_each_switch_lights_its_own_lamps(pool: Simulator) -> None:
     def light(name: str) -> float:
         return float(rov.cameras[name].capture(without=["noise", "particles"], radiance=True).radiance.mean())
 
-    assert set(rov.lamps) == {"front", "down"}
     assert light("front") == light("down") == 0
     rov.lamps["front"].on = True
     front = light("front")
@@ -167,7 +144,7 @@ def test_a_visibility_scales_the_water_and_keeps_its_colour() -> None:
         sim.parameters["optics.visibility_m"] = 0.0
 
 
-@pytest.mark.parametrize("scenario", ["lake", "pair", "pool"])
+@pytest.mark.parametrize("scenario", ["lake", "pool"])
 def test_the_station_sees_the_docked_vehicle(scenario: str) -> None:
     frame = Simulator(scenario, threads=2).cameras["station"].capture(geometry_only=True)
     share = (frame.labels == frame.label_names.index("rov")).mean()
@@ -197,6 +174,7 @@ def test_the_chase_camera_follows_place_and_heading_alone(pool: Simulator) -> No
 
 def test_turbulence_bends_rays_by_its_closed_form(pool: Simulator) -> None:
     """Chernov's formula: proportional to the temperature deviation; about a pixel at 2 K, zero at 0 K."""
+    camera = pool.rov.cameras["front"]
 
     def bent_px(turbulence_k: float) -> float:
         pool.set_optics(turbulence_k=turbulence_k)
@@ -211,42 +189,18 @@ def test_turbulence_bends_rays_by_its_closed_form(pool: Simulator) -> None:
             squares.append(shift_px[level] ** 2)
         return float(np.sqrt(np.mean(np.concatenate(squares))))
 
-    pool.rov.place((0.0, 0.0, -3.0))
-    camera = pool.rov.cameras["front"]
-    focal_px = camera.info.k[0, 0]
-    assert bent_px(0.0) == 0.0
-    closed_form_px = focal_px * 1e-4 * 2.0 * np.sqrt(2 * np.sqrt(np.pi) / 3 * 5.0 / 0.05)
-    assert bent_px(2.0) == pytest.approx(closed_form_px, rel=0.35)
-    assert bent_px(1.0) == pytest.approx(closed_form_px / 2, rel=0.35)
+    closed_form_px = camera.info.k[0, 0] * 1e-4 * 2.0 * np.sqrt(2 * np.sqrt(np.pi) / 3 * 5.0 / 0.05)
     assert closed_form_px > 0.7
-
-
-def test_the_deck_camera_sees_the_sky_and_the_vehicle() -> None:
-    sim = Simulator("lake", threads=2)
-    frame = sim.cameras["deck"].capture()
-    sky = frame.labels[:20] == 0
-    assert sky.any()
-    assert "station" in frame.label_names
-    top = frame.rgb[:20][sky].mean(axis=0)
-    assert top[2] > top[0]  # blue
-    sim.rov.place((*sim.scenario.station.position_m[:2], -1.2))
-    station = sim.cameras["station"]
-    facing_back = station.mount.model_copy(
-        update={"position_m": (6.0, 0.0, 1.0), "yaw_pitch_roll_deg": (180.0, 20.0, 0.0)}
-    )
-    frame = Camera("ahead", facing_back, station._scene, station._carrier).capture()
-    seen = {frame.label_names[k] for k in np.unique(frame.labels)}
-    assert {"rov", "station"} <= seen
+    for turbulence_k in (0.0, 1.0, 2.0):
+        assert bent_px(turbulence_k) == pytest.approx(closed_form_px * turbulence_k / 2, rel=0.35)
 
 
 def test_frames_are_saved_as_png_and_jpeg(pool: Simulator, tmp_path: Path) -> None:
     frame = pool.rov.cameras["front"].capture()
-    np.testing.assert_array_equal(np.asarray(Image.open(io.BytesIO(frame.png()))), frame.rgb)
-    jpeg = np.asarray(Image.open(io.BytesIO(frame.jpeg(95))), np.float64)
-    assert np.abs(jpeg - frame.rgb).mean() < 4
-    for name in ("a.png", "a.jpg"):
+    for name, most in (("a.png", 0), ("a.jpg", 4)):
         frame.save(tmp_path / name)
-        assert Image.open(tmp_path / name).size == (640, 360)
+        assert np.abs(np.asarray(Image.open(tmp_path / name), np.float64) - frame.rgb).mean() <= most
+    assert Image.open(io.BytesIO(frame.jpeg(95))).size == (640, 360)
     with pytest.raises(ValueError, match=r"must end in \.png"):
         frame.save(tmp_path / "a.gif")
     with pytest.raises(ValueError, match="quality = 0"):
@@ -254,13 +208,6 @@ def test_frames_are_saved_as_png_and_jpeg(pool: Simulator, tmp_path: Path) -> No
     with pytest.raises(ValueError, match="only geometry"):
         pool.rov.cameras["front"].capture(geometry_only=True).png()
     assert {path.name for path in tmp_path.iterdir()} == {"a.png", "a.jpg"}
-
-
-def test_camera_info_has_the_shapes_of_sensor_msgs(pool: Simulator) -> None:
-    info = pool.rov.cameras["front"].info
-    assert (info.width, info.height, info.distortion_model) == (640, 360, "plumb_bob")
-    assert info.k.shape == (3, 3) and info.r.shape == (3, 3) and info.p.shape == (3, 4) and info.d.shape == (5,)
-    np.testing.assert_allclose(np.degrees(2 * np.arctan(320 / info.k[0, 0])), 84)
 
 
 def test_effects_are_chosen_by_name_and_unknown_names_are_refused(pool: Simulator) -> None:
@@ -289,7 +236,6 @@ def test_a_camera_below_ground_is_refused_and_one_in_a_solid_sees_its_inner_side
     ("parameters", "message"),
     [
         ("width: 0", "must be in [1, 8192] pixels"),
-        ("height: 100000", "must be in [1, 8192] pixels"),
         ("width: 8000, height: 8000", "times its height must be at most 16.8 million pixels"),
         ("field_of_view_deg: 180", "must be in [1, 170] deg"),
         ("fov: 80", "unknown key"),
@@ -297,44 +243,22 @@ def test_a_camera_below_ground_is_refused_and_one_in_a_solid_sees_its_inner_side
     ],
 )
 def test_impossible_cameras_are_refused(tmp_path: Path, parameters: str, message: str) -> None:
-    text = POOL.read_text()
-    path = tmp_path / "pool.yaml"
-    path.write_text(
-        text.replace(
-            "  dock_m: [0, 0, -2]",
-            f"  dock_m: [0, 0, -2]\n  cameras: {{odd: {{position_m: [0, 0, 3], {parameters}}}}}",
-        )
-    )
-    with pytest.raises(ValueError) as error:
-        Simulator(path).cameras["odd"].capture()
-    assert message in str(error.value)
-    assert "camera" in str(error.value)
-
-
-def test_an_unknown_water_or_material_is_refused_with_a_suggestion(tmp_path: Path) -> None:
-    for old, new, message in (
-        ("station:", "optics: {jerlov: IIII}\nstation:", "optics.jerlov"),
-        ("    size_m: [1, 1, 1]", "    size_m: [1, 1, 1]\n    material: stel", "did you mean 'steel'?"),
-    ):
-        path = tmp_path / "pool.yaml"
-        path.write_text(POOL.read_text().replace(old, new, 1))
-        with pytest.raises(ScenarioError) as error:
-            load(path)
-        assert message in str(error.value)
+    odd = f"  dock_m: [0, 0, -2]\n  cameras: {{odd: {{position_m: [0, 0, 3], {parameters}}}}}"
+    (tmp_path / "pool.yaml").write_text(POOL.read_text().replace("  dock_m: [0, 0, -2]", odd))
+    with pytest.raises(ValueError, match=rf"(?s)camera.*{re.escape(message)}|{re.escape(message)}.*camera"):
+        Simulator(tmp_path / "pool.yaml").cameras["odd"].capture()
 
 
 @pytest.mark.parametrize("suffix", [".obj", ".glb"])
 def test_a_textured_mesh_shows_its_image(tmp_path: Path, suffix: str) -> None:
     image = Image.new("RGB", (64, 64), (200, 30, 30))
     image.paste((30, 30, 200), (32, 0, 64, 64))
-    uv = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float64)
-    corners = np.array([[0, 1, 0], [0, -1, 0], [0, -1, 2], [0, 1, 2]], np.float64)
-    visual = trimesh.visual.TextureVisuals(uv=uv, image=image)
-    mesh = trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], visual=visual, process=False)
-    mesh.export(tmp_path / f"board{suffix}")
-    text = POOL.read_text().replace("  - kind: box\n", "  - kind: mesh\n    file: board" + suffix + "\n    up: z\n", 1)
-    text = text.replace("    size_m: [1, 1, 1]\n", "")
-    (tmp_path / "pool.yaml").write_text(text)
+    visual = trimesh.visual.TextureVisuals(uv=np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]), image=image)
+    corners = [[0.0, 1, 0], [0, -1, 0], [0, -1, 2], [0, 1, 2]]
+    board = trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], visual=visual, process=False)
+    board.export(tmp_path / f"board{suffix}")
+    text = POOL.read_text().replace("  - kind: box\n", f"  - kind: mesh\n    file: board{suffix}\n    up: z\n", 1)
+    (tmp_path / "pool.yaml").write_text(text.replace("    size_m: [1, 1, 1]\n", ""))
     sim = Simulator(tmp_path / "pool.yaml", threads=1)
     sim.rov.place((-1.0, 0.0, -3.8))
     frame = sim.rov.cameras["front"].capture("off")

@@ -41,16 +41,13 @@ def test_both_equal_numpy(seed: int, dtype: type) -> None:
     np.testing.assert_allclose(_core.points_above(points, transform, 4.0), world[world[:, 2] > 4.0], rtol=0, atol=1e-12)
 
 
-def test_nothing_ahead_and_nothing_above() -> None:
-    for points in (np.empty((0, 3)), np.full((4, 3), np.nan), [[-100.0, 0, 0]]):
-        assert _highest(points, np.eye(4)) is None
-        assert _core.points_above(points, np.eye(4), 4.0).shape == (0, 3)
-
-
-def test_of_equally_high_points_the_first_is_taken_and_points_of_the_world_stay_as_they_are() -> None:
+def test_of_equally_high_points_the_first_is_taken_and_without_points_there_is_none() -> None:
     points = np.array([[4.1, -1.3, -2.7], [5.2, -0.4, -2.7]])
     assert _highest(points, np.eye(4)) == (4.1, -1.3, -2.7)
     assert np.array_equal(_core.points_above(points, np.eye(4), -3.0), points)
+    for nothing in (np.empty((0, 3)), np.full((4, 3), np.nan), [[-100.0, 0, 0]]):
+        assert _highest(nothing, np.eye(4)) is None
+        assert _core.points_above(nothing, np.eye(4), 4.0).shape == (0, 3)
 
 
 @pytest.mark.parametrize(

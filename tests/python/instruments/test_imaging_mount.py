@@ -8,9 +8,9 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.instruments.sonars import imaging
-from uwsim.scenario import ScenarioError
 from uwsim.scenario.read.assets import assets_folder
 
+POOL = assets_folder() / "scenarios" / "pool.yaml"
 SONARS = """
 imaging_sonars:
   ahead: {kind: forward_looking, position_m: [0.5, 0.1, -0.2], yaw_pitch_roll_deg: [0, 20, 0], range_max_m: 10,
@@ -24,9 +24,8 @@ def pool_with(tmp_path: Path, sonars: str) -> Path:
     """Return the pool with a vehicle that carries these sonars."""
     text = (assets_folder() / "vehicles" / "rov.yaml").read_text()
     (tmp_path / "diver.yaml").write_text(re.sub(r"\nimaging_sonars:\n(  .*\n)+", "\n", text) + sonars)
-    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
     path = tmp_path / "scenario.yaml"
-    path.write_text(text.replace("model: rov", "model: diver.yaml"))
+    path.write_text(POOL.read_text().replace("model: rov", "model: diver.yaml"))
     return path
 
 
@@ -54,12 +53,15 @@ def test_they_ping_from_the_vehicles_pose(tmp_path: Path) -> None:
 
 def test_a_method_of_another_kind_is_refused(tmp_path: Path) -> None:
     sonars = Simulator(pool_with(tmp_path, SONARS)).rov.imaging_sonars
-    with pytest.raises(ValueError, match=r"imaging_sonars\['ahead'\] is ForwardLooking: must be SideScan"):
-        sonars["ahead"].line()
-    with pytest.raises(ValueError, match="must be ForwardLooking"):
-        sonars["below"].look()
-    with pytest.raises(ValueError, match="must be SingleBeam"):
-        sonars["aside"].profile([0.0])
+    for method, words in (
+        (sonars["ahead"].line, r"imaging_sonars\['ahead'\] is ForwardLooking: must be SideScan"),
+        (sonars["below"].look, "must be ForwardLooking"),
+        (lambda: sonars["aside"].profile([0.0]), "must be SingleBeam"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            method()
+    with pytest.raises(ValueError, match="wreck"):
+        Simulator(pool_with(tmp_path, "\nimaging_sonars:\n  eye: {kind: side_scan, strengths_db: {wreck: -5}}\n"))
 
 
 @pytest.mark.parametrize(
@@ -73,7 +75,6 @@ def test_a_method_of_another_kind_is_refused(tmp_path: Path) -> None:
         ("kind: forward_looking, beams: 12.5", "beams = 12.5: must be a whole number"),
         ("kind: forward_looking, time_varied_gain: 3", "time_varied_gain = 3: must be true or false"),
         ("kind: forward_looking, field_of_view_deg: 400", r"field_of_view_deg = 400 deg: must be in \(0, 360\] deg"),
-        ("kind: forward_looking, field_of_view_deg: wide", "field_of_view_deg = 'wide': must be a number"),
         ("kind: forward_looking, frequency_hz: -5", r"frequency_hz = -5.*: must be in"),
         ("kind: single_beam, strengths_db: 3", "strengths_db = 3: must be a strength in dB for each surface"),
         ("kind: single_beam, figures: {wings: 2}", "figures.wings: unknown parameter of a single_beam"),
@@ -82,11 +83,5 @@ def test_a_method_of_another_kind_is_refused(tmp_path: Path) -> None:
     ],
 )
 def test_a_mistake_names_the_key(tmp_path: Path, figures: str, words: str) -> None:
-    with pytest.raises(ScenarioError, match=words) as caught:
+    with pytest.raises(ValueError, match=f"(?s)imaging_sonars.*{words}"):
         Simulator(pool_with(tmp_path, f"\nimaging_sonars:\n  eye: {{{figures}}}\n"))
-    assert "imaging_sonars" in str(caught.value)
-
-
-def test_the_strength_of_an_unknown_surface_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="wreck"):
-        Simulator(pool_with(tmp_path, "\nimaging_sonars:\n  eye: {kind: side_scan, strengths_db: {wreck: -5}}\n"))

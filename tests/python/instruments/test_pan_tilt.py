@@ -13,6 +13,7 @@ from uwsim.live import LiveSimulator, replay
 from uwsim.scenario.build.camera import mount_orientation_xyzw
 
 RATE_RAD_S = math.radians(30.0)
+WRONG = (1.6, -1.6, math.nan)
 
 
 @pytest.fixture(scope="module")
@@ -23,6 +24,7 @@ def shared():
 @pytest.fixture
 def sim(shared):
     shared.reset()
+    assert shared.rov.cameras["front"].aim_rad == (0.0, 0.0)
     return shared
 
 
@@ -32,19 +34,22 @@ def optical_axes(camera):
     return np.stack([-left, -up, ahead], axis=1)
 
 
-def test_it_turns_at_its_rate_and_stops_at_its_aim(sim):
+def test_it_turns_at_its_rate_and_stops_at_its_aim_also_in_a_restored_state(sim):
     camera = sim.rov.cameras["front"]
     before = camera.world_from_camera[:3, :3]
     camera.aim(pan_rad=0.5, tilt_rad=-0.2)
     sim.advance(0.3)
-    np.testing.assert_allclose(camera.aim_rad, [0.3 * RATE_RAD_S, -0.3 * RATE_RAD_S])
+    state, half_way = sim.save_state(), (0.3 * RATE_RAD_S, -0.3 * RATE_RAD_S)
     sim.advance(2.0)
-    np.testing.assert_allclose(camera.aim_rad, [0.5, -0.2])
     camera.aim(tilt_rad=0.4)
     sim.advance(3.0)
     np.testing.assert_allclose(camera.aim_rad, [0.5, 0.4])
     turned = Rotation.from_euler("ZY", [0.5, 0.4]).as_matrix()  # about the camera's z, then its y
     np.testing.assert_allclose(camera.world_from_camera[:3, :3], before @ turned, atol=1e-9)
+    sim.restore_state(state)
+    np.testing.assert_allclose(camera.aim_rad, half_way)
+    sim.advance(2.0)
+    np.testing.assert_allclose(camera.aim_rad, [0.5, -0.2])
 
 
 def test_frames_and_joints_follow(sim):
@@ -70,45 +75,28 @@ def test_a_picture_is_of_its_snapshot_s_aim(sim):
     np.testing.assert_allclose(late[:3, :3], mounting, atol=1e-9)
 
 
-def test_aims_are_part_of_saved_states_and_end_with_a_reset(sim):
-    camera = sim.rov.cameras["front"]
-    camera.aim(pan_rad=1.0)
-    sim.advance(0.5)
-    state, half_way = sim.save_state(), camera.aim_rad
-    sim.advance(2.0)
-    sim.reset()
-    assert camera.aim_rad == (0.0, 0.0)
-    sim.restore_state(state)
-    assert camera.aim_rad == half_way
-    sim.advance(2.0)
-    np.testing.assert_allclose(camera.aim_rad, [1.0, 0.0])
-
-
-def test_messages_aim_and_replay_to_the_same(sim):
+def test_messages_aim_and_replay_to_the_same():
     with LiveSimulator("pool", paused=True) as live:
-        found = table(live.simulator)
-        found["camera/front/cmd_pan"].apply(live, build.message("std_msgs/msg/Float64", data=0.25))
+        aim = table(live.simulator)["camera/front/cmd_pan"].apply
+        aim(live, build.message("std_msgs/msg/Float64", data=0.25))
         live.step(7)
         live.rov.cameras["front"].aim(tilt_rad=-0.1)
         live.step(100)
         np.testing.assert_allclose(live.rov.cameras["front"].aim_rad, [0.25, -0.1])
+        for angle in WRONG:
+            with pytest.raises(ValueError, match="camera/front/cmd_pan = "):
+                aim(live, build.message("std_msgs/msg/Float64", data=angle))
         again = replay("pool", live.log, live.simulator.tick)
         assert again.save_state() == live.simulator.save_state()
 
 
-@pytest.mark.parametrize("angle", [1.6, -1.6, math.nan])
-def test_angles_beyond_the_motor_are_refused_whole(sim, angle):
+def test_angles_beyond_the_motor_are_refused_whole(sim):
     camera = sim.rov.cameras["front"]
-    with pytest.raises(ValueError, match=r"camera 'rov[./]front': tilt_rad = .* rad: must be"):
-        camera.aim(pan_rad=0.3, tilt_rad=angle)
-    assert camera.aim_rad == (0.0, 0.0)
+    for angle in WRONG:
+        with pytest.raises(ValueError, match=r"camera 'rov[./]front': tilt_rad = .* rad: must be"):
+            camera.aim(pan_rad=0.3, tilt_rad=angle)
     sim.advance(1.0)
     assert camera.aim_rad == (0.0, 0.0)
-    with LiveSimulator("pool", paused=True) as live, pytest.raises(ValueError, match="camera/front/cmd_tilt = "):
-        table(live.simulator)["camera/front/cmd_tilt"].apply(live, build.message("std_msgs/msg/Float64", data=angle))
-
-
-def test_a_camera_without_a_motor_says_so(sim):
     with pytest.raises(ValueError, match=r"camera 'rov[./]down': has no pan_tilt"):
         sim.rov.cameras["down"].aim(0.1)
     assert "camera/down/cmd_pan" not in table(sim)

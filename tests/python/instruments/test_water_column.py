@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from uwsim import Simulator, _core
+from uwsim import Simulator
 from uwsim.channels.table import Table
 from uwsim.instruments.acoustics import SEABEDS, seabed_backscatter_db
 from uwsim.scenario import load
@@ -70,11 +70,11 @@ def test_it_changes_nothing_else_and_is_computed_only_on_request(seep: Simulator
     assert without.water_column is None and without.water_column_ranges_m is None
     assert np.array_equal(with_it.ranges_m, without.ranges_m)
     assert np.array_equal(with_it.intensity_db, without.intensity_db)
-
-
-def test_a_figure_shows_the_water_column(seep: Simulator) -> None:
-    figure = seep.rov.sonar.ping().plot()  # type: ignore[attr-defined]
-    assert any(axes.images for axes in figure.axes)
+    assert any(axes.images for axes in with_it.plot().axes)
+    pool = Simulator("pool")
+    assert not [channel for channel in Table(pool).channels if channel.name == "water_column"]
+    with pytest.raises(ValueError, match="water_column = True: is for `mode: physics` only"):
+        pool.rov.sonar.ping(water_column=True)
 
 
 def test_a_channel_offers_it_with_the_samples_of_the_ping(seep: Simulator) -> None:
@@ -84,10 +84,6 @@ def test_a_channel_offers_it_with_the_samples_of_the_ping(seep: Simulator) -> No
     assert np.array_equal(levels.T, ping.water_column)  # type: ignore[attr-defined]
     assert message.ping_info.sound_speed > 1400.0  # at the head
     assert channel.delivery.on_request and channel.type == "marine_acoustic_msgs/msg/ProjectedSonarImage"
-
-
-def test_a_scenario_without_it_has_no_such_channel() -> None:
-    assert not [channel for channel in Table(Simulator("pool")).channels if channel.name == "water_column"]
 
 
 @pytest.mark.parametrize(
@@ -103,11 +99,6 @@ def test_a_scenario_without_it_has_no_such_channel() -> None:
 def test_bad_values_are_refused_by_name(tmp_path: Path, old: str, new: str, message: str) -> None:
     with pytest.raises(ScenarioError, match=message):
         load(scenario(tmp_path, SEEP.replace(old, new)))
-
-
-def test_geometry_mode_has_no_water_column() -> None:
-    with pytest.raises(ValueError, match="water_column = True: is for `mode: physics` only"):
-        Simulator("pool").rov.sonar.ping(water_column=True)
 
 
 def test_a_seabed_replaces_lamberts_law_by_its_own_curve(tmp_path: Path) -> None:
@@ -135,10 +126,3 @@ def test_seabeds_are_valid_from_10_to_100_khz() -> None:
         seabed_backscatter_db("clay", 0.5, 200e3)
     with pytest.raises(ValueError, match="grazing_rad"):
         seabed_backscatter_db("clay", 2.0, 30e3)
-
-
-def test_targets_are_the_same_for_all_sonars() -> None:
-    school = _core.WaterTargets("cod", False, (0, 0, -5), (2, 2, 2), 10, -38.0)
-    places = _core.water_targets_at(school, 7, 0.0)
-    assert places.shape == (10, 3) and np.array_equal(places, _core.water_targets_at(school, 7, 50.0))
-    assert not np.array_equal(places, _core.water_targets_at(school, 8, 0.0))
