@@ -13,10 +13,10 @@ def test_overlapping_blocks_of_two_threads_leave_the_hook_and_the_filters() -> N
     def first() -> None:
         with caught_warnings():
             inside.set()
-            second_wants.wait(5.0)
+            second_wants.wait(180.0)
 
     def second() -> None:
-        inside.wait(5.0)
+        inside.wait(180.0)
         second_wants.set()
         with caught_warnings() as issued:
             warnings.warn("mine", UserWarning, stacklevel=1)

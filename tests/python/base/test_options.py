@@ -1,5 +1,6 @@
 """Options: one dataclass is flags, help, rules and the error for an option without effect."""
 
+import re
 from dataclasses import dataclass
 
 import pytest
@@ -19,26 +20,23 @@ class Rig(Options):
 
 
 def test_each_field_is_a_flag() -> None:
+    part = Flag(tuple[str, ...], (), "A part; may be repeated.", ("arm", "leg"), None, "PART")
     assert list(Rig.flags()) == ["rig", "rig_mass", "rig_colour", "rig_part", "rig_count"]
     assert Rig.flags()["rig_mass"] == Flag(float | None, None, "Its mass [kg].", bounds=(0.1, 10, "kg"))
-    assert Rig.flags()["rig_part"] == Flag(
-        tuple[str, ...], (), "A part; may be repeated.", ("arm", "leg"), None, "PART"
-    )
+    assert Rig.flags()["rig_part"] == part
+    given = Rig(rig=True, rig_count=0).given()
+    assert [name for name, is_given in given.items() if is_given] == ["rig", "rig_count"]
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
+def test_a_value_that_breaks_its_rule_is_refused() -> None:
+    for values, message in (
         ({"rig_mass": 11.0}, "--rig-mass = 11.0 kg: must be in [0.1, 10] kg"),
         ({"rig_mass": float("nan")}, "--rig-mass = nan kg"),
         ({"rig_colour": "rod"}, "--rig-colour = 'rod': must be one of red, blue; did you mean 'red'?"),
         ({"rig_part": ("arm", "tail")}, "--rig-part = 'tail': must be one of arm, leg"),
-    ],
-)
-def test_a_value_that_breaks_its_rule_is_refused(values: dict[str, object], message: str) -> None:
-    with pytest.raises(OptionError) as refused:
-        Rig(rig=True, **values)  # type: ignore[arg-type]
-    assert message in str(refused.value)
+    ):
+        with pytest.raises(OptionError, match=re.escape(message)):
+            Rig(rig=True, **values)  # type: ignore[arg-type]
 
 
 def test_an_option_without_its_switch_is_refused() -> None:
@@ -49,8 +47,3 @@ def test_an_option_without_its_switch_is_refused() -> None:
         Rig(rig_count=0)
     with pytest.raises(WithoutEffectError, match="--rig-part: needs --rig"):
         Rig(rig_part=("arm",))
-
-
-def test_what_differs_from_its_default_is_given() -> None:
-    given = Rig(rig=True, rig_count=0).given()
-    assert [name for name, is_given in given.items() if is_given] == ["rig", "rig_count"]

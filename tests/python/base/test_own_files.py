@@ -44,21 +44,19 @@ def test_our_own_file_is_replaced_and_any_other_is_not(tmp_path: Path):
 
 @pytest.mark.usefixtures("marks")
 def test_a_file_that_was_changed_or_put_over_ours_is_not_ours(tmp_path: Path):
-    path, theirs = tmp_path / "map.bt", tmp_path / "real.bt"
+    theirs = tmp_path / "real.bt"
     theirs.write_bytes(b"surveyed in the lake")
-    for change in (
-        lambda: shutil.copyfile(theirs, path),  # keeps the file, with its attributes
-        lambda: path.open("ab").write(b"a line"),
-        lambda: (path.unlink(), path.symlink_to(theirs)),
-        lambda: shutil.copy2(theirs, path) if not path.is_symlink() else None,
+    for number, change in enumerate(
+        (
+            lambda path: shutil.copyfile(theirs, path),  # keeps the file, with its attributes
+            lambda path: path.open("ab").write(b"a line"),
+            lambda path: (path.unlink(), path.symlink_to(theirs)),
+            lambda path: shutil.copy2(theirs, path),
+        )
     ):
-        if path.is_symlink():
-            path.unlink()
-        if path.exists():
-            write_atomically(path, b"ours", replaces_any=True)
-        else:
-            write_atomically(path, b"ours")
-        change()
+        path = tmp_path / f"map{number}.bt"
+        write_atomically(path, b"ours")
+        change(path)
         before = path.read_bytes()
         with pytest.raises(FileExistsError):
             write_atomically(path, b"ours")
@@ -95,10 +93,9 @@ def test_of_a_folder_only_our_files_are_removed(tmp_path: Path):
 
 
 def test_an_empty_file_loses_nothing_and_a_copy_can_be_adopted(tmp_path: Path):
-    path = tmp_path / "made.png"
+    path, copy = tmp_path / "made.png", tmp_path / "copy.png"
     path.touch()
     write_atomically(path, b"ours")
-    copy = tmp_path / "copy.png"
     copy.write_bytes(b"ours")
     assert not is_own(copy)
     adopt(copy)

@@ -1,12 +1,12 @@
 """Our quaternion functions agree with SciPy's rotations."""
 
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from command_line import uwsim_process
 from uwsim.base.quaternions import (
     about_x,
     about_y,
@@ -41,24 +41,22 @@ def test_a_matrix_is_turned_into_its_quaternion_at_half_turns_too() -> None:
         assert same(of_matrix(turn.as_matrix()), turn)
 
 
-def test_the_heading_is_that_of_the_x_axis() -> None:
+def test_headings_mountings_matrices_and_turned_points_are_those_of_scipy() -> None:
+    points = np.random.default_rng(2).normal(size=(7, 3))
     for turn in TURNS:
         x, y, _ = turn.apply((1.0, 0.0, 0.0))
         assert heading_rad(turn.as_quat()) == pytest.approx(np.arctan2(y, x), abs=1e-12)
-
-
-def test_mountings_matrices_and_turned_points_are_those_of_scipy() -> None:
-    points = np.random.default_rng(2).normal(size=(7, 3))
-    for turn in TURNS:
-        angles_deg = turn.as_euler("ZYX", degrees=True)
-        quaternion = of_yaw_pitch_roll_deg(angles_deg)
+        quaternion = of_yaw_pitch_roll_deg(turn.as_euler("ZYX", degrees=True))
         assert same(quaternion, turn)
         np.testing.assert_allclose(matrix(quaternion), turn.as_matrix(), atol=1e-12)
-        np.testing.assert_allclose(turned(quaternion, points), turn.apply(points), atol=1e-12)
-        np.testing.assert_allclose(turned(quaternion, points[0]), turn.apply(points[0]), atol=1e-12)
+        for some in (points, points[0]):
+            np.testing.assert_allclose(turned(quaternion, some), turn.apply(some), atol=1e-12)
 
 
-def test_simulator_and_survey_are_imported_without_scipy() -> None:
+def test_simulator_and_survey_are_imported_without_scipy_and_message_types() -> None:
     """Importing SciPy would take longer than creating a simulator."""
-    program = "import sys, uwsim.simulator.simulator, uwsim.flight.survey; sys.exit('scipy' in sys.modules)"
-    subprocess.run([sys.executable, "-c", program], check=True, timeout=120)
+    program = (
+        "import sys, uwsim.simulator.simulator, uwsim.live, uwsim.flight.survey\n"
+        "sys.exit(', '.join({'scipy', 'rosbags'} & sys.modules.keys()) or 0)"
+    )
+    assert uwsim_process(command=[sys.executable, "-c", program]).stderr == ""

@@ -15,8 +15,9 @@ from uwsim.base.sockets import Entry, SocketWarning, load, load_all, registered
 
 @pytest.fixture
 def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A folder of packages, in place of the installed ones."""
+    """A folder of packages, in place of the installed ones: uwsim with two kinds, to which a test may add others."""
     monkeypatch.setattr("sys.path", [str(tmp_path), str(tmp_path / "no such folder")])
+    install(tmp_path, "uwsim-0.3.0.dist-info", OWN)
     _forget()
     yield tmp_path
     _forget()
@@ -28,7 +29,7 @@ def _forget() -> None:
 
 
 def install(folder: Path, name: str, text: str) -> None:
-    (folder / name).mkdir(parents=True)
+    (folder / name).mkdir(parents=True, exist_ok=True)
     (folder / name / "entry_points.txt").write_text(text)
 
 
@@ -36,7 +37,6 @@ OWN = "[console_scripts]\nuwsim = uwsim.cli:main\n[uwsim.kinds]\nb = json:loads\
 
 
 def test_own_entries_come_first_in_their_order_and_then_those_of_others_by_name(installed: Path) -> None:
-    install(installed, "uwsim-0.3.0.dist-info", OWN)
     install(installed, "Some_Kinds-2.0.dist-info", "[uwsim.kinds]\n# one more\nd=json.decoder:JSONDecoder.decode [x]\n")
     install(installed, "more.egg-info", "[ uwsim.kinds ]\nc = json:load\n[uwsim.others]\ne = json:dump")
     (installed / "none-1.0.dist-info").mkdir()
@@ -45,10 +45,11 @@ def test_own_entries_come_first_in_their_order_and_then_those_of_others_by_name(
     ]  # fmt: skip
     assert load("uwsim.kinds", "d") is json.JSONDecoder.decode
     assert list(load_all("uwsim.kinds").values()) == [json.loads, json.dumps, json.load, json.JSONDecoder.decode]
+    with pytest.raises(ValueError, match=r"uwsim\.new: uwsim's installation lists none: .* Install it again"):
+        registered("uwsim.new")
 
 
 def test_a_name_that_is_taken_is_reported_and_left_out(installed: Path) -> None:
-    install(installed, "uwsim-0.3.0.dist-info", OWN)
     install(installed, "greedy-1.dist-info", "[uwsim.kinds]\na = json:load")
     with pytest.warns(SocketWarning, match="uwsim.kinds: 'a' of greedy: the name is taken by uwsim"):
         assert load("uwsim.kinds", "a") is json.dumps
@@ -60,7 +61,6 @@ def test_a_broken_entry_is_reported_and_left_out(installed: Path) -> None:
             raise ValueError("must be even")
         return 2
 
-    install(installed, "uwsim-0.3.0.dist-info", OWN)
     install(installed, "broken-1.dist-info", "[uwsim.kinds]\nodd = json:load\ngone = json:gone")
     with pytest.warns(SocketWarning) as said:
         assert load_all("uwsim.kinds", number) == {"b": 2, "a": 2}
@@ -88,16 +88,9 @@ def test_a_part_of_uwsim_that_is_not_installed_is_reported_and_left_out(installe
 
 
 def test_of_a_package_that_is_there_twice_the_first_is_meant(installed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    install(installed, "uwsim-0.3.0.dist-info", OWN)
     install(installed / "later", "uwsim-0.2.0.dist-info", "[uwsim.kinds]\nold = json:load")
     monkeypatch.setattr("sys.path", [str(installed), str(installed / "later")])
     assert list(registered("uwsim.kinds")) == ["b", "a"]
-
-
-def test_an_installation_older_than_the_sources_is_reported(installed: Path) -> None:
-    install(installed, "uwsim-0.3.0.dist-info", OWN)
-    with pytest.raises(ValueError, match=r"uwsim\.new: uwsim's installation lists none: .* Install it again"):
-        registered("uwsim.new")
 
 
 def test_an_entry_loads_while_a_thread_imports_its_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -31,19 +31,14 @@ OTHERS = (
 )
 
 
-@pytest.mark.parametrize("program", OTHERS)
-def test_the_lint_refuses_other_readers(program: str) -> None:
-    words = [
-        sys.executable,
-        "-m",
-        "ruff",
-        "check",
-        "--select=TID251",
-        "--stdin-filename=python/uwsim/cli/other.py",
-        "-",
-    ]
-    found = subprocess.run(words, input=program, capture_output=True, text=True, cwd=ROOT, check=False)
-    assert found.returncode == 1 and "uwsim.base.texts" in found.stdout
+def test_the_lint_refuses_other_readers(tmp_path: Path) -> None:
+    for number, program in enumerate(OTHERS):
+        (tmp_path / f"other{number}.py").write_text(program)
+    words = [sys.executable, "-m", "ruff", "check", "--select=TID251", "--output-format=concise"]
+    settings = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
+    found = subprocess.run([*words, *settings, tmp_path], capture_output=True, text=True, cwd=ROOT, check=False)
+    refused = {line.split(":")[0] for line in found.stdout.splitlines() if "uwsim.base.texts" in line}
+    assert len(refused) == len(OTHERS), found.stdout
 
 
 @pytest.mark.parametrize(
@@ -92,7 +87,6 @@ def test_numbers_that_a_float_cannot_hold_are_refused_by_each_check() -> None:
     [
         (b"t,x\n0,1\n\n# pause\n1,inf\n", r"a\.csv:5: x = 'inf': must be a finite number"),
         (b"t,x\n0,1_0\n", r"a\.csv:2: x = '1_0': must be a finite number"),
-        (b"t,x\n0,two\n", r"a\.csv:2: x = 'two': must be a finite number"),
         (b"t,x\n0\n", r"a\.csv:2: 1 values: must be 2"),
         (b"t,t\n0,1\n", r"a\.csv:1: column 't' is named twice"),
         (b"t,y\n0,1\n", r"no column 'x'; there are: t, y"),

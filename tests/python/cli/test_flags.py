@@ -29,6 +29,9 @@ def fly(*, rig: Rig, speed: Annotated[str, typer.Option(help="The pace.")] = "1"
     return rig, speed
 
 
+def plain(speed: float = 1.0) -> None: ...
+
+
 def test_a_class_of_options_stands_for_its_flags() -> None:
     command = expanded(fly)
     assert list(inspect.signature(command).parameters) == ["rig_part", "rig_plan", "speed"]
@@ -36,12 +39,7 @@ def test_a_class_of_options_stands_for_its_flags() -> None:
     assert command(rig_part=None, rig_plan=None, speed="1") == (Rig(), "1")
     with pytest.raises(OptionError, match="--rig-part = 'tail': must be one of arm, leg"):
         command(rig_part=["arm", "tail"], rig_plan=None, speed="1")
-
-
-def test_a_command_without_options_in_classes_is_left_as_it_is() -> None:
-    def plain(speed: float = 1.0) -> None: ...
-
-    assert expanded(plain) is plain
+    assert expanded(plain) is plain, "it has none"
 
 
 def test_of_flags_with_one_name_the_commands_own_is_kept() -> None:
