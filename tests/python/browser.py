@@ -20,7 +20,7 @@ from waiting import until
 CHROMIUM = Path("/usr/bin/chromium-headless-shell")  # from tools/apt-packages-dev.txt, in place of Playwright's build
 SOFTWARE_GL = "--enable-unsafe-swiftshader"
 AXE = Path(__file__).parents[2] / "build/js/node_modules/axe-core/axe.min.js"
-WAIT_S = 60.0  # timeout for every wait; generous because the machine may be busy
+WAIT_S = 180.0  # timeout for every wait; generous because the machine may be busy
 
 
 @contextmanager

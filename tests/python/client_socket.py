@@ -8,7 +8,7 @@ from typing import Any
 from websockets.sync.client import ClientConnection
 from websockets.sync.client import connect as bounded_connect
 
-PATIENCE_S = 60.0
+PATIENCE_S = 180.0
 connect = partial(bounded_connect, max_queue=None)
 
 

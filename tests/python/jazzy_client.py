@@ -22,7 +22,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 
-PATIENCE_S = 60.0
+PATIENCE_S = 180.0
 STEERING_PERIOD_S = 0.05
 LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 DEEP = QoSProfile(depth=10_000)

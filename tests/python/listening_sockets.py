@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
-PATIENCE_S = 60.0
+PATIENCE_S = 180.0
 LISTENS = "0A"  # code of the LISTEN state in /proc/net/tcp
 LOOPBACK = {"0100007F", "00000000000000000000000001000000"}  # 127.0.0.1 and ::1
 Socket = tuple[str, str]

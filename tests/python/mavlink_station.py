@@ -23,7 +23,7 @@ from uwsim.scenario import load, load_vehicle
 
 AUTOPILOT, CAMERA = 1, 100
 TRIES = 30
-PATIENCE_S = 60.0  # generous because the machine may be busy
+PATIENCE_S = 180.0  # generous because the machine may be busy
 
 
 class Station:

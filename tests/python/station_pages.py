@@ -14,7 +14,7 @@ from uwsim.operator.station import Site, Station
 from uwsim.operator.station.calls import CALLS
 from uwsim.operator.station.wire import Refused
 
-PATIENCE_S = 60.0
+PATIENCE_S = 180.0
 
 
 class Page:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 
-def until(condition: Callable[[], Any], what: str = "it", limit_s: float = 60.0) -> Any:
+def until(condition: Callable[[], Any], what: str = "it", limit_s: float = 180.0) -> Any:
     """Wait until a condition is true and return its value. The limit is generous because the machine may be busy."""
     end_s = time.monotonic() + limit_s
     while not (value := condition()):

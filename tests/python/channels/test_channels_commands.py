@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from channel_tools import table
+from channel_tools import floats, table, twist
 from uwsim.channels import Table, start_updates
 from uwsim.channels.calls.command_services import named_arguments
 from uwsim.channels.ros import build
@@ -27,67 +27,49 @@ def live() -> Iterator[LiveSimulator]:
         yield live
 
 
-def twist(*values: float) -> Any:
-    return build.message("geometry_msgs/msg/Twist", linear=build.vector(values[:3]), angular=build.vector(values[3:]))
-
-
-def floats(*values: float) -> Any:
-    return build.message("std_msgs/msg/Float64MultiArray", data=np.array(values, np.float64))
-
-
-@pytest.mark.parametrize("name", ["rov", "scout"])
-def test_a_velocity_is_held_and_the_vehicle_stays_level(live: LiveSimulator, name: str) -> None:
-    hear = table(live.simulator)[f"{name}/cmd_vel"].apply
-    hear(live, twist(0.4, 0.0, 0.1, 0.0, 0.0, 0.2))
+def test_a_velocity_is_held_until_another_command_and_the_vehicle_stays_level(live: LiveSimulator) -> None:
+    found, rov = table(live.simulator), live.vehicles["rov"]
+    for name in live.vehicles:
+        found[f"{name}/cmd_vel"].apply(live, twist(0.4, 0.0, 0.1, 0.0, 0.0, 0.2))
     live.step(2000)
-    velocity = live.vehicles[name].velocity
-    np.testing.assert_allclose(velocity.linear_body_m_s, [0.4, 0.0, 0.1], atol=0.06)
-    assert velocity.angular_body_rad_s[2] == pytest.approx(0.2, abs=0.03)
-    assert live.vehicles[name].pose.world_from_body[2, 2] > math.cos(math.radians(10.0))
-    hear(live, twist(*[0.0] * 6))
-    live.step(2000)
-    assert np.linalg.norm(live.vehicles[name].velocity.linear_body_m_s) < 0.05
-
-
-def test_another_command_ends_the_holding_of_a_velocity(live: LiveSimulator) -> None:
-    found = table(live.simulator)
-    found["rov/cmd_vel"].apply(live, twist(0.5, 0, 0, 0, 0, 0))
-    live.step(100)
+    for vehicle in live.vehicles.values():
+        velocity = vehicle.velocity
+        np.testing.assert_allclose(velocity.linear_body_m_s, [0.4, 0.0, 0.1], atol=0.06)
+        assert velocity.angular_body_rad_s[2] == pytest.approx(0.2, abs=0.03)
+        assert vehicle.pose.world_from_body[2, 2] > math.cos(math.radians(10.0))
+    found["scout/cmd_vel"].apply(live, twist(*[0.0] * 6))
     found["rov/key"].apply(live, build.pose((0.0, 0.0, -0.25), (0.0, 0.0, 0.0, 0.0)))
     live.step(100)
-    np.testing.assert_array_equal(live.vehicles["rov"].effort, [0, 0, -0.25, 0, 0, 0])
+    np.testing.assert_array_equal(rov.effort, [0, 0, -0.25, 0, 0, 0])
+    live.step(1900)
+    assert np.linalg.norm(live.vehicles["scout"].velocity.linear_body_m_s) < 0.05
 
 
 def test_wrench_and_thruster_commands_arrive(live: LiveSimulator) -> None:
-    found = table(live.simulator)
-    thrusters = list(live.vehicles["scout"].thrusters)
-    found["scout/cmd_thrusters"].apply(live, floats(*np.linspace(-0.5, 0.5, len(thrusters))))
+    found, efforts = table(live.simulator), np.linspace(-0.5, 0.5, len(live.vehicles["scout"].thrusters))
+    found["scout/cmd_thrusters"].apply(live, floats(*efforts))
     live.step(1)
-    commands = [thruster.command for thruster in live.vehicles["scout"].thrusters.values()]
-    np.testing.assert_allclose(commands, np.linspace(-0.5, 0.5, len(thrusters)))
+    np.testing.assert_allclose([one.command for one in live.vehicles["scout"].thrusters.values()], efforts)
     wrench = build.message("geometry_msgs/msg/Wrench", force=build.vector((100, 0, 0)), torque=build.vector((0, 0, 5)))
     found["rov/cmd_wrench"].apply(live, wrench)
+    found["rov/cmd_tilt"].apply(live, build.message("std_msgs/msg/Float64", data=0.05))
     live.step(100)
     assert live.vehicles["rov"].velocity.linear_body_m_s[0] > 0.02
-    found["rov/cmd_tilt"].apply(live, build.message("std_msgs/msg/Float64", data=0.05))
-    live.step(2000)
+    live.step(1900)
     assert live.vehicles["rov"].sonar.elevation_rad == pytest.approx(-0.05)
 
 
-@pytest.mark.parametrize(
-    ("topic", "message", "rule"),
-    [
+def test_what_cannot_be_done_is_refused(live: LiveSimulator) -> None:
+    before, found = len(live.log), table(live.simulator)
+    for topic, message, rule in (
         ("rov/cmd_vel", twist(math.nan, 0, 0, 0, 0, 0), "cmd_vel = .*: must be finite"),
         ("rov/cmd_vel", twist(1e9, 0, 0, 0, 0, 0), "cmd_vel = .*: must be finite and within 100"),
         ("scout/cmd_thrusters", floats(0.1), "cmd_thrusters: 1 values: must be"),
         ("scout/cmd_thrusters", floats(*[1.5] * 8), r"cmd_thrusters: \w+ = 1.5: must be in \[-1, 1\]"),
         ("rov/cmd_tilt", build.message("std_msgs/msg/Float64", data=9.0), "cmd_tilt = 9.0 rad: must be in"),
-    ],
-)
-def test_what_cannot_be_done_is_refused(live: LiveSimulator, topic: str, message: Any, rule: str) -> None:
-    before = len(live.log)
-    with pytest.raises(ValueError, match=rule):
-        table(live.simulator)[topic].apply(live, message)
+    ):
+        with pytest.raises(ValueError, match=rule):
+            found[topic].apply(live, message)
     live.step(20)
     assert len(live.log) == before
 
@@ -97,7 +79,7 @@ def ask(live: LiveSimulator, name: str, /, own: Table | None = None, **request: 
     return found[name].call(live, request)
 
 
-def test_services_of_the_simulator(live: LiveSimulator) -> None:
+def test_services_of_the_simulator_and_of_a_vehicle(live: LiveSimulator) -> None:
     done = {"success": True, "message": ""}
     assert ask(live, "simulation/step", steps=7.0) == done
     assert live.simulator.tick == 7
@@ -110,26 +92,19 @@ def test_services_of_the_simulator(live: LiveSimulator) -> None:
     assert (pace["speed"], pace["paused"]) == (2.0, False)
     assert ask(live, "simulation/pause") == done
     assert ask(live, "simulation/reset") == done
-    assert live.simulator.tick == 0
+    assert live.simulator.tick == 0 and not live.vehicles["rov"].released
     assert "speed = -1" in ask(live, "simulation/set_speed", speed=-1)["message"]
-
-
-def test_services_of_a_vehicle(live: LiveSimulator) -> None:
-    live.reset()
-    assert not live.vehicles["rov"].released
-    assert ask(live, "rov/release")["success"]
-    assert live.vehicles["rov"].released
-    assert ask(live, "rov/lights/front", data=True)["success"]
-    assert live.vehicles["rov"].lamps["front"].on
+    assert ask(live, "rov/release")["success"] and live.vehicles["rov"].released
+    assert ask(live, "rov/lights/front", data=True)["success"] and live.vehicles["rov"].lamps["front"].on
     assert ask(live, "rov/lights/front")["message"] == "data = None: must be given, as bool"
 
 
-@pytest.mark.parametrize("field", ["name", "vehicle", "live", "self", "by", "sim", "target", "tick"])
-def test_a_field_that_a_command_has_not_is_refused_whatever_its_name(live: LiveSimulator, field: str) -> None:
+def test_a_field_that_a_command_has_not_is_refused_whatever_its_name(live: LiveSimulator) -> None:
     """Also the names of parameters of the functions that pass it on."""
-    for service in ("rov/release", "rov/set_wrench"):
-        answer = ask(live, service, **{field: "other"})
-        assert not answer["success"] and f"'{field}': " in answer["message"]
+    for field in ("name", "vehicle", "live", "self", "by", "sim", "target", "tick"):
+        for service in ("rov/release", "rov/set_wrench"):
+            answer = ask(live, service, **{field: "other"})
+            assert not answer["success"] and f"'{field}': " in answer["message"]
 
 
 def test_the_map_is_saved_where_the_simulator_runs_and_nowhere_else(

@@ -25,24 +25,14 @@ def live() -> Iterator[LiveSimulator]:
 
 def key(w: float = 0.0, **efforts: float) -> Any:
     """Return a `key` message, with efforts as its position x, y, z and its orientation pitch, roll, yaw, w."""
-    given = {"x": 0.0, "y": 0.0, "z": 0.0, "pitch": 0.0, "roll": 0.0, "yaw": 0.0, **efforts}
-    turn = given["pitch"], given["roll"], given["yaw"], w
-    return build.pose([given["x"], given["y"], given["z"]], turn)
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (12.31, "12.31"), (95.0, "95"), (0.1 + 0.2, "0.3"), (1e-5, "1E-05"), (1234567.9, "1234568"), (1e10, "1E+10"),
-        (-0.5, "-0.5"), (math.inf, "Infinity"), (0.0, "0"), (1 / 3, "0.3333333"),
-    ],
-)  # fmt: skip
-def test_numbers_are_written_as_csharp_does(value: float, text: str) -> None:
-    assert csharp_number(value) == text
+    x, y, z, *turn = (efforts.get(name, 0.0) for name in ("x", "y", "z", "pitch", "roll", "yaw"))
+    return build.pose([x, y, z], (*turn, w))
 
 
 def test_the_depth_string_decodes_to_the_ping() -> None:
-    for model in (1, 2, 3, 4):
+    numbers = {12.31: "12.31", 95.0: "95", 1e-5: "1E-05", math.inf: "Infinity", 1 / 3: "0.3333333"}
+    assert {value: csharp_number(value) for value in numbers} == numbers
+    for model in (2, 3):
         sim = Simulator("pool", sonar_model=model)
         found = table(sim)
         assert found["modelTrigger"].read(sim).data == str(model)
@@ -50,13 +40,8 @@ def test_the_depth_string_decodes_to_the_ping() -> None:
         decoded = ranging.decode_depth_string(found["depthArray"].read(sim).data, model)
         np.testing.assert_allclose(decoded, found["scan"].read(sim).ranges, rtol=1e-6)  # seven significant digits
         assert np.isfinite(decoded).any()
-
-
-def test_another_sonar_is_not_on_the_published_wire() -> None:
-    sim = Simulator("pool", sonar_model="em2040-04", sonar_frequency_hz=400e3)
-    found = table(sim)
-    assert {"scan", "scanPos"} <= set(found)
-    assert not {"depthArray", "modelTrigger"} & set(found)
+    other = set(table(Simulator("pool", sonar_model="em2040-04", sonar_frequency_hz=400e3)))
+    assert {"scan", "scanPos"} <= other and not {"depthArray", "modelTrigger"} & other
 
 
 def test_the_scenario_paper_is_served_as_published_without_options() -> None:
@@ -78,7 +63,7 @@ def test_the_scenario_paper_is_served_as_published_without_options() -> None:
 
 
 def test_the_state_string_has_the_nine_values_of_the_panel() -> None:
-    sim = Simulator("lake")
+    sim = Simulator("pool")
     sim.advance(1.5)
     sim.rov.release()
     sim.rov.set_effort(surge=0.5, heave=-0.3, yaw=0.3)
@@ -93,78 +78,65 @@ def test_the_state_string_has_the_nine_values_of_the_panel() -> None:
     np.testing.assert_allclose(values, expected, rtol=1e-6)
     assert values[3] == pytest.approx(101.325 + 9.81 * values[4], rel=0.01)  # kPa, in fresh water
     proximity = float(table(sim)["proximitySensor"].read(sim).data)
-    assert proximity == pytest.approx(sim.rov.sensors["proximity_port"].read(), rel=1e-6)
-    assert proximity <= 10.0
+    assert 10.0 >= proximity == pytest.approx(sim.rov.sensors["proximity_port"].read(), rel=1e-6)
 
 
 def test_poses_are_offset_by_the_origin_and_the_tilt_is_positive_nose_down() -> None:
-    sim = Simulator("lake")
+    sim = Simulator("pool")
     sim.rov.sonar.aim(-0.5)
     sim.advance(10.0)
     found = table(sim, origin="published")
-    pose = found["propPos"].read(sim)
+    pose, head = found["propPos"].read(sim), found["scanPos"].read(sim)
     expected = np.array(sim.rov.pose.world_from_body)
     expected[2, 3] += 75.3
     np.testing.assert_allclose(matrix(pose.position, pose.orientation), expected, atol=1e-12)
-    head = found["scanPos"].read(sim)
     assert head.orientation.y == pytest.approx(math.sin(0.25))  # 0.5 rad about +y
     forward = matrix(head.position, head.orientation)[:3, 0]
     np.testing.assert_allclose(forward, [math.cos(0.5), 0.0, -math.sin(0.5)])
     np.testing.assert_allclose([head.position.x, head.position.y, head.position.z], [0.52, 0.0, -0.22])
 
 
-@pytest.mark.parametrize(
-    ("effort", "axis", "sign"),
-    [
-        ({"x": 1}, 0, 1), ({"y": 1}, 1, -1), ({"z": 1}, 2, 1),
-        ({"roll": 1}, 3, 1), ({"pitch": 1}, 4, 1), ({"yaw": 1}, 5, -1),
-    ],
-)  # fmt: skip
-def test_efforts_have_the_published_signs(live: LiveSimulator, effort: dict[str, float], axis: int, sign: int) -> None:
-    table(live.simulator)["key"].apply(live, key(**effort))
-    live.step(60)
-    velocity = live.rov.velocity
-    moved = np.concatenate([velocity.linear_body_m_s, velocity.angular_body_rad_s])
-    assert np.sign(moved[axis]) == sign
-    assert abs(moved[axis]) > 0.02
-
-
-def test_efforts_saturate(live: LiveSimulator) -> None:
-    table(live.simulator)["key"].apply(live, key(x=4.0, y=-4.0, yaw=math.inf))
+def test_efforts_have_the_published_signs_and_saturate(live: LiveSimulator) -> None:
+    signs = {"x": 1, "y": -1, "z": 1, "roll": 1, "pitch": 1, "yaw": -1}
+    hear = table(live.simulator)["key"].apply
+    for axis, (name, sign) in enumerate(signs.items()):
+        live.rov.place((0.0, 0.0, -2.5))
+        hear(live, key(**{name: 1}))
+        live.step(60)
+        velocity = live.rov.velocity
+        moved = np.concatenate([velocity.linear_body_m_s, velocity.angular_body_rad_s])
+        assert np.sign(moved[axis]) == sign, name
+        assert abs(moved[axis]) > 0.02, name
+    hear(live, key(x=4.0, y=-4.0, yaw=math.inf))
     live.step(1)
     np.testing.assert_array_equal(live.rov.effort, [1.0, 1.0, 0.0, 0.0, 0.0, -1.0])
 
 
 def test_functions_of_the_keyboard(live: LiveSimulator) -> None:
     live.reset()
-    hear = table(live.simulator)["key"].apply
-    assert not live.rov.released
-    hear(live, key(1))
-    hear(live, key(3))
-    live.step(1)
-    assert live.rov.released
-    assert (live.rov.lamps["front"].on, live.rov.lamps["down"].on) == (True, False)
-    hear(live, key(2))
-    hear(live, key(5))
-    live.step(1)
-    assert (live.rov.lamps["front"].on, live.rov.lamps["down"].on) == (False, True)
-    before = live.rov.sonar.elevation_rad
-    hear(live, key(6))
-    live.step(400)  # two seconds at 5 degrees per second
-    assert live.rov.sonar.elevation_rad - before == pytest.approx(math.radians(-10.0), abs=1e-3)
-    hear(live, key(7))
-    live.step(200)
-    held = live.rov.sonar.elevation_rad
-    assert held - before == pytest.approx(math.radians(-10.0), abs=1e-3)
-    hear(live, key(8))
-    live.step(200)
-    assert live.rov.sonar.elevation_rad - held == pytest.approx(math.radians(5.0), abs=1e-3)
+    rov, lamps = live.rov, live.rov.lamps
+
+    def press(*numbers: float, steps: int = 1) -> float:
+        """Press keys one after the other; return the angle by which the sonar has turned since, in degrees."""
+        before = rov.sonar.elevation_rad
+        for number in numbers:
+            table(live.simulator)["key"].apply(live, key(number))
+        live.step(steps)
+        return math.degrees(rov.sonar.elevation_rad - before)
+
+    assert not rov.released
+    press(1, 3)
+    assert rov.released and (lamps["front"].on, lamps["down"].on) == (True, False)
+    press(2, 5)
+    assert (lamps["front"].on, lamps["down"].on) == (False, True)
+    turned_deg = press(6, steps=400), press(7, steps=200), press(8, steps=200)  # 5 degrees per second, and held
+    assert turned_deg == pytest.approx((-10.0, 0.0, 5.0), abs=0.06)
 
 
-@pytest.mark.parametrize("message", [key(9.0), key(0.5), key(x=math.nan), key(1.0, pitch=math.nan)])
-def test_what_is_no_key_is_refused_whole(live: LiveSimulator, message: Any) -> None:
+def test_what_is_no_key_is_refused_whole(live: LiveSimulator) -> None:
     before = len(live.log)
-    with pytest.raises(ValueError, match="key: "):
-        table(live.simulator)["key"].apply(live, message)
+    for message in (key(9.0), key(0.5), key(x=math.nan), key(1.0, pitch=math.nan)):
+        with pytest.raises(ValueError, match="key: "):
+            table(live.simulator)["key"].apply(live, message)
     live.step(1)
     assert len(live.log) == before

@@ -2,6 +2,7 @@
 
 import pytest
 
+from channel_tools import twist
 from uwsim.bridges.bridge import Bridge
 from uwsim.channels import Table
 from uwsim.channels.ros import build
@@ -36,15 +37,14 @@ def test_clients_learn_at_once_that_an_autopilot_steers_but_may_stop_the_vehicle
         live.rov.release()
         table, wrench = Table(live.simulator), "geometry_msgs/msg/Wrench"
         with Bridge("test", live, table.channels, table.services) as bridge:
-            ahead = build.message("geometry_msgs/msg/Twist", linear=build.vector((0.5, 0.0, 0.0)))
-            bridge.apply(bridge.inputs["cmd_vel"], ahead)
+            bridge.apply(bridge.inputs["cmd_vel"], twist(0.5))
             assert table.steering["rov"].is_flown
             live.simulator.rov.helm.take(Source.AUTOPILOT, "ArduSub")
             assert not table.steering["rov"].is_flown, "the velocity is no longer held"
             live.read(lambda sim: None).result()
             before = len(live.log)  # the hold may have set efforts once
             with pytest.raises(ValueError, match="vehicle 'rov': cmd_vel: has no effect while ArduSub steers"):
-                bridge.apply(bridge.inputs["cmd_vel"], ahead)
+                bridge.apply(bridge.inputs["cmd_vel"], twist(0.5))
             with pytest.raises(ValueError, match="vehicle 'rov': set_wrench: has no effect while ArduSub steers"):
                 bridge.apply(bridge.inputs["cmd_wrench"], build.message(wrench, force=build.vector((9.0, 0.0, 0.0))))
             bridge.apply(bridge.inputs["cmd_wrench"], build.message(wrench))

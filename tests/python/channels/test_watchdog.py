@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from all_stop_world import scenario
+from channel_tools import floats, twist
 from uwsim import Simulator
 from uwsim.bridges.bridge import Bridge
 from uwsim.channels import Channel, Table
@@ -18,16 +19,8 @@ from uwsim.live import LiveSimulator
 STEPS_S = 200  # steps in a second
 
 
-def twist(surge: float) -> Any:
-    return build.message("geometry_msgs/msg/Twist", linear=build.vector((surge, 0.0, 0.0)))
-
-
 def wrench(force_n: float) -> Any:
     return build.message("geometry_msgs/msg/Wrench", force=build.vector((force_n, 0.0, 0.0)))
-
-
-def floats(*values: float) -> Any:
-    return build.message("std_msgs/msg/Float64MultiArray", data=np.array(values, np.float64))
 
 
 KEY = build.pose((0.5, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
@@ -64,7 +57,7 @@ def peers(live: LiveSimulator) -> Iterator[Peers]:
 def pushed(live: LiveSimulator) -> dict[str, bool]:
     """Return whether each vehicle's thrusters are commanded."""
     return {
-        name: any(abs(thruster.command) > 1e-3 for thruster in vehicle.thrusters.values()) or bool(vehicle.effort.any())
+        name: any(abs(one.command) > 1e-3 for one in vehicle.thrusters.values()) or bool(vehicle.effort.any())
         for name, vehicle in live.vehicles.items()
     }
 
@@ -78,31 +71,21 @@ def test_silence_ends_a_velocity_after_half_a_simulated_second(live: LiveSimulat
     assert abs(live.vehicles["scout"].velocity.linear_body_m_s[0]) < 0.05, "as after a command of zero velocity"
 
 
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [("scout/cmd_wrench", wrench(100.0)), ("scout/cmd_thrusters", floats(*[0.5] * 8))],
-)
-def test_silence_ends_forces_at_the_timeout_and_not_before(
-    live: LiveSimulator, peers: Peers, name: str, message: Any
-) -> None:
-    vehicle = name.split("/")[0]
-    peers.say(name, message)
-    live.step(99)
-    assert pushed(live)[vehicle]
-    live.step(12)  # the timeout and one period of the watchdog
-    assert not pushed(live)[vehicle]
+def test_silence_ends_forces_at_the_timeout_and_not_before(live: LiveSimulator, peers: Peers) -> None:
+    for name, message in (("scout/cmd_wrench", wrench(100.0)), ("scout/cmd_thrusters", floats(*[0.5] * 8))):
+        peers.say(name, message)
+        live.step(99)
+        assert pushed(live)["scout"], name
+        live.step(12)  # the timeout and one period of the watchdog
+        assert not pushed(live)["scout"], name
 
 
 def test_a_publisher_that_leaves_ends_its_command_at_once(live: LiveSimulator, peers: Peers) -> None:
     peers.say("scout/cmd_wrench", wrench(100.0))
-    live.step(10)
-    assert pushed(live)["scout"]
-    peers.leave_commands("scout/cmd_vel")
-    live.step(1)
-    assert pushed(live)["scout"], "another publisher's leaving does not matter"
-    peers.leave_commands("scout/cmd_wrench")
-    live.step(1)
-    assert not pushed(live)["scout"]
+    for left, stays in (("scout/cmd_vel", True), ("scout/cmd_wrench", False)):  # that of another does not matter
+        peers.leave_commands(left)
+        live.step(1)
+        assert pushed(live)["scout"] == stays
 
 
 def test_the_timeout_is_a_parameter_and_zero_holds(live: LiveSimulator, peers: Peers) -> None:
@@ -143,17 +126,16 @@ def test_a_service_that_replaces_a_command_is_not_ended_with_it(live: LiveSimula
 
 
 def test_thrusters_stop_although_the_fins_are_still_commanded(tmp_path: Path) -> None:
-    with (
-        LiveSimulator(Simulator(scenario(tmp_path)), speed="max", paused=True) as live,
-        Peers(live, Table(live.simulator).channels) as peers,
-    ):
-        peers.say("fins/cmd_thrusters", floats(1.0))
-        for _ in range(4):
-            peers.say("fins/cmd_fins", floats(0.1, 0.1, 0.2, 0.2))
-            live.step(40)
-        (propeller,) = live.vehicles["fins"].thrusters.values()
-        assert propeller.command == 0.0
-        assert list(live.vehicles["fins"].fins.values()) == pytest.approx([0.1, 0.1, 0.2, 0.2], abs=0.02)
+    with LiveSimulator(scenario(tmp_path), speed="max", paused=True) as live:
+        fins = live.vehicles["fins"]
+        with Peers(live, Table(live.simulator).channels) as peers:
+            peers.say("fins/cmd_thrusters", floats(1.0))
+            for _ in range(4):
+                peers.say("fins/cmd_fins", floats(0.1, 0.1, 0.2, 0.2))
+                live.step(40)
+            (propeller,) = fins.thrusters.values()
+            assert propeller.command == 0.0
+            assert list(fins.fins.values()) == pytest.approx([0.1, 0.1, 0.2, 0.2], abs=0.02)
 
 
 def test_over_a_modem_the_station_watches_and_sends_the_end() -> None:
