@@ -8,27 +8,21 @@ from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from all_stop_world import DRIVES, at_rest, scenario
-from channel_tools import table
+from channel_tools import floats, table, twist
 from uwsim import Simulator
-from uwsim.channels import Table, channels
+from uwsim.channels import Table
 from uwsim.channels.families.diagnostics import diagnostics_channel
 from uwsim.channels.ros import build
 from uwsim.live import LiveSimulator
 from uwsim.live.step_loop import REQUESTS_MAX
 from uwsim.operator.station.pilot import Pilot
 
-
-def floats(*values: float) -> Any:
-    return build.message("std_msgs/msg/Float64MultiArray", data=np.array(values, np.float64))
-
-
 AHEAD = build.pose((1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
 X, ZERO = build.vector((0.5, 0.0, 0.0)), build.vector((0.0, 0.0, 0.0))
-TWIST = build.message("geometry_msgs/msg/Twist", linear=X, angular=ZERO)
+TWIST = twist(0.5)
 HEARD: dict[str, Any] = {
     "thrusters/key": AHEAD, "fins/key": AHEAD, "forces/key": AHEAD,
     **{f"{name}/cmd_vel": TWIST for name in DRIVES},
@@ -47,16 +41,16 @@ def live(tmp_path: Path) -> Iterator[LiveSimulator]:
         yield live
 
 
-def test_every_topic_that_is_heard_has_been_thought_of(live: LiveSimulator) -> None:
-    heard = {channel.name for channel in channels(live.simulator) if channel.direction == "in"}
-    assert heard == set(HEARD) | LOOKING
-
-
 def is_driven(live: LiveSimulator) -> bool:
     """Return True if something drives a vehicle; a force not produced by thrusters is detected by its effect."""
     before = live.vehicles["forces"].velocity.linear_body_m_s[0]
     live.step(20)
     return not at_rest(live.simulator) or live.vehicles["forces"].velocity.linear_body_m_s[0] > before + 1e-6
+
+
+def test_every_topic_that_is_heard_has_been_thought_of(live: LiveSimulator) -> None:
+    heard = {name for name, channel in table(live.simulator).items() if channel.direction == "in"}
+    assert heard == set(HEARD) | LOOKING
 
 
 @pytest.mark.parametrize("topic", HEARD)
@@ -77,25 +71,6 @@ def test_no_topic_moves_a_stopped_vehicle_and_who_publishes_is_told(live: LiveSi
     assert is_driven(live)
 
 
-def test_a_velocity_that_is_held_ends_though_all_stop_is_released_at_once(live: LiveSimulator) -> None:
-    table(live.simulator)["forces/cmd_vel"].apply(live, HEARD["forces/cmd_vel"])
-    live.step(20)
-    live.vehicles["forces"].all_stop()
-    live.vehicles["forces"].all_stop(False)
-    live.step(200)
-    assert at_rest(live.simulator)
-
-
-def test_zero_and_lamps_are_no_reason_to_complain(live: LiveSimulator) -> None:
-    live.vehicles["forces"].all_stop()
-    key = table(live.simulator)["forces/key"].apply
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        key(live, build.pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 3.0)))
-        live.step()
-    assert live.vehicles["forces"].lamps["front"].on
-
-
 def test_the_service_stops_and_releases_and_every_vehicle_has_one(live: LiveSimulator) -> None:
     found = {service.name: service for service in Table(live.simulator).services}
     for name in DRIVES:
@@ -108,26 +83,36 @@ def test_the_service_stops_and_releases_and_every_vehicle_has_one(live: LiveSimu
         assert "data = None: must be given" in stop.call(live, {}).result()["message"]
 
 
-def test_telemetry_and_diagnostics_say_so(live: LiveSimulator) -> None:
+def test_telemetry_and_diagnostics_say_so_but_not_of_lamps(live: LiveSimulator) -> None:
     panel, diagnosed = table(live.simulator)["fins/telemetry"], diagnostics_channel(live)
     assert list(panel.read(live.simulator).alarms) == []
     live.vehicles["fins"].all_stop()
     assert list(panel.read(live.simulator).alarms) == ["all stop"]
     levels = {status.name: status.level for status in diagnosed.read(live.simulator).status}
     assert (levels["uwsim: fins"], levels["uwsim: forces"]) == (1, 0)
+    forces = live.vehicles["forces"]
+    table(live.simulator)["forces/cmd_vel"].apply(live, HEARD["forces/cmd_vel"])
+    live.step(20)
+    forces.all_stop()
+    forces.all_stop(False)
+    live.step(200)
+    assert at_rest(live.simulator), "a velocity is no longer held, although all stop is released at once"
+    forces.all_stop()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        table(live.simulator)["forces/key"].apply(live, build.pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 3.0)))
+        live.step()
+    assert forces.lamps["front"].on
 
 
 def test_the_pilot_s_hands_move_nothing_and_release_does_not_move_it_either(live: LiveSimulator) -> None:
-    helm = Pilot(live, Table(live.simulator).steering)
-    assert helm.drive({"vehicle": "forces", "surge": 0.5}).result()["success"]
-    for _ in range(2):
-        assert helm.all_stop({"vehicle": "forces"}).result()["success"]
-        assert at_rest(live.simulator)
-        with pytest.raises(ValueError, match="all stop is set"):
-            helm.drive({"vehicle": "forces", "surge": 0.5})
+    helm, ahead = Pilot(live, Table(live.simulator).steering), {"vehicle": "forces", "surge": 0.5}
+    assert helm.drive(ahead).result()["success"]
+    assert helm.all_stop({"vehicle": "forces"}).result()["success"] and at_rest(live.simulator)
+    with pytest.raises(ValueError, match="all stop is set"):
+        helm.drive(ahead)
     helm.beat()
-    assert helm.all_stop({"vehicle": "forces", "on": False}).result()["success"]
-    assert at_rest(live.simulator)
+    assert helm.all_stop({"vehicle": "forces", "on": False}).result()["success"] and at_rest(live.simulator)
     for wrong in ({"vehicle": "boat"}, {"vehicle": "forces", "on": 1}):
         with pytest.raises(ValueError, match="must be"):
             helm.all_stop(wrong)
