@@ -21,6 +21,8 @@ from uwsim.bridges.ros_packages.description import described
 from uwsim.bridges.rosbridge.parameters import Parameters
 from uwsim.channels import Table
 from uwsim.channels.families.description import descriptions, mesh_file
+from uwsim.recording import Recorder
+from uwsim.recording.replay import replay
 from uwsim.scenario import load, vehicle_hull
 
 TRIMMED = "  - {name: trimmed, model: bluerov2_heavy, start: {position_m: [0, 9, -5]}, trim: {net_buoyancy_n: 2}}\n"
@@ -141,3 +143,13 @@ def test_clients_of_rosapi_read_it_as_a_parameter_and_may_replace_it(sim: Simula
     assert parameters.get_json(name) == '"mine"'
 
 
+def test_a_recording_at_the_rate_of_the_imu_replays(tmp_path: Path) -> None:
+    path = tmp_path / "fast.mcap"
+    with Simulator("pool") as sim:
+        shared = Table(sim, tf_rate_hz=200.0, joint_frames=True)
+        with Recorder(sim, path, topics=["tf", "tf_static"], shared=shared):
+            sim.advance(0.25)
+    result = replay(path)
+    assert result.difference is None and result.messages["tf"] == 51
+    with pytest.raises(ValueError, match="tf_rate_hz = 201 Hz: must be in"):
+        Table(sim, tf_rate_hz=201.0)
