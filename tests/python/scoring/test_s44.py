@@ -6,27 +6,27 @@ import pytest
 from uwsim.scoring.s44 import CONFIDENCE, ORDERS, best_order, share_within
 
 
-def test_the_vertical_uncertainty_follows_the_formula():
-    """sqrt(a^2 + (b d)^2), calculated by hand for 0 and 100 m."""
-    expected = {"Exclusive": (0.15, 0.764853), "Special": (0.25, 0.790569), "1a": (0.5, 1.392839), "2": (1.0, 2.507987)}
-    for order in ORDERS:
-        at_surface, deep = order.tvu_m(np.array([0.0, 100.0]))
-        assert (at_surface, deep) == pytest.approx(expected.get(order.name, expected["1a"]), rel=1e-5)
-        assert order.tvu_m(np.array([-3.0])) == at_surface
+def test_orders_allow_the_uncertainties_of_their_table():
+    """S-44 edition 6, Table 1, at 0 and 100 m: sqrt(a^2 + (100 b)^2), and the horizontal ones."""
+    at = np.array([0.0, 100.0])
+    allowed = {order.name: (order.tvu_m(at).tolist(), order.thu_m(at).tolist()) for order in ORDERS}
+    assert allowed["Exclusive"] == (pytest.approx([0.15, 0.764853], rel=1e-5), [1.0, 1.0])
+    assert allowed["Special"] == (pytest.approx([0.25, 0.790569], rel=1e-5), [2.0, 2.0])
+    assert allowed["1a"] == allowed["1b"] == (pytest.approx([0.5, 1.392839], rel=1e-5), [5.0, 10.0])
+    assert allowed["2"] == (pytest.approx([1.0, 2.507987], rel=1e-5), [20.0, 30.0])
+    assert [order.tvu_m(np.array([-3.0])) for order in ORDERS] == [allowed[order.name][0][0] for order in ORDERS]
 
 
-@pytest.mark.parametrize("depth_m", [0.0, 30.0, 300.0])
-@pytest.mark.parametrize("at", range(len(ORDERS)))
-def test_an_order_is_met_up_to_its_limit_and_not_beyond(depth_m, at):
-    order = ORDERS[at]
-    depths, limit_m = np.full(100, depth_m), order.tvu_m(np.array([depth_m]))[0]
-    sign = np.where(np.arange(100) % 2, 1.0, -1.0)
-    assert share_within(order, 0.999 * limit_m * sign, depths) == 1.0
-    assert share_within(order, 1.001 * limit_m * sign, depths) == 0.0
-    kept = best_order(0.999 * limit_m * sign, depths)
-    assert kept.tvu_m(depths[:1]) == limit_m
-    worse = best_order(1.001 * limit_m * sign, depths)
-    assert worse is None if order.name == "2" else worse.a_m > order.a_m
+@pytest.mark.parametrize("order", ORDERS, ids=lambda order: order.name)
+def test_an_order_is_met_up_to_its_limit_and_not_beyond(order):
+    for depth_m in (0.0, 30.0, 300.0):
+        depths = np.full(100, depth_m)
+        limits_m = order.tvu_m(depths) * np.where(np.arange(100) % 2, 1.0, -1.0)
+        assert share_within(order, 0.999 * limits_m, depths) == 1.0
+        assert share_within(order, 1.001 * limits_m, depths) == 0.0
+        assert best_order(0.999 * limits_m, depths).tvu_m(depths[:1]) == order.tvu_m(depths[:1])
+        worse = best_order(1.001 * limits_m, depths)
+        assert worse is None if order.name == "2" else worse.a_m > order.a_m
 
 
 def test_an_order_requires_95_of_100_cells():
