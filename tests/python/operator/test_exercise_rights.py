@@ -3,6 +3,7 @@
 import json
 import time
 from concurrent.futures import Future
+from contextlib import contextmanager
 from unittest.mock import Mock
 
 import numpy as np
@@ -24,6 +25,7 @@ from uwsim.live import COMMANDS
 from uwsim.operator.station.flights import Bounds
 from uwsim.recording.replay import replay
 
+pytestmark = pytest.mark.usefixtures("blank_figures")  # of the sheets
 CLOSED = "only its instructor may change the world"
 TOKEN = "a-secret-of-18-byte"
 VALUES = {
@@ -50,6 +52,15 @@ def exercise(tmp_path):
     with serving(tmp_path, is_fixed=True, truth=False) as (station, server):
         station.run_exercise(hover())
         yield station, server
+
+
+@contextmanager
+def attempt(folder, exercise=None, **options):
+    """A station at which Ada has begun an attempt."""
+    with serving(folder, is_fixed=True, truth=False, **options) as (station, server), page(server) as ada:
+        station.run_exercise(exercise or hover())
+        begin(ada)
+        yield station, server, ada
 
 
 def begin(ada) -> None:
@@ -157,16 +168,17 @@ def test_the_page_of_a_pilot_has_no_more_rights(exercise):
 
 def test_allowed_aids_are_counted_in_seconds_and_cost_their_points(tmp_path):
     aids = Aid(kind="hold", cost_per_s=0.5), Aid(kind="autopilot"), Aid(kind="program")
-    with serving(tmp_path, is_fixed=True, truth=False) as (station, server), page(server) as ada:
-        station.run_exercise(hover(*aids, time_s=20.0))
+    with attempt(tmp_path, hover(*aids, time_s=20.0)) as (station, _, ada):
         running = station.present()
-        begin(ada)
         assert ada.call("command", name="hold", vehicle="rov", args={"depth": True})["success"]
+        with running.live.privileged():
+            running.live.speed = 4.0
         until(lambda: running.live.time_ns > 4e9, "four seconds")
         assert ada.call("command", name="hold", vehicle="rov", args={})["success"]
         assert ada.call("plan", action="fly", vehicle="rov", points_m=[[0, 0, -2.5]])["success"]
         until(lambda: running.plan.is_on, "a plan")
-        time.sleep(1.0)
+        planned_ns = running.live.time_ns
+        until(lambda: running.live.time_ns > planned_ns + 1e9, "a second of it")
         ada.call("plan", action="stop")
         ada.call("hand_over", to="")
         with Bridge("test", running.live, running.table.channels, running.table.services) as bridge:
@@ -188,25 +200,48 @@ def test_what_the_instructor_does_is_listed_and_a_changed_world_is_not_valid(tmp
     with serving(tmp_path, is_fixed=True, truth=False, instructor_token=TOKEN) as (station, server):
         station.run_exercise(hover())
         with page(server) as ada, page(server, "Bob") as bob:
+
+            def instructs(action, **args):
+                assert bob.call("instruct", action=action, args=args)["success"]
+
+            def passes(ticks):
+                until(lambda: station.present().live.tick > ticks, "time")
+
             assert bob.call("supervise", token=TOKEN)["success"]
             assert "has not begun" in bob.call("instruct", action="resume")["message"]
             begin(ada)
-            until(lambda: station.present().live.tick > 20, "time")
-            assert bob.call("instruct", action="pause")["success"]
-            assert bob.call("instruct", action="resume")["success"]
+            passes(20)
+            instructs("pause")
+            instructs("resume")
             assert ada.call("exercise")["is_valid"], "a pause does not change the world"
-            fault = {"name": "inject_fault", "args": {"kind": "sonar"}}
-            assert bob.call("instruct", action="command", args=fault)["success"]
-            state = ada.call("exercise")
-            assert state["invalid_because"] == "the world was changed by the instructor"
-            assert bob.call("instruct", action="restart")["success"]
+            instructs("command", name="inject_fault", args={"kind": "sonar"})
+            assert ada.call("exercise")["invalid_because"] == "the world was changed by the instructor"
+            instructs("restart")
             score = score_of(station)
             assert not score["is_valid"] and not score["has_passed"]
             acts = [(act["by"], act["text"].split(":")[0], act["changed"]) for act in score["outside_acts"]]
-            assert acts == [("the instructor", text, text == "inject fault") for text in
-                            ("paused", "resumed", "inject fault")]  # fmt: skip
+            done = {"paused": False, "resumed": False, "inject fault": True}
+            assert acts == [("the instructor", text, changes) for text, changes in done.items()]
             state = ada.call("exercise")
             assert state["attempt"] == 2 and state["is_valid"] and not state["has_begun"]
+
+            begin(ada)
+            instructs("hand_over", to=ada.id)
+            assert ada.call("exercise")["is_valid"], "the trainee flies"
+            instructs("hand_over", to=bob.id)
+            assert not ada.call("exercise")["is_valid"]
+            instructs("hand_over", to=ada.id)
+            instructs("restart")
+
+            begin(ada)
+            passes(20)
+            assert ada.call("exercise")["is_valid"] and bob.call("instruct", action="save_moment")["success"]
+            passes(100)
+            (moment,) = station.present().moments
+            instructs("return_to", name=moment.name)
+            until(lambda: not ada.call("exercise")["is_valid"], "a score that is not valid")
+            state = ada.call("exercise")
+            assert state["attempt"] == 3 and state["has_begun"] and not state["is_over"]
 
 
 def test_a_log_that_cannot_be_written_stops_neither_all_stop_nor_the_pilot(tmp_path, caplog):
@@ -238,18 +273,6 @@ def test_repeats_are_logged_once_briefly_and_a_refusal_is_not_an_act(tmp_path):
     assert max(map(len, lines)) < 900
 
 
-def test_an_attempt_that_the_instructor_flies_is_not_valid(tmp_path):
-    with serving(tmp_path, is_fixed=True, truth=False, instructor_token=TOKEN) as (station, server):
-        station.run_exercise(hover())
-        with page(server) as ada, page(server, "Bob") as bob:
-            assert bob.call("supervise", token=TOKEN)["success"]
-            begin(ada)
-            assert bob.call("instruct", action="hand_over", args={"to": ada.id})["success"]
-            assert ada.call("exercise")["is_valid"], "the trainee flies"
-            assert bob.call("instruct", action="hand_over", args={"to": bob.id})["success"]
-            assert not ada.call("exercise")["is_valid"]
-
-
 def test_the_instructors_log_stops_at_its_limit(tmp_path, monkeypatch, caplog):
     monkeypatch.setattr("uwsim.operator.station.instructor.LOG_MAX_BYTES", 1000)
     with serving(tmp_path, is_fixed=True, truth=False, instructor_token=TOKEN) as (station, _):
@@ -264,40 +287,35 @@ def test_the_instructors_log_stops_at_its_limit(tmp_path, monkeypatch, caplog):
 def test_an_attempt_at_the_station_is_in_the_log_book_also_if_its_sheet_cannot_be_written(tmp_path, monkeypatch):
     monkeypatch.setenv("UWSIM_LOGBOOK", str(tmp_path / "book.jsonl"))
     monkeypatch.setattr("uwsim.exercises.sheet.sheet_html", Mock(side_effect=OSError("no space")))
-    with serving(tmp_path, is_fixed=True, truth=False) as (station, server):
-        station.run_exercise(hover(time_s=0.5))
-        with page(server) as ada:
-            begin(ada)
-            until(lambda: "no space" in ada.call("exercise")["error"], "the error on the page")
+    with attempt(tmp_path, hover(time_s=0.5)) as (_, _, ada):
+        until(lambda: "no space" in ada.call("exercise")["error"], "the error on the page")
     assert [each.person for each in read_book(tmp_path / "book.jsonl").entries] == ["Ada"]
 
 
-def test_an_attempt_is_of_the_person_who_began_it(tmp_path, monkeypatch):
+def test_an_attempt_is_of_the_person_who_began_it_and_has_a_sheet_if_the_server_ends(tmp_path, monkeypatch):
     monkeypatch.setenv("UWSIM_LOGBOOK", str(tmp_path / "book.jsonl"))
-    with serving(tmp_path, is_fixed=True, truth=False) as (station, server):
-        station.run_exercise(hover())
-        with page(server) as ada, page(server, "Bob") as bob:
-            begin(ada)
-            until(lambda: station.present().live.tick > 20, "time")
-            assert ada.call("exercise")["is_valid"]
-            assert ada.call("hand_over", to=bob.id)["success"]
-            until(lambda: not ada.call("exercise")["is_valid"], "another pilot")
+    with attempt(tmp_path) as (station, server, ada), page(server, "Bob") as bob:
+        until(lambda: station.present().live.tick > 20, "time")
+        assert ada.call("exercise")["is_valid"]
+        assert ada.call("hand_over", to=bob.id)["success"]
+        until(lambda: not ada.call("exercise")["is_valid"], "another pilot")
     score = score_of(station)
     assert score["person"] == "Ada" and score["invalid_because"] == "Bob had the controls, too"
     (entry,) = read_book(tmp_path / "book.jsonl").entries
     assert (entry.person, entry.is_valid, entry.digest) == ("Ada", False, score["digest"])
+    assert score["ended_because"] == "broken off: the simulator was stopped" and score["time_s"] > 0.1
+    assert (tmp_path / "sheet-1/sheet.html").is_file()
 
 
 def test_an_all_stop_of_another_is_listed_and_is_no_aid(tmp_path):
     """Anyone may stop a vehicle; the sheet lists each outside act."""
-    with serving(tmp_path, is_fixed=True, truth=False) as (station, server), page(server) as ada:
-        station.run_exercise(hover(time_s=1.0))
+    with attempt(tmp_path, hover(time_s=5.0)) as (station, server, _), page(server, "Bob") as bob:
         running = station.present()
-        begin(ada)
         with Bridge("test", running.live, running.table.channels, running.table.services) as bridge:
             assert bridge.respond(bridge.services["all_stop"], {"data": True})["success"]
-        with page(server, "Bob") as bob:
-            assert bob.call("all_stop", vehicle="rov", on=True)["success"]
+        assert bob.call("all_stop", vehicle="rov", on=True)["success"]
+        with running.live.privileged():
+            running.live.speed = 20.0
         score = score_of(station)
     acts = [(act["by"], act["text"], act["changed"]) for act in score["outside_acts"]]
     assert acts == [("a program", "/all_stop", False), ("Bob", "all stop", False)]
@@ -322,31 +340,6 @@ def test_a_wrong_token_for_the_instructors_place_is_logged_and_answered_late(tmp
         assert time.monotonic() - begun_s < 0.5 and not late.done()
 
 
-def test_returning_to_a_moment_is_listed_and_not_valid(tmp_path):
-    with serving(tmp_path, is_fixed=True, truth=False, instructor_token=TOKEN) as (station, server):
-        station.run_exercise(hover())
-        with page(server) as ada, page(server, "Bob") as bob:
-            bob.call("supervise", token=TOKEN)
-            begin(ada)
-            until(lambda: station.present().live.tick > 20, "time")
-            assert bob.call("instruct", action="save_moment")["success"]
-            until(lambda: station.present().live.tick > 100, "more time")
-            assert bob.call("instruct", action="return_to", args={"name": "moment 1"})["success"]
-            until(lambda: not ada.call("exercise")["is_valid"], "a score that is not valid")
-            state = ada.call("exercise")
-            assert state["attempt"] == 1 and state["has_begun"] and not state["is_over"]
-
-
-def test_an_attempt_broken_off_by_the_end_of_the_server_has_a_sheet(tmp_path):
-    with serving(tmp_path, is_fixed=True, truth=False) as (station, server), page(server) as ada:
-        station.run_exercise(hover())
-        begin(ada)
-        until(lambda: station.present().live.tick > 100, "time")
-    score = score_of(station)
-    assert score["ended_because"] == "broken off: the simulator was stopped" and score["time_s"] > 0.1
-    assert (tmp_path / "sheet-1/sheet.html").is_file()
-
-
 def test_before_begin_nothing_is_judged_and_quitting_leaves_no_sheet(tmp_path):
     with serving(tmp_path, is_fixed=True, truth=False) as (station, server), page(server) as ada:
         station.run_exercise(hover())
@@ -356,24 +349,15 @@ def test_before_begin_nothing_is_judged_and_quitting_leaves_no_sheet(tmp_path):
     assert not list(tmp_path.glob("sheet-*"))
 
 
-def test_an_events_command_is_no_outside_act(tmp_path):
+def test_an_events_command_is_no_outside_act_and_a_recorded_exercise_is_replayed(tmp_path):
     """The approach's current begins at time 0, by the exercise itself, and the score stays valid."""
-    with serving(tmp_path, is_fixed=True, truth=False) as (station, server), page(server) as ada:
-        station.run_exercise(load_exercise("approach").model_copy(update={"time_s": 1.0}))
-        begin(ada)
+    short = load_exercise("approach").model_copy(update={"time_s": 1.0})
+    with attempt(tmp_path, short, keep_flights=Bounds(5, 100)) as (station, _, ada):
+        ada.call("drive", vehicle="rov", surge=0.5)
         score = score_of(station)
         assert station.present().live.simulator.parameters["water.current_world_m_s"][1] == pytest.approx(0.1)
     assert (score["log"][0]["kind"], score["log"][0]["time_s"]) == ("event", 0.0)
     assert score["is_valid"] and score["outside_acts"] == []
-
-
-def test_a_recorded_exercise_is_replayed(tmp_path):
-    with serving(tmp_path, is_fixed=True, truth=False, keep_flights=Bounds(5, 100)) as (station, server):
-        station.run_exercise(load_exercise("approach"))
-        with page(server) as ada:
-            begin(ada)
-            ada.call("drive", vehicle="rov", surge=0.5)
-            until(lambda: station.present().live.time_ns > 1e9, "a second")
     (flight,) = (tmp_path / "flights").glob("*.mcap")
     again = replay(flight)
     assert again.difference is None and again.state_compared and again.commands >= 2, "the event, and the pilot's"
