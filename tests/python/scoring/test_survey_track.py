@@ -46,22 +46,13 @@ def test_a_track_is_read_as_written_and_a_damaged_one_is_refused(tmp_path):
             SurveyTrack.read(path)
 
 
-@pytest.mark.parametrize(
-    ("content", "reason"),
-    [
-        (b"", "it is damaged, or another kind of file"),
-        (b"# a cloud, perhaps\n1 2 3\n", "it is damaged, or another kind of file"),
-        (b"PK\x03\x04 and no more", "it is damaged, or another kind of file"),
-    ],
-)
-def test_another_kind_of_file_is_refused_in_words_that_a_user_knows(tmp_path, content, reason):
+def test_another_kind_of_file_is_refused_in_words_that_a_user_knows(tmp_path):
     path = tmp_path / "track.npz"
-    path.write_bytes(content)
-    with pytest.raises(ValueError, match=reason):
-        SurveyTrack.read(path)
-
-
-def test_an_archive_without_a_field_is_refused_by_the_fields_name(tmp_path):
-    np.savez(tmp_path / "track.npz", version=np.int64(1), path_world_m=np.zeros((2, 3)))
+    for content in (b"", b"# a cloud, perhaps\n1 2 3\n", b"PK\x03\x04 and no more"):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match="it is damaged, or another kind of file"):
+            SurveyTrack.read(path)
+    path.unlink()
+    np.savez(path, version=np.int64(1), path_world_m=np.zeros((2, 3)))
     with pytest.raises(ValueError, match="it has no 'area_world_m'"):
-        SurveyTrack.read(tmp_path / "track.npz")
+        SurveyTrack.read(path)
