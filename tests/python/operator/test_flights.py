@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import threading
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -25,9 +26,27 @@ KEEP = Bounds(5)
 HEAD_BYTES = 50_000  # less than what precedes the first message
 
 
-def names(server) -> list[str]:
-    with page(server) as ada:
-        return [each["name"] for each in ada.call("catalog")["flights"]]
+def full(*arguments):
+    """As a disk without space."""
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+@contextmanager
+def undocked(folder: Path, keep=KEEP, **choice):
+    """A station that records, and a page that has undocked its vehicle."""
+    with serving(folder, keep_flights=keep) as (station, server), page(server) as ada:
+        ada.subscribe("/station/state")
+        ada.call("start", scenario="pool", **choice)
+        ada.call("take_control")
+        ada.call("command", name="undock", vehicle="rov")
+        yield station, ada
+
+
+def trouble(ada) -> str:
+    """The state's reason for which a flight is no longer recorded."""
+    state = ada.message("/station/state", lambda state: state["flight_trouble"])
+    assert state["flight"] == ""
+    return state["flight_trouble"]
 
 
 @pytest.fixture(scope="module")
@@ -152,10 +171,7 @@ def test_a_flight_that_another_station_records_is_not_deleted(tmp_path: Path, mo
 def test_what_a_kill_left_is_listed_with_its_end_and_replayed_to_there(tmp_path: Path, monkeypatch):
     """A kill -9 of a station leaves whole chunks, and then the beginning of another one."""
     monkeypatch.setattr(queue, "FLUSH_S", 0.2)
-    with serving(tmp_path, keep_flights=KEEP) as (station, server), page(server) as ada:
-        ada.call("start", scenario="pool", seed=7)
-        ada.call("take_control")
-        ada.call("command", name="undock", vehicle="rov")
+    with undocked(tmp_path, seed=7) as (station, ada):
         assert ada.call("command", name="set_lamp", vehicle="rov", args={"lamp": "front", "on": True})["success"]
         live = station.present().live
         until(lambda: live.tick > 400, "two seconds")
@@ -180,53 +196,35 @@ def test_what_a_kill_left_is_listed_with_its_end_and_replayed_to_there(tmp_path:
 
 def test_a_write_error_is_in_the_state_at_once(tmp_path: Path, monkeypatch):
     monkeypatch.setattr(kept, "CHECK_S", 0.2)
-    with serving(tmp_path, keep_flights=KEEP) as (station, server), page(server) as ada:
-        ada.subscribe("/station/state")
-        ada.call("start", scenario="pool")
+    with undocked(tmp_path) as (station, ada):
         assert ada.call("describe")["is_recorded"]
-        ada.call("take_control")
-        ada.call("command", name="undock", vehicle="rov")
-        state = ada.message("/station/state", lambda state: state["flight"])
-        assert state["flight_trouble"] == ""
+        assert ada.message("/station/state", lambda state: state["flight"])["flight_trouble"] == ""
         (path,) = (tmp_path / "flights").iterdir()
         until(lambda: Recording(path).end_tick is not None, "a chunk")
-
-        def full(*arguments):
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
         monkeypatch.setattr(McapSink, "write", full)
-        state = ada.message("/station/state", lambda state: state["flight_trouble"])
-        assert "No space left on device" in state["flight_trouble"] and state["flight"] == ""
+        assert "No space left on device" in trouble(ada)
         monkeypatch.undo()
         until(lambda: station.sessions.flights.growing is None, "the end of the recording")
-        state = ada.message("/station/state", lambda state: state["flight_trouble"])
-        assert "No space left on device" in state["flight_trouble"] and state["flight"] == ""
+        assert "No space left on device" in trouble(ada)
         assert station.present().live.error is None and not station.present().live.paused  # the flight goes on
         (flight,) = ada.call("catalog")["flights"]
         assert flight["cut_off"] and flight["refused"] == ""
         station.sessions.flights.timeline(flight["name"])
 
 
-def test_a_flight_that_alone_exceeds_the_bound_ends_its_recording_and_says_so(tmp_path: Path, monkeypatch):
+def test_a_flight_that_alone_exceeds_the_bound_or_has_no_folder_is_not_recorded_and_says_so(
+    tmp_path: Path, monkeypatch
+):
     monkeypatch.setattr(kept, "CHECK_S", 0.1)
-    with serving(tmp_path, keep_flights=Bounds(5, 200_000)) as (station, server), page(server) as ada:
-        ada.subscribe("/station/state")
-        ada.call("start", scenario="pool", speed=10)
-        ada.call("take_control")
-        ada.call("command", name="undock", vehicle="rov")
-        state = ada.message("/station/state", lambda state: state["flight_trouble"])
-        assert "has reached 0.2 MB" in state["flight_trouble"] and state["flight"] == ""
+    with undocked(tmp_path, Bounds(5, 200_000), speed=10) as (station, ada):
+        assert "has reached 0.2 MB" in trouble(ada)
         assert station.present().live.error is None and not station.present().live.paused  # the flight goes on
         (path,) = (tmp_path / "flights").iterdir()
         assert Timeline(Recording(path)).end_tick > 0
-
-
-def test_a_folder_that_cannot_be_written_leaves_the_flight_alone(tmp_path: Path):
-    (tmp_path / "flights").write_text("a file")
-    with serving(tmp_path, keep_flights=KEEP) as (_, server), page(server) as ada:
-        ada.subscribe("/station/state")
-        assert ada.call("start", scenario="pool")["success"]
-        assert "is not recorded" in ada.message("/station/state", lambda s: s["flight_trouble"])["flight_trouble"]
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other/flights").write_text("a file")
+    with undocked(tmp_path / "other") as (station, ada):
+        assert "is not recorded" in trouble(ada)
 
 
 def test_a_replay_is_a_session_that_takes_no_commands_until_the_helm_is_taken(folder: Path):

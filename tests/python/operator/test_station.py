@@ -3,6 +3,7 @@
 import gc
 import io
 import time
+from contextlib import contextmanager
 from weakref import ref
 
 import numpy as np
@@ -10,11 +11,20 @@ import pytest
 from PIL import Image
 
 from browser import until
-from station_pages import PATIENCE_S, page, serving
+from station_pages import page, serving
 from uwsim import Simulator
 from uwsim.live import LiveSimulator, replay
 from uwsim.operator.station.running import Running
 from uwsim.recording.replay import replay as replay_recording
+
+
+@contextmanager
+def piloted(folder=None, **choice):
+    """A station with a running pool, which Ada flies."""
+    with serving(folder) as (station, server), page(server) as ada:
+        ada.call("start", scenario="pool", **choice)
+        ada.call("take_control")
+        yield station, ada
 
 
 @pytest.fixture(scope="module")
@@ -158,26 +168,20 @@ def test_a_lost_connection_ends_the_efforts_and_frees_the_controls(pool):
             assert 0.5 in [entry.arguments["surge"] for entry in live.log if entry.name == "set_effort"]
             ada.socket.socket.close()  # without a closing handshake
         bob.message("/station/state", lambda state: not state["pilot"] and len(state["member_ids"]) == 1)
-        deadline = time.monotonic() + PATIENCE_S
-        while live.rov.effort.any():
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
+        until(lambda: not live.rov.effort.any(), "no effort")
         assert bob.call("take_control")["success"]
 
 
 def test_a_link_that_is_down_takes_no_commands_of_the_page_until_it_is_back():
-    with serving() as (station, server), page(server) as ada:
-        ada.call("start", scenario="pool", speed=5)
-        ada.call("take_control")
+    with piloted(speed=5) as (station, ada):
         asked = {"name": "set_lamp", "vehicle": "rov", "args": {"lamp": "front", "on": True}}
         fault = {"name": "inject_fault", "args": {"kind": "link", "name": "cut", "for_s": 1e5}}
         assert ada.call("command", **fault)["success"]  # addressed to the simulator, so it bypasses the link
         answer = ada.call("command", **asked)
         assert not answer["success"] and "the link to 'rov' is down" in answer["message"]
-        ada.subscribe("/link")
+        for topic in ("/link", "/station/small/front", "/station/small/station"):
+            ada.subscribe(topic)
         assert ada.message("/link")["fault_loss"] == 1.0
-        ada.subscribe("/station/small/front")
-        ada.subscribe("/station/small/station")
         for _ in range(2):
             ada.message("/station/small/station")
         assert not [o for o in ada.heard if o.get("topic") == "/station/small/front"], "nobody sees the vehicle's"
@@ -187,10 +191,12 @@ def test_a_link_that_is_down_takes_no_commands_of_the_page_until_it_is_back():
         assert ada.message("/station/small/front")
 
 
-def test_what_a_pilot_flew_replays_to_the_same_bytes():
-    with serving() as (station, server), page(server) as ada:
-        ada.call("start", scenario="pool", speed=5, seed=3)
-        ada.call("take_control")
+def test_what_a_pilot_flew_is_recorded_and_replays_to_the_same_bytes(tmp_path):
+    with piloted(tmp_path, speed=5, seed=3) as (station, ada):
+        ada.subscribe("/station/state")
+        assert "nothing is being recorded" in ada.call("control", action="stop_recording")["message"]
+        assert ada.call("control", action="record", name="dive")["success"]
+        assert ada.message("/station/state", lambda state: state["recording"])["recording"] == "dive.mcap"
         ada.call("command", name="release", vehicle="rov")
         for k in range(6):
             assert ada.call("drive", vehicle="rov", surge=0.1 * k, yaw=-0.5)["success"]
@@ -198,26 +204,34 @@ def test_what_a_pilot_flew_replays_to_the_same_bytes():
         ada.call("command", name="set_lamp", vehicle="rov", args={"lamp": "front", "on": True})
         live = station.present().live
         until(lambda: not live.rov.effort.any(), "zero, without commands")
+        until(lambda: live.time_ns > 3e9, "some messages")
+        assert ada.call("control", action="stop_recording")["success"]
         ada.call("control", action="pause")
         surges = [entry.arguments["surge"] for entry in live.log if entry.name == "set_effort"]
         assert [surge for surge in surges if surge] == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5])  # slowly: zeros between
         again = replay(Simulator("pool", seed=3), live.log, live.simulator.tick)
         assert again.save_state() == live.simulator.save_state()
+    found = replay_recording(tmp_path / "dive.mcap")
+    assert found.difference is None and found.commands >= 8  # the last command is zero, sent after the silence
+    assert found.messages["telemetry"] > 5
 
 
 def test_views_are_made_while_somebody_looks_and_stop_at_the_credit(pool):
     station, server = pool
     with page(server) as ada:
+
+        def size_of(topic):
+            picture = Image.open(io.BytesIO(bytes(ada.message(topic)["data"])))
+            return picture.format, picture.size
+
         view = next(view for view in ada.call("describe")["views"] if view["name"] == "front")
         assert ada.call("set_view", name="front", width=160, rate_hz=10)["success"]
         assert "quality" in ada.call("set_view", name="front", quality=0)["message"]
         ada.subscribe(view["topic"], credit=2)
         for _ in range(2):
-            picture = Image.open(io.BytesIO(bytes(ada.message(view["topic"])["data"])))
-            assert (picture.format, picture.size) == ("JPEG", (160, 90))
+            assert size_of(view["topic"]) == ("JPEG", (160, 90))
         ada.subscribe(view["small_topic"])
-        small = Image.open(io.BytesIO(bytes(ada.message(view["small_topic"])["data"])))
-        assert small.size == (240, 135)
+        assert size_of(view["small_topic"]) == ("JPEG", (240, 135))
         time.sleep(0.5)
         ada.heard.clear()
         ada.call("describe")
@@ -246,42 +260,22 @@ def test_pilots_may_be_kept_from_the_truth():
         assert np.isnan(told["true_position"]).all() and np.isfinite(told["position"]).all()
 
 
-def test_a_flight_is_recorded_and_replays(tmp_path):
-    with serving(tmp_path) as (station, server), page(server) as ada:
-        ada.call("start", scenario="pool", speed=5)
-        ada.subscribe("/station/state")
-        ada.call("take_control")
-        assert "nothing is being recorded" in ada.call("control", action="stop_recording")["message"]
-        assert ada.call("control", action="record", name="dive")["success"]
-        assert ada.message("/station/state", lambda state: state["recording"])["recording"] == "dive.mcap"
-        ada.call("command", name="release", vehicle="rov")
-        ada.call("drive", vehicle="rov", surge=0.5, heave=-0.2)
-        live = station.present().live
-        until(lambda: not live.rov.effort.any(), "zero, after the silence")
-        until(lambda: live.time_ns > 3e9, "some messages")
-        assert ada.call("control", action="stop_recording")["success"]
-    found = replay_recording(tmp_path / "dive.mcap")
-    assert found.difference is None and found.commands >= 3  # the last command is zero, sent after the silence
-    assert found.messages["telemetry"] > 5
-
-
 def test_a_saved_session_goes_on(tmp_path):
-    with serving(tmp_path) as (station, server), page(server) as ada:
-        ada.call("start", scenario="pool", seed=5, speed=5)
-        ada.call("take_control")
+    with piloted(tmp_path, seed=5, speed=5) as (station, ada):
         ada.call("command", name="release", vehicle="rov")
         ada.call("drive", vehicle="rov", surge=0.3, heave=-0.2)
         live = station.present().live
         until(lambda: not live.rov.effort.any(), "zero, without commands")
         ada.call("control", action="pause")  # nothing changes it from now on
         ada.call("control", action="save", name="dive")
-        sim = station.present().live.simulator
-        tick, state, voxels = sim.tick, sim.save_state(), len(station.present().maps["rov"].points()[0])
+        saved, voxels = (
+            (live.simulator.tick, live.simulator.save_state()),
+            len(station.present().maps["rov"].points()[0]),
+        )
         ada.call("control", action="quit")
         assert ada.call("catalog")["saves"] == ["dive"]
-        assert (
-            ada.call("start", saved="../dive")["errors"] and ada.call("start", saved="dive", seed=1)["errors"]["seed"]
-        )
+        assert ada.call("start", saved="../dive")["errors"]
+        assert ada.call("start", saved="dive", seed=1)["errors"]["seed"]
         found = []
         begin = LiveSimulator.__init__
 
@@ -292,7 +286,7 @@ def test_a_saved_session_goes_on(tmp_path):
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(LiveSimulator, "__init__", note)
             assert ada.call("start", saved="dive", speed=0.1)["success"]  # later views may free some voxels
-        assert found == [(tick, state)]
+        assert found == [saved]
         assert station.present().live.simulator.seed == 5
         ada.subscribe("/map_changes")
         assert len(ada.message("/map_changes")["cells"]) >= 0.9 * voxels
@@ -308,8 +302,4 @@ def test_a_simulator_that_has_ended_leaves_nothing_behind():
             gone.append(ref(station.present().live.simulator))
             ada.message("/scan")
         station.sessions.quit()
-        deadline = time.monotonic() + PATIENCE_S
-        while any(simulator() is not None for simulator in gone):
-            assert time.monotonic() < deadline
-            gc.collect()
-            time.sleep(0.05)
+        until(lambda: gc.collect() is not None and not any(simulator() for simulator in gone), "the end of both")

@@ -8,7 +8,7 @@ import pytest
 from websockets.sync.client import connect
 
 from browser import until
-from station_pages import PATIENCE_S, Page, page, serving
+from station_pages import Page, page, serving
 from uwsim import Simulator
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.control import new_path
@@ -17,16 +17,14 @@ from uwsim.operator.station.plan import Plan, PlanFlight
 
 def test_start_finds_the_simulator_that_was_checked_ready():
     with serving() as (station, server), page(server) as ada:
+        prepared = station.sessions.prepared
         assert ada.call("check", scenario="pool", seed=4)["success"]
-        deadline = time.monotonic() + PATIENCE_S
-        while not station.sessions.prepared._made.done():
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
-        ready = station.sessions.prepared._made.result()
+        until(lambda: prepared._made.done(), "a simulator")
+        ready = prepared._made.result()
         assert ada.call("start", scenario="pool", seed=4)["success"]
-        assert station.present().live.simulator is ready and station.sessions.prepared._made is None
+        assert station.present().live.simulator is ready and prepared._made is None
         ada.call("check", scenario="pool", seed=5)
-        assert station.sessions.prepared._made is None  # no second simulator is prepared while one runs
+        assert prepared._made is None  # no second simulator is prepared while one runs
 
 
 def test_nothing_stays_prepared_when_all_have_left_the_start_screen():
@@ -34,10 +32,7 @@ def test_nothing_stays_prepared_when_all_have_left_the_start_screen():
         with page(server) as ada:
             ada.call("check", scenario="pool")
             assert station.sessions.prepared._made is not None
-        deadline = time.monotonic() + PATIENCE_S
-        while station.sessions.prepared._made is not None:
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
+        until(lambda: station.sessions.prepared._made is None, "nothing prepared")
 
 
 def test_the_controls_of_a_pilot_whose_network_died_can_be_taken(monkeypatch):
@@ -63,10 +58,7 @@ def test_the_controls_of_a_pilot_whose_network_died_can_be_taken(monkeypatch):
         monkeypatch.setattr("uwsim.operator.station.services.DEAD_S", 1.4)
         socket.protocol.send_frame = lambda frame: None  # from now on nothing she sends arrives, including pongs
         assert bob.message("/station/state", lambda state: state["pilot_silence"] > 0.0)["pilot"] == ada.id
-        deadline = time.monotonic() + PATIENCE_S
-        while not bob.call("take_control")["success"]:
-            assert time.monotonic() < deadline
-            time.sleep(0.1)
+        until(lambda: bob.call("take_control")["success"], "the controls")
 
 
 def test_a_fixed_station_offers_no_start_screen_and_its_description_follows_parameters():
@@ -88,10 +80,10 @@ def test_a_fixed_station_offers_no_start_screen_and_its_description_follows_para
         assert (before["vehicles"][0]["sonar"]["range_m"] != 12.0) and after["vehicles"][0]["sonar"]["range_m"] == 12.0
 
 
-@pytest.mark.parametrize("name", ["numpy", "numpy.py", "json", "uwsim"])
-def test_a_saved_plan_hides_no_module(tmp_path: Path, name: str):
-    with pytest.raises(ValueError, match="a Python module has this name, which the file would hide"):
-        new_path(tmp_path, {"name": name}, "plan", ".py")
+def test_a_saved_plan_hides_no_module(tmp_path: Path):
+    for name in ("numpy", "numpy.py", "json", "uwsim"):
+        with pytest.raises(ValueError, match="a Python module has this name, which the file would hide"):
+            new_path(tmp_path, {"name": name}, "plan", ".py")
     assert new_path(tmp_path, {"name": "my_plan"}, "plan", ".py") == tmp_path / "my_plan.py"
 
 

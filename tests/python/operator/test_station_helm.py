@@ -55,15 +55,12 @@ def test_a_name_asks_the_pilot_no_more_than_twice_a_minute_whatever_its_connecti
 
 def test_age_is_what_a_message_lost_on_its_way_whatever_the_clocks():
     delay, drift = LeastDelay(), 2e-4  # drift of a poor quartz oscillator: 0.7 s per hour
-    ages = {}
+    late, fresh = [], []
     for k in range(36_000):
         now_s = 1000.0 + 0.1 * k
-        late_s = 0.8 if k % 100 == 50 else 0.02
-        ages[k] = delay.age_s(5.0 + (now_s - late_s) * (1.0 - drift), now_s)
-    late = [age for k, age in ages.items() if k % 100 == 50]
-    fresh = [age for k, age in ages.items() if k % 100 != 50]
-    assert max(fresh) < 0.05
-    assert min(late) > 0.75
+        ages, late_s = (late, 0.8) if k % 100 == 50 else (fresh, 0.02)
+        ages.append(delay.age_s(5.0 + (now_s - late_s) * (1.0 - drift), now_s))
+    assert max(fresh) < 0.05 and min(late) > 0.75
 
 
 @pytest.fixture
@@ -84,6 +81,11 @@ def drive(helm, now, **efforts):
     return helm.drive({"vehicle": "rov", "stamp_ms": 1e3 * now[0], **efforts}).result(10.0)
 
 
+def beat(live, helm):
+    helm.beat()
+    live.read(lambda sim: None).result()
+
+
 def test_efforts_hold_while_they_are_repeated_and_end_with_silence(flight):
     live, helm, now = flight
     assert drive(helm, now, surge=0.5) == {"success": True, "message": "", "tick": 0, "age_s": 0.0}
@@ -98,20 +100,26 @@ def test_efforts_hold_while_they_are_repeated_and_end_with_silence(flight):
     helm.beat()
     assert live.rov.effort[0] == 0.5
     now[0] += 0.02
-    helm.beat()
-    live.read(lambda sim: None).result()
+    beat(live, helm)
     assert given(live) == [*held, (100, 0.0)] and not live.rov.effort.any()
     helm.beat()
     assert len(given(live)) == 12
 
 
-@pytest.mark.parametrize("effort", [0.0, 0.5])
-def test_what_the_pilot_asks_for_takes_effect_whoever_commanded_the_vehicle_meanwhile(flight, effort):
+def test_what_the_pilot_asks_for_takes_effect_what_is_no_effort_is_refused_and_another_begins_with_zero(flight):
     live, helm, now = flight
-    drive(helm, now, surge=effort)
-    live.command("set_effort", vehicle="rov", surge=-1.0).result(10.0)  # as another client's /key would
-    assert drive(helm, now, surge=effort)["success"]
-    assert live.rov.effort[0] == effort
+    for effort in (0.0, 0.5):
+        drive(helm, now, surge=effort)
+        live.command("set_effort", vehicle="rov", surge=-1.0).result(10.0)  # as another client's /key would
+        assert drive(helm, now, surge=effort)["success"]
+        assert live.rov.effort[0] == effort
+    for wrong in ({"surge": 1.5}, {"yaw": "left"}, {"yaw": float("nan")}, {"vehicle": "boat"}, {"heave": True}):
+        with pytest.raises(ValueError, match=next(iter(wrong))):
+            helm.drive({"vehicle": "rov", **wrong})
+    helm.release()
+    live.read(lambda sim: None).result()
+    assert not live.rov.effort.any()
+    assert drive(helm, [now[0] - 5000.0], surge=0.2)["success"]  # from a different clock
 
 
 def test_a_command_that_was_held_up_is_refused_and_keeps_nothing_alive(flight):
@@ -121,42 +129,22 @@ def test_a_command_that_was_held_up_is_refused_and_keeps_nothing_alive(flight):
         now[0] += 0.2
         with pytest.raises(ValueError, match=r"0\.8 s late"):
             helm.drive({"vehicle": "rov", "surge": 1.0, "stamp_ms": 1e3 * (now[0] - 0.8)})
-    helm.beat()
-    live.read(lambda sim: None).result()
+    beat(live, helm)
     assert given(live) == [(0, 0.5), (0, 0.0)]
 
 
-def test_what_is_no_effort_is_refused_and_another_pilot_begins_with_zero(flight):
+def test_a_speed_hold_lasts_as_long_as_the_pilot_is_there_and_other_holds_stay(flight):
     live, helm, now = flight
-    for wrong in ({"surge": 1.5}, {"yaw": "left"}, {"yaw": float("nan")}, {"vehicle": "boat"}, {"heave": True}):
-        with pytest.raises(ValueError, match=next(iter(wrong))):
-            helm.drive({"vehicle": "rov", **wrong})
-    drive(helm, now, surge=0.5)
-    helm.release()
-    live.read(lambda sim: None).result()
-    assert not live.rov.effort.any()
-    assert drive([helm][0], [now[0] - 5000.0], surge=0.2)["success"]  # from a different clock
-
-
-def test_a_speed_hold_lasts_as_long_as_the_pilot_is_there_and_other_holds_stay():
-    now_s = [0.0]
-    with LiveSimulator(Simulator("pool", seed=3), paused=True, speed="max") as live:
-        live.rov.undock()
-        helm = Pilot(live, Table(live.simulator).steering, clock=lambda: now_s[0])
-        asked = {"heading": True, "depth": True, "speed": True}
-        live.command("hold", vehicle="rov", **asked).result()
-        helm.note_holds("rov", asked)
-        for now_s[0] in (1.0, 2.0):  # the page repeats its efforts
-            helm.drive({"vehicle": "rov"})
-            assert helm.beat() == pytest.approx(1.5)
-        now_s[0] = 3.4
+    asked = {"heading": True, "depth": True, "speed": True}
+    live.command("hold", vehicle="rov", **asked).result()
+    helm.note_holds("rov", asked)
+    for now[0] in (101.0, 102.0):  # the page repeats its efforts
+        helm.drive({"vehicle": "rov"})
+        assert helm.beat() == pytest.approx(1.5)
+    for now[0], holds in ((103.4, {"heading", "depth", "speed"}), (103.51, {"heading", "depth"})):
         helm.beat()
         live.step(1)
-        assert set(live.simulator.rov.holds.targets) == {"heading", "depth", "speed"}
-        now_s[0] = 3.51
-        helm.beat()
-        live.step(1)
-        assert set(live.simulator.rov.holds.targets) == {"heading", "depth"}
+        assert set(live.simulator.rov.holds.targets) == holds
 
 
 def test_the_table_of_silences_gives_the_limits_of_pilots(flight: Any) -> None:

@@ -8,7 +8,9 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -27,7 +29,7 @@ from uwsim.simulator.simulator import Simulator
 from waiting import until
 
 UWSIM = Path(sys.executable).with_name("uwsim")
-PATIENCE_S = 60.0
+PATIENCE_S = 180.0
 
 
 class Watch:
@@ -37,6 +39,9 @@ class Watch:
 
     def __call__(self):
         return self.now_s
+
+    def passes(self, seconds):
+        self.now_s += seconds
 
 
 @pytest.fixture
@@ -49,138 +54,108 @@ def hands(watch):
     return Hands(watch)
 
 
-def test_an_effort_ends_by_itself(hands, watch):
-    hands.press("w")
-    assert hands.efforts() == ZERO | {"surge": hands.share}
-    watch.now_s += FIRST_HOLD_S + 0.001
-    assert hands.efforts() == ZERO
-
-
-def test_a_key_that_repeats_holds_until_it_does_no_longer(hands, watch):
+def test_an_effort_ends_by_itself_unless_its_key_repeats(hands, watch):
     hands.press("q")
-    watch.now_s += 0.6  # the delay before a keyboard auto-repeats
+    assert hands.efforts() == ZERO | {"yaw": hands.share}
+    watch.passes(0.6)  # the delay before a keyboard auto-repeats
     for _ in range(50):
         hands.press("q")
-        watch.now_s += 0.1
+        watch.passes(0.1)
         assert hands.efforts()["yaw"] == hands.share
-    watch.now_s += REPEAT_HOLD_S
+    watch.passes(REPEAT_HOLD_S)
+    assert hands.efforts() == ZERO
+    hands.press("w")
+    watch.passes(FIRST_HOLD_S + 0.001)
     assert hands.efforts() == ZERO
 
 
 def test_of_two_held_keys_both_hold_though_only_the_last_repeats(hands, watch):
     hands.press("w")
-    watch.now_s += 0.5
+    watch.passes(0.5)
     hands.press("q")
     for _ in range(20):
-        watch.now_s += 0.1
+        watch.passes(0.1)
         hands.press("q")
     assert hands.efforts() == ZERO | {"surge": hands.share, "yaw": hands.share}
-    watch.now_s += FIRST_HOLD_S
+    watch.passes(FIRST_HOLD_S)
     assert hands.efforts() == ZERO
 
 
-def test_the_opposite_key_turns_the_effort_round_at_once(hands):
-    hands.press("w")
-    hands.press("s")
-    assert hands.efforts()["surge"] == -hands.share
+def test_keys_turn_an_effort_round_stop_give_the_helm_away_and_change_the_share(hands):
+    for key, surge, has_helm in (("s", -hands.share, True), ("x", 0.0, True), ("c", 0.0, False)):
+        hands.press("w")
+        hands.press(key)
+        assert (hands.efforts(), hands.has_helm) == (ZERO | {"surge": surge}, has_helm)
+    for change, share in ((-99, pytest.approx(0.1)), (99, 1.0)):
+        hands.change_share(change)
+        hands.press("w")
+        assert hands.efforts()["surge"] == share
 
 
 def test_everything_is_let_go_when_the_screen_hangs(hands, watch):
     for _ in range(9):
         hands.beat()
         hands.press("w")
-        watch.now_s += 0.2
+        watch.passes(0.2)
     hands.beat()
-    watch.now_s += 0.9
+    watch.passes(0.9)
     hands.press("w")
     assert hands.efforts()["surge"] == hands.share
-    watch.now_s += 0.2
+    watch.passes(0.2)
     assert hands.efforts() == ZERO
-
-
-def test_stop_lets_everything_go_and_giving_the_helm_away_as_well(hands):
-    for key, has_helm in (("x", True), ("c", False)):
-        hands.press("w")
-        hands.press(key)
-        assert hands.efforts() == ZERO
-        assert hands.has_helm is has_helm
-
-
-def test_the_share_scales_keys_and_stays_within_one(hands):
-    hands.change_share(-99)
-    hands.press("w")
-    assert hands.efforts()["surge"] == pytest.approx(0.1)
-    hands.change_share(99)
-    assert hands.efforts()["surge"] == 1.0
 
 
 def test_a_sonar_tilts_while_its_key_is_held(hands, watch):
     hands.press(",")
     assert hands.tilt() is Function.TILT_DOWN
     assert not hands.has_helm  # viewing does not take the helm
-    watch.now_s += 1.0
+    watch.passes(1.0)
     assert hands.tilt() is Function.TILT_HOLD
 
 
-@pytest.mark.parametrize(
-    ("sent", "keys"),
-    [
-        ("wX ", ["w", "X", " "]),
-        ("\x1b[A\x1b[1;5Dx", ["\x1b[A", "\x1b[1;5D", "x"]),
-        ("\x1b[O", [BLUR]),
-        ("\x1bx", ["x"]),
-    ],
-)
-def test_no_escape_sequence_is_taken_for_a_key_nor_swallows_one(sent, keys):
-    assert KEY.findall(sent) == keys
+def test_no_escape_sequence_is_taken_for_a_key_nor_swallows_one():
+    assert KEY.findall("wX ") == ["w", "X", " "]
+    assert KEY.findall("\x1b[A\x1b[1;5Dx") == ["\x1b[A", "\x1b[1;5D", "x"]
+    assert KEY.findall("\x1b[O") == [BLUR]
+    assert KEY.findall("\x1bx") == ["x"]
 
 
-def test_the_published_panel_is_read():
+def test_the_published_panel_is_read_and_the_sonars_line_has_the_nearest_echo_of_each_sector():
     readout = Readout()
-
-    class Message:
-        data = "0.5a0.1a18a150.3a5a12.5aInfinitya60a99.5a"
-
-    read_state_data(readout, Message)
-    assert (readout.depth_m, readout.battery_percent) == (5.0, 99.5)
-    assert math.isinf(readout.altitude_m)
-    Message.data = "1a2a"
+    read_state_data(readout, SimpleNamespace(data="0.5a0.1a18a150.3a5a12.5aInfinitya60a99.5a"))
+    assert (readout.depth_m, readout.battery_percent, readout.altitude_m) == (5.0, 99.5, math.inf)
     with pytest.raises(ValueError, match="stateData: 2 values: must be 9"):
-        read_state_data(readout, Message)
-
-
-def test_the_sonars_line_has_the_nearest_echo_of_each_sector_from_port_to_starboard():
-    readout = Readout()
+        read_state_data(readout, SimpleNamespace(data="1a2a"))
     assert readout.sonar_line() == "---"
     readout.ranges_m = np.array([np.inf, np.inf, 9.0, 4.5, *[np.inf] * 12, 12.0, 30.0], np.float32)
     assert readout.sonar_line().split() == ["port", "-", "4.5", *"------", "12.0", "starboard"]
 
 
-@pytest.mark.parametrize(
-    ("is_connected", "is_set", "is_wanted", "expected"),
-    [
-        (True, True, False, "ALL STOP: X releases it"),
-        (True, True, True, "ALL STOP: X releases it"),
-        (True, False, True, "NOT CONFIRMED"),
-        (True, None, True, "NOT CONFIRMED"),
-        (True, False, False, "no all stop"),
-        (True, None, False, "all stop unknown"),
-        (False, True, False, "all stop unknown"),
-    ],
-)
-def test_all_stop_is_seen_in_any_size_of_the_terminal(is_connected, is_set, is_wanted, expected):
-    screen = Screen(Connection("ws://127.0.0.1:1", Hands()), "pool")
-    screen.connection.state = "connected" if is_connected else "lost"
-    screen.connection.readout.all_stop, screen.connection.stop_is_wanted = is_set, is_wanted
-    screen.report("a message\n" * 50)
-    for columns, rows in ((80, 24), (80, 1), (20, 3)):
-        lines = screen.lines(columns, rows)
-        assert expected in lines[0]
-        assert len(lines) <= rows
+def screen_of(hands):
+    return Screen(Connection("ws://127.0.0.1:1", hands), "po\x1b[2Jol")
+
+
+def test_all_stop_is_seen_in_any_size_of_the_terminal(hands):
+    for state, is_set, is_wanted, expected in (
+        ("connected", True, False, "ALL STOP: X releases it"),
+        ("connected", True, True, "ALL STOP: X releases it"),
+        ("connected", False, True, "NOT CONFIRMED"),
+        ("connected", None, True, "NOT CONFIRMED"),
+        ("connected", False, False, "no all stop"),
+        ("connected", None, False, "all stop unknown"),
+        ("lost", True, False, "all stop unknown"),
+    ):
+        screen = screen_of(hands)
+        screen.report("a message\n" * 50)
+        screen.connection.state, screen.connection.stop_is_wanted = state, is_wanted
+        screen.connection.readout.all_stop = is_set
+        for columns, rows in ((80, 24), (80, 1), (20, 3)):
+            lines = screen.lines(columns, rows)
+            assert expected in lines[0] and len(lines) <= rows
 
 
 def test_all_stop_lets_the_keys_go_and_anothers_release_ends_the_wish_for_it(hands):
-    screen = Screen(Connection("ws://127.0.0.1:1", hands), "pool")
+    screen = screen_of(hands)
     screen.connection.state, readout = "connected", screen.connection.readout
     screen.press("x")
     for is_set in (False, True):
@@ -193,8 +168,8 @@ def test_all_stop_lets_the_keys_go_and_anothers_release_ends_the_wish_for_it(han
     assert "no all stop" in screen.lines(80, 24)[0]
 
 
-def test_a_servers_text_has_no_power_over_the_terminal():
-    screen = Screen(Connection("ws://127.0.0.1:1", Hands()), "po\x1b[2Jol")
+def test_a_servers_text_has_no_power_over_the_terminal(hands):
+    screen = screen_of(hands)
     screen.connection.readout.warnings = ("BAD\x1b]0;title\x07",)
     screen.report("also\x9b2J")
     text = "".join(screen.lines(80, 24))
@@ -207,7 +182,7 @@ def test_a_servers_text_has_no_power_over_the_terminal():
 @pytest.fixture
 def live():
     with LiveSimulator("pool", speed=1.0) as live:
-        live.rov.undock() if not live.rov.released else None
+        live.rov.undock()
         yield live
 
 
@@ -217,71 +192,61 @@ def server(live):
         yield server
 
 
-def connected(server, hands):
-    said = []
-    connection = Connection(server.url, hands, report=said.append)
-    connection.said = said
+@contextmanager
+def connected(server, clock=lambda: 0.0, **options):
+    """A keyboard, whose keys hold until they are let go unless a clock is given, connected to a server."""
+    connection = Connection(server.url, Hands(clock), **options)
     connection.start()
     until(lambda: connection.state == "connected" and connection.silence_s < 1.0)
-    return connection
+    yield connection
+    connection.stop()
 
 
 def test_a_key_drives_the_vehicle_and_its_end_stops_it(live, server):
-    hands = Hands()
-    connection = connected(server, hands)
-    hands.press("w")
-    hands.press("q")
-    until(lambda: live.rov.effort[0] == 0.5 and live.rov.effort[5] == 0.5)
-    until(lambda: not live.rov.effort.any())  # all keys have been released
-    hands.press("d")
-    until(lambda: live.rov.effort[1] == -0.5)
-    connection.stop()
+    said = []
+    with connected(server, time.monotonic, report=said.append) as connection:
+        hands = connection.hands
+        hands.press("w")
+        hands.press("q")
+        until(lambda: live.rov.effort[0] == 0.5 and live.rov.effort[5] == 0.5)
+        until(lambda: not live.rov.effort.any())  # all keys have been released
+        connection.call("undock")
+        until(lambda: any("is not docked" in text for text in said))
+        hands.press("d")
+        until(lambda: live.rov.effort[1] == -0.5)
     until(lambda: not live.rov.effort.any())
 
 
-def test_a_connection_that_is_lost_stops_the_vehicle_and_comes_back_with_zero(live, server):
-    hands = Hands(lambda: 0.0)  # a key holds until it is let go
-    connection = connected(server, hands)
-    hands.press("w")
-    until(lambda: live.rov.effort[0] == 0.5)
-    port = server.port
-    server.stop()
-    until(lambda: connection.state == "lost")
-    assert hands.efforts() == ZERO
-    with RosbridgeServer(live, port=port):
-        until(lambda: connection.state == "connected")
+def test_the_vehicle_stops_when_its_keyboard_vanishes_or_its_server_and_the_connection_comes_back_with_zero(
+    live, server
+):
+    with connected(server) as connection:
+        connection.hands.press("w")
+        until(lambda: live.rov.effort[0] == 0.5)
+        socket = connection._node._connection
+        socket._loop.call_soon_threadsafe(socket._connection.transport.abort)  # as if the machine had disappeared
         until(lambda: not live.rov.effort.any())
-        connection.stop()
-
-
-def test_the_vehicle_stops_when_its_keyboard_vanishes(live, server):
-    hands = Hands(lambda: 0.0)  # a key holds until it is let go
-    connection = connected(server, hands)
-    hands.press("w")
-    until(lambda: live.rov.effort[0] == 0.5)
-    socket = connection._node._connection
-    socket._loop.call_soon_threadsafe(socket._connection.transport.abort)  # as if the machine had disappeared
-    until(lambda: not live.rov.effort.any())
-    connection.stop()
+        until(lambda: connection.state == "connected" and connection.silence_s < 1.0)
+        until(lambda: connection.hands.press("w") or live.rov.effort[0] == 0.5)
+        port = server.port
+        server.stop()
+        until(lambda: connection.state == "lost")
+        assert connection.hands.efforts() == ZERO
+        with RosbridgeServer(live, port=port):
+            until(lambda: connection.state == "connected")
+            until(lambda: not live.rov.effort.any())
+            connection.stop()
 
 
 def test_a_vanished_keyboard_does_not_stop_another_pilot(live, server):
-    connection = connected(server, Hands())
-    connection.hands.press("w")
-    until(lambda: live.rov.effort[0] == 0.5)
-    connection.hands.press("c")
-    until(lambda: not live.rov.effort.any())
-    live.command("set_effort", vehicle=live.rov.name, heave=0.3).result()
-    connection.stop()
+    with connected(server) as connection:
+        connection.hands.press("w")
+        until(lambda: live.rov.effort[0] == 0.5)
+        connection.hands.press("c")
+        until(lambda: not live.rov.effort.any())
+        live.command("set_effort", vehicle=live.rov.name, heave=0.3).result()
     time.sleep(0.3)
     assert live.rov.effort[2] == 0.3
-
-
-def test_what_a_service_answers_is_told(live, server):
-    connection = connected(server, Hands())
-    connection.call("undock")  # already undocked
-    until(lambda: any("is not docked" in text for text in connection.said))
-    connection.stop()
 
 
 def test_the_screen_flies_and_shows_numbers(live, server):
@@ -303,60 +268,50 @@ def test_the_screen_flies_and_shows_numbers(live, server):
     until(lambda: not live.rov.effort.any())
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
-def test_a_terminal_that_ends_stops_the_vehicle(live, server, number):
-    master, slave = pty.openpty()
-    process = subprocess.Popen(
-        [UWSIM, "teleop", server.url], stdin=slave, stdout=slave, stderr=slave, start_new_session=True,
-        env=os.environ | {"TERM": "xterm-256color"},
-    )  # fmt: skip
-    os.close(slave)
-    try:
-        deadline = time.monotonic() + PATIENCE_S
-        while live.rov.effort[0] != 0.5:
-            assert time.monotonic() < deadline
-            os.write(master, b"w")
-            time.sleep(0.1)  # its output is not read, so the terminal blocks
-        process.send_signal(number)
-        until(lambda: not live.rov.effort.any())
-        until(lambda: process.poll() is not None)
-        assert process.returncode == (-number if number == signal.SIGKILL else 130)
-    finally:
-        process.kill()
-        process.wait()
-        os.close(master)
+def test_a_terminal_that_ends_stops_the_vehicle(live, server):
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGKILL):
+        master, slave = pty.openpty()
+        process = subprocess.Popen(
+            [UWSIM, "teleop", server.url], stdin=slave, stdout=slave, stderr=slave, start_new_session=True,
+            env=os.environ | {"TERM": "xterm-256color"},
+        )  # fmt: skip
+        os.close(slave)
+        try:
+            deadline = time.monotonic() + PATIENCE_S
+            while live.rov.effort[0] != 0.5:
+                assert time.monotonic() < deadline
+                os.write(master, b"w")
+                time.sleep(0.1)  # its output is not read, so the terminal blocks
+            process.send_signal(number)
+            until(lambda: not live.rov.effort.any())
+            assert process.wait(PATIENCE_S) == (-number if number == signal.SIGKILL else 130)
+        finally:
+            process.kill()
+            process.wait()
+            os.close(master)
 
 
 def test_its_own_simulator_is_flown_over_a_link():
     simulator = Simulator("pool", link="s2cm_hs")
     simulator.rov.undock()
     with own_server(simulator) as server:
-        hands = Hands()
-        connection = Connection(server.url, hands)
-        connection.start()
-        try:
+        with connected(server) as connection:
             until(lambda: connection.readout.depth_m > 0.0)
-            hands.press("w")
-            until(lambda: simulator.rov.effort[0] > 0.0 or hands.press("w"))
+            until(lambda: connection.hands.press("w") or simulator.rov.effort[0] > 0.0)
             carried = {(counts.topic, counts.sender) for counts in simulator.link.counts() if counts.delivered}
             assert {("key", "station"), ("telemetry", "rov")} <= carried
-        finally:
-            connection.stop()
         until(lambda: simulator.rov.effort[0] == 0.0)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
+def test_mistakes_are_told_in_a_line():
+    for arguments, message in (
         (["http://here"], "must begin with ws:// or wss://"),
         (["ws://127.0.0.1:1", "--scenario", "pool"], "not for a URL"),
         (["ws://127.0.0.1:1", "--link", "s2cm_hs"], "not for a URL"),
         (["--scenario", "pool", "--vehicle", "nobody"], "--vehicle = 'nobody'"),
         (["--scenario", "pool", "--link", "string"], "string"),
         (["ws://127.0.0.1:1"], "stdin is not a terminal"),
-    ],
-)
-def test_mistakes_are_told_in_a_line(arguments, message):
-    done = uwsim("teleop", *arguments)
-    assert done.returncode == 1
-    assert message in error_line(done)
+    ):
+        done = uwsim("teleop", *arguments)
+        assert done.returncode == 1
+        assert message in error_line(done)
