@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import threading
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -53,14 +54,15 @@ def test_a_packaged_scenario_is_edited_and_only_its_lines_change(name: str) -> N
     before = found.text
     found.set("starts", ("vehicles", 0, "start"), {"position_m": [1.25, -2, -3], "yaw_deg": 30})
     assert found.scenario.vehicles[0].start.position_m == (1.25, -2.0, -3.0)
-    removed, added = lines(before, found.text)
-    assert len(removed) <= 2 and len(added) <= 2
+    assert max(map(len, lines(before, found.text))) <= 2
     found.undo()
     assert found.text == before
 
 
 @pytest.mark.parametrize(("section", "kind"), EACH)
-def test_each_kind_is_added_read_again_and_removed_without_a_trace(section: str, kind: str, tmp_path: Path) -> None:
+def test_each_kind_is_added_read_again_and_removed_without_a_trace(
+    pool, section: str, kind: str, tmp_path: Path
+) -> None:
     found = draft()
     place = found.add(section, kind, 0, [0.5, -1.0])
     again = Draft(found.text, "again.yaml", tmp_path)
@@ -69,13 +71,13 @@ def test_each_kind_is_added_read_again_and_removed_without_a_trace(section: str,
     assert fields >= found.part(section, place).keys()
     added = found.text
     found.remove(section, place)
-    assert found.scenario == draft().scenario
+    assert found.scenario == pool.scenario
     found.undo()
     assert found.text == added
     found.undo()
-    assert found.text == draft().text
+    assert found.text == pool.text
     found.undo(-2)
-    assert found.scenario == draft().scenario
+    assert found.scenario == pool.scenario
 
 
 def test_a_solid_of_an_older_edition_is_empty_and_one_that_never_was_is_refused() -> None:
@@ -107,19 +109,18 @@ def test_comments_and_untouched_lines_stay() -> None:
 
 def test_a_part_of_a_packaged_vehicle_is_written_whole_into_the_scenario() -> None:
     found = draft()
-    dvl = (*ROV, "sensors", "dvl")
     before = found.scenario.vehicles[0].model.sensors
-    found.set("sensors", dvl, {"position_m": [0.1, 0, -0.3]})
+    found.set("sensors", DVL, {"position_m": [0.1, 0, -0.3]})
     after = found.scenario.vehicles[0].model.sensors
     assert after["dvl"].position_m == (0.1, 0.0, -0.3) and after["dvl"].channels == before["dvl"].channels
     assert {**after, "dvl": None} == {**before, "dvl": None}
-    found.set("lamps", (*ROV, "lamps", "front"), {"spots": [[0.5, 0.3, 0.2, 0, 12, 0], [0.5, -0.3, 0.2, 0, 0, 0]]})
+    found.set("lamps", LAMP, {"spots": [[0.5, 0.3, 0.2, 0, 12, 0], [0.5, -0.3, 0.2, 0, 0, 0]]})
     assert [spot.yaw_pitch_roll_deg[1] for spot in found.scenario.vehicles[0].model.lamps["front"].spots] == [12, 0]
-    found.remove("sensors", dvl)
+    found.remove("sensors", DVL)
     assert "dvl" not in found.scenario.vehicles[0].model.sensors and "dvl: null" in found.text
 
 
-BOX = ("obstacles", 0)
+BOX, DVL, LAMP = ("obstacles", 0), (*ROV, "sensors", "dvl"), (*ROV, "lamps", "front")
 
 
 @pytest.mark.parametrize(
@@ -136,11 +137,11 @@ BOX = ("obstacles", 0)
         ("obstacles", BOX, {"width": 1}, "width: unknown key"),
         ("obstacles", ("obstacles", 9), {"size_m": [1, 1, 1]}, r"obstacles\[9\]: is no part"),
         ("obstacles", ("vehicles", 0), {"name": "x"}, "is no part of obstacles"),
-        ("obstacles", BOX, {"name": "rov"}, "already in use"),
+        ("obstacles", BOX, {"name": "rov"}, "rov.* already in use"),
         ("obstacles", BOX, {"material": "{kind: "}, "not valid YAML"),
         ("obstacles", BOX, {"material": "/etc/passwd"}, "must be a packaged file"),
-        ("lamps", (*ROV, "lamps", "front"), {"spots": [[0, 0]]}, "spots: each row must have 6 values"),
-        ("sensors", (*ROV, "sensors", "dvl"), {"range_max_m": 0}, r"range_max_m = 0 m: must be in \[0.1, 1000\]"),
+        ("lamps", LAMP, {"spots": [[0, 0]]}, "spots: each row must have 6 values"),
+        ("sensors", DVL, {"range_max_m": 0}, r"range_max_m = 0 m: must be in \[0.1, 1000\]"),
         ("sensors", ("vehicles", 7, "model", "sensors", "dvl"), {"on": True}, "is no part of sensors"),
         ("hats", BOX, {"x": 1}, "must be one of obstacles"),
     ],
@@ -152,15 +153,14 @@ def test_a_wrong_value_is_refused_and_nothing_changes(pool, section, place, valu
     assert pool.text == before and not pool.can_undo
 
 
-def test_an_alias_that_would_change_two_places_is_refused() -> None:
-    twins = "".join(
-        f"  - {{kind: box, name: {name}, size_m: {size}, position_m: [0, 0, -2]}}\n" for name, size in SIZES
-    )
-    text = draft().text.replace("obstacles:\n", f"obstacles:\n{twins}", 1)
-    found = Draft(text, "pool.yaml", Path())
+def test_an_alias_that_would_change_two_places_and_a_large_file_are_refused(pool) -> None:
+    twins = [f"  - {{kind: box, name: {name}, size_m: {size}, position_m: [0, 0, -2]}}\n" for name, size in SIZES]
+    found = Draft(pool.text.replace("obstacles:\n", f"obstacles:\n{''.join(twins)}", 1), "pool.yaml", Path())
     with pytest.raises(ValueError, match="edit it by hand"):
         found.set("obstacles", ("obstacles", 1), {"size_m": [1, 2, 1]})
     found.set("obstacles", ("obstacles", 1), {"position_m": [4, 0, -2]})
+    with pytest.raises(ValueError, match=f"at most {MAX_BYTES}"):  # before it is read
+        Draft(pool.text + "#" * MAX_BYTES, "lake.yaml", Path())
 
 
 BOX_AT = "position_m: [3, 0, -4.5]\n    size_m: [1, 1, 1]"
@@ -190,11 +190,6 @@ def test_the_editor_the_check_and_the_survey_have_one_verdict(what: str, tmp_pat
     assert len(refused) == count
 
 
-def test_a_large_file_is_refused_before_it_is_read() -> None:
-    with pytest.raises(ValueError, match=f"at most {MAX_BYTES}"):
-        Draft(draft().text + "#" * MAX_BYTES, "lake.yaml", Path())
-
-
 class Member:
     """A client of a station, without a connection."""
 
@@ -209,23 +204,15 @@ class Member:
         return answer
 
 
-class Node:
-    def publish(self, *_, **__): ...
-    def offer_topics(self, topics): ...
-    def is_wanted(self, name):
-        return False
-
-    def is_awaited(self, name):
-        return False
-
-    def silence_s(self, client):
-        return 0.0
+def node() -> Mock:
+    """A wire without clients."""
+    return Mock(**{"is_wanted.return_value": False, "is_awaited.return_value": False, "silence_s.return_value": 0.0})
 
 
 @pytest.fixture
 def station(tmp_path: Path):
     found = Station(offered="pool", folder=tmp_path)
-    found.connect(Node())
+    found.connect(node())
     yield found
     found.sessions.close()
 
@@ -269,14 +256,12 @@ def test_what_was_left_unsaved_is_there_for_whoever_opens_it_next_and_can_be_dro
     assert not Member(station, "anna")("edit", action="report")["can_undo"]
 
 
-def test_a_renamed_obstacle_keeps_its_place_and_a_taken_name_is_refused(pool) -> None:
-    found, place = draft(), ("obstacles", 0)
-    values = found.part("obstacles", place)
-    found.set("obstacles", place, {"name": "buoy"})
-    assert found.part("obstacles", place) == {**values, "name": "buoy"}
+def test_a_renamed_obstacle_keeps_its_place(pool) -> None:
+    found = draft()
+    values = found.part("obstacles", BOX)
+    found.set("obstacles", BOX, {"name": "buoy"})
+    assert found.part("obstacles", BOX) == {**values, "name": "buoy"}
     assert lines(pool.text, found.text)[0] == [each for each in pool.text.splitlines() if "name: box" in each]
-    with pytest.raises(ValueError, match="rov"):
-        found.set("obstacles", place, {"name": "rov"})
 
 
 def test_a_file_that_was_removed_or_broken_leaves_the_start_screen_to_the_others(station: Station) -> None:
@@ -295,12 +280,15 @@ def test_hostile_changes_are_refused_in_a_line(station: Station) -> None:
     anna("edit", action="open", scenario="pool")
     for _ in range(300):
         deep = [deep]
-    for values in ({"position_m": deep}, {"position_m": [2**70, 0]}, {"name": "\ud800"}):
+    for values, rule in (
+        ({"position_m": deep}, "must be plain JSON"),
+        ({"position_m": [2**70, 0]}, "must be plain JSON"),
+        ({"name": "\ud800"}, "must be plain JSON"),
+        ({"material": "[" * 1000}, "is nested more than 20 deep"),
+        ({"material": '["' + "]" * 1000 + '", ' + "[" * 1000}, "is nested more than 20 deep"),
+    ):
         answer = anna("edit", action="set", section="obstacles", place=["obstacles", 0], values=values)
-        assert "must be plain JSON" in answer["message"]
-    for text in ("[" * 1000, '["' + "]" * 1000 + '", ' + "[" * 1000):
-        answer = anna("edit", action="set", section="obstacles", place=["obstacles", 0], values={"material": text})
-        assert "is nested more than 20 deep" in answer["message"]
+        assert rule in answer["message"]
 
 
 def test_a_change_beside_another_is_refused_and_occupies_no_thread(station: Station) -> None:
@@ -328,7 +316,7 @@ def test_a_client_leaves_without_waiting_for_a_change(station: Station) -> None:
 
 def test_what_the_instructor_edits_is_logged_and_not_reported_to_the_trainee(tmp_path: Path) -> None:
     station = Station(offered="pool", folder=tmp_path, instructor_token="a token of tests")
-    station.connect(Node())
+    station.connect(node())
     anna, ben = Member(station, "anna"), Member(station, "ben")
     station.instructor.clients.add("ben")
     assert anna("start", scenario="pool")["success"] and ben("instruct", action="pause", args={})["success"]

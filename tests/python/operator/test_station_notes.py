@@ -26,20 +26,18 @@ def chunks(png):
 
 
 def test_a_camera_that_looks_down_by_an_angle_meets_the_bed_at_altitude_over_its_tangent():
-    down = about_y(math.radians(30.0))
+    down, ahead = about_y(math.radians(30.0)), about_y(math.radians(90.0))
     port = product(about_z(math.radians(90.0)), LEVEL)
-    expected = (2.0 / math.tan(math.radians(30.0)), 0.0, -2.0)
-    np.testing.assert_allclose(looked_at(LEVEL, down, (0, 0, 0), 2.0), expected, atol=1e-12)
-    x, y, z = expected
-    np.testing.assert_allclose(looked_at(port, down, (0, 0, 0), 2.0), (y, x, z), atol=1e-12)
-    np.testing.assert_allclose(looked_at(down, LEVEL, (0, 0, 0), 2.0), expected, atol=1e-12)  # the hull's own pitch
-    ahead = looked_at(LEVEL, about_y(math.radians(90.0)), (0.5, 0.0, 0.25), 2.0)
-    np.testing.assert_allclose(ahead, (0.5, 0.0, -2.0), atol=1e-12)
-
-
-@pytest.mark.parametrize(("pitch_deg", "altitude_m"), [(9.0, 1.0), (-30.0, 1.0), (30.0, math.inf), (11.0, 8.0)])
-def test_a_flat_or_far_look_or_an_unknown_altitude_has_no_place(pitch_deg, altitude_m):
-    assert looked_at(LEVEL, about_y(math.radians(pitch_deg)), (0, 0, 0), altitude_m) is None
+    far_m = 2.0 / math.tan(math.radians(30.0))
+    for hull, camera, mount_m, expected in (
+        (LEVEL, down, (0, 0, 0), (far_m, 0.0, -2.0)),
+        (port, down, (0, 0, 0), (0.0, far_m, -2.0)),
+        (down, LEVEL, (0, 0, 0), (far_m, 0.0, -2.0)),  # the hull's own pitch
+        (LEVEL, ahead, (0.5, 0.0, 0.25), (0.5, 0.0, -2.0)),
+    ):
+        np.testing.assert_allclose(looked_at(hull, camera, mount_m, 2.0), expected, atol=1e-12)
+    for pitch_deg, altitude_m in ((9.0, 1.0), (-30.0, 1.0), (30.0, math.inf), (11.0, 8.0)):
+        assert looked_at(LEVEL, about_y(math.radians(pitch_deg)), (0, 0, 0), altitude_m) is None, "flat, far or unknown"
 
 
 def test_notes_have_place_picture_and_files_and_a_recording_repeats_them(tmp_path):
@@ -107,37 +105,27 @@ def test_a_snapshot_carries_the_instruments_and_no_truth(tmp_path):
         assert values["panel"]["depth"] == pytest.approx(values["depth_m"], abs=0.01)
 
 
-@pytest.mark.parametrize(
-    ("args", "expected"),
-    [
-        ({"action": "draw"}, "must be one of list, add, comment"),
-        ({"action": "add", "vehicle": "cow", "category": "leak"}, "must be one of rov"),
-        ({"action": "add", "vehicle": "rov", "category": "cow"}, "must be one of observation"),
-        ({"action": "add", "vehicle": "rov", "category": "comment"}, "set a comment"),
-        ({"action": "add", "vehicle": "rov", "category": "leak", "text": "x" * 201}, "at most 200"),
-        ({"action": "add", "vehicle": "rov", "category": "leak", "text": "\u202ex"}, "printable"),
-        ({"action": "add", "vehicle": "rov", "category": "leak", "place": "sky"}, "must be one of view, vehicle"),
-        ({"action": "add", "vehicle": "rov", "category": "leak", "view": "../x"}, "must be one of front"),
-        ({"action": "comment", "vehicle": "rov", "text": 5}, "must be text"),
-    ],
-)
-def test_wrong_notes_are_refused_and_leave_nothing(pool, args, expected):
-    station, server, folder = pool
-    with page(server) as ada:
+def test_wrong_notes_are_refused_and_leave_nothing(tmp_path):
+    note = {"action": "add", "vehicle": "rov", "category": "leak"}
+    with serving(tmp_path) as (station, server), page(server) as ada:
+        station.start({"scenario": "pool"})
         ada.call("take_control")
-        said = ada.call("notes", **args)
-        assert not said["success"] and expected in said["message"]
-        assert not notes_of(station.present().live.simulator.events) and not list(folder.iterdir())
+        for args, expected in (
+            ({"action": "draw"}, "must be one of list, add, comment"),
+            (note | {"vehicle": "cow"}, "must be one of rov"),
+            (note | {"category": "cow"}, "must be one of observation"),
+            (note | {"category": "comment"}, "set a comment"),
+            (note | {"text": "x" * 201}, "at most 200"),
+            (note | {"text": "\u202ex"}, "printable"),
+            (note | {"place": "sky"}, "must be one of view, vehicle"),
+            (note | {"view": "../x"}, "must be one of front"),
+            ({"action": "comment", "vehicle": "rov", "text": 5}, "must be text"),
+        ):
+            said = ada.call("notes", **args)
+            assert not said["success"] and expected in said["message"]
+            assert not notes_of(station.present().live.simulator.events) and not list(tmp_path.iterdir())
         for name in ("x.png", "..%2fx.png", "notes.exe"):
             assert get(server, f"/notes/{name}")[0] == 404
-
-
-@pytest.fixture(scope="module")
-def pool(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("notes")
-    with serving(folder) as (station, server):
-        station.start({"scenario": "pool"})
-        yield station, server, folder
 
 
 def test_a_saved_state_returns_to_its_notes_and_they_are_bounded():
