@@ -1,6 +1,7 @@
 """Each packaged exercise gives full marks to a pilot who does what it asks, and not to one who does not."""
 
 import contextlib
+import itertools
 import json
 import math
 import re
@@ -18,6 +19,7 @@ from uwsim.scenario import ScenarioError
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.schema import schema
 
+pytestmark = pytest.mark.usefixtures("blank_figures")
 GUIDE = Path(__file__).parents[3] / "docs/guides/exercises.md"
 
 
@@ -39,22 +41,22 @@ def gates():
     return [goal for goal in load_exercise("slalom").goals if goal.kind == "pass"]
 
 
-def slalom(vehicle):
-    for gate in gates():
+def through(vehicle, gates, by_m=1.5, aside_m=(), within_m=0.3):
+    """Fly through the middle of gates, or beside those that are given a distance."""
+    for gate, aside in itertools.zip_longest(gates, aside_m, fillvalue=0.0):
         (x, y, z), heading = gate.position_m, math.radians(gate.heading_deg)
-        ahead = (1.8 * math.cos(heading), 1.8 * math.sin(heading))
-        yield from goto(vehicle, (x - ahead[0], y - ahead[1], z), within_m=0.3, speed_m_s=0.6)
-        yield from goto(vehicle, (x + ahead[0], y + ahead[1], z), within_m=0.4, speed_m_s=0.6, heading_rad=heading)
+        for by in (-by_m, by_m):
+            place = (x + by * math.cos(heading), y + by * math.sin(heading) + aside, z)
+            yield from goto(vehicle, place, within_m=within_m, speed_m_s=0.6, heading_rad=heading)
+
+
+def slalom(vehicle):
+    yield from through(vehicle, gates(), by_m=1.8)
 
 
 def slalom_past_the_third(vehicle):
     """Flies past the third ring; the later ones do not count then."""
-    for k, gate in enumerate(gates()):
-        (x, y, z), heading = gate.position_m, math.radians(gate.heading_deg)
-        aside = 3.0 if k == 2 else 0.0
-        for by in (-1.8, 1.8):
-            place = (x + by * math.cos(heading), y + by * math.sin(heading) + aside, z)
-            yield from goto(vehicle, place, within_m=0.4, speed_m_s=0.6, heading_rad=heading)
+    yield from through(vehicle, gates(), by_m=1.8, aside_m=(0, 0, 3), within_m=0.4)
 
 
 PIPE = [(-18, -6.5), (-13, -7.75), (-8, -9), (-2, -7.5), (4, -6), (10, -8), (14, -9.3)]
@@ -168,21 +170,13 @@ def dvl_loss_by_time(vehicle):
     yield wait(10.0)
 
 
-def through(vehicle, gates, aside_m):
-    for gate, aside in zip(gates, aside_m, strict=True):
-        (x, y, z), heading = gate.position_m, math.radians(gate.heading_deg)
-        for by in (-1.5, 1.5):
-            place = (x + by * math.cos(heading), y + by * math.sin(heading) + aside, z)
-            yield from goto(vehicle, place, within_m=0.3, speed_m_s=0.6, heading_rad=heading)
-
-
 def night_gates(vehicle):
     vehicle.lamps["front"].on = True
-    yield from through(vehicle, load_exercise("night-gates").goals, (0, 0, 0))
+    yield from through(vehicle, load_exercise("night-gates").goals)
 
 
 def night_gates_past_the_second(vehicle):
-    yield from through(vehicle, load_exercise("night-gates").goals[:2], (0, 3))
+    yield from through(vehicle, load_exercise("night-gates").goals[:2], aside_m=(0, 3))
 
 
 PILOTS = {
@@ -229,42 +223,42 @@ def test_what_a_gripper_is_to_do_does_not_happen_by_itself(name):
     assert [goal["share"] for goal in course.state()["goals"]] == [0.0] * len(course.exercise.goals)
 
 
-@pytest.mark.parametrize(
-    ("goal", "rule"),
-    [
-        ({"kind": "move_joint", "object": "sample", "joint": "handle", "to_deg": 9}, "must be one of valve, lock"),
-        ({"kind": "move_joint", "object": "valve", "joint": "lever", "to_deg": 9}, "must be one of handle"),
-        ({"kind": "move_joint", "object": "valve", "joint": "handle"}, "give one of to_deg and to_m"),
-        ({"kind": "bring", "object": "valve", "position_m": [0, 0, -3]}, "must be one of sample, plug"),
-    ],
-)
-def test_a_goal_for_an_object_that_is_not_there_is_refused(goal, rule):
+def test_a_goal_for_an_object_that_is_not_there_is_refused():
     values = {"title": "T", "brief": "B", "scenario": "panel", "pass_points": 5, "time_s": 5}
-    with pytest.raises((ScenarioError, ValueError), match=rule):
-        fly_exercise(validated(Exercise, values | {"goals": [goal | {"name": "g", "title": "G"}]}), hover)
+    joint, to = {"kind": "move_joint", "object": "valve", "joint": "handle"}, {"to_deg": 9}
+    for goal, rule in (
+        (joint | to | {"object": "sample"}, "must be one of valve, lock"),
+        (joint | to | {"joint": "lever"}, "must be one of handle"),
+        (joint, "give one of to_deg and to_m"),
+        ({"kind": "bring", "object": "valve", "position_m": [0, 0, -3]}, "must be one of sample, plug"),
+    ):
+        with pytest.raises((ScenarioError, ValueError), match=rule):
+            fly_exercise(validated(Exercise, values | {"goals": [goal | {"name": "g", "title": "G"}]}), hover)
 
 
 def test_the_sheet_and_the_same_flight_twice(tmp_path):
     sheets = []
-    for k in range(2):
-        fly_exercise("approach", approach, tmp_path / str(k))
-        sheets.append(json.loads((tmp_path / str(k) / "score.json").read_text()))
+    for name in "ab":
+        fly_exercise("approach", approach, tmp_path / name)
+        sheets.append(json.loads((tmp_path / name / "score.json").read_text()))
     sheet, again = sheets
     assert {**again, "date": sheet["date"], "digest": sheet["digest"]} == sheet
     assert [e["text"] for e in sheet["log"] if e["kind"] == "event"][1] == "the current grows to 0.2 m/s"
     assert 0.0 < sheet["goals"][2]["error_mean_m"] <= sheet["goals"][2]["error_max_m"]
-    page = (tmp_path / "0/sheet.html").read_text()
+    page = (tmp_path / "a/sheet.html").read_text()
     assert "Passed" in page and page.count("data:image/png") == 3
+
+
+def made(title, goals, **values) -> Exercise:
+    """An exercise in the pool, of which 5 points pass."""
+    common = {"title": title, "brief": title, "scenario": "pool", "pass_points": 5}
+    return Exercise.model_validate({**common, "goals": goals, **values})
 
 
 def test_a_mapped_area_counts_by_its_cells():
     area = [[-3, -3], [3, -3], [3, 3], [-3, 3]]
-    values = {
-        "title": "Map", "brief": "Map it.", "scenario": "pool", "time_s": 60, "pass_points": 5,
-        "start": {"position_m": [-5, 0, -2.5]},
-        "goals": [{"kind": "map", "name": "bed", "title": "Map the bed", "area_m": area, "share": 0.5}],
-    }  # fmt: skip
-    exercise = Exercise.model_validate(values)
+    goal = {"kind": "map", "name": "bed", "title": "Map the bed", "area_m": area, "share": 0.5}
+    exercise = made("Map", [goal], time_s=60, start={"position_m": [-5, 0, -2.5]})
 
     def along(vehicle):
         yield from goto(vehicle, (5, 0, -2.5))
@@ -272,11 +266,11 @@ def test_a_mapped_area_counts_by_its_cells():
     def stay(vehicle):
         yield wait(20.0)
 
-    course = fly_exercise(exercise, along).course
-    assert course.score == 10.0
+    assert fly_exercise(exercise, along).course.score == 10.0
     assert fly_exercise(exercise, stay).course.score < 5.0
 
 
+UNKNOWN = "{kind: sensor, sensor: dep}"
 GOOD = """\
 title: One
 brief: Two
@@ -287,41 +281,31 @@ goals:
 """
 
 
-@pytest.mark.parametrize(
-    ("change", "expected"),
-    [
-        (("pass_points: 10", "pass_points: 11"), "must be at most 10"),
-        (("kind: reach", "kind: rich"), "kind"),
-        (("position_m: [0, 0, -2]", "position_m: [0, 0, -2], after: nowhere"), "must be the name of an earlier goal"),
-        (("goals:", "events:\n  - {at_s: 1, after: there, command: end_fault}\ngoals:"), "exactly one of at_s"),
-        (("goals:", "events:\n  - {at_s: 1, command: place}\ngoals:"), "must be one of inject_fault"),
-        (("scenario: pool", "scenario: poll"), "did you mean 'pool'"),
-        (
-            ("goals:", "events:\n  - {at_s: 1, command: inject_fault, arguments: {kind: sensor, sensor: dep}}\ngoals:"),
-            "events[0]",
-        ),
-        (("title: One", "titel: One"), "did you mean 'title'"),
-    ],
-)
-def test_mistakes_are_reported_before_the_flight(tmp_path, change, expected):
+def test_mistakes_are_reported_before_the_flight(tmp_path):
     path = tmp_path / "mine.yaml"
-    path.write_text(GOOD.replace(*change))
-    with pytest.raises((ScenarioError, ValueError)) as raised:
-        fly_exercise(path, hover)
-    assert expected in str(raised.value)
+    for old, new, expected in (
+        ("pass_points: 10", "pass_points: 11", "must be at most 10"),
+        ("kind: reach", "kind: rich", "kind"),
+        ("position_m: [0, 0, -2]", "position_m: [0, 0, -2], after: nowhere", "must be the name of an earlier goal"),
+        ("goals:", "events:\n  - {at_s: 1, after: there, command: end_fault}\ngoals:", "exactly one of at_s"),
+        ("goals:", "events:\n  - {at_s: 1, command: place}\ngoals:", "must be one of inject_fault"),
+        ("scenario: pool", "scenario: poll", "did you mean 'pool'"),
+        ("goals:", f"events:\n  - {{at_s: 1, command: inject_fault, arguments: {UNKNOWN}}}\ngoals:", "events[0]"),
+        ("title: One", "titel: One", "did you mean 'title'"),
+    ):
+        path.write_text(GOOD.replace(old, new))
+        with pytest.raises((ScenarioError, ValueError)) as raised:
+            fly_exercise(path, hover)
+        assert expected in str(raised.value)
 
 
 def test_a_report_counts_by_its_place_and_its_category_and_many_cost():
-    values = {
-        "title": "Report", "brief": "Report it.", "scenario": "pool", "time_s": 5, "pass_points": 5,
-        "start": {"position_m": [0, 0, -2.5]},
-        "goals": [
-            {"kind": "report", "name": name, "title": name, "position_m": [x, 0, -3], "within_m": 1}
-            for name, x in (("near", 1), ("far", 4))
-        ],
-        "limits": [{"kind": "reports", "most": 2, "cost": 3}],
-    }  # fmt: skip
-    exercise = Exercise.model_validate(values)
+    goals = [
+        {"kind": "report", "name": name, "title": name, "position_m": [x, 0, -3], "within_m": 1}
+        for name, x in (("near", 1), ("far", 4))
+    ]
+    limits = [{"kind": "reports", "most": 2, "cost": 3}]
+    exercise = made("Report", goals, time_s=5, limits=limits, start={"position_m": [0, 0, -2.5]})
 
     def reporting(*notes):
         def pilot(vehicle):
@@ -338,21 +322,17 @@ def test_a_report_counts_by_its_place_and_its_category_and_many_cost():
 
 def test_a_path_counts_in_order_and_a_ring_in_its_direction():
     """A pilot who flies the path, or through the ring, the other way, gets nothing for it."""
-    values = {
-        "title": "Order", "brief": "In order.", "scenario": "pool", "time_s": 90, "pass_points": 5,
-        "start": {"position_m": [4, 4, -2.5], "yaw_deg": 180},
-        "goals": [
-            {"kind": "follow", "name": "path", "title": "Path", "points_m": [[-4, 4, -2.5], [4, 4, -2.5]]},
-            {"kind": "pass", "name": "ring", "title": "Ring", "position_m": [0, 4, -2.5], "heading_deg": 0},
-        ],
-    }  # fmt: skip
-    course = fly_exercise(Exercise.model_validate(values), backwards).course
-    shares = [goal["share"] for goal in course.state()["goals"]]
+    goals = [
+        {"kind": "follow", "name": "path", "title": "Path", "points_m": [[-4, 4, -2.5], [4, 4, -2.5]]},
+        {"kind": "pass", "name": "ring", "title": "Ring", "position_m": [0, 4, -2.5], "heading_deg": 0},
+    ]
+    exercise = made("Order", goals, time_s=90, start={"position_m": [4, 4, -2.5], "yaw_deg": 180})
+
+    def backwards(vehicle):
+        yield from goto(vehicle, (-4, 4, -2.5))
+
+    shares = [goal["share"] for goal in fly_exercise(exercise, backwards).course.state()["goals"]]
     assert shares[0] < 0.3 and shares[1] == 0.0
-
-
-def backwards(vehicle):
-    yield from goto(vehicle, (-4, 4, -2.5))
 
 
 def test_the_guide_and_the_schema_list_each_kind_of_goal() -> None:

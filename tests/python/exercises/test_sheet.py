@@ -10,6 +10,7 @@ from uwsim.exercises.flight import fly_exercise
 from uwsim.exercises.sheet import NAMES
 from uwsim.missions import wait
 
+pytestmark = pytest.mark.usefixtures("blank_figures")
 TITLE = r"Hold $\frac{ & <b>5 $"
 
 
@@ -26,13 +27,10 @@ def exercise(title: str = TITLE) -> Exercise:
     return Exercise.model_validate(values)
 
 
-def test_a_title_may_have_any_character(tmp_path):
+def test_a_title_may_have_any_character_and_a_figure_may_fail(tmp_path):
     fly_exercise(exercise(), still, tmp_path)
     page = (tmp_path / "sheet.html").read_text()
     assert r"Hold $\frac{ &amp; &lt;b&gt;5 $" in page and page.count("data:image/png") == 3
-
-
-def test_the_sheet_is_written_if_a_figure_fails(tmp_path):
     with patch("uwsim.figures.exercise.draw_errors", side_effect=RuntimeError("no ink")):
         fly_exercise(exercise(), still, tmp_path)
     page = (tmp_path / "sheet.html").read_text()

@@ -1,5 +1,6 @@
 """Fixtures of the tests of the station's page in a real browser."""
 
+import numpy as np
 import pytest
 
 
@@ -42,3 +43,15 @@ def page(here):
     page = here.fly(viewport={"width": 1440, "height": 1000})
     when(page, "station.station.isPilot && station.views.largeView.picture.drawn > 0")
     return page
+
+
+@pytest.fixture(scope="package")
+def slope():
+    """A map of 40 x 20 voxels on a slope that rises to the east."""
+    from uwsim.mapping import OccupancyMap
+
+    at = np.indices((40, 20)).reshape(2, -1).T - (19.5, -0.5)
+    occupancy = OccupancyMap(1.0)
+    occupancy.insert_scan(np.column_stack([at, 0.25 * np.floor(at[:, 0]) - 9.9]), (0.0, 10.0, 30.0))
+    assert occupancy.count().occupied == 800
+    return occupancy

@@ -105,6 +105,21 @@ SIGNALS_IN_GERMAN = [  # newest first
     "Halten beendet (Kurs, Tiefe): das Notprogramm steuert",
 ]
 DRAWN = ["camera", "contact", "heading", "holds", "ladder", "left", "note", "right"]
+CLEAR = {"drawn": DRAWN, "overlaps": [], "outside": []}
+BAR = """() => {
+  const buttons = [...document.querySelectorAll('.topbar button')].filter((each) => each.checkVisibility());
+  const places = () => buttons.map((each) => each.getBoundingClientRect().x);
+  const { classList } = document.querySelector('#factor');
+  classList.remove('is-late');
+  const before = places();
+  classList.add('is-late');
+  const after = places();
+  const words = [...buttons, ...document.querySelectorAll('.topbar .caption')].filter((each) => each.checkVisibility());
+  return [
+    words.filter((each) => each.scrollWidth > each.clientWidth + 1).map(({ textContent }) => textContent),
+    buttons.filter((each, k) => before[k] !== after[k]).map(({ id }) => id),
+  ];
+}"""
 
 
 def fit(look, size):
@@ -121,51 +136,58 @@ def look(here, page, request):
     look.context.close()
 
 
-@pytest.mark.parametrize("size", SCREENS, ids=str)
-def test_nothing_lies_over_anything(look, size):
-    fit(look, size)
+def enlarge_front(look) -> None:
     look.evaluate("station.views.enlarge('front')")
-    when(look, "station.views.largeView.picture?.drawn > 0 && station.views.largeView.hud.shown")
-    assert look.evaluate(OVERLAPS) == {"drawn": DRAWN, "overlaps": [], "outside": []}
+    when(look, "station.views.largeView.picture?.drawn > 0 && station.views.largeView.hud.shown?.boxes.left")
+
+
+def test_nothing_lies_over_anything(look):
+    for size in SCREENS:
+        fit(look, size)
+        enlarge_front(look)
+        assert look.evaluate(OVERLAPS) == CLEAR, size
 
 
 @pytest.mark.parametrize("locale", ["en", "de"])
-@pytest.mark.parametrize("size", HELD, ids=str)
-def test_nothing_lies_over_anything_in_hands(here, page, size, locale):
-    held = here.fly(viewport={"width": size[0], "height": size[1]}, locale=locale, has_touch=True, is_mobile=True)
-    held.evaluate("station.views.enlarge('front')")
-    when(held, "station.views.largeView.picture?.drawn > 0 && station.views.largeView.hud.shown")
+def test_nothing_lies_over_anything_in_hands(here, page, locale):
+    held = here.fly(viewport={"width": 844, "height": 390}, locale=locale, has_touch=True, is_mobile=True)
     page.evaluate("id => station.station.handOver(id)", held.evaluate("station.station.id"))
     held.wait_for_selector(".stick.left")
-    found = held.evaluate(OVERLAPS)
+    found = {}
+    for size in HELD:
+        fit(held, size)
+        enlarge_front(held)
+        found[size] = held.evaluate(OVERLAPS)
     held.context.close()
     again = "station.station.isPilot || station.station.takeControl().then(() => false, () => false)"
     until(lambda: page.evaluate(again), "the controls")
-    assert found == {"drawn": DRAWN, "overlaps": [], "outside": []}
+    assert found == dict.fromkeys(HELD, CLEAR)
 
 
-@pytest.mark.parametrize("width", [1280, 1366, 1401, 1513, 1701, 1801, 1920, 2001, 2560])
-def test_no_word_of_the_bar_is_cut_and_no_button_moves_when_steps_are_late(look, width):
-    fit(look, (width, 800))
-    cut, moved = look.evaluate(
-        """() => {
-          const buttons = [...document.querySelectorAll('.topbar button')].filter((each) => each.checkVisibility());
-          const places = () => buttons.map((each) => each.getBoundingClientRect().x);
-          const { classList } = document.querySelector('#factor');
-          classList.remove('is-late');
-          const before = places();
-          classList.add('is-late');
-          const after = places();
-          return [
-            [...buttons, ...document.querySelectorAll('.topbar .caption')]
-              .filter((each) => each.checkVisibility() && each.scrollWidth > each.clientWidth + 1)
-              .map(({ textContent }) => textContent),
-            buttons.filter((each, k) => before[k] !== after[k]).map(({ id }) => id),
-          ];
-        }"""
-    )
-    end = look.locator("#menu").bounding_box()
-    assert cut == [] and moved == [] and end["x"] + end["width"] <= width
+def test_no_word_of_the_bar_is_cut_and_no_button_moves_when_steps_are_late(look):
+    for width in (1280, 1366, 1401, 1513, 1701, 1801, 1920, 2001, 2560):
+        fit(look, (width, 800))
+        end = look.locator("#menu").bounding_box()
+        assert look.evaluate(BAR) == [[], []] and end["x"] + end["width"] <= width, width
+
+
+def test_the_chart_s_tools_are_one_row_and_not_over_the_arrow(look):
+    fit(look, (1280, 720))
+    look.evaluate("station.views.enlarge('chart')")
+    when(look, "station.chart.frame.scale > 5")
+    assert look.evaluate(NORTH) == [1, False]
+
+
+@pytest.mark.usefixtures("page")
+def test_names_and_alarms_are_in_the_page_s_language(here):
+    look = here.fly(locale="de")
+    when(look, "station.telemetry.message && station.views.names.length > 2")
+    titles = look.evaluate("[...document.querySelectorAll('.view .name')].map((each) => each.lastChild.textContent)")
+    assert {"Vorn", "Unten"} <= set(titles) and not {"Front", "Down", "Chase"} & set(titles)
+    heard, shown = look.evaluate(SIGNALS)
+    look.context.close()
+    assert heard == SIGNALS_IN_GERMAN
+    assert "kehrt von selbst zurück" in shown and "Antrieb stern folgt nicht" in shown
 
 
 def test_a_tip_is_the_page_s_own(page, tmp_path):
@@ -184,13 +206,13 @@ def test_a_tip_is_the_page_s_own(page, tmp_path):
     page.evaluate("document.documentElement.dataset.theme = 'dark', dispatchEvent(new Event('theme'))")
 
 
-@pytest.mark.parametrize("size", [SCREENS[0], SCREENS[2], HELD[0]], ids=str)
-def test_the_tapes_labels_are_whole(look, size):
-    fit(look, size)
-    look.evaluate("station.views.enlarge('front')")
-    when(look, "station.views.largeView.picture?.drawn > 0 && station.views.largeView.hud.shown?.boxes.left")
-    labels, wrong = look.evaluate(TAPES)
-    assert labels > 1000 and not wrong
+def test_the_tapes_labels_are_whole(page):
+    for size in (SCREENS[0], SCREENS[2], HELD[0]):
+        fit(page, size)
+        enlarge_front(page)
+        labels, wrong = page.evaluate(TAPES)
+        assert labels > 1000 and not wrong, size
+    fit(page, (1440, 1000))
 
 
 def test_the_proximity_lamp_follows_the_wire_and_the_obstacle_lamp_the_echoes(here, page):
@@ -212,22 +234,3 @@ def test_the_proximity_lamp_follows_the_wire_and_the_obstacle_lamp_the_echoes(he
     when(page, f"!{limit} && {lit} === 'off,warn'")
     here.station.present().live.command("reset_parameters", name="warnings.proximity_m").result()
     place(*START_M)
-
-
-def test_the_chart_s_tools_are_one_row_and_not_over_the_arrow(look):
-    fit(look, (1280, 720))
-    look.evaluate("station.views.enlarge('chart')")
-    when(look, "station.chart.frame.scale > 5")
-    assert look.evaluate(NORTH) == [1, False]
-
-
-@pytest.mark.usefixtures("page")
-def test_names_and_alarms_are_in_the_page_s_language(here):
-    look = here.fly(locale="de")
-    when(look, "station.telemetry.message && station.views.names.length > 2")
-    titles = look.evaluate("[...document.querySelectorAll('.view .name')].map((each) => each.lastChild.textContent)")
-    assert {"Vorn", "Unten"} <= set(titles) and not {"Front", "Down", "Chase"} & set(titles)
-    heard, shown = look.evaluate(SIGNALS)
-    look.context.close()
-    assert heard == SIGNALS_IN_GERMAN
-    assert "kehrt von selbst zurück" in shown and "Antrieb stern folgt nicht" in shown

@@ -73,8 +73,8 @@ def test_from_the_start_screen_to_a_map_on_disk(browser, tmp_path):
         assert all(re.match(rf"(http|ws)://{host}/|blob:|data:", url) for url in here.requests), here.requests
 
 
-def test_everyone_can_read_it_in_the_dark_and_in_the_light(running):
-    page = running.fly(color_scheme="dark")
+def test_everyone_can_read_it_in_the_dark_and_in_the_light_and_nothing_overflows_a_phone(here):
+    page = here.fly(color_scheme="dark")
     when(page, "station.views.picture('front').drawn > 0")
 
     def judge_both(what):
@@ -92,19 +92,19 @@ def test_everyone_can_read_it_in_the_dark_and_in_the_light(running):
     page.keyboard.press("Escape")
     page.wait_for_selector("#menu-dialog[open]")
     judge_both("menu")
+    page.click("text=Resume")
 
-
-def test_nothing_overflows_a_phone(running):
-    page = running.fly(viewport={"width": 400, "height": 800})
-    assert page.evaluate("document.documentElement.scrollWidth") <= 400
+    page.set_viewport_size({"width": 400, "height": 800})
+    when(page, "document.documentElement.scrollWidth <= 400")
     page.click("#unfold")
     assert page.evaluate("document.documentElement.scrollWidth") <= 400
     for part in ("#dock", "#lease", "#pause", "#menu", "#lamp-collision"):
         box = page.locator(part).bounding_box()
         assert box and box["x"] >= 0 and box["x"] + box["width"] <= 400, part
+    here.leave(page)
 
 
-def test_one_flies_and_hands_over(running, tmp_path):
+def test_one_flies_and_hands_over_and_a_silent_one_loses_the_controls(running, monkeypatch, tmp_path):
     first = running.fly()
     when(first, "station.station.isPilot")
     second = running.fly()
@@ -137,25 +137,21 @@ def test_one_flies_and_hands_over(running, tmp_path):
     first.click("#offer >> text=Hand over")
     when(second, "station.station.isPilot")
     when(first, "!station.station.isPilot")
-    second.keyboard.down("w")
-    until(lambda: running.effort("surge") == 0.5, "the second pilot's effort")
-    second.close()
-    until(lambda: running.effort("surge") == 0.0 and not running.station.lease.pilot, "a lost pilot's end")
 
-
-def test_watchers_see_that_the_pilot_is_silent_and_may_take_over(running, monkeypatch):
-    first = running.fly()
-    when(first, "station.station.isPilot")
-    second = running.fly()
-    assert second.is_hidden("#banner")
-    monkeypatch.setattr(running.station.sessions.node, "silence_s", lambda client: 4.0)  # as if her network had failed
-    second.wait_for_selector("#banner:not([hidden])")
-    shows(second, "#banner", "has been silent for 4 s: efforts are zero")
-    shows(second, "#lease", "take over")
     assert first.is_hidden("#banner")
-    second.click("#lease")
-    when(second, "station.station.isPilot")
-    second.wait_for_selector("#banner", state="hidden")
+    with monkeypatch.context() as patch:
+        patch.setattr(running.station.sessions.node, "silence_s", lambda client: 4.0)  # as if her network had failed
+        first.wait_for_selector("#banner:not([hidden])")
+        shows(first, "#banner", "has been silent for 4 s: efforts are zero")
+        shows(first, "#lease", "take over")
+        assert second.is_hidden("#banner")
+        first.click("#lease")
+        when(first, "station.station.isPilot")
+        first.wait_for_selector("#banner", state="hidden")
+    first.keyboard.down("w")
+    until(lambda: running.effort("surge") == 0.5, "the first pilot's effort again")
+    first.close()
+    until(lambda: running.effort("surge") == 0.0 and not running.station.lease.pilot, "a lost pilot's end")
 
 
 def test_a_pilot_whose_network_freezes_sees_it_and_may_take_the_controls_back(running, tmp_path):
@@ -303,7 +299,7 @@ def test_buttons_act_and_values_grey(running, tmp_path):
     shows(page, "#banner", "trying again")
 
 
-def test_a_rosbridge_without_a_station_can_be_flown(browser, tmp_path):
+def test_a_rosbridge_without_a_station_can_be_flown_and_stopped(browser, tmp_path):
     with (
         desk(browser, tmp_path) as here,
         LiveSimulator("pool") as live,
@@ -319,6 +315,10 @@ def test_a_rosbridge_without_a_station_can_be_flown(browser, tmp_path):
         page.keyboard.up("d")
         until(lambda: not live.simulator.rov.effort.any(), "zero")
         when(page, "station.views.picture('front').drawn > 0 && station.scene.store.count > 0")
+        page.keyboard.press("x")
+        until(lambda: live.rov.all_stopped, "all stop")
+        page.click("#end-stop")
+        until(lambda: not live.rov.all_stopped, "the release of all stop")
 
 
 def test_the_pilot_sees_a_failsafe_and_the_link_and_takes_the_vehicle_back(browser, tmp_path):
@@ -346,8 +346,8 @@ def test_the_pilot_sees_a_failsafe_and_the_link_and_takes_the_vehicle_back(brows
         assert not here.complaints
 
 
-def test_foreign_pages_and_names_are_refused(running):
-    host, port = running.url.removeprefix("http://").split(":")
+def test_foreign_pages_and_names_are_refused(here):
+    host, port = here.url.removeprefix("http://").split(":")
     for headers in ({"Host": "evil.example"}, {"Host": f"127.0.0.1.evil.example:{port}"}):
         link = http.client.HTTPConnection(host, int(port), timeout=60)
         link.request("GET", "/", headers=headers)
