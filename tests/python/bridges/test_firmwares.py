@@ -165,22 +165,22 @@ def test_recordings_and_logs_replay_to_the_byte(scenario: Scenario, tmp_path: Pa
         ArduSub(sim, vehicle="rov", port=0) as one,
         Standin(one.port, late(AHEAD, 0.01)),
     ):
-        sim.step(137)
+        sim.step(37)
         with ArduSub(sim, vehicle="scout", port=0) as two, Standin(two.port, late(TURN, 0.01)):
-            sim.step(333)
+            sim.step(133)
             sim.vehicles["rov"].all_stop()
             sim.step(50)
         sim.vehicles["rov"].all_stop(False)
-        sim.step(80)
+        sim.step(40)
     result = replay(tmp_path / "two.mcap")
     assert result.difference is None and result.state_compared
     with LiveSimulator(Simulator(scenario), speed="max", paused=True) as live:
-        with flown(live) as (one, two), Standin(one.port, late(AHEAD, 0)), Standin(two.port, late(TURN, 0), 300):
+        with flown(live) as (one, two), Standin(one.port, late(AHEAD, 0)), Standin(two.port, late(TURN, 0), 120):
             live.resume()
-            until(lambda: live.tick == 300)
+            until(lambda: live.tick == 120)
             live.pause()
         state = live.read(lambda sim: sim.save_state()).result()
-    assert replay_log(Simulator(scenario), live.log, 300).save_state() == state
+    assert replay_log(Simulator(scenario), live.log, 120).save_state() == state
 
 
 def test_programs_have_systems_ports_and_folders_of_their_own(scenario: Scenario, tmp_path: Path) -> None:

@@ -7,7 +7,6 @@ import struct
 import time
 import weakref
 from collections.abc import Iterator
-from contextlib import ExitStack
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -42,7 +41,7 @@ def live() -> Iterator[LiveSimulator]:
         yield live
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def server(live: LiveSimulator) -> Iterator[FoxgloveServer]:
     table = Table(live.simulator)
     with FoxgloveServer(live, table.channels, table.services, port=0) as server:
@@ -53,8 +52,13 @@ class Plain:
     """A client that stores frames unparsed."""
 
     def __init__(self, url: str) -> None:
-        connected = connect(url, subprotocols=protocol.SUBPROTOCOLS, max_size=None)  # type: ignore[arg-type]
-        self.socket = ExitStack().enter_context(connected)
+        self.socket = connect(url, subprotocols=protocol.SUBPROTOCOLS, max_size=None)  # type: ignore[arg-type]
+
+    def __enter__(self) -> "Plain":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.socket.close()
 
     def next(self, *ops: str | int) -> Any:
         """Wait for a frame with one of these operations; integers stand for binary opcodes."""
@@ -147,13 +151,13 @@ def test_the_conversation_is_that_of_the_sdk() -> None:
         peer.stop()
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "file://", "http://evil.example:8765"])
-def test_no_page_of_another_site_commands(live: LiveSimulator, server: FoxgloveServer, origin: str) -> None:
+def test_no_page_of_another_site_commands(live: LiveSimulator, server: FoxgloveServer) -> None:
     before = len(live.log)
-    options: dict[str, Any] = {"origin": origin, "subprotocols": protocol.SUBPROTOCOLS}
-    with pytest.raises(InvalidStatus) as refused, connect(server.url, **options):
-        pass
-    assert refused.value.response.status_code == 403
+    for origin in ("http://evil.example", "null", "file://", "http://evil.example:8765"):
+        options: dict[str, Any] = {"origin": origin, "subprotocols": protocol.SUBPROTOCOLS}
+        with pytest.raises(InvalidStatus) as refused, connect(server.url, **options):
+            pass
+        assert refused.value.response.status_code == 403
     assert len(live.log) == before
 
 
@@ -233,15 +237,15 @@ HOSTILE: list[str | bytes | dict[str, Any]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("number", range(len(HOSTILE)))
-def test_a_hostile_frame_gets_an_answer_and_does_no_harm(server: FoxgloveServer, number: int) -> None:
-    client = Plain(server.url)
-    client.next("advertise")
-    client.send(HOSTILE[number])
-    answer = client.next("status", "serviceCallFailure")
-    assert 0 < len(answer["message"]) < 500 and "server failed" not in answer["message"]
-    client.send({"op": "subscribe", "subscriptions": [{"id": 7, "channelId": 1}]})
-    assert client.next(protocol.MESSAGE)[1:5] == struct.pack("<I", 7)
+def test_a_hostile_frame_gets_an_answer_and_does_no_harm(server: FoxgloveServer) -> None:
+    for frame in HOSTILE:
+        with Plain(server.url) as client:
+            client.next("advertise")
+            client.send(frame)
+            answer = client.next("status", "serviceCallFailure")
+            assert 0 < len(answer["message"]) < 500 and "server failed" not in answer["message"], frame
+            client.send({"op": "subscribe", "subscriptions": [{"id": 7, "channelId": 1}]})
+            assert client.next(protocol.MESSAGE)[1:5] == struct.pack("<I", 7)
 
 
 def test_a_message_is_bounded_before_it_is_read(server: FoxgloveServer) -> None:
@@ -282,18 +286,18 @@ def test_a_frame_of_mistakes_is_answered_in_brief() -> None:
 
 def test_an_outbox_is_bounded_in_bytes_and_what_builds_up_is_never_lost_in_silence() -> None:
     reasons: list[str] = []
-    room = Room()
+    room, data = Room(), bytes(1 << 20)
     boxes = [Outbox(room, lambda: None, reasons.append) for _ in range(40)]
     for box in boxes:
         for number in range(100):
-            box.put((1, number, bytes(1 << 20)))
+            box.put((1, number, data))
         assert 0 < box.bytes <= outbox.MESSAGES_BYTES
         assert box.dropped > 0
     assert room.taken == sum(box.bytes for box in boxes) <= room.limit + 40 * (2 << 20)
     assert boxes[0].take() is not None and not reasons
     slow = boxes[0]
     for number in range(1000):
-        slow.put((1, number, bytes(1 << 20)), builds_up=True)
+        slow.put((1, number, data), builds_up=True)
     assert len(reasons) == 1 and "reads too slowly" in reasons[0] and slow.bytes == 0
     for box in boxes:
         box.close()
@@ -338,27 +342,25 @@ def test_a_slow_reader_is_dropped_with_the_reason_and_delays_nobody(caplog: pyte
             slow.next("nothing")
 
 
-@pytest.fixture
-def four(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let the next server accept four clients."""
+def test_a_client_is_refused_beyond_the_most_and_forgotten_when_it_leaves(
+    live: LiveSimulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("uwsim.bridges.foxglove.server.CLIENTS_MAX", 4)
-
-
-def test_a_client_is_refused_beyond_the_most_and_forgotten_when_it_leaves(four: None, server: FoxgloveServer) -> None:
-    clients = [Plain(server.url) for _ in range(4)]
-    for client in clients:
-        client.next("serverInfo")
-        client.send({"op": "subscribe", "subscriptions": [{"id": 1, "channelId": 1}]})
-    with pytest.raises(InvalidStatus) as refused:
-        Plain(server.url)
-    assert refused.value.response.status_code == 503
-    gone = [weakref.ref(one) for one in server._listener.sessions.values()]
-    for client in clients:
-        client.socket.close()
-    until(lambda: not server._listener.sessions)
-    gc.collect()
-    until(lambda: not any(ref() for ref in gone))
-    assert server._room.taken == 0 and not server._ends
+    with FoxgloveServer(live, Table(live.simulator).channels, port=0) as server:
+        clients = [Plain(server.url) for _ in range(4)]
+        for client in clients:
+            client.next("serverInfo")
+            client.send({"op": "subscribe", "subscriptions": [{"id": 1, "channelId": 1}]})
+        with pytest.raises(InvalidStatus) as refused:
+            Plain(server.url)
+        assert refused.value.response.status_code == 503
+        gone = [weakref.ref(one) for one in server._listener.sessions.values()]
+        for client in clients:
+            client.socket.close()
+        until(lambda: not server._listener.sessions)
+        gc.collect()
+        until(lambda: not any(ref() for ref in gone))
+        assert server._room.taken == 0 and not server._ends
 
 
 def test_calls_without_an_answer_are_bounded() -> None:
