@@ -31,6 +31,9 @@ class Client:
     def received(self):
         return [cbor2.loads(frame) if isinstance(frame, bytes) else json.loads(frame) for frame in self.frames()]
 
+    def texts(self):
+        return [operation["msg"]["data"] for operation in self.received()]
+
     def complaint(self):
         (status,) = self.received()
         assert (status["op"], status["level"]) == ("status", "error")

@@ -1,4 +1,4 @@
-"""Fixtures of several modules: a MAVLink vehicle in the lagoon, and a ground station, for modules without their own."""
+"""Fixtures of several modules: programs, a MAVLink vehicle in the lagoon, and a ground station."""
 
 import sys
 from collections.abc import Iterator
@@ -7,11 +7,20 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+import forked_programs
 from uwsim.live import LiveSimulator
 
 if TYPE_CHECKING:
     from mavlink_station import Station
+    from rosbridge_session import Client
     from uwsim.bridges.mavlink import MavlinkVehicle
+    from uwsim.bridges.rosbridge.graph import Graph
+
+
+@pytest.fixture(scope="module")
+def programs() -> Iterator[forked_programs.Programs]:
+    with forked_programs.programs() as made:
+        yield made
 
 
 @pytest.fixture(scope="module")
@@ -44,6 +53,31 @@ def station(only_station: "Station") -> "Iterator[Station]":
     only_station.drain()
     yield only_station
     only_station.arm(False)
+
+
+@pytest.fixture
+def other(vehicle: "MavlinkVehicle") -> "Iterator[Station]":
+    """Another ground station, of system 254."""
+    from mavlink_station import station_at
+
+    station = station_at(vehicle, 254)
+    yield station
+    station.close()
+
+
+@pytest.fixture
+def graph() -> "Graph":
+    from uwsim.bridges.rosbridge.graph import Graph
+
+    return Graph()
+
+
+@pytest.fixture
+def pair(graph: "Graph") -> "tuple[Client, Client]":
+    """Two clients of a rosbridge's graph."""
+    from rosbridge_session import Client
+
+    return Client(graph, "/one"), Client(graph, "/two")
 
 
 @pytest.fixture

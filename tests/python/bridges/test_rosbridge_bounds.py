@@ -10,6 +10,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect as websocket
 
+import rosbridge_session
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.rosbridge import Limits
 from uwsim.bridges.rosbridge.graph import Graph
@@ -22,26 +23,15 @@ MB = 1_000_000
 LIMITS = Limits(client_bytes=5 * MB, mailbox_bytes=2 * MB)
 
 
-class Client:
-    """A session, and the reason it was closed."""
+class Client(rosbridge_session.Client):
+    """A client within these limits."""
 
     def __init__(self, graph, name, limits=LIMITS):
-        self.reasons = []
-        self.session = Session(graph, name, limits=limits, give_up=self.reasons.append)
-
-    def send(self, op, **fields):
-        self.session.receive(json.dumps({"op": op, **fields}))
-        return self
+        super().__init__(graph, name, limits=limits)
 
     def publish(self, topic, size, **options):
         self.send("advertise", topic=topic, type="std_msgs/String", **options)
         return self.send("publish", topic=topic, msg={"data": "x" * size})
-
-    def frames(self):
-        found = []
-        while (frame := self.session.outbox.take()[0]) is not None:
-            found.append(frame)
-        return found
 
     @property
     def bytes(self):
@@ -72,7 +62,7 @@ def test_one_topic_s_large_messages_give_way_to_newer_ones(graph):
         assert reader.bytes <= LIMITS.mailbox_bytes
     frames = reader.frames()
     assert len(json.loads(frames[-1])["msg"]["data"]) == 200_049 and reader.session.outbox.lost == 50 - len(frames)
-    assert not reader.reasons and reader.bytes == 0 and graph.ledger.bytes == 0
+    assert not reader.given_up and reader.bytes == 0 and graph.ledger.bytes == 0
 
 
 def test_a_message_that_is_larger_than_all_that_may_wait_is_sent_alone(graph):
@@ -81,7 +71,7 @@ def test_a_message_that_is_larger_than_all_that_may_wait_is_sent_alone(graph):
     reader.send("subscribe", topic="t", type="std_msgs/String")
     for _ in range(3):
         publisher.publish("t", 300_000)
-    assert len(reader.frames()) == 1 and not reader.reasons
+    assert len(reader.frames()) == 1 and not reader.given_up
 
 
 def test_a_reader_of_many_topics_that_does_not_read_must_go(graph):
@@ -91,9 +81,8 @@ def test_a_reader_of_many_topics_that_does_not_read_must_go(graph):
     for k in range(60):
         publisher.publish(f"t{k % 20}", 300_000)
         assert reader.bytes <= LIMITS.client_bytes + 2 * MB
-    (reason,) = reader.reasons
-    assert "wait to be read, of 5 that may: you read too slowly" in reason
-    assert reader.bytes == graph.ledger.bytes == 0 and not publisher.reasons
+    assert "wait to be read, of 5 that may: you read too slowly" in reader.given_up
+    assert reader.bytes == graph.ledger.bytes == 0 and not publisher.given_up
     publisher.send("status", msg="still here")
     assert reader.send("subscribe", topic="more").frames() == []
 
@@ -104,7 +93,7 @@ def test_answers_are_counted_in_bytes(graph):
     for _ in range(1100):
         asker.send("call_service", service="echo", args={"a": "x" * 100_000})
         assert asker.bytes <= 1.3 * MB
-    assert asker.reasons == ["1000 answers are waiting to be read, the maximum"] and graph.ledger.bytes == 0
+    assert asker.given_up == "1000 answers are waiting to be read, the maximum" and graph.ledger.bytes == 0
 
 
 def test_what_is_kept_for_all_is_bounded_and_the_largest_goes(graph):
@@ -116,7 +105,7 @@ def test_what_is_kept_for_all_is_bounded_and_the_largest_goes(graph):
     for k in range(200):
         publisher.publish(f"t{(0, 1, 1, 2, 3)[k % 5]}", 300_000)  # the second client gets the most
         assert graph.ledger.bytes <= graph.ledger.limit + 1 * MB
-    assert "of them are yours" in readers[1].reasons[0] and not publisher.reasons
+    assert "of them are yours" in readers[1].given_up and not publisher.given_up
 
 
 def test_a_message_for_many_is_in_memory_once(graph):

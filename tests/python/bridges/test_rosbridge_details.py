@@ -6,12 +6,10 @@ import json
 import re
 from pathlib import Path
 
-import pytest
 from PIL import Image
 
 from rosbridge_session import Client
 from uwsim.bridges.rosbridge.encoding import to_png
-from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.bridges.rosbridge.session import Session
 
 HERE = Path(__file__).parent
@@ -26,20 +24,6 @@ LINES = {  # of the table in docs/connections/rosbridge.md, by their first opera
     "set_level": "test_the_level_is_set_by_either_name",
     "ack": "test_no_more_messages_are_on_their_way_than_the_credit",
 }
-
-
-@pytest.fixture
-def graph():
-    return Graph()
-
-
-@pytest.fixture
-def pair(graph):
-    return Client(graph, "/one"), Client(graph, "/two")
-
-
-def texts(client):
-    return [operation["msg"]["data"] for operation in client.received()]
 
 
 def test_the_documented_table_names_every_operation_and_each_line_has_its_test():
@@ -58,10 +42,10 @@ def test_only_the_subscription_with_the_id_ends_and_without_an_id_all_do(pair):
         two.send("subscribe", topic="t", id=identity)
     assert "no subscription with id 'c'" in two.send("unsubscribe", topic="t", id="c").complaint()
     one.send("publish", topic="t", msg={"data": 1})
-    assert texts(two) == [1]
+    assert two.texts() == [1]
     two.send("unsubscribe", topic="t")
     one.send("publish", topic="t", msg={"data": 2})
-    assert texts(two) == []
+    assert two.texts() == []
 
 
 def test_operations_may_come_as_png_whole_or_in_fragments(pair):
@@ -76,7 +60,7 @@ def test_operations_may_come_as_png_whole_or_in_fragments(pair):
     whole = data("in pieces")
     for number, part in enumerate((whole[:50], whole[50:])):
         one.send("png", id="x", data=part, num=number, total=2)
-    assert texts(two) == ["whole", "in pieces"]
+    assert two.texts() == ["whole", "in pieces"]
     assert "not a PNG" in one.send("png", data="bm90IGEgUE5H").complaint()
     bomb = io.BytesIO()
     Image.new("RGB", (2000, 2000)).save(bomb, "PNG")

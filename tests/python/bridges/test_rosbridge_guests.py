@@ -7,7 +7,7 @@ import pytest
 from websockets.datastructures import Headers
 
 from client_socket import connect
-from test_rosbridge_protocol import Client, texts
+from rosbridge_session import Client
 from uwsim import Simulator
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.admission import Door
@@ -25,9 +25,9 @@ def test_no_more_messages_are_on_their_way_than_the_credit():
     writer = Client(graph, "/w").send("advertise", topic="t", type="std_msgs/String")
     for k in range(5):
         writer.send("publish", topic="t", msg={"data": str(k)})
-    assert texts(reader) == ["0", "1"]
-    assert texts(reader.send("ack", topic="t")) == ["2"]
-    assert texts(reader.send("ack", topic="t", count=2)) == ["3", "4"]
+    assert reader.texts() == ["0", "1"]
+    assert reader.send("ack", topic="t").texts() == ["2"]
+    assert reader.send("ack", topic="t", count=2).texts() == ["3", "4"]
     assert "do not subscribe" in reader.send("ack", topic="other").complaint()
     assert "must be in [1, 100]" in reader.send("ack", topic="t", count=-1).complaint()
     assert "credit" in Client(graph, "/x").send("subscribe", topic="t", credit=0).complaint()
@@ -45,12 +45,12 @@ def test_a_slow_reader_of_a_topic_that_builds_up_misses_nothing():
     for k in range(9):
         said.append(str(k))
         graph.publish(topic, Growing(catch_up), latch=True)
-        heard += "".join(texts(reader))
+        heard += "".join(reader.texts())
         if k % 3 == 2:
             reader.send("ack", topic="t")
-    assert heard + "".join(texts(reader)) == "012345678"
+    assert heard + "".join(reader.texts()) == "012345678"
     late = Client(graph, "/late").send("subscribe", topic="t")
-    assert texts(late) == ["012345678"]
+    assert late.texts() == ["012345678"]
 
 
 class Parrot:

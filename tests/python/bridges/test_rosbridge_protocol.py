@@ -18,20 +18,6 @@ from uwsim.channels.ros.message_types import ros1_typestore
 from uwsim.channels.ros.messages import default_message, typed_array
 
 
-@pytest.fixture
-def graph():
-    return Graph()
-
-
-@pytest.fixture
-def pair(graph):
-    return Client(graph, "/one"), Client(graph, "/two")
-
-
-def texts(client):
-    return [operation["msg"]["data"] for operation in client.received()]
-
-
 def test_clients_talk_to_each_other_and_slashes_do_not_matter(pair):
     one, two = pair
     two.send("subscribe", topic="/chatter", type="std_msgs/String")
@@ -59,10 +45,10 @@ def test_latched_messages_reach_those_who_come_later(pair):
     one.send("advertise", topic="map", type="std_msgs/String", latch=True)
     one.send("publish", topic="map", msg={"data": "old"}).send("publish", topic="map", msg={"data": "new"})
     two.send("subscribe", topic="map")
-    assert texts(two) == ["new"]
+    assert two.texts() == ["new"]
     one.session.close()
     two.send("unsubscribe", topic="map").send("subscribe", topic="map")
-    assert texts(two) == []
+    assert two.texts() == []
 
 
 def test_a_full_queue_loses_its_oldest_messages_and_no_other_queue_does(graph):
@@ -72,9 +58,9 @@ def test_a_full_queue_loses_its_oldest_messages_and_no_other_queue_does(graph):
     heard = []
     for k in range(20):
         publisher.send("publish", topic="t", msg={"data": k})
-        heard += texts(quick)
+        heard += quick.texts()
     assert heard == list(range(20))
-    assert texts(slow) == [17, 18, 19]
+    assert slow.texts() == [17, 18, 19]
     assert (slow.session.outbox.lost, quick.session.outbox.lost) == (17, 0)
 
 
@@ -96,7 +82,7 @@ def test_throttle_drops_without_a_queue_and_delays_with_one(graph):
         if k < 10:
             publisher.send("publish", topic="t", msg={"data": k})
         for client, values in heard.items():
-            values += texts(client)
+            values += client.texts()
             client.now_s += 0.0625
     assert heard[dropping] == [0, 2, 4, 6, 8]  # every 125 ms, from messages that arrive every 62.5 ms
     assert len(heard[queueing]) == 7 and heard[queueing][-2:] == [8, 9]  # two are still queued when the messages stop
@@ -112,11 +98,11 @@ def test_the_ids_of_a_subscription_share_the_shortest_throttle_and_end_one_by_on
     two.send("subscribe", topic="t", id="slow", throttle_rate=1250).send("subscribe", topic="t", id="fast")
     for k in range(3):
         one.send("publish", topic="t", msg={"data": k})
-    assert texts(two) == [0, 1, 2]  # each message once
+    assert two.texts() == [0, 1, 2]  # each message once
     two.send("unsubscribe", topic="t", id="fast")
     for k in range(3):
         one.send("publish", topic="t", msg={"data": k})
-        texts(two)
+        two.texts()
     two.send("unsubscribe", topic="t", id="slow")
     assert two.send("unsubscribe", topic="t").complaint() == "topic 't': you do not subscribe to it"
 
@@ -189,7 +175,7 @@ def test_fragments_are_put_together(pair):
     parts = [whole[:10], whole[10:30], whole[30:]]
     for number in (2, 0, 1):
         one.send("fragment", id="f", data=parts[number], num=number, total=3)
-    assert texts(two) == ["in three parts"]
+    assert two.texts() == ["in three parts"]
 
 
 def test_services_between_clients(pair):

@@ -4,7 +4,6 @@ import json
 
 import pytest
 
-from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.bridges.rosbridge.parameters import Parameters
 from uwsim.bridges.rosbridge.rosapi import offer_rosapi
 from uwsim.bridges.rosbridge.session import Session
@@ -13,11 +12,6 @@ from uwsim.bridges.rosbridge.session import Session
 def send(session, op, **fields):
     session.receive(json.dumps({"op": op, **fields}))
     return session
-
-
-@pytest.fixture
-def graph():
-    return Graph()
 
 
 @pytest.fixture
