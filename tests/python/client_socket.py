@@ -24,3 +24,10 @@ def receive(client: ClientConnection, **wanted: Any) -> Any:
         if wanted.items() <= operation.items():
             return operation
     raise TimeoutError(wanted)
+
+
+def call(client: ClientConnection, service: str, **args: Any) -> tuple[bool, Any]:
+    """Call a service; return its result and its values."""
+    send(client, "call_service", service=service, id=service, args=args)
+    answer = receive(client, op="service_response", id=service)
+    return answer["result"], answer["values"]

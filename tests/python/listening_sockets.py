@@ -21,6 +21,13 @@ UPGRADE = {
 NOTHING = 0  # the connection closed without an HTTP response
 
 
+def free_port(kind: int = socket.SOCK_STREAM) -> int:
+    """Return a port of loopback that is free; kind: SOCK_DGRAM for UDP."""
+    with socket.socket(type=kind) as free:
+        free.bind(("127.0.0.1", 0))
+        return int(free.getsockname()[1])
+
+
 def family(pid: int) -> Iterator[int]:
     """Yield the ids of a process and all its descendants."""
     yield pid

@@ -1,27 +1,24 @@
 """Test helpers: a ROS master on loopback, and programs run by Debian's Python that connect to it."""
 
+import functools
 import os
 import socket
 import subprocess
-import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from listening_sockets import free_port
+from waiting import until
+
 PYTHON = "/usr/bin/python3"
 
 
+@functools.cache
 def ros_is_installed() -> bool:
     modules = "import rospy, rosmaster, tf2_ros, laser_geometry, sensor_msgs.point_cloud2"
     done = subprocess.run([PYTHON, "-c", modules], capture_output=True, check=False)
     return done.returncode == 0
-
-
-def free_port() -> int:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        return int(taken.getsockname()[1])
 
 
 @contextmanager
@@ -37,43 +34,16 @@ def master(folder: Path) -> Iterator[dict[str, str]]:
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     try:
-        wait_for_port(port)
+        until(lambda: listens(port), "the master")
         yield environment
     finally:
         process.terminate()
         process.wait(20)
 
 
-def wait_for_port(port: int) -> None:
-    deadline_s = time.monotonic() + 60.0
-    while True:
-        with socket.socket() as tried:
-            if tried.connect_ex(("127.0.0.1", port)) == 0:
-                return
-        assert time.monotonic() < deadline_s, f"nobody listens on {port}"
-        time.sleep(0.05)
-
-
-@contextmanager
-def serving(environment: dict[str, str], *options: str) -> Iterator[str]:
-    """Run `uwsim serve --ros1`; yield its first output line."""
-    with running(environment, "serve", *options) as greeting:
-        yield greeting
-
-
-@contextmanager
-def running(environment: dict[str, str], *arguments: str) -> Iterator[str]:
-    """Run a uwsim command with --ros1; yield its first output line."""
-    command = [sys.executable, "-c", "from uwsim.cli import main; main()", *arguments, "--ros1", "--port", "0"]
-    process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    greeting = process.stdout.readline()
-    assert greeting, process.communicate()[1]
-    try:
-        yield greeting
-    finally:
-        process.terminate()
-        process.wait(30)
+def listens(port: int) -> bool:
+    with socket.socket() as tried:
+        return tried.connect_ex(("127.0.0.1", port)) == 0
 
 
 def run_node(script: str, environment: dict[str, str], *arguments: str) -> str:

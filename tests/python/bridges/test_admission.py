@@ -1,17 +1,17 @@
 """Admission of clients: one rule for every socket on which any part of uwsim listens."""
 
 import ast
+import os
 import re
-import signal
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 from websockets.datastructures import Headers
 
+from forked_programs import Programs
 from listening_sockets import NOTHING, listening, status, upgrade
 from ros1_tools import master, ros_is_installed
 from ros2_tools import free_domain
@@ -20,7 +20,6 @@ from uwsim.bridges.admission import Door
 from uwsim.recording import Recorder
 
 SOURCES = Path(__file__).parents[3] / "python" / "uwsim"
-UWSIM = [sys.executable, "-c", "from uwsim.cli import main; main()"]
 TOKEN = "correct-horse"
 EVIL = "http://evil.example"
 PUBLISHER_UPDATE = b"""<?xml version='1.0'?><methodCall><methodName>publisherUpdate</methodName><params>
@@ -30,19 +29,6 @@ PUBLISHER_UPDATE = b"""<?xml version='1.0'?><methodCall><methodName>publisherUpd
 
 REFUSED = {401, 403, NOTHING}
 NO_SUCH_THING = {404, 405, 426, 501}  # statuses by which a server rejects a method or path regardless of who asks
-
-
-@contextmanager
-def program(*command: str, **options: object) -> Iterator[tuple[int, str]]:
-    """Run a program that listens; yield its process and the line that it prints once it is listening."""
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, **options) as process:  # type: ignore[call-overload]
-        try:
-            assert process.stdout is not None
-            greeting = process.stdout.readline()
-            assert greeting, "it ended"
-            yield process.pid, greeting
-        finally:
-            process.send_signal(signal.SIGTERM)
 
 
 def hold_to_the_law(pid: int, greeting: str, *, sockets: int, websockets: int, has_token: bool = True) -> None:
@@ -81,29 +67,38 @@ def hold_to_the_law(pid: int, greeting: str, *, sockets: int, websockets: int, h
     assert admitting == websockets, greeting
 
 
-def test_every_socket_of_serve(tmp_path: Path) -> None:
-    options = ["--foxglove", "--foxglove-port", "0", "--ros2", "--ros-domain-id", str(free_domain())]
-    served = [*UWSIM, "serve", "pool", "--port", "0", "--token", TOKEN, "--station", *options]
-    if not ros_is_installed():
-        with program(*served) as (pid, greeting):
-            hold_to_the_law(pid, greeting, sockets=2, websockets=2)
-        return
-    with master(tmp_path) as environment, program(*served, "--ros1", env=environment) as (pid, greeting):
-        hold_to_the_law(pid, greeting, sockets=4, websockets=2)  # rospy adds XML-RPC and TCPROS
+def test_every_socket_of_serve(tmp_path: Path, programs: Programs) -> None:
+    """And a page is admitted where it is named."""
+    app, station = "https://app.foxglove.dev", "app://station"
+    command = ["serve", "pool", "--port", "0", "--token", TOKEN, "--station", "--foxglove", "--foxglove-port", "0"]
+    command += ["--ros2", "--ros-domain-id", str(free_domain()), "--page", app, "--page", station]
+    with ExitStack() as stack:
+        environment, sockets = dict(os.environ), 2
+        if ros_is_installed():
+            environment |= stack.enter_context(master(tmp_path))
+            command, sockets = [*command, "--ros1"], 4  # rospy adds XML-RPC and TCPROS
+        program, greeting = stack.enter_context(programs.greeted(*command, env=environment))
+        hold_to_the_law(program.pid, greeting, sockets=sockets, websockets=2)
+        right = f"/?token={TOKEN}"
+        answers = [
+            [upgrade(port, right, Origin=origin) for origin in (app, station, f"{app}.evil.example", EVIL)]
+            for port in listening(program.pid)
+        ]
+        assert answers.count([101, 101, 403, 403]) == 2, answers
 
 
-def test_the_socket_of_the_station() -> None:
-    with program(*UWSIM, "station", "--no-browser", "--port", "0", "--token", TOKEN) as (pid, greeting):
-        hold_to_the_law(pid, greeting, sockets=1, websockets=1)
+def test_the_socket_of_the_station(programs: Programs) -> None:
+    with programs.greeted("station", "--no-browser", "--port", "0", "--token", TOKEN) as (program, greeting):
+        hold_to_the_law(program.pid, greeting, sockets=1, websockets=1)
 
 
-def test_every_socket_of_a_playback(tmp_path: Path) -> None:
+def test_every_socket_of_a_playback(tmp_path: Path, programs: Programs) -> None:
     run, sim = tmp_path / "run.mcap", Simulator("pool", seed=3)
     with Recorder(sim, run, topics=("odom",)):
         sim.advance(0.5)
     options = ["--as-topics", "--wait", "--port", "0", "--foxglove", "--foxglove-port", "0", "--token", TOKEN]
-    with program(*UWSIM, "replay", str(run), *options) as (pid, greeting):
-        hold_to_the_law(pid, greeting, sockets=2, websockets=2)
+    with programs.greeted("replay", run, *options) as (program, greeting):
+        hold_to_the_law(program.pid, greeting, sockets=2, websockets=2)
 
 
 def test_every_socket_of_workers() -> None:
@@ -113,10 +108,17 @@ def test_every_socket_of_workers() -> None:
         "  signal.signal(signal.SIGTERM, lambda *_: sys.exit())\n"
         "  with local_workers(1):\n    print('workers', flush=True)\n    time.sleep(600)\n"
     )
-    with program(sys.executable, "-c", work) as (pid, greeting):
-        # Dask: the scheduler and the worker each listen on one port for Dask's protocol and one for HTTP, plus the
-        # nanny's.
-        hold_to_the_law(pid, greeting, sockets=len(listening(pid)), websockets=0, has_token=False)
+    with subprocess.Popen([sys.executable, "-c", work], stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            greeting = process.stdout.readline()
+            assert greeting, "it ended"
+            # Dask: the scheduler and the worker each listen on one port for Dask's protocol and one for HTTP, plus the
+            # nanny's.
+            ports = listening(process.pid)
+            hold_to_the_law(process.pid, greeting, sockets=len(ports), websockets=0, has_token=False)
+        finally:
+            process.terminate()
 
 
 @pytest.mark.parametrize(
@@ -143,17 +145,9 @@ def test_what_is_no_origin_is_refused(page: str) -> None:
         Door([page], "127.0.0.1")
 
 
-def test_a_page_is_admitted_where_it_is_named() -> None:
-    pages = ["--page", "https://app.foxglove.dev", "--page", "file://"]
-    with program(*UWSIM, "serve", "pool", "--port", "0", "--foxglove", "--foxglove-port", "0", *pages) as (pid, _):
-        for port in listening(pid):
-            assert upgrade(port, Origin="https://app.foxglove.dev") == upgrade(port, Origin="file://") == 101
-            assert upgrade(port, Origin="https://app.foxglove.dev.evil.example") == upgrade(port, Origin=EVIL) == 403
-
-
 LISTENERS = re.compile(
-    r"serve|start_server|start_unix_server|create_server|unix_serve|[A-Za-z]*(HTTP|TCP|UDP|XMLRPC|Unix\w*)Server|"
-    r"serve_forever|accept"
+    r"\b(serve|start_server|start_unix_server|create_server|unix_serve|[A-Za-z]*(HTTP|TCP|UDP|XMLRPC|Unix\w*)Server|"
+    r"serve_forever|accept)\b"
 )
 """Names of the library functions by which Python programs listen."""
 
@@ -161,7 +155,8 @@ LISTENERS = re.compile(
 def test_only_the_listener_listens() -> None:
     found = set()
     for path in SOURCES.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text())):
+        text = path.read_text()
+        for node in ast.walk(ast.parse(text)) if LISTENERS.search(text) else ():
             names = [alias.name for alias in node.names] if isinstance(node, ast.ImportFrom) else []
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("uwsim"):
                 names = []
