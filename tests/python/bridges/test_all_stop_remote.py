@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from websockets.sync.client import ClientConnection
 
-from client_socket import connect
+from client_socket import call, connect, receive, send
 from station_pages import page, serving
 from uwsim import Simulator
 from uwsim.bridges import RosbridgeServer
@@ -30,32 +30,12 @@ from uwsim.operator.teleop.connection import Connection
 from uwsim.operator.teleop.hands import Hands
 from waiting import until
 
-PATIENCE_S = 60.0
+PATIENCE_S = 180.0
 AHEAD = {"position": {"x": 1.0, "y": 0.0, "z": 0.0}, "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 0.0}}
 
 
-class Client:
-    """A rosbridge client that calls services and publishes."""
-
-    def __init__(self, socket: Any) -> None:
-        self._socket = socket
-        self._count = 0
-
-    def publish(self, topic: str, message: Any) -> None:
-        self._socket.send(json.dumps({"op": "publish", "topic": topic, "msg": message}))
-
-    def call(self, service: str, **arguments: Any) -> Any:
-        self._count += 1
-        self._socket.send(
-            json.dumps({"op": "call_service", "service": service, "id": str(self._count), "args": arguments})
-        )
-        return self.receive(lambda found: found.get("id") == str(self._count))["values"]
-
-    def receive(self, wanted: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
-        while True:
-            found: dict[str, Any] = json.loads(self._socket.recv(PATIENCE_S))
-            if wanted(found):
-                return found
+def stop(client: ClientConnection, on: bool) -> Any:
+    return call(client, "/all_stop", data=on)[1]
 
 
 @pytest.fixture
@@ -73,18 +53,17 @@ def server(live: LiveSimulator) -> Iterator[RosbridgeServer]:
 
 def test_any_client_of_a_rosbridge_stops_what_another_drives(live: LiveSimulator, server: RosbridgeServer) -> None:
     with connect(server.url) as one, connect(server.url) as other:
-        driving, stopping = Client(one), Client(other)
-        driving.publish("/key", AHEAD)
+        send(one, "publish", topic="/key", msg=AHEAD)
         until(lambda: live.rov.effort[0] == 1.0)
         for _ in range(2):
-            assert stopping.call("/all_stop", data=True) == {"success": True, "message": ""}
+            assert stop(other, True) == {"success": True, "message": ""}
             assert live.rov.all_stopped and not live.rov.effort.any()
         for topic, message in (("/key", AHEAD), ("/cmd_vel", {"linear": {"x": 0.5}})):
-            driving.publish(topic, message)
-            assert "all stop is set" in driving.receive(lambda found: found["op"] == "status")["msg"]
+            send(one, "publish", topic=topic, msg=message)
+            assert "all stop is set" in receive(one, op="status")["msg"]
         assert not live.rov.effort.any()
-        assert stopping.call("/all_stop", data=False)["success"]
-        driving.publish("/key", AHEAD)
+        assert stop(other, False)["success"]
+        send(one, "publish", topic="/key", msg=AHEAD)
         until(lambda: live.rov.effort[0] == 1.0)
 
 
@@ -114,12 +93,11 @@ def test_it_does_not_wait_for_other_calls(live: LiveSimulator) -> None:
     offered = [*Table(live.simulator).services, *busy]
     with RosbridgeServer(None) as server, connect(server.url) as socket:
         server.show(live, [], offered)
-        client = Client(socket)
-        until(lambda: "/all_stop" in client.call("/rosapi/services")["services"])
+        until(lambda: "/all_stop" in call(socket, "/rosapi/services")[1]["services"])
         for service in busy:
-            socket.send(json.dumps({"op": "call_service", "service": f"/{service.name}", "id": service.name}))
+            send(socket, "call_service", service=f"/{service.name}", id=service.name)
         try:
-            assert client.call("/all_stop", data=True)["success"] and live.rov.all_stopped
+            assert stop(socket, True)["success"] and live.rov.all_stopped
         finally:
             going_on.set()
     going_on.clear()
@@ -195,7 +173,7 @@ def test_x_in_the_terminal_stops_and_capital_x_releases(live: LiveSimulator, ser
     try:
         until(lambda: connection.state == "connected")
         with connect(server.url) as other:
-            Client(other).publish("/key", AHEAD)
+            send(other, "publish", topic="/key", msg=AHEAD)
             until(lambda: live.rov.effort[0] == 1.0)
             app.press("x")
             app.press("x")  # keyboard auto-repeat

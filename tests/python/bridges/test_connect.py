@@ -1,42 +1,31 @@
-"""`uwsim connect` from the shell: it waits for its server, joins it, and reconnects after an outage."""
+"""`uwsim connect` and `uwsim serve` from the shell.
+
+connect waits for its server, joins it, and reconnects after an outage; serve and its sinks start and end together.
+"""
 
 import logging
+import re
 import signal
-import subprocess
-import sys
 import threading
-import time
 from http.server import BaseHTTPRequestHandler, HTTPServer
-from pathlib import Path
 
 import pytest
 from websockets.sync.server import serve
 
+from client_socket import call, receive, send
 from client_socket import connect as websocket
-from client_socket import receive, send
 from command_line import error_line, uwsim
+from foxglove_client import FoxgloveClient
+from ros2_tools import free_domain, peer
+from strict_rosbridge import strict_rosbridge
 from uwsim.bridges import RosbridgeClient, RosbridgeServer
 from uwsim.bridges.nodes.websocket import checked_url
+from uwsim.bridges.ros2 import Ros2Settings
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels import Channel
 from uwsim.channels.ros.messages import default_message
 from uwsim.live import LiveSimulator
 from waiting import until
-
-PATIENCE_S = 60.0
-UWSIM = Path(sys.executable).with_name("uwsim")
-
-
-def answer(client, service, **args):
-    """Call a service, retrying until it is available."""
-    deadline = time.monotonic() + PATIENCE_S
-    while time.monotonic() < deadline:
-        send(client, "call_service", service=service, id=service, args=args)
-        response = receive(client, op="service_response", id=service)
-        if response["result"]:
-            return response["values"]
-        time.sleep(0.05)
-    raise TimeoutError(service)
 
 
 @pytest.fixture
@@ -45,38 +34,63 @@ def port():
         return server.port
 
 
-def test_it_joins_a_server_that_comes_later_and_again_one_that_was_killed(port):
+def test_it_joins_a_server_that_comes_later_and_again_one_that_was_killed(port, programs):
     url = f"ws://127.0.0.1:{port}"
-    command = [UWSIM, "connect", url, "pool", "--speed", "2"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        watchdog = threading.Timer(2 * PATIENCE_S, process.kill)
-        watchdog.start()
-        try:
-            assert url in process.stdout.readline()
-            assert "next attempt in 0.25 s" in process.stderr.readline()  # no server is listening yet
-            for turn in range(2):
-                with RosbridgeServer(None, port=port) as server, websocket(server.url) as peer:
-                    assert answer(peer, "/simulation/pace")["speed"] == 2.0
-                    send(peer, "subscribe", topic="/modelTrigger", type="std_msgs/String")  # latched
-                    assert receive(peer, op="publish", topic="/modelTrigger")["msg"]["data"] == "2"
-                    send(peer, "subscribe", topic="/propPos", type="geometry_msgs/Pose")
-                    start = receive(peer, op="publish", topic="/propPos")["msg"]["position"]
-                    if turn == 0:
-                        assert answer(peer, "/release")["success"]
-                    way = 1.0 - 2.0 * turn
-                    send(peer, "publish", topic="/key", msg={"position": {"x": way}})
-                    while (
-                        receive(peer, op="publish", topic="/propPos")["msg"]["position"]["x"] - start["x"]
-                    ) * way < 0.1:
-                        pass
-            process.send_signal(signal.SIGINT)
-            said = process.communicate(timeout=PATIENCE_S)[1]
-            assert process.returncode == 0
-            assert said.count(": connected") == 2
-            assert "Traceback" not in said
-        finally:
-            watchdog.cancel()
-            process.kill()
+    with programs.running("connect", url, "pool", "--speed", "2") as process:
+        assert url in process.stdout.readline()
+        assert "next attempt in 0.25 s" in process.stderr.readline()  # no server is listening yet
+        for turn in range(2):
+            with RosbridgeServer(None, port=port) as server, websocket(server.url) as peer:
+                pace = until(lambda peer=peer: values if (values := call(peer, "/simulation/pace"))[0] else None)
+                assert pace[1]["speed"] == 2.0
+                send(peer, "subscribe", topic="/modelTrigger", type="std_msgs/String")  # latched
+                assert receive(peer, op="publish", topic="/modelTrigger")["msg"]["data"] == "2"
+                send(peer, "subscribe", topic="/propPos", type="geometry_msgs/Pose")
+                start = receive(peer, op="publish", topic="/propPos")["msg"]["position"]
+                if turn == 0:
+                    assert call(peer, "/release")[1]["success"]
+                way = 1.0 - 2.0 * turn
+                send(peer, "publish", topic="/key", msg={"position": {"x": way}})
+                while (receive(peer, op="publish", topic="/propPos")["msg"]["position"]["x"] - start["x"]) * way < 0.1:
+                    pass
+        code, said = process.end(signal.SIGINT)
+    assert code == 0 and said.count(": connected") == 2 and "Traceback" not in said
+
+
+def test_it_ends_with_an_error_if_the_server_refused_everything(programs):
+    with strict_rosbridge() as server:
+        server.packages = {"rosgraph_msgs"}
+        with programs.running("connect", server.url, "pool") as process:
+            server.wait(lambda: any("advertise" in line for line in server.refused))
+            while "the server refuses" not in process.stderr.readline():
+                pass
+            code, said = process.end(signal.SIGINT)
+        assert code == 1 and "Traceback" not in said
+        assert f"error: {server.url}: the server refuses" in said
+
+
+def test_serve_ends_at_ctrl_c(programs):
+    words = ["serve", "pool", "--port", "0", "--paused", "--wire", "published"]
+    with programs.greeted(*words) as (process, line):
+        assert "paused; Ctrl-C ends it" in line
+        with websocket(re.search(r"ws://127\.0\.0\.1:\d+", line)[0]) as client:
+            assert set(call(client, "/rosapi/topics")[1]["topics"]) >= {"/propPos", "/depthArray"}
+        assert process.end(signal.SIGINT) == (0, "")
+
+
+def test_serve_is_a_node_of_ros_2_and_serves_foxglove_until_it_is_ended(programs):
+    settings = Ros2Settings(domain_id=free_domain())
+    words = ["serve", "pool", "--port", "0", "--ros2", "--ros-domain-id", str(settings.domain_id), "--foxglove"]
+    with programs.greeted(*words, "--foxglove-port", "0") as (program, greeting):
+        assert f"ROS 2 jazzy, domain {settings.domain_id}, on this machine alone" in greeting
+        url = re.search(r"Foxglove at (ws://\S+:\d+)", greeting)
+        assert url is not None, greeting
+        with peer(settings) as other, FoxgloveClient(url[1]) as client:
+            other.listen("clock", "rosgraph_msgs/msg/Clock")
+            client.subscribe("/clock")
+            assert other.next("clock").clock.sec >= 0
+            assert client.next("/clock")[0] >= 0
+        assert program.end()[0] == 0
 
 
 def test_messages_that_a_server_finds_too_large_are_left_out_and_said_once(caplog):
@@ -154,15 +168,18 @@ def test_an_address_that_no_server_can_have_is_refused_at_once(url):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "complaint"),
+    ("arguments", "code", "complaint"),
     [
-        (["localhost:9090", "pool"], "url = 'localhost:9090': must begin with ws://"),
-        (["ws://localhost:9090", "pool", "--ros", "3"], "--ros = 3: must be in [1, 2]"),
-        (["ws://localhost:9090", "pool", "--wire", "copper"], "--wire = 'copper': must be one of"),
-        (["ws://localhost:9090", "pool", "--tf-rate", "5000"], "tf_rate_hz = 5000 Hz: must be in (0, "),
+        ("connect localhost:9090 pool", 1, "url = 'localhost:9090': must begin with ws://"),
+        ("connect ws://localhost:9090 pool --ros 3", 2, "--ros = 3: must be in [1, 2]"),
+        ("connect ws://localhost:9090 pool --wire copper", 2, "--wire = 'copper': must be one of"),
+        ("connect ws://localhost:9090 pool --tf-rate 5000", 1, "tf_rate_hz = 5000 Hz: must be in (0, "),
+        ("serve pool --ros-domain-id 3", 2, "--ros-domain-id: needs --ros2"),
+        ("serve pool --foxglove-port 3", 2, "--foxglove-port: needs --foxglove"),
+        ("serve pool --ros2 --ros-domain-id 300", 2, "--ros-domain-id = 300: must be in [0, 232]"),
+        ("serve pool --ros2 --ros-distro kinetic", 2, "must be one of humble, jazzy"),
     ],
 )
-def test_mistakes_are_one_line(arguments, complaint):
-    done = uwsim("connect", *arguments)
-    assert done.returncode == (2 if complaint.startswith("--") else 1)
-    assert complaint in error_line(done)
+def test_mistakes_are_one_line(arguments, code, complaint):
+    done = uwsim(*arguments.split())
+    assert done.returncode == code and complaint in error_line(done)

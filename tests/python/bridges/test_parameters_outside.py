@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import json
 import re
-import time
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 from websockets.sync.client import ClientConnection
 
+from client_socket import call
 from client_socket import connect as websocket
 from command_line import error_line, uwsim
 from uwsim.bridges import RosbridgeServer
 from uwsim.channels.ros.messages import Ros
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
-
-PATIENCE_S = 20.0
 
 
 @pytest.fixture(scope="module")
@@ -31,16 +28,6 @@ def live() -> Iterator[LiveSimulator]:
 def client(live: LiveSimulator) -> Iterator[ClientConnection]:
     with RosbridgeServer(live) as server, websocket(server.url) as client:
         yield client
-
-
-def call(client: ClientConnection, service: str, **args: Any) -> tuple[bool, Any]:
-    client.send(json.dumps({"op": "call_service", "service": service, "id": service, "args": args}))
-    deadline = time.monotonic() + PATIENCE_S
-    while time.monotonic() < deadline:
-        answer = json.loads(client.recv(PATIENCE_S))
-        if answer.get("id") == service:
-            return answer["result"], answer["values"]
-    raise TimeoutError(service)
 
 
 def test_rosapi_reads_and_sets_them_and_keeps_a_store_beside(client: ClientConnection, live: LiveSimulator) -> None:

@@ -4,12 +4,9 @@ import json
 import logging
 import math
 import re
-import signal
 import subprocess
-import sys
 import threading
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,7 +25,6 @@ from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 from waiting import until
 
-UWSIM = str(Path(sys.executable).with_name("uwsim"))
 HAS_LIBRARY = "import rospy; from rosbridge_library.internal import message_conversion, ros_loader"
 
 
@@ -155,23 +151,6 @@ def test_refused_messages_are_reported_at_once_and_counted_and_not_sent_for_ever
     (first,) = [line for line in caplog.messages if "a message on /scan is refused" in line]
     assert "does not have a field scan.ranges" in first
     assert f"has refused {refused} messages, on /scan" in caplog.messages[-1]
-
-
-def test_connect_ends_with_an_error_if_the_server_refused_everything(server: StrictRosbridge) -> None:
-    server.packages = {"rosgraph_msgs"}
-    command = [UWSIM, "connect", server.url, "pool"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        try:
-            server.wait(lambda: any("advertise" in line for line in server.refused))
-            assert process.stderr is not None
-            while "the server refuses" not in process.stderr.readline():
-                pass
-            process.send_signal(signal.SIGINT)
-            said = process.communicate(timeout=60.0)[1]
-        finally:
-            process.kill()
-    assert process.returncode == 1 and "Traceback" not in said
-    assert f"error: {server.url}: the server refuses" in said
 
 
 def test_the_chain_of_nodes_needs_no_package_that_ros_lacks(any_server: StrictRosbridge, tmp_path: Any) -> None:
