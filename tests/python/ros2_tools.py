@@ -24,7 +24,7 @@ from uwsim.channels.ros.messages import from_bytes
 from uwsim.channels.ros.service_types import request_type, response_type
 from waiting import until
 
-PATIENCE_S = 30.0
+PATIENCE_S = 180.0
 
 
 DOMAINS_PER_WORKER = 20

@@ -2,13 +2,12 @@
 
 import http.server
 import json
-import os
 import socket
 import threading
 
 import pytest
 
-from command_line import uwsim, uwsim_process
+from command_line import uwsim
 from fast_dds import BINARY, fast_dds_peer
 from ros2_tools import free_domain, until
 from servo_standin import NEUTRAL, Standin
@@ -21,6 +20,12 @@ from uwsim.bridges.rosbridge import RosbridgeServer
 from uwsim.live import LiveSimulator
 
 LOCAL = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+
+
+@pytest.fixture(scope="module")
+def pool():
+    with LiveSimulator("pool", paused=True) as live:
+        yield live
 
 
 def wrong(findings):
@@ -42,16 +47,16 @@ def test_a_variable_of_ros_that_is_at_odds_is_named(variables, settings, what, a
     assert advice in wrong(environment(variables, settings))[what]
 
 
-def test_nothing_is_wrong_with_a_node_of_the_same_kind():
+def test_nothing_is_wrong_with_a_node_of_the_same_kind(pool):
     settings = Ros2Settings(domain_id=free_domain())
-    with LiveSimulator("pool", paused=True) as live, Ros2Node(live, [], (), settings):
+    with Ros2Node(pool, [], (), settings):
         found = discovery(settings, 2.0)
     assert wrong(found) == {} and any("/uwsim (jazzy)" in finding.found for finding in found)
 
 
-def test_a_node_of_another_distribution_is_named():
+def test_a_node_of_another_distribution_is_named(pool):
     settings = Ros2Settings(domain_id=free_domain())
-    with LiveSimulator("pool", paused=True) as live, Ros2Node(live, [], (), settings):
+    with Ros2Node(pool, [], (), settings):
         found = discovery(Ros2Settings("humble", settings.domain_id), 2.0)
     assert wrong(found) == {"nodes": "uwsim serve --ros2 --ros-distro jazzy"}
 
@@ -74,7 +79,7 @@ def test_a_node_that_was_told_nothing_of_us_is_found():
         assert discovery(Ros2Settings(domain_id=domain), 3.0)[0].found == "1 participants answer, 1 are on this machine"
 
 
-def test_a_port_is_free_ours_or_taken():
+def test_a_port_is_free_ours_or_taken(pool):
     class Silent(http.server.BaseHTTPRequestHandler):
         def log_message(self, *_):
             pass
@@ -95,7 +100,7 @@ def test_a_port_is_free_ours_or_taken():
         assert servers.rosbridge_port(web.server_port).found == "taken, but not by a rosbridge"
         assert servers.foxglove_port(web.server_port).verdict == "note"
         web.shutdown()
-    with LiveSimulator("pool", paused=True) as live, RosbridgeServer(live) as server:
+    with RosbridgeServer(pool) as server:
         assert servers.rosbridge_port(server.port).found == "uwsim serves here"
     with RosbridgeServer(None, token="correct-horse") as server:
         for look in (servers.rosbridge_port, servers.foxglove_port):
@@ -117,17 +122,18 @@ def test_a_missing_extra_is_a_note_that_names_the_command(monkeypatch):
     assert (found.verdict, found.advice) == ("note", "pip install 'uwsim[ros2]'")
 
 
-def test_the_command_prints_a_table_and_exits_with_1_when_something_is_wrong(monkeypatch):
+def test_the_command_prints_a_table_and_exits_with_1_when_something_is_wrong(pool, monkeypatch):
     settings = Ros2Settings(domain_id=free_domain())
+    found = []
     same, other = (LOCAL | {"ROS_DOMAIN_ID": str(settings.domain_id + k)} for k in (0, 1))
-    with LiveSimulator("pool", paused=True) as live, Ros2Node(live, [], (), settings), RosbridgeServer(live) as server:
+    with Ros2Node(pool, [], (), settings), RosbridgeServer(pool) as server:
         command = ["doctor", "--ros-domain-id", str(settings.domain_id), "--listen", "2", "--port", str(server.port)]
-        right = uwsim_process(*command, env=os.environ | same)
-        for name, value in other.items():
-            monkeypatch.setenv(name, value)
-        at_odds = uwsim(*command)
-    assert (right.returncode, at_odds.returncode) == (0, 1), right.stdout + right.stderr
-    for done in (right, at_odds):
+        for variables, code in ((same, 0), (other, 1)):
+            for name, value in variables.items():
+                monkeypatch.setenv(name, value)
+            found.append(uwsim(*command))
+            assert found[-1].returncode == code, found[-1].stdout + found[-1].stderr
+    for done in found:
         assert "uwsim serves here" in done.stdout and "/uwsim (jazzy)" in done.stdout
         assert ("WRONG" in done.stdout) == bool(done.returncode)
 

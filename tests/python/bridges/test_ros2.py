@@ -5,10 +5,12 @@ import subprocess
 import sys
 import threading
 import time
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
 
+from command_line import error_line, uwsim
 from ros2_tools import free_domain, peer, until
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, settings_from
 from uwsim.bridges.ros2.dds import own_udp_sockets
@@ -98,27 +100,35 @@ def test_a_publisher_that_leaves_the_domain_ends_its_command(node, live):
     live.command("set_parameter", name="rov.command_timeout_s", value=0.5).result()
 
 
-def test_the_answer_of_a_call_and_the_reason_of_a_refusal_are_said_on_rosout(node, other):
+@pytest.fixture
+def heard(other):
+    """Return a function that waits until a text on /rosout contains each of some words, and returns all texts."""
     other.listen("rosout", "rcl_interfaces/msg/Log", latched=True)
+    texts: list[str] = []
+
+    def wait(*words):
+        def is_complete():
+            texts.extend(log.msg for log in other.heard("rosout"))
+            return all(any(word in text for text in texts) for word in words)
+
+        until(is_complete, f"{words} on /rosout")
+        return texts
+
+    return wait
+
+
+def test_the_answer_of_a_call_and_the_reason_of_a_refusal_are_said_on_rosout(other, heard):
     other.say("lights/front", build.message("std_msgs/msg/Bool", data=True))
     other.say("simulation/set_speed", build.text("nonsense"))
     other.say("cmd_tilt", build.message("std_msgs/msg/Float64", data=99.0))
-    said: list[str] = []
-    expected = (  # in any order: calls are answered on threads
+    heard(  # in any order: calls are answered on threads
         '/lights/front: {"success":true',
         "/simulation/set_speed: data = 'nonsense': not JSON (column 1: Expecting value)",
         "/cmd_tilt: cmd_tilt = 99.0 rad: must be in",
     )
-    until(
-        lambda: (
-            said.extend(log.msg for log in other.heard("rosout")) or all(one in "\n".join(said) for one in expected)
-        ),
-        "the answers",
-    )
 
 
-def test_all_stop_is_set_and_released_by_a_message_and_commands_meanwhile_are_refused(node, other, live):
-    other.listen("rosout", "rcl_interfaces/msg/Log", latched=True)
+def test_all_stop_is_set_and_released_by_a_message_and_commands_meanwhile_are_refused(other, heard, live):
     twist = default_message("geometry_msgs/msg/Twist")
     twist.linear.x = 0.4
     steering = other.writer("cmd_vel", TWIST)
@@ -126,25 +136,18 @@ def test_all_stop_is_set_and_released_by_a_message_and_commands_meanwhile_are_re
     other.say("all_stop", build.message("std_msgs/msg/Bool", data=True))
     until(lambda: live.rov.all_stopped and not live.rov.effort.any(), "all stop")
     other.say("cmd_vel", twist)
-    said: list[str] = []
-    until(
-        lambda: said.extend(log.msg for log in other.heard("rosout")) or "/cmd_vel: vehicle" in str(said), "a refusal"
-    )
-    assert "all stop is set" in str(said) and not live.rov.effort.any()
+    assert "all stop is set" in str(heard("/cmd_vel: vehicle")) and not live.rov.effort.any()
     other.say("all_stop", build.message("std_msgs/msg/Bool", data=False))
     until(lambda: not live.rov.all_stopped, "its release")
 
 
-def test_a_parameter_is_set_by_a_message_and_an_unknown_one_is_refused(node, other, live):
-    other.listen("rosout", "rcl_interfaces/msg/Log", latched=True)
+def test_a_parameter_is_set_by_a_message_and_an_unknown_one_is_refused(other, heard, live):
     value = build.message("rcl_interfaces/msg/ParameterValue", type=3, double_value=44.5)
     for name in ("rov.drag.linear.surge", "rov.drag.linear.surgee"):
         other.say("set_parameter", build.message("rcl_interfaces/msg/Parameter", name=name, value=value))
-    said: list[str] = []
-    until(lambda: said.extend(log.msg for log in other.heard("rosout")) or "surgee" in str(said), "the answers")
+    assert "/set_parameter: rov.drag.linear.surge = 44.5" in heard("surgee")
     assert live.simulator.parameters["rov.drag.linear.surge"] == 44.5
     assert "set_parameter" in {entry.name for entry in live.log}
-    assert "/set_parameter: rov.drag.linear.surge = 44.5" in said
 
 
 def test_parameter_values_of_every_type_are_read():
@@ -272,16 +275,10 @@ def test_importing_a_server_imports_neither_dds_nor_scipy():
     assert done.stdout == "set()\n"
 
 
-def test_a_missing_extra_is_one_line_that_names_the_command():
-    code = (
-        "import sys; sys.modules['cyclonedds'] = None\n"
-        "import importlib.util as u; found = u.find_spec\n"
-        "u.find_spec = lambda name, *a: None if name == 'cyclonedds' else found(name, *a)\n"
-        "sys.argv = ['uwsim', 'serve', 'lake', '--ros2']\n"
-        "from uwsim.cli import main; main()"
+def test_a_missing_extra_is_one_line_that_names_the_command(monkeypatch):
+    monkeypatch.setattr(
+        "uwsim.base.extras.find_spec", lambda module: None if module == "cyclonedds" else find_spec(module)
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 1
-    assert done.stderr == (
-        "uwsim: error: ROS 2 needs 'cyclonedds', which is not installed: pip install 'uwsim[ros2]'\n"
+    assert error_line(uwsim("serve", "lake", "--ros2")) == (
+        "uwsim: error: ROS 2 needs 'cyclonedds', which is not installed: pip install 'uwsim[ros2]'"
     )
