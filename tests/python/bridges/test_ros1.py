@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from command_line import error_line, uwsim
-from ros1_tools import master, ros_is_installed, run_node, running, serving
+from forked_programs import Programs
+from ros1_tools import master, ros_is_installed, run_node
 from uwsim import Simulator, recording
 from uwsim.bridges.ros1.raw_types import read_message
 from uwsim.channels.ros.build import message
@@ -19,12 +20,16 @@ from uwsim.recording import Recorder
 from uwsim.recording.live_map import live_map
 from uwsim.simulator.helm import STOPPED
 
+NODE = ("--ros1", "--port", "0")
 pytestmark = pytest.mark.skipif(not ros_is_installed(), reason="Debian's packages of ROS 1 are not installed")
 
 
 @pytest.fixture(scope="module")
-def ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
-    with master(tmp_path_factory.mktemp("ros")) as environment, serving(environment, "lake", "--seed", "3"):
+def ros(tmp_path_factory: pytest.TempPathFactory, programs: Programs) -> Iterator[dict[str, str]]:
+    with (
+        master(tmp_path_factory.mktemp("ros")) as environment,
+        programs.greeted("serve", "pool", "--seed", "3", *NODE, env=environment),
+    ):
         yield environment
 
 
@@ -78,7 +83,8 @@ def test_rospy_tf2_and_laser_geometry_see_what_the_paper_publishes(ros: dict[str
     assert ranges.pop() == "" and len(ranges) == 513 and all(0.0 < float(r) <= 55.0 for r in ranges)
     assert found["counts"] == list(range(found["counts"][0], found["counts"][0] + len(found["counts"])))
     assert found["vehicle"][0] == found["vehicle"][1] and '<link name="base_scan"' in found["vehicle"][0]
-    assert found["modelTrigger"] == "2" and -5.1 < found["propPos"] < -4.9
+    docked_m = Simulator("pool").rov.pose.position_world_m[2]
+    assert found["modelTrigger"] == "2" and found["propPos"] == pytest.approx(docked_m, abs=0.1)
     # The paper's figure 10: odom -> base_footprint -> base_link -> base_scan.
     assert found["base_footprint>base_link"] == [0.0, 0.0, 0.0] and found["odom>base_footprint"][2] == found["propPos"]
     assert found["frame"] == "base_scan" and found["base_link>base_scan"][0] > 0.3
@@ -154,14 +160,17 @@ print(json.dumps({"track": track, "corners": corners, "stamp_s": Vehicle.stamp_s
 """
 
 
-def test_a_lawn_mower_written_as_a_rospy_node_flies_the_scenario(tmp_path: Path) -> None:
+def test_a_lawn_mower_written_as_a_rospy_node_flies_the_scenario(tmp_path: Path, programs: Programs) -> None:
     """The vehicle leaves the dock and flies three lanes; the track and the map then cover the area between them.
 
     The node triggers the steps itself, so it keeps pace on any machine.
     """
     path = tmp_path / "run.mcap"
-    options = ("lake", "--paused", "--record", str(path), "--record-topic", "sonar_ping")
-    with master(tmp_path) as environment, serving(environment, *options):
+    options = ("--paused", "--record", path, "--record-topic", "sonar_ping")
+    with (
+        master(tmp_path) as environment,
+        programs.greeted("serve", "lake", *options, *NODE, env=environment),
+    ):
         found = json.loads(run_node(MOW, environment, str(LENGTH_M), str(SPACING_M), str(LANES)))
     corner, ahead, left = map(np.array, found["corners"])
     along, across = np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 9)
@@ -191,14 +200,14 @@ print(json.dumps([heard, latched, rospy.has_param("/use_sim_time")]))
 """
 
 
-def test_a_recording_plays_to_rospy(tmp_path: Path) -> None:
+def test_a_recording_plays_to_rospy(tmp_path: Path, programs: Programs) -> None:
     path = tmp_path / "run.mcap"
     sim = Simulator("pool", seed=3)
     with Recorder(sim, path, topics=["scan", "tf_static"]):
         sim.advance(4.0)
     with (
         master(tmp_path) as environment,
-        running(environment, "replay", str(path), "--as-topics", "--wait") as greeting,
+        programs.greeted("replay", path, "--as-topics", "--wait", *NODE, env=environment) as (_, greeting),
     ):
         assert f"ROS 1 at {environment['ROS_MASTER_URI']}" in greeting
         heard, latched, uses_sim_time = json.loads(run_node(HEAR, environment))
@@ -210,19 +219,21 @@ def test_a_recording_plays_to_rospy(tmp_path: Path) -> None:
     assert not uses_sim_time  # there is no /clock, for which nodes would wait
 
 
-def test_services_are_std_srvs_and_others_take_json(ros: dict[str, str]) -> None:
-    script = """
-import genpy, io, json, rospy, struct, time
+SERVICES = """
+import genpy, json, rospy, struct, time
+from geometry_msgs.msg import Pose, Twist
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
-from rospy.impl.tcpros_service import ServiceProxy
 rospy.init_node("caller", anonymous=True)
-class Empty(genpy.Message):
-    _type, _md5sum, _full_text, _has_header, __slots__, _slot_types = "std_srvs/TriggerRequest", "x", "", False, (), ()
-    def serialize(self, buff): pass
-    def deserialize(self, data): return self
+def request(kind, fields):
+    class Request(genpy.Message):
+        _type, _md5sum, _full_text, _has_header = kind + "Request", "x", "", False
+        __slots__, _slot_types = fields, ("bool",) * len(fields)
+        def serialize(self, buff): buff.write(bytes(getattr(self, name) for name in fields))
+        def deserialize(self, data): return self
+    return Request
 class Answer(genpy.Message):
-    _type, _md5sum, _full_text, _has_header = "std_srvs/TriggerResponse", "x", "", False
+    _type, _md5sum, _full_text, _has_header = "std_srvs/Answer", "x", "", False
     __slots__, _slot_types = ("success", "message"), ("bool", "string")
     def __init__(self, *a, **k): self.success, self.message = False, ""
     def serialize(self, buff): pass
@@ -231,78 +242,47 @@ class Answer(genpy.Message):
         return self
 class Trigger:
     _type, _md5sum = "std_srvs/Trigger", "937c9679a518e3a18d831e57125ea522"
-    _request_class, _response_class = Empty, Answer
-rospy.wait_for_service("/undock", 60)
-first, second = rospy.ServiceProxy("/undock", Trigger)(), rospy.ServiceProxy("/undock", Trigger)()
-said = []
-rospy.Subscriber("/rosout", Log, lambda m: said.append(m.msg))
-call = rospy.Publisher("/simulation/pace", String, queue_size=1)
-until = time.time() + 60
-while not any("factor" in text for text in said) and time.time() < until:
-    call.publish("{}")
-    time.sleep(0.1)
-bad = rospy.Publisher("/cmd_vel", __import__("geometry_msgs.msg").msg.Twist, queue_size=1)
-twist = __import__("geometry_msgs.msg").msg.Twist()
-twist.linear.x = float("nan")
-while not any("cmd_vel" in text for text in said) and time.time() < until:
-    bad.publish(twist)
-    time.sleep(0.1)
-print(json.dumps([first.success, second.success, second.message, [t for t in said if "cmd_vel" in t][:1]]))
-"""
-    first, second, why, said = json.loads(run_node(script, ros))
-    assert first is True and second is False and "is not docked" in why
-    assert "must be finite" in said[0]
-
-
-def test_all_stop_is_a_service_and_commands_meanwhile_are_refused(ros: dict[str, str]) -> None:
-    script = """
-import genpy, json, rospy, struct, time
-from geometry_msgs.msg import Pose
-from rosgraph_msgs.msg import Log
-rospy.init_node("stopper", anonymous=True)
-class Flag(genpy.Message):
-    _type, _md5sum, _full_text, _has_header = "std_srvs/SetBoolRequest", "x", "bool data", False
-    __slots__, _slot_types = ("data",), ("bool",)
-    def serialize(self, buff): buff.write(struct.pack("<B", self.data))
-    def deserialize(self, data): return self
-class Answer(genpy.Message):
-    _type, _md5sum, _full_text, _has_header = "std_srvs/SetBoolResponse", "x", "", False
-    __slots__, _slot_types = ("success", "message"), ("bool", "string")
-    def __init__(self, *a, **k): self.success, self.message = False, ""
-    def serialize(self, buff): pass
-    def deserialize(self, data):
-        self.success, self.message = bool(data[0]), data[5:].decode()
-        return self
+    _request_class, _response_class = request(_type, ()), Answer
 class SetBool:
     _type, _md5sum = "std_srvs/SetBool", "09fb03525b03e7ea1fd3992bafd87e16"
-    _request_class, _response_class = Flag, Answer
-rospy.wait_for_service("/all_stop", 60)
-stop = rospy.ServiceProxy("/all_stop", SetBool)
-said = []
+    _request_class, _response_class = request(_type, ("data",)), Answer
+said, until = [], time.time() + 60
 rospy.Subscriber("/rosout", Log, lambda m: said.append(m.msg))
-key, ahead = rospy.Publisher("/key", Pose, queue_size=1), Pose()
-ahead.position.x = 1.0
-found = [stop(True).success]
-until = time.time() + 60
-while not any("all stop is set" in text for text in said) and time.time() < until:
-    key.publish(ahead)
-    time.sleep(0.1)
-found += [[text for text in said if "all stop is set" in text][:1], stop(False).success]
+def reply(publisher, message, words):
+    found = []
+    while not found and time.time() < until:
+        publisher.publish(message)
+        time.sleep(0.1)
+        found = [text for text in said if words in text]
+    return found[:1]
+rospy.wait_for_service("/undock", 60)
+first, second = rospy.ServiceProxy("/undock", Trigger)(), rospy.ServiceProxy("/undock", Trigger)()
+pace = reply(rospy.Publisher("/simulation/pace", String, queue_size=1), "{}", "factor")
+twist, ahead, key = Twist(), Pose(), rospy.Publisher("/key", Pose, queue_size=1)
+twist.linear.x, ahead.position.x = float("nan"), 1.0
+bad = reply(rospy.Publisher("/cmd_vel", Twist, queue_size=1), twist, "cmd_vel")
+stop = rospy.ServiceProxy("/all_stop", SetBool)
+stopped, refusals, released = stop(True).success, reply(key, ahead, "all stop is set"), stop(False).success
 key.publish(Pose())
-print(json.dumps(found))
+print(json.dumps([first.success, second.success, second.message, pace, bad, stopped, refusals, released]))
 """
-    stopped, refusals, released = json.loads(run_node(script, ros))
+
+
+def test_services_are_std_srvs_and_others_take_json_and_what_is_refused_is_said(ros: dict[str, str]) -> None:
+    first, second, why, pace, bad, stopped, refusals, released = json.loads(run_node(SERVICES, ros))
+    assert first is True and second is False and "is not docked" in why
+    assert pace and "must be finite" in bad[0]
     assert stopped and released
     assert refusals == [f"/key: vehicle 'rov': set_effort: {STOPPED}"]
 
 
 PUSH = """
-import json, rospy, time
+import json, rosgraph, rospy, time
 from geometry_msgs.msg import Wrench
 from std_msgs.msg import String
 rospy.init_node("pusher")
-parameters = rospy.Publisher("/simulation/set_parameters", String, queue_size=1, latch=True)
-push = rospy.Publisher("/cmd_wrench", Wrench, queue_size=1)
+parameters = rospy.Publisher("simulation/set_parameters", String, queue_size=1, latch=True)
+push = rospy.Publisher("cmd_wrench", Wrench, queue_size=1)
 parameters.publish(json.dumps({"values_json": json.dumps({"rov.command_timeout_s": 1e6})}))
 while not (push.get_num_connections() and parameters.get_num_connections()):
     time.sleep(0.02)
@@ -311,14 +291,17 @@ wrench.force.x = 50.0
 for _ in range(20):
     push.publish(wrench)
     time.sleep(0.05)
+print(dict(rosgraph.Master("/x").getSystemState()[0])["/auv_1/scan"])
 """
 
 
-def test_a_publisher_that_exits_ends_its_command(tmp_path: Path) -> None:
+def test_a_publisher_that_exits_ends_its_command_and_a_namespace_is_that_of_the_node(
+    ros: dict[str, str], tmp_path: Path, programs: Programs
+) -> None:
     path = tmp_path / "run.mcap"
-    options = ("pool", "--record", str(path), "--record-topic", "clock")
-    with master(tmp_path) as environment, serving(environment, *options):
-        run_node(PUSH, environment)
+    options = ("--namespace", "auv_1", "--record", path, "--record-topic", "clock")
+    with programs.greeted("serve", "pool", *options, *NODE, env=ros):
+        assert run_node(PUSH, {**ros, "ROS_NAMESPACE": "auv_1"}).strip() == "['/auv_1/uwsim']"
         time.sleep(1.0)
     pushes = [command for command in recording.open(path).commands() if command.name == "set_wrench"]
     forces_n = [command.arguments["force_body_n"][0] for command in pushes]
@@ -359,9 +342,3 @@ def test_bytes_of_ros_1_come_back_as_messages_and_damaged_ones_are_refused() -> 
         ros1_typestore().generate_msgdef("geometry_msgs/msg/Twist", ros_version=1)[1]
         == "9f195f881246fdfa2798d1d3eebca84a"
     )
-
-
-def test_a_namespace_is_that_of_the_node(tmp_path: Path) -> None:
-    with master(tmp_path) as environment, serving(environment, "pool", "--namespace", "auv_1"):
-        script = "import rosgraph; print(dict(rosgraph.Master('/x').getSystemState()[0])['/auv_1/scan'])"
-        assert run_node(script, environment).strip() == "['/auv_1/uwsim']"
