@@ -22,21 +22,16 @@ class Program:
     def __init__(self, programs: "Programs", words: list[str], env: Mapping[str, str]) -> None:
         self._programs = programs
         (out, out_end), (err, err_end) = os.pipe(), os.pipe()
-        self.stdout, self.stderr = open(out), open(err)  # noqa: PTH123, SIM115  # closed by `ended`
+        self.stdout, self.stderr = open(out), open(err)  # noqa: PTH123, SIM115  # closed by `end`
         self.pid = programs.ask({"words": words, "env": dict(env)}, out_end, err_end)
         os.close(out_end)
         os.close(err_end)
-
-    def is_running(self) -> bool:
-        """Return whether it has not ended."""
-        return Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
 
     def end(self, number: int = signal.SIGTERM) -> tuple[int, str]:
         """Send it a signal; return its exit code, negative if a signal ended it, and the rest of its stderr."""
         with self.stdout, self.stderr:
             os.kill(self.pid, number)
-            rest = self.stderr.read()
-            return self._programs.ask({"wait": self.pid}), rest
+            return self._programs.ask({"wait": self.pid}), self.stderr.read()
 
 
 class Programs:

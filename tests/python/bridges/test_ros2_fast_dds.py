@@ -70,16 +70,8 @@ def test_an_action_of_rmw_fastrtps_ends_with_a_result(live, settings):
     actions = actions_of(live.simulator, Table(live.simulator))
     goal = bytes(encode(default_message(f"{FLY_PATH}_SendGoal_Request"))).hex()
     asked = bytes(encode(default_message(f"{FLY_PATH}_GetResult_Request"))).hex()
-    words = [
-        "call",
-        f"{own}/send_goal",
-        f"{kind}_SendGoal",
-        goal,
-        "call",
-        f"{own}/get_result",
-        f"{kind}_GetResult",
-        asked,
-    ]
+    words = ["call", f"{own}/send_goal", f"{kind}_SendGoal", goal]
+    words += ["call", f"{own}/get_result", f"{kind}_GetResult", asked]
     status = ["sub", f"rt/{own}/status", "action_msgs::msg::dds_::GoalStatusArray_", "reliable", "latched"]
     with (
         Ros2Node(live, [], [], settings, actions=actions),

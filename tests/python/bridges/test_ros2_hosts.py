@@ -31,21 +31,7 @@ def hosts():
         try:
             for name in names:
                 run("ip", "netns", "add", name)
-            run(
-                "ip",
-                "link",
-                "add",
-                "cable",
-                "netns",
-                names[0],
-                "type",
-                "veth",
-                "peer",
-                "name",
-                "cable",
-                "netns",
-                names[1],
-            )
+            run(*f"ip link add cable netns {names[0]} type veth peer name cable netns {names[1]}".split())
         except subprocess.CalledProcessError as error:
             pytest.skip(f"no network namespaces here: {error.stderr.decode().strip()}")
         for name, address in zip(names, (OURS, THEIRS), strict=True):
@@ -66,18 +52,7 @@ def netns(host):
 @contextmanager
 def serving(host, domain, *options):
     """Serve the pool on a host until the end of the test."""
-    words = [
-        "serve",
-        "pool",
-        "--port",
-        "0",
-        "--ros2",
-        "--ros-domain-id",
-        str(domain),
-        "--ros-reach",
-        "subnet",
-        *options,
-    ]
+    words = f"serve pool --port 0 --ros2 --ros-domain-id {domain} --ros-reach subnet".split() + list(options)
     with subprocess.Popen([*netns(host), UWSIM, *words], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL) as process:
         try:
             yield

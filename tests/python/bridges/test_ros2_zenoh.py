@@ -1,7 +1,6 @@
 """The ROS 2 node by Zenoh, as a session sees it that does what rmw_zenoh_cpp does: its keys, tokens and attachments."""
 
 import json
-import socket
 import struct
 import time
 
@@ -10,6 +9,7 @@ import pytest
 import zenoh
 import zenoh.ext
 
+from listening_sockets import free_port
 from ros2_tools import until
 from uwsim.bridges.actions import SUCCEEDED, actions_of
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
@@ -37,8 +37,7 @@ def attachment(sequence):
 
 @pytest.fixture(scope="module")
 def endpoint():
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        return f"tcp/127.0.0.1:{free.getsockname()[1]}"
+    return f"tcp/127.0.0.1:{free_port()}"
 
 
 def session(mode, **more):

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from listening_sockets import free_port
 from uwsim import Simulator
 from uwsim.base.extras import MissingExtraError
 from uwsim.bridges import video as video_module
@@ -54,9 +55,7 @@ def live() -> Iterator[LiveSimulator]:
 
 @pytest.fixture
 def port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        return int(free.getsockname()[1])
+    return free_port(socket.SOCK_DGRAM)
 
 
 def psnr_db(got: np.ndarray, sent: np.ndarray) -> float:
@@ -76,11 +75,13 @@ def test_a_receiver_decodes_the_cameras_pictures(
         frames = [receiver.read()[1] for _ in range(5)]
         receiver.release()
         sockets = _udp_sockets()
+    found = set()
     for frame in frames:
         assert frame is not None and frame.shape == (*reversed(stream.size), 3)
         scores = [psnr_db(frame[..., ::-1], sent) for sent in stream.pictures]
         assert max(scores) > 30, scores
-    assert len({int(np.argmax([psnr_db(frame[..., ::-1], sent) for sent in stream.pictures])) for frame in frames}) > 2
+        found.add(int(np.argmax(scores)))
+    assert len(found) > 2
     assert sockets and all(host == "127.0.0.1" for host in sockets)
 
 
@@ -100,7 +101,7 @@ def test_the_first_picture_of_each_second_is_a_key_frame_that_the_description_fi
     """At some four pictures a second, whose times are the packets' own."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
         receiver.bind(("127.0.0.1", 0))
-        receiver.settimeout(20.0)
+        receiver.settimeout(180.0)
         live.speed = 0.4
         with VideoStream(live, "rov", Target("127.0.0.1", receiver.getsockname()[1])) as stream:
             described = re.search(r"sprop-parameter-sets=(.*)", stream.sdp)
@@ -159,7 +160,7 @@ def test_a_stream_ends_with_its_encoder_and_says_so_once(
     monkeypatch.setattr(video_module, "encoder_path", lambda: str(broken))
     caplog.set_level(logging.WARNING)
     with VideoStream(live, "rov", Target("127.0.0.1", port)):
-        until(lambda: "ended" in caplog.text, limit_s=10.0)
+        until(lambda: "ended" in caplog.text)
         time.sleep(0.3)
     assert caplog.text.count("ended: Unknown encoder") == 1
 
