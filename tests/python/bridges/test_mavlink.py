@@ -21,10 +21,8 @@ from waiting import until
 pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from mavlink_station import Station
+from mavlink_station import ALT_HOLD, MANUAL, Station
 from uwsim.bridges.mavlink import MavlinkVehicle
-
-ALT_HOLD, GUIDED, AUTO, MANUAL = 2, 4, 3, 19
 
 
 @pytest.fixture(scope="module")
@@ -83,36 +81,6 @@ def test_sticks_move_it_once_it_is_armed_and_its_modes_are_holds(live: LiveSimul
     assert {name for name, target in live.rov.holds.targets.items() if target} == set(HOLDS_OF[ALT_HOLD])
     assert station.mode(7) == dialect.MAV_RESULT_FAILED
     assert "mode 7: must be one of" in station.receive("STATUSTEXT").text
-
-
-def test_it_flies_to_targets_and_missions(live: LiveSimulator, vehicle: MavlinkVehicle, station: Station) -> None:
-    mav = station.mav
-    station.arm()
-    assert station.mode(GUIDED) == 0
-    here = station.receive("LOCAL_POSITION_NED")
-    target = (here.x + 2, here.y + 1, 4.0)
-    mav.set_position_target_local_ned_send(0, 1, 1, 1, 0b110111111000, *target, 0, 0, 0, 0, 0, 0, 0, 0)
-    near = station.receive(
-        "LOCAL_POSITION_NED", lambda at: np.linalg.norm(np.subtract((at.x, at.y, at.z), target)) < 0.5, limit_s=40
-    )
-    home = Home(33.810313, -118.393867)
-    world = [np.array([near.y + east, near.x + north, -4.5]) for north, east in ((2, 0), (2, 2))]
-    items = [(0, 16, 0.0, home)]
-    items += [(3, 16, point[2], Home(*home.degrees(point))) for point in world]
-    mav.mission_count_send(1, 1, len(items))
-    for k, (frame, command, altitude, place) in enumerate(items):
-        station.receive("MISSION_REQUEST_INT", lambda request, k=k: request.seq == k)
-        mav.mission_item_int_send(
-            1, 1, k, frame, command, 0, 1, 0, 0, 0, 0, round(1e7 * place.lat_deg), round(1e7 * place.lon_deg), altitude
-        )
-    assert station.receive("MISSION_ACK").type == 0
-    mav.mission_request_list_send(1, 1)
-    assert station.receive("MISSION_COUNT").count == 3
-    mav.mission_request_int_send(1, 1, 2)
-    assert station.receive("MISSION_ITEM_INT").z == pytest.approx(-4.5)
-    assert station.mode(AUTO) == 0
-    station.receive("MISSION_ITEM_REACHED", lambda message: message.seq == 2, limit_s=60)
-    assert np.linalg.norm(live.rov.pose.position_world_m - world[-1]) < 0.7
 
 
 def test_an_item_that_cannot_be_flown_is_refused_with_the_reason(station: Station) -> None:

@@ -13,15 +13,15 @@ import pytest
 pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from mavlink_station import CAMERA, DENIED, DONE, UNSUPPORTED, Station, interval, station_at
+from listening_sockets import free_port
+from mavlink_station import CAMERA, DENIED, DONE, UNSUPPORTED, Station, interval
 from uwsim.bridges.mavlink import Endpoint, MavlinkVehicle
 from uwsim.channels.served import served_table
 from uwsim.live import LiveSimulator
 
 
-def test_each_station_gets_messages_numbered_without_gaps(vehicle: MavlinkVehicle, station: Station) -> None:
+def test_each_station_gets_messages_numbered_without_gaps(other: Station, station: Station) -> None:
     """Also while the other one loads parameters, which only that one receives."""
-    other = station_at(vehicle, 254)
     station.drain()
     other.drain()
     other.mav.param_request_list_send(1, 1)
@@ -30,7 +30,6 @@ def test_each_station_gets_messages_numbered_without_gaps(vehicle: MavlinkVehicl
         each.receive("PARAM_VALUE", lambda value: value.param_index == value.param_count - 1)
         numbers = [message.get_seq() for message in each.heard if message.get_srcComponent() == 1]
         assert len(numbers) > 200 and set(np.diff(numbers) % 256) == {1}
-    other.close()
 
 
 def test_qgroundcontrols_handshake(station: Station) -> None:
@@ -106,15 +105,13 @@ def test_cockpits_handshake(station: Station) -> None:
     station.receive("PARAM_VALUE", lambda value: value.param_id == "BTN0_FUNCTION")  # without them it sends no buttons
 
 
-def test_lost_messages_are_sent_again(vehicle: MavlinkVehicle, station: Station) -> None:
+def test_lost_messages_are_sent_again(vehicle: MavlinkVehicle, station: Station, other: Station) -> None:
     """The vehicle requests items of an upload again, repeats its last answer, and sends parameters by index."""
     station.mav.mission_count_send(1, 1, 2)
     assert station.receive("MISSION_REQUEST_INT").seq == 0  # lost on its way
-    assert station.receive("MISSION_REQUEST_INT", limit_s=3).seq == 0
-    other = station_at(vehicle, 254)
+    assert station.receive("MISSION_REQUEST_INT").seq == 0
     other.mav.mission_count_send(1, 1, 1)
     assert other.receive("MISSION_ACK").type == dialect.MAV_MISSION_DENIED
-    other.close()
     for seq in range(2):
         station.mav.mission_item_send(1, 1, seq, 3, 16, 0, 1, 0, 0, 0, 0, 33.8103, -118.3938, -1.0)  # in degrees
     station.receive("MISSION_ACK")
@@ -131,9 +128,7 @@ def test_lost_messages_are_sent_again(vehicle: MavlinkVehicle, station: Station)
 
 def test_it_sends_to_a_listening_station(live: LiveSimulator) -> None:
     """`udpout`, which QGroundControl's UDP port 14550 receives; its answers come back."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port(socket.SOCK_DGRAM)
     table = served_table(live, wire=None, origin="world", tf="truth", frame_prefix="")
     with MavlinkVehicle(live, Endpoint("udpout", "127.0.0.1", port), table.channels, action=None):
         listening = Station(f"udpin:127.0.0.1:{port}")

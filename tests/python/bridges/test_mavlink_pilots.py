@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from mavlink_station import ALT_HOLD, DONE, GUIDED, MANUAL, Station, station_at
+from mavlink_station import ALT_HOLD, DONE, GUIDED, MANUAL, Station
 from uwsim.bridges.actions import goal
 from uwsim.bridges.mavlink import MavlinkVehicle
 from uwsim.bridges.mavlink.earth import Home
@@ -25,10 +25,7 @@ HOME = Home(33.810313, -118.393867)
 PREARM, GPS, MOTORS, AHRS, BATTERY = 1 << 28, 1 << 5, 1 << 15, 1 << 21, 1 << 25
 
 
-def test_the_first_station_that_arms_has_the_sticks(
-    live: LiveSimulator, vehicle: MavlinkVehicle, station: Station
-) -> None:
-    other = station_at(vehicle, 254)
+def test_the_first_station_that_arms_has_the_sticks(live: LiveSimulator, other: Station, station: Station) -> None:
     assert station.arm() == DONE and station.mode(MANUAL) == DONE
     assert other.arm() == DONE  # which changes nothing
     until(lambda: pushes(station, 1000, 0) and live.rov.effort[0] == pytest.approx(0.5))  # JS_GAIN_DEFAULT
@@ -41,7 +38,6 @@ def test_the_first_station_that_arms_has_the_sticks(
     assert other.arm(False) == DONE, "anybody may stop it"
     assert other.arm() == DONE and other.mode(MANUAL) == DONE
     until(lambda: pushes(other, 0, -1000) and live.rov.effort[1] == pytest.approx(0.5))
-    other.close()
 
 
 def test_an_axis_that_is_not_given_is_at_rest_and_a_fault_of_the_sticks_is_reported_once(
