@@ -4,17 +4,14 @@ import json
 import signal
 import socket
 import struct
-import subprocess
-import sys
 import threading
-import time
-from contextlib import contextmanager
-from pathlib import Path
+from contextlib import contextmanager, suppress
 
 import numpy as np
 import pytest
 from websockets.sync.server import serve
 
+from listening_sockets import free_port
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.cli.nodes import nodes
 from uwsim.bridges.nodes.chain import INSERTED, PUBLISHED_FLOATS, SCAN, decode, to_cloud, to_scan, to_transform
@@ -26,19 +23,10 @@ from uwsim.channels.ros.messages import default_message
 from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
 from uwsim.simulator.simulator import Simulator
+from waiting import until
 
-PATIENCE_S = 60.0
-UWSIM = Path(sys.executable).with_name("uwsim")
 PINGS = 60  # a short survey: two lanes, each with a turn
 LANE = 30
-
-
-def until(condition, process):
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline
-        assert process.poll() is None
-        time.sleep(0.01)
 
 
 def interval_steps(sim):
@@ -75,49 +63,87 @@ def chain_in_process(path):
     return np.array(flown)
 
 
-def test_five_processes_make_the_map_of_one(tmp_path):
-    heard, limits = [], Limits(work_share=1.0)
-    with LiveSimulator("lake", paused=True) as live, RosbridgeServer(live, wire="published", limits=limits) as server:
-        arguments = [UWSIM, "nodes", "--url", server.url, "--out", tmp_path / "nodes.bt"]
-        process = subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True)
-        try:
-            until(lambda: INSERTED in server.graph.topics, process)
+@contextmanager
+def served(port, heard):
+    """Serve the lake; yield it, and a function that begins to add the numbers of inserted clouds to `heard`."""
+    limits = Limits(work_share=1.0)
+    with (
+        LiveSimulator("lake", paused=True) as live,
+        RosbridgeServer(live, port=port, wire="published", limits=limits) as server,
+    ):
+
+        def listen():
+            until(lambda: INSERTED in server.graph.topics)
             server._listener.loop.call_soon_threadsafe(
                 lambda: server.graph.subscribe("/test", 0, INSERTED, None, lambda s: heard.append(s.message.data))
             )
-            assert "octomap" in process.stdout.readline()
-            for ping in range(PINGS):
-                if ping == 1:
-                    live.rov.undock()
-                live.rov.set_effort(**effort(ping))
-                live.step(0 if ping == 0 else interval_steps(live.simulator))
-                until(lambda ping=ping: heard[-1:] == [ping + 1], process)
-            process.send_signal(signal.SIGINT)
-            assert process.wait(PATIENCE_S) == 0
-        finally:
-            process.kill()
-            process.wait()
+
+        yield live, listen
+
+
+def test_five_processes_make_the_map_of_one(tmp_path, programs):
+    heard, port = [], free_port()
+    url, out = f"ws://127.0.0.1:{port}", tmp_path / "nodes.bt"
+    with (
+        served(port, heard) as (lake, listen),
+        programs.greeted("nodes", "--url", url, "--out", out) as (process, line),
+    ):
+        assert "octomap" in line
+        listen()
+        for ping in range(PINGS):
+            if ping == 1:
+                lake.rov.undock()
+            lake.rov.set_effort(**effort(ping))
+            lake.step(0 if ping == 0 else interval_steps(lake.simulator))
+            until(lambda ping=ping: heard[-1:] == [ping + 1])
+        assert process.end(signal.SIGINT)[0] == 0
     flown = chain_in_process(tmp_path / "chain.bt")
     assert np.ptp(flown, axis=0)[:2].min() > 3.0
-    assert (tmp_path / "nodes.bt").read_bytes() == (tmp_path / "chain.bt").read_bytes()
-    assert len((tmp_path / "chain.bt").read_bytes()) > 20_000
+    assert out.read_bytes() == (tmp_path / "chain.bt").read_bytes()
+    assert len(out.read_bytes()) > 20_000
 
 
 def test_the_map_is_octomaps_own():
     assert MapBuilder().map.engine == "octomap"
 
 
-def test_clouds_wait_for_the_transforms_of_their_time():
-    builder = MapBuilder()
+def stamp_of(seconds):
     stamp = default_message("builtin_interfaces/msg/Time")
-    stamp.sec = 5
-    scan = to_scan(type("Decoded", (), {"data": np.full(513, 10.0, np.float32)}), 2, stamp)
-    builder.add_cloud(to_cloud(scan, 2))
+    stamp.sec = seconds
+    return stamp
+
+
+def placed(x=0.0):
     pose = default_message("geometry_msgs/msg/Pose")
-    pose.orientation.w = 1.0
-    for parent, child, expected in (("odom", "base_footprint", 0), ("base_footprint", "base_scan", 1)):
-        builder.add_transforms(to_transform(pose, stamp, parent, child))
+    pose.position.x, pose.orientation.w = x, 1.0
+    return pose
+
+
+def cloud_at(stamp):
+    return to_cloud(to_scan(type("Decoded", (), {"data": np.full(513, 10.0, np.float32)}), 2, stamp), 2)
+
+
+LINKS = ("odom", "base_footprint"), ("base_footprint", "base_scan")
+
+
+def test_clouds_wait_for_the_transforms_of_their_time():
+    builder, stamp = MapBuilder(), stamp_of(5)
+    builder.add_cloud(cloud_at(stamp))
+    for link, expected in zip(LINKS, (0, 1), strict=True):
+        builder.add_transforms(to_transform(placed(), stamp, *link))
         assert builder.insert_ready() == expected
+
+
+def test_after_a_restart_of_the_simulation_no_old_transform_places_a_cloud():
+    builder, new = MapBuilder(), stamp_of(2)
+    for link in LINKS:
+        builder.add_transforms(to_transform(placed(100.0), stamp_of(300), *link))
+    builder.add_transforms(to_transform(placed(), new, *LINKS[0]))
+    builder.add_cloud(cloud_at(new))
+    assert builder.insert_ready() == 0
+    builder.add_transforms(to_transform(placed(), new, *LINKS[1]))
+    assert builder.insert_ready() == 1
+    assert builder.map.occupied_voxels()[:, 0].max() < 20.0
 
 
 def test_a_missing_server_is_named():
@@ -137,57 +163,45 @@ def test_a_map_that_could_not_be_written_at_the_end_is_refused_at_the_beginning(
     assert (tmp_path / "nodes.bt").read_bytes() == b"surveyed in the lake"
 
 
-def free_port():
-    with socket.socket() as held:
-        held.bind(("127.0.0.1", 0))
-        return held.getsockname()[1]
-
-
-@contextmanager
-def served(port, heard):
-    """Serve the lake on a port; yield a function that pings until the nodes have inserted `count` clouds in all."""
-    limits = Limits(work_share=1.0)
-    with (
-        LiveSimulator("lake", paused=True) as live,
-        RosbridgeServer(live, port=port, wire="published", limits=limits) as server,
-    ):
-
-        def ping_until(count, process):
-            until(lambda: INSERTED in server.graph.topics, process)
-            server._listener.loop.call_soon_threadsafe(
-                lambda: server.graph.subscribe("/test", 0, INSERTED, None, lambda s: heard.append(s.message.data))
-            )
-            deadline = time.monotonic() + PATIENCE_S
-            while heard[-1:] < [count]:
-                assert time.monotonic() < deadline and process.poll() is None
-                live.step(interval_steps(live.simulator))
-                time.sleep(0.05)
-
-        yield ping_until
-
-
-def test_the_map_outlives_the_connection_and_nodes_reconnect(tmp_path):
+def test_the_map_outlives_the_connection_and_nodes_reconnect(tmp_path, programs):
     port, heard, out = free_port(), [], tmp_path / "nodes.bt"
-    arguments = [UWSIM, "nodes", "--url", f"ws://127.0.0.1:{port}", "--out", out]
-    with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        try:
-            with served(port, heard) as ping_until:
-                assert "octomap" in process.stdout.readline()
-                ping_until(3, process)
-            until(out.exists, process)
-            with served(port, heard) as ping_until:
-                ping_until(heard[-1] + 3, process)
-            process.send_signal(signal.SIGINT)
-            said = process.communicate(timeout=PATIENCE_S)[1]
-        finally:
-            process.kill()
-    assert process.returncode == 0 and "Traceback" not in said
-    assert f"uwsim.octomap: ws://127.0.0.1:{port}: the connection has ended; trying to connect again" in said
-    assert f"uwsim.octomap: ws://127.0.0.1:{port}: connected again" in said
+    url = f"ws://127.0.0.1:{port}"
+
+    def pings(lake, count):
+        """Ping once more, and wait a little for the cloud, which is lost while the nodes are not all connected."""
+        before = len(heard)
+        lake.step(interval_steps(lake.simulator))
+        with suppress(AssertionError):
+            until(lambda: len(heard) > before, limit_s=1.0)
+        return heard[-1:] >= [count]
+
+    with programs.running("nodes", "--url", url, "--out", out) as process:
+        with served(port, heard) as (lake, listen):
+            assert "octomap" in process.stdout.readline()
+            listen()
+            until(lambda: pings(lake, 3))
+        until(out.exists)
+        with served(port, heard) as (other, listen):
+            listen()
+            end = heard[-1] + 3
+            until(lambda: pings(other, end))
+        code, said = process.end(signal.SIGINT)
+    assert code == 0 and "Traceback" not in said
+    assert f"uwsim.octomap: {url}: the connection has ended; trying to connect again" in said
+    assert f"uwsim.octomap: {url}: connected again" in said
     assert OccupancyMap.read(out).statistics().occupied_voxels > 0
 
 
-def test_a_connection_reset_while_a_node_publishes_is_one_sentence_and_is_made_again():
+@contextmanager
+def answered(serve_one):
+    """Serve each connection by a function; yield the URL."""
+    with serve(serve_one, "127.0.0.1", 0) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"ws://127.0.0.1:{server.socket.getsockname()[1]}"
+        server.shutdown()
+
+
+def test_a_connection_reset_while_a_node_publishes_is_one_sentence_and_is_made_again(programs):
     text = json.dumps({"op": "publish", "topic": "depthArray", "msg": {"data": "5a" * 513}})
     connections, again = [], threading.Event()
 
@@ -206,19 +220,10 @@ def test_a_connection_reset_while_a_node_publishes_is_one_sentence_and_is_made_a
                 connection.socket.close()
                 return
 
-    with serve(serve_one, "127.0.0.1", 0) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        url = f"ws://127.0.0.1:{server.socket.getsockname()[1]}"
-        arguments = [UWSIM, "nodes", "string_decoder", "--url", url]
-        with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-            try:
-                again.wait(PATIENCE_S)
-                process.send_signal(signal.SIGINT)
-                said = process.communicate(timeout=PATIENCE_S)[1]
-            finally:
-                process.kill()
-        server.shutdown()
-    assert len(connections) == 2 and process.returncode == 0
+    with answered(serve_one) as url, programs.running("nodes", "string_decoder", "--url", url) as process:
+        assert again.wait(180.0)
+        code, said = process.end(signal.SIGINT)
+    assert len(connections) == 2 and code == 0
     first, *others = said.splitlines()
     assert first == f"uwsim.string_decoder: {url}: the connection has ended; trying to connect again"
     assert others in ([], [f"uwsim.string_decoder: {url}: connected again"])
@@ -231,29 +236,9 @@ def test_a_topic_that_the_server_s_graph_lacks_is_reported_with_its_type():
                 values = {"topics": ["/scan"], "types": ["sensor_msgs/LaserScan"]}
                 connection.send(json.dumps({"op": "service_response", "id": asked["id"], "values": values}))
 
-    with serve(serve_one, "127.0.0.1", 0) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        node = Node(f"ws://127.0.0.1:{server.socket.getsockname()[1]}")
+    with answered(serve_one) as url:
+        node = Node(url)
         node.advertise("scan", SCAN)
         node.advertise("decodedDepth", PUBLISHED_FLOATS)
         assert node.refused(patience_s=0.0) == {"/decodedDepth": "misc/floatarray"}
         node.close()
-        server.shutdown()
-
-
-def test_after_a_restart_of_the_simulation_no_old_transform_places_a_cloud():
-    builder = MapBuilder()
-    old, new = default_message("builtin_interfaces/msg/Time"), default_message("builtin_interfaces/msg/Time")
-    old.sec, new.sec = 300, 2
-    away, here = default_message("geometry_msgs/msg/Pose"), default_message("geometry_msgs/msg/Pose")
-    away.orientation.w = here.orientation.w = 1.0
-    away.position.x = 100.0
-    for parent, child in (("odom", "base_footprint"), ("base_footprint", "base_scan")):
-        builder.add_transforms(to_transform(away, old, parent, child))
-    builder.add_transforms(to_transform(here, new, "odom", "base_footprint"))
-    scan = to_scan(type("Decoded", (), {"data": np.full(513, 10.0, np.float32)}), 2, new)
-    builder.add_cloud(to_cloud(scan, 2))
-    assert builder.insert_ready() == 0
-    builder.add_transforms(to_transform(here, new, "base_footprint", "base_scan"))
-    assert builder.insert_ready() == 1
-    assert builder.map.occupied_voxels()[:, 0].max() < 20.0
