@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from imc_standin import StandInDune
+from listening_sockets import free_port
 from steered import OPEN_WATER, bay, steered_by, torpedo
 from uwsim import Simulator
 from uwsim.bridges.imc.announcer import CONSOLES_MAX, DISCOVERY_PORTS, Announcer
@@ -217,12 +218,10 @@ def test_a_system_of_our_own_lists_its_entities(dune: StandInDune) -> None:
 
 
 def test_datagrams_go_both_ways() -> None:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer, socket.socket(type=socket.SOCK_DGRAM) as free:
-        for each in (peer, free):
-            each.bind(("127.0.0.1", 0))
-        peer.settimeout(20)
-        port = free.getsockname()[1]
-        free.close()
+    port = free_port(socket.SOCK_DGRAM)
+    with socket.socket(type=socket.SOCK_DGRAM) as peer:
+        peer.bind(("127.0.0.1", 0))
+        peer.settimeout(180)
         with member(bay(torpedo()), f"udp:127.0.0.1:{peer.getsockname()[1]}", imc_port=port) as live:
             names = set()
             there = ("", 0)
@@ -284,9 +283,7 @@ class Console:
 
 
 def test_a_console_is_answered_and_gets_the_vehicle_but_does_not_steer_it() -> None:
-    with socket.socket(type=socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port(socket.SOCK_DGRAM)
     with (
         member(bay(torpedo()), f"announce:127.0.0.1:{port}", imc_id=0x00D1) as live,
         closing(Console()) as console,

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from listening_sockets import free_port
 from moos_standin import StandInMoosDB
 from steered import bay, steered_by, torpedo
 from uwsim import Simulator
@@ -225,8 +226,7 @@ def test_the_warp_of_the_community_is_the_speed_of_the_simulator() -> None:
 
 
 def test_each_vehicle_has_a_community_of_its_own_which_may_come_late(db: StandInMoosDB) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
+    port = free_port()
     scenario = bay(torpedo("alpha"), torpedo("bravo", position_m=[0, 20, -8]))
     with member(scenario, f"alpha=127.0.0.1:{db.port}", f"bravo=127.0.0.1:{port}"):
         until(lambda: db.last("NAV_Y") is not None)
@@ -314,7 +314,7 @@ def test_a_name_that_is_taken_is_reported_and_tried_again(db: StandInMoosDB, cap
     address = Address("", "127.0.0.1", db.port)
     met = threading.Event()
     with MoosClient(address, "uwsim", (), print, lambda *_: met.set()):
-        assert met.wait(30)
+        assert met.wait(180)
         with MoosClient(address, "uwsim", (), print, print) as second:
             until(lambda: "already exists" in caplog.text)
             assert not second.is_met
@@ -348,14 +348,6 @@ def test_wrong_options_are_refused_before_anything_is_built(options: dict[str, A
         MoosPlug(MoosOptions(**options))
 
 
-def test_an_unknown_vehicle_is_refused(db: StandInMoosDB) -> None:
-    with (
-        pytest.raises(ValueError, match="vehicle 'nemo': must be one of rov"),
-        member("pool", f"nemo=127.0.0.1:{db.port}"),
-    ):
-        pass
-
-
 def test_the_doctor_finds_the_community(db: StandInMoosDB) -> None:
     (found,) = MoosPlug.examine(MoosOptions(moos=(f"127.0.0.1:{db.port}",)), 5.0)
     assert (found.verdict, found.found) == ("ok", "community 'alpha', time warp 1")
@@ -365,8 +357,7 @@ def test_the_doctor_finds_the_community(db: StandInMoosDB) -> None:
 
 @pytest.mark.skipif(MOOSDB is None, reason="needs MOOSDB (MOOS core) on PATH, or in the folder UWSIM_MOOS_BIN")
 def test_a_real_moosdb(tmp_path: Path) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
+    port = free_port()
     mission = tmp_path / "alpha.moos"
     mission.write_text(f"ServerHost = localhost\nServerPort = {port}\nCommunity = alpha\nMOOSTimeWarp = 10\n")
     process = subprocess.Popen([str(MOOSDB), str(mission)], cwd=tmp_path, stdout=subprocess.DEVNULL)

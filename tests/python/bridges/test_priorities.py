@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from uwsim.live.requests import Request
 pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from client_socket import connect
+from client_socket import connect, send
 from foxglove_client import FoxgloveClient
 from mavlink_station import DONE, FAILED, GUIDED, MANUAL, PATIENCE_S, Station, lagoon, station_at
 from uwsim.bridges import RosbridgeServer
@@ -54,6 +55,11 @@ def station(vehicle: MavlinkVehicle, live: LiveSimulator) -> Iterator[Station]:
     station.drain()
     yield station
     station.close()
+
+
+@pytest.fixture(autouse=True)
+def released(live: LiveSimulator) -> Iterator[None]:
+    yield
     live.command("all_stop", vehicle="rov", on=False).result()
 
 
@@ -87,7 +93,6 @@ def test_a_stop_comes_before_all_commands_that_wait(live: LiveSimulator, slow: N
     assert live.tick - tick > 10, "no steps while commands wait"
     for order in orders:
         order.cancel()
-    live.command("all_stop", vehicle="rov", on=False).result()
 
 
 def test_a_stop_is_not_undone_by_what_it_overtakes(live: LiveSimulator, slow: None) -> None:
@@ -108,7 +113,6 @@ def test_a_stop_is_not_undone_by_what_it_overtakes(live: LiveSimulator, slow: No
     returning.join()
     live.read(lambda sim: None).result()
     assert live.rov.all_stopped
-    live.command("all_stop", vehicle="rov", on=False).result()
 
 
 def flood(station: Station, kind: str) -> Callable[[], None]:
@@ -127,11 +131,10 @@ def flood(station: Station, kind: str) -> Callable[[], None]:
 
 @pytest.mark.parametrize("kind", ["PARAM_SET", "PARAM_REQUEST_LIST", "modes", "sticks", "targets", "missions"])
 def test_a_flood_delays_neither_stops_nor_sticks_nor_heartbeats(
-    live: LiveSimulator, vehicle: MavlinkVehicle, station: Station, slow: None, kind: str
+    live: LiveSimulator, other: Station, station: Station, slow: None, kind: str
 ) -> None:
-    foe = station_at(vehicle, 254)
     assert station.arm() == DONE and station.mode(GUIDED if kind == "targets" else MANUAL) == DONE
-    send = flood(foe, kind)
+    send = flood(other, kind)
     for _ in range(FLOOD):
         send()
     station.heard.clear()
@@ -142,7 +145,6 @@ def test_a_flood_delays_neither_stops_nor_sticks_nor_heartbeats(
         until(lambda: np.any(live.rov.effort), limit_s=STOP_S)
     delay_s = stopped_after_s(live, lambda: station.mav.command_long_send(1, 1, STOP, 0, 1.0, *[0.0] * 6))
     assert delay_s < STOP_S
-    foe.close()
 
 
 def test_what_a_stop_overtakes_does_not_arm_or_release(
@@ -185,13 +187,11 @@ def test_of_many_stops_all_stop_comes_first_and_each_is_handled_once() -> None:
     assert taken == [quiet, noisy]
 
 
-def test_no_number_of_disarms_hides_all_stop(live: LiveSimulator, vehicle: MavlinkVehicle, station: Station) -> None:
-    foe = station_at(vehicle, 254)
+def test_no_number_of_disarms_hides_all_stop(live: LiveSimulator, other: Station, station: Station) -> None:
     for _ in range(FLOOD):
-        foe.mav.command_long_send(1, 1, ARM, 0, 0.0, *[0.0] * 6)
+        other.mav.command_long_send(1, 1, ARM, 0, 0.0, *[0.0] * 6)
     assert station.command(STOP, 1.0) == DONE
     assert live.rov.all_stopped
-    foe.close()
 
 
 @contextmanager
@@ -223,7 +223,6 @@ def test_a_stop_by_a_service_waits_for_no_releases(live: LiveSimulator) -> None:
             assert not any(request.releases for request in live._loop._requests)
         until(lambda: len(answers) == 11)
     assert sorted(answers) == [False] * 10 + [True] and live.rov.all_stopped
-    live.command("all_stop", vehicle="rov", on=False).result()
 
 
 def test_a_foxglove_clients_own_calls_do_not_have_its_stop_refused(live: LiveSimulator) -> None:
@@ -240,7 +239,6 @@ def test_a_foxglove_clients_own_calls_do_not_have_its_stop_refused(live: LiveSim
                 client.socket.send(setting)
             client.socket.send(stop)
             until(lambda: is_next(live))
-    live.command("all_stop", vehicle="rov", on=False).result()
 
 
 def test_a_stop_over_a_link_comes_before_all_commands_that_wait() -> None:
@@ -273,9 +271,9 @@ def test_a_stop_while_a_command_waits_ends_that_command(
     assert station.arm() == DONE
     monkeypatch.setattr(vehicle._craft, "begin", holding)
     station.mav.command_long_send(1, 1, dialect.MAV_CMD_DO_SET_MODE, 0, 1, GUIDED, *[0.0] * 5)
-    assert waits.wait(STOP_S)
+    assert waits.wait(PATIENCE_S)
     station.mav.command_long_send(1, 1, STOP, 0, 1.0, *[0.0] * 6)
-    assert station.receive("COMMAND_ACK", lambda ack: ack.command == STOP, limit_s=STOP_S).result == DONE
+    assert station.receive("COMMAND_ACK", lambda ack: ack.command == STOP).result == DONE
     held.set_result(None)
     ack = station.receive("COMMAND_ACK", lambda ack: ack.command == dialect.MAV_CMD_DO_SET_MODE)
     assert ack.result == FAILED and not vehicle._flight.is_armed
@@ -284,22 +282,18 @@ def test_a_stop_while_a_command_waits_ends_that_command(
 
 @pytest.mark.parametrize("kind", ["set_param", "publish", "call"])
 def test_a_flood_by_a_rosbridge_client_delays_no_stop_of_another(live: LiveSimulator, slow: None, kind: str) -> None:
-    operations = {
-        "set_param": {"op": "call_service", "service": "/rosapi/set_param",
-                      "args": {"name": "/rov/mass_kg", "value": "13.5"}},
+    parameter = {"name": "/rov/mass_kg", "value": "13.5"}
+    operations: dict[str, dict[str, Any]] = {
+        "set_param": {"op": "call_service", "service": "/rosapi/set_param", "args": parameter},
         "publish": {"op": "publish", "topic": "/cmd_vel", "msg": {}},
         "call": {"op": "call_service", "service": "/hold", "args": {}},
-    }  # fmt: skip
-    frame, stop = (
-        json.dumps(each)
-        for each in (operations[kind], {"op": "call_service", "service": "/all_stop", "args": {"data": True}})
-    )
+    }
     with RosbridgeServer(live) as server, connect(server.url) as foe, connect(server.url) as station:
         for _ in range(FLOOD):
-            foe.send(frame)
+            send(foe, **operations[kind])
         time.sleep(0.3)
-        assert stopped_after_s(live, lambda: station.send(stop)) < STOP_S
-    live.command("all_stop", vehicle="rov", on=False).result()
+        stop = partial(send, station, "call_service", service="/all_stop", args={"data": True})
+        assert stopped_after_s(live, stop) < STOP_S
 
 
 def test_a_flood_by_a_foxglove_client_delays_no_stop_of_another(live: LiveSimulator, slow: None) -> None:
@@ -317,4 +311,3 @@ def test_a_flood_by_a_foxglove_client_delays_no_stop_of_another(live: LiveSimula
         time.sleep(0.3)
         call = b"\x02" + struct.pack("<III", number, 1, 4) + b"json" + b'{"data": true}'
         assert stopped_after_s(live, lambda: station.socket.send(call)) < STOP_S
-    live.command("all_stop", vehicle="rov", on=False).result()
