@@ -224,13 +224,13 @@ def test_roslibpy_flies_a_path_and_cancels(live, actions):
         client.run(10.0)
         action = roslibpy.ActionClient(client, "/fly_path", FLY_PATH)
         action.send_goal(goal, heard.put, fed.append, heard.put)
-        result = heard.get(timeout=30.0)
+        result = heard.get(timeout=180.0)
         assert result["status"].value == SUCCEEDED and result["values"]["success"]
         assert {1, 2} <= {one["leg"] for one in fed}
         identity = action.send_goal(goal, heard.put, fed.append, heard.put)
         action.cancel_goal(identity)
-        ended = heard.get(timeout=30.0)
+        ended = heard.get(timeout=180.0)
         assert ended["status"].value == CANCELED and ended["values"]["message"] == "cancelled"
         action.send_goal({"path": {}}, heard.put, fed.append, heard.put)
-        assert "0 poses: must be 1 to" in str(heard.get(timeout=30.0))
+        assert "0 poses: must be 1 to" in str(heard.get(timeout=180.0))
         client.close()

@@ -245,7 +245,7 @@ def test_it_is_ended_even_if_it_ignores_sigterm_and_with_its_parent(
 def udp() -> socket.socket:
     made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     made.bind(("127.0.0.1", 0))
-    made.settimeout(30)
+    made.settimeout(180)
     return made
 
 

@@ -76,7 +76,7 @@ class Followed:
         self.goal.start()
 
     def end(self):
-        return self._ends.get(timeout=60.0)
+        return self._ends.get(timeout=180.0)
 
 
 def test_the_joints_follow_the_points_and_arrive(live, action):
@@ -206,7 +206,7 @@ def test_by_rosbridge(live):
             points = [{"positions": [0.5, 1.0], "time_from_start": {"sec": 1, "nanosec": 0}}]
             goal = {"trajectory": {"joint_names": ["shoulder", "upperarm"], "points": points}}
             act.send_goal(roslibpy.Goal(goal), ends.put, lambda feedback: None, ends.put)
-            end = ends.get(timeout=30.0)
+            end = ends.get(timeout=180.0)
             assert end["status"].value == SUCCEEDED
             assert end["values"]["error_code"] == 0
         finally:

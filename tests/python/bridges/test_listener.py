@@ -19,7 +19,7 @@ from uwsim.bridges.rare_log import RareLog
 from uwsim.bridges.rosbridge import Limits
 from waiting import until
 
-PATIENCE_S = 60.0
+PATIENCE_S = 180.0
 PLACES = 4
 LAST = '{"op": "call_service", "service": "/rosapi/topics", "id": "last"}'
 

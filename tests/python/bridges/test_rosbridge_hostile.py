@@ -22,7 +22,7 @@ from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.bridges.rosbridge.session import Session
 from waiting import until
 
-PATIENCE_S = 10.0
+PATIENCE_S = 180.0
 QUICK = Limits(connections=40, frame_bytes=100_000, messages_per_s=300, replies=50)
 
 

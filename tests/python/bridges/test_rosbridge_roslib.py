@@ -20,7 +20,7 @@ def test_roslib(module):
     script = [str(NODE), str(ROOT / "tests/js/rosbridge.mjs")]
     with RosbridgeServer(None) as server:
         done = subprocess.run(
-            [*script, server.url, str(CLIENTS), module], capture_output=True, text=True, timeout=60, check=False
+            [*script, server.url, str(CLIENTS), module], capture_output=True, text=True, timeout=300, check=False
         )
     assert done.returncode == 0, done.stderr
     lists, typed = ["base_scan", [1.5, 2.5], "Array"], ["base_scan", [1.5, 2.5], "Float32Array"]

@@ -10,7 +10,7 @@ import roslibpy.tf
 from uwsim.bridges import RosbridgeServer
 from waiting import until
 
-PATIENCE_S = 10.0
+PATIENCE_S = 180.0
 
 
 def take(heard):
