@@ -3,6 +3,7 @@
 import re
 import shlex
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -60,10 +61,14 @@ def documents() -> Iterator[tuple[str, Any]]:
             yield page.stem, YAML(typ="safe").load(text)
 
 
+schema_once = cache(schema)
+
+
+@cache
 def own_schema(key: str) -> dict[str, Any] | None:
     """Return the schema for one key of a scenario or vehicle."""
     for part in ("scenario", "vehicle"):
-        whole = schema(part)
+        whole = schema_once(part)
         if key in whole["properties"]:
             return whole["properties"][key] | {"definitions": whole["definitions"]}
     return None
