@@ -15,7 +15,7 @@ WAYS = {"gone": "no_such_module:f", "seven": "others_of_all:SEVEN", "raising": "
 """Entries by name: the module cannot be imported, the object is of the wrong type, and the module raises an error."""
 FOLDERS = ("flown", "compared")
 LISTING = {  # a command that goes over all entries of a group; the first one makes a map
-    "uwsim.attachments": "survey pool --time-limit 1 --out flown",
+    "uwsim.attachments": "survey pool --time-limit 1 --report none --out flown",
     "uwsim.cli": "--help",
     "uwsim.cli.map": "map --help",
     "uwsim.cli.scenario": "scenario check pool",
