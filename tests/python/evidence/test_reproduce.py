@@ -96,11 +96,9 @@ def test_pictures_show_something_and_have_their_values(sim, tmp_path, make):
     assert figure.values or figure.rows
     assert all(len(row) == len(figure.columns) for row in figure.rows)
     json.dumps(paper._plain(figure.rows), allow_nan=False)
-
-
-def test_the_overview_names_all_parts(sim, tmp_path):
-    names = {row[0] for row in scenes.overview(sim, tmp_path / "over.png").rows}
-    assert names >= {"mountains", "station and its cage", "vehicle", "pipeline", "gate 1", "gate 4"}
+    if make is scenes.overview:
+        names = {row[0] for row in figure.rows}
+        assert names >= {"mountains", "station and its cage", "vehicle", "pipeline", "gate 1", "gate 4"}
 
 
 def test_one_ray_ends_at_its_first_hit_and_the_others_pass(sim, tmp_path):

@@ -63,13 +63,18 @@ def test_a_part_of_a_compound_keeps_its_centre_of_gravity_where_the_part_is(tmp_
     np.testing.assert_allclose(lead.inertia_kg_m2, np.diag([2.0, 1.0, 2.5]), atol=1e-12)
 
 
-def test_a_mesh_of_mixed_winding_has_the_inertia_of_its_solid(tmp_path: Path) -> None:
+def write_box(path: Path, inward: set[int]) -> None:
+    """Write a box of SIDES, some of whose faces wind inward."""
     x, y, z = np.meshgrid(*([-s / 2, s / 2] for s in SIDES), indexing="ij")
     corners = np.stack([x, y, z], axis=-1).reshape(8, 3)
     quads = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
-    quads[1], quads[2] = quads[1][::-1], quads[2][::-1]
-    lines = [f"v {a} {b} {c}" for a, b, c in corners] + [f"f {' '.join(map(str, quad))}" for quad in quads]
-    (tmp_path / "hull.obj").write_text("\n".join([*lines, ""]))
+    wound = [quad[::-1] if k in inward else quad for k, quad in enumerate(quads)]
+    lines = [f"v {a} {b} {c}" for a, b, c in corners] + [f"f {' '.join(map(str, quad))}" for quad in wound]
+    path.write_text("\n".join([*lines, ""]))
+
+
+def test_a_mesh_of_mixed_winding_has_the_inertia_of_its_solid(tmp_path: Path) -> None:
+    write_box(tmp_path / "hull.obj", {1, 2})
     model = f'<physical><mesh filename="hull.obj"/><origin xyz="0 0 0" rpy="0 0 0"/></physical>{MASS}'
     with pytest.warns(UserWarning, match="repaired"):
         whole = stonefish(tmp_path, with_box(model, 'type="model"')).whole()
@@ -142,11 +147,7 @@ def test_a_bound_of_thrust_bounds_the_thrust_and_one_clamp_counts_for_both(tmp_p
 
 def test_a_mesh_that_winds_inward_displaces_what_it_encloses(tmp_path: Path) -> None:
     """It was dropped in silence, as a shape that only stands in for one."""
-    x, y, z = np.meshgrid(*([-s / 2, s / 2] for s in SIDES), indexing="ij")
-    corners = np.stack([x, y, z], axis=-1).reshape(8, 3)
-    quads = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
-    lines = [f"v {a} {b} {c}" for a, b, c in corners] + [f"f {' '.join(map(str, each[::-1]))}" for each in quads]
-    (tmp_path / "keel.obj").write_text("\n".join([*lines, ""]))
+    write_box(tmp_path / "keel.obj", set(range(6)))
     keel = '<collision name="keel"><geometry><mesh><uri>keel.obj</uri></mesh></geometry></collision><sensor name="nose"'
     (tmp_path / "world.sdf").write_text((DATA / "glider.sdf").read_text().replace('<sensor name="nose"', keel))
     with pytest.warns(UserWarning, match="repaired"):

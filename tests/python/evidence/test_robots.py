@@ -4,6 +4,7 @@ The laws: terminal speed and trim by the formulas of each source, and what is wh
 """
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from uwsim.evidence.robots.sdf import read_sdf
 from uwsim.evidence.robots.stonefish import formula, read_stonefish
 from uwsim.evidence.robots.urdf import read_urdf
 from uwsim.evidence.robots.written import write_found
-from uwsim.evidence.robots.xml_file import HERE, Pose, turned, yaw_pitch_roll_deg
+from uwsim.evidence.robots.xml_file import HERE, Pose, read_xml, turned, yaw_pitch_roll_deg
 
 G = 9.80665
 DATA = Path(__file__).parents[1] / "data" / "robots"
@@ -246,25 +247,30 @@ def test_the_urdf_reader_agrees_with_ros_s_and_with_pinocchio(tmp_path: Path) ->
 
 @pytest.mark.parametrize("right, inverted", [("true", "false"), ("true", "true"), ("false", "false")])
 def test_a_stonefish_vehicle_has_the_source_s_masses_and_thrust(right: str, inverted: str, tmp_path: Path) -> None:
-    sim, printed = made(tmp_path, "robot.scn", screw(right, inverted))
-    model = sim.scenario.vehicles[0].model
-    assert model.mass_kg == pytest.approx(900.0 * 0.1 + 8.0)
+    (tmp_path / "robot.scn").write_text(screw(right, inverted))
     robot = read_stonefish(tmp_path / "robot.scn").robots[0]
+    assert robot.whole().mass_kg == pytest.approx(900.0 * 0.1 + 8.0)
     assert robot.volume_m3 == pytest.approx(0.1)
     np.testing.assert_allclose(robot.centre_of_buoyancy_m, [0.0, 0.0, 0.1], atol=1e-12)  # down becomes up
-    (thruster,) = model.thrusters.values()
+    (thruster,) = robot.thrusters
     ahead = 1.0 if right == "true" and inverted == "false" else -1.0
     np.testing.assert_allclose(thruster.axis, [ahead, 0.0, 0.0], atol=1e-9)
-    curve = dict(thruster.model.thrust_n)
     strong, weak = 1020.0 * 0.4 * 0.2**4 * 10.0**2, 1020.0 * 0.2 * 0.2**4 * 10.0**2  # rho K_T D^4 n^2, 10 1/s
     wanted = (strong, -weak) if ahead > 0.0 else (weak, -strong)
+    curve = dict(thruster.thrust_n)
     assert (curve[1.0], curve[-1.0]) == pytest.approx(wanted)
-    assert thruster.model.torque_per_thrust_m == pytest.approx(0.2 * 0.05 / 0.4)
-    assert "added mass and drag are estimated" in printed
+    assert thruster.torque_per_thrust_m == pytest.approx(0.2 * 0.05 / 0.4)
 
 
 def test_a_stonefish_world_is_turned_from_ned_to_enu(tmp_path: Path) -> None:
-    sim, _ = made(tmp_path, "robot.scn", SCN)
+    sim, printed = made(tmp_path, "robot.scn", SCN)
+    assert "added mass and drag are estimated" in printed
+    model = sim.scenario.vehicles[0].model
+    assert model.mass_kg == pytest.approx(900.0 * 0.1 + 8.0)
+    (written,), (thruster,) = model.thrusters.values(), read_stonefish(tmp_path / "robot.scn").robots[0].thrusters
+    np.testing.assert_allclose(written.axis, thruster.axis, atol=1e-9)
+    assert dict(written.model.thrust_n) == pytest.approx(dict(thruster.thrust_n))
+    assert written.model.torque_per_thrust_m == pytest.approx(thruster.torque_per_thrust_m)
     (rov,) = sim.vehicles.values()
     centroid = np.array([3.0, 10.0, -4.0 + 0.1])  # east is NED's y; the body's origin is the hull's centroid
     np.testing.assert_allclose(rov.pose.position_world_m, centroid, atol=1e-9)
@@ -274,8 +280,9 @@ def test_a_stonefish_world_is_turned_from_ned_to_enu(tmp_path: Path) -> None:
     # A post of 1 m north by 2 m east about 6 m north, 1 m east and 8 m down.
     faces = np.array([[2.5, 6.0, -8.0], [1.0, 7.0, -8.0], [1.0, 6.0, -6.0]])
     assert sim.scene.distance_m(faces) == pytest.approx([0.5, 0.5, 0.5], abs=1e-6)
-    eye = sim.scenario.vehicles[0].model.cameras["eye"]
-    np.testing.assert_allclose(eye.yaw_pitch_roll_deg, [0.0, 0.0, 0.0], atol=1e-3)  # it looks ahead, upright
+    np.testing.assert_allclose(
+        model.cameras["eye"].yaw_pitch_roll_deg, [0.0, 0.0, 0.0], atol=1e-3
+    )  # it looks ahead, upright
 
 
 def test_files_of_a_ros_package_are_found_beside_a_stonefish_scenario(tmp_path: Path) -> None:
@@ -385,6 +392,16 @@ def test_entities_are_refused_in_any_encoding(tmp_path: Path) -> None:
     (tmp_path / "a.sdf").write_bytes(('<?xml version="1.0" encoding="UTF-16"?>' + BOMB).encode("utf-16"))
     with pytest.raises(ValueError, match="declares entities"):
         read_sdf(tmp_path / "a.sdf")
+
+
+def test_only_a_regular_file_is_read(tmp_path: Path) -> None:
+    """A device or a pipe may never end."""
+    os.mkfifo(tmp_path / "pipe")
+    for path in (Path("/dev/zero"), tmp_path / "pipe", tmp_path):
+        with pytest.raises(ValueError, match="must be a regular file"):
+            read_xml(path)
+    with pytest.raises(FileNotFoundError):
+        read_xml(tmp_path / "absent.sdf")
 
 
 def test_nothing_that_is_not_ours_is_replaced(tmp_path: Path) -> None:
