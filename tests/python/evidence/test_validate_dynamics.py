@@ -1,13 +1,11 @@
 """The validation of the dynamics, which tools/docs runs, fails if a coefficient is 5 % off."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
 from uwsim.evidence.validate.published import PUBLISHED
-from uwsim.evidence.validate.vehicle_curves import draw_decays, draw_turning
-from uwsim.evidence.validate.vehicles import each_check, vehicle_checks
+from uwsim.evidence.validate.vehicles import each_check
 from uwsim.scenario import load_vehicle
 
 HEAVY, REMUS = "bluerov2_heavy", "remus100"
@@ -64,19 +62,9 @@ def test_a_coefficient_five_percent_off_is_a_miss(name: str, change: dict[str, o
 
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_the_mass_check_measures_the_mass(name: str) -> None:
-    """A mass 5 % larger is measured as 5 % larger; for a neutrally buoyant vehicle the volume is changed."""
+    """A mass 5 % larger is measured as such, and missed; for a neutrally buoyant vehicle the volume is changed."""
     model = load_vehicle(name)
     key = "volume_m3" if model.mass_kg is None else "mass_kg"
     heavier = model.model_copy(update={key: 1.05 * getattr(model, key)})
-    for used, factor in ((model, 1.0), (heavier, 1.05)):
-        mass = next(check for check in each_check(name, used, []) if check.name == "mass")
-        assert mass.got == pytest.approx(factor * PUBLISHED[name].mass_kg, rel=1e-3)
-        assert mass.passed == (factor == 1.0)
-
-
-def test_curves_are_drawn(tmp_path: Path) -> None:
-    _, curves = vehicle_checks(HEAVY)
-    draw_decays(curves, tmp_path / "decay.png")
-    draw_turning(curves[-1], tmp_path / "turning.png")
-    assert (tmp_path / "decay.png").stat().st_size > 10_000
-    assert (tmp_path / "turning.png").stat().st_size > 10_000
+    mass = next(check for check in each_check(name, heavier, []) if check.name == "mass")
+    assert mass.got == pytest.approx(1.05 * PUBLISHED[name].mass_kg, rel=1e-3) and not mass.passed

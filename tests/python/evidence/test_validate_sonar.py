@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
-from uwsim import _core
 from uwsim.evidence.validate import refraction, sonar, sonar_table
 from uwsim.evidence.validate.check import Check
-from uwsim.evidence.validate.sonar_instrument import detection_rate, half_detected_m, half_detected_swath_m
-from uwsim.evidence.validate.sonar_table import ARRAYS, COVERAGE_M, DEPTH_M, FREQUENCIES_KHZ, WATERS, Cell, acoustics
+from uwsim.evidence.validate.sonar_instrument import detection_rate, half_detected_swath_m
+from uwsim.evidence.validate.sonar_table import ARRAYS, DEPTH_M, FREQUENCIES_KHZ, WATERS, Cell, acoustics
 from uwsim.scenario.build.multibeam import multibeam_model
 from uwsim.scenario.spec.sonar import load_sonar
 
 
 def misses(checks: list[Check]) -> list[Check]:
     return [check for check in checks if not check.passed]
-
-
-def test_the_values_of_the_files_agree_with_the_manufacturers_table() -> None:
-    checks = sonar.table_checks()
-    assert (len(DEPTH_M), len(COVERAGE_M)) == (20, 32)
-    assert len(checks) == 20 + 32 + 12
-    assert misses(checks) == []
 
 
 def test_the_second_receiver_widens_every_coverage_by_its_tilt_and_not_without_it(
@@ -38,9 +28,8 @@ def test_the_second_receiver_widens_every_coverage_by_its_tilt_and_not_without_i
     assert misses(sonar.table_checks())
 
 
-@pytest.mark.parametrize("khz", [200, 300, 400])
-def test_physics_mode_gains_by_the_second_receiver_what_its_formula_gains(khz: int) -> None:
-    single, dual = Cell(ARRAYS[0], khz, "ocean"), Cell(ARRAYS[0], khz, "ocean", receivers=2)
+def test_physics_mode_gains_by_the_second_receiver_what_its_formula_gains() -> None:
+    single, dual = (Cell(ARRAYS[0], 200, "ocean", receivers=count) for count in (1, 2))
     depth_m = 0.55 * single.depth_m()  # where weak outer beams limit the swath, not the fan
     expected = dual.swath_m(depth_m) / single.swath_m(depth_m)
     assert expected > 1.035
@@ -67,11 +56,10 @@ def test_warmer_water_does_not_fit_the_table(monkeypatch: pytest.MonkeyPatch) ->
     sonar_table._mean_absorption_db_km.cache_clear()
 
 
-def test_physics_mode_reaches_the_depth_of_its_formula_and_no_deeper() -> None:
+@pytest.mark.mutation
+def test_a_depth_eleven_percent_off_is_a_miss() -> None:
     cells = [Cell(ARRAYS[0], 700, "ocean"), Cell(ARRAYS[1], 200, "fresh")]
-    found = {cell: half_detected_m(cell) for cell in cells}
-    assert misses(sonar.instrument_checks(found)) == []
-    assert misses(sonar.instrument_checks({cell: 1.11 * depth_m for cell, depth_m in found.items()}))
+    assert len(misses(sonar.instrument_checks({cell: 1.11 * cell.depth_m() for cell in cells}))) == len(cells)
 
 
 @pytest.mark.mutation
@@ -96,19 +84,3 @@ def test_the_detection_rate_falls_with_depth() -> None:
 def test_the_check_of_snells_law_can_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(refraction, "circle", lambda dip_rad: (1.0, 0.03))
     assert misses(refraction.refraction_checks())
-
-
-def test_figures_are_drawn(tmp_path: Path) -> None:
-    from uwsim.evidence.validate.sonar_curves import draw_detections, draw_smile, draw_table
-
-    draw_smile(tmp_path / "smile.png")
-    assert (tmp_path / "smile.png").stat().st_size > 10_000
-    draw_table(dict(DEPTH_M), tmp_path / "depths.png")
-    draw_detections(tmp_path / "detections.png")
-    assert (tmp_path / "depths.png").stat().st_size > 10_000
-    assert (tmp_path / "detections.png").stat().st_size > 10_000
-
-
-def test_absorption_agrees_with_reference_data() -> None:
-    for khz, db_km in ((100, 33.4), (200, 54.1), (300, 72.8)):
-        assert _core.absorption_db_km(1e3 * khz, 10.0, 35.0, 50.0) == pytest.approx(db_km, abs=0.06)

@@ -22,14 +22,7 @@ REMUS = assets_folder() / "vehicles" / "remus100.yaml"
 
 
 def checked(folder: Path, **changes: Any) -> CheckReport:
-    """Return the check of the vehicle file alone, after comparing it with the check of a scenario that contains it."""
-    model = vehicle_file(folder, **changes)
-    report = check_part(model, "vehicle")
-    whole = check_file(scenario_file(folder, model))
-    assert (report.mistakes == ()) is (whole.mistakes == ()), whole.mistakes
-    for warning in report.warnings if changes.get("mass_kg") is None else ():
-        assert any(warning in told for told in whole.warnings), (warning, whole.warnings)
-    return report
+    return check_part(vehicle_file(folder, **changes), "vehicle")
 
 
 def only_warning(report: CheckReport) -> str:
@@ -48,6 +41,21 @@ def test_packaged_vehicles_are_sound(name: str) -> None:
     report = check_part(name, "vehicle")
     assert (report.mistakes, report.warnings) == ((), ())
     assert report.to_dict()["vehicle"]["mass_kg"] == pytest.approx(figures(report).mass_kg)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"centre_of_mass_m": [3, 0, 0]}, {"centre_of_mass_m": [0.05, 0, -0.1]}, {"ballast_kg": 1.0},
+     {"sonar": {"position_m": [-0.61, 0, 0]}}],
+)  # fmt: skip
+def test_a_scenario_with_the_vehicle_has_the_same_mistakes_and_warnings(
+    changes: dict[str, Any], tmp_path: Path
+) -> None:
+    model = vehicle_file(tmp_path, **changes)
+    alone, whole = check_part(model, "vehicle"), check_file(scenario_file(tmp_path, model))
+    assert (alone.mistakes == ()) is (whole.mistakes == ()), whole.mistakes
+    for warning in alone.warnings:
+        assert any(warning in each for each in whole.warnings), (warning, whole.warnings)
 
 
 def test_the_report_on_a_sound_vehicle_is_in_numbers(tmp_path: Path) -> None:
@@ -97,18 +105,12 @@ def test_trim_is_where_the_centres_are_above_each_other(
 def test_trim_is_where_the_simulator_brings_the_vehicle(tmp_path: Path) -> None:
     report = checked(tmp_path, centre_of_mass_m=[0.02, 0.03, -0.1])
     it = figures(report)
-    with Simulator(tmp_path / "open_water.yaml") as sim:
+    with Simulator(scenario_file(tmp_path, tmp_path / "box.yaml")) as sim:
         sim.advance(60)
         up_body = sim.rov.pose.world_from_body[2, :3]
     nose_down_deg, roll_deg = rest_attitude_deg(up_body)
     assert it.nose_down_deg == pytest.approx(nose_down_deg, abs=0.2)
     assert it.roll_to_starboard_deg == pytest.approx(roll_deg, abs=0.2)
-
-
-def test_a_centre_of_mass_above_that_of_buoyancy_is_warned_of(tmp_path: Path) -> None:
-    report = checked(tmp_path, centre_of_mass_m=[0, 0, 0.1])
-    assert "0.1 m above its centre of buoyancy: left alone it hangs upside down" in only_warning(report)
-    assert figures(report).righting_lever_m == pytest.approx(-0.1)
 
 
 def test_a_boat_is_judged_as_it_floats(tmp_path: Path) -> None:
@@ -133,12 +135,6 @@ def test_ballast_and_trim_move_the_centre_of_mass(tmp_path: Path) -> None:
     assert any("nose down 45.0 deg" in warning for warning in report.warnings)
 
 
-def test_a_centre_of_mass_ahead_is_warned_of(tmp_path: Path) -> None:
-    report = checked(tmp_path, centre_of_mass_m=[0.3, 0, -0.1])
-    assert "nose down 71.6 deg" in only_warning(report)
-    assert "+0.3 m ahead" in only_warning(report)
-
-
 def test_inertia_out_of_scale_is_warned_of(tmp_path: Path) -> None:
     """For the box, m/12 (b2 + c2) with m = 672 kg: 63, 108 and 117 kg m2."""
     assert checked(tmp_path, inertia_kg_m2=[63, 108, 117]).warnings == ()
@@ -150,43 +146,51 @@ def test_inertia_out_of_scale_is_warned_of(tmp_path: Path) -> None:
 
 DVL = {"kind": "dvl", "position_m": [0, 0, -0.36]}
 ALTITUDE = {"kind": "altitude", "position_m": [0, 0, -0.36]}
+AHEAD = {"position_m": [0.61, 0, 0]}
+PROXIMITY = {"kind": "proximity", "range_max_m": 9}
+OF_MASS: dict[str, Any] = {"without": ("buoyancy",)}
+UNSOUND: list[tuple[dict[str, Any], str | None]] = [
+    ({"centre_of_mass_m": [0, 0, 0.1]}, "0.1 m above its centre of buoyancy: left alone it hangs upside down"),
+    ({"centre_of_mass_m": [0.3, 0, -0.1]}, "nose down 71.6 deg"),
+    ({"centre_of_mass_m": [0.3, 0, -0.1]}, "+0.3 m ahead"),
+    ({"ballast_kg": 1.0, "ballast_position_m": [0, 0, -98]}, "ballast_position_m is 97.7 m away"),
+    ({"mass_kg": 2000.0, **OF_MASS}, "stone"),
+    ({"mass_kg": 300.0, **OF_MASS}, "cork"),
+    ({"mass_kg": 640.0, **OF_MASS}, None),
+    ({"mass_kg": 700.0, **OF_MASS}, None),
+    ({"sensors": {"dvl": DVL}}, None),
+    ({"sensors": {"dvl": DVL | {"yaw_pitch_roll_deg": [0, 0, 20]}}}, None),
+    (
+        {"sensors": {"dvl": DVL | {"position_m": [0, 0, 0.36], "yaw_pitch_roll_deg": [0, 0, 180]}}},
+        "looks up, 180 deg off",
+    ),
+    (
+        {"sensors": {"dvl": DVL | {"position_m": [0.7, 0, 0], "yaw_pitch_roll_deg": [0, -90, 0]}}},
+        "looks sideways, 90 deg off",
+    ),
+    ({"sensors": {"dvl": DVL | {"position_m": [0, 0, 0.36]}}}, "sensors.dvl looks into its own hull"),
+    (
+        {"sensors": {"dvl": DVL | {"position_m": [0, 0, -36.15]}}},
+        "sensors.dvl is 35.8 m away from its hull of 1.2 x 0.8",
+    ),
+    ({"sensors": {"altitude": ALTITUDE}}, None),
+    ({"sensors": {"altitude": {"kind": "altitude"}}}, None),  # inside the frame
+    ({"sensors": {"altitude": ALTITUDE | {"position_m": [0, 0, 0.36]}}}, "sensors.altitude looks into its own hull"),
+    ({"sensors": {"p": PROXIMITY | {"position_m": [0.7, 0, 0]}}}, None),
+    ({"sensors": {"p": PROXIMITY | {"position_m": [-0.7, 0, 0]}}}, "sensors.p looks into its own"),
+    ({"sonar": AHEAD}, None),
+    ({"sonar": {"position_m": [-0.61, 0, 0]}}, "sonar looks into its own hull"),
+    ({"sonar": {"position_m": [520, 0, -220]}}, "sonar is 564 m away"),
+    ({"cameras": {"front": AHEAD}}, None),
+    ({"cameras": {"front": AHEAD | {"yaw_pitch_roll_deg": [180, 0, 0]}}}, "cameras.front"),
+    ({"cameras": {"chase": {"position_m": [-9, 0, 3], "follows": "heading"}}}, None),
+    ({"imaging_sonars": {"fls": {"kind": "forward_looking", "position_m": [-0.61, 0, 0]}}}, "imaging_sonars.fls"),
+    ({"lamps": {"a": {"flux_lm": 9, "spots": [{"position_m": [0, 0, 9]}]}}}, "lamps.a is 8.65 m away"),
+]
 
 
-@pytest.mark.parametrize(
-    ("sensors", "warning"),
-    [
-        ({"dvl": DVL}, None),
-        ({"dvl": DVL | {"yaw_pitch_roll_deg": [0, 0, 20]}}, None),
-        ({"dvl": DVL | {"position_m": [0, 0, 0.36], "yaw_pitch_roll_deg": [0, 0, 180]}}, "looks up, 180 deg off"),
-        ({"dvl": DVL | {"position_m": [0.7, 0, 0], "yaw_pitch_roll_deg": [0, -90, 0]}}, "looks sideways, 90 deg off"),
-        ({"dvl": DVL | {"position_m": [0, 0, 0.36]}}, "sensors.dvl looks into its own hull"),
-        ({"dvl": DVL | {"position_m": [0, 0, -36.15]}}, "sensors.dvl is 35.8 m away from its hull of 1.2 x 0.8"),
-        ({"altitude": ALTITUDE}, None),
-        ({"altitude": {"kind": "altitude"}}, None),  # inside the frame
-        ({"altitude": ALTITUDE | {"position_m": [0, 0, 0.36]}}, "sensors.altitude looks into its own hull"),
-        ({"p": {"kind": "proximity", "range_max_m": 9, "position_m": [0.7, 0, 0]}}, None),
-        ({"p": {"kind": "proximity", "range_max_m": 9, "position_m": [-0.7, 0, 0]}}, "sensors.p looks into its own"),
-    ],
-)
-def test_mounts_of_sensors(sensors: dict[str, Any], warning: str | None, tmp_path: Path) -> None:
-    report = checked(tmp_path, sensors=sensors)
-    assert report.warnings == () if warning is None else warning in only_warning(report), report.warnings
-
-
-@pytest.mark.parametrize(
-    ("changes", "warning"),
-    [
-        ({"sonar": {"position_m": [0.61, 0, 0]}}, None),
-        ({"sonar": {"position_m": [-0.61, 0, 0]}}, "sonar looks into its own hull"),
-        ({"sonar": {"position_m": [520, 0, -220]}}, "sonar is 564 m away"),
-        ({"cameras": {"front": {"position_m": [0.61, 0, 0]}}}, None),
-        ({"cameras": {"front": {"position_m": [0.61, 0, 0], "yaw_pitch_roll_deg": [180, 0, 0]}}}, "cameras.front"),
-        ({"cameras": {"chase": {"position_m": [-9, 0, 3], "follows": "heading"}}}, None),
-        ({"imaging_sonars": {"fls": {"kind": "forward_looking", "position_m": [-0.61, 0, 0]}}}, "imaging_sonars.fls"),
-        ({"lamps": {"a": {"flux_lm": 9, "spots": [{"position_m": [0, 0, 9]}]}}}, "lamps.a is 8.65 m away"),
-    ],
-)
-def test_mounts_of_what_looks(changes: dict[str, Any], warning: str | None, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("changes", "warning"), UNSOUND)
+def test_what_is_unsound_has_one_warning(changes: dict[str, Any], warning: str | None, tmp_path: Path) -> None:
     report = checked(tmp_path, **changes)
     assert report.warnings == () if warning is None else warning in only_warning(report), report.warnings
 
@@ -237,14 +241,8 @@ def test_a_vehicle_without_a_tail_is_warned_of(tmp_path: Path) -> None:
 def test_a_tail_at_the_bow_does_not_hold_the_course(tmp_path: Path) -> None:
     at_bow = {"top": {"position_m": [0.73, 0, 0.1]}, "bottom": {"position_m": [0.73, 0, -0.1]}}
     warnings = check_part(remus(tmp_path, fins=at_bow), "vehicle").warnings
-    assert (
-        len(warnings) == 2 and "without the Munk moment" in warnings[0] and "it does not keep its course" in warnings[1]
-    )
-
-
-def test_ballast_far_from_the_hull_is_warned_of(tmp_path: Path) -> None:
-    told = checked(tmp_path, ballast_kg=1.0, ballast_position_m=[0, 0, -98]).warnings
-    assert len(told) == 1 and "ballast_position_m is 97.7 m away" in told[0]
+    assert len(warnings) == 2
+    assert "without the Munk moment" in warnings[0] and "it does not keep its course" in warnings[1]
 
 
 def test_a_propeller_far_from_the_hull_is_warned_of(tmp_path: Path) -> None:
@@ -253,24 +251,17 @@ def test_a_propeller_far_from_the_hull_is_warned_of(tmp_path: Path) -> None:
     assert "thrusters.propeller is 97.2 m away from its hull of 1.586" in only_warning(report)
 
 
-def test_a_stone_and_a_cork_are_warned_of(tmp_path: Path) -> None:
-    for mass_kg, word in ((2000.0, "stone"), (300.0, "cork")):
-        assert word in only_warning(checked(tmp_path, mass_kg=mass_kg, without=("buoyancy",)))
-    for mass_kg in (640.0, 700.0):
-        assert checked(tmp_path, mass_kg=mass_kg, without=("buoyancy",)).warnings == ()
-
-
-@pytest.mark.parametrize("speed_m_s", [0.0, 1e-18, 0.004])
-def test_still_water_is_no_current_to_swim_against(speed_m_s: float, tmp_path: Path) -> None:
-    for force_n in (800.0, 0.0):
-        model = vehicle_file(tmp_path, max_force_n=[force_n, 300, 300], linear_damping=[30, 50, 50, 60, 80, 30])
+def test_still_water_is_no_current_to_swim_against(tmp_path: Path) -> None:
+    def told(force_n: float, speed_m_s: float) -> str:
+        damping = [30, 50, 50, 60, 80, 30]
+        model = vehicle_file(tmp_path, max_force_n=[force_n, 300, 300], linear_damping=damping)
         water = {"current_world_m_s": [speed_m_s, 0.0, 0.0]}
-        told = "\n".join(check_file(scenario_file(tmp_path, model, water=water)).warnings)
-        assert "cannot swim against" not in told
-        assert ("drive it ahead" in told) is (force_n == 0.0)
-    water = {"current_world_m_s": [0.3, 0.0, 0.0]}
-    told = "\n".join(check_file(scenario_file(tmp_path, model, water=water)).warnings)
-    assert "cannot swim against the current at its start, 0.30 m/s" in told
+        return "\n".join(check_file(scenario_file(tmp_path, model, water=water)).warnings)
+
+    for speed_m_s in (0.0, 1e-18, 0.004):
+        assert "cannot swim against" not in told(0.0, speed_m_s)
+    assert "drive it ahead" in told(0.0, 0.0) and "drive it ahead" not in told(800.0, 0.0)
+    assert "cannot swim against the current at its start, 0.30 m/s" in told(0.0, 0.3)
 
 
 @pytest.mark.parametrize(
@@ -307,7 +298,7 @@ def test_what_reaches_over_the_terrain_has_a_height_over_the_rest(tmp_path: Path
     assert done.returncode == 0 and "nan" not in done.stdout + done.stderr
 
 
-@pytest.mark.parametrize("kind", sorted(FILES.keys() - {"scenario"}))  # scenarios are checked in test_scenario_check.py
+@pytest.mark.parametrize("kind", sorted(FILES.keys() - {"scenario", "vehicle"}))  # which have tests of their own
 def test_every_packaged_part_can_be_built(kind: str) -> None:
     folder = kind if kind.endswith("s") else f"{kind}s"
     for name in packaged_names(folder):
