@@ -7,6 +7,7 @@ import ast
 import re
 import sys
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path, PurePosixPath
 
 import pytest
@@ -107,6 +108,8 @@ def documented_instructions(path: PurePosixPath, text: str) -> Iterator[str]:
 
 def only_core_from_uwsim(path: PurePosixPath, text: str) -> Iterator[str]:
     """Inside the package, only `_core` and submodules are imported from `uwsim`; import-linter cannot follow others."""
+    if not re.search(r"\buwsim\s+import\b|\bimport\b.*\buwsim\b(?!\.)", text):
+        return
     submodules = {entry.stem for entry in (ROOT / "python/uwsim").iterdir()}
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.ImportFrom) and node.module == "uwsim" and node.level == 0:
@@ -126,6 +129,12 @@ def top_level_imports(text: str) -> Iterator[tuple[int, str]]:
             yield node.lineno, node.module or ""
 
 
+@cache
+def imported_at_once(file: Path) -> frozenset[str]:
+    """Return the modules that a file imports outside functions."""
+    return frozenset(module for _, module in top_level_imports(file.read_text()))
+
+
 def loads_fast(module: str, importing: frozenset[str] = frozenset()) -> bool:
     """Return True if a module is in EAGER_IN_CLI, or if it and the packages around it import only such modules."""
     if module.split(".")[0] in EAGER_IN_CLI or module in importing:
@@ -135,7 +144,7 @@ def loads_fast(module: str, importing: frozenset[str] = frozenset()) -> bool:
         return False
     packages = [folder / "__init__.py" for folder in path.parents if folder.is_relative_to(ROOT / "python/uwsim/")]
     files = [path, *(init for init in packages if init.parent.name != "uwsim")]  # which is imported in any case
-    found = (imported for file in files for _, imported in top_level_imports(file.read_text()))
+    found = frozenset().union(*map(imported_at_once, files))
     return all(loads_fast(each, importing | {module}) for each in found)
 
 
@@ -160,6 +169,7 @@ RULES: list[tuple[Rule, str]] = [
 ]
 
 
+@cache
 def our_files() -> list[PurePosixPath]:
     found = (path for top in ("cpp", "python", "tests", "tools", "assets") for path in (ROOT / top).rglob("*"))
     return sorted(PurePosixPath(path.relative_to(ROOT).as_posix()) for path in found if path.is_file())

@@ -14,13 +14,13 @@ from command_line import UWSIM, uwsim
 from uwsim.base.stoppable import ending_signals
 from uwsim.mapping import OccupancyMap
 
-LAKE = ["survey", "lake", "--mission-time", "300", "--voxel", "0.4"]
+LAKE = ["survey", "lake", "--mission-time", "120", "--voxel", "0.4"]
 FLOWN = {"map.bt", "track.npz", "summary.json", "log.jsonl", "track-rov.csv"}
 PLACES = {
     "the flight begins": [".uwsim.lock"],
     "it is saved": ["checkpoint/.uwsim-*.tmp", ".uwsim-*.tmp", ".flight.json.*"],
     "it has been saved": ["checkpoint/flight.json"],
-    "in flight, some saves later": ["checkpoint/map-[1-9]???*.ot"],  # of 60,000 ticks
+    "in flight, some saves later": ["checkpoint/map-[1-9]???*.ot"],  # of 24,000 ticks
     "the map is scored, the report drawn": ["track.npz"],
 }
 
