@@ -19,7 +19,7 @@ from uwsim.base.texts.csv_table import read_csv
 from uwsim.scenario import load
 
 OWN = str(Path(uwsim.__file__).parent)
-K = 40
+K = 20
 
 
 def work(read: Callable[[Path], object], path: Path) -> int:

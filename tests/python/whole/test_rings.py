@@ -1,13 +1,16 @@
 """The heart imports no add-on, an add-on only those that it needs, and modules import each other in one direction."""
 
 import tomllib
+from functools import cache
 from itertools import pairwise
 
 import pytest
+from tools import module_graph
 from tools.assets.make_architecture_picture import PICTURE, picture
 from tools.changed_rings import folders, reached
-from tools.module_graph import HEART, ROOT, circles, imported_by, imports, modules, packages_around, ring_of, rings
+from tools.module_graph import HEART, ROOT, circles, imported_by, imports, modules, packages_around, rings
 
+ring_of = cache(module_graph.ring_of)
 CIRCLES_OF_TYPES = 3
 """Groups of modules of which one imports another for type checkers alone. The number may only decrease."""
 
