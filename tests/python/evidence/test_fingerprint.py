@@ -30,12 +30,12 @@ print(json.dumps([module.fingerprint("pool", seed=7, threads=int(sys.argv[1])).p
 
 
 def read_all() -> dict[str, str]:
-    """Return a digest of each reader's result for the initial files of its fuzzer."""
+    """Return a digest of each reader's result for every fourth of the initial files of its fuzzer."""
     digests = {}
     for name in sorted(READERS.keys() - {"mcap"}):
         laws = Laws(name)
         try:
-            read = [repr(laws.hold(data).content) for _, data in sorted(seeds(name).items())]
+            read = [repr(laws.hold(data).content) for _, data in sorted(seeds(name).items())[::4]]
         finally:
             laws.close()
         said = "".join(read).replace(str(laws.folder), "")

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from functools import cache
 
 import pytest
 
@@ -22,6 +23,7 @@ for seed in (201, 203):
 """
 
 
+@cache
 def rendered(instructions: str) -> list[str]:
     """Return the instruction set and a digest of each plane of each picture; skips if the machine lacks it."""
     env = os.environ | {"UWSIM_INSTRUCTION_SET": instructions}

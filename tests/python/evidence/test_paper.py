@@ -1,29 +1,12 @@
-"""The scenario `paper` behaves like the published simulator, and the published lawn-mower node flies it."""
+"""The scenario `paper` behaves like the published simulator; test_reproduce.py has its lawn-mower's flight."""
 
-import json
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from client_socket import connect as websocket
 from uwsim import Simulator
-from uwsim.bridges import RosbridgeServer
-from uwsim.bridges.rosbridge.limits import Limits
-from uwsim.evidence.reproduce.mown_map import bed_share
-from uwsim.live import LiveSimulator
-from uwsim.mapping import OccupancyMap
-from uwsim.mapping.ranging import decode_depth_string, to_laser_scan, to_point_cloud
-from uwsim.missions.published_mower import BEAMS, FULL_AHEAD, NEAR_M, Seen, published_mower
-from uwsim.scenario import load
-
-PATIENCE_S = 30.0
-CONTROL_S = 0.1
-BASIN = {"wall_south": (3.5, -161, -5)}
-"""A wall placed closer, so that there are few lanes."""
-NEAR_THE_START_M = (7.0, -142.0, -5.3)  # the way from the dock to its first lane takes the node over a minute
 
 
 @pytest.fixture(scope="module")
@@ -144,109 +127,3 @@ def test_refraction_moves_pictures_by_up_to_the_published_share_of_their_width(p
     left = [picture.argmax(axis=1) for picture in ring if picture.any(axis=1).all()]
     shift = np.abs(left[1] - left[0]).max()
     assert 1 <= shift <= math.ceil(0.0055 * camera.mount.width)
-
-
-class Wire:
-    """The published nodes' end of a rosbridge, in lockstep with a paused simulator."""
-
-    def __init__(self, client, live):
-        self.client, self.live, self.newest = client, live, {"/clock": {"clock": {"secs": -1, "nsecs": 0}}}
-        for topic, kind in (
-            ("/propPos", "geometry_msgs/Pose"), ("/scanPos", "geometry_msgs/Pose"), ("/depthArray", "std_msgs/String"),
-            ("/proximitySensor", "std_msgs/String"), ("/clock", "rosgraph_msgs/Clock"),
-        ):  # fmt: skip
-            self.say("subscribe", topic=topic, type=kind)
-        self.say("advertise", topic="/key", type="geometry_msgs/Pose")
-        self.step(2)
-
-    @property
-    def clock_ns(self):
-        stamp = self.newest["/clock"]["clock"]
-        return 10**9 * stamp["secs"] + stamp["nsecs"]
-
-    def say(self, op, **fields):
-        self.client.send(json.dumps({"op": op, **fields}))
-
-    def step(self, count):
-        """Advance simulated time by a multiple of the clock's 0.01 s, and read all messages sent by then."""
-        until_ns = self.live.simulator.time_ns + round(count * self.live.simulator.step_s * 1e9)
-        self.say("call_service", service="/simulation/step", args={"steps": count})
-        while self.clock_ns < until_ns:
-            heard = json.loads(self.client.recv(PATIENCE_S))
-            if heard["op"] == "publish":
-                self.newest[heard["topic"]] = heard["msg"]
-
-    def publish(self, key):
-        position = {"x": key.surge, "y": key.sway, "z": key.heave}
-        orientation = {"x": 0.0, "y": 0.0, "z": key.yaw, "w": key.function}
-        self.say("publish", topic="/key", msg={"position": position, "orientation": orientation})
-
-    def seen(self):
-        at, turn = self.pose("/propPos")
-        ranges = decode_depth_string(self.newest["/depthArray"]["data"], 2)
-        beams_m = tuple(float(ranges[beam]) for beam in BEAMS)
-        port_m = float(self.newest["/proximitySensor"]["data"])
-        return Seen(tuple(at), turn.as_euler("ZYX")[0], beams_m, port_m)
-
-    def pose(self, topic):
-        pose = self.newest[topic]
-        at, turn = (
-            [pose[part][axis] for axis in axes] for part, axes in (("position", "xyz"), ("orientation", "xyzw"))
-        )
-        return np.array(at), Rotation.from_quat(turn)
-
-    def add_to(self, occupancy):
-        """Insert the newest ping, as the published nodes do: odom -> base_footprint -> base_scan -> points."""
-        ranges = decode_depth_string(self.newest["/depthArray"]["data"], 2)
-        points = to_point_cloud(to_laser_scan(ranges, 2, 0.0))
-        (body_m, body), (head_m, head) = self.pose("/propPos"), self.pose("/scanPos")
-        origin_m = body_m + body.apply(head_m)
-        occupancy.insert_scan((origin_m + (body * head).apply(points)).astype(np.float32), origin_m, 55.0)
-
-
-def test_the_published_lawn_mower_flies_it_over_rosbridge():
-    scenario = load("paper")
-    walls = [item.model_copy(update={"position_m": BASIN.get(item.name, item.position_m)})
-             if item.name in BASIN else item for item in scenario.obstacles]  # fmt: skip
-    limits = Limits(work_share=1.0)
-    with (
-        LiveSimulator(scenario.model_copy(update={"obstacles": tuple(walls)}), paused=True) as live,
-        RosbridgeServer(live, wire="published", origin="published", limits=limits) as server,
-        websocket(server.url) as client,
-    ):
-        wire = Wire(client, live)
-        mower, lanes, occupancy = published_mower(), [], OccupancyMap(0.2)
-        key, ping = next(mower), None
-        while True:
-            wire.publish(key)
-            wire.step(round((5.0 if key.function else CONTROL_S) / live.simulator.step_s))
-            if key.function:
-                live.rov.place(NEAR_THE_START_M)
-                wire.step(20)
-            seen = wire.seen()
-            if wire.newest["/depthArray"] is not ping:
-                ping = wire.newest["/depthArray"]
-                wire.add_to(occupancy)
-            if key.surge == FULL_AHEAD:
-                west = abs(seen.yaw_rad) > 0.5 * math.pi
-                if not lanes or lanes[-1][0] != west:
-                    lanes.append((west, []))
-                lanes[-1][1].append(seen.position_m)
-            try:
-                key = mower.send(seen)
-            except StopIteration:
-                break
-            assert live.simulator.time_s < 600.0
-        assert live.rov.collisions == 0
-        assert seen.port_m < NEAR_M  # the southern wall
-        assert len(lanes) >= 3
-        assert [west for west, _ in lanes] == [lane % 2 == 1 for lane in range(len(lanes))]
-        for _, lane in lanes:
-            assert abs(lane[-1][0] - lane[0][0]) > 8.0
-        south = [np.mean([y for _, y, _ in lane]) for _, lane in lanes]
-        assert all(after < before for before, after in pairwise(south))
-        assert all(abs(z - 70.0) < 0.5 for _, lane in lanes for _, _, z in lane)
-        surface = np.array([0.0, 0.0, 75.3])
-        world, voxels = live.simulator.world, occupancy.occupied_voxels()
-        track = np.array([position for _, lane in lanes for position in lane])
-        assert bed_share(world, track - surface, voxels - surface, 54.9) > 0.5

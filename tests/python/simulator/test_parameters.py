@@ -63,7 +63,7 @@ OTHER: dict[str, Any] = {
 
 
 SERVED = (".kind", ".command_timeout_s", "goal_tolerance", "wire")
-"""The latter three act on servers: test_watchdog.py, test_actions.py, test_paper.py."""
+"""The latter three act on servers: test_watchdog.py, test_actions.py, test_nodes.py."""
 SAME = {
     "rov.sonar.model": "the models that it may be replaced by differ from it in physics mode alone",
     "rov.sensors.usbl.frequency_hz": "acts on arrivals that overlap; tests/cpp/sensors/test_sensors.cpp has some",
