@@ -1,5 +1,6 @@
 """The pages and images of the documentation, except generated ones."""
 
+import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -13,3 +14,8 @@ def page_named(name: str) -> Path:
     """Return the path of a page given its name, such as "link"."""
     (found,) = (path for path in PAGES if path.stem == name)
     return found
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    """Return a page's blocks of code in a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text(), flags=re.DOTALL | re.MULTILINE)

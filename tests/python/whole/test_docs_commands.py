@@ -22,13 +22,9 @@ PROGRAM: Any = typer.main.get_command(app)
 PAGES = [docs_pages.ROOT / "README.md", docs_pages.ROOT / "CONTRIBUTING.md", *docs_pages.PAGES]
 
 
-def blocks(language: str, page: Path) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text(), flags=re.DOTALL | re.MULTILINE)
-
-
 def commands(page: Path) -> Iterator[list[str]]:
     """Yield each `uwsim ...` command of a page, from code blocks and inline code."""
-    lines = "\n".join(blocks("sh", page)).splitlines() + re.findall(r"`(uwsim [^`]*)`", page.read_text())
+    lines = "\n".join(docs_pages.blocks(page, "sh")).splitlines() + re.findall(r"`(uwsim [^`]*)`", page.read_text())
     for line in lines:
         command = re.match(r"(?:\.venv/bin/)?uwsim ([a-z].*)", line.strip())
         if command and not re.search(r"\.\.\.|\[", command[1]):
@@ -57,7 +53,7 @@ def test_commands_are_known_with_their_options(page: Path) -> None:
 
 def documents() -> Iterator[tuple[str, Any]]:
     for page in PAGES:
-        for text in blocks("yaml", page):
+        for text in docs_pages.blocks(page, "yaml"):
             yield page.stem, YAML(typ="safe").load(text)
 
 

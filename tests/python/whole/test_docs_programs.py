@@ -19,11 +19,10 @@ from tools.reference.python_names import PUBLIC
 import docs_pages
 import uwsim
 from command_line import left_as_found
-from docs_pages import DOCS, page_named
+from docs_pages import DOCS, blocks, page_named
 from uwsim.campaigns.sweeps.spec import SweepSpec
 from uwsim.scenario.schema import PARTS, schema
 
-PROGRAM = re.compile(r"^```python\n(.*?)^```$", flags=re.DOTALL | re.MULTILINE)
 ELSEWHERE = {
     "add-a-sensor": "needs the sensor that it adds, in C++: see test_docs_cpp.py",
     "add-a-sonar": "needs the sonar that it adds, in C++: see test_docs_cpp.py",
@@ -32,9 +31,7 @@ ELSEWHERE = {
 NOT_MADE_HERE = {"octovis.png": "a window of Debian 13's octovis"}
 HIDDEN = (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning)
 """Warning categories that Python hides by default."""
-PAGES = sorted(
-    path.stem for path in docs_pages.PAGES if PROGRAM.search(path.read_text()) and path.stem not in ELSEWHERE
-)
+PAGES = sorted(path.stem for path in docs_pages.PAGES if blocks(path, "python") and path.stem not in ELSEWHERE)
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -42,7 +39,7 @@ def test_the_programs_of_a_page_run(
     page: str, tmp_path: Path, capfd: pytest.CaptureFixture[str], recwarn: pytest.WarningsRecorder
 ) -> None:
     """Runs in this process to avoid repeated imports; test_readme.py starts processes."""
-    programs = "\n".join(PROGRAM.findall(page_named(page).read_text()))
+    programs = "\n".join(blocks(page_named(page), "python"))
     with left_as_found(), contextlib.chdir(tmp_path):
         exec(compile(programs, page, "exec"), {"__name__": "__main__"})
     assert capfd.readouterr().err == ""
@@ -103,7 +100,7 @@ def keys_of(part: Any) -> set[str]:
 def test_what_the_programs_import_is_public() -> None:
     """Everything imported is in the Python reference, so a copied program does not rely on internals."""
     listed = [name.removesuffix("()") for names in PUBLIC.values() for name in names]
-    texts = ["\n".join(PROGRAM.findall(page_named(page).read_text())) for page in PAGES]
+    texts = ["\n".join(blocks(page_named(page), "python")) for page in PAGES]
     texts += [path.read_text().replace("\\n", "\n").replace('"', " ") for path in (DOCS / "notebooks").glob("*.ipynb")]
     imports = {
         (module, name.strip())

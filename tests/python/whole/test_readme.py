@@ -1,27 +1,24 @@
 """The README's Python programs run as printed."""
 
-import re
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 
+from docs_pages import ROOT, blocks
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator
-
-README = Path(__file__).parents[3] / "README.md"
 
 
 def output_of(folder: Path, text: str, changes: dict[str, str] | None = None) -> str:
     """Run the README's Python program that contains a given text, with changes; return its output."""
-    programs = re.findall(r"^```python\n(.*?)^```$", README.read_text(), flags=re.DOTALL | re.MULTILINE)
-    (program,) = [program for program in programs if text in program]
+    (program,) = [program for program in blocks(ROOT / "README.md", "python") if text in program]
     for old, new in (changes or {}).items():
         assert old in program
         program = program.replace(old, new)
     run = subprocess.run(
-        [sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=False, timeout=120
+        [sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=False, timeout=600
     )
     assert (run.returncode, run.stderr) == (0, "")
     return run.stdout

@@ -15,6 +15,9 @@ from uwsim.channels.table import Wire
 from uwsim.link import Carrier
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.choice import catalog, chosen
+from uwsim.scenario.build import world
+from uwsim.scenario.build.terrain import Terrain
+from uwsim.scenario.spec.terrain import TerrainModel
 from uwsim.simulator.simulator import Simulator
 
 OFFERED = catalog()
@@ -25,6 +28,21 @@ CHOICES: dict[str, list[Any]] = {
     "scenario": SCENARIOS, "vehicle": [None, *VEHICLES], "sonar": [None, *SONARS], "link": LINKS,
     "wire": list(get_args(Wire)),
 }  # fmt: skip
+
+
+@pytest.fixture(autouse=True, scope="module")
+def built_once() -> Iterator[None]:
+    """Build each terrain once, however often its scenario is flown: most of the time would go to rasters."""
+    build, last = world.build_terrain, dict[str, Any](spec=None)
+
+    def once(spec: TerrainModel) -> Terrain:
+        if last["spec"] != spec:
+            last.update(spec=spec, terrain=build(spec))
+        return last["terrain"]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(world, "build_terrain", once)
+        yield
 
 
 def pairwise() -> Iterator[tuple[Any, ...]]:
