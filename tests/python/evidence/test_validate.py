@@ -81,5 +81,5 @@ def test_sigterm_ends_the_processes_of_all_suites() -> None:
         assert command.poll() is None
         time.sleep(0.05)
     command.terminate()
-    assert command.wait(timeout=120) == 130
+    assert command.wait(timeout=600) == 130
     until(lambda: not any(Path(f"/proc/{pid}").exists() for pid in pids))

@@ -1,6 +1,8 @@
-"""Public objects print readably, can be pickled, and have the types that they declare."""
+"""Public objects describe and plot themselves, can be pickled, and have the types that they declare."""
 
 import copy
+import importlib
+import inspect
 import pickle
 import subprocess
 import sys
@@ -11,18 +13,30 @@ from typing import get_type_hints
 import nbformat
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from nbclient import NotebookClient
 
 import uwsim
 from uwsim import _core
+from uwsim.base.short_repr import described
 from uwsim.instruments.readings import READINGS
 from uwsim.mapping import OccupancyMap
+from uwsim.mapping.plan_view import highest
 from uwsim.missions import Steps, wait
+from uwsim.navigation.control import Controller, PathFollower
 from uwsim.scenario.spec.optics import Optics, OpticsChanges
 from uwsim.scoring.survey_track import SurveyTrack
 
 ROOT = Path(__file__).parents[3]
 PNG = b"\x89PNG"
+PACKAGES = (
+    "uwsim", "uwsim.batch", "uwsim.bridges", "uwsim.channels", "uwsim.exercises", "uwsim.flight",
+    "uwsim.instruments.acoustics", "uwsim.evidence.identification", "uwsim.instruments.cameras",
+    "uwsim.instruments.sonars.imaging", "uwsim.learning",
+    "uwsim.link", "uwsim.live", "uwsim.mapping", "uwsim.missions", "uwsim.navigation.control",
+    "uwsim.navigation.estimation", "uwsim.operator.station", "uwsim.recording", "uwsim.scoring",
+)  # fmt: skip
+WITHOUT = {"Site": "a function in the form of a class, which only servers call"}
 
 
 @pytest.fixture(scope="module")
@@ -74,23 +88,50 @@ def test_a_physics_ping_travels() -> None:
     assert all(equal(value, getattr(again, name)) for name, value in ping.to_dict().items())
 
 
-def test_nothing_prints_as_an_address(sim: uwsim.Simulator) -> None:
+def test_descriptions_are_one_short_line_without_an_address(sim: uwsim.Simulator) -> None:
     rov = sim.rov
-    things = [sim, sim.scenario, rov, rov.pose, rov.telemetry(), rov.sonar, rov.sonar.ping()]
-    things += [sim.events, sim.faults, sim.parameters, rov.control, sim.world, sim.scene]
-    things += [*rov.sensors.values(), *rov.cameras.values(), *rov.lamps.values(), rov.cameras["front"].capture()]
+    controller = Controller(rov, 0.1, settings=rov.control)
+    follower = PathFollower(controller, [(0.0, 0.0, -2.0), (5.0, 0.0, -2.0)], 0.5)
+    things = [sim, sim.scenario, rov, rov.pose, rov.telemetry(), rov.sonar, rov.estimate, rov.battery, rov.control]
+    things += [sim.events, sim.faults, sim.parameters, sim.world, sim.scene, uwsim.Batch("pool", n=2).observe()]
+    things += [*rov.sensors.values(), *rov.cameras.values(), *rov.lamps.values(), controller, follower]
     for thing in things:
-        assert " at 0x" not in repr(thing)
-        assert len(repr(thing)) < 400
+        assert_short(thing)
+    assert "cross_track_m=" in assert_short(follower.steer())
     assert repr(rov).endswith("balanced in the water>") and str(sim.scenario) == repr(sim.scenario)
     assert repr(sim) == f"<Simulator 'pool', seed 3, at {sim.time_s:.3f} s, with rov>"
 
 
+def assert_short(thing: object) -> str:
+    text = repr(thing)
+    assert "\n" not in text and " at 0x" not in text and len(text) < 400, text
+    return text
+
+
+def test_every_public_class_describes_its_instances() -> None:
+    listed = [
+        (module, name) for module in map(importlib.import_module, PACKAGES) for name in getattr(module, "__all__", ())
+    ]
+    classes = {name: each for module, name in listed if inspect.isclass(each := getattr(module, name))}
+    silent = [
+        name
+        for name, each in classes.items()
+        if each.__repr__ is object.__repr__ and not getattr(each, "_is_protocol", False)
+    ]
+    assert sorted(silent) == sorted(WITHOUT)
+
+
 def test_notebooks_show_pictures(sim: uwsim.Simulator, tmp_path: Path) -> None:
-    ping, frame = sim.rov.sonar.ping(), sim.rov.cameras["front"].capture()
+    rov = sim.rov
+    sonars, ping, frame = rov.imaging_sonars, rov.sonar.ping(), rov.cameras["front"].capture()
+    images = [sonars["forward_looking"].look(), sonars["side_scan"].line()]
+    images += [sonars["profiler"].profile(np.linspace(-0.5, 0.5, 5)), ping]
+    for image in images:
+        assert_short(image)
+        assert isinstance(image.plot(), Figure)
     world = OccupancyMap(resolution_m=0.1)
     world.insert_scan(np.array([[1.0, 2.0, -3.0]], np.float32), np.zeros(3))
-    for thing in (ping, frame, world, OccupancyMap()):
+    for thing in (*images, frame, world, OccupancyMap()):
         assert thing._repr_png_().startswith(PNG)
     frame.save_npz(tmp_path / "frame.npz")
     with np.load(tmp_path / "frame.npz") as saved:
@@ -122,7 +163,7 @@ def test_progress_in_a_notebook_ends_with_the_last_state(tmp_path: Path) -> None
                 show(k / 1000, 0.06 * k)
     """)
     notebook = nbformat.v4.new_notebook(cells=[cell])
-    NotebookClient(notebook, timeout=60).execute()
+    NotebookClient(notebook, timeout=600).execute()
     assert [output.data["text/plain"] for output in cell.outputs] == ["surveying pool: 100 %, 1.0 min simulated"]
 
 
@@ -131,8 +172,6 @@ def waiting(vehicle: object) -> Steps[None]:
 
 
 def test_the_view_from_above_shows_the_highest_voxel() -> None:
-    from uwsim.mapping.plan_view import highest
-
     voxels = np.array([[0.1, 0.1, -5.0], [0.1, 0.1, -3.0], [0.5, 0.1, -4.0]])
     heights, extent = highest(voxels, 0.2)
     assert heights.tolist()[0][0] == -3.0
@@ -236,3 +275,39 @@ def test_a_scenario_may_be_a_dictionary() -> None:
     assert (sim.scenario.name, sim.seed, sim.scenario.terrain.bed_depth_m) == ("mine", 3, 5.0)
     with pytest.raises(ValueError, match=r"terrain.bed_depth_m = -1 m: must be"):
         uwsim.Simulator({"name": "mine", "terrain": {**terrain, "bed_depth_m": -1}})
+
+
+def test_only_what_is_public_is_listed() -> None:
+    assert dir(uwsim) == sorted(uwsim.__all__)
+    assert all(hasattr(uwsim, name) for name in uwsim.__all__)
+
+
+def test_long_values_are_shown_by_their_shape() -> None:
+    class Thing:
+        level_db = np.zeros((3, 4), np.float32)
+        centre_m = np.array([1.0, 2.5, -3.0])
+        share = 1.0 / 3.0
+        names = ("a",) * 9
+
+    text = described(Thing(), ("level_db", "centre_m", "share", "names"))
+    assert text == "Thing(level_db=float32 (3, 4), centre_m=[1, 2.5, -3], share=0.333333, names=9 items)"
+
+
+def test_a_flight_s_samples_have_rates_fins_and_sensors() -> None:
+    def mission(vehicle):
+        vehicle.set_fins({"top": 0.2})
+        vehicle.set_effort(surge=0.5)
+        yield wait(2.0)
+
+    vehicle = {"name": "auv", "model": "remus100", "start": {"position_m": [0, 0, -20]}}
+    world = {"name": "sea", "terrain": {"source": "noise", "size_m": [200, 200], "spacing_m": 4, "bed_depth_m": 60}}
+    flown = uwsim.fly(mission, uwsim.Scenario.model_validate({**world, "vehicles": [vehicle]}))
+    samples = flown.samples["auv"]
+    np.testing.assert_allclose(np.gradient(samples["x_m"], 0.2)[1:-1], samples["surge_m_s"][1:-1], atol=0.06)
+    assert samples["sensor depth"] == pytest.approx(samples["depth_m"], abs=0.1)
+    assert {"fin top", "roll_rate_rad_s", "sensor imu angular_velocity_rad_s 2"} <= set(samples.names)
+    assert samples.command_names == ("propeller",) and samples.commands.shape == (len(samples), 1)
+    table = samples.pandas()
+    assert table.index.name == "time_s" and list(table.columns) == list(samples.names[1:])
+    assert table["thruster propeller"].to_numpy() == pytest.approx(samples.commands[:, 0])
+    assert isinstance(flown.plot(), Figure)

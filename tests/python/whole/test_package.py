@@ -176,7 +176,7 @@ BARE = """
 def test_without_any_extra_a_survey_ends_with_a_map(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("UWSIM_CACHE", str(tmp_path / "cache"))
     command = [sys.executable, "-c", textwrap.dedent(BARE), str(tmp_path / "out")]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
     assert "no report.html, which needs figures: pip install 'uwsim[figures]'" in ran.stderr
     assert "Traceback" not in ran.stderr
     need = "uwsim.figures.style needs 'matplotlib', which is not installed: pip install 'uwsim[figures]'"

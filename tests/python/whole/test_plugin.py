@@ -113,7 +113,7 @@ def test_its_bridge_sends_what_is_served_and_what_is_played(plugins: Path, tmp_p
     environment = with_plugins(plugins)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
         listener.bind(("127.0.0.1", 0))
-        listener.settimeout(60.0)
+        listener.settimeout(600.0)
         toy = f"127.0.0.1:{listener.getsockname()[1]}"
         words = ["serve", "pool", "--port", "0", "--toy", toy, "--record", str(tmp_path / "run.mcap")]
         with subprocess.Popen([*UWSIM, *words], env=environment, stdout=subprocess.PIPE, text=True) as serving:

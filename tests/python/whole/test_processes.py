@@ -52,7 +52,7 @@ def threads_that_repeat(*calls: Callable[[], object]) -> Iterator[list[BaseExcep
             thread.join()
 
 
-def in_a_fork(call: Callable[[], object], limit_s: int = 60) -> str:
+def in_a_fork(call: Callable[[], object], limit_s: int = 600) -> str:
     """Return the outcome of a call in a forked child: "done", the error's text, or "hangs" after limit_s."""
     reader, writer = os.pipe()
     child = os.fork()
@@ -158,7 +158,7 @@ def test_what_has_used_a_simulator_lets_it_go(name: str, tmp_path: Path) -> None
         del live
     known = weakref.ref(sim)
     del sim
-    end_s = time.monotonic() + 60.0
+    end_s = time.monotonic() + 600.0
     while known() is not None and time.monotonic() < end_s:  # finishing threads may still hold a reference
         gc.collect()
         time.sleep(0.01)
@@ -215,5 +215,5 @@ for call in (lambda: sim.step(2000), lambda: occupancy.insert_scan(points, np.ze
     threading.Thread(target=forever, args=(call,), daemon=True).start()
 time.sleep({after_s})
 """
-    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False)
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=600, check=False)
     assert (ended.returncode, ended.stderr) == (0, "")

@@ -41,7 +41,7 @@ def test_a_survey_that_is_terminated_leaves_a_map_and_is_resumed(place: str, who
         while process.poll() is None and not any(path for name in PLACES[place] for path in out.glob(name)):
             time.sleep(0.002)
         process.send_signal(signal.SIGTERM)
-        _, errors = process.communicate(timeout=120)
+        _, errors = process.communicate(timeout=600)
         if process.returncode != 0:
             break
     assert process.returncode == 130, errors
@@ -69,7 +69,7 @@ def test_a_mission_that_never_waits_is_ended(tmp_path: Path) -> None:
     while process.poll() is None and not busy.exists():
         time.sleep(0.01)
     process.send_signal(signal.SIGTERM)
-    output, errors = process.communicate(timeout=120)
+    output, errors = process.communicate(timeout=600)
     assert process.returncode == 130, errors
     assert "interrupted" in output
     assert not (out / "report.html").exists()
