@@ -6,10 +6,10 @@ The laws: terminal speed and trim by the formulas of each source, and what is wh
 import json
 import os
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import uwsim
 from command_line import uwsim as command
@@ -20,6 +20,9 @@ from uwsim.evidence.robots.stonefish import formula, read_stonefish
 from uwsim.evidence.robots.urdf import read_urdf
 from uwsim.evidence.robots.written import write_found
 from uwsim.evidence.robots.xml_file import HERE, Pose, read_xml, turned, yaw_pitch_roll_deg
+from uwsim.evidence.scenario_check import check_part
+from uwsim.evidence.vehicle.figures import VehicleFigures
+from uwsim.evidence.vehicle.trials import terminal_speeds
 
 G = 9.80665
 DATA = Path(__file__).parents[1] / "data" / "robots"
@@ -43,11 +46,11 @@ def made(tmp_path: Path, name: str, text: str) -> tuple[uwsim.Simulator, str]:
     return uwsim.Simulator(tmp_path / "moved" / path.name), done.stdout
 
 
-def reported(vehicle: Path) -> dict[str, Any]:
-    """The report on a vehicle's file."""
-    done = command("vehicle", vehicle, "--json")
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+def reported(vehicle: Path) -> tuple[VehicleFigures, NDArray[np.float64]]:
+    """The figures of a vehicle's file, and its terminal speeds."""
+    check = check_part(vehicle, "vehicle")
+    assert check.vehicle is not None and check.simulator is not None, check.mistakes
+    return check.vehicle, terminal_speeds(check.simulator.scenario)
 
 
 def steady(force_n: float, linear: float, quadratic: float) -> float:
@@ -64,9 +67,9 @@ def test_an_sdf_vehicle_has_the_source_s_speed_and_trim(tmp_path: Path) -> None:
     model = sim.scenario.vehicles[0].model
     assert model.mass_kg == pytest.approx(100.0)  # the propellers are part of it
     np.testing.assert_allclose(model.centre_of_mass_m, [-0.009, 0.0, -0.0495], atol=1e-9)
-    report = reported(tmp_path / "moved" / "glider.yaml")
-    assert report["figures"]["net_buoyancy_n"] == pytest.approx((0.1 * 1000.0 - 100.0) * G, abs=0.01)  # in fresh water
-    assert report["terminal"][0] == pytest.approx([steady(80.0, 4.0, 20.0)] * 2, rel=0.003)
+    figures, terminal = reported(tmp_path / "moved" / "glider.yaml")
+    assert figures.net_buoyancy_n == pytest.approx((0.1 * 1000.0 - 100.0) * G, abs=0.01)  # in fresh water
+    assert terminal[0] == pytest.approx([steady(80.0, 4.0, 20.0)] * 2, rel=0.003)
     for note in ("sensor 'nose'", "yVabsR", "model 'crate'"):
         assert note in printed
     assert {*model.cameras} == {"eye"} and {*model.sensors} == {"inertial"}
@@ -221,11 +224,11 @@ def test_a_urdf_vehicle_has_the_source_s_speed_and_trim(tmp_path: Path) -> None:
     assert curve[-1.0] == curve[-0.5]  # clamped
     body = read_urdf(tmp_path / "sled.urdf").robots[0]
     assert body.volume_m3 == 0.2 and body.whole().mass_kg == 202.0
-    report = reported(tmp_path / "moved" / "sled.yaml")
-    assert report["figures"]["net_buoyancy_n"] == pytest.approx((0.2 * 1000.0 - 202.0) * G, abs=0.01)  # in fresh water
-    np.testing.assert_allclose(report["figures"]["centre_of_buoyancy_m"], [0.0, 0.0, 0.1], atol=1e-6)
+    figures, terminal = reported(tmp_path / "moved" / "sled.yaml")
+    assert figures.net_buoyancy_n == pytest.approx((0.2 * 1000.0 - 202.0) * G, abs=0.01)  # in fresh water
+    np.testing.assert_allclose(figures.centre_of_buoyancy_m, [0.0, 0.0, 0.1], atol=1e-6)
     speeds = [steady(force_n, 30.0, 150.0) for force_n in (400.0, 100.0)]  # its thruster is below its centre of mass
-    assert report["terminal"][0] == pytest.approx(speeds, rel=0.003)
+    assert terminal[0] == pytest.approx(speeds, rel=0.003)
 
 
 def test_the_urdf_reader_agrees_with_ros_s_and_with_pinocchio(tmp_path: Path) -> None:

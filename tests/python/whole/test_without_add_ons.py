@@ -23,9 +23,10 @@ TESTS = ROOT / "tests/python"
 EVERY_TEST = os.environ.get("UWSIM_WITHOUT_ADD_ONS") == "all"
 ALL = "all add-ons"
 QUICK = (
-    "base/test_journal.py", "scenario/test_trim.py", "mapping/test_map_merge.py", "navigation/test_navigator.py",
-    "instruments/test_sensors.py", "simulator/test_helm.py", "scoring/test_polygon.py",
-    "missions/test_mission_steps.py", "batch/test_batch.py", "live/test_live_pace.py", "cli/test_flags.py",
+    "base/test_journal.py", "scenario/test_trim.py", "mapping/test_outlier_filter.py",
+    "navigation/test_navigator.py", "instruments/test_sensors.py", "simulator/test_simulator.py",
+    "scoring/test_polygon.py", "missions/test_mission_steps.py", "batch/test_batch.py", "live/test_live_pace.py",
+    "cli/test_flags.py",
 )  # fmt: skip
 """A file of each floor, some seconds in all."""
 ISOLATED = """import sys
