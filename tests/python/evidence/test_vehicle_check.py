@@ -252,16 +252,16 @@ def test_a_propeller_far_from_the_hull_is_warned_of(tmp_path: Path) -> None:
 
 
 def test_still_water_is_no_current_to_swim_against(tmp_path: Path) -> None:
-    def told(force_n: float, speed_m_s: float) -> str:
+    def warned(force_n: float, speed_m_s: float) -> str:
         damping = [30, 50, 50, 60, 80, 30]
         model = vehicle_file(tmp_path, max_force_n=[force_n, 300, 300], linear_damping=damping)
         water = {"current_world_m_s": [speed_m_s, 0.0, 0.0]}
         return "\n".join(check_file(scenario_file(tmp_path, model, water=water)).warnings)
 
     for speed_m_s in (0.0, 1e-18, 0.004):
-        assert "cannot swim against" not in told(0.0, speed_m_s)
-    assert "drive it ahead" in told(0.0, 0.0) and "drive it ahead" not in told(800.0, 0.0)
-    assert "cannot swim against the current at its start, 0.30 m/s" in told(0.0, 0.3)
+        assert "cannot swim against" not in warned(0.0, speed_m_s)
+    assert "drive it ahead" in warned(0.0, 0.0) and "drive it ahead" not in warned(800.0, 0.0)
+    assert "cannot swim against the current at its start, 0.30 m/s" in warned(0.0, 0.3)
 
 
 @pytest.mark.parametrize(

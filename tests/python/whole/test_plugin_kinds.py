@@ -87,7 +87,7 @@ def ran(plugins: Path, folder: Path) -> Ran:
 
 @pytest.fixture(scope="module")
 def found(plugins: Path, folder: Path) -> dict[str, Any]:
-    """What SCRIPT prints in a process in which the package is installed."""
+    """The JSON that SCRIPT prints in a process in which the package is installed."""
     command = [sys.executable, "-W", "error::UserWarning", "-c", SCRIPT, folder / "toy.yaml", folder / "dumped.yaml"]
     done = subprocess.run(command, env=with_plugins(plugins), capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stderr
