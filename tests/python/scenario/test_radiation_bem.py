@@ -1,6 +1,7 @@
 """Tables as WAMIT and WEC-Sim's BEMIO write them are those of Capytaine from which these were made."""
 
 import re
+import shutil
 from dataclasses import fields
 from pathlib import Path
 
@@ -20,7 +21,7 @@ OUT = """ Gravity:     9.81000                Length scale:        {length:.5f}
 """
 
 
-def wamit_files(folder: Path, length_m: float = 1.0, with_pressure: bool = True) -> Path:
+def wamit_files(folder: Path, length_m: float = 1.0) -> Path:
     """Write the barge's table as WAMIT does: periods descending, headings [deg], the conjugates of the forces."""
     table = read_radiation(table_file("barge"))
     assert table.froude_krylov is not None and table.displaced_kg is not None
@@ -34,7 +35,7 @@ def wamit_files(folder: Path, length_m: float = 1.0, with_pressure: bool = True)
             for i, j in np.ndindex(6, 6)
         ]
     (folder / "barge.1").write_text("\n".join([" WAMIT Numeric Output -- Filename  barge.1", *lines]))
-    for suffix, forces in ((".3", table.exciting), (".3fk", table.froude_krylov))[: 1 + with_pressure]:
+    for suffix, forces in ((".3", table.exciting), (".3fk", table.froude_krylov)):
         scaled = np.conj(forces / (1000.0 * 9.81 * length_m**2 * units))
         (folder / f"barge{suffix}").write_text(
             "\n".join(
@@ -96,33 +97,49 @@ def require_same(got: RadiationTable) -> None:
     assert got.water_depth_m == wanted.water_depth_m and got.of_any_density
 
 
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with both programs' files, which are not changed."""
+    folder = tmp_path_factory.mktemp("barge")
+    wamit_files(folder)
+    wec_sim_file(folder)
+    return folder
+
+
+@pytest.fixture
+def barge_1(written: Path, tmp_path: Path) -> Path:
+    """A copy of WAMIT's files, which may be changed."""
+    shutil.copytree(written, tmp_path, dirs_exist_ok=True)
+    return tmp_path / "barge.1"
+
+
 @pytest.mark.parametrize("length_m", [1.0, 2.0])
 def test_wamits_files_are_the_table(length_m: float, tmp_path: Path) -> None:
     require_same(read_radiation(wamit_files(tmp_path, length_m)))
 
 
 @pytest.mark.parametrize("suffix", [".7", ".9"])
-def test_each_of_wamits_ways_to_the_drift_is_read(suffix: str, tmp_path: Path) -> None:
-    path = wamit_files(tmp_path)
-    (tmp_path / "barge.8").rename(tmp_path / f"barge{suffix}")
-    require_same(read_radiation(path))
+def test_each_of_wamits_ways_to_the_drift_is_read(suffix: str, barge_1: Path) -> None:
+    barge_1.with_suffix(".8").rename(barge_1.with_suffix(suffix))
+    require_same(read_radiation(barge_1))
 
 
-def test_without_files_of_drift_there_is_none(tmp_path: Path) -> None:
-    path = wamit_files(tmp_path)
-    (tmp_path / "barge.8").unlink()
-    assert read_radiation(path).drift is None
+def test_without_files_of_drift_there_is_none(barge_1: Path) -> None:
+    barge_1.with_suffix(".8").unlink()
+    assert read_radiation(barge_1).drift is None
 
 
-def test_wec_sims_file_is_the_table(tmp_path: Path) -> None:
-    require_same(read_radiation(wec_sim_file(tmp_path)))
+def test_wec_sims_file_is_the_table(written: Path) -> None:
+    require_same(read_radiation(written / "barge.h5"))
 
 
 @pytest.mark.parametrize("with_pressure", [True, False])
 def test_a_hull_is_made_with_wamits_files_in_any_water_and_another_is_refused(
-    with_pressure: bool, tmp_path: Path
+    with_pressure: bool, barge_1: Path
 ) -> None:
-    path = wamit_files(tmp_path, with_pressure=with_pressure)
+    path = barge_1
+    if not with_pressure:
+        barge_1.with_suffix(".3fk").unlink()
     mass_kg = 1100.0 * float(read_radiation(path).displaced_kg or 0.0) / 1000.0
     shape = barge(mass_kg / 1100.0)
     one = radiation(table_file("barge"), rigid_body(shape), shape.vertices_m, shape.triangles, 1000.0)
@@ -157,15 +174,14 @@ def test_a_hull_is_made_with_wamits_files_in_any_water_and_another_is_refused(
         ("barge.3", " 0 0 ", " 0 ", "line 1 has 6 values, must have 7"),
     ],
 )
-def test_what_is_wrong_is_reported(name: str, old: str | None, new: str, text: str, tmp_path: Path) -> None:
-    path = wamit_files(tmp_path)
-    broken = tmp_path / name
+def test_what_is_wrong_is_reported(name: str, old: str | None, new: str, text: str, barge_1: Path) -> None:
+    broken = barge_1.with_name(name)
     if old is None:
         broken.unlink()
     else:
         broken.write_text(re.sub(old, new, broken.read_text()))
     with pytest.raises(ScenarioError, match=text) as caught:
-        read_radiation(path)
+        read_radiation(barge_1)
     assert "\n" not in str(caught.value)
 
 
@@ -177,9 +193,9 @@ def test_what_is_wrong_is_reported(name: str, old: str | None, new: str, text: s
         ("none", "mean_drift/momentum_conservation/val must be numbers"),
     ],
 )
-def test_what_is_wrong_with_wec_sims_drift_is_reported(value: np.ndarray | str, text: str, tmp_path: Path) -> None:
+def test_what_is_wrong_with_wec_sims_drift_is_reported(value: np.ndarray | str, text: str, barge_1: Path) -> None:
     h5py = pytest.importorskip("h5py", reason="pip install 'uwsim[seakeeping]'")
-    path = wec_sim_file(tmp_path)
+    path = barge_1.with_suffix(".h5")
     with h5py.File(path, "a") as data:
         name = "body1/hydro_coeffs/mean_drift/momentum_conservation/val"
         del data[name]
