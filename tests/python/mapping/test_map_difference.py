@@ -1,20 +1,20 @@
-"""Differences between two maps, and `uwsim map diff`."""
+"""Slices through a map, differences between two maps, and `uwsim map slice` and `diff`."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from pool_maps import read_figure, uwsim_map, write_pool_maps
+from pool_maps import VOXEL_M, read_figure, uwsim_map, write_pool_maps
 from uwsim.cli.map import app
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.difference import map_difference
+from uwsim.mapping.slice import slice_map
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory):
     return write_pool_maps(tmp_path_factory.mktemp("maps"))
 
 
@@ -45,3 +45,23 @@ def test_a_map_does_not_differ_from_itself_and_the_exit_code_says_so(folder):
     other = [*same[:2], str(folder / "part.bt"), "--exit-code"]
     assert runner.invoke(app, other).exit_code == 1
     assert runner.invoke(app, other[:-1]).exit_code == 0
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_a_slice_holds_the_states_of_its_layer(folder, tmp_path, axis):
+    occupancy = OccupancyMap.read(folder / "pool.bt")
+    at = {"x": 0.1, "y": -1.0, "z": -4.6}[axis]
+    found = slice_map(occupancy, axis, at)
+    normal = "xyz".index(axis)
+    assert abs(found.at_m - at) <= VOXEL_M / 2 + 1e-9
+    for voxels, state in ((occupancy.occupied_voxels(), 1), (occupancy.free_voxels(), 0)):
+        assert np.count_nonzero(found.states == state) == np.count_nonzero(
+            np.abs(voxels[:, normal] - found.at_m) < 0.01
+        )
+    west, _, south, _ = found.extent_m
+    inside = occupancy.occupied_voxels()
+    inside = np.delete(inside[np.abs(inside[:, normal] - found.at_m) < 0.01], normal, axis=1)
+    columns, rows = np.floor((inside - [west, south]) / VOXEL_M).astype(int).T
+    assert (found.states[rows, columns] == 1).all()
+    uwsim_map("slice", folder / "pool.bt", f"--{axis}", at, "--out", tmp_path / "slice.png")
+    read_figure(tmp_path / "slice.png")

@@ -66,22 +66,23 @@ def laser_scan(folder):
     return folder / "scan.graph"
 
 
-@pytest.mark.parametrize("options", [("-res", "0.1"), ("-res", "0.05", "-m", "4"), ("-res", "0.3", "-m", "2.5")])
-@pytest.mark.parametrize("make_graph", [spherical_scan, laser_scan])
-def test_maps_of_real_scans_have_the_bytes_of_graph2tree(make_graph, options, tmp_path):
+CASES = [(spherical_scan, 0.1, np.inf), (spherical_scan, 0.3, 2.5), (laser_scan, 0.05, 4.0)]
+
+
+@pytest.mark.parametrize(("make_graph", "voxel_m", "range_m"), CASES)
+def test_maps_of_real_scans_have_the_bytes_of_graph2tree(make_graph, voxel_m, range_m, tmp_path):
     graph = make_graph(tmp_path)
-    expected = graph2tree(graph, tmp_path, *options)
+    limit = () if np.isinf(range_m) else ("-m", str(range_m))
+    expected = graph2tree(graph, tmp_path, "-res", str(voxel_m), *limit)
     scans = read_graph(graph)
-    values = dict(zip(options[::2], map(float, options[1::2]), strict=True))
-    range_m = values.get("-m", np.inf)
 
     for engine in ("octomap", "bricks"):
-        one_by_one = OccupancyMap(values["-res"], engine=engine)
+        one_by_one = OccupancyMap(voxel_m, engine=engine)
         for points, origin in scans:
             one_by_one.insert_scan(points, origin, range_m)
         assert (one_by_one.to_bytes("ot"), one_by_one.to_bytes("bt")) == expected
 
-    together = OccupancyMap(values["-res"])
+    together = OccupancyMap(voxel_m)
     for first in range(0, len(scans), SCANS_PER_BATCH):
         batch = scans[first : first + SCANS_PER_BATCH]
         clouds, origins = zip(*batch, strict=True)
