@@ -13,6 +13,15 @@ from uwsim.recording.replay import execute
 from uwsim.recording.timeline import Timeline, distances
 
 
+class Forger(Recorder):
+    """Writes a sound file with other commands than were issued."""
+
+    def _record_command(self, name, arguments):
+        if name == "set_effort" and self._sim.tick == 100:
+            arguments = {**arguments, "surge": 0.41}
+        super()._record_command(name, arguments)
+
+
 @pytest.fixture(scope="module")
 def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return fly(tmp_path_factory.mktemp("timeline") / "run.mcap")
@@ -90,11 +99,9 @@ def test_faults_holds_and_changed_water_are_repeated(tmp_path: Path) -> None:
     assert {"alarm", "command"} <= {event.kind for event in Timeline(Recording(path)).events}
 
 
-def test_a_recording_that_was_cut_off_leads_to_its_last_whole_chunk(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_recording_that_was_cut_off_leads_to_its_last_whole_chunk(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("uwsim.recording.queue.FLUSH_S", 0.0)  # many chunks
-    whole = fly(tmp_path / "whole.mcap")
+    whole = fly(tmp_path / "whole.mcap", end_s=3.0)
     cut = tmp_path / "cut.mcap"
     content = whole.read_bytes()
     cut.write_bytes(content[: len(content) * 2 // 3])
@@ -106,15 +113,7 @@ def test_a_recording_that_was_cut_off_leads_to_its_last_whole_chunk(
     assert here.save_state() == there.save_state()
     assert line.events == complete.events[: len(line.events)]
 
-    class Forger(Recorder):
-        """Writes a sound file with other commands than were issued."""
-
-        def _record_command(self, name, arguments):
-            if name == "set_effort" and self._sim.tick == 100:
-                arguments = {**arguments, "surge": 0.41}
-            super()._record_command(name, arguments)
-
-    forged = fly(tmp_path / "forged.mcap", recorder=Forger)
+    forged = fly(tmp_path / "forged.mcap", recorder=Forger, end_s=3.0)
     cut.write_bytes(forged.read_bytes()[: forged.stat().st_size * 2 // 3])
     with pytest.raises(ValueError, match="was edited, or made on another kind of machine: tick"):
         Timeline(Recording(cut))
@@ -169,15 +168,7 @@ def test_a_run_that_cannot_be_repeated_is_refused(flown: Path, tmp_path: Path, m
     with pytest.raises(ValueError, match=r"cut\.mcap': is cut off before its first message"):
         Timeline(Recording(cut))
 
-    class Forger(Recorder):
-        """Writes a sound file with other commands than were issued."""
-
-        def _record_command(self, name, arguments):
-            if name == "set_effort" and self._sim.tick == 100:
-                arguments = {**arguments, "surge": 0.41}
-            super()._record_command(name, arguments)
-
-    forged = fly(tmp_path / "forged.mcap", recorder=Forger)
+    forged = fly(tmp_path / "forged.mcap", recorder=Forger, end_s=1.5)
     with pytest.raises(ValueError, match="was edited, or made on another kind of machine"):
         Timeline(Recording(forged))
     with monkeypatch.context() as patch:

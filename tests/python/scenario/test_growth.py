@@ -68,15 +68,12 @@ def test_rays_meet_the_growth_outside_the_bare_surface() -> None:
 
 def test_a_vehicle_rests_on_the_growth() -> None:
     table = {"kind": "box", "name": "table", "position_m": [0, 0, -8], "size_m": [4, 4, 1]}
+    shape = {"kind": "sphere", "name": "ball", "position_m": [0, 0, -6.9], "radius_m": 0.3}
+    ball = {"shape": shape, "density_kg_m3": 3000}
     heights = []
     for growth in ({}, {"growth": {"age_years": 2, "kind": "barnacle"}}):
-        sim = site(table | growth)
-        sphere = {
-            "shape": {"kind": "sphere", "name": "ball", "position_m": [0, 0, -6.9], "radius_m": 0.3},
-            "density_kg_m3": 3000,
-        }
-        sim = Simulator(validated(Scenario, {**sim.scenario.given(), "objects": [sphere]}))
-        sim.advance(6.0)
+        sim = Simulator(validated(Scenario, SITE | {"obstacles": [table | growth], "objects": [ball]}))
+        sim.advance(2.0)
         heights.append(float(sim.objects["ball"].pose.position_world_m[2]))
     assert heights[1] - heights[0] == pytest.approx(0.1, abs=0.06)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from command_line import uwsim
@@ -41,12 +41,12 @@ def models(kind: type[Model] = Model) -> Iterator[type[Model]]:
         yield from models(below)
 
 
-@pytest.mark.parametrize("kind", list(models()), ids=lambda kind: kind.__name__)
-def test_unvalidated_defaults_are_valid(kind: type[Model]) -> None:
-    for name, field in kind.model_fields.items():
-        if isinstance(field.default, Model):
-            chosen = {key: getattr(field.default, key) for key in field.default.model_fields_set}
-            assert repr(type(field.default).model_validate(chosen)) == repr(field.default), name
+def test_unvalidated_defaults_are_valid() -> None:
+    fields = [(kind, name, field.default) for kind in models() for name, field in kind.model_fields.items()]
+    for kind, name, default in fields:
+        if isinstance(default, Model):
+            chosen = {key: getattr(default, key) for key in default.model_fields_set}
+            assert repr(type(default).model_validate(chosen)) == repr(default), (kind, name)
 
 
 @pytest.mark.parametrize("name", packaged_scenarios())
@@ -109,16 +109,10 @@ def test_the_error_about_an_unknown_name_lists_the_known_ones() -> None:
         ("name: pool", "name: !!python/object/apply:os.system [x]", "tags are not supported: remove '!!python/obj"),
         ("mission_time_s: 600", "seed: " + "9" * 4000, "seed = a number of about 4000 digits: must be in [0, 9"),
         ("mission_time_s: 600", "seed: " + "9" * 5000, "not valid YAML: not a number or date that can be read: '999"),
-        (
-            "mission_time_s: 600",
-            "mission_time_s: " + "9" * 4000,
-            "mission_time_s = a number of about 4000 digits s: must",
-        ),
+        ("mission_time_s: 600", f"mission_time_s: {'9' * 4000}", "mission_time_s = a number of about 4000 digits s: m"),
     ],
 )
-def test_a_mistake_is_reported_with_line_key_value_unit_and_rule(
-    given: str, instead: str, message: str, tmp_path: Path
-) -> None:
+def test_a_mistake_is_reported_with_line_key_value_unit_and_rule(given, instead, message, tmp_path) -> None:
     text = POOL.replace(given, instead, 1)
     got = refusal(tmp_path / "pool.yaml", text)
     number, got = got.split(": ", 1)
@@ -131,9 +125,7 @@ def test_a_mistake_is_reported_with_line_key_value_unit_and_rule(
 
 def test_a_mistake_of_a_file_that_two_vehicles_name_is_reported_once(tmp_path: Path) -> None:
     (tmp_path / "own.yaml").write_text("builds_on: bluerov2_heavy\nname: own\nmass_kg: -3\ndrag: 1\n")
-    place = (
-        "terrain: {source: noise, size_m: [100, 100], spacing_m: 5, bed_depth_m: 8}\nstation: {position_m: [0, 0, 0]}\n"
-    )
+    place = "terrain: {source: noise, size_m: [100, 100], spacing_m: 5, bed_depth_m: 8}\n"
     vehicles = "vehicles: [{name: a, model: own.yaml}, {name: b, model: own.yaml}]\n"
     (tmp_path / "two.yaml").write_text(f"name: two\n{place}{vehicles}")
     with pytest.raises(ScenarioError) as refusal:
@@ -193,9 +185,8 @@ def test_a_mistake_that_is_found_when_the_vehicle_is_built_names_both_files_and_
 
 def test_the_shell_gets_a_line_for_each_mistake(tmp_path: Path) -> None:
     path = tmp_path / "pool.yaml"
-    path.write_text(
-        POOL.replace("spacing_m: 0.5", "spacing_m: half").replace("mission_time_s: 600", "mission_time_s: -600")
-    )
+    text = POOL.replace("spacing_m: 0.5", "spacing_m: half")
+    path.write_text(text.replace("mission_time_s: 600", "mission_time_s: -600"))
     result = uwsim("scenario", "check", str(path))
     assert result.returncode == 1
     lines = result.stderr.splitlines()
@@ -261,10 +252,7 @@ def test_anything_but_a_file_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("area_m", "rule"),
     [
-        (
-            [[0, 0], [0.0001, 0], [0, 0.0001]],
-            r"is 7\.07e-05 m across where it is narrowest: must be at least 2 voxels, 1 m",
-        ),
+        ([[0, 0], [1e-4, 0], [0, 1e-4]], r"is 7\.07e-05 m across where .*: must be at least 2 voxels, 1 m"),
         ([[0, 0], [8, 8], [8, 8.6]], r"is 0\.4\d* m across"),
         ([[5, 5], [6.5, 5], [6.5, 6.5], [5, 6.5]], r"covers 2\.25 m2: must be at least 10 voxels, 2\.5 m2"),
     ],
@@ -277,9 +265,7 @@ def test_a_survey_of_too_small_an_area_is_refused(area_m: list[list[float]], rul
 
 
 @given(turn_deg=st.floats(-180, 180), length=st.floats(1, 100), width=st.floats(0.01, 1), far=st.floats(-1e4, 1e4))
-def test_a_polygons_area_and_width_do_not_depend_on_its_place(
-    turn_deg: float, length: float, width: float, far: float
-) -> None:
+def test_a_polygons_area_and_width_do_not_depend_on_its_place(turn_deg, length, width, far) -> None:
     c, s = np.cos(np.radians(turn_deg)), np.sin(np.radians(turn_deg))
     corners = np.array([[0, 0], [length, 0], [length, width], [length / 2, width / 2], [0, width]])  # with a notch
     moved = [(float(x), float(y)) for x, y in corners @ [[c, s], [-s, c]] + far]
@@ -288,6 +274,7 @@ def test_a_polygons_area_and_width_do_not_depend_on_its_place(
     assert area(moved[::-1]) == pytest.approx(area(moved), abs=1e-9)
 
 
+@settings(max_examples=50)
 @given(
     line=st.integers(0, len(POOL.splitlines()) - 1),
     edit=st.sampled_from(["drop", "double", "null", "list", "text", "huge", "typo", "indent"]),

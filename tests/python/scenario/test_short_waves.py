@@ -67,5 +67,7 @@ def test_a_sea_is_judged_by_the_energy_in_short_waves(tmp_path: Path) -> None:
 def test_a_run_prints_it_once(tmp_path: Path) -> None:
     warned(tmp_path, airy(LENGTH_M))
     (tmp_path / "wait.py").write_text("def mission(v):\n    yield from v.wait(1)\n")
-    ran = uwsim("run", tmp_path / "wait.py", "--scenario", tmp_path / "sea.yaml", "--out", tmp_path / "out")
+    ran = uwsim(
+        "run", tmp_path / "wait.py", "--scenario", tmp_path / "sea.yaml", "--out", tmp_path / "out", "--report", "none"
+    )
     assert ran.stderr.count("of its lengths") == 1, ran.stderr
