@@ -1,5 +1,6 @@
 """Raw surveys: what is written is read by others' software and grids to the same bed; real surveys are read."""
 
+import itertools
 import json
 import math
 import struct
@@ -10,7 +11,7 @@ import pytest
 
 import uwsim
 from command_line import uwsim as uwsim_command
-from flown_survey import LATITUDE, LONGITUDE, POOL, Flown, grids_apart_m, own_soundings, traced
+from flown_survey import LATITUDE, LONGITUDE, POOL, Flown, grids_apart_m, traced, traced_from_travel_times
 from uwsim import _core
 from uwsim.channels import Table
 from uwsim.cli.map_build import build
@@ -23,36 +24,11 @@ from uwsim.mapping.files.gsf_read import read_gsf
 from uwsim.mapping.files.kmall_read import read_kmall
 from uwsim.mapping.files.swath import survey_format
 from uwsim.recording import Recorder
+from uwsim.recording.cli.map_from import from_recording
 from uwsim.recording.reader import Recording
-from uwsim.recording.survey_from import survey_from
 from uwsim.scoring.tpu import Uncertainties
 
 REAL = Path(__file__).parents[4] / "shared" / "reality"
-
-
-@pytest.fixture(scope="module")
-def bent(tmp_path_factory):
-    return Flown(tmp_path_factory.mktemp("bent"))
-
-
-@pytest.fixture(scope="module")
-def straight(tmp_path_factory):
-    return Flown(tmp_path_factory.mktemp("straight"), sonar="")
-
-
-def test_a_recordings_raw_survey_has_the_errors_of_the_flights(bent, tmp_path):
-    """The total propagated uncertainties, by sounder and instruments, are those that the flight wrote."""
-    known = Uncertainties(roll=0.05, position=0.5)
-    run_survey(bent.folder / "scenario.yaml", tmp_path / "out", raw=tmp_path / "live.gsf", uncertainty=known,
-               record=tmp_path / "a.mcap", report="none")  # fmt: skip
-    again = tmp_path / "again.gsf"
-    survey_from(Recording(tmp_path / "a.mcap"), tmp_path / "map.bt", None, raw=again, uncertainty=known)
-    live, again = (list(read_gsf(tmp_path / name)[1]) for name in ("live.gsf", "again.gsf"))
-    assert len(live) == len(again) > 50
-    for mine, other in zip(live, again, strict=True):
-        for name in ("vertical_deviation_m", "horizontal_deviation_m"):
-            np.testing.assert_allclose(getattr(other, name), getattr(mine, name), atol=0.006)  # a step is 0.01 m / 1.96
-    assert np.nanmax(live[0].vertical_deviation_m) > 0.0
 
 
 def test_a_flights_track_is_where_its_pings_are(bent):
@@ -62,7 +38,7 @@ def test_a_flights_track_is_where_its_pings_are(bent):
 
     track = np.genfromtxt(bent.folder / "out" / "track-rov.csv", delimiter=",", names=True)
     assert track["latitude_deg"][0] == pytest.approx(LATITUDE, abs=1e-4)
-    with gsfpy.open_gsf(str(bent.raw)) as file:
+    with gsfpy.open_gsf(str(bent.gsf)) as file:
         for _ in range(20):
             _, record = file.read(RecordType.GSF_RECORD_SWATH_BATHYMETRY_PING)
             ping = record.mb_ping
@@ -102,10 +78,7 @@ def by_leidos(path: Path, every: int) -> tuple[np.ndarray, np.ndarray, dict[int,
             heading = math.radians(ping.heading)
             ahead = np.array([math.sin(heading), math.cos(heading)])
             beam = np.array([math.cos(heading), -math.sin(heading)])
-            longitude, latitude = (
-                ping.latitude,
-                ping.longitude,
-            )  # gsfpy swaps them, in real files, too
+            longitude, latitude = ping.latitude, ping.longitude  # gsfpy swaps them, in real files, too
             place = np.radians([longitude - LONGITUDE, latitude - LATITUDE]) * [east_m, north_m]
             flat = place + arrays["along_track"][:, None] * ahead + arrays["across_track"][:, None] * beam
             stated.append(np.column_stack([flat, -arrays["depth"]])[seen])
@@ -114,16 +87,14 @@ def by_leidos(path: Path, every: int) -> tuple[np.ndarray, np.ndarray, dict[int,
             down = np.cos(np.radians(arrays["beam_angle"]))
             ray = traced(ping.depth_corrector, down[seen], arrays["travel_time"][seen], *profile)
             azimuth = np.radians(arrays["beam_angle_forward"][seen])
-            again.append(
-                (ray, azimuth, arrays["depth"][seen], arrays["across_track"][seen], arrays["along_track"][seen])
-            )
+            again.append((ray, azimuth, *(arrays[name][seen] for name in ("depth", "across_track", "along_track"))))
     return np.concatenate(stated), again, kinds
 
 
 def test_leidos_library_reads_the_survey_and_it_grids_to_our_own_bed(bent):
-    stated, again, kinds = by_leidos(bent.raw, every=25)
+    stated, again, kinds = by_leidos(bent.gsf, every=25)
     assert kinds[2] == kinds[12] == len(bent.record.path_world_m)
-    apart_m = grids_apart_m(own_soundings(bent), stated)
+    apart_m = grids_apart_m(bent.own_soundings, stated)
     assert len(apart_m) > 100
     assert apart_m.max() < 0.01
     assert len(again) > 5
@@ -133,31 +104,17 @@ def test_leidos_library_reads_the_survey_and_it_grids_to_our_own_bed(bent):
         assert np.ptp(offsets, axis=1).max() < 0.01  # one lever arm for all beams of a ping
 
 
-def test_a_recording_gives_the_same_bytes(bent, tmp_path):
-    from uwsim.recording.cli.map_from import from_recording
-
-    from_recording(source=bent.recording, out=tmp_path / "map.bt", written=RawOptions(tmp_path / "again.gsf"))
-    again, first = (list(read_gsf(path)[1]) for path in (tmp_path / "again.gsf", bent.raw))
-    assert len(again) == len(first)
-    for ours, theirs in zip(first, again, strict=True):
-        assert ours.time_ns == theirs.time_ns
-        np.testing.assert_allclose(ours.travel_time_s, theirs.travel_time_s, rtol=3e-7, atol=2e-8)
-        np.testing.assert_allclose(ours.sounding_m, theirs.sounding_m, atol=3e-4)
-
-
 def test_a_live_runs_recording_gives_the_survey_of_its_pings(straight, tmp_path):
     """Each ping of the recorder, at its time: the bed is where it is."""
-    from uwsim.recording.cli.map_from import from_recording
-
     path = tmp_path / "live.mcap"
     with (
-        LiveSimulator(str(straight.folder / "scenario.yaml"), speed="max", paused=True) as live,
+        LiveSimulator(str(straight.scenario), speed="max", paused=True) as live,
         Recorder(live, path, topics=["sonar_ping"], shared=Table(live.simulator)),
     ):
         live.rov.undock()
-        live.step(100)
+        live.step(50)
         live.rov.set_effort(surge=0.7, yaw=0.2)
-        live.step(300)
+        live.step(150)
     times_ns = [each.message.header.stamp.nanosec for each in Recording(path).messages("sonar_ping")]
     for suffix in (".gsf", ".pd0", ".xtf"):
         from_recording(source=path, out=tmp_path / "map.bt", written=RawOptions(tmp_path / f"live{suffix}"))
@@ -176,7 +133,7 @@ def test_a_live_runs_recording_gives_the_survey_of_its_pings(straight, tmp_path)
 def test_a_surveys_grid_has_the_bed_and_the_uncertainty_of_its_soundings(bent, tmp_path, suffix):
     """In the UTM zone, as GDAL reads it: the bed at 9 m, within the uncertainty that the grid states."""
     rasterio = pytest.importorskip("rasterio")
-    convert(bent.raw, tmp_path / f"grid{suffix}", cell_m=0.5)
+    convert(bent.gsf, tmp_path / f"grid{suffix}", cell_m=0.5)
     with rasterio.open(tmp_path / f"grid{suffix}") as file:
         layers = dict(zip(file.descriptions, file.read(masked=True).astype(float).filled(np.nan), strict=True))
         west, south, east, north = rasterio.warp.transform_bounds(file.crs, "EPSG:4326", *file.bounds)
@@ -188,50 +145,41 @@ def test_a_surveys_grid_has_the_bed_and_the_uncertainty_of_its_soundings(bent, t
     seen = np.isfinite(depth) & np.isfinite(error)
     assert seen.sum() > 200
     assert np.median(depth[seen]) == pytest.approx(9.0, abs=0.02)
-    stated = np.concatenate([swath.vertical_deviation_m[swath.is_detected] for swath in read_gsf(bent.raw)[1]])
+    stated = np.concatenate([swath.vertical_deviation_m[swath.is_detected] for swath in read_gsf(bent.gsf)[1]])
     assert np.min(error[seen]) >= 1.96 * np.nanmin(stated) - 1e-6
     assert np.mean(np.abs(depth[seen] - 9.0) <= error[seen]) > 0.95
 
 
 def test_a_survey_becomes_a_cloud_but_no_map_by_conversion(bent, tmp_path):
-    convert(bent.raw, tmp_path / "cloud.xyz")
+    convert(bent.gsf, tmp_path / "cloud.xyz")
     cloud = np.loadtxt(tmp_path / "cloud.xyz")
     assert (np.abs(np.median(cloud, axis=0) - [LONGITUDE, LATITUDE, -9.0]) < [1e-4, 1e-4, 0.02]).all()
     with pytest.raises(ValueError, match="a survey file becomes a map by `uwsim map build"):
-        convert(bent.raw, tmp_path / "map.bt")
+        convert(bent.gsf, tmp_path / "map.bt")
     with pytest.raises(ValueError, match=r"cell: missing: points have no voxels"):
-        convert(bent.raw, tmp_path / "grid.tif")
+        convert(bent.gsf, tmp_path / "grid.tif")
 
 
 def test_a_run_whose_time_was_reset_gives_no_raw_survey(straight, tmp_path):
-    from uwsim.recording.cli.map_from import from_recording
-
     with (
-        LiveSimulator(str(straight.folder / "scenario.yaml"), speed="max", paused=True) as live,
+        LiveSimulator(str(straight.scenario), speed="max", paused=True) as live,
         Recorder(live, tmp_path / "live.mcap", topics=["sonar_ping"], shared=Table(live.simulator)),
     ):
-        live.step(200)
+        live.step(50)
         live.reset()
-        live.step(200)
+        live.step(50)
     with pytest.raises(ValueError, match=r"live\.mcap': tick \d+: its time was reset, at which a raw survey ends"):
         written = RawOptions(tmp_path / "live.gsf")
         from_recording(source=tmp_path / "live.mcap", out=tmp_path / "map.bt", written=written)
     assert not (tmp_path / "live.gsf").exists()
 
 
-def test_errors_of_installation_are_found_back(straight, tmp_path):
-    from uwsim.recording.cli.map_from import from_recording
-
-    for offsets, name in (
-        ("roll=0.8", "roll"),
-        ("pitch=-0.6", "pitch"),
-        ("heading=2", "heading"),
-        ("latency=0.3", "late"),
-    ):
-        written = RawOptions(tmp_path / f"{name}.gsf", offsets)
-        from_recording(source=straight.recording, out=tmp_path / "map.bt", written=written)
-    true = list(read_gsf(straight.raw)[1])
-    found = {name: list(read_gsf(tmp_path / f"{name}.gsf")[1]) for name in ("roll", "pitch", "heading", "late")}
+def test_errors_of_installation_are_found_back(straight):
+    errors = {"roll": {"roll": 0.8}, "pitch": {"pitch": -0.6}, "heading": {"heading": 2.0}, "late": {"latency": 0.3}}
+    asked = tuple({"errors": PatchErrors(**each)} for each in errors.values())
+    paths = straight.raws_of_recording(*(f"{name}.gsf" for name in errors), asked=asked)
+    found = {name: list(read_gsf(path)[1]) for name, path in zip(errors, paths, strict=True)}
+    true = list(read_gsf(straight.gsf)[1])
     k = len(true) // 2  # under way; the bed is level, 9 m deep
     seen = true[k].is_detected & (np.abs(true[k].sounding_m[:, 1]) < 3.0)
     along, across, depth = true[k].sounding_m[seen].T
@@ -252,30 +200,28 @@ def test_errors_of_installation_are_found_back(straight, tmp_path):
 
 def test_truth_and_tpu_are_side_by_side(bent, tmp_path):
     """Ranges in physics mode err as the sounder states; an unknown roll is seen by the truth alone."""
-    from uwsim.recording.cli.map_from import from_recording
-
     assert bent.record.soundings.by_tpu.name == bent.record.soundings.by_truth.name == "Exclusive"
     assert bent.record.soundings.within_own == pytest.approx(0.95, abs=0.01)
-    (tmp_path / "scenario.yaml").write_text(POOL.replace("SONAR", ""))
     known = Uncertainties(roll=0.1, depth=0.03, position=0.6)
-    asked = {"raw": tmp_path / "a.kmall", "offsets": PatchErrors(roll=10.0), "uncertainty": known}
-    soundings = run_survey(tmp_path / "scenario.yaml", tmp_path / "out", report="json", **asked).soundings
-    assert soundings.by_tpu.name == "Special"  # 2.45 x 0.6 m is more than 1 m
-    assert soundings.within_own < 0.3
+    options = {"offsets": PatchErrors(roll=10.0), "uncertainty": known, "report": "json"}
+    flown = Flown(tmp_path, "a.kmall", ", mode: physics", **options)
+    assert flown.record.soundings.by_tpu.name == "Special"  # 2.45 x 0.6 m is more than 1 m
+    assert flown.record.soundings.within_own < 0.3
     values = json.loads((tmp_path / "out" / "summary.json").read_text())["soundings"]
     assert values["s44_order_by_tpu"] == "Special"
     assert values["s44_order_by_truth"] != "Exclusive"
-    swath = list(read_kmall(tmp_path / "a.kmall")[1])[5]
+    asked = {"offsets": "roll=10", "uncertainty": "roll=0.1,depth=0.03,position=0.6"}
+    written = RawOptions(tmp_path / "again.kmall", **asked)
+    from_recording(source=flown.recording, out=tmp_path / "map.bt", written=written)
+    live, again = (list(read_kmall(path)[1]) for path in (flown.raw, tmp_path / "again.kmall"))
+    swath = live[5]
     middle = swath.is_detected & (np.abs(swath.beam_rad) < 0.01)
     assert swath.vertical_deviation_m[middle] == pytest.approx(0.03, abs=0.003)
     assert (swath.horizontal_deviation_m[swath.is_detected] >= 0.6).all()
-    from_recording(
-        source=bent.recording, out=tmp_path / "map.bt", written=RawOptions(tmp_path / "b.gsf", uncertainty="depth=0.2")
-    )
-    ours, theirs = (next(read_gsf(path)[1]) for path in (bent.raw, tmp_path / "b.gsf"))
-    seen = ours.is_detected & np.isfinite(theirs.vertical_deviation_m)
-    assert seen.any()
-    assert (theirs.vertical_deviation_m[seen] >= 0.2 - 0.005).all()  # the file has centimetres
+    assert len(live) == len(again) > 50
+    for mine, other in zip(live, again, strict=True):
+        for name in ("vertical_deviation_m", "horizontal_deviation_m", "sounding_m"):
+            np.testing.assert_allclose(getattr(other, name), getattr(mine, name), atol=3e-4)
 
 
 def test_a_mission_s_file_has_errors_of_installation_too(tmp_path):
@@ -283,18 +229,8 @@ def test_a_mission_s_file_has_errors_of_installation_too(tmp_path):
     (tmp_path / "mission.py").write_text(
         "from uwsim.missions import wait\n\n\ndef mission(vehicle):\n    yield wait(0.5)\n"
     )
-    asked = (
-        "run",
-        "mission.py",
-        "--scenario",
-        "scenario.yaml",
-        "--out",
-        "out",
-        "--report",
-        "none",
-        "--offsets",
-        "roll=0.5",
-    )
+    asked = ("run", "mission.py", "--scenario", "scenario.yaml", "--out", "out", "--report", "none")
+    asked = (*asked, "--offsets", "roll=0.5")
     flown = uwsim_command(*asked, "--map", "--raw", "a.gsf", cwd=tmp_path)
     assert flown.returncode == 0, flown.stderr
     assert b"errors of installation: roll 0.5 deg" in (tmp_path / "a.gsf").read_bytes()
@@ -310,21 +246,18 @@ def test_wrong_errors_of_installation_are_refused(text):
 
 
 def test_a_map_from_the_file_has_the_voxels_of_the_flight(bent, tmp_path):
-    build(tmp_path / "map.bt", [bent.raw], voxel=0.25, origin=(LATITUDE, LONGITUDE))
-    there = uwsim.OccupancyMap.read(tmp_path / "map.bt")
-    bed = there.occupied_points()[:, 2] if hasattr(there, "occupied_points") else there.occupied_voxels()[:, 2]
+    build(tmp_path / "map.bt", [bent.gsf], voxel=0.25, origin=(LATITUDE, LONGITUDE))
+    bed = uwsim.OccupancyMap.read(tmp_path / "map.bt").occupied_voxels()[:, 2]
     assert np.median(bed) == pytest.approx(-9.0, abs=0.3)
 
 
 def test_straight_rays_have_one_speed_and_round_trip(straight):
-    head, swaths = read_gsf(straight.raw)
+    head, swaths = read_gsf(straight.gsf)
     assert np.ptp(head.profile.speeds_m_s) == 0
     profile = _core.SoundSpeedProfile(head.profile.depths_m, head.profile.speeds_m_s)
     for swath in list(swaths)[::20]:
-        seen = swath.is_detected
-        start = np.array([*swath.transducer_m[:2], -(swath.reference_depth_m + swath.transducer_m[2])])
-        ends = _core.soundings(swath.axes[seen] * [1, 1, -1], swath.travel_time_s[seen], start, profile)
-        np.testing.assert_allclose(ends * [1, 1, -1], swath.sounding_m[seen], atol=0.006)
+        ends = traced_from_travel_times(swath, profile)
+        np.testing.assert_allclose(ends, swath.sounding_m[swath.is_detected], atol=0.006)
 
 
 @pytest.mark.parametrize(("name", "share"), [
@@ -336,12 +269,10 @@ def test_a_real_survey_is_met_by_its_own_travel_times(name, share):
         pytest.skip("the real survey is not here: it is not ours to keep")
     head, swaths = read_gsf(path)
     profile, misfits, depths = _core.SoundSpeedProfile(head.profile.depths_m, head.profile.speeds_m_s), [], []
-    for swath in swaths:
-        seen = swath.is_detected
-        start = np.array([*swath.transducer_m[:2], -(swath.reference_depth_m + swath.transducer_m[2])])
-        ends = _core.soundings(swath.axes[seen] * [1, 1, -1], swath.travel_time_s[seen], start, profile)
-        misfits.append(-ends[:, 2] - swath.sounding_m[seen, 2])
-        depths.append(swath.sounding_m[seen, 2])
+    for swath in itertools.islice(swaths, 200):
+        depth_m = swath.sounding_m[swath.is_detected, 2]
+        misfits.append(traced_from_travel_times(swath, profile)[:, 2] - depth_m)
+        depths.append(depth_m)
     misfit, depth = np.concatenate(misfits), np.median(np.concatenate(depths))
     assert abs(np.median(misfit)) < 0.001 * depth
     assert 1.4826 * np.median(np.abs(misfit - np.median(misfit))) < share * depth
@@ -358,7 +289,7 @@ def test_a_scenario_without_a_place_is_refused_before_anything_is_written(tmp_pa
 @pytest.mark.parametrize("cut", [0, 5, 19, 30, 700, 2000])
 def test_a_truncated_file_is_refused_with_its_offset(bent, tmp_path, cut):
     path = tmp_path / "cut.gsf"
-    path.write_bytes(bent.raw.read_bytes()[:cut])
+    path.write_bytes(bent.gsf.read_bytes()[:cut])
     with pytest.raises(ValueError, match=r"cut\.gsf': at byte \d+: "):
         list(read_gsf(path)[1])
 

@@ -1,40 +1,35 @@
 """Surveys in .kmall: pykmall and gsfu's converter read them, and grid them from the travel times to our own bed."""
 
 import contextlib
+import importlib
 import io
 import math
-import subprocess
-import sys
+import warnings
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from tests.fuzz.surveys import survey
 
-from flown_survey import LATITUDE, LONGITUDE, Flown, grids_apart_m, own_soundings, traced
+from flown_survey import LATITUDE, LONGITUDE, grids_apart_m, traced, traced_from_travel_times
 from uwsim import _core
 from uwsim.cli.map_build import build
-from uwsim.flight.raw_options import RawOptions
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.files.gsf_read import read_gsf
 from uwsim.mapping.files.kmall import KmallWriter
 from uwsim.mapping.files.kmall_read import _where_cones_meet, read_kmall
 from uwsim.mapping.files.swath import SoundSpeeds, SurveyHead
-from uwsim.recording.cli.map_from import from_recording
 
 KINDS = ("#SPO", "#SKM", "#SDE", "#SVT", "#MRZ")
 METRES = np.array([111_112.2, 81_401.2])  # per degree of latitude and longitude at 43.1 degrees north, GRS 80
 
 
 @pytest.fixture(scope="module")
-def flown(tmp_path_factory):
-    return Flown(tmp_path_factory.mktemp("kmall"), raw="survey.kmall")
-
-
-@pytest.fixture(scope="module")
-def reader(flown):
+def reader(bent):
     kmall = pytest.importorskip("KMALL.kmall", reason="needs pykmall")
-    return kmall.kmall(str(flown.raw))
+    found = kmall.kmall(str(bent.raw))
+    found.index_file()
+    return found
 
 
 def turned(roll_deg, pitch_deg, heading_deg):
@@ -50,34 +45,34 @@ def turned(roll_deg, pitch_deg, heading_deg):
 
 
 def datagrams(reader, kind, method):
-    reader.index_file()
     for offset, name in zip(reader.msgoffset, reader.msgtype, strict=True):
         if name == f"b'{kind}'":
             reader.FID.seek(offset)
             yield getattr(reader, method)()
 
 
-def test_pykmall_verifies_the_file(flown, reader):
-    command = [sys.executable, "-W", "ignore", "-m", "KMALL.kmall", "-f", str(flown.raw), "-V"]
-    verified = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300)
-    assert verified.stderr == ""
-    said = io.StringIO()
-    with contextlib.redirect_stdout(said):
+def test_pykmall_verifies_the_file(bent, reader):
+    said, complaints = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(complaints), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        importlib.import_module("KMALL.kmall").main(["-f", str(bent.raw), "-V"])
         (install,) = datagrams(reader, "#IIP", "read_EMdgmIIP")
         (runtime,) = datagrams(reader, "#IOP", "read_EMdgmIOP")
         stated = reader.translate_installation_parameters_todict(install["install_txt"])
         reader.translate_runtime_parameters_todict(runtime["runtime_txt"])
-    text = verified.stdout + said.getvalue()
+    assert complaints.getvalue() == ""
+    text = said.getvalue()
+    assert "Packet statistics:" in text
     for complaint in ("warning", "error", "missing mrz", "unable", "not enough", "not interpreted", "traceback"):
         assert complaint not in text.lower(), text
     assert reader.check_ping_count()[2:] == (0, 0)
     counts = {kind: sum(name == f"b'{kind}'" for name in reader.msgtype) for kind in KINDS}
-    assert set(counts.values()) == {len(flown.record.path_world_m)}
+    assert set(counts.values()) == {len(bent.record.path_world_m)}
     assert stated["sonar_model_number"] == "EM2040"
     assert stated["active_position_system_number"] == "position_1"
 
 
-def test_travel_times_read_by_pykmall_grid_to_our_own_bed(flown, reader):
+def test_travel_times_read_by_pykmall_grid_to_our_own_bed(bent, reader):
     installed = next(datagrams(reader, "#IIP", "read_EMdgmIIP"))["install_txt"]
     head = dict(pair.split("=") for pair in installed.split("TRAI_RX1:")[1].split(",")[0].split(";"))
     offset = np.array([float(head[name]) for name in "XYZ"])
@@ -111,18 +106,17 @@ def test_travel_times_read_by_pykmall_grid_to_our_own_bed(flown, reader):
         ])[seen]  # fmt: skip
         misfits.append(np.abs(stated - found[-1]).max())
     assert max(misfits) < 0.01
-    apart_m = grids_apart_m(own_soundings(flown), np.concatenate(found))
+    apart_m = grids_apart_m(bent.own_soundings, np.concatenate(found))
     assert len(apart_m) > 100
     assert apart_m.max() < 0.01
 
 
-def test_gsfus_converter_makes_a_gsf_of_the_same_beams(flown, tmp_path):
+def test_gsfus_converter_makes_a_gsf_of_the_same_beams(bent, tmp_path):
     pytest.importorskip("KMALL.kmall", reason="needs pykmall")
     from GSFU.kmall2gsf import convert
 
-    assert convert(str(flown.raw), str(tmp_path / "theirs.gsf")) == len(flown.record.path_world_m)
-    from_recording(source=flown.recording, out=tmp_path / "map.bt", written=RawOptions(tmp_path / "ours.gsf"))
-    for ours, theirs in zip(read_gsf(tmp_path / "ours.gsf")[1], read_gsf(tmp_path / "theirs.gsf")[1], strict=True):
+    assert convert(str(bent.raw), str(tmp_path / "theirs.gsf")) == len(bent.record.path_world_m)
+    for ours, theirs in zip(read_gsf(bent.gsf)[1], read_gsf(tmp_path / "theirs.gsf")[1], strict=True):
         seen = ours.is_detected
         np.testing.assert_allclose(theirs.travel_time_s[seen], ours.travel_time_s[seen], atol=6e-6)  # its step is 10 us
         below = [0.0, 0.0, ours.reference_depth_m]  # their depths are those below the vehicle
@@ -147,20 +141,18 @@ def test_another_reader_has_the_pings_with_their_places_attitudes_and_soundings(
         np.testing.assert_allclose(ping.bottom.get_two_way_travel_times(), swath.travel_time_s, rtol=1e-6)
 
 
-def test_our_reader_has_the_same_swaths_as_from_gsf_and_its_travel_times_lead_to_its_soundings(flown, tmp_path):
-    from_recording(source=flown.recording, out=tmp_path / "map.bt", written=RawOptions(tmp_path / "ours.gsf"))
-    head, swaths = read_kmall(flown.raw)
+def test_a_flights_kmall_and_its_recordings_gsf_have_the_same_swaths_whose_travel_times_lead_to_soundings(bent):
+    head, swaths = read_kmall(bent.raw)
     profile = _core.SoundSpeedProfile(head.profile.depths_m, head.profile.speeds_m_s)
-    for ours, theirs in zip(read_gsf(tmp_path / "ours.gsf")[1], swaths, strict=True):
+    for ours, theirs in zip(read_gsf(bent.gsf)[1], swaths, strict=True):
         seen = ours.is_detected
         assert theirs.time_ns == pytest.approx(ours.time_ns, abs=1000)
         np.testing.assert_array_equal(theirs.is_detected, seen)
+        np.testing.assert_allclose(theirs.travel_time_s[seen], ours.travel_time_s[seen], rtol=3e-7, atol=2e-8)
         np.testing.assert_allclose(theirs.axes[seen], ours.axes[seen], atol=2e-4)  # GSF has 0.006 deg
         np.testing.assert_allclose(theirs.sounding_m[seen], ours.sounding_m[seen], atol=3e-4)
         np.testing.assert_allclose(theirs.transducer_m, ours.transducer_m, atol=2e-4)
-        start = np.array([*theirs.transducer_m[:2], -(theirs.reference_depth_m + theirs.transducer_m[2])])
-        ends = _core.soundings(theirs.axes[seen] * [1, 1, -1], theirs.travel_time_s[seen], start, profile)
-        np.testing.assert_allclose(ends * [1, 1, -1], theirs.sounding_m[seen], atol=1e-3)
+        np.testing.assert_allclose(traced_from_travel_times(theirs, profile), theirs.sounding_m[seen], atol=1e-3)
 
 
 def test_cones_about_any_two_arrays_meet_in_the_beam_that_made_them():
@@ -192,21 +184,21 @@ def of_revision_f(data: bytes) -> bytes:
     return b"".join(found)
 
 
-def test_older_revisions_are_read(flown, tmp_path):
-    (tmp_path / "f.kmall").write_bytes(of_revision_f(flown.raw.read_bytes()))
-    for old, new in zip(read_kmall(tmp_path / "f.kmall")[1], read_kmall(flown.raw)[1], strict=True):
+def test_older_revisions_are_read(bent, tmp_path):
+    (tmp_path / "f.kmall").write_bytes(of_revision_f(bent.raw.read_bytes()))
+    for old, new in zip(read_kmall(tmp_path / "f.kmall")[1], read_kmall(bent.raw)[1], strict=True):
         np.testing.assert_array_equal(old.axes, new.axes)
         np.testing.assert_array_equal(old.sounding_m, new.sounding_m)
 
 
-def test_a_map_is_built_from_the_file(flown, tmp_path):
-    build(tmp_path / "map.bt", [flown.raw], voxel=0.25, origin=(LATITUDE, LONGITUDE))
+def test_a_map_is_built_from_the_file(bent, tmp_path):
+    build(tmp_path / "map.bt", [bent.raw], voxel=0.25, origin=(LATITUDE, LONGITUDE))
     bed = OccupancyMap.read(tmp_path / "map.bt").occupied_voxels()[:, 2]
     assert np.median(bed) == pytest.approx(-9.0, abs=0.3)
 
 
-def test_damaged_files_are_refused_with_the_place_and_the_rule(flown, tmp_path):
-    whole = flown.raw.read_bytes()
+def test_damaged_files_are_refused_with_the_place_and_the_rule(bent, tmp_path):
+    whole = bent.raw.read_bytes()
     second = int.from_bytes(whole[:4], "little")
     first_ping = whole.index(b"#MRZ") - 4
     broken = {

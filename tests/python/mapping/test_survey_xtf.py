@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from command_line import uwsim as uwsim_command
-from flown_survey import LATITUDE, LONGITUDE, POOL, Flown
+from flown_survey import LATITUDE, LONGITUDE, POOL
 from uwsim.flight.raw_options import RawOptions
 from uwsim.flight.survey import run_survey
 from uwsim.mapping.files.xtf_read import read_xtf
@@ -16,35 +16,30 @@ pyxtf = pytest.importorskip("pyxtf", reason="needs pyxtf")
 
 
 @pytest.fixture(scope="module")
-def flown(tmp_path_factory):
-    return Flown(tmp_path_factory.mktemp("xtf"), sonar="", raw="survey.xtf")
-
-
-@pytest.fixture(scope="module")
-def file(flown):
+def file(straight):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        header, packets = pyxtf.xtf_read(str(flown.raw))
+        header, packets = pyxtf.xtf_read(str(straight.raw))
     assert set(packets) == {pyxtf.XTFHeaderType.sonar}
     return header, packets[pyxtf.XTFHeaderType.sonar]
 
 
-def test_pyxtf_reads_each_ping_at_its_time_and_place(flown, file):
+def test_pyxtf_reads_each_ping_at_its_time_and_place(straight, file):
     header, pings = file
     assert header.NavUnits == 3
     assert header.channel_count() == 2
     assert [each.TypeOfChannel for each in header.sonar_info] == [1, 2]
-    assert len(pings) == len(flown.record.path_world_m)
+    assert len(pings) == len(straight.record.path_world_m)
     assert [each.PingNumber for each in pings] == list(range(len(pings)))
     times = np.array([each.get_time() for each in pings])
     assert (np.diff(times) > np.timedelta64(0)).all()
     assert times[0] >= np.datetime64("2020-01-01")
     metres = np.array([81_401.2, 111_112.2])  # per degree of longitude and latitude at 43.1 degrees north
     ship = np.array([[each.ShipXcoordinate - LONGITUDE, each.ShipYcoordinate - LATITUDE] for each in pings]) * metres
-    ahead_m = np.hypot(*(np.asarray(flown.record.path_world_m)[:, :2] - ship).T)  # the path is the multibeam's
+    ahead_m = np.hypot(*(np.asarray(straight.record.path_world_m)[:, :2] - ship).T)  # the path is the multibeam's
     np.testing.assert_allclose(ahead_m, np.median(ahead_m), atol=0.02)
     assert 0.4 < np.median(ahead_m) < 0.6
-    depths = np.array([each.SensorDepth for each in pings]) + np.asarray(flown.record.path_world_m)[:, 2]
+    depths = np.array([each.SensorDepth for each in pings]) + np.asarray(straight.record.path_world_m)[:, 2]
     np.testing.assert_allclose(depths, 0.36 - 0.22, atol=0.05)  # by the two mounts
 
 
@@ -61,11 +56,11 @@ def test_the_first_return_is_that_of_the_bed_on_both_sides(file):
             assert side[bed].max() > side[water & (ranges_m > 0.5)].max() + 20.0
 
 
-def test_a_recording_gives_the_same_bytes(flown, tmp_path):
+def test_a_recording_gives_the_same_bytes(straight, tmp_path):
     from uwsim.recording.cli.map_from import from_recording
 
-    from_recording(source=flown.recording, out=tmp_path / "map.bt", written=RawOptions(tmp_path / "survey.xtf"))
-    assert (tmp_path / "survey.xtf").read_bytes() == flown.raw.read_bytes()
+    from_recording(source=straight.recording, out=tmp_path / "map.bt", written=RawOptions(tmp_path / "survey.xtf"))
+    assert (tmp_path / "survey.xtf").read_bytes() == straight.raw.read_bytes()
 
 
 def test_port_begins_with_its_farthest_sample(tmp_path):
@@ -98,8 +93,8 @@ def test_a_vehicle_without_side_scan_is_refused_before_anything_is_written(tmp_p
     assert not (tmp_path / "survey.xtf").exists()
 
 
-def test_what_is_written_is_read(flown, file):
-    head, lines = read_xtf(flown.raw)
+def test_what_is_written_is_read(straight, file):
+    head, lines = read_xtf(straight.raw)
     _, pings = file
     read = list(lines)
     assert len(read) == len(pings)
@@ -178,11 +173,11 @@ def test_damage_is_refused_with_its_offset(tmp_path, at, value, rule):
         list(read_xtf(path)[1])
 
 
-def test_a_waterfall_is_drawn(flown, tmp_path):
+def test_a_waterfall_is_drawn(straight, tmp_path):
     from PIL import Image
 
     for extra in ((), ("--over-ground",)):
-        drawn = uwsim_command("map", "waterfall", str(flown.raw), "--out", "w.png", *extra, cwd=tmp_path)
+        drawn = uwsim_command("map", "waterfall", str(straight.raw), "--out", "w.png", *extra, cwd=tmp_path)
         assert drawn.returncode == 0, drawn.stderr
         picture = np.asarray(Image.open(tmp_path / "w.png").convert("L"), float)
         assert picture[200:-200, 200:-200].std() > 10.0
@@ -191,5 +186,5 @@ def test_a_waterfall_is_drawn(flown, tmp_path):
     refused = uwsim_command("map", "waterfall", "a.gsf", cwd=tmp_path)
     assert "holds no side scan" in refused.stderr
     assert refused.returncode == 1
-    built = uwsim_command("map", "build", "m.bt", "--from", str(flown.raw), cwd=tmp_path)
+    built = uwsim_command("map", "build", "m.bt", "--from", str(straight.raw), cwd=tmp_path)
     assert "holds no pings of a multibeam" in built.stderr
