@@ -4,8 +4,8 @@ Unchanged means that it compares equal, has the same keys set (the presence of a
 identical simulator.
 """
 
-import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from any_text import any_text
 from parameter_world import world
 from test_flight import StopAfter
 from uwsim import Simulator
@@ -24,17 +25,20 @@ from uwsim.flight.fly import fly, resume
 from uwsim.recording import Recorder
 from uwsim.recording.capsule import pack, unpack
 from uwsim.recording.replay import replay
-from uwsim.scenario import Scenario, load, load_vehicle, packaged_scenarios
+from uwsim.scenario import Scenario, load, load_vehicle
 from uwsim.scenario.dump import plain, write_scenario
 from uwsim.scenario.fingerprint import scenario_fingerprint
-from uwsim.scenario.read.assets import packaged_names
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.optics import WaterCoefficients
 from uwsim.scenario.spec.sonar import SonarNoise, load_sonar
 from uwsim.scenario.spec.water import StillSurface, Water
 
-VEHICLES = packaged_names("vehicles")
+SCENARIOS = ("fish_farm", "harbour", "kelp", "lake", "lake_boat", "panel", "paper", "reef", "valley")
+"""Among them they have each kind of terrain, obstacle, cover, life, object, link and vehicle of the packaged ones."""
+VEHICLES = ("bluerov2_heavy_alpha5", "bluerov2_tank", "lauv", "otter", "paper", "remus100", "rov", "slocum")
+REPLAYED = ("kelp", "lake_boat", "panel", "paper", "remus100", "slocum")
+"""Waves and life, two vehicles in wind, an arm, a wire over meshes, fins, and a pump."""
 MISSION = """
 from uwsim.missions import wait
 
@@ -46,50 +50,46 @@ def mission(vehicle, effort=0.5):
 """
 PROFILE = {"kind": "linear", "surface": {"temperature_deg_c": 20}, "bottom": {"temperature_deg_c": 9}}
 LOOP = {"position_1_s": 1.0}
-BLOCKS: dict[str, dict[str, Any]] = {
-    "without control": {"vehicles": [{"model": {"control": None}}]},
-    "a loop with its defaults": {"vehicles": [{"model": {"control": {"surge": LOOP, "filter_s": 0.2}}}]},
-    "limits without loops": {"vehicles": [{"model": {"control": {"speed_max_m_s": 0.5}}}]},
+NO_PARTS: dict[str, Any] = {"sensors": {}, "cameras": {}, "lamps": {}, "imaging_sonars": {}}
+OF_THE_VEHICLE: dict[str, dict[str, Any]] = {
+    "without control": {"model": {"control": None}},
+    "a loop with its defaults": {"model": {"control": {"surge": LOOP, "filter_s": 0.2}}},
+    "limits without loops": {"model": {"control": {"speed_max_m_s": 0.5}}},
+    "sonar by name": {"sonar": {"model": "em2040-07", "frequency_hz": 400000, "range_max_m": 30}},
+    "sonar by figures": {"sonar": {"model": plain(load_sonar("em2040-04")), "frequency_hz": 300000}},
+    "a figure of noise with its usual value": {"sonar": {"mode": "physics", "noise": {"detection_threshold_db": 13.0}}},
+    "no noise": {"sonar": {"mode": "physics", "noise": {}}},
+    "sensors": {"model": {"sensors": {
+        "depth": {"kind": "depth", "noise_std": 0.1, "density_kg_m3": 990},
+        "imu": {"kind": "imu", "channels": {"angular_velocity": {"std": 0.1, "limits": [-1, 1]}}},
+    }}},
+    "no sensors": {"model": NO_PARTS},
+    "imaging sonars": {"model": {"imaging_sonars": {
+        "ahead": {"kind": "forward_looking", "solid_strength_db": None, "strengths_db": {"box": -20}},
+        "below": {"kind": "single_beam", "yaw_pitch_roll_deg": [0, 90, 0]},
+    }}},
+    "free start": {"start": {"position_m": [0, 0, -2]}},
+    "trim, failsafe": {"trim": {"net_buoyancy_n": 2}, "failsafe": {"silence_s": 9}},
+    "material": {"model": {"material": "steel"}},
+}  # fmt: skip
+OF_THE_WORLD: dict[str, dict[str, Any]] = {
     "profile": {"water": {"profile": PROFILE}},
     "profile of levels": {"water": {"profile": {"kind": "table", "levels": [{"depth_m": 0, "temperature_deg_c": 9}]}}},
     "profile of none": {"water": {"profile": None}},
     "waves": {"water": {"surface": {"kind": "airy", "amplitude_m": 0.1, "period_s": 2}}},
     "one current": {"water": {"current": {"kind": "uniform", "velocity_m_s": [0.1, 0, 0]}}},
-    "coefficients": {
-        "optics": {"coefficients": {key: [0.3, 0.2, 0.1] for key in WaterCoefficients.model_fields}},
-    },
-    "link by name": {"link": "micromodem"},
+    "coefficients": {"optics": {"coefficients": {key: [0.3, 0.2, 0.1] for key in WaterCoefficients.model_fields}}},
+    "link by name": {"link": "micromodem", "warnings": {"range_m": 110.0}},
     "link by figures": {"link": {"modem": {"name": "wire", "kind": "cable", "latency_s": 0.1}, "bottom": "clay"}},
     "link that carries all": {"link": {"modem": "tether", "carries": ["*"], "repeats": {"2": 3, "yes": 1}}},
-    "sonar by name": {"vehicles": [{"sonar": {"model": "em2040-07", "frequency_hz": 400000, "range_max_m": 30}}]},
-    "sonar by figures": {"vehicles": [{"sonar": {"model": plain(load_sonar("em2040-04")), "frequency_hz": 300000}}]},
-    "a figure of noise with its usual value": {
-        "vehicles": [{"sonar": {"mode": "physics", "noise": {"detection_threshold_db": 13.0}}}]
-    },
-    "no noise": {"vehicles": [{"sonar": {"mode": "physics", "noise": {}}}]},
-    "sensors": {
-        "vehicles": [{"model": {"sensors": {
-            "depth": {"kind": "depth", "noise_std": 0.1, "density_kg_m3": 990},
-            "imu": {"kind": "imu", "channels": {"angular_velocity": {"std": 0.1, "limits": [-1, 1]}}},
-        }}}]
-    },
-    "no sensors": {"vehicles": [{"model": {"sensors": {}, "cameras": {}, "lamps": {}, "imaging_sonars": {}}}]},
-    "imaging sonars": {
-        "vehicles": [{"model": {"imaging_sonars": {
-            "ahead": {"kind": "forward_looking", "solid_strength_db": None, "strengths_db": {"box": -20}},
-            "below": {"kind": "single_beam", "yaw_pitch_roll_deg": [0, 90, 0]},
-        }}}]
-    },
     "station with a dock": {"station": {"dock_m": [1, 0, -2]}},
     "station with cameras": {"station": {"cameras": {"only": {"position_m": [0, 0, 3]}}}},
-    "free start": {"vehicles": [{"start": {"position_m": [0, 0, -2]}}]},
-    "trim, failsafe": {"vehicles": [{"trim": {"net_buoyancy_n": 2}, "failsafe": {"silence_s": 9}}]},
-    "material": {"vehicles": [{"model": {"material": "steel"}}], "ground": {"bed": "mud", "relief": 0.0}},
     "faults": {"faults": [{"kind": "leak", "at_s": 1, "kg_per_s": 1}, {"kind": "sonar", "rate_per_h": 3}]},
-    "warnings": {"warnings": {"range_m": 110.0}},
-    "text": {"description": "'no': # [x] {y}\n  - 1e3\n\ttab\x85\u2028 é \"\n"},
+    "text, ground": {
+        "description": "'no': # [x] {y}\n  - 1e3\n\ttab\x85\u2028 é \"\n", "ground": {"bed": "mud", "relief": 0.0},
+    },
 }  # fmt: skip
-"""Changes to the pool scenario, by name. None removes a key of the vehicle."""
+"""Changes to the pool scenario and its vehicle, by name. None removes a key of the vehicle's model."""
 
 
 def in_recording(scenario: Scenario, folder: Path) -> Scenario:
@@ -101,15 +101,11 @@ def in_yaml(scenario: Scenario, folder: Path) -> Scenario:
     return load(folder / "written.yaml")
 
 
-both_ways = pytest.mark.parametrize("way", [in_recording, in_yaml])
-Way = Callable[[Scenario, Path], Scenario]
-
-
-def pool_with(changes: dict[str, Any]) -> Scenario:
+def pool_with(world: dict[str, Any], vehicle: dict[str, Any] | None = None) -> Scenario:
     values = plain(load("pool"))
-    vehicle, change = values["vehicles"][0], *changes.get("vehicles", [{}])
-    model = {key: value for key, value in {**vehicle["model"], **change.get("model", {})}.items() if value is not None}
-    return validated(Scenario, values | changes | {"vehicles": [vehicle | change | {"model": model}]})
+    change, given = vehicle or {}, values["vehicles"][0]
+    model = {key: value for key, value in {**given["model"], **change.get("model", {})}.items() if value is not None}
+    return validated(Scenario, values | world | {"vehicles": [given | change | {"model": model}]})
 
 
 def require_same(read: Scenario, scenario: Scenario) -> None:
@@ -128,45 +124,42 @@ def flown(scenario: Scenario) -> bytes:
     return sim.save_state()
 
 
-@functools.cache
-def pool_of(name: str) -> tuple[Scenario, bytes]:
-    """Return the pool with a packaged vehicle or one of BLOCKS, and its flight as a reference for several tests."""
-    changed = pool_with(BLOCKS[name]) if name in BLOCKS else None
-    scenario = changed or load("pool").with_changes(seed=3, vehicle_model=load_vehicle(name))
-    return scenario, flown(scenario)
+def require_the_same_flight_both_ways(scenario: Scenario, folder: Path) -> None:
+    """Read the scenario back from a recording, and what is read from a YAML file, which flies as the first."""
+    recorded = in_recording(scenario, folder)
+    require_same(recorded, scenario)
+    written = in_yaml(recorded, folder)
+    require_same(written, scenario)
+    assert flown(written) == flown(scenario)
 
 
-@both_ways
-@pytest.mark.parametrize("name", packaged_scenarios())
-def test_a_packaged_scenario(name: str, way: Way, tmp_path: Path) -> None:
-    require_same(way(load(name), tmp_path), load(name))
+def of_name(name: str) -> Scenario:
+    """Return a packaged scenario, or the pool with a packaged vehicle."""
+    is_vehicle = name in VEHICLES and name not in SCENARIOS
+    return load("pool").with_changes(seed=3, vehicle_model=load_vehicle(name)) if is_vehicle else load(name)
 
 
-@both_ways
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_a_packaged_scenario(name: str, tmp_path: Path) -> None:
+    scenario = load(name)
+    require_same(in_yaml(in_recording(scenario, tmp_path), tmp_path), scenario)
+
+
 @pytest.mark.parametrize("name", VEHICLES)
-def test_a_packaged_vehicle(name: str, way: Way, tmp_path: Path) -> None:
-    scenario, flight = pool_of(name)
-    read = way(scenario, tmp_path)
-    require_same(read, scenario)
-    assert flown(read) == flight
+def test_a_packaged_vehicle(name: str, tmp_path: Path) -> None:
+    scenario = load("pool").with_changes(seed=3, vehicle_model=load_vehicle(name))
+    require_the_same_flight_both_ways(scenario, tmp_path)
 
 
-@both_ways
-@pytest.mark.parametrize("block", BLOCKS)
-def test_a_scenario_with_a_block(block: str, way: Way, tmp_path: Path) -> None:
-    scenario, flight = pool_of(block)
-    read = way(scenario, tmp_path)
-    require_same(read, scenario)
-    assert flown(read) == flight
+@pytest.mark.parametrize("names", zip_longest(OF_THE_VEHICLE, OF_THE_WORLD), ids="; ".join)
+def test_a_scenario_with_a_block(names: tuple[str, str], tmp_path: Path) -> None:
+    of_vehicle, of_world = names
+    require_the_same_flight_both_ways(pool_with(OF_THE_WORLD[of_world], OF_THE_VEHICLE[of_vehicle]), tmp_path)
 
 
-@both_ways
 @pytest.mark.parametrize("variant", ["", "sea", "cast"])
-def test_a_scenario_with_everything(variant: str, way: Way, tmp_path: Path) -> None:
-    scenario = validated(Scenario, world(variant))
-    read = way(scenario, tmp_path)
-    require_same(read, scenario)
-    assert flown(read) == flown(scenario)
+def test_a_scenario_with_everything(variant: str, tmp_path: Path) -> None:
+    require_the_same_flight_both_ways(validated(Scenario, world(variant)), tmp_path)
 
 
 def keys_of(value: Any, place: tuple[str | int, ...] = ()) -> Iterator[tuple[Model, str, tuple[str | int, ...]]]:
@@ -212,26 +205,14 @@ def test_a_scenario_with_any_key_left_out_or_given_with_its_default(tmp_path: Pa
 
 
 @settings(max_examples=8)
-@given(
-    text=st.text(st.characters(exclude_categories=["Cs"]), max_size=20),
-    key=st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=5),
-    number=st.floats(-100, 100),
-    count=st.integers(0, 2**63 - 1),
-)
+@given(text=any_text(20), key=any_text(5, min_size=1), number=st.floats(-100, 100), count=st.integers(0, 2**63 - 1))
 def test_any_text_and_number(text: str, key: str, number: float, count: int, tmp_path_factory: Any) -> None:
     link = {"modem": "tether", "repeats": {key: 2}, "carries": [text]}
     folder = tmp_path_factory.getbasetemp()
-    scenario = pool_with({"description": text, "seed": count, "link": link, "station": {"position_m": [number, 0, 0]}})
+    changes = {"description": text, "seed": count, "link": link, "station": {"position_m": [number, 0, 0]}}
+    scenario = pool_with(changes, {"model": NO_PARTS})
     for way in (in_recording, in_yaml):
         require_same(way(scenario, folder), scenario)
-
-
-def recorded(scenario: Scenario, path: Path) -> None:
-    sim = Simulator(scenario)
-    with Recorder(sim, path, topics=["*odom", "*imu", "*telemetry"]):
-        sim.rov.release()
-        sim.rov.set_effort(surge=0.5)
-        sim.advance(0.2)
 
 
 def require_replayed(path: Path) -> None:
@@ -240,61 +221,58 @@ def require_replayed(path: Path) -> None:
     assert result.state_compared
 
 
-@pytest.mark.parametrize("name", packaged_scenarios())
-def test_a_recording_of_a_packaged_scenario_is_replayed(name: str, tmp_path: Path) -> None:
-    recorded(load(name), tmp_path / "run.mcap")
+@pytest.mark.parametrize("name", REPLAYED)
+def test_a_recording_is_replayed(name: str, tmp_path: Path) -> None:
+    sim = Simulator(of_name(name))
+    with Recorder(sim, tmp_path / "run.mcap", topics=["*odom", "*imu", "*telemetry"]):
+        sim.rov.release()
+        sim.rov.set_effort(surge=0.5)
+        sim.advance(0.2)
     require_replayed(tmp_path / "run.mcap")
 
 
-@pytest.mark.parametrize("name", VEHICLES)
-def test_a_recording_of_a_packaged_vehicle_is_replayed(name: str, tmp_path: Path) -> None:
-    recorded(load("pool").with_changes(vehicle_model=load_vehicle(name)), tmp_path / "run.mcap")
-    require_replayed(tmp_path / "run.mcap")
-
-
-@pytest.fixture(params=["pair", "paper", "remus100"])
-def flyable(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
-    """A folder with a packaged scenario, or with the pool and a packaged vehicle, and a mission.
-
-    The tests above write, read and fly all of them. These have two vehicles, meshes as obstacles, and fins.
-    """
-    name = request.param
-    scenario = load("pool").with_changes(vehicle_model=load_vehicle(name)) if name in VEHICLES else load(name)
-    write_scenario(tmp_path / "scenario.yaml", scenario)
-    (tmp_path / "push.py").write_text(MISSION)
-    return tmp_path
+def flyable(name: str, folder: Path) -> tuple[Path, Path]:
+    """Write a packaged scenario and a mission; return their paths."""
+    scenario, mission = folder / "scenario.yaml", folder / "push.py"
+    write_scenario(scenario, load(name))
+    mission.write_text(MISSION)
+    return scenario, mission
 
 
 @pytest.mark.usefixtures("blank_figures")
-def test_a_sweep_flies_again_what_it_flew(flyable: Path) -> None:
-    vehicle = load(flyable / "scenario.yaml").vehicles[0].name
+def test_a_sweep_flies_again_what_it_flew(tmp_path: Path) -> None:
+    """The scenario has meshes as obstacles."""
+    scenario, mission = flyable("paper", tmp_path)
+    vehicle = load(scenario).vehicles[0].name
     sweep = {
-        "scenario": str(flyable / "scenario.yaml"), "mission": str(flyable / "push.py"), "worst": 1,
+        "scenario": str(scenario), "mission": str(mission), "worst": 1,
         "vary": {"mission.effort": {"choices": [0.2]}, f"{vehicle}.drag.linear.roll": {"choices": [0.6]}},
         "objective": {"metric": "simulated_s", "best": "high"},
     }  # fmt: skip
-    done = run_sweep(sweep, flyable / "out", workers=0)
+    done = run_sweep(sweep, tmp_path / "out", workers=0)
     assert done.failed == 0
-    assert (flyable / "out" / "report.html").is_file()
-    (worst,) = (flyable / "out" / "worst").iterdir()
-    fly_again(sweep, int(worst.name), flyable / "again", report="none")
+    assert (tmp_path / "out" / "report.html").is_file()
+    (worst,) = (tmp_path / "out" / "worst").iterdir()
+    again = tmp_path / "again"
+    fly_again(sweep, int(worst.name), again, report="none")
     digest = done.rows.rows[int(worst.name)]["scenario_digest"]
-    for folder in (worst, flyable / "again"):
+    for folder in (worst, again):
         assert scenario_fingerprint(load(folder / "scenario.yaml")) == digest
-    require_replayed(flyable / "again" / "run.mcap")
+    require_replayed(again / "run.mcap")
     for name in ("log.jsonl", f"track-{vehicle}.csv", "scenario.yaml"):
-        assert (flyable / "again" / name).read_bytes() == (worst / name).read_bytes(), name
+        assert (again / name).read_bytes() == (worst / name).read_bytes(), name
 
 
-def test_a_flight_is_resumed_to_the_same_bytes(flyable: Path) -> None:
-    scenario, mission = flyable / "scenario.yaml", flyable / "push.py"
-    fly(mission, scenario, flyable / "whole", report="none")
-    assert fly(mission, scenario, flyable / "half", report="none", autosave=StopAfter(3)).interrupted
-    resume(flyable / "half", report="none")
-    tracks = [path.name for path in (flyable / "whole").glob("track-*.csv")]
+def test_a_flight_is_resumed_to_the_same_bytes(tmp_path: Path) -> None:
+    """The scenario has two vehicles."""
+    scenario, mission = flyable("pair", tmp_path)
+    fly(mission, scenario, tmp_path / "whole", report="none")
+    assert fly(mission, scenario, tmp_path / "half", report="none", autosave=StopAfter(3)).interrupted
+    resume(tmp_path / "half", report="none")
+    tracks = [path.name for path in (tmp_path / "whole").glob("track-*.csv")]
     assert tracks
     for name in ("log.jsonl", *tracks):
-        assert (flyable / "half" / name).read_bytes() == (flyable / "whole" / name).read_bytes(), name
+        assert (tmp_path / "half" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
 
 
 def test_parameters_of_noise_count_whatever_their_values(tmp_path: Path) -> None:
@@ -303,7 +281,7 @@ def test_parameters_of_noise_count_whatever_their_values(tmp_path: Path) -> None
 
     def with_noise(noise: Any) -> Scenario:
         sonar = {"model": loud, "mode": "physics", "noise": noise}
-        return pool_with({"vehicles": [{"sonar": sonar}]})
+        return pool_with({}, {"sonar": sonar})
 
     unlike = {key: with_noise(noise) for key, noise in {"none": None, "model": {}, "usual": {"level_db": 45.0}}.items()}
     assert unlike["usual"] != unlike["model"]
