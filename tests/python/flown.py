@@ -7,8 +7,19 @@ from typing import Any
 
 from uwsim import Simulator
 from uwsim.recording import Recorder
+from uwsim.scenario import Scenario, load
+from uwsim.scenario.dump import plain
+from uwsim.scenario.read.validated import validated
 
 FLOWN_S = 6.0
+
+
+def with_small_cameras() -> Scenario:
+    """Return the pool with cameras of few pixels, for tests of when they are read, not what they see."""
+    values = plain(load("pool"))
+    for camera in values["vehicles"][0]["model"]["cameras"].values():
+        camera |= {"width": 96, "height": 54}
+    return validated(Scenario, values)
 
 
 def fly(

@@ -8,6 +8,7 @@ import pytest
 from PIL import Image, ImageSequence
 
 from command_line import uwsim
+from flown import with_small_cameras
 from uwsim import Simulator, recording
 from uwsim.bridges.played_feed import channels_of
 from uwsim.channels import Table
@@ -59,9 +60,8 @@ def test_a_table_has_one_row_a_message_and_a_column_a_field(run: recording.Recor
     assert len(odom) == 101 and odom.index.name == "time_s" and odom.index[-1] == 2.0
     assert (odom["header.stamp_ns"] == np.round(odom.index * 1e9)).all()
     sim = replay(run).sim
-    assert tuple(odom.iloc[-1][[f"pose.pose.position.{axis}" for axis in "xyz"]]) == tuple(
-        sim.rov.pose.position_world_m
-    )
+    place = odom.iloc[-1][[f"pose.pose.position.{axis}" for axis in "xyz"]]
+    assert tuple(place) == tuple(sim.rov.pose.position_world_m)
     static = run.arrow("/tf_static")
     assert static.num_rows == 1 and static["transforms"][0][0].as_py()["header"]["frame_id"] == "world"
     with pytest.raises(ValueError, match="topic 'odometry': must be one of"):
@@ -82,7 +82,7 @@ def test_arrays_are_arrays_with_time_and_beam(run: recording.Recording) -> None:
 
 
 def test_pictures_are_recorded_replayed_and_read_as_arrays(tmp_path: Path) -> None:
-    path, sim = tmp_path / "pictures.mcap", Simulator("lake", seed=3)
+    path, sim = tmp_path / "pictures.mcap", Simulator(with_small_cameras(), seed=3)
     table, topics = Table(sim), ["camera/front/*"]
     with LiveSimulator(sim, speed="max", paused=True) as live, Recorder(live, path, topics=topics, shared=table):
         live.rov.undock()
@@ -114,7 +114,7 @@ def test_a_live_run_s_map_comes_from_its_recording_with_the_same_bytes(tmp_path:
 SURVEY = """
 name: small
 seed: 2
-terrain: {source: noise, size_m: [160, 160], spacing_m: 1, bed_depth_m: 18, hill_height_m: 2, hill_wavelength_m: 60}
+terrain: {source: noise, size_m: [80, 80], spacing_m: 1, bed_depth_m: 18, hill_height_m: 2, hill_wavelength_m: 60}
 station: {position_m: [-14, -5, 0]}
 vehicles: [{name: rov, model: rov, start: station, sonar: {model: 2, tilt_deg: 30}}]
 survey: {area_m: [[-4, -3], [4, -3], [4, 3], [-4, 3]], altitude_m: 8, line_spacing_m: 12, speed_m_s: 1.0, voxel_m: 0.4}
