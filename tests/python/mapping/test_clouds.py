@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -36,10 +36,7 @@ def moved(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 @given(
-    n=st.integers(1, 300),
-    seed=st.integers(0, 1000),
-    voxel_m=st.sampled_from([0.1, 0.5, 1.0, 3.0]),
-    far=st.booleans(),
+    n=st.integers(1, 300), seed=st.integers(0, 1000), voxel_m=st.sampled_from([0.1, 0.5, 1.0, 3.0]), far=st.booleans()
 )
 def test_the_voxel_grid_gives_the_centroid_of_each_cube(n, seed, voxel_m, far):
     points = (some_points(n, seed) + far * FAR).astype(np.float32)
@@ -109,6 +106,7 @@ def test_a_wall_is_not_ground():
         clouds.ground_plane(np.column_stack([np.zeros(50), np.linspace(0, 1, 50), np.zeros(50)]), 0.1)
 
 
+@settings(max_examples=30)
 @given(turn=st.tuples(*[st.floats(-0.06, 0.06)] * 3), shift=st.tuples(*[st.floats(-0.3, 0.3)] * 3), far=st.booleans())
 def test_icp_recovers_the_motion_of_a_cloud(turn, shift, far):
     there = bumpy_bed(1500)

@@ -66,21 +66,6 @@ def test_one_more_miss_changes_the_bytes(reference):
     assert occupancy_map.to_bytes("ot") != reference.to_bytes("ot")
 
 
-@pytest.mark.parametrize(("engine", "other"), [("bricks", "octomap"), ("octomap", "bricks")])
-@pytest.mark.parametrize("suffix", ["ot", "bt"])
-def test_files_of_one_engine_are_read_by_the_other(reference, engine, other, suffix, tmp_path, capfd):
-    points, counts, origins = pings()
-    first = OccupancyMap(0.2, engine=engine)
-    first.insert_scans(points, counts, origins, RANGE_M)
-    first.write(tmp_path / f"map.{suffix}")
-    maps = [OccupancyMap.read(tmp_path / f"map.{suffix}", engine=name) for name in (engine, other)]
-    assert [m.engine for m in maps] == [engine, other]
-    for occupancy_map in maps:
-        occupancy_map.insert_scans(*pings(seed=6), RANGE_M)
-    assert both(maps[0]) == both(maps[1])
-    assert capfd.readouterr() == ("", "")  # OctoMap itself would print to stderr
-
-
 def test_each_map_has_its_own_probabilities():
     wanted = {"hit": 0.9, "miss": 0.45, "clamping": (0.3, 0.8)}
     maps = [OccupancyMap(0.2, engine=engine, **wanted) for engine in ("octomap", "bricks")]

@@ -44,7 +44,8 @@ def test_box_of_everything_is_the_map(engine):
     np.testing.assert_array_equal(occupancy.state_at(cubes.centres_m), cubes.states)
     np.testing.assert_array_equal(occupancy.log_odds_at(cubes.centres_m), cubes.log_odds)
     np.testing.assert_array_equal(occupancy.probability_at(cubes.centres_m), cubes.probabilities)
-    assert set(cubes.edges_m) == {EDGE_M}
+    assert set(cubes.edges_m) == set(occupancy.cells(16).edges_m) == {EDGE_M}
+    assert set(occupancy.cells(14).edges_m) == {4 * EDGE_M}
     assert len(occupancy.voxels_in([500, 0, 0], [600, 1, 1])) == 0
     assert np.isnan(occupancy.probability_at([[500, 0, 0], [1e9, 0, 0]])).all()
 
@@ -56,27 +57,6 @@ def test_one_point_gives_its_voxel_octomaps_probability_of_a_hit(engine):
     assert occupancy.probability_at([[3.1, 0.1, 0.1]])[0] == pytest.approx(0.7, abs=1e-6)
     assert occupancy.probability_at([[1.1, 0.1, 0.1]])[0] == pytest.approx(0.4, abs=1e-6)
     assert occupancy.log_odds_at([[3.1, 0.1, 0.1]])[0] == np.float32(math.log(0.7 / 0.3))
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_leaves_and_cells_cover_the_voxels(engine):
-    occupancy = some_map(engine)
-    fine = everything(occupancy)
-    leaves = occupancy.leaves()
-    assert leaves.edges_m.max() > EDGE_M
-    assert (leaves.edges_m**3).sum() == pytest.approx(len(fine) * EDGE_M**3)
-    for depth in (1, 8, 13, 15, 16):
-        cells = occupancy.cells(depth)
-        edge_m = EDGE_M * 2 ** (16 - depth)
-        assert set(cells.edges_m) == {edge_m}
-        corner_of = np.floor((fine.centres_m - occupancy.origin_world_m) / edge_m)
-        expected = {}
-        for corner, log_odds in zip(map(tuple, corner_of.tolist()), fine.log_odds.tolist(), strict=True):
-            expected[corner] = max(log_odds, expected.get(corner, -math.inf))
-        got = np.floor((cells.centres_m - occupancy.origin_world_m) / edge_m)
-        assert dict(zip(map(tuple, got.tolist()), cells.log_odds.tolist(), strict=True)) == expected
-    with pytest.raises(ValueError, match=r"map\.depth = 17: must be in \[1, 16\]"):
-        occupancy.cells(17)
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -135,19 +115,6 @@ def test_changes_keep_a_copy_up_to_date(engine):
             occupancy.insert_scan(MIDDLE + np.random.default_rng(step).uniform(-9, 9, (30, 3)), MIDDLE)
     assert reported[0] > max(reported[1:])
     assert [count > 0 for count in reported] == [True, True, False, True, True, True]
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("apart", [(0.0, 0.0, 0.0), (1.5, -32.0, 0.5)])
-def test_merged_map_is_the_clamped_sum(engine, apart):
-    here, there = some_map(engine), some_map(engine, seed=2, origin=MIDDLE + apart)
-    centres = np.concatenate([everything(here).centres_m, everything(there).centres_m])
-    terms = np.array([occupancy.log_odds_at(centres) for occupancy in (here, there)])
-    lowest, highest = (np.float32(math.log(p / (1 - p))) for p in (0.1192, 0.971))
-    expected = np.clip(np.where(np.isnan(terms), np.float32(0), terms).sum(axis=0, dtype=np.float32), lowest, highest)
-    here.merge(there)
-    np.testing.assert_array_equal(here.log_odds_at(centres), expected)
-    assert len(everything(here)) == len(np.unique(centres, axis=0))
 
 
 def test_maps_on_another_grid_are_not_merged():
@@ -210,6 +177,7 @@ def test_limit_of_memory_does_not_change_the_map(tmp_path):
         assert (tmp_path / f"tiles.{suffix}").read_bytes() == whole.to_bytes(suffix)
         again = OccupancyMap.read(tmp_path / f"tiles.{suffix}", whole.origin_world_m, memory_limit_mb=0.05)
         assert again.to_bytes(suffix) == whole.to_bytes(suffix)
+        np.testing.assert_array_equal(again.occupied_voxels(), whole.occupied_voxels())
     for bad in (0, -1, math.nan, math.inf):
         with pytest.raises(ValueError, match=r"map\.memory_limit_mb = "):
             OccupancyMap(memory_limit_mb=bad)

@@ -94,6 +94,7 @@ def test_maps_of_real_scans_have_the_bytes_of_graph2tree(make_graph, voxel_m, ra
 @pytest.mark.parametrize("engine", ["octomap", "bricks"])
 def test_real_map_is_the_same_after_reading(engine, tmp_path):
     occupancy_map = OccupancyMap.read(DATA / "geb079.bt", engine=engine)
+    assert occupancy_map.engine == engine
     assert occupancy_map.statistics().occupied_voxels > 10_000
     subprocess.run(
         ["convert_octree", DATA / "geb079.bt", tmp_path / "theirs.ot"], check=True, capture_output=True, timeout=300

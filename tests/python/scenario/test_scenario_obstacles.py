@@ -61,11 +61,7 @@ def test_a_ring_is_a_torus_that_can_be_flown_through_along_its_x() -> None:
     assert is_hit(ring, [3.8, -5, -9])
 
 
-@given(
-    bend_deg=st.floats(-120, 120),
-    climb=st.floats(-0.5, 0.5),
-    radius_m=st.floats(0.1, 1.0),
-)
+@given(bend_deg=st.floats(-120, 120), climb=st.floats(-0.5, 0.5), radius_m=st.floats(0.1, 1.0))
 def test_a_mitred_tube_keeps_its_cross_section(bend_deg: float, climb: float, radius_m: float) -> None:
     """A mitred prism's volume is the area of its section times the length of its axis, whatever the bends (Pappus)."""
     bend = np.radians(bend_deg)
@@ -134,9 +130,7 @@ ROUND = [
 
 
 @pytest.mark.parametrize("settings", ROUND, ids=[str(s["kind"]) for s in ROUND])
-def test_a_round_obstacles_mesh_is_half_a_percent_inside_its_shape_at_most(
-    settings: dict[str, object],
-) -> None:
+def test_a_round_obstacles_mesh_is_half_a_percent_inside_its_shape_at_most(settings: dict[str, object]) -> None:
     """Cast rays along every facet's normal: the exact shape lies on or slightly outside the facet's centre."""
     vertices, triangles, shapes = solid(**settings)
     mesh = trimesh.Trimesh(vertices, triangles, process=False)

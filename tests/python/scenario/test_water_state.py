@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator, _core
-from uwsim.recording.capsule import pack, unpack
 from uwsim.scenario import Scenario, ScenarioError, load
 from uwsim.scenario.build.water import build_water, surface_density_kg_m3
 from uwsim.scenario.fingerprint import scenario_fingerprint
@@ -114,22 +113,6 @@ def test_a_parameter_takes_the_density_with_it_unless_that_is_given() -> None:
     assert fresh.world.water.salinity_psu == 0.0
     fresh.parameters.update({"water.salinity_psu": 35.0, "water.density_kg_m3": None})
     assert fresh.world.water.density_kg_m3 == SEA_KG_M3
-
-
-@pytest.mark.parametrize(
-    "water",
-    [
-        {},
-        {"density_kg_m3": 1025},
-        {"profile": {"kind": "linear", "surface": {"temperature_deg_c": 20}, "bottom": {"temperature_deg_c": 8}}},
-        {"profile": {"kind": "table", "levels": [{"depth_m": 0, "temperature_deg_c": 9, "density_kg_m3": 1025}]}},
-    ],
-)
-def test_a_recording_holds_the_water_as_it_was_given(water: dict[str, Any], tmp_path: Path) -> None:
-    scenario = in_water(**water)
-    again = unpack(pack(scenario), tmp_path)
-    assert again == scenario
-    assert scenario_fingerprint(again) == scenario_fingerprint(scenario)
 
 
 def test_water_that_is_the_same_has_one_fingerprint() -> None:
