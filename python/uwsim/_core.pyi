@@ -3467,10 +3467,10 @@ class NavigationFilter:
         """
         Return the index of the first of an aid's biases in `covariance`.
         """
-    def restore(self, bytes: bytes, version: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def restore(self, bytes: bytes) -> None:
         """
-        Restore a saved state. version: save_version of the build that saved the bytes. Raises ValueError for
-        an unknown version, and for bytes that were not saved by a filter with the same aids.
+        Restore a saved state. Raises ValueError for bytes that were not saved by a filter with the same aids.
+        Their version, which is stored beside them, must be save_version.
         """
     def save(self) -> bytes: ...
     def start(

@@ -202,13 +202,10 @@ void bind_estimation(py::module_& m) {
       .def("catch_up", &NavigationFilter::catch_up, "Process the readings that have been added.")
       .def("save", [](NavigationFilter& f) { return py::bytes(f.save()); })
       .def(
-          "restore",
-          [](NavigationFilter& f, const py::bytes& bytes, std::uint64_t version) {
-            f.restore(std::string_view(bytes), version);
-          },
-          py::arg("bytes"), py::arg("version"),
-          "Restore a saved state. version: save_version of the build that saved the bytes. Raises ValueError for\n"
-          "an unknown version, and for bytes that were not saved by a filter with the same aids.");
+          "restore", [](NavigationFilter& f, const py::bytes& bytes) { f.restore(std::string_view(bytes)); },
+          py::arg("bytes"),
+          "Restore a saved state. Raises ValueError for bytes that were not saved by a filter with the same aids.\n"
+          "Their version, which is stored beside them, must be save_version.");
   filter.attr("save_version") = NavigationFilter::kVersion;
   bind_aids(filter);
   bind_state(filter);

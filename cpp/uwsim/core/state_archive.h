@@ -45,8 +45,6 @@ class StateArchive {
   /// Writes `value`. Reading throws unless the archive contains the same value: "state.<what> = 3: must be 2".
   void same(std::string_view what, std::uint64_t value);
   void same(std::string_view what, const std::string& value);
-  /// Returns true if all bytes have been read; always false when saving.
-  bool at_end() const { return restoring_ && source_.empty(); }
   /// Throws if there are unread bytes left.
   void finish() const;
 

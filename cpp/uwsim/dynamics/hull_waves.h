@@ -11,8 +11,8 @@
 
 namespace uwsim {
 
-/// The wrenches on a hull of the waves that it makes by moving, and of those of the sea that it deflects, body frame,
-/// at the origin [N, N m].
+/// The wrenches of waves on a hull, body frame, at the origin [N, N m]. radiation: of the waves that the hull makes by
+/// moving. diffraction: of the sea's waves, as the hull deflects them.
 struct HullWaveWrenches {
   Vector6d radiation = Vector6d::Zero(), diffraction = Vector6d::Zero();
 };

@@ -62,8 +62,8 @@ void IslandSolver::add_joints(std::size_t member) {
   }
 }
 
-/// The point of a joint's law at `mixed`, or the jump between if it would leap over one: Newton's method would return
-/// in the next step, and so on.
+/// Returns the point of a joint's law at `mixed`, or that at a jump of the law between the last point and this one:
+/// otherwise Newton's method could alternate between both sides of the jump for ever.
 JointLaw::Point IslandSolver::next_on_law(Point& point, double mixed, double scale) {
   const JointLaw& law = point.joint->law;
   JointLaw::Point found = law.point_at(mixed, scale);

@@ -173,12 +173,9 @@ void RigidBodyWorld::exchange_state(StateArchive& archive) {
   }
 }
 
-void RigidBodyWorld::exchange_contacts(StateArchive& archive) {
-  if (!archive.at_end()) engine_->exchange_contacts(archive);
-}
+void RigidBodyWorld::exchange_contacts(StateArchive& archive) { engine_->exchange_contacts(archive); }
 
 void RigidBodyWorld::exchange_last_step(StateArchive& archive) {
-  if (archive.at_end()) return;
   for (MovedBody& body : bodies_) {
     archive.list(body.motions, [&](Motion& motion) {
       archive(motion.start);

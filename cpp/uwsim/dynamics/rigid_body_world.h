@@ -80,10 +80,9 @@ class RigidBodyWorld {
 
   /// Saves or restores the state of all bodies; restoring drops the engine's contacts. Throws InvalidValue.
   void exchange_state(StateArchive& archive);
-  /// Saves or restores the engine's contacts, after the bodies. A state that ends here has none: an earlier build saved
-  /// it. Throws InvalidValue.
+  /// Saves or restores the engine's contacts, after the bodies. Throws InvalidValue.
   void exchange_contacts(StateArchive& archive);
-  /// Saves or restores what moved the bodies in the last step. A state that ends here has nothing. Throws InvalidValue.
+  /// Saves or restores what moved the bodies in the last step. Throws InvalidValue.
   void exchange_last_step(StateArchive& archive);
   /// Saves or restores the tethers, after all else. Throws InvalidValue.
   void exchange_tethers(StateArchive& archive);

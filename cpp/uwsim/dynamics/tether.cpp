@@ -72,6 +72,23 @@ void TetherSpec::check() const {
   require(first.body != second.body || first.body == TetherEnd::kNoBody, name, "one body", "must join two");
 }
 
+void Tether::Line::resize(std::size_t most) {
+  for (std::vector<Eigen::Vector3d>* vectors : {&points, &targets}) vectors->resize(most);
+  for (std::vector<double>* values : {&along_m, &half_heights_m, &reach_m}) values->resize(most);
+}
+
+void Tether::Search::resize(std::size_t most) {
+  for (std::vector<Eigen::Vector3d>* vectors : {&found, &from, &way}) vectors->resize(most);
+}
+
+void Tether::Joints::reserve(std::size_t most) {
+  all.reserve(kKeptJoints);
+  ways.resize(3 * kKeptJoints);
+  for (std::vector<Eigen::Vector3d>& way : ways) way.reserve(most);
+  for (std::vector<double>* values : {&matrix, &forces}) values->reserve(9 * kKeptJoints * kKeptJoints);
+  pivots.reserve(3 * kKeptJoints);
+}
+
 Tether::Tether(const TetherSpec& spec, const World& world, std::span<const MovedBody> bodies)
     : spec_((spec.check(), spec)),
       terrain_(world.terrain()),
@@ -82,16 +99,11 @@ Tether::Tether(const TetherSpec& spec, const World& world, std::span<const Moved
   nodes_.reserve(most);
   nodes_.resize(spec_.elements + 1);
   frozen_.resize(most);
-  for (std::vector<Eigen::Vector3d>* vectors :
-       {&next_, &gradient_, &change_, &found_, &from_, &way_, &points_, &targets_})
-    vectors->resize(most);
-  for (std::vector<double>* values : {&reach_m_, &from_m_, &half_heights_m_}) values->resize(most);
+  for (std::vector<Eigen::Vector3d>* vectors : {&next_, &gradient_, &change_}) vectors->resize(most);
+  line_.resize(most);
+  search_.resize(most);
+  joints_.all.reserve(most);
   contacts_.reserve(kKeptContacts);
-  joints_.reserve(kKeptJoints);
-  ways_.resize(3 * kKeptJoints);
-  for (std::vector<Eigen::Vector3d>& way : ways_) way.reserve(most);
-  for (std::vector<double>* values : {&joint_matrix_, &joint_forces_}) values->reserve(9 * kKeptJoints * kKeptJoints);
-  joint_pivots_.reserve(3 * kKeptJoints);
   hessian_.resize(most);
   flow_.resize(most);
   for (Eigen::Vector3d& force : end_forces_) force.setZero();
@@ -226,7 +238,7 @@ void Tether::moved(std::span<const MovedBody> bodies, double step_s) {
   wind(step_s);
 }
 
-/// Moves what friction holds to where it slid.
+/// Moves the point where friction holds a node: to the node without friction, else after it, as far as it slipped.
 void Tether::grip(std::size_t i) {
   const Frozen& f = frozen_[i];
   Node& node = nodes_[i];

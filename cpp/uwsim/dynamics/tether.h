@@ -143,6 +143,27 @@ class Tether {
     const TetherContact* contact;
     Eigen::Matrix3d stiffness;
   };
+  /// All of them, and their equations, see factor_joints().
+  struct Joints {
+    std::vector<Joint> all;
+    std::vector<std::vector<Eigen::Vector3d>> ways;  // how the tether moves under a unit force at a joint
+    std::vector<double> matrix, forces;              // by rows
+    std::vector<std::size_t> pivots;
+    void reserve(std::size_t most);
+  };
+  /// The nodes as a line, at the start of the step: for the flow, and for the search for contacts.
+  struct Line {
+    std::vector<Eigen::Vector3d> points, targets;  // where they are, and where they would go without contacts
+    std::vector<double> along_m, half_heights_m;   // from the first node; of the part that a node stands for
+    std::vector<double> reach_m;                   // of an element: how far contacts are looked for
+    void resize(std::size_t most);
+  };
+  /// For the nodes' next positions, where Newton's method alone fails.
+  struct Search {
+    std::vector<Eigen::Vector3d> found;      // with the last stiffness
+    std::vector<Eigen::Vector3d> from, way;  // of a line search
+    void resize(std::size_t most);
+  };
 
   double span_m(std::size_t node) const;
   Eigen::Vector3d end_point(const TetherEnd& end, std::span<const MovedBody> bodies) const;
@@ -213,15 +234,12 @@ class Tether {
   // The step under way. Kept so that steps allocate nothing.
   static constexpr std::uint64_t kWhole = std::numeric_limits<std::uint64_t>::max();
   std::vector<Frozen> frozen_;
-  std::vector<Eigen::Vector3d> next_, gradient_, change_, found_, from_, way_;
+  std::vector<Eigen::Vector3d> next_, gradient_, change_;
+  Search search_;
   BlockBand hessian_;
   std::vector<TetherContact> contacts_;
-  std::vector<Joint> joints_;
-  std::vector<std::vector<Eigen::Vector3d>> ways_;   // how the tether moves under a unit force at a joint
-  std::vector<double> joint_matrix_, joint_forces_;  // by rows
-  std::vector<std::size_t> joint_pivots_;
-  std::vector<Eigen::Vector3d> points_, targets_;
-  std::vector<double> reach_m_, from_m_, half_heights_m_;
+  Joints joints_;
+  Line line_;
   FlowAlong flow_;
   std::array<End, 2> ends_;
   bool is_same_ = false;  // what presses and pulls, as when the Hessian was found

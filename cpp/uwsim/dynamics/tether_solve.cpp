@@ -132,10 +132,10 @@ bool Tether::stiffen(double step_s) {
   bool is_solved = false;
   while (true) {
     find_stiffness(share, step_s);
-    std::copy_n(next_.begin(), nodes_.size(), found_.begin());
+    std::copy_n(next_.begin(), nodes_.size(), search_.found.begin());
     is_solved = solve(step_s);
     if (!is_solved) {
-      std::copy_n(found_.begin(), nodes_.size(), next_.begin());
+      std::copy_n(search_.found.begin(), nodes_.size(), next_.begin());
       is_solved = descend(step_s);
     }
     if (!is_solved || share == 1) break;
@@ -161,26 +161,26 @@ bool Tether::descend(double step_s) {
     be_consistent();
     const double largest = find_change(step_s);
     if (!(largest < kLost_m)) return false;
-    std::copy_n(next_.begin(), rows, from_.begin());
-    std::copy_n(change_.begin(), rows, way_.begin());
+    std::copy_n(next_.begin(), rows, search_.from.begin());
+    std::copy_n(change_.begin(), rows, search_.way.begin());
     double start = 0;
-    for (std::size_t i = 0; i < rows; ++i) start += gradient_[i].dot(way_[i]);
+    for (std::size_t i = 0; i < rows; ++i) start += gradient_[i].dot(search_.way[i]);
     const double share = search_line(step_s, start, -kEnough * start);
     if (share * largest <= kSolved_m) return largest <= kSolved_m;
   }
   return false;
 }
 
-/// Moves from from_ along way_, on which the function's slope grows, as it is convex: all the way, or to where the
-/// slope is at most `most`. Returns the share of the way.
+/// Moves from search_.from along search_.way, on which the function's slope grows, as it is convex: all the way, or to
+/// where the slope is at most `most`. Returns the share of the way.
 double Tether::search_line(double step_s, double start, double most) {
   const std::size_t rows = nodes_.size();
   const auto slope = [&](double share) {
-    for (std::size_t i = 0; i < rows; ++i) next_[i] = from_[i] + share * way_[i];
+    for (std::size_t i = 0; i < rows; ++i) next_[i] = search_.from[i] + share * search_.way[i];
     be_consistent();
     assemble(step_s, false);
     double sum = 0;
-    for (std::size_t i = 0; i < rows; ++i) sum += gradient_[i].dot(way_[i]);
+    for (std::size_t i = 0; i < rows; ++i) sum += gradient_[i].dot(search_.way[i]);
     return sum;
   };
   double low = 0, high = 1;
@@ -190,7 +190,7 @@ double Tether::search_line(double step_s, double start, double most) {
     (here <= most ? low : high) = middle;
     if (here <= most && here >= kEnough * start) break;
   }
-  for (std::size_t i = 0; i < rows; ++i) next_[i] = from_[i] + low * way_[i];
+  for (std::size_t i = 0; i < rows; ++i) next_[i] = search_.from[i] + low * search_.way[i];
   return low;
 }
 
@@ -199,8 +199,8 @@ double Tether::search_line(double step_s, double start, double most) {
 void Tether::limit_energy(double step_s) {
   const std::size_t rows = nodes_.size();
   for (std::size_t i = 0; i < rows; ++i) {
-    from_[i] = points_[i];
-    way_[i] = next_[i] - points_[i];
+    search_.from[i] = line_.points[i];
+    search_.way[i] = next_[i] - line_.points[i];
   }
   search_line(step_s, -std::numeric_limits<double>::infinity(), 0);
 }

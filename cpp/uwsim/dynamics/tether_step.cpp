@@ -116,20 +116,20 @@ void Tether::freeze(const WaterField& water, double time_s, double step_s) {
   const std::size_t last = elements();
   double passed = 0;
   for (std::size_t i = 0; i <= last; ++i) {
-    points_[i] = nodes_[i].position;
-    from_m_[i] = passed;
+    line_.points[i] = nodes_[i].position;
+    line_.along_m[i] = passed;
     if (i < last) passed += rest_m(i);
   }
   for (std::size_t i = 0; i <= last; ++i) {
     Frozen& f = frozen_[i];
     const std::size_t before = i == 0 || broken_ == i - 1 ? i : i - 1, after = i == last || broken_ == i ? i : i + 1;
-    const Eigen::Vector3d along = points_[after] - points_[before];
+    const Eigen::Vector3d along = line_.points[after] - line_.points[before];
     const double length = along.norm();
     f.tangent = length > kLeast ? Eigen::Vector3d(along / length) : Eigen::Vector3d::UnitX();
-    half_heights_m_[i] = 0.5 * (spec_.diameter_m + std::abs(f.tangent.z()) * span_m(i));
+    line_.half_heights_m[i] = 0.5 * (spec_.diameter_m + std::abs(f.tangent.z()) * span_m(i));
   }
   const std::size_t count = nodes_.size();
-  flow_.find({{points_.data(), count}, {from_m_.data(), count}, {half_heights_m_.data(), count}}, water,
+  flow_.find({{line_.points.data(), count}, {line_.along_m.data(), count}, {line_.half_heights_m.data(), count}}, water,
              time_s + step_s);
   for (std::size_t i = 0; i <= last; ++i) {
     Frozen& f = frozen_[i];

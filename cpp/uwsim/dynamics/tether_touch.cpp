@@ -28,14 +28,14 @@ Eigen::Vector3d Tether::between(const std::vector<Eigen::Vector3d>& nodes, const
 /// Where the tether touches itself, its matrix A has terms W^T H W outside of the band, W the relative motion of such
 /// places. By the formula of Woodbury, (A + W^T H W)^-1 b = y - A^-1 W^T (1 + H W A^-1 W^T)^-1 H W y, y = A^-1 b.
 void Tether::factor_joints() {
-  if (joints_.empty()) return;
-  const std::size_t rows = nodes_.size(), count = 3 * joints_.size();
-  if (ways_.size() < count) ways_.resize(count);
-  joint_matrix_.assign(count * count, 0);
+  if (joints_.all.empty()) return;
+  const std::size_t rows = nodes_.size(), count = 3 * joints_.all.size();
+  if (joints_.ways.size() < count) joints_.ways.resize(count);
+  joints_.matrix.assign(count * count, 0);
   for (std::size_t k = 0; k < count; ++k) {
-    std::vector<Eigen::Vector3d>& way = ways_[k];
+    std::vector<Eigen::Vector3d>& way = joints_.ways[k];
     way.assign(rows, Eigen::Vector3d::Zero());
-    const TetherContact& c = *joints_[k / 3].contact;
+    const TetherContact& c = *joints_.all[k / 3].contact;
     const auto axis = static_cast<Eigen::Index>(k % 3);
     way[c.element](axis) += 1 - c.share;
     way[c.element + 1](axis) += c.share;
@@ -45,11 +45,11 @@ void Tether::factor_joints() {
       if (ends_[end].is_fixed) way[end == 0 ? 0 : rows - 1].setZero();
     }
     solve_band(way);
-    for (std::size_t n = 0; n < joints_.size(); ++n) {
-      const Eigen::Vector3d part = joints_[n].stiffness * between(way, *joints_[n].contact);
+    for (std::size_t n = 0; n < joints_.all.size(); ++n) {
+      const Eigen::Vector3d part = joints_.all[n].stiffness * between(way, *joints_.all[n].contact);
       for (std::size_t m = 0; m < 3; ++m) {
         const std::size_t row = 3 * n + m;
-        joint_matrix_[row * count + k] = part(static_cast<Eigen::Index>(m)) + (row == k ? 1 : 0);
+        joints_.matrix[row * count + k] = part(static_cast<Eigen::Index>(m)) + (row == k ? 1 : 0);
       }
     }
   }
@@ -58,15 +58,15 @@ void Tether::factor_joints() {
 
 /// Gaussian elimination with partial pivoting, in place (Golub and Van Loan 2013, "Matrix Computations", 3.4).
 void Tether::factor_joint_matrix() {
-  const std::size_t count = 3 * joints_.size();
-  joint_pivots_.resize(count);
-  const auto at = [&](std::size_t row, std::size_t column) -> double& { return joint_matrix_[row * count + column]; };
+  const std::size_t count = 3 * joints_.all.size();
+  joints_.pivots.resize(count);
+  const auto at = [&](std::size_t row, std::size_t column) -> double& { return joints_.matrix[row * count + column]; };
   for (std::size_t c = 0; c < count; ++c) {
     std::size_t pivot = c;
     for (std::size_t r = c + 1; r < count; ++r) {
       if (std::abs(at(r, c)) > std::abs(at(pivot, c))) pivot = r;
     }
-    joint_pivots_[c] = pivot;
+    joints_.pivots[c] = pivot;
     for (std::size_t k = 0; pivot != c && k < count; ++k) std::swap(at(c, k), at(pivot, k));
     for (std::size_t r = c + 1; r < count; ++r) {
       const double factor = at(r, c) /= at(c, c);
@@ -76,44 +76,45 @@ void Tether::factor_joint_matrix() {
 }
 
 void Tether::solve_joints() {
-  if (joints_.empty()) return;
-  const std::size_t count = 3 * joints_.size();
-  joint_forces_.resize(count);
-  for (std::size_t n = 0; n < joints_.size(); ++n) {
-    const Eigen::Vector3d part = joints_[n].stiffness * between(change_, *joints_[n].contact);
-    std::copy_n(part.data(), 3, joint_forces_.begin() + static_cast<std::ptrdiff_t>(3 * n));
+  if (joints_.all.empty()) return;
+  const std::size_t count = 3 * joints_.all.size();
+  joints_.forces.resize(count);
+  for (std::size_t n = 0; n < joints_.all.size(); ++n) {
+    const Eigen::Vector3d part = joints_.all[n].stiffness * between(change_, *joints_.all[n].contact);
+    std::copy_n(part.data(), 3, joints_.forces.begin() + static_cast<std::ptrdiff_t>(3 * n));
   }
-  for (std::size_t c = 0; c < count; ++c) std::swap(joint_forces_[c], joint_forces_[joint_pivots_[c]]);
+  for (std::size_t c = 0; c < count; ++c) std::swap(joints_.forces[c], joints_.forces[joints_.pivots[c]]);
   for (std::size_t r = 1; r < count; ++r) {
-    for (std::size_t c = 0; c < r; ++c) joint_forces_[r] -= joint_matrix_[r * count + c] * joint_forces_[c];
+    for (std::size_t c = 0; c < r; ++c) joints_.forces[r] -= joints_.matrix[r * count + c] * joints_.forces[c];
   }
   for (std::size_t r = count; r-- > 0;) {
-    for (std::size_t c = r + 1; c < count; ++c) joint_forces_[r] -= joint_matrix_[r * count + c] * joint_forces_[c];
-    joint_forces_[r] /= joint_matrix_[r * count + r];
+    for (std::size_t c = r + 1; c < count; ++c) joints_.forces[r] -= joints_.matrix[r * count + c] * joints_.forces[c];
+    joints_.forces[r] /= joints_.matrix[r * count + r];
   }
   for (std::size_t k = 0; k < count; ++k) {
-    for (std::size_t i = 0; i < nodes_.size(); ++i) change_[i] -= joint_forces_[k] * ways_[k][i];
+    for (std::size_t i = 0; i < nodes_.size(); ++i) change_[i] -= joints_.forces[k] * joints_.ways[k][i];
   }
 }
 
 /// Finds the contacts of the step, after freeze(), from the nodes' positions and where they would go.
 void Tether::freeze_contacts(std::span<const MovedBody> bodies, double step_s, double least_reach_m, double moving_s) {
   const double radius = spec_.diameter_m / 2;
-  for (std::size_t i = 0; i < nodes_.size(); ++i) targets_[i] = frozen_[i].target;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) line_.targets[i] = frozen_[i].target;
   for (std::size_t i = 0; i < elements(); ++i) {
-    const double moves = std::max((targets_[i] - points_[i]).norm(), (targets_[i + 1] - points_[i + 1]).norm());
-    reach_m_[i] = 2 * radius + kMoves * moves + least_reach_m;
+    const double moves =
+        std::max((line_.targets[i] - line_.points[i]).norm(), (line_.targets[i + 1] - line_.points[i + 1]).norm());
+    line_.reach_m[i] = 2 * radius + kMoves * moves + least_reach_m;
   }
-  const TetherLine line{{points_.data(), nodes_.size()},
-                        {reach_m_.data(), elements()},
-                        {from_m_.data(), nodes_.size()},
+  const TetherLine line{{line_.points.data(), nodes_.size()},
+                        {line_.reach_m.data(), elements()},
+                        {line_.along_m.data(), nodes_.size()},
                         broken_,
                         moving_s};
   finder_.find(line, bodies, contacts_);
   for (TetherContact& contact : contacts_) freeze_contact(contact, step_s);
   std::erase_if(contacts_, [&](const TetherContact& contact) {  // those that it would not reach
-    const Eigen::Vector3d target = between(targets_, contact);
-    const double spare_m = least_reach_m + 0.5 * (target - between(points_, contact)).norm();
+    const Eigen::Vector3d target = between(line_.targets, contact);
+    const double spare_m = least_reach_m + 0.5 * (target - between(line_.points, contact)).norm();
     return contact.normal_world.dot(target) > contact.level_m + spare_m;
   });
 }
@@ -121,7 +122,7 @@ void Tether::freeze_contacts(std::span<const MovedBody> bodies, double step_s, d
 void Tether::freeze_contact(TetherContact& contact, double step_s) {
   const double radius = spec_.diameter_m / 2, apart_m = contact.is_itself() ? 2 * radius : radius;
   const double most_n = std::min({spec_.breaking_load_n, kMostStrain * spec_.axial_stiffness_n, kMost_n});
-  const Eigen::Vector3d at = between(points_, contact), &normal = contact.normal_world;
+  const Eigen::Vector3d at = between(line_.points, contact), &normal = contact.normal_world;
   const double depth =
       std::min(normal.dot(contact.point_world_m - at) + apart_m, std::max(kOverlap * radius, kParts_m_s * step_s));
   contact.stiffness = 2 * most_n / (kOverlap * radius);
@@ -165,7 +166,7 @@ void Tether::yield_hulls(std::span<const MovedBody> bodies, const WaterField& wa
 /// A contact presses, and its friction slides, as pull() judges of elements: by the force of the last iteration, and,
 /// as if it were no stiffer than the tether's inertia, by how far its place is from the one at that force.
 void Tether::add_contacts(bool with_hessian) {
-  if (with_hessian) joints_.clear();
+  if (with_hessian) joints_.all.clear();
   for (TetherContact& c : contacts_) {
     const Eigen::Vector3d at = between(next_, c);
     const double weights[] = {1 - c.share, c.share}, depth = c.level_m - c.normal_world.dot(at);
@@ -205,7 +206,7 @@ void Tether::add_contacts(bool with_hessian) {
     if (c.is_itself()) {
       gradient_[c.other] += (1 - c.other_share) * force;
       gradient_[c.other + 1] += c.other_share * force;
-      if (with_hessian && (c.is_pressed || c.friction_n > kLeast_n)) joints_.push_back({&c, h});
+      if (with_hessian && (c.is_pressed || c.friction_n > kLeast_n)) joints_.all.push_back({&c, h});
       continue;
     }
     if (!with_hessian) continue;

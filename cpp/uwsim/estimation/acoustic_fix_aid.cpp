@@ -43,19 +43,14 @@ class AcousticFixAid final : public Aid {
     correct_along(state, up.dot(fix - expected(state)), up, sideways, 0);
   }
 
-  void be_as_in(std::uint64_t version) override {
-    if (version <= 2) errors_.range_step_m = 0;
-    if (version <= 3) is_height_judged_ = false;
-  }
-  void exchange_parameters(StateArchive& archive, std::uint64_t version) override {
+  void exchange_parameters(StateArchive& archive) override {
     exchange_numbers(archive, lever_);
     exchange_numbers(archive, station_);
     exchange_not_negative(archive, errors_.range_std_m);
     exchange_not_negative(archive, errors_.bearing_std_rad);
-    if (version < 3) return;
     exchange_not_negative(archive, errors_.range_step_m);
     exchange_not_negative(archive, errors_.period_s);
-    if (version >= 4) archive(is_height_judged_);
+    archive(is_height_judged_);
   }
 
  private:

@@ -28,10 +28,6 @@ class Aid {
   virtual int width() const = 0;
   /// Models of the aid's biases, which become error states of the filter.
   virtual std::vector<BiasModel> biases() const { return {}; }
-  /// The number of leading biases stored in a saved state of this version.
-  virtual int biases_in(std::uint64_t /*version*/) const { return static_cast<int>(biases().size()); }
-  /// The first version of saved states that contain the aid.
-  virtual std::uint64_t since_version() const { return 1; }
   /// Index of the first of the three errors that the aid observes; these are inflated when the filter doubts its
   /// estimate.
   virtual ErrorIndex seen() const = 0;
@@ -44,12 +40,10 @@ class Aid {
   virtual bool is_credible(const FilterState& /*state*/, const double* /*reading*/) const { return true; }
   /// Corrects `state` with a reading of shape (width(),), one scalar at a time.
   virtual void correct(FilterState& state, const double* reading) const = 0;
-  /// Drops the parameters that saved states of this version lack: a filter restored from one goes on as it was.
-  virtual void be_as_in(std::uint64_t /*version*/) {}
   /// Another aid has made the filter doubt its height, which may be this much higher [m].
   virtual void contradict(FilterState& /*state*/, double /*up_m*/) const {}
-  /// Saves its parameters, or restores those in a saved state of this version. Throws InvalidValue.
-  virtual void exchange_parameters(StateArchive& archive, std::uint64_t version) = 0;
+  /// Saves its parameters, or restores those in a saved state. Throws InvalidValue.
+  virtual void exchange_parameters(StateArchive& archive) = 0;
 
   /// Positions of the aid's counts and biases in the state; set by NavigationFilter.
   int index = 0, first_bias = 0;

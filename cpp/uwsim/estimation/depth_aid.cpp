@@ -26,9 +26,6 @@ class DepthAid final : public Aid {
     for (const BiasModel& each : above_.first()) all.push_back(each);
     return all;
   }
-  int biases_in(std::uint64_t version) const override {
-    return version <= 2 ? kWaves : version <= 5 ? kLevel : kLevel + WaterAbove::kErrors;
-  }
   ErrorIndex seen() const override { return kPosition; }
 
   void begin(FilterState& state) const override {
@@ -60,22 +57,13 @@ class DepthAid final : public Aid {
     above_.doubt(state, first_bias + kLevel, depth_m(state), up_m, std::sqrt(level_variance(state)));
   }
 
-  void be_as_in(std::uint64_t version) override {
-    if (version <= 2) waves_ = waves(0);
-    if (version <= 5) above_ = {0, 0};
-  }
-  void exchange_parameters(StateArchive& archive, std::uint64_t version) override {
+  void exchange_parameters(StateArchive& archive) override {
     exchange_numbers(archive, lever_);
     exchange_not_negative(archive, variance_);
     exchange_bias(archive, bias_);
-    double wave_std = waves_.first_std_m();
-    if (version >= 3) exchange_not_negative(archive, wave_std);
+    double wave_std = waves_.first_std_m(), level_std = above_.level_std_m(), column_std = above_.column_std();
+    for (double* std : {&wave_std, &level_std, &column_std}) exchange_not_negative(archive, *std);
     waves_ = waves(wave_std);
-    double level_std = above_.level_std_m(), column_std = above_.column_std();
-    if (version >= 6) {
-      exchange_not_negative(archive, level_std);
-      exchange_not_negative(archive, column_std);
-    }
     above_ = {level_std, column_std};
   }
 

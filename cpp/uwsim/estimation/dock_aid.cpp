@@ -14,7 +14,6 @@ class DockAid final : public Aid {
       : position_std_(position_std), attitude_std_(attitude_std), velocity_std_(velocity_std) {}
 
   int width() const override { return 7; }
-  std::uint64_t since_version() const override { return 3; }
   ErrorIndex seen() const override { return kPosition; }
 
   void correct(FilterState& state, const double* reading) const override {
@@ -28,7 +27,7 @@ class DockAid final : public Aid {
     }
   }
 
-  void exchange_parameters(StateArchive& archive, std::uint64_t /*version*/) override {
+  void exchange_parameters(StateArchive& archive) override {
     for (double* std : {&position_std_, &attitude_std_, &velocity_std_}) exchange_not_negative(archive, *std);
   }
 

@@ -23,7 +23,7 @@ class DopplerAid final : public Aid {
     }
   }
 
-  void exchange_parameters(StateArchive& archive, std::uint64_t /*version*/) override {
+  void exchange_parameters(StateArchive& archive) override {
     exchange_numbers(archive, beams_);
     exchange_numbers(archive, lever_);
     exchange_not_negative(archive, variance_);

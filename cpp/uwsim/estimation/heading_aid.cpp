@@ -21,9 +21,6 @@ class HeadingAid final : public Aid {
     const BiasModel iron{.turn_on_std = iron_std_};
     return {bias_, iron, iron, iron};
   }
-  int biases_in(std::uint64_t version) const override {
-    return version == 1 ? 3 : 4;  // version 1 lacks the upward component of the field
-  }
   ErrorIndex seen() const override { return kAttitude; }
 
   void correct(FilterState& state, const double* reading) const override {
@@ -45,7 +42,7 @@ class HeadingAid final : public Aid {
     Aid::correct(state, std::remainder(reading[0] - expected, 2 * std::numbers::pi), h, variance_);
   }
 
-  void exchange_parameters(StateArchive& archive, std::uint64_t /*version*/) override {
+  void exchange_parameters(StateArchive& archive) override {
     exchange_numbers(archive, axis_);
     exchange_not_negative(archive, variance_);
     exchange_bias(archive, bias_);

@@ -31,9 +31,7 @@ struct FilterStart {
 class NavigationFilter {
  public:
   static constexpr double kHorizon_s = 4;
-  /// Version of the bytes that save() returns. Version 2 added the parameters of the filter's instruments, the IMU's
-  /// last sample, and all three axes of a compass's hard iron. Version 3 added the waves' pressure at a depth gauge and
-  /// the dock. Version 5 added satellite receivers, version 6 the water above a depth gauge.
+  /// Version of the bytes that save() returns, which are stored together with it.
   static constexpr std::uint64_t kVersion = 6;
 
   /// `imu_body_m`: position of the IMU on the body.
@@ -65,8 +63,8 @@ class NavigationFilter {
 
   /// Returns the complete state. A filter with the same aids that restores these bytes continues identically.
   std::string save();
-  /// Throws InvalidValue for bytes that do not match, and for an unknown version.
-  void restore(std::string_view bytes, std::uint64_t version = kVersion);
+  /// The bytes must be of kVersion. Throws InvalidValue if they do not match the filter.
+  void restore(std::string_view bytes);
 
  private:
   static constexpr int kImu = -1, kSilence = -2;
@@ -93,9 +91,9 @@ class NavigationFilter {
   void forget();
   void forget_all_but(std::size_t checkpoints_from);
   std::size_t last_before_horizon() const;
-  void exchange(StateArchive& archive, std::uint64_t version);
+  void exchange(StateArchive& archive);
   void collect_biases();
-  void exchange_parameters(StateArchive& archive, std::uint64_t version);
+  void exchange_parameters(StateArchive& archive);
 
   Inertial inertial_;
   Eigen::Vector3d imu_body_m_;

@@ -27,7 +27,7 @@ class OrientationAid final : public Aid {
     }
   }
 
-  void exchange_parameters(StateArchive& archive, std::uint64_t /*version*/) override {
+  void exchange_parameters(StateArchive& archive) override {
     exchange_not_negative(archive, variance_);
     exchange_bias(archive, bias_);
   }

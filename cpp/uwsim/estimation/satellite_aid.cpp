@@ -16,8 +16,6 @@ class SatelliteAid final : public Aid {
   std::vector<BiasModel> biases() const override {
     return {errors_.horizontal_bias, errors_.horizontal_bias, errors_.vertical_bias};
   }
-  int biases_in(std::uint64_t version) const override { return version < since_version() ? 0 : 3; }
-  std::uint64_t since_version() const override { return 5; }
   ErrorIndex seen() const override { return kPosition; }
 
   void correct(FilterState& state, const double* reading) const override {
@@ -42,7 +40,7 @@ class SatelliteAid final : public Aid {
     }
   }
 
-  void exchange_parameters(StateArchive& archive, std::uint64_t /*version*/) override {
+  void exchange_parameters(StateArchive& archive) override {
     exchange_numbers(archive, lever_);
     for (double* std : {&errors_.horizontal_std_m, &errors_.vertical_std_m, &errors_.velocity_std_m_s}) {
       exchange_not_negative(archive, *std);

@@ -128,10 +128,6 @@ void NoisySensor::settle(const Surroundings& around) {
   measured_tick_ = kNever;  // sample_ is the last of them
 }
 
-void NoisySensor::set_stations(const Eigen::Vector3d& station_world_m) {
-  history_.visit_all([&](SampleHistory::Entry& entry) { entry.snapshot.station_world_m = station_world_m; });
-}
-
 void NoisySensor::finish(const VehicleSnapshot& snapshot, bool with_noise) {
   if (with_noise) {
     sensor_->distort(raw_);

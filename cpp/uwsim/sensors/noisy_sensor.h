@@ -74,8 +74,6 @@ class NoisySensor {
   void exchange_state(StateArchive& archive, std::uint64_t tick);
   /// See SampleHistory.
   void exchange_details(StateArchive& archive) { history_.exchange_details(archive, sample_.values.size()); }
-  /// For states that lack these details.
-  void set_stations(const Eigen::Vector3d& station_world_m);
   /// Computes the samples that have been recorded, before the parameters change on which they depend.
   void settle(const Surroundings& around);
   /// Takes over the samples of the same sensor with other parameters.

@@ -71,9 +71,6 @@ class SensorRack {
   void exchange_details(StateArchive& archive) {
     for (NoisySensor& sensor : sensors_) sensor.exchange_details(archive);
   }
-  void set_stations(const Eigen::Vector3d& station_world_m) {
-    for (NoisySensor& sensor : sensors_) sensor.set_stations(station_world_m);
-  }
   /// Watches the same sensors as another rack.
   void watch_like(const SensorRack& other) {
     for (std::size_t k = 0; k < sensors_.size(); ++k) sensors_[k].watch_like(other.sensors_.at(k));

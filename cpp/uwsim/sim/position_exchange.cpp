@@ -58,11 +58,8 @@ void PositionExchange::receive(const LinkDelivery& delivery, const NoisySensor& 
   }
 }
 
-void PositionExchange::exchange_station(StateArchive* archive, const Eigen::Vector3d& station_world_m) {
-  if (archive == nullptr) asked_.station_world_m = station_world_m;
-  for (double& each : asked_.station_world_m) {
-    if (archive != nullptr) (*archive)(each);
-  }
+void PositionExchange::exchange_station(StateArchive& archive) {
+  for (double& each : asked_.station_world_m) archive(each);
 }
 
 void PositionExchange::exchange_state(StateArchive& archive, const PacketNetwork& network, std::uint64_t tick) {

@@ -46,8 +46,8 @@ class PositionExchange {
   const VehicleSnapshot& asked() const { return asked_; }
   void settle() { state_ = State::kIdle; }
 
-  /// Saves or restores where the station was when the ping was sent, after exchange_state; null: a state that lacks it.
-  void exchange_station(StateArchive* archive, const Eigen::Vector3d& station_world_m);
+  /// Saves or restores where the station was when the ping was sent.
+  void exchange_station(StateArchive& archive);
   /// Saves or restores the exchange at `tick`; must be called after the network's. Throws InvalidValue.
   void exchange_state(StateArchive& archive, const PacketNetwork& network, std::uint64_t tick);
 

@@ -58,51 +58,34 @@ void Simulation::exchange_state(StateArchive& archive) {
   bodies_.exchange_state(archive);
   std::uint64_t layout = link_ ? PacketNetwork::kLayout : 0;
   archive(layout);
-  require((layout > 0) == link_.has_value() && layout <= PacketNetwork::kLayout, "state.link", layout,
-          link_ ? "must be 1 or 2" : "must be 0");
+  require((layout > 0) == link_.has_value(), "state.link", layout, link_ ? "must be of a link" : "must be 0: no link");
   if (link_) {
-    link_->network.exchange_state(archive, layout);
+    require(layout == PacketNetwork::kLayout, "state.link.version", layout,
+            "must be " + std::to_string(PacketNetwork::kLayout) + ": another version of uwsim saved it");
+    link_->network.exchange_state(archive);
     for (PositionExchange& one : link_->exchanges) one.exchange_state(archive, link_->network, tick_);
   }
   bodies_.exchange_contacts(archive);
   exchange_applied(archive);
+  exchange_details(archive);
 }
 
-/// The wrenches that act on the bodies, and the last step, after all else: a state that ends before them was saved by
-/// an earlier build.
+/// The wrenches that act on the bodies, the last step, and what is attached to bodies.
 void Simulation::exchange_applied(StateArchive& archive) {
-  const auto exchange = [&archive](Pushes& pushes, bool is_older) {
-    if (is_older) {
-      pushes.commanded = {};
-    } else {
-      pushes.exchange_state(archive);
-    }
-  };
-  const bool is_older = archive.at_end();
-  for (Vehicle& vehicle : vehicles_) exchange(vehicle.pushes, is_older);
+  for (Vehicle& vehicle : vehicles_) vehicle.pushes.exchange_state(archive);
   bodies_.exchange_last_step(archive);
   bodies_.exchange_tethers(archive);
   bodies_.exchange_arms(archive);
   bodies_.exchange_hull_waves(archive);
-  const bool has_no_objects = archive.at_end();
-  for (Pushes& pushes : object_pushes_) exchange(pushes, has_no_objects);
+  for (Pushes& pushes : object_pushes_) pushes.exchange_state(archive);
   if (stirring_) stirring_->exchange_state(archive);
-  exchange_details(archive);
 }
 
-/// The details of samples; an earlier build took them from the time at which they were read.
+/// The details of samples: what an instrument's readings depend on besides the vehicle's state.
 void Simulation::exchange_details(StateArchive& archive) {
-  const bool is_older = archive.at_end();
-  const Eigen::Vector3d station = station_world_m();
-  for (Vehicle& vehicle : vehicles_) {
-    if (is_older) {
-      vehicle.sensors.set_stations(station);
-    } else {
-      vehicle.sensors.exchange_details(archive);
-    }
-  }
+  for (Vehicle& vehicle : vehicles_) vehicle.sensors.exchange_details(archive);
   if (!link_) return;
-  for (PositionExchange& one : link_->exchanges) one.exchange_station(is_older ? nullptr : &archive, station);
+  for (PositionExchange& one : link_->exchanges) one.exchange_station(archive);
 }
 
 void Simulation::exchange_vehicle(StateArchive& archive, Vehicle& vehicle) const {

@@ -177,9 +177,9 @@ class Simulation {
   /// The surroundings of the vehicle's instruments: the world, and all other vehicles, objects, arms, its
   /// own as well, and tethers at their present poses. Valid until time advances or a vehicle is moved.
   RayScene scene_around(std::size_t vehicle) const;
-  /// Where the links of arms are that have a surface: of all vehicles in order, in the links' order.
+  /// Returns the poses of all arms' links that have a surface, vehicle by vehicle, each arm's links in order.
   std::vector<Pose> link_surfaces() const;
-  /// Those, and then the tubes of all tethers (tether_tubes.h).
+  /// Returns link_surfaces(), followed by the poses of the tubes of all tethers (tether_tubes.h).
   std::vector<Pose> attached_surfaces() const;
   /// All vehicles, objects, schools, then arms and tethers, at their present poses, for RayScene::with.
   const MovingBodies& vehicles_for_rays() const;

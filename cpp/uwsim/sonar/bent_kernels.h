@@ -25,10 +25,10 @@ struct PieceRows {
 struct BentRays {
   alignas(64) BentRow level_x, level_y;
   alignas(64) BentRow snell_s_m;
-  alignas(64) BentRow top_m, bottom_m;  ///< of the layer at the end of the present chord
-  PieceRows end;                        ///< of the present chord
-  /// The layers that the present chord passes: piece k leads from the start of pieces[k] to that of pieces[k + 1], or
-  /// to the end of the chord.
+  alignas(64) BentRow top_m, bottom_m;  ///< the depths that bound the layer in which the present chord ends
+  PieceRows end;                        ///< the end of the present chord
+  /// The pieces of the present chord, one in each layer: piece k leads from the start of pieces[k] to that of
+  /// pieces[k + 1], the last to the end of the chord.
   PieceRows pieces[kPiecesMax];
   alignas(64) BentRow count;  ///< of pieces
   alignas(64) BentRow chord_m;

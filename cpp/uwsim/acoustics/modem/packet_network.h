@@ -53,7 +53,7 @@ struct TopicCounts {
   std::array<std::uint64_t, kLossKinds> lost{};
   double delay_s = 0;  ///< time from submission to arrival, summed over all delivered messages
   TopicCounts& operator+=(const TopicCounts& other);
-  void exchange_state(StateArchive& archive, std::uint64_t layout);
+  void exchange_state(StateArchive& archive);
 };
 
 /// The quality of the link from one node to another, as last observed by the receiver. Between nodes that are connected
@@ -64,7 +64,7 @@ struct LinkQuality {
   std::uint64_t packets_uneven = 0;                               ///< packets that were received over an uneven bed
   std::uint64_t heard_ns = 0;                                     ///< when the last message arrived; 0 if none has
   double delay_s = 0, snr_db = 0, closing_m_s = 0, spread_s = 0;  ///< of the last packet, lost or not
-  void exchange_state(StateArchive& archive, std::uint64_t layout);
+  void exchange_state(StateArchive& archive);
 };
 
 /// Nodes that exchange messages over one shared channel, packet by packet, in simulated time. Every node receives every
@@ -124,8 +124,9 @@ class PacketNetwork {
   /// The total time that nodes have been sending [s].
   double sending_s() const { return sending_s_; }
 
-  /// Saves or restores the network. States of layout 1, saved before there were acknowledgements and relays, are read.
-  void exchange_state(StateArchive& archive, std::uint64_t layout = kLayout);
+  /// Saves or restores the network.
+  void exchange_state(StateArchive& archive);
+  /// The version of the bytes of exchange_state().
   static constexpr std::uint64_t kLayout = 2;
 
  private:
@@ -143,7 +144,7 @@ class PacketNetwork {
     std::uint64_t bytes = 0;
     bool is_last = false, deaf = false;
     bool is_copy = false;  // one of several copies of its message
-    void exchange_state(StateArchive& archive, std::uint64_t layout);
+    void exchange_state(StateArchive& archive);
   };
   /// A packet as received by a node, whether or not it is addressed to it; it is noise to all other packets there.
   /// There are many of these, so the struct is small.
@@ -158,7 +159,7 @@ class PacketNetwork {
     std::uint64_t number = 0, from = 0;  // of the message, and of the node that sends it on this hop
     std::uint64_t fate = 0, before = 0;
     bool delivered = false;
-    void exchange_state(StateArchive& archive, std::uint64_t layout);
+    void exchange_state(StateArchive& archive);
   };
   /// An interval in which a node is disconnected.
   struct Outage {

@@ -8,18 +8,12 @@
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kOldLossKinds = 7;
-
-void exchange_losses(StateArchive& archive, std::uint64_t layout, std::array<std::uint64_t, kLossKinds>& lost) {
-  for (std::size_t k = 0; k < (layout < 2 ? kOldLossKinds : kLossKinds); ++k) archive(lost[k]);
-}
-
-void exchange_reception(StateArchive& archive, std::uint64_t layout, Reception& heard) {
+void exchange_reception(StateArchive& archive, Reception& heard) {
   archive(heard.reached);
   for (double* value : {&heard.delay_s, &heard.signal_db, &heard.noise_db, &heard.closing_m_s, &heard.spread_s}) {
     archive(*value);
   }
-  if (layout >= 2) archive(heard.bed_departure);
+  archive(heard.bed_departure);
 }
 
 }  // namespace
@@ -29,27 +23,26 @@ void LinkDelivery::exchange_state(StateArchive& archive) {
   archive(payload);
 }
 
-void TopicCounts::exchange_state(StateArchive& archive, std::uint64_t layout) {
+void TopicCounts::exchange_state(StateArchive& archive) {
   for (std::uint64_t* value : {&given, &replaced, &refused, &late, &sent, &delivered, &bytes_sent, &bytes_delivered}) {
     archive(*value);
   }
-  exchange_losses(archive, layout, lost);
+  for (std::uint64_t& count : lost) archive(count);
   archive(delay_s);
-  if (layout >= 2) archive(resent);
+  archive(resent);
 }
 
-void LinkQuality::exchange_state(StateArchive& archive, std::uint64_t layout) {
+void LinkQuality::exchange_state(StateArchive& archive) {
   for (std::uint64_t* value : {&packets, &packets_lost, &heard_ns}) archive(*value);
   for (double* value : {&delay_s, &snr_db, &closing_m_s, &spread_s}) archive(*value);
-  if (layout >= 2) archive(packets_uneven);
+  archive(packets_uneven);
 }
 
-void PacketNetwork::Flight::exchange_state(StateArchive& archive, std::uint64_t layout) {
+void PacketNetwork::Flight::exchange_state(StateArchive& archive) {
   for (std::uint64_t* value : {&packet, &from, &at, &starts_ns, &ends_ns, &bytes}) archive(*value);
   for (bool* value : {&is_last, &deaf, &is_copy}) archive(*value);
-  exchange_reception(archive, layout, heard);
-  message.exchange_state(archive, layout);
-  if (layout < 2) message.from = from;
+  exchange_reception(archive, heard);
+  message.exchange_state(archive);
 }
 
 void PacketNetwork::Sound::exchange_state(StateArchive& archive) {
@@ -57,17 +50,17 @@ void PacketNetwork::Sound::exchange_state(StateArchive& archive) {
   archive(level_db);
 }
 
-void PacketNetwork::Partial::exchange_state(StateArchive& archive, std::uint64_t layout) {
+void PacketNetwork::Partial::exchange_state(StateArchive& archive) {
   for (std::uint64_t* value : {&number, &fate, &before}) archive(*value);
   archive(delivered);
-  if (layout >= 2) archive(from);
+  archive(from);
   require(std::max(fate, before) < kLossKinds, "state.link.fate", fate, "must be a kind of loss");
 }
 
-void PacketNetwork::exchange_state(StateArchive& archive, std::uint64_t layout) {
+void PacketNetwork::exchange_state(StateArchive& archive) {
   archive.same("link nodes", nodes_.size());
-  for (std::size_t index = 0; Node & node : nodes_) {
-    node.queue.exchange_state(archive, layout, index++);
+  for (Node& node : nodes_) {
+    node.queue.exchange_state(archive);
     archive(node.may_send_ns);
     archive(node.waits);
     archive(node.sending_until_ns);
@@ -76,21 +69,12 @@ void PacketNetwork::exchange_state(StateArchive& archive, std::uint64_t layout) 
   if (archive.restoring()) counts_.clear();
   for (std::size_t k = 0; k < topics_.size(); ++k) {
     if (archive.restoring()) counts_.emplace_back(nodes_.size());
-    for (TopicCounts& counts : counts_[k]) counts.exchange_state(archive, layout);
+    for (TopicCounts& counts : counts_[k]) counts.exchange_state(archive);
   }
-  for (LinkQuality& quality : quality_) quality.exchange_state(archive, layout);
-  archive.list(flights_, [&](Flight& flight) { flight.exchange_state(archive, layout); });
+  for (LinkQuality& quality : quality_) quality.exchange_state(archive);
+  archive.list(flights_, [&](Flight& flight) { flight.exchange_state(archive); });
   archive.list(sounds_, [&](Sound& sound) { sound.exchange_state(archive); });
-  archive.list(partials_, [&](Partial& partial) { partial.exchange_state(archive, layout); });
-  for (Partial& partial : partials_) {
-    if (layout >= 2) break;
-    for (std::size_t node = 0; node < nodes_.size(); ++node) {
-      if (nodes_[node].queue.holds(partial.number)) partial.from = node;
-    }
-    for (const Flight& flight : flights_) {
-      if (flight.message.number == partial.number) partial.from = flight.from;
-    }
-  }
+  archive.list(partials_, [&](Partial& partial) { partial.exchange_state(archive); });
   archive.list(outages_, [&](Outage& outage) {
     for (std::uint64_t* value : {&outage.node, &outage.from_ns, &outage.until_ns}) archive(*value);
   });

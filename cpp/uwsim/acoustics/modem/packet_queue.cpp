@@ -7,7 +7,7 @@
 
 namespace uwsim {
 
-void LinkMessage::exchange_state(StateArchive& archive, std::uint64_t layout) {
+void LinkMessage::exchange_state(StateArchive& archive) {
   archive(number);
   archive(to);
   archive(topic);
@@ -20,7 +20,6 @@ void LinkMessage::exchange_state(StateArchive& archive, std::uint64_t layout) {
   archive(payload);
   archive(packets_sent);
   archive(again);
-  if (layout < 2) return;
   for (std::uint64_t* value : {&from, &repeats_given, &retransmissions, &held_until_ns, &acknowledges}) archive(*value);
   archive(travel_s);
 }
@@ -108,15 +107,12 @@ PacketQueue::Messages::iterator PacketQueue::replaced_by(const LinkMessage& mess
   return oldest;
 }
 
-void PacketQueue::exchange_state(StateArchive& archive, std::uint64_t layout, std::uint64_t node) {
+void PacketQueue::exchange_state(StateArchive& archive) {
   std::vector<LinkMessage> all;
   for (const LinkMessage* message : messages()) all.push_back(*message);
-  archive.list(all, [&](LinkMessage& message) { message.exchange_state(archive, layout); });
+  archive.list(all, [&](LinkMessage& message) { message.exchange_state(archive); });
   *this = PacketQueue();
-  for (LinkMessage& message : all) {
-    if (layout < 2) message.from = node;
-    insert(std::move(message));
-  }
+  for (LinkMessage& message : all) insert(std::move(message));
 }
 
 }  // namespace uwsim

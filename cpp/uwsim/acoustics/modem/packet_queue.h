@@ -36,7 +36,7 @@ struct LinkMessage {
 
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
 
-  void exchange_state(StateArchive& archive, std::uint64_t layout);
+  void exchange_state(StateArchive& archive);
 };
 
 inline constexpr std::uint64_t kRepeatsMax = 1000;
@@ -77,8 +77,8 @@ class PacketQueue {
   /// All messages, in order of submission.
   std::vector<const LinkMessage*> messages() const;
 
-  /// Saves or restores the queue of `node`.
-  void exchange_state(StateArchive& archive, std::uint64_t layout, std::uint64_t node);
+  /// Saves or restores the queue.
+  void exchange_state(StateArchive& archive);
 
  private:
   struct Place {

@@ -364,7 +364,7 @@ class Navigator(Attached):
             raise ValueError(f"state.version = {state.version}: must be {version}: another version of uwsim saved it")
         require_names("from_ns", state.from_ns, self._from_ns)
         with self._lock:
-            self._filter.restore(state.filter, version)
+            self._filter.restore(state.filter)
             self._held = state.held
             self._silence_ns = state.figures.silence_ns
             self._around = replace(self._around, **state.figures.model_dump(exclude={"silence_ns"}))
