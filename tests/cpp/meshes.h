@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "uwsim/core/pose.h"
 #include "uwsim/core/triangle_mesh.h"
 
 namespace uwsim::testing {
@@ -42,6 +43,21 @@ inline TriangleMesh sphere(double radius, int bands) {
     }
     mesh.triangles.push_back({at(bands - 1, j), last, at(bands - 1, j + 1)});
   }
+  return mesh;
+}
+
+inline TriangleMesh moved(TriangleMesh mesh, const Eigen::Vector3d& by) {
+  for (Eigen::Vector3d& vertex : mesh.vertices_m) vertex += by;
+  return mesh;
+}
+
+inline TriangleMesh placed(TriangleMesh mesh, const Pose& pose) {
+  for (Eigen::Vector3d& vertex : mesh.vertices_m) vertex = pose.point(vertex);
+  return mesh;
+}
+
+inline TriangleMesh stretched(TriangleMesh mesh, const Eigen::Vector3d& factors) {
+  for (Eigen::Vector3d& vertex : mesh.vertices_m) vertex = vertex.cwiseProduct(factors);
   return mesh;
 }
 

@@ -6,67 +6,40 @@
 #include <string>
 #include <vector>
 
-#include "meshes.h"
-#include "uwsim/dynamics/rigid_body_world.h"
+#include "dynamics/bodies.h"
 
 // Laws of contacts of an arm's links: each is solved with the whole tree, its motors and its vehicle.
 namespace uwsim::arm_contact_tests {
 namespace {
 
-constexpr double kGravity = 9.80665, kStep_s = 0.005, kBed_m = -10;
+constexpr double kBed_m = -10;
 
-EvenWater air(double gravity = kGravity) {
-  EvenWater water;
-  water.density_kg_m3 = 1e-12;
-  water.gravity_m_s2 = gravity;
-  return water;
-}
-
-World flat_bed() {
-  World world;
-  world.set_terrain(Heightfield(std::vector<float>(41 * 41, static_cast<float>(kBed_m)), 41, 41, 0.5, {-10, -10}));
-  return world;
-}
-
-std::shared_ptr<const Craft> block(const Eigen::Vector3d& size_m, double mass_kg) {
-  const TriangleMesh mesh = testing::box(size_m.x(), size_m.y(), size_m.z());
-  const SolidProperties solid = solid_properties(mesh);
-  CraftParameters p;
-  p.mass_kg = mass_kg;
-  p.inertia_kg_m2 = mass_kg / solid.volume_m3 * solid.inertia_per_density_m5;
-  return std::make_shared<const Craft>(p, BuoyantHull(mesh));
-}
+World bed() { return flat_bed(kBed_m, 41, 0.5); }
 
 BodySpec body(const std::string& name, const Eigen::Vector3d& size_m, double mass_kg, std::vector<ArmLink> arm = {}) {
   BodySpec spec;
   spec.name = name;
-  spec.craft = block(size_m, mass_kg);
+  const TriangleMesh mesh = testing::box(size_m.x(), size_m.y(), size_m.z());
+  spec.craft = craft_of(solid_of(mesh, mass_kg / size_m.prod()), mesh);
   spec.restitution = 0;
   spec.arm = std::move(arm);
   return spec;
 }
 
-BodyState at(const Eigen::Vector3d& place_m) {
-  BodyState state;
-  state.world_from_body.position_m = place_m;
-  return state;
-}
-
 /// A box from the joint along x.
 ArmLink bar(const std::string& name, std::uint64_t parent, const Eigen::Vector3d& joint_m, double length_m,
             double mass_kg = 0.5) {
-  TriangleMesh mesh = testing::box(length_m, 0.04, 0.04);
-  for (Eigen::Vector3d& v : mesh.vertices_m) v.x() += length_m / 2;
+  const Eigen::Vector3d middle_m(length_m / 2, 0, 0);
   ArmLink link;
   link.name = name;
   link.parent = parent;
   link.parent_from_link.position_m = joint_m;
   link.axis = Eigen::Vector3d::UnitY();
   link.mass_kg = mass_kg;
-  link.centre_of_mass_m = {length_m / 2, 0, 0};
+  link.centre_of_mass_m = middle_m;
   const double across = mass_kg * (length_m * length_m + 0.0016) / 12;
   link.inertia_kg_m2 = Eigen::Vector3d(mass_kg * 0.0032 / 12, across, across).asDiagonal();
-  link.surface_m = std::make_shared<const TriangleMesh>(std::move(mesh));
+  link.surface_m = std::make_shared<const TriangleMesh>(testing::moved(testing::box(length_m, 0.04, 0.04), middle_m));
   return link;
 }
 
@@ -124,7 +97,7 @@ Total total(RigidBodyWorld& world, const WaterField& water) {
 }
 
 TEST(ArmContact, AnImpulseAtALinkChangesTheMomentumOfTheWholeTree) {
-  const EvenWater nothing = air(0);
+  const EvenWater nothing = vacuum(0);
   for (const double friction : {0.0, 0.5}) {
     RigidBodyWorld world({}, 0.001);
     BodySpec rov = body("rov", {0.4, 0.3, 0.1}, 12, chain(4)), ball = body("ball", {0.1, 0.12, 0.14}, 2);
@@ -151,17 +124,17 @@ TEST(ArmContact, AnImpulseAtALinkChangesTheMomentumOfTheWholeTree) {
 
 /// How far a block falls in a quarter of a second that two fingers with a given force hold.
 double fall_m(double mass_kg, double force_n, bool with_torque) {
-  RigidBodyWorld world(flat_bed(), kStep_s);
-  const EvenWater water = air();
+  RigidBodyWorld world(bed(), kStep_s);
+  const EvenWater water = vacuum();
   world.add_body(body("rov", {0.6, 0.6, 0.4}, 1e5, gripper(force_n)), at({0, 0, kBed_m + 0.201}));
   BodySpec held = body("sample", {0.06, 0.098, 0.06}, mass_kg);
   world.add_body(held, at({0.53, 0, kBed_m + 0.501}));
-  const double start_m = world.state(1).world_from_body.position_m.z();
+  const double start_m = place_m(world, 1).z();
   for (const std::size_t finger : {0, 1})
     world.arm(0)->command(finger, with_torque ? JointCommand{JointCommand::Mode::kTorque, force_n}
                                               : JointCommand{JointCommand::Mode::kSpeed, 0.05});
-  for (int n = 0; n < 50; ++n) world.step(water, n * kStep_s);
-  return start_m - world.state(1).world_from_body.position_m.z();
+  run(world, 50, water);
+  return start_m - place_m(world, 1).z();
 }
 
 TEST(ArmContact, ABlockBetweenFingersSlipsWhereItsWeightExceedsFriction) {
@@ -174,10 +147,10 @@ TEST(ArmContact, ABlockBetweenFingersSlipsWhereItsWeightExceedsFriction) {
 }
 
 TEST(ArmContact, AMotorThatClosesOnABlockGivesAllItHasAndStands) {
-  RigidBodyWorld world(flat_bed(), kStep_s);
-  const EvenWater water = air();
+  RigidBodyWorld world(bed(), kStep_s);
+  const EvenWater water = vacuum();
   world.add_body(body("rov", {0.6, 0.6, 0.4}, 200, gripper(15)), at({0, 0, kBed_m + 0.201}));
-  for (int n = 0; n < 400; ++n) world.step(water, n * kStep_s);
+  run(world, 400, water);
   const Vector6d empty = world.forces(0, water, 2).arm;
   const double mass_kg = 0.5, ahead_m = 0.53;
   world.add_body(body("sample", {0.06, 0.098, 0.06}, mass_kg), at({ahead_m, 0, kBed_m + 0.501}));
@@ -197,8 +170,8 @@ TEST(ArmContact, AMotorThatClosesOnABlockGivesAllItHasAndStands) {
 }
 
 TEST(ArmContact, AFallingChainComesToRestOnTheBedAndItsEnergyNeverGrows) {
-  RigidBodyWorld world(flat_bed(), kStep_s);
-  const EvenWater water = air();
+  RigidBodyWorld world(bed(), kStep_s);
+  const EvenWater water = vacuum();
   auto links = chain(4);
   for (ArmLink& link : links) link.coulomb_friction = 0.02;
   BodyState start = at({0, 0, kBed_m + 0.6});
@@ -224,33 +197,21 @@ TEST(ArmContact, AFallingChainComesToRestOnTheBedAndItsEnergyNeverGrows) {
 }
 
 TEST(ArmContact, AGraspContinuesFromASavedStateToTheSameBytes) {
-  const EvenWater water = air();
+  const EvenWater water = vacuum();
   const auto made = [&] {
-    auto world = std::make_unique<RigidBodyWorld>(flat_bed(), kStep_s);
+    auto world = std::make_unique<RigidBodyWorld>(bed(), kStep_s);
     world->add_body(body("rov", {0.6, 0.6, 0.4}, 50, gripper(20)), at({0, 0, kBed_m + 0.21}));
     world->add_body(body("sample", {0.06, 0.096, 0.06}, 0.8), at({0.53, 0.001, kBed_m + 0.51}));
-    for (const std::size_t finger : {0, 1}) world->arm(0)->command(finger, {JointCommand::Mode::kPosition, 0.03});
     return world;
   };
-  const auto bytes = [](RigidBodyWorld& world) {
-    StateArchive archive;
-    world.exchange_state(archive);
-    world.exchange_last_step(archive);
-    world.exchange_arms(archive);
-    return archive.bytes();
-  };
   const auto one = made(), other = made();
-  for (int n = 0; n < 40; ++n) one->step(water, n * kStep_s);
-  const std::string saved = bytes(*one);
-  StateArchive archive(saved);
-  other->exchange_state(archive);
-  other->exchange_last_step(archive);
-  other->exchange_arms(archive);
-  for (int n = 40; n < 120; ++n) {
-    one->step(water, n * kStep_s);
-    other->step(water, n * kStep_s);
+  for (const std::size_t finger : {0, 1}) one->arm(0)->command(finger, {JointCommand::Mode::kPosition, 0.03});
+  run(*one, 40, water);
+  restore(*other, saved(*one));
+  for (RigidBodyWorld* world : {one.get(), other.get()}) {
+    for (int n = 40; n < 120; ++n) world->step(water, n * kStep_s);
   }
-  EXPECT_EQ(bytes(*one), bytes(*other));
+  EXPECT_EQ(saved(*one), saved(*other));
 }
 
 }  // namespace

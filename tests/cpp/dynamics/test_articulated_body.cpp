@@ -6,47 +6,11 @@
 #include <random>
 #include <vector>
 
+#include "dynamics/arms.h"
 #include "uwsim/core/check.h"
-#include "uwsim/dynamics/arm.h"
 
 namespace uwsim::arm_tests {
 namespace {
-
-constexpr double kGravity = 9.80665, kStep_s = 0.005;
-
-EvenWater air(double gravity = kGravity) {
-  EvenWater water;
-  water.density_kg_m3 = 1e-12;
-  water.gravity_m_s2 = gravity;
-  return water;
-}
-
-ArmLink rod(const std::string& name, std::uint64_t parent, const Eigen::Vector3d& at_m, double mass_kg = 1) {
-  ArmLink link;
-  link.name = name;
-  link.parent = parent;
-  link.parent_from_link.position_m = at_m;
-  link.axis = Eigen::Vector3d::UnitY();
-  link.mass_kg = mass_kg;
-  link.centre_of_mass_m = {0.2, 0, 0};
-  link.inertia_kg_m2 = Eigen::Vector3d(0.001, 0.015, 0.015).asDiagonal();
-  return link;
-}
-
-std::vector<ArmLink> tree(int seed, std::size_t links) {
-  std::mt19937 draw(seed);
-  std::uniform_real_distribution<double> unit(-1, 1);
-  std::vector<ArmLink> all;
-  for (std::size_t k = 0; k < links; ++k) {
-    const std::uint64_t parent = k == 0 ? ArmLink::kBase : draw() % k;
-    ArmLink link = rod("l" + std::to_string(k), parent, {unit(draw), unit(draw), unit(draw)});
-    link.joint = k % 3 == 2 ? ArmLink::Joint::kSlide : ArmLink::Joint::kHinge;
-    link.axis = {unit(draw), unit(draw), 1};
-    link.parent_from_link.orientation = Eigen::Quaterniond(1, unit(draw), unit(draw), unit(draw)).normalized();
-    all.push_back(link);
-  }
-  return all;
-}
 
 /// A base without weight and water.
 class Drifting final : public ArmBase {
@@ -68,12 +32,34 @@ void step(Arm& arm, const ArmBase& base, BodyState& state, const WaterField& wat
   }
 }
 
-Vector6d world_momentum(const Vector6d& momentum_base, const Pose& pose) {
-  Vector6d world;
-  const Eigen::Vector3d linear = pose.direction(momentum_base.head<3>());
-  world << linear, pose.direction(momentum_base.tail<3>()) + pose.position_m.cross(linear);
-  return world;
+/// On a base that is held, under gravity alone.
+void step_held(Arm& arm, int count) {
+  BodyState base;
+  step(arm, HeldBase(), base, vacuum(), kStep_s, count);
 }
+
+/// An arm on a base that drifts in empty space.
+struct Adrift {
+  Adrift(const std::vector<ArmLink>& links, double step_s) : arm(links, step_s), step_s(step_s) {}
+  void step(int count = 1) { arm_tests::step(arm, Drifting(mass), state, vacuum(0), step_s, count); }
+  Vector6d momentum() {
+    const Vector6d base = arm.placed(state, vacuum(0), 0).momentum_base() + mass * state.velocity_body;
+    const Pose& pose = state.world_from_body;
+    Vector6d world;
+    const Eigen::Vector3d linear = pose.direction(base.head<3>());
+    world << linear, pose.direction(base.tail<3>()) + pose.position_m.cross(linear);
+    return world;
+  }
+  double energy_j() {
+    return arm.placed(state, vacuum(0), 0).kinetic_energy_j() +
+           0.5 * state.velocity_body.dot(mass * state.velocity_body);
+  }
+
+  const Matrix6d mass = Vector6d(5, 5, 5, 0.3, 0.2, 0.4).asDiagonal();
+  Arm arm;
+  double step_s;
+  BodyState state;
+};
 
 /// Accelerations of a compound double pendulum, angles from the horizontal, downward positive (Lagrange).
 std::array<double, 2> pendulum(const std::array<double, 4>& s) {
@@ -109,7 +95,7 @@ TEST(ArticulatedBody, ADoublePendulumMovesAsLagrangesEquationsSay) {
   arm.place(0, 0.3, 0);
   arm.place(1, 0.5, 1);
   BodyState base;
-  step(arm, HeldBase(), base, air(), 1e-3, 2000);
+  step(arm, HeldBase(), base, vacuum(), 1e-3, 2000);
   const std::array<double, 4> exact = integrated({0.3, 0.5, 0, 1}, 1e-4, 20000);
   EXPECT_NEAR(arm.position(0), exact[0], 1e-8);
   EXPECT_NEAR(arm.position(1), exact[1], 1e-8);
@@ -117,26 +103,15 @@ TEST(ArticulatedBody, ADoublePendulumMovesAsLagrangesEquationsSay) {
 }
 
 TEST(ArticulatedBody, AFloatingTreeKeepsMomentumAndEnergy) {
-  const Matrix6d mass = Vector6d(5, 5, 5, 0.3, 0.2, 0.4).asDiagonal();
-  const Drifting base(mass);
   for (const int seed : {1, 2, 3}) {
-    Arm arm(tree(seed, 7), 1e-3);
-    BodyState state;
-    state.velocity_body << 0.1, -0.2, 0.3, 0.4, -0.1, 0.2;
-    for (std::size_t k = 0; k < arm.size(); ++k) arm.place(k, 0.1, k % 2 == 0 ? 0.5 : -0.7);
-    const auto momentum = [&] {
-      const Vector6d sum = arm.placed(state, air(0), 0).momentum_base() + mass * state.velocity_body;
-      return world_momentum(sum, state.world_from_body);
-    };
-    const auto energy = [&] {
-      return arm.placed(state, air(0), 0).kinetic_energy_j() +
-             0.5 * state.velocity_body.dot(mass * state.velocity_body);
-    };
-    const Vector6d before = momentum();
-    const double joules = energy();
-    step(arm, base, state, air(0), 1e-3, 1000);
-    EXPECT_LT((momentum() - before).norm(), 1e-8 * before.norm()) << seed;
-    EXPECT_NEAR(energy(), joules, 1e-8 * joules) << seed;
+    Adrift it(tree(seed, 7), 1e-3);
+    it.state.velocity_body << 0.1, -0.2, 0.3, 0.4, -0.1, 0.2;
+    for (std::size_t k = 0; k < it.arm.size(); ++k) it.arm.place(k, 0.1, k % 2 == 0 ? 0.5 : -0.7);
+    const Vector6d before = it.momentum();
+    const double joules = it.energy_j();
+    it.step(1000);
+    EXPECT_LT((it.momentum() - before).norm(), 1e-8 * before.norm()) << seed;
+    EXPECT_NEAR(it.energy_j(), joules, 1e-8 * joules) << seed;
   }
 }
 
@@ -145,13 +120,13 @@ TEST(ArticulatedBody, TheReactionOnTheBaseIsTheRateOfMomentumLessTheWeight) {
   BodyState base;
   for (std::size_t k = 0; k < arm.size(); ++k) arm.place(k, 0.2, 0.3);
   const double h = 1e-5;
-  const Vector6d before = arm.placed(base, air(), 0).momentum_base();
-  step(arm, HeldBase(), base, air(), h);
-  const Vector6d rate = (arm.placed(base, air(), 0).momentum_base() - before) / h;
+  const Vector6d before = arm.placed(base, vacuum(), 0).momentum_base();
+  step(arm, HeldBase(), base, vacuum(), h);
+  const Vector6d rate = (arm.placed(base, vacuum(), 0).momentum_base() - before) / h;
   Vector6d weight = Vector6d::Zero();
   for (std::size_t k = 0; k < arm.size(); ++k) {
     const Eigen::Vector3d force(0, 0, -kGravity * arm.links()[k].mass_kg);
-    const Eigen::Vector3d at = arm.placed(base, air(), 0).world_from_link(k).point(arm.links()[k].centre_of_mass_m);
+    const Eigen::Vector3d at = arm.placed(base, vacuum(), 0).world_from_link(k).point(arm.links()[k].centre_of_mass_m);
     weight.head<3>() += force;
     weight.tail<3>() += at.cross(force);
   }
@@ -171,8 +146,7 @@ TEST(ArticulatedBody, AWeldedLinkMovesAsPartOfItsBase) {
   ArticulatedBody hinged({block});
   EvenWater water;
   water.current_world_m_s = {0.3, -0.2, 0.1};
-  BodyState base;
-  base.world_from_body.position_m = {0, 0, -10};
+  BodyState base = at(0, 0, -10);
   base.velocity_body << 1, 0.5, -0.3, 0.4, -0.6, 0.2;
   const std::vector<double> zero = {0};
   welded.place(base, zero, zero, water, 0);
@@ -182,8 +156,8 @@ TEST(ArticulatedBody, AWeldedLinkMovesAsPartOfItsBase) {
   EXPECT_TRUE(one.inertia.isApprox(other.inertia, 1e-14));
   EXPECT_TRUE(one.bias.isApprox(other.bias, 1e-14));
   // Kirchhoff: with all of it moved to the base's origin, the added mass's force is that of one matrix there.
-  SpatialTransform at{block.parent_from_link.rotation(), block.parent_from_link.position_m};
-  const Matrix6d added = at.inertia_to_parent(block.added_mass);
+  const SpatialTransform from_block{block.parent_from_link.rotation(), block.parent_from_link.position_m};
+  const Matrix6d added = from_block.inertia_to_parent(block.added_mass);
   Vector6d current = Vector6d::Zero();
   current.head<3>() = water.current_world_m_s;
   const Vector6d relative = base.velocity_body - current;
@@ -204,8 +178,7 @@ TEST(ArticulatedBody, ANeutralLinkDriftsWithTheCurrentWithoutLoad) {
   ball.quadratic_drag.fill(5);
   EvenWater water;
   water.current_world_m_s = {0.4, 0.1, 0};
-  BodyState base;
-  base.world_from_body.position_m.z() = -5;
+  BodyState base = at(0, 0, -5);
   base.velocity_body.head<3>() = water.current_world_m_s;
   ArticulatedBody body({ball});
   const std::vector<double> zero = {0};
@@ -274,7 +247,7 @@ TEST(Arm, NoLinkLeavesItsBounds) {
     for (std::size_t k = 0; k < arm.size(); ++k) arm.place(k, unit(draw), unit(draw));
     for (double& value : base.velocity_body) value = unit(draw);
     arm.begin();
-    next = arm.advance(HeldBase(), base, air(), 0, kStep_s);
+    next = arm.advance(HeldBase(), base, vacuum(), 0, kStep_s);
     const Arm::Bounds bounds = arm.bounds(base, next);
     std::vector<Arm::LinkMotion> motions(arm.size());
     arm.find_motions(base, next, motions);
@@ -291,8 +264,7 @@ TEST(Arm, FrictionHoldsAJointUpToItsTorque) {
     ArmLink link = rod("l", ArmLink::kBase, {0, 0, 0});
     link.coulomb_friction = share * torque;
     Arm arm({link}, kStep_s);
-    BodyState base;
-    step(arm, HeldBase(), base, air(), kStep_s, 200);
+    step_held(arm, 200);
     EXPECT_EQ(arm.position(0) == 0, share > 1) << share;
   }
 }
@@ -305,46 +277,33 @@ TEST(Arm, CoulombFrictionStopsASpinningRotorInItsTime) {
   link.coulomb_friction = 0.05;
   Arm arm({link}, kStep_s);
   arm.place(0, 0, 1);
-  BodyState base;
-  step(arm, HeldBase(), base, air(), kStep_s, 95);  // inertia 0.025, so it turns for 0.5 s and 0.25 rad
+  step_held(arm, 95);  // inertia 0.025, so it turns for 0.5 s and 0.25 rad
   EXPECT_GT(arm.speed(0), 0);
-  step(arm, HeldBase(), base, air(), kStep_s, 10);
+  step_held(arm, 10);
   EXPECT_EQ(arm.speed(0), 0);
   EXPECT_NEAR(arm.position(0), 0.25, 1e-9);
 }
 
 TEST(Arm, AStopTakesTheSpeedAndNothingPassesIt) {
-  Arm arm = [] {
-    auto links = tree(4, 5);
-    for (ArmLink& link : links) link.lowest = -0.2, link.highest = 0.3;
-    return Arm(links, kStep_s);
-  }();
-  const Matrix6d mass = Vector6d(5, 5, 5, 0.3, 0.2, 0.4).asDiagonal();
-  const Drifting base(mass);
-  BodyState state;
-  for (std::size_t k = 0; k < arm.size(); ++k) arm.place(k, 0, k % 2 == 0 ? 2 : -3);
-  const auto energy = [&] {
-    return arm.placed(state, air(0), 0).kinetic_energy_j() + 0.5 * state.velocity_body.dot(mass * state.velocity_body);
-  };
-  const auto momentum = [&] {
-    return world_momentum(arm.placed(state, air(0), 0).momentum_base() + mass * state.velocity_body,
-                          state.world_from_body);
-  };
-  const Vector6d before = momentum();
-  double last = energy();
-  const double first = last;
+  std::vector<ArmLink> links = tree(4, 5);
+  for (ArmLink& link : links) link.lowest = -0.2, link.highest = 0.3;
+  Adrift it(links, kStep_s);
+  for (std::size_t k = 0; k < it.arm.size(); ++k) it.arm.place(k, 0, k % 2 == 0 ? 2 : -3);
+  const Vector6d before = it.momentum();
+  const double first = it.energy_j();
+  double last = first;
   for (int n = 0; n < 400; ++n) {
-    step(arm, base, state, air(0), kStep_s);
-    const double now = energy();
+    it.step();
+    const double now = it.energy_j();
     EXPECT_LT(now, last + 1e-3 * first);
     last = now;
-    for (std::size_t k = 0; k < arm.size(); ++k) {
-      EXPECT_GE(arm.position(k), -0.2);
-      EXPECT_LE(arm.position(k), 0.3);
+    for (std::size_t k = 0; k < it.arm.size(); ++k) {
+      EXPECT_GE(it.arm.position(k), -0.2);
+      EXPECT_LE(it.arm.position(k), 0.3);
     }
   }
   EXPECT_LT(last, 0.9 * first);
-  EXPECT_LT((momentum() - before).norm(), 0.01 * before.norm());
+  EXPECT_LT((it.momentum() - before).norm(), 0.01 * before.norm());
 }
 
 TEST(Arm, AMotorHoldsItsSpeedUntilItsTorqueIsSpent) {
@@ -352,16 +311,15 @@ TEST(Arm, AMotorHoldsItsSpeedUntilItsTorqueIsSpent) {
   link.strongest = 1.0;  // half of what holds the link level
   link.fastest = 0.5;
   Arm arm({link}, kStep_s);
-  BodyState base;
   arm.place(0, std::numbers::pi / 2, 0);  // hanging down
   arm.command(0, {JointCommand::Mode::kSpeed, -0.5});
-  step(arm, HeldBase(), base, air(), kStep_s, 20);
+  step_held(arm, 20);
   EXPECT_DOUBLE_EQ(arm.speed(0), -0.5);
-  step(arm, HeldBase(), base, air(), kStep_s, 2000);
+  step_held(arm, 2000);
   EXPECT_DOUBLE_EQ(std::abs(arm.motor_torque(0)), 1.0);
   EXPECT_GT(arm.position(0), 0.9);  // it cannot lift it to the level
   arm.command(0, {JointCommand::Mode::kPosition, std::numbers::pi / 2});
-  step(arm, HeldBase(), base, air(), kStep_s, 2000);
+  step_held(arm, 2000);
   EXPECT_NEAR(arm.position(0), std::numbers::pi / 2, 1e-6);
 }
 

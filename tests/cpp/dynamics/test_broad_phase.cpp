@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "meshes.h"
+#include "dynamics/bodies.h"
 #include "uwsim/core/random.h"
 
 namespace uwsim {
@@ -20,11 +20,8 @@ World hilly_world() {
   }
   World world;
   world.set_terrain(Heightfield(heights, 101, 81, 0.7, {-30, -25}));
-  TriangleMesh wall = testing::box(1, 30, 12), bar = testing::box(6, 0.3, 0.3);
-  for (auto& v : wall.vertices_m) v += Eigen::Vector3d(60, 0, -10);
-  for (auto& v : bar.vertices_m) v += Eigen::Vector3d(3, 4, -8);
-  world.add_solid("wall", wall);
-  world.add_solid("bar", bar);
+  world.add_solid("wall", testing::moved(testing::box(1, 30, 12), {60, 0, -10}));
+  world.add_solid("bar", testing::moved(testing::box(6, 0.3, 0.3), {3, 4, -8}));
   return world;
 }
 

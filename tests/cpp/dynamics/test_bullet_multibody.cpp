@@ -9,13 +9,13 @@
 #include <random>
 #include <vector>
 
+#include "dynamics/bodies.h"
 #include "uwsim/core/check.h"
 #include "uwsim/dynamics/articulated_body.h"
 
 namespace uwsim::multibody_tests {
 namespace {
 
-constexpr double kGravity = 9.80665;
 constexpr float kStep_s = 0.01F;
 
 /// Chains and trees of hinges and slides in any direction, on a base that stands.
@@ -44,11 +44,8 @@ struct Mechanism {
   }
 
   std::vector<double> accelerations() const {
-    EvenWater air;
-    air.density_kg_m3 = 1e-12;
-    air.gravity_m_s2 = kGravity;
     ArticulatedBody body(links);
-    body.place({}, positions, speeds, air, 0);
+    body.place({}, positions, speeds, vacuum(), 0);
     body.fold(std::vector<JointDrive>(links.size()));
     body.unfold(Vector6d::Zero());
     std::vector<double> found;

@@ -1,56 +1,23 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <vector>
 
 #include "dynamics/bodies.h"
-#include "meshes.h"
 #include "uwsim/dynamics/contact_finder.h"
-#include "uwsim/dynamics/rigid_body_world.h"
 
 // Laws of contact for RigidBodyWorld, including shapes, contact finder, solver and integrator.
 namespace uwsim {
 namespace {
 
-CraftParameters box_parameters(double density_kg_m3) {
-  const SolidProperties solid = solid_properties(testing::box(1.2, 0.8, 0.6));
-  CraftParameters p;
-  p.mass_kg = density_kg_m3 * solid.volume_m3;
-  p.inertia_kg_m2 = density_kg_m3 * solid.inertia_per_density_m5;
-  return p;
-}
-
-std::shared_ptr<const Craft> box_craft(const CraftParameters& p) {
-  return std::make_shared<const Craft>(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
-}
-
-World terrain_world(double (*height_m)(double x_m, double y_m), double spacing_m = 0.5) {
-  constexpr int kNodes = 121;
-  const double edge = -0.5 * (kNodes - 1) * spacing_m;
-  std::vector<float> heights;
-  for (int j = 0; j < kNodes; ++j) {
-    for (int i = 0; i < kNodes; ++i)
-      heights.push_back(static_cast<float>(height_m(edge + i * spacing_m, edge + j * spacing_m)));
-  }
-  World world;
-  world.set_terrain(Heightfield(heights, kNodes, kNodes, spacing_m, {edge, edge}));
-  return world;
-}
+World terrain_world(double (*height_m)(double x_m, double y_m)) { return bed_world(121, 0.5, height_m); }
 
 double flat(double, double) { return -10; }
 double gentle(double x, double) { return -10 + 0.25 * x; }
 double rough(double x, double y) { return -10 + 0.3 * std::sin(1.3 * x) * std::cos(0.9 * y) + 0.1 * std::sin(4 * y); }
 
-World solid_world(TriangleMesh mesh, const Pose& pose) {
-  for (auto& v : mesh.vertices_m) v = pose.point(v);
-  World world;
-  world.add_solid("solid", std::move(mesh));
-  return world;
-}
-
 double mechanical_energy(const Craft& craft, const BodyState& state) {
-  const double weight = (craft.parameters().mass_kg - 1000 * craft.hull().solid().volume_m3) * 9.80665;
+  const double weight = (craft.parameters().mass_kg - 1000 * craft.hull().solid().volume_m3) * kGravity;
   return craft.kinetic_energy_j(state) + weight * state.world_from_body.position_m.z();
 }
 
@@ -63,47 +30,35 @@ struct Rest {
 /// Lets a body settle for `settle` steps, then observes it for 400 steps.
 Rest rest(const World& world, std::shared_ptr<const Craft> craft, const BodyState& start, int settle) {
   RigidBodyWorld bodies(world, kStep_s);
-  bodies.add_body({"body", std::move(craft), CollisionShape::kHull, 0.6, 0.1}, start);
-  for (int k = 0; k < settle; ++k) bodies.step(EvenWater{}, 0);
-  const Eigen::Vector3d place = bodies.state(0).world_from_body.position_m;
+  bodies.add_body(body_of(std::move(craft)), start);
+  run(bodies, settle);
+  const Eigen::Vector3d place = place_m(bodies);
   double sum = 0;
   for (int k = 0; k < 400; ++k) {
     bodies.step(EvenWater{}, 0);
     sum += bodies.state(0).velocity_body.squaredNorm();
   }
-  return {std::sqrt(sum / 400), (bodies.state(0).world_from_body.position_m - place).norm(), bodies.state(0)};
+  return {std::sqrt(sum / 400), (place_m(bodies) - place).norm(), bodies.state(0)};
 }
 
-CraftParameters sinking_box(double added_mass) {
-  CraftParameters p = box_parameters(2000);
+std::shared_ptr<const Craft> sinking_box(double added_mass = 500) {
+  CraftParameters p = brick_parameters(2000);
   p.added_mass.diagonal() << added_mass, added_mass, added_mass, added_mass / 10, added_mass / 6, added_mass / 5;
   p.linear_damping.diagonal() << 50, 50, 50, 20, 20, 20;
-  return p;
+  return craft_of(p);
 }
 
 TEST(Contact, ABodyRestsWithoutJitterWithinAMillimetreOfTheBed) {
   for (const double added : {0.0, 11520.0}) {  // none, and ten times the rigid-body mass
-    const Rest on_flat = rest(terrain_world(flat), box_craft(sinking_box(added)), at(0.1, 0.2, -9.5), 2000);
+    const Rest on_flat = rest(terrain_world(flat), sinking_box(added), at(0.1, 0.2, -9.5), 2000);
     EXPECT_LT(on_flat.rms_speed, 1e-4) << added;
     EXPECT_NEAR(on_flat.end.world_from_body.position_m.z(), -10 + 0.3 + 0.5 * kRestGap_m, 0.6 * kRestGap_m);
   }
 }
 
-TEST(Contact, ABodyRestsWithoutJitterOnASlopeAndOnRoughGround) {
-  BodyState start = at(0, 0, -9.6);
-  start.world_from_body.orientation = Eigen::AngleAxisd(-std::atan(0.25), Eigen::Vector3d::UnitY());
-  const Rest on_slope = rest(terrain_world(gentle), box_craft(sinking_box(500)), start, 2000);
-  EXPECT_LT(on_slope.rms_speed, 1e-3);
-  EXPECT_LT(on_slope.drift_m, 1e-3);
-  const Rest on_rough = rest(terrain_world(rough), box_craft(sinking_box(500)), at(0.4, 0.3, -9), 4000);
-  EXPECT_LT(on_rough.rms_speed, 1e-3);
-  EXPECT_LT(on_rough.drift_m, 1e-3);
-}
-
 TEST(Contact, ABodyRestsOnASolidsMesh) {
-  Pose pose;
-  pose.position_m = {0, 0, -12};
-  const Rest on_box = rest(solid_world(testing::box(3, 3, 1), pose), box_craft(sinking_box(500)), at(0, 0, -11), 2000);
+  const World world = solid_world(testing::moved(testing::box(3, 3, 1), {0, 0, -12}));
+  const Rest on_box = rest(world, sinking_box(), at(0, 0, -11), 2000);
   EXPECT_LT(on_box.rms_speed, 1e-4);
   EXPECT_NEAR(on_box.end.world_from_body.position_m.z(), -11.5 + 0.3, 1.2 * kRestGap_m);
 }
@@ -111,69 +66,51 @@ TEST(Contact, ABodyRestsOnASolidsMesh) {
 TEST(Contact, ABodyThatIsHeldRestsToTheLastBit) {
   BodyState tilted = at(0, 0, -9.6);
   tilted.world_from_body.orientation = Eigen::AngleAxisd(-std::atan(0.25), Eigen::Vector3d::UnitY());
-  const Rest ends[] = {rest(terrain_world(flat), box_craft(sinking_box(500)), at(0.1, 0.2, -9.5), 4000),
-                       rest(terrain_world(gentle), box_craft(sinking_box(500)), tilted, 4000),
-                       rest(terrain_world(rough), box_craft(sinking_box(500)), at(0.4, 0.3, -9), 8000)};
+  const Rest ends[] = {rest(terrain_world(flat), sinking_box(), at(0.1, 0.2, -9.5), 4000),
+                       rest(terrain_world(gentle), sinking_box(), tilted, 4000),
+                       rest(terrain_world(rough), sinking_box(), at(0.4, 0.3, -9), 8000)};
   for (const Rest& end : ends) {
     EXPECT_EQ(end.rms_speed, 0);
     EXPECT_EQ(end.drift_m, 0);
   }
 }
 
-/// A box on a flat bed is pulled along x by a force that increases to twice what friction can hold. `forgets`: performs
-/// each step in a new world, without memory of earlier steps.
-std::vector<double> pulled(bool forgets, int steps) {
-  const World world = terrain_world(flat);
-  const auto craft = box_craft(sinking_box(500));
-  const auto made = [&](const BodyState& state) {
-    RigidBodyWorld bodies(world, kStep_s);
-    bodies.add_body({"body", craft, CollisionShape::kHull, 0.6, 0.1}, state);
-    return bodies;
-  };
-  RigidBodyWorld bodies = made(at(0.1, 0.2, -9.69));
-  for (int k = 0; k < 2000; ++k) bodies.step(EvenWater{}, 0);
-  const double held_n = 0.6 * (craft->parameters().mass_kg - 1000 * craft->hull().solid().volume_m3) * 9.80665;
-  std::vector<double> places_m;
-  for (int k = 0; k < steps; ++k) {
-    if (forgets) bodies = made(bodies.state(0));
-    Vector6d tau = Vector6d::Zero();
-    tau[0] = 2 * held_n * (k / 4 * 4) / steps;  // constant for four steps
-    bodies.set_wrench(0, tau);
-    bodies.step(EvenWater{}, 0);
-    places_m.push_back(bodies.state(0).world_from_body.position_m.x());
-  }
-  return places_m;
-}
-
+/// It is pulled along x by a force that increases to twice what friction can hold.
 TEST(Contact, ABodyAtRestMovesAsSoonAsFrictionIsExceeded) {
-  const std::vector<double> places_m = pulled(false, 400);
+  const auto craft = sinking_box();
+  RigidBodyWorld bodies(terrain_world(flat), kStep_s);
+  bodies.add_body(body_of(craft), at(0.1, 0.2, -9.69));
+  run(bodies, 2000);
+  const double held_n = 0.6 * (craft->parameters().mass_kg - 1000 * craft->hull().solid().volume_m3) * kGravity;
+  std::vector<double> places_m;
+  for (int k = 0; k < 400; ++k) {
+    bodies.set_wrench(0, ahead(2 * held_n * (k / 4 * 4) / 400));  // constant for four steps
+    bodies.step(EvenWater{}, 0);
+    places_m.push_back(place_m(bodies).x());
+  }
   for (std::size_t k = 0; k < 200; ++k) EXPECT_EQ(places_m[k], places_m[0]) << k;
   EXPECT_GT(places_m[212], places_m[0]);
   EXPECT_GT(places_m[399] - places_m[0], 0.05);
 }
 
-TEST(Contact, WhatIsRememberedOfARestChangesNoBit) { EXPECT_EQ(pulled(false, 400), pulled(true, 400)); }
-
 TEST(Contact, TheImpulseOfAStepIsThatOfTheFullMassMatrix) {
-  CraftParameters p = box_parameters(1000);
+  CraftParameters p = brick_parameters(1000);
   p.added_mass.diagonal() << 300, 2000, 4000, 150, 250, 500;
-  const auto craft = box_craft(p);
+  const auto craft = craft_of(p);
   Matrix6d mass = p.added_mass;
   mass.topLeftCorner<3, 3>() += p.mass_kg * Eigen::Matrix3d::Identity();
   mass.bottomRightCorner<3, 3>() += p.inertia_kg_m2;
   for (const double wall_yaw : {0.0, 0.3}) {  // perpendicular, and oblique, so that a corner hits the wall
     for (const double restitution : {0.0, 0.5, 1.0}) {
-      Pose pose;
-      pose.position_m = {3, 0, -30};
-      pose.orientation = Eigen::AngleAxisd(wall_yaw, Eigen::Vector3d::UnitZ());
-      RigidBodyWorld bodies(solid_world(testing::box(0.4, 40, 40), pose), kStep_s);
+      const Pose pose{{3, 0, -30}, Eigen::Quaterniond(Eigen::AngleAxisd(wall_yaw, Eigen::Vector3d::UnitZ()))};
+      RigidBodyWorld bodies(solid_world(testing::placed(testing::box(0.4, 40, 40), pose)), kStep_s);
       BodyState state = at(0, 0, -30);
       // hits with an edge instead of a face
       state.world_from_body.orientation = Eigen::AngleAxisd(0.2, Eigen::Vector3d(0, 1, 0));
       state.velocity_body << state.world_from_body.orientation.conjugate() * Eigen::Vector3d(1.0, 0, 0), 0, 0, 0;
-      bodies.add_body({"body", craft, CollisionShape::kHull, 0, restitution}, state);
+      bodies.add_body(body_of(craft, 0, restitution), state);
       BodyState before = state;
-      while (!bodies.in_contact(0) && bodies.state(0).world_from_body.position_m.x() < 4) {
+      while (!bodies.in_contact(0) && place_m(bodies).x() < 4) {
         before = bodies.state(0);
         bodies.step(EvenWater{}, 0);
       }
@@ -195,15 +132,15 @@ TEST(Contact, TheImpulseOfAStepIsThatOfTheFullMassMatrix) {
 }
 
 TEST(Contact, EnergyNeverGrows) {
-  CraftParameters p = box_parameters(1500);
+  CraftParameters p = brick_parameters(1500);
   p.added_mass.diagonal() << 300, 3000, 8000, 100, 250, 400;
-  const auto craft = box_craft(p);
+  const auto craft = craft_of(p);
   for (const double restitution : {0.0, 0.5}) {
     for (const double friction : {0.0, 0.8}) {
       RigidBodyWorld bodies(terrain_world(rough), kStep_s);
       BodyState state = at(0.3, -0.2, -8);
       state.velocity_body << 1.5, 0.4, -1, 0.6, -0.5, 0.8;
-      bodies.add_body({"body", craft, CollisionShape::kHull, friction, restitution}, state);
+      bodies.add_body(body_of(craft, friction, restitution), state);
       double energy = mechanical_energy(*craft, state);
       const double scale = craft->kinetic_energy_j(state);
       for (int k = 0; k < 3000; ++k) {
@@ -217,29 +154,27 @@ TEST(Contact, EnergyNeverGrows) {
 }
 
 TEST(Contact, NoBodyTunnelsThroughASurface) {
-  CraftParameters p = box_parameters(1000);
+  CraftParameters p = brick_parameters(1000);
   p.added_mass.diagonal() << 100, 100, 100, 10, 10, 10;
-  const auto craft = box_craft(p);
+  const auto craft = craft_of(p);
   for (const double speed : {1.6, 5.0, 12.0}) {
-    Pose pose;
-    pose.position_m = {5, 0, -20};
-    RigidBodyWorld bodies(solid_world(testing::box(0.004, 6, 6), pose), kStep_s);
+    RigidBodyWorld bodies(solid_world(testing::moved(testing::box(0.004, 6, 6), {5, 0, -20})), kStep_s);
     BodyState state = at(0, 0, -20);
     state.velocity_body(0) = speed;
-    bodies.add_body({"body", craft, CollisionShape::kHull, 0, 0}, state);
+    bodies.add_body(body_of(craft, 0, 0), state);
     for (int k = 0; k < 2000; ++k) {
       bodies.step(EvenWater{}, 0);
-      ASSERT_LT(bodies.state(0).world_from_body.position_m.x(), 5 - 0.002 - 0.6) << speed << " step " << k;
+      ASSERT_LT(place_m(bodies).x(), 5 - 0.002 - 0.6) << speed << " step " << k;
     }
 
     RigidBodyWorld over_ground(terrain_world(rough), kStep_s);
     BodyState diving = at(0, 0, -6);
     diving.world_from_body.orientation = Eigen::AngleAxisd(0.9, Eigen::Vector3d(0.3, 1, 0).normalized());
     diving.velocity_body(0) = speed;
-    over_ground.add_body({"body", craft, CollisionShape::kHull, 0.5, 0.1}, diving);
+    over_ground.add_body(body_of(craft, 0.5), diving);
     for (int k = 0; k < 2000; ++k) {
       over_ground.step(EvenWater{}, 0);
-      const Eigen::Vector3d& place = over_ground.state(0).world_from_body.position_m;
+      const Eigen::Vector3d place = place_m(over_ground);
       if (place.head<2>().cwiseAbs().maxCoeff() > 28) break;
       ASSERT_GT(place.z(), rough(place.x(), place.y()) + 0.2) << speed << " step " << k;
     }
@@ -248,100 +183,52 @@ TEST(Contact, NoBodyTunnelsThroughASurface) {
 
 TEST(Contact, ABodyPlacedInsideTheGroundIsPushedOutSlowly) {
   for (const double depth_m : {0.2, 3.0}) {
-    const auto craft = box_craft(sinking_box(500));
     RigidBodyWorld bodies(terrain_world(rough), kStep_s);
-    bodies.add_body({"body", craft, CollisionShape::kHull, 0.6, 0.1}, at(0.4, 0.3, rough(0.4, 0.3) - depth_m));
+    bodies.add_body(body_of(sinking_box()), at(0.4, 0.3, rough(0.4, 0.3) - depth_m));
     double fastest = 0;
     for (int k = 0; k < 1500; ++k) {
       bodies.step(EvenWater{}, 0);
       fastest = std::max(fastest, bodies.state(0).velocity_body.norm());
     }
-    const Eigen::Vector3d& place = bodies.state(0).world_from_body.position_m;
+    const Eigen::Vector3d place = place_m(bodies);
     EXPECT_GT(place.z(), rough(place.x(), place.y()) + 0.2);
     EXPECT_LT(fastest, 1.5);
   }
 }
 
-TEST(Contact, ABodyOnAFlatMeshSlidesOverTheEdgesBetweenTriangles) {
-  CraftParameters p = box_parameters(2000);
-  const auto craft = box_craft(p);
-  TriangleMesh tiles;
-  for (std::uint32_t j = 0; j < 61; ++j) {
-    for (std::uint32_t i = 0; i < 61; ++i) {
-      tiles.vertices_m.emplace_back(-15 + 0.5 * i, -15 + 0.5 * j, -10);
-      const std::uint32_t k = 61 * j + i;
-      if (i == 60 || j == 60) continue;
-      tiles.triangles.push_back({k, k + 1, k + 61});
-      tiles.triangles.push_back({k + 1, k + 62, k + 61});
-    }
-  }
-  for (const World& world : {terrain_world(flat), solid_world(tiles, Pose{})}) {
-    RigidBodyWorld bodies(world, kStep_s);
-    BodyState state = at(-3, -2, -10 + 0.3005);
-    state.velocity_body << 1.0, 0.7, 0, 0, 0, 0;
-    bodies.add_body({"body", craft, CollisionShape::kHull, 0, 0}, state);
-    for (int k = 0; k < 1000; ++k) bodies.step(EvenWater{}, 0);
-    EXPECT_LT((bodies.state(0).velocity_body - state.velocity_body).norm(), 1e-3);
-  }
-}
-
-TEST(Contact, EqualStatesHaveEqualFutures) {
-  const auto craft = box_craft(sinking_box(500));
-  const World world = terrain_world(rough);
-  const BodySpec spec{"body", craft, CollisionShape::kHull, 0.6, 0.1};
-  RigidBodyWorld bodies(world, kStep_s), other(world, kStep_s);
-  bodies.add_body(spec, at(0.4, 0.3, -9.2));
-  other.add_body(spec, at(7, 5, -9.4));
-  for (int k = 0; k < 150; ++k) {
-    bodies.step(EvenWater{}, 0);
-    other.step(EvenWater{}, 0);
-  }
-  other.set_state(0, bodies.state(0));  // placed there, with a different history
-  for (int k = 0; k < 500; ++k) {
-    bodies.step(EvenWater{}, 0);
-    other.step(EvenWater{}, 0);
-    ASSERT_EQ(bodies.state(0).velocity_body, other.state(0).velocity_body) << "step " << k;
-  }
-}
-
 TEST(Contact, PiecesLeaveTheHollowsThatAHullFills) {
   // A portal made of three boxes straddles a post that its convex hull would hit.
-  const auto moved = [](TriangleMesh mesh, const Eigen::Vector3d& by) {
-    for (auto& v : mesh.vertices_m) v += by;
-    return mesh.vertices_m;
-  };
-  const std::vector<ConvexPiece> portal = {moved(testing::box(0.4, 0.1, 0.6), {0, 0.35, 0}),
-                                           moved(testing::box(0.4, 0.1, 0.6), {0, -0.35, 0}),
-                                           moved(testing::box(0.4, 0.8, 0.1), {0, 0, 0.25})};
-  Pose pose;
-  pose.position_m = {3, 0, -20};
-  const World world = solid_world(testing::box(0.2, 0.3, 0.2), pose);
+  const std::vector<ConvexPiece> portal = {testing::moved(testing::box(0.4, 0.1, 0.6), {0, 0.35, 0}).vertices_m,
+                                           testing::moved(testing::box(0.4, 0.1, 0.6), {0, -0.35, 0}).vertices_m,
+                                           testing::moved(testing::box(0.4, 0.8, 0.1), {0, 0, 0.25}).vertices_m};
+  const World world = solid_world(testing::moved(testing::box(0.2, 0.3, 0.2), {3, 0, -20}));
   const auto passes = [&](CollisionShape shape) {
     RigidBodyWorld bodies(world, kStep_s);
     BodyState state = at(0, 0, -20);
     state.velocity_body(0) = 1;
-    BodySpec spec{"body", box_craft(box_parameters(1000)), shape, 0, 0};
+    BodySpec spec = body_of(craft_of(brick_parameters(1000)), 0, 0);
+    spec.shape = shape;
     spec.collision_pieces_body_m = portal;
     bodies.add_body(spec, state);
-    for (int k = 0; k < 1200; ++k) bodies.step(EvenWater{}, 0);
-    return bodies.state(0).world_from_body.position_m.x() > 4;
+    run(bodies, 1200);
+    return place_m(bodies).x() > 4;
   };
   EXPECT_TRUE(passes(CollisionShape::kPieces));
   EXPECT_FALSE(passes(CollisionShape::kHull));
 }
 
 TEST(Contact, ABodyWithTenTimesItsMassAddedIsStableInACollision) {
-  CraftParameters light = box_parameters(1000), heavy = box_parameters(1000);
+  CraftParameters light = brick_parameters(1000), heavy = light;
   light.added_mass.diagonal() << 100, 100, 100, 10, 10, 10;
   for (Eigen::Index axis = 0; axis < 6; ++axis) {
     heavy.added_mass.setZero();
     heavy.added_mass(axis, axis) = 10 * (axis < 3 ? heavy.mass_kg : heavy.inertia_kg_m2(axis - 3, axis - 3));
-    const auto hit = box_craft(heavy), hitting = box_craft(light);
+    const auto hit = craft_of(heavy), hitting = craft_of(light);
     RigidBodyWorld bodies(World{}, kStep_s);
     BodyState coming = at(-2.5, 0.25, -30.2);
     coming.velocity_body << 1.5, 0, 0, 0, 0, 0.2;
-    bodies.add_body({"hit", hit, CollisionShape::kHull, 0.3, 0.2}, at(0, 0, -30));
-    bodies.add_body({"hitting", hitting, CollisionShape::kHull, 0.3, 0.2}, coming);
+    bodies.add_body(body_of(hit, 0.3, 0.2), at(0, 0, -30));
+    bodies.add_body(body_of(hitting, 0.3, 0.2), coming);
     const double start = hitting->kinetic_energy_j(coming);
     bool touched = false;
     for (int k = 0; k < 2000; ++k) {

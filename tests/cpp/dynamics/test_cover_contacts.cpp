@@ -2,13 +2,12 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <thread>
 #include <vector>
 
-#include "dynamics/bodies.h"
-#include "meshes.h"
+#include "dynamics/tethers.h"
 #include "uwsim/dynamics/contact_shapes.h"
-#include "uwsim/dynamics/rigid_body_world.h"
 
 // Bodies and tethers among the pieces of a world's cover.
 namespace uwsim::cover_contact_tests {
@@ -17,9 +16,7 @@ namespace {
 constexpr double kBed_m = -10;
 
 World bed(const std::vector<CoverLayer>& layers, double spacing_m = 1, double z_m = kBed_m) {
-  World world;
-  const std::vector<float> heights(61 * 61, static_cast<float>(z_m));
-  world.set_terrain(Heightfield(heights, 61, 61, spacing_m, {-30 * spacing_m, -30 * spacing_m}));
+  World world = flat_bed(z_m, 61, spacing_m);
   for (const CoverLayer& layer : layers) world.add_cover(layer);
   return world;
 }
@@ -28,9 +25,7 @@ World bed(const std::vector<CoverLayer>& layers, double spacing_m = 1, double z_
 CoverLayer boulders() {
   CoverLayer layer;
   layer.name = "boulders";
-  TriangleMesh mesh = testing::box(1, 1, 1);
-  for (Eigen::Vector3d& v : mesh.vertices_m) v.z() += 0.5;
-  layer.meshes = {mesh};
+  layer.meshes = {testing::moved(testing::box(1, 1, 1), {0, 0, 0.5})};
   layer.density_per_m2 = 0.004;
   layer.size_m = {2, 2};
   layer.sunk = 0.1;
@@ -49,50 +44,43 @@ CoverLayer rubble() {
   return layer;
 }
 
-/// The same pieces as solids.
-World with_solids(const World& world) {
-  World fixed;
-  fixed.set_terrain(*world.terrain());
+template <typename Visit>
+void visit_pieces(const World& world, const Visit& visit) {
   const CoverPlan plan(world);
   for (std::uint32_t row = 0; row < plan.rows(); ++row) {
     for (std::uint32_t column = 0; column < plan.columns(); ++column) {
       const CoverTilePlan tile = plan.pieces(column, row);
-      for (const CoverPiece& piece : tile.pieces) {
-        TriangleMesh mesh = world.cover()[0]->meshes[piece.mesh];
-        for (Eigen::Vector3d& v : mesh.vertices_m)
-          v = tile.middle_m + piece.at_m.cast<double>() + piece.turn.cast<double>() * v.cast<float>().cast<double>();
-        fixed.add_solid("piece" + std::to_string(piece.number), mesh);
-      }
+      for (const CoverPiece& piece : tile.pieces) visit(piece, tile.middle_m + piece.at_m.cast<double>());
     }
   }
+}
+
+/// The same pieces as solids.
+World with_solids(const World& world) {
+  World fixed;
+  fixed.set_terrain(*world.terrain());
+  visit_pieces(world, [&](const CoverPiece& piece, const Eigen::Vector3d& at_m) {
+    TriangleMesh mesh = world.cover()[0]->meshes[piece.mesh];
+    for (Eigen::Vector3d& v : mesh.vertices_m) v = at_m + piece.turn.cast<double>() * v.cast<float>().cast<double>();
+    fixed.add_solid("piece" + std::to_string(piece.number), mesh);
+  });
   return fixed;
 }
 
 /// The pose of a boulder well inside the world.
 Pose first_boulder(const World& world) {
-  const CoverPlan plan(world);
-  for (std::uint32_t row = 0; row < plan.rows(); ++row) {
-    for (std::uint32_t column = 0; column < plan.columns(); ++column) {
-      const CoverTilePlan tile = plan.pieces(column, row);
-      for (const CoverPiece& piece : tile.pieces) {
-        const Eigen::Vector3d at = tile.middle_m + piece.at_m.cast<double>();
-        if (at.head<2>().cwiseAbs().maxCoeff() > 20) continue;
-        return {at, Eigen::Quaterniond(piece.turn.cast<double>() / piece.size_m).normalized()};
-      }
-    }
-  }
-  ADD_FAILURE() << "no boulder";
-  return {};
+  std::optional<Pose> found;
+  visit_pieces(world, [&](const CoverPiece& piece, const Eigen::Vector3d& at_m) {
+    if (found || at_m.head<2>().cwiseAbs().maxCoeff() > 20) return;
+    found = {at_m, Eigen::Quaterniond(piece.turn.cast<double>() / piece.size_m).normalized()};
+  });
+  return found.value();
 }
 
-BodySpec box(double density_kg_m3, double damping = 50, const Eigen::Vector3d& size_m = {1.2, 0.8, 0.6}) {
-  const TriangleMesh hull = testing::box(size_m.x(), size_m.y(), size_m.z());
-  const SolidProperties solid = solid_properties(hull);
-  CraftParameters p;
-  p.mass_kg = density_kg_m3 * solid.volume_m3;
-  p.inertia_kg_m2 = density_kg_m3 * solid.inertia_per_density_m5;
+BodySpec box(double density_kg_m3, double damping = 50) {
+  CraftParameters p = brick_parameters(density_kg_m3);
   p.linear_damping.diagonal() << damping, damping, damping, damping / 2, damping / 2, damping / 2;
-  return {"box", std::make_shared<const Craft>(p, BuoyantHull(hull))};
+  return {"box", craft_of(p)};
 }
 
 class CoverContact : public ::testing::TestWithParam<EngineKind> {};
@@ -105,8 +93,8 @@ TEST_P(CoverContact, ABoxRestsOnABoulderAtTheHeightOfItsMesh) {
   BodyState start;
   start.world_from_body = {boulder.position_m + Eigen::Vector3d(0, 0, 2.6), boulder.orientation};
   bodies.add_body(box(2000), start);
-  for (int k = 0; k < 2000; ++k) bodies.step(EvenWater{}, k * kStep_s);
-  EXPECT_NEAR(bodies.state(0).world_from_body.position_m.z(), kBed_m - 0.1 * 2 + 2 + 0.3, 1.5 * kRestGap_m);
+  run(bodies, 2000);
+  EXPECT_NEAR(place_m(bodies).z(), kBed_m - 0.1 * 2 + 2 + 0.3, 1.5 * kRestGap_m);
   EXPECT_LT(bodies.state(0).velocity_body.norm(), 1e-3);
   EXPECT_TRUE(bodies.in_contact(0));
 }
@@ -118,11 +106,9 @@ TEST_P(CoverContact, ABoulderStopsABodyThatIsDrivenAgainstIt) {
   BodyState start;
   start.world_from_body = {boulder.point({-4, 0, 0.9}), boulder.orientation};
   bodies.add_body(box(1000), start);
-  Vector6d push = Vector6d::Zero();
-  push[0] = 40;
-  bodies.set_wrench(0, push);
-  for (int k = 0; k < 8000; ++k) bodies.step(EvenWater{}, k * kStep_s);
-  const Eigen::Vector3d place = boulder.inverse().point(bodies.state(0).world_from_body.position_m);
+  bodies.set_wrench(0, ahead(40));
+  run(bodies, 8000);
+  const Eigen::Vector3d place = boulder.inverse().point(place_m(bodies));
   EXPECT_NEAR(place.x(), -1 - 0.6, 2 * kRestGap_m);
   EXPECT_LT(bodies.state(0).velocity_body.norm(), 1e-3);
 }
@@ -132,12 +118,9 @@ TEST(Cover, BodiesMeetPiecesAsTheyMeetEqualSolids) {
   for (const double x : {0.0, 1.7, -1.4}) {
     RigidBodyWorld one(world, kStep_s), other(fixed, kStep_s);
     for (RigidBodyWorld* bodies : {&one, &other}) bodies->add_body(box(2000), at(x, 0.3 * x, kBed_m + 1.5));
-    for (int k = 0; k < 600; ++k) {
-      one.step(EvenWater{}, k * kStep_s);
-      other.step(EvenWater{}, k * kStep_s);
-    }
-    EXPECT_LT((one.state(0).world_from_body.position_m - other.state(0).world_from_body.position_m).norm(), 1e-4);
-    EXPECT_GT(one.state(0).world_from_body.position_m.z(), kBed_m + 0.32) << "it lies on the bed alone";
+    for (RigidBodyWorld* bodies : {&one, &other}) run(*bodies, 600);
+    EXPECT_LT((place_m(one) - place_m(other)).norm(), 1e-4);
+    EXPECT_GT(place_m(one).z(), kBed_m + 0.32) << "it lies on the bed alone";
   }
 }
 
@@ -145,32 +128,24 @@ TEST(Cover, AStepInContactDependsOnTheStateAlone) {
   const World world = bed({rubble()});
   RigidBodyWorld bodies(world, kStep_s);
   bodies.add_body(box(2000), at(0.4, 0.2, kBed_m + 1));
-  for (int k = 0; k < 150; ++k) bodies.step(EvenWater{}, k * kStep_s);
+  run(bodies, 150);
   EXPECT_TRUE(bodies.in_contact(0));
-  StateArchive saved;
-  bodies.exchange_state(saved);
-  bodies.exchange_contacts(saved);
+  const std::string middle = saved(bodies);
   std::vector<std::string> ends(3);
   std::vector<std::jthread> threads;
   for (std::string& end : ends) {
     threads.emplace_back([&] {
       RigidBodyWorld other(world, kStep_s);
       other.add_body(box(2000), at(-9, 7, kBed_m + 0.5));
-      for (int k = 0; k < 20; ++k) other.step(EvenWater{}, k * kStep_s);  // a different history
-      StateArchive restored(saved.bytes());
-      other.exchange_state(restored);
-      other.exchange_contacts(restored);
-      for (int k = 150; k < 300; ++k) other.step(EvenWater{}, k * kStep_s);
-      StateArchive last;
-      other.exchange_state(last);
-      end = last.bytes();
+      run(other, 20);  // a different history
+      restore(other, middle);
+      run(other, 150);
+      end = saved(other);
     });
   }
   threads.clear();
-  for (int k = 150; k < 300; ++k) bodies.step(EvenWater{}, k * kStep_s);
-  StateArchive last;
-  bodies.exchange_state(last);
-  for (const std::string& end : ends) EXPECT_EQ(end, last.bytes());
+  run(bodies, 150);
+  for (const std::string& end : ends) EXPECT_EQ(end, saved(bodies));
 }
 
 TEST(Cover, PassableAndSmallPiecesTouchNothing) {
@@ -203,17 +178,9 @@ TEST(Cover, ATetherLiesOverABoulder) {
   const World world = bed({boulders()});
   const Pose boulder = first_boulder(world);
   RigidBodyWorld bodies(world, kStep_s);
-  TetherSpec spec;
-  spec.first.point_m = boulder.point({-2.5, 0.1, 2.6});
-  spec.second.point_m = boulder.point({2.5, 0.1, 2.6});
-  spec.length_m = 5.6;
-  spec.elements = 40;
-  spec.diameter_m = 0.02;
-  spec.mass_kg_m = 2;
-  spec.axial_stiffness_n = 1e5;
-  spec.bending_stiffness_n_m2 = 0;
+  const TetherSpec spec = between(boulder.point({-2.5, 0.1, 2.6}), boulder.point({2.5, 0.1, 2.6}), 5.6, 40, 2, 1e5);
   const Tether& tether = bodies.tether(bodies.add_tether(spec, EvenWater{}, 0));
-  for (int k = 0; k < 1000; ++k) bodies.step(EvenWater{}, k * kStep_s);
+  run(bodies, 1000);
   double lowest_m = 1e9;
   for (std::size_t i = 0; i <= tether.elements(); ++i) {
     const Eigen::Vector3d place = boulder.inverse().point(tether.position_m(i));
@@ -248,10 +215,8 @@ TEST_P(CoverContact, ABodyReachesTheSpeedAtWhichPlantsBalanceItsThrust) {
   water.current_world_m_s = {0.05, 0, 0};
   for (const double height_m : {0.8, 3.0})  // among plants and above them
     bodies.add_body(box(1000, 0), at(-20, 5 * height_m, kBed_m + height_m));
-  Vector6d push = Vector6d::Zero();
-  push[0] = thrust_n;
-  for (std::size_t k = 0; k < 2; ++k) bodies.set_wrench(k, push);
-  for (int k = 0; k < 1600; ++k) bodies.step(water, k * kStep_s);
+  for (std::size_t k = 0; k < 2; ++k) bodies.set_wrench(k, ahead(thrust_n));
+  run(bodies, 1600, water);
   const double a_1_m = 100 * 2 * width * 1.6 * 2 / std::numbers::pi;  // frontal area per volume, of two leaves
   const double volume_m3 = 1.2 * 0.8 * 0.6;
   const double terminal_m_s = std::sqrt(2 * thrust_n / (1000 * 1.1 * a_1_m * volume_m3));

@@ -4,8 +4,6 @@
 #include <random>
 
 #include "dynamics/bodies.h"
-#include "meshes.h"
-#include "uwsim/dynamics/rigid_body_world.h"
 
 // Laws of contact for bodies that turn or move far within a step.
 namespace uwsim {
@@ -15,20 +13,12 @@ constexpr double kPlate_m = 0.05;  // thickness
 
 std::shared_ptr<const Craft> cube(double side_m) {
   const TriangleMesh mesh = testing::box(side_m, side_m, side_m);
-  const SolidProperties solid = solid_properties(mesh);
-  CraftParameters p;
-  p.mass_kg = 1000 * solid.volume_m3;
-  p.inertia_kg_m2 = 1000 * solid.inertia_per_density_m5;
-  return std::make_shared<const Craft>(p, BuoyantHull(mesh));
+  return craft_of(solid_of(mesh, 1000), mesh);
 }
 
 /// A plate whose front face is the plane x = 0.
 World plate_world() {
-  TriangleMesh plate = testing::box(kPlate_m, 40, 40);
-  for (auto& v : plate.vertices_m) v += Eigen::Vector3d(kPlate_m / 2, 0, -30);
-  World world;
-  world.add_solid("plate", plate);
-  return world;
+  return solid_world(testing::moved(testing::box(kPlate_m, 40, 40), {kPlate_m / 2, 0, -30}), "plate");
 }
 
 /// A 4 cm cube, thrown at the plate at 20 m/s, at up to 45 degrees from the plate's normal.
@@ -50,12 +40,12 @@ TEST(FastBodies, ASmallCubeNeverGoesThroughAPlate) {
   std::mt19937_64 draws(31);
   for (int throw_number = 0; throw_number < 1000; ++throw_number) {
     RigidBodyWorld bodies(world, kStep_s);
-    bodies.add_body({"cube", craft, CollisionShape::kHull, 0.5, 0.1}, thrown(draws));
+    bodies.add_body(body_of(craft, 0.5), thrown(draws));
     bool touched = false;
     for (int k = 0; k < 60; ++k) {
       bodies.step(EvenWater{}, 0);
       touched |= bodies.in_contact(0);
-      ASSERT_LT(bodies.state(0).world_from_body.position_m.x(), -0.018) << throw_number << " step " << k;
+      ASSERT_LT(place_m(bodies).x(), -0.018) << throw_number << " step " << k;
     }
     ASSERT_TRUE(touched) << throw_number;
   }
@@ -69,9 +59,9 @@ TEST(FastBodies, ASlowBodyElsewhereTakesNoPartInThePartsOfAStep) {
   slow.velocity_body << 0.5, 0.2, 0, 0.3, -0.4, 2;
   const auto flown = [&](bool with_fast) {
     RigidBodyWorld bodies(plate_world(), kStep_s);
-    bodies.add_body({"slow", craft, CollisionShape::kHull, 0.5, 0.1}, slow);
-    if (with_fast) bodies.add_body({"fast", craft, CollisionShape::kHull, 0.5, 0.1}, fast);
-    for (int k = 0; k < 60; ++k) bodies.step(EvenWater{}, 0);
+    bodies.add_body(body_of(craft, 0.5), slow);
+    if (with_fast) bodies.add_body(body_of(craft, 0.5), fast);
+    run(bodies, 60);
     return bodies.state(0);
   };
   const BodyState alone = flown(false), both = flown(true);

@@ -7,9 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "meshes.h"
+#include "dynamics/bodies.h"
 #include "uwsim/dynamics/integrator.h"
-#include "uwsim/vehicle/buoyant_hull.h"
 #include "uwsim/world/water.h"
 
 namespace uwsim {
@@ -89,8 +88,7 @@ TEST(HullInWaves, AHullThatSeveralThreadsShareIsCutOnce) {
 }
 
 TEST(HullInWaves, BelowTheWavesTheClosedFormEqualsTheIntegralOfPressure) {
-  TriangleMesh mesh = testing::box(1.6, 0.6, 0.4);
-  for (Eigen::Vector3d& v : mesh.vertices_m) v += Eigen::Vector3d(0.2, 0.1, 0);
+  const TriangleMesh mesh = testing::moved(testing::box(1.6, 0.6, 0.4), {0.2, 0.1, 0});
   const BuoyantHull hull(mesh);
   for (const double depth : {6.0, 40.0}) {
     const Water water = with_wave(0.02, 2.5, 0.9, depth);
@@ -108,7 +106,7 @@ TEST(HullInWaves, BelowTheWavesTheClosedFormEqualsTheIntegralOfPressure) {
 
 /// In steep waves, with any attitude and draught, and in water of several densities.
 TEST(HullInWaves, TheForceOnAFloatingHullIsThatOfThePressureOnItsWetSurface) {
-  const TriangleMesh box = testing::box(1.2, 0.8, 0.6), ball = testing::sphere(0.5, 12);
+  const TriangleMesh box = brick(), ball = testing::sphere(0.5, 12);
   Water layered = with_wave(0.25, 2.5, 0.9);  // a k = 0.16
   WaterLevel top, bottom;
   top.density_kg_m3 = 1000;
@@ -135,14 +133,14 @@ TEST(HullInWaves, TheForceOnAFloatingHullIsThatOfThePressureOnItsWetSurface) {
 }
 
 TEST(HullInWaves, DeepDownThereIsNoWaveForce) {
-  const BuoyantHull hull(testing::box(1.2, 0.8, 0.6));
+  const BuoyantHull hull(brick());
   const Pose pose{{1, 2, -100}, tilted(0.8)};
   EXPECT_EQ(buoyancy(hull, pose, with_wave(0.3, 3, 0, 200), 1).force_body_n,
             buoyancy(hull, pose, EvenWater{}, 1).force_body_n);
 }
 
 TEST(HullInWaves, TheForceIsContinuousFromTheAirToTheDeep) {
-  const BuoyantHull hull(testing::box(1.2, 0.8, 0.6));
+  const BuoyantHull hull(brick());
   const Water water = with_wave(0.3, 3);
   Eigen::Vector3d last = Eigen::Vector3d::Zero();
   for (double z = 1.5; z > -4; z -= 1e-3) {
@@ -152,54 +150,32 @@ TEST(HullInWaves, TheForceIsContinuousFromTheAirToTheDeep) {
   }
 }
 
-TEST(HullInWaves, ASmallNeutralBodyThatMovesWithTheWaterAcceleratesWithIt) {
-  const TriangleMesh mesh = testing::box(0.12, 0.08, 0.06);
-  const SolidProperties solid = solid_properties(mesh);
-  CraftParameters p;
-  p.mass_kg = 1000 * solid.volume_m3;
-  p.inertia_kg_m2 = 1000 * solid.inertia_per_density_m5;
-  p.added_mass.diagonal() << 0.2, 0.5, 1.4, 1e-4, 1e-4, 1e-4;
-  p.quadratic_damping.diagonal().setConstant(3);
-  const Craft craft(p, BuoyantHull(mesh));
-  const Water water = with_wave(0.05, 4, 0.7);
-  for (const double t : {0.0, 1.1, 2.7}) {
-    BodyState state;
-    state.world_from_body.position_m = {3, 4, -1.5};
-    const WaterFlow flow = water.flow_at(state.world_from_body.position_m, t);
-    state.velocity_body.head<3>() = flow.velocity_m_s;
-    const Vector6d rate = craft.acceleration_body(state, Vector6d::Zero(), water, t);
-    EXPECT_LT((rate.head<3>() - flow.wave_acceleration_m_s2).norm(), 2e-3 * flow.wave_acceleration_m_s2.norm()) << t;
-  }
-}
+const TriangleMesh kSmall = testing::box(0.12, 0.08, 0.06);
+const Vector6d kAddedToSmall(0.2, 0.5, 1.4, 1e-4, 1e-4, 1e-4);
 
 /// A small neutrally buoyant body without drag that starts with the water's velocity stays with the water, in waves and
 /// a current. Like a water particle, it drifts along but does not rise or sink.
 TEST(HullInWaves, ANeutralBodyWithoutDragStaysWithTheWater) {
-  const TriangleMesh mesh = testing::box(0.12, 0.08, 0.06);
-  const SolidProperties solid = solid_properties(mesh);
-  CraftParameters p;
-  p.mass_kg = 1000 * solid.volume_m3;
-  p.inertia_kg_m2 = 1000 * solid.inertia_per_density_m5;
-  p.added_mass.diagonal() << 0.2, 0.5, 1.4, 1e-4, 1e-4, 1e-4;
+  CraftParameters p = solid_of(kSmall, 1000);
+  p.added_mass.diagonal() = kAddedToSmall;
   p.linear_damping.diagonal().tail<3>().setConstant(0.01);  // keeps it level
-  const Craft craft(p, BuoyantHull(mesh));
+  const Craft craft(p, BuoyantHull(kSmall));
   Water water = with_wave(0.25, 4);
   for (const double current_m_s : {0.0, 0.5}) {
     water.current_world_m_s.x() = current_m_s;
-    BodyState state;
-    state.world_from_body.position_m.z() = -5;
+    BodyState state = at(0, 0, -5);
     state.velocity_body.head<3>() = water.flow_at(state.world_from_body.position_m, 0).velocity_m_s;
-    constexpr double kStep_s = 0.02;
-    for (int k = 0; k < 3000; ++k) state = advance(craft, state, {}, water, kStep_s * k, kStep_s);
+    constexpr double kLong_s = 0.02;
+    for (int k = 0; k < 3000; ++k) state = advance(craft, state, {}, water, kLong_s * k, kLong_s);
     // Its mean height over the last period.
     double middle_m = 0;
     const double period_s = 4 / (1 - current_m_s * 2 * std::numbers::pi / (4 * 9.80665));
-    const int steps = static_cast<int>(period_s / kStep_s);
+    const int steps = static_cast<int>(period_s / kLong_s);
     for (int k = 0; k < steps; ++k) {
-      state = advance(craft, state, {}, water, 60 + kStep_s * k, kStep_s);
+      state = advance(craft, state, {}, water, 60 + kLong_s * k, kLong_s);
       middle_m += state.world_from_body.position_m.z() / steps;
       const Eigen::Vector3d slip = state.world_from_body.orientation * state.velocity_body.head<3>() -
-                                   water.flow_at(state.world_from_body.position_m, 60 + kStep_s * (k + 1)).velocity_m_s;
+                                   water.flow_at(state.world_from_body.position_m, 60 + kLong_s * (k + 1)).velocity_m_s;
       EXPECT_LT(slip.norm(), 0.001) << "of orbits at 0.11 m/s";
     }
     EXPECT_NEAR(middle_m, -5, 0.1) << current_m_s << ": within an orbit of the start";
@@ -207,17 +183,12 @@ TEST(HullInWaves, ANeutralBodyWithoutDragStaysWithTheWater) {
 }
 
 TEST(HullInWaves, ANeutralBodyWithoutDampingIsCarriedByARisingTide) {
-  const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
-  const SolidProperties solid = solid_properties(mesh);
-  CraftParameters p;
-  p.mass_kg = 1000 * solid.volume_m3;
-  p.inertia_kg_m2 = 1000 * solid.inertia_per_density_m5;
+  CraftParameters p = brick_parameters(1000);
   p.added_mass.diagonal() << 100, 300, 900, 20, 50, 40;
-  const Craft craft(p, BuoyantHull(mesh));
+  const Craft craft(p, BuoyantHull(brick()));
   Water water;
   water.currents = {tidal_current({0.5, 0.2, 0}, 100, 0)};
-  BodyState state;
-  state.world_from_body.position_m.z() = -10;
+  BodyState state = at(0, 0, -10);
   for (int k = 0; k < 1000; ++k) state = advance(craft, state, {}, water, 0.02 * k, 0.02);
   const Eigen::Vector3d current = water.flow_at(state.world_from_body.position_m, 20).velocity_m_s;
   EXPECT_LT((state.velocity_body.head<3>() - current).norm(), 1e-6);
@@ -247,15 +218,11 @@ TEST(HullInWaves, ATideRaisesTheHullsWaterline) {
 
 /// The period of the waves is much longer than that of the box, so the box neither lags nor overshoots much.
 TEST(HullInWaves, AFloatingBoxHeavesWithLongWaves) {
-  const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
-  const SolidProperties solid = solid_properties(mesh);
-  CraftParameters p;
-  p.mass_kg = 500 * solid.volume_m3;
-  p.inertia_kg_m2 = 500 * solid.inertia_per_density_m5;
+  CraftParameters p = brick_parameters(500);
   p.centre_of_mass_body_m = {0, 0, -0.15};
   p.added_mass.diagonal() << 50, 100, 300, 10, 20, 20;
   p.linear_damping.diagonal() << 100, 100, 1500, 80, 80, 80;
-  const Craft craft(p, BuoyantHull(mesh));
+  const Craft craft(p, BuoyantHull(brick()));
   const Water water = with_wave(0.1, 9);
   BodyState state;
   double worst = 0;

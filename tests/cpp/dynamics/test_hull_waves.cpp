@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "meshes.h"
+#include "dynamics/bodies.h"
 
 namespace uwsim {
 namespace {
@@ -38,7 +38,7 @@ std::shared_ptr<const Craft> drifting_box() {
   p.mass_kg = 500;
   p.inertia_kg_m2 = 80 * Eigen::Matrix3d::Identity();
   p.radiation = table;
-  return std::make_shared<const Craft>(p, BuoyantHull(testing::box(2, 1, 0.5)));
+  return craft_of(p, testing::box(2, 1, 0.5));
 }
 
 /// Small waves from ahead at multiples of a common frequency.
@@ -55,11 +55,7 @@ Water water_with(const std::vector<WaveComponent>& sea) {
   return water;
 }
 
-BodyState at_depth(double depth_m) {
-  BodyState state;
-  state.world_from_body.position_m = {3, -2, -depth_m};
-  return state;
-}
+BodyState at_depth(double depth_m) { return at(3, -2, -depth_m); }
 
 Vector6d only_slow(const Radiation::Drift& drift) {
   Vector6d wrench = Vector6d::Zero();
@@ -123,7 +119,7 @@ TEST(HullWaves, WithoutDriftNothingIsAdded) {
   auto table = std::make_shared<Radiation>(*bare.radiation);
   table->drift.clear();
   bare.radiation = table;
-  const auto without = std::make_shared<const Craft>(bare, BuoyantHull(testing::box(2, 1, 0.5)));
+  const auto without = craft_of(bare, testing::box(2, 1, 0.5));
   const Water water = water_with(small_sea());
   EXPECT_EQ(HullWaves("box", without, water, 0.01).wrenches_at(at_depth(0), water, 0.7).diffraction, Vector6d::Zero());
 }

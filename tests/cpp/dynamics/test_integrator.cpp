@@ -5,19 +5,32 @@
 #include <cmath>
 
 #include "dynamics/bodies.h"
-#include "meshes.h"
 #include "uwsim/world/water.h"
 
 namespace uwsim {
 namespace {
 
 CraftParameters neutral_box() {
-  const SolidProperties solid = solid_properties(testing::box(1.2, 0.8, 0.6));
-  CraftParameters p;
-  p.mass_kg = 1000 * solid.volume_m3;
-  p.inertia_kg_m2 = 1000 * solid.inertia_per_density_m5;
+  CraftParameters p = brick_parameters(1000);
   p.added_mass.diagonal() << 100, 300, 900, 20, 50, 40;
   return p;
+}
+
+Craft box_of(const CraftParameters& p) { return {p, BuoyantHull(brick())}; }
+
+BodyState moving(double depth_m, const Vector6d& velocity_body) {
+  BodyState state = at(0, 0, -depth_m);
+  state.velocity_body = velocity_body;
+  return state;
+}
+
+/// Deep, and turning about all axes.
+BodyState tumbling() { return moving(500, Vector6d(0.5, -0.2, 0.1, 1.2, 0.9, -1.0)); }
+
+/// The state after so many seconds in so many steps.
+BodyState divided(const Craft& craft, BodyState state, double seconds, int steps) {
+  for (int k = 0; k < steps; ++k) state = advance(craft, state, {}, EvenWater{}, 0, seconds / steps);
+  return state;
 }
 
 BodyState run(const Craft& craft, BodyState state, const Vector6d& tau, const WaterField& water, double seconds) {
@@ -28,10 +41,8 @@ BodyState run(const Craft& craft, BodyState state, const Vector6d& tau, const Wa
 
 TEST(Integrator, ATumblingBodyInInviscidWaterConservesEnergyAndMomentum) {
   const CraftParameters p = neutral_box();
-  const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
-  BodyState state;
-  state.world_from_body.position_m.z() = -500;
-  state.velocity_body << 0.5, -0.2, 0.1, 1.2, 0.9, -1.0;
+  const Craft craft = box_of(p);
+  const BodyState state = tumbling();
   Matrix6d mass = p.added_mass;
   mass.topLeftCorner<3, 3>() += p.mass_kg * Eigen::Matrix3d::Identity();
   mass.bottomRightCorner<3, 3>() += p.inertia_kg_m2;
@@ -67,14 +78,12 @@ struct ByStage : Water {
 TEST(Integrator, TheFlowOverAStepFollowsFromThatAtItsBeginning) {
   CraftParameters p = neutral_box();
   p.linear_damping.diagonal() << 40, 60, 80, 20, 20, 20;
-  const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
+  const Craft craft = box_of(p);
   const Water water = in_a_field();
   const ByStage by_stage(water);
   EXPECT_TRUE(water.flows_smoothly());
-  BodyState drifting;
   const Eigen::Vector3d begin(-2.3, 0.3, -6.3);  // near edges of cells, which it crosses
-  drifting.world_from_body.position_m = begin;
-  BodyState each_stage = drifting;
+  BodyState drifting = at(begin), each_stage = drifting;
   for (int k = 0; k < 4000; ++k) {
     drifting = advance(craft, drifting, {}, water, kStep_s * k, kStep_s);
     each_stage = advance(craft, each_stage, {}, by_stage, kStep_s * k, kStep_s);
@@ -90,10 +99,8 @@ TEST(Integrator, AWakeThatTakesAwayMunkMomentDoesNoWork) {
   p.added_mass(0, 4) = p.added_mass(4, 0) = -30;
   p.added_mass(1, 2) = p.added_mass(2, 1) = 60;
   p.munk_share = 0.3;
-  const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
-  BodyState state;
-  state.world_from_body.position_m.z() = -500;
-  state.velocity_body << 0.5, -0.2, 0.1, 1.2, 0.9, -1.0;
+  const Craft craft = box_of(p);
+  const BodyState state = tumbling();
   const double energy = craft.kinetic_energy_j(state);
   const BodyState end = run(craft, state, Vector6d::Zero(), EvenWater{}, 100);
   EXPECT_NEAR(craft.kinetic_energy_j(end), energy, 1e-6 * energy);
@@ -104,10 +111,7 @@ TEST(Integrator, ASphereInAStraightLineDoesNotKnowItsMunkShare) {
   p.added_mass.diagonal() << 500, 500, 500, 20, 20, 20;
   const auto end_with = [&](double share) {
     p.munk_share = share;
-    BodyState state;
-    state.world_from_body.position_m.z() = -500;
-    state.velocity_body << 0.5, -0.2, 0.1, 1.2, 0.9, -1.0;
-    return run(Craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6))), state, Vector6d::Zero(), EvenWater{}, 10);
+    return run(box_of(p), tumbling(), Vector6d::Zero(), EvenWater{}, 10);
   };
   EXPECT_LT((end_with(0).world_from_body.position_m - end_with(1).world_from_body.position_m).norm(), 1e-9);
 }
@@ -116,53 +120,30 @@ TEST(Integrator, AtTerminalSpeedDragEqualsThrust) {
   CraftParameters p = neutral_box();
   p.added_mass.diagonal().setConstant(300);  // equal along all axes, so that there is no Munk moment
   p.quadratic_damping.diagonal().setConstant(250);
-  const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
-  BodyState state;
-  state.world_from_body.position_m.z() = -10;
-  Vector6d tau = Vector6d::Zero();
-  tau(0) = 360;
-  EXPECT_NEAR(run(craft, state, tau, EvenWater{}, 60).velocity_body(0), std::sqrt(360.0 / 250), 1e-6);
-}
-
-TEST(Integrator, ABodyWithTenTimesItsMassAddedFallsStably) {
-  CraftParameters p = neutral_box();
-  p.mass_kg *= 1.5;
+  const BodyState start = at(0, 0, -10);
+  EXPECT_NEAR(run(box_of(p), start, ahead(360), EvenWater{}, 60).velocity_body(0), std::sqrt(360.0 / 250), 1e-6);
+  p.mass_kg *= 1.5;  // falls, with ten times its mass added
   p.added_mass.diagonal() << 8600, 8600, 8600, 700, 1000, 1000;
   p.quadratic_damping.diagonal().setConstant(500);
-  const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
-  BodyState state;
-  state.world_from_body.position_m.z() = -10;
-  const double weight = (p.mass_kg - 576) * 9.80665;
-  EXPECT_NEAR(run(craft, state, Vector6d::Zero(), EvenWater{}, 200).velocity_body(2), -std::sqrt(weight / 500), 1e-3);
+  const double speed_m_s = std::sqrt((p.mass_kg - 576) * kGravity / 500);
+  EXPECT_NEAR(run(box_of(p), start, Vector6d::Zero(), EvenWater{}, 200).velocity_body(2), -speed_m_s, 1e-3);
 }
 
 TEST(Integrator, TheErrorFallsWithTheFourthPowerOfTheStep) {
   CraftParameters p = neutral_box();
   p.quadratic_damping.diagonal().setConstant(100);
-  const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
-  BodyState start;
-  start.world_from_body.position_m.z() = -50;
-  start.velocity_body << 1, 0.3, -0.2, 0.8, -0.5, 0.4;
-  const auto end_with = [&](int steps) {
-    BodyState state = start;
-    for (int k = 0; k < steps; ++k) state = advance(craft, state, {}, EvenWater{}, 0, 4.0 / steps);
-    return state.world_from_body.position_m;
-  };
+  const Craft craft = box_of(p);
+  const BodyState start = moving(50, Vector6d(1, 0.3, -0.2, 0.8, -0.5, 0.4));
+  const auto end_with = [&](int steps) { return divided(craft, start, 4, steps).world_from_body.position_m; };
   const Eigen::Vector3d exact = end_with(6400);
   const double coarse = (end_with(100) - exact).norm(), fine = (end_with(200) - exact).norm();
   EXPECT_GT(std::log2(coarse / fine), 3.5);
 }
 
 TEST(Integrator, AChaoticTumbleConvergesOverFiveSeconds) {
-  const Craft craft(neutral_box(), BuoyantHull(testing::box(1.2, 0.8, 0.6)));
-  BodyState start;
-  start.world_from_body.position_m.z() = -500;
-  start.velocity_body << 0.8, -0.6, 0.5, 1.2, 0.9, -1.0;
-  const auto end_with = [&](int steps) {
-    BodyState state = start;
-    for (int k = 0; k < steps; ++k) state = advance(craft, state, {}, EvenWater{}, 0, 5.0 / steps);
-    return state.world_from_body.orientation;
-  };
+  const Craft craft = box_of(neutral_box());
+  const BodyState start = moving(500, Vector6d(0.8, -0.6, 0.5, 1.2, 0.9, -1.0));
+  const auto end_with = [&](int steps) { return divided(craft, start, 5, steps).world_from_body.orientation; };
   const Eigen::Quaterniond exact = end_with(16'000);
   const double at_default = end_with(1000).angularDistance(exact), at_half = end_with(2000).angularDistance(exact);
   EXPECT_LT(at_default, 1e-3);

@@ -6,8 +6,6 @@
 #include <vector>
 
 #include "dynamics/bodies.h"
-#include "meshes.h"
-#include "uwsim/dynamics/rigid_body_world.h"
 #include "uwsim/world/water.h"
 
 // Stacked bodies at rest: friction holds them in place, to the last bit, until something changes.
@@ -18,28 +16,18 @@ constexpr double kFriction = 0.6, kHeight_m = 0.6, kBed_m = -10;
 constexpr std::size_t kMinute = 12'000;  // steps
 
 std::shared_ptr<const Craft> block(double density_kg_m3 = 2000) {
-  const TriangleMesh mesh = testing::box(1.2, 0.8, kHeight_m);
-  const SolidProperties solid = solid_properties(mesh);
-  CraftParameters p;
-  p.mass_kg = density_kg_m3 * solid.volume_m3;
-  p.inertia_kg_m2 = density_kg_m3 * solid.inertia_per_density_m5;
+  CraftParameters p = brick_parameters(density_kg_m3);
   p.added_mass.diagonal() << 300, 500, 900, 30, 50, 40;
   p.linear_damping.diagonal() << 50, 50, 50, 20, 20, 20;
-  return std::make_shared<const Craft>(p, BuoyantHull(mesh));
+  return craft_of(p);
 }
 
-double weight_in_water_n() { return 1000 * 1.2 * 0.8 * kHeight_m * 9.80665; }
-
-World bed(double height_m = kBed_m) {
-  World world;
-  world.set_terrain(Heightfield(std::vector<float>(41 * 41, static_cast<float>(height_m)), 41, 41, 1.0, {-20, -20}));
-  return world;
-}
+double weight_in_water_n() { return 1000 * 1.2 * 0.8 * kHeight_m * kGravity; }
 
 /// A stack of slightly misaligned blocks, each dropped from a centimetre above the one below.
 class Stack {
  public:
-  explicit Stack(std::size_t count, double friction = kFriction) : friction_(friction), bodies_(bed(), kStep_s) {
+  explicit Stack(std::size_t count) : bodies_(flat_bed(kBed_m), kStep_s) {
     for (std::size_t k = 0; k < count; ++k) {
       const double number = static_cast<double>(k);
       BodyState state = at(0.05 * std::sin(7 * number), 0.03 * std::cos(5 * number),
@@ -50,28 +38,19 @@ class Stack {
     step(1000);
   }
 
-  void add(const BodyState& state) {
-    bodies_.add_body({"block", block(), CollisionShape::kHull, friction_, 0.1}, state);
-  }
-  void step(std::size_t count) {
-    for (std::size_t k = 0; k < count; ++k) bodies_.step(EvenWater{}, 0);
-  }
-  void pull(std::size_t body, double force_n) {
-    Vector6d tau = Vector6d::Zero();
-    tau[0] = force_n;
-    bodies_.set_wrench(body, tau);
-  }
-  Eigen::Vector3d place_m(std::size_t body) const { return bodies_.state(body).world_from_body.position_m; }
+  void add(const BodyState& state) { bodies_.add_body(body_of(block(), kFriction), state); }
+  void step(std::size_t count) { run(bodies_, static_cast<int>(count)); }
+  void pull(std::size_t body, double force_n) { bodies_.set_wrench(body, ahead(force_n)); }
+  Eigen::Vector3d place_m(std::size_t body) const { return uwsim::place_m(bodies_, body); }
   RigidBodyWorld& bodies() { return bodies_; }
   /// Continues in a new world, which remembers nothing of the preceding steps.
   void forget(std::size_t count) {
-    RigidBodyWorld fresh(bed(), kStep_s);
+    RigidBodyWorld fresh(flat_bed(kBed_m), kStep_s);
     std::swap(fresh, bodies_);
     for (std::size_t k = 0; k < count; ++k) add(fresh.state(k));
   }
 
  private:
-  double friction_;
   RigidBodyWorld bodies_;
 };
 
@@ -121,44 +100,30 @@ TEST(Resting, WhatIsRememberedOfAStackChangesNoBit) {
   EXPECT_GT(places_m.back() - places_m[2], 0.001);
 }
 
-void exchange(RigidBodyWorld& bodies, StateArchive& archive) {
-  bodies.exchange_state(archive);
-  bodies.exchange_contacts(archive);
-  bodies.exchange_last_step(archive);
-}
-
 /// A row of blocks that sleep until one is pushed against the next, and a block that tumbles along the row, in parts of
 /// a step.
 TEST(Resting, WhetherBodiesSleepChangesNoBitOfTheSavedState) {
   constexpr double kLong_s = 0.02;
-  const auto saved = [](bool forgets) {
-    RigidBodyWorld bodies(bed(), kLong_s);
-    const auto add = [&](const BodyState& state) {
-      bodies.add_body({"block", block(), CollisionShape::kHull, kFriction, 0.1}, state);
-    };
+  const auto states_of = [](bool forgets) {
+    RigidBodyWorld bodies(flat_bed(kBed_m), kLong_s);
+    const auto add = [&](const BodyState& state) { bodies.add_body(body_of(block(), kFriction), state); };
     for (int k = 0; k < 12; ++k) add(at(1.7 * k - 14, 3, kBed_m + kHeight_m / 2 + 0.01));
     BodyState fast = at(13, 3.1, kBed_m + 4);
     add(fast);
     fast.velocity_body << -15, 0, -5, 0, 25, 0;
     std::vector<std::string> states;
     for (int k = 0; k < 500; ++k) {
-      Vector6d push = Vector6d::Zero();
-      push[0] = k > 100 && k < 200 ? 1.5 * weight_in_water_n() : 0;
-      bodies.set_wrench(0, push);
+      bodies.set_wrench(0, ahead(k > 100 && k < 200 ? 1.5 * weight_in_water_n() : 0));
       if (k == 250) bodies.set_state(12, fast);
       bodies.step(EvenWater{}, k * kLong_s);
-      StateArchive saved;
-      exchange(bodies, saved);
-      states.push_back(saved.bytes());
-      if (!forgets) continue;
-      StateArchive restored(saved.bytes());
-      exchange(bodies, restored);
+      states.push_back(saved(bodies));
+      if (forgets) restore(bodies, states.back());
     }
-    EXPECT_GT(bodies.state(1).world_from_body.position_m.x(), -12.6) << "the push reached the second block";
-    EXPECT_LT(bodies.state(12).world_from_body.position_m.x(), 3) << "the fast block passed some";
+    EXPECT_GT(place_m(bodies, 1).x(), -12.6) << "the push reached the second block";
+    EXPECT_LT(place_m(bodies, 12).x(), 3) << "the fast block passed some";
     return states;
   };
-  EXPECT_EQ(saved(false), saved(true));
+  EXPECT_EQ(states_of(false), states_of(true));
 }
 
 TEST(Resting, ABodyFallsWhenWhatHoldsItUpIsTakenAway) {
@@ -180,10 +145,10 @@ TEST(Resting, ABlockThatSleepsOnTheShoreFloatsWhenTheTideRises) {
   Water water;
   water.tide = std::make_shared<const Tide>(
       std::vector<TidalConstituent>{{kTide_m, 2 * std::numbers::pi / kPeriod_s, std::numbers::pi / 2}});
-  RigidBodyWorld bodies(bed(kShore_m), kStep_s);
-  bodies.add_body({"block", block(500), CollisionShape::kHull, kFriction, 0.1}, at(0, 0, kShore_m + kHeight_m / 2));
-  for (int k = 0; k < kPeriod_s / 4 / kStep_s; ++k) bodies.step(water, k * kStep_s);
-  EXPECT_NEAR(bodies.state(0).world_from_body.position_m.z(), kTide_m, 0.05);
+  RigidBodyWorld bodies(flat_bed(kShore_m), kStep_s);
+  bodies.add_body(body_of(block(500), kFriction), at(0, 0, kShore_m + kHeight_m / 2));
+  run(bodies, static_cast<int>(kPeriod_s / 4 / kStep_s), water);
+  EXPECT_NEAR(place_m(bodies).z(), kTide_m, 0.05);
 }
 
 TEST(Resting, ABlowMovesAStackAndItComesToRestAgain) {

@@ -7,10 +7,8 @@
 #include <string>
 
 #include "dynamics/bodies.h"
-#include "meshes.h"
 #include "sanitized.h"
 #include "uwsim/dynamics/contact_finder.h"
-#include "uwsim/dynamics/rigid_body_world.h"
 
 // Law: on a plane divided into many triangles, a body moves as on a single triangle, regardless of the slope, the cells
 // and the diagonals.
@@ -76,9 +74,7 @@ World solid(const Plane& plane, double spacing_m, bool other_diagonal) {
       }
     }
   }
-  World world;
-  world.add_solid("plane", mesh);
-  return world;
+  return solid_world(mesh);
 }
 
 World one_triangle(const Plane& plane) {
@@ -86,9 +82,7 @@ World one_triangle(const Plane& plane) {
   for (const auto& [x, y] : {std::pair{-300.0, -300.0}, {900.0, -300.0}, {-300.0, 900.0}})
     mesh.vertices_m.emplace_back(x, y, plane.height_m(x, y));
   mesh.triangles.push_back({0, 1, 2});
-  World world;
-  world.add_solid("plane", mesh);
-  return world;
+  return solid_world(mesh);
 }
 
 struct Shape {
@@ -96,24 +90,18 @@ struct Shape {
   TriangleMesh mesh;
 };
 
-TriangleMesh ellipsoid() {
-  TriangleMesh mesh = testing::sphere(0.3, 6);
-  for (Eigen::Vector3d& v : mesh.vertices_m) v = v.cwiseProduct(Eigen::Vector3d(1.7, 1, 0.8));
-  return mesh;
-}
-
 const std::vector<Shape>& shapes() {
-  static const std::vector<Shape> all = {
-      {"sphere", testing::sphere(0.3, 8)}, {"box", testing::box(1.2, 0.8, 0.6)}, {"hull", ellipsoid()}};
+  static const std::vector<Shape> all = {{"sphere", testing::sphere(0.3, 8)},
+                                         {"box", brick()},
+                                         {"hull", testing::stretched(testing::sphere(0.3, 6), {1.7, 1, 0.8})}};
   return all;
 }
 
+/// Of twice the water's density; one that does not turn has a vast inertia.
 std::shared_ptr<const Craft> craft(const TriangleMesh& mesh, bool turns) {
-  const SolidProperties whole = solid_properties(mesh);
-  CraftParameters p;
-  p.mass_kg = 2000 * whole.volume_m3;
-  p.inertia_kg_m2 = (turns ? 2000 : 1e9) * whole.inertia_per_density_m5;
-  return std::make_shared<const Craft>(p, BuoyantHull(mesh));
+  CraftParameters p = solid_of(mesh, 2000);
+  if (!turns) p.inertia_kg_m2 *= 1e9 / 2000;
+  return craft_of(p, mesh);
 }
 
 struct Slide {
@@ -125,10 +113,9 @@ struct Slide {
 BodyState start(const Plane& plane, const TriangleMesh& mesh, const Slide& slide) {
   double lowest_m = 0;
   for (const Eigen::Vector3d& v : mesh.vertices_m) lowest_m = std::min(lowest_m, v.z());
-  BodyState state;
+  BodyState state =
+      at(Eigen::Vector3d(0.137, 0.061, plane.height_m(0.137, 0.061)) + (0.8 * kRestGap_m - lowest_m) * plane.up());
   state.world_from_body.orientation = plane.tilt();
-  state.world_from_body.position_m =
-      Eigen::Vector3d(0.137, 0.061, plane.height_m(0.137, 0.061)) + (0.8 * kRestGap_m - lowest_m) * plane.up();
   const double turn_rad_s = slide.turns ? slide.speed_m_s : 0;
   state.velocity_body << slide.speed_m_s * Eigen::Vector3d(0.94, 0.34, 0),
       turn_rad_s * Eigen::Vector3d(0.02, 0.1, 0.05);
@@ -142,8 +129,7 @@ double largest_difference(const World& many, const World& one, const Plane& plan
   RigidBodyWorld on_many(many, kStep_s), on_one(one, kStep_s);
   const auto body = craft(mesh, slide.turns);
   const BodyState first = start(plane, mesh, slide);
-  for (RigidBodyWorld* world : {&on_many, &on_one})
-    world->add_body({"body", body, CollisionShape::kHull, slide.friction, 0.1}, first);
+  for (RigidBodyWorld* world : {&on_many, &on_one}) world->add_body(body_of(body, slide.friction), first);
   double largest = 0, way_m = 0.1;
   int touches = 0;
   for (int k = 0; k < 120; ++k) {
@@ -222,16 +208,9 @@ TEST(TessellatedBed, HeightsThatFloatsRoundCauseNoMoreThanTheirRounding) {
 
 // Actual edges and peaks of the bed do affect bodies.
 
-World surface(double (*height_m)(double x_m, double y_m)) {
-  constexpr std::size_t kNodes = 41;
-  std::vector<float> heights;
-  for (std::size_t j = 0; j < kNodes; ++j) {
-    for (std::size_t i = 0; i < kNodes; ++i)
-      heights.push_back(static_cast<float>(height_m(static_cast<double>(i) - 20, static_cast<double>(j) - 20)));
-  }
-  World world;
-  world.set_terrain(Heightfield(heights, kNodes, kNodes, 1, {-20, -20}));
-  return world;
+template <typename Height>
+World surface(const Height& height_m) {
+  return bed_world(41, 1, height_m);
 }
 
 /// The height of a box of 1.2 x 0.8 x 0.6 m, rotated by `yaw_rad`, that has sunk onto a surface for 2 s.
@@ -241,35 +220,24 @@ double height_at_rest_m(const World& world, double yaw_rad) {
   p.inertia_kg_m2 = 500 * Eigen::Matrix3d::Identity();
   p.linear_damping.diagonal() << 2000, 2000, 2000, 50'000, 50'000, 50'000;  // too slow to topple in this time
   RigidBodyWorld bodies(world, kStep_s);
-  BodyState state;
-  state.world_from_body.position_m = {0, 0, -19.5};
+  BodyState state = at(0, 0, -19.5);
   state.world_from_body.orientation = Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ());
-  bodies.add_body({"box", std::make_shared<const Craft>(p, BuoyantHull(testing::box(1.2, 0.8, 0.6))),
-                   CollisionShape::kHull, 0.9, 0},
-                  state);
-  for (int k = 0; k < 400; ++k) bodies.step(EvenWater{}, 0);
+  bodies.add_body(body_of(craft_of(p), 0.9, 0), state);
+  run(bodies, 400);
   EXPECT_TRUE(bodies.in_contact(0));
-  return bodies.state(0).world_from_body.position_m.z();
+  return place_m(bodies).z();
 }
 
-TEST(TessellatedBed, ABoxRestsOnARidgeUnderItsFace) {
-  const World ridge = surface([](double x, double) { return -20 - 0.5 * std::abs(x); });
-  for (const double yaw_rad : {0.0, 0.3, 1.2}) EXPECT_NEAR(height_at_rest_m(ridge, yaw_rad), -19.7, 0.003) << yaw_rad;
-  TriangleMesh roof = testing::box(0.02, 3, 0.5);
-  for (Eigen::Vector3d& v : roof.vertices_m) v.z() -= 20.25;
-  World world;
-  world.add_solid("wall", roof);
-  for (const double yaw_rad : {0.0, 0.3, 1.2}) EXPECT_NEAR(height_at_rest_m(world, yaw_rad), -19.7, 0.003) << yaw_rad;
-}
-
-TEST(TessellatedBed, ABoxRestsOnAPeakUnderItsFace) {
-  const World peak = surface([](double x, double y) { return x == 0 && y == 0 ? -20.0 : -21.0; });
-  EXPECT_NEAR(height_at_rest_m(peak, 0.4), -19.7, 0.003);
-  TriangleMesh post = testing::box(0.1, 0.1, 0.5);
-  for (Eigen::Vector3d& v : post.vertices_m) v.z() -= 20.25;
-  World world;
-  world.add_solid("post", post);
-  EXPECT_NEAR(height_at_rest_m(world, 0.4), -19.7, 0.003);
+TEST(TessellatedBed, ABoxRestsOnWhatIsUnderItsFace) {
+  const World beds[] = {surface([](double x, double) { return -20 - 0.5 * std::abs(x); }),             // a ridge
+                        surface([](double x, double y) { return x == 0 && y == 0 ? -20.0 : -21.0; }),  // a peak
+                        solid_world(testing::moved(testing::box(0.02, 3, 0.5), {0, 0, -20.25}), "wall"),
+                        solid_world(testing::moved(testing::box(0.1, 0.1, 0.5), {0, 0, -20.25}), "post")};
+  for (const World& bed : beds) {
+    const auto number = &bed - beds;
+    for (const double yaw_rad : number % 2 == 0 ? std::vector{0.0, 0.3, 1.2} : std::vector{0.4})
+      EXPECT_NEAR(height_at_rest_m(bed, yaw_rad), -19.7, 0.003) << number << ", " << yaw_rad;
+  }
 }
 
 TEST(TessellatedBed, ABodyLosesTheSpeedAcrossAHollowEdge) {
@@ -278,14 +246,12 @@ TEST(TessellatedBed, ABodyLosesTheSpeedAcrossAHollowEdge) {
   const World ramp = surface([](double x, double) { return -20 + kRise * std::max(0.0, x); });
   const TriangleMesh mesh = testing::sphere(0.3, 12);
   RigidBodyWorld bodies(ramp, kStep_s);
-  BodyState state;
-  state.world_from_body.position_m = {-2, 0.3, -19.7 + kRestGap_m};
+  BodyState state = at(-2, 0.3, -19.7 + kRestGap_m);
   state.velocity_body(0) = 3;
-  CraftParameters p;
-  p.mass_kg = 1000 * solid_properties(mesh).volume_m3;  // neutrally buoyant, so that nothing else slows it down
+  CraftParameters p = solid_of(mesh, 1000);             // neutrally buoyant, so that nothing else slows it down
   p.inertia_kg_m2 = 1e6 * Eigen::Matrix3d::Identity();  // or rotates it
-  bodies.add_body({"sphere", std::make_shared<const Craft>(p, BuoyantHull(mesh)), CollisionShape::kHull, 0, 0}, state);
-  for (int k = 0; k < 200; ++k) bodies.step(EvenWater{}, 0);
+  bodies.add_body(body_of(craft_of(p, mesh), 0, 0), state);
+  run(bodies, 200);
   const double cosine = 1 / std::hypot(1, kRise);
   const Eigen::Vector3d left = bodies.state(0).linear_body_m_s();
   EXPECT_NEAR(left.norm(), 3 * cosine, 0.03);

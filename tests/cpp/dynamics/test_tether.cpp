@@ -3,66 +3,25 @@
 #include <cmath>
 #include <numbers>
 
-#include "dynamics/bodies.h"
-#include "meshes.h"
-#include "uwsim/core/check.h"
-#include "uwsim/dynamics/rigid_body_world.h"
+#include "dynamics/tethers.h"
+#include "refusal.h"
 
 namespace uwsim::tether_tests {  // other files have some of these names, too
 namespace {
 
-constexpr double kGravity = 9.80665;
-
 BodySpec block(const std::string& name, double mass_kg) {
-  const TriangleMesh mesh = testing::box(0.4, 0.3, 0.2);
   CraftParameters p;
   p.mass_kg = mass_kg;
   p.inertia_kg_m2 = mass_kg * Eigen::Vector3d(0.011, 0.017, 0.021).asDiagonal();
   p.linear_damping.diagonal() << 60, 60, 60, 1, 1, 1;
-  return {name, std::make_shared<const Craft>(p, BuoyantHull(mesh))};
+  return {name, craft_of(p, testing::box(0.4, 0.3, 0.2))};
 }
 
-EvenWater still_water() { return {}; }
-
-/// So thin that only gravity acts.
-EvenWater vacuum(double gravity) {
-  EvenWater water;
-  water.density_kg_m3 = 1e-12;
-  water.gravity_m_s2 = gravity;
-  return water;
-}
-
-TetherSpec between(const Eigen::Vector3d& first, const Eigen::Vector3d& second, double length_m, std::uint64_t n) {
-  TetherSpec spec;
-  spec.first.point_m = first;
-  spec.second.point_m = second;
-  spec.length_m = length_m;
-  spec.elements = n;
-  spec.diameter_m = 0.02;
-  spec.mass_kg_m = 1;
-  spec.axial_stiffness_n = 1e7;
-  spec.bending_stiffness_n_m2 = 0;
-  return spec;
-}
+const EvenWater kStill;
 
 double wet_weight_n_m(const TetherSpec& spec) {
   return kGravity * (spec.mass_kg_m - 1000 * std::numbers::pi / 4 * spec.diameter_m * spec.diameter_m);
 }
-
-class Rig {
- public:
-  explicit Rig(double step_s = kStep_s, const World& world = {}) : step_s(step_s), bodies(world, step_s) {}
-  void step(const WaterField& water, int count = 1) {
-    for (int k = 0; k < count; ++k, ++steps) bodies.step(water, steps * step_s);
-  }
-  Tether& add(const TetherSpec& spec, const WaterField& water) {
-    return bodies.tether(bodies.add_tether(spec, water, 0));
-  }
-
-  double step_s;
-  RigidBodyWorld bodies;
-  int steps = 0;
-};
 
 /// Irvine (1981), "Cable Structures", 2.2: the point at `s` from the lower end of an elastic catenary [m].
 Eigen::Vector2d elastic_catenary(double s, double h, double v_low, double w, double ea) {
@@ -79,9 +38,8 @@ TEST(Tether, HangsInACatenary) {
     const Eigen::Vector2d end = elastic_catenary(spec.length_m, h, v_low, w, ea);
     spec.second.point_m += Eigen::Vector3d(0.6 * end.x(), 0.8 * end.x(), end.y());
     Rig rig;
-    const EvenWater water = still_water();
-    const Tether& tether = rig.add(spec, water);
-    rig.step(water, 200);
+    const Tether& tether = rig.add(spec, kStill);
+    rig.step(kStill, 200);
     EXPECT_NEAR(tether.end_force_n(1).head<2>().norm(), h, 2e-3 * h);
     EXPECT_NEAR(-tether.end_force_n(1).z(), v_low + w * spec.length_m, 2e-3 * w * spec.length_m);
     EXPECT_NEAR(-tether.end_force_n(0).z(), -v_low, 2e-3 * w * spec.length_m);
@@ -95,9 +53,9 @@ TEST(Tether, HangsInACatenary) {
 
 TEST(Tether, LiesAtTheCriticalAngleInACurrent) {
   TetherSpec spec = between({0, 0, -20}, {0, 0, -40}, 20, 40);
-  EvenWater water = still_water();
+  EvenWater water;
   water.current_world_m_s = {0.8, 0, 0};
-  Rig rig(0.02);
+  Rig rig({}, 0.02);
   Tether& tether = rig.add(spec, water);
   tether.cut(20);  // its last element: the other end is free
   rig.step(water, 12000);
@@ -111,19 +69,17 @@ TEST(Tether, LiesAtTheCriticalAngleInACurrent) {
 }
 
 TEST(Tether, IsHeldByTheBedsFriction) {
-  World world;
-  world.set_terrain(Heightfield(std::vector<float>(4, -20), 2, 2, 200, {-100, -100}));
+  const World world = flat_bed(-20, 2, 200);
   TetherSpec spec = between({0, 0, -19.9}, {60, 0, -19.9}, 60.5, 60);
   spec.axial_stiffness_n = 1e6;
   spec.friction = 0.4;
   spec.fastest_m_s = 1;
-  Rig rig(kStep_s, world);
-  const EvenWater water = still_water();
-  Tether& tether = rig.add(spec, water);
+  Rig rig(world);
+  Tether& tether = rig.add(spec, kStill);
   tether.command({WinchCommand::Mode::kRate, -0.01});
-  rig.step(water, 6000);
+  rig.step(kStill, 6000);
   tether.command({});
-  rig.step(water, 2000);
+  rig.step(kStill, 2000);
   const double w = wet_weight_n_m(spec);
   std::size_t grounded = 0;
   for (std::size_t i = 1; i + 1 < tether.elements(); ++i) {
@@ -134,7 +90,7 @@ TEST(Tether, IsHeldByTheBedsFriction) {
   }
   EXPECT_GT(grounded, 10u);
   const Eigen::Vector3d before = tether.position_m(30);
-  rig.step(water, 4000);
+  rig.step(kStill, 4000);
   EXPECT_LT((tether.position_m(30) - before).norm(), 1e-4) << "friction does not creep";
 }
 
@@ -143,7 +99,7 @@ TEST(Tether, CarriesLongitudinalWaves) {
   spec.axial_stiffness_n = 1e5;
   spec.axial_damping_n_s = 0;
   spec.fastest_m_s = 10;
-  Rig rig(2e-5);
+  Rig rig({}, 2e-5);
   const EvenWater water = vacuum(0);
   Tether& tether = rig.add(spec, water);
   const double speed = std::sqrt(spec.axial_stiffness_n / spec.mass_kg_m);
@@ -159,7 +115,7 @@ TEST(Tether, CarriesTransverseWaves) {
   TetherSpec spec = between({0, 0, -10}, {20, 0, -10}, 20, 60);
   spec.axial_stiffness_n = 1e6;
   spec.fastest_m_s = 1;
-  Rig rig(5e-4);
+  Rig rig({}, 5e-4);
   const EvenWater heavy = vacuum(kGravity), weightless = vacuum(0);
   Tether& tether = rig.add(spec, weightless);
   tether.command({WinchCommand::Mode::kRate, -0.1});
@@ -188,64 +144,37 @@ TEST(Tether, CarriesTransverseWaves) {
   EXPECT_NEAR(2 * 20 * frequency_hz, std::sqrt(mean_n / spec.mass_kg_m), 0.01 * std::sqrt(mean_n / spec.mass_kg_m));
 }
 
-double energy_j(const Tether& tether, double gravity) {
-  double energy = 0;
-  const double ea = tether.spec().axial_stiffness_n;
-  for (std::size_t i = 0; i <= tether.elements(); ++i) {
-    const double mass = tether.mass_kg(i);
-    energy += mass * (0.5 * tether.velocity_m_s(i).squaredNorm() + gravity * tether.position_m(i).z());
-    if (i == tether.elements() || tether.broken() == i) continue;
-    const double rest = tether.rest_m(i);
-    const double stretch = std::max(0.0, (tether.position_m(i + 1) - tether.position_m(i)).norm() - rest);
-    energy += 0.5 * ea / rest * stretch * stretch;
-    if (i == 0 || tether.broken() == i - 1) continue;
-    const double before = tether.rest_m(i - 1);
-    const Eigen::Vector3d turn = (tether.position_m(i + 1) - tether.position_m(i)) / rest -
-                                 (tether.position_m(i) - tether.position_m(i - 1)) / before;
-    energy += tether.spec().bending_stiffness_n_m2 / (rest + before) * turn.squaredNorm();
-  }
-  return energy;
-}
+struct Fall {
+  double axial_n, bending_n_m2, step_s;
+  std::size_t elements;
+  double span_m, length_m, cut_m;
+  int steps;  // it is cut after half of them
+};
 
+/// Hung between two points, and then cut.
 TEST(Tether, NeverGainsEnergy) {
-  for (const double ea : {1e2, 1e5, 1e9}) {
-    for (const double step_s : {0.001, 0.02}) {
-      TetherSpec spec = between({0, 0, -50}, {8, 0, -50}, 12, 30);
-      spec.axial_stiffness_n = ea;
-      spec.axial_damping_n_s = 0;
-      Rig rig(step_s);
-      Tether& tether = rig.add(spec, vacuum(kGravity));
-      const EvenWater upward = vacuum(-kGravity);
-      double before = energy_j(tether, -kGravity);
-      for (int k = 0; k < 400; ++k) {
-        if (k == 200) tether.cut(12);
-        rig.step(upward);
-        const double now = energy_j(tether, -kGravity);
-        ASSERT_LE(now, before + 1e-6 * std::abs(before)) << "EA " << ea << " N, step " << k << " of " << step_s << " s";
-        before = now;
-      }
-    }
+  std::vector<Fall> falls;
+  for (const double axial_n : {1e2, 1e5, 1e9}) {
+    for (const double step_s : {0.001, 0.02}) falls.push_back({axial_n, 0, step_s, 30, 8, 12, 12, 400});
   }
-}
-
-TEST(Tether, RodsNeverGainEnergy) {
-  for (const double ea : {1e7, 2e9, 1e11}) {
-    for (const double bending : {1.0, 400.0}) {
-      TetherSpec spec = between({0, 0, -50}, {5, 0, -50}, 8, 70);
-      spec.axial_stiffness_n = ea;
-      spec.bending_stiffness_n_m2 = bending;
-      spec.axial_damping_n_s = 0;
-      Rig rig(0.02);
-      Tether& tether = rig.add(spec, vacuum(kGravity));
-      const EvenWater upward = vacuum(-kGravity);
-      double before = energy_j(tether, -kGravity);
-      for (int k = 0; k < 200; ++k) {
-        if (k == 100) tether.cut(7.99);
-        rig.step(upward);
-        const double now = energy_j(tether, -kGravity);
-        ASSERT_LE(now, before + 1e-6 * std::abs(before)) << "EA " << ea << " N, EI " << bending << " N m2, step " << k;
-        before = now;
-      }
+  for (const double axial_n : {1e7, 2e9, 1e11}) {  // rods
+    for (const double bending : {1.0, 400.0}) falls.push_back({axial_n, bending, 0.02, 70, 5, 8, 7.99, 200});
+  }
+  const EvenWater upward = vacuum(-kGravity);
+  for (const Fall& fall : falls) {
+    TetherSpec spec = between({0, 0, -50}, {fall.span_m, 0, -50}, fall.length_m, fall.elements, 1, fall.axial_n);
+    spec.bending_stiffness_n_m2 = fall.bending_n_m2;
+    spec.axial_damping_n_s = 0;
+    Rig rig({}, fall.step_s);
+    Tether& tether = rig.add(spec, vacuum());
+    double before = energy_j(tether, -kGravity);
+    for (int k = 0; k < fall.steps; ++k) {
+      if (k == fall.steps / 2) tether.cut(fall.cut_m);
+      rig.step(upward);
+      const double now = energy_j(tether, -kGravity);
+      ASSERT_LE(now, before + 1e-6 * std::abs(before)) << "EA " << fall.axial_n << " N, EI " << fall.bending_n_m2
+                                                       << " N m2, step " << k << " of " << fall.step_s << " s";
+      before = now;
     }
   }
 }
@@ -259,19 +188,15 @@ TEST_P(Snap, KeepsMomentumAndEnergy) {
   right.velocity_body << 2, 0.5, 0, 0, 0, 0.3;
   rig.bodies.add_body(block("left", 10), left);
   rig.bodies.add_body(block("right", 25), right);
-  TetherSpec spec = between({0.2, 0, 0}, {-0.2, 0.05, 0}, 5, 20);
-  spec.axial_stiffness_n = GetParam();
+  TetherSpec spec = between({0.2, 0, 0}, {-0.2, 0.05, 0}, 5, 20, 1, GetParam());
   spec.first.body = 0;
   spec.second.body = 1;
   const EvenWater water = vacuum(0);
   const Tether& tether = rig.add(spec, water);
-  const auto momentum = [&] {
+  const auto of_bodies = [&] {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const std::size_t k : {0u, 1u}) {
-      const BodyState& state = rig.bodies.state(k);
-      const double mass = rig.bodies.spec(k).craft->parameters().mass_kg;
-      sum += mass * state.world_from_body.direction(state.linear_body_m_s());
-    }
+    for (const std::size_t k : {0u, 1u})
+      sum += rig.bodies.spec(k).craft->parameters().mass_kg * velocity_m_s(rig.bodies, k);
     return sum;
   };
   const auto kinetic_j = [&] {
@@ -281,14 +206,13 @@ TEST_P(Snap, KeepsMomentumAndEnergy) {
     for (const std::size_t k : {0u, 1u}) sum += rig.bodies.spec(k).craft->kinetic_energy_j(rig.bodies.state(k));
     return sum;
   };
-  const Eigen::Vector3d start = momentum();
+  const Eigen::Vector3d start = of_bodies();
   const double start_j = kinetic_j();
   double most_n = 0;
   for (int k = 0; k < 1000; ++k) {
     rig.step(water);
-    Eigen::Vector3d now = momentum();
     // Nodes at the ends move with the bodies; their momentum is what the bodies' loads gave them in the step.
-    for (std::size_t i = 0; i <= tether.elements(); ++i) now += tether.mass_kg(i) * tether.velocity_m_s(i);
+    const Eigen::Vector3d now = of_bodies() + momentum(tether);
     ASSERT_LT((now - start).norm(), 0.02 * start.norm()) << k;
     ASSERT_LE(kinetic_j(), 1.02 * start_j) << k;
     most_n = std::max(most_n, tether.end_force_n(1).norm());
@@ -305,23 +229,22 @@ TEST(Tether, WindsAndKeepsTension) {
   spec.fastest_m_s = 0.5;
   spec.strongest_n = 300;
   Rig rig;
-  const EvenWater water = still_water();
-  Tether& tether = rig.add(spec, water);
+  Tether& tether = rig.add(spec, kStill);
   tether.command({WinchCommand::Mode::kRate, 0.2});
-  rig.step(water, 1000);
+  rig.step(kStill, 1000);
   EXPECT_NEAR(tether.length_m(), 33, 1e-9);
   EXPECT_NEAR(tether.rate_m_s(), 0.2, 1e-9);
-  rig.step(water, 8000);
+  rig.step(kStill, 8000);
   EXPECT_NEAR(tether.length_m(), 40, 1e-9) << "no more is on the winch";
   tether.command({WinchCommand::Mode::kTension, 180});
-  rig.step(water, 12000);
+  rig.step(kStill, 12000);
   EXPECT_NEAR(tether.tension_n(0), 180, 1e-6);
   EXPECT_NEAR(tether.rate_m_s(), 0, 0.02) << "it still swings, with little drag";
   const double length = tether.length_m();
   EXPECT_GT(length, 31);
   EXPECT_LT(length, 33);
   tether.command({WinchCommand::Mode::kRate, -0.5});
-  rig.step(water, 4000);
+  rig.step(kStill, 4000);
   EXPECT_LE(tether.tension_n(0), 300 + 1e-6) << "it stalls";
   EXPECT_THROW(tether.command({WinchCommand::Mode::kRate, 0.6}), InvalidValue);
 }
@@ -333,61 +256,37 @@ TEST(Tether, BreaksAndRestoresToTheSameBytes) {
   spec.second.body = 0;
   spec.axial_stiffness_n = 1e4;
   spec.breaking_load_n = 150;
-  const EvenWater water = still_water();
-  Tether& tether = rig.add(spec, water);
-  rig.step(water, 100);
+  Tether& tether = rig.add(spec, kStill);
+  rig.step(kStill, 100);
   rig.bodies.apply(0, {.body = Eigen::Vector<double, 6>{0, 20, 0, 0, 0, 0}, .world = Vector6d::Zero()});
-  rig.step(water, 400);
+  rig.step(kStill, 400);
   EXPECT_FALSE(tether.broken());
-  const auto bytes = [&] {
-    StateArchive saved;
-    rig.bodies.exchange_state(saved);
-    rig.bodies.exchange_contacts(saved);
-    rig.bodies.exchange_last_step(saved);
-    rig.bodies.exchange_tethers(saved);
-    return saved.bytes();
-  };
-  const std::string middle = bytes();
+  const std::string middle = saved(rig.bodies);
   const int steps = rig.steps;
-  const Loads pull{.body = Eigen::Vector<double, 6>{400, 0, 0, 0, 0, 0}, .world = Vector6d::Zero()};
+  const Loads pull{.body = ahead(400), .world = Vector6d::Zero()};
   rig.bodies.apply(0, pull);
-  rig.step(water, 1000);
+  rig.step(kStill, 1000);
   EXPECT_TRUE(tether.broken());
   EXPECT_GT((tether.position_m(*tether.broken() + 1) - tether.position_m(*tether.broken())).norm(), 1);
-  const std::string end = bytes();
-  StateArchive restored(middle);
-  rig.bodies.exchange_state(restored);
-  rig.bodies.exchange_contacts(restored);
-  rig.bodies.exchange_last_step(restored);
-  rig.bodies.exchange_tethers(restored);
-  restored.finish();
+  const std::string end = saved(rig.bodies);
+  restore(rig.bodies, middle);
   rig.steps = steps;
   rig.bodies.apply(0, pull);
-  rig.step(water, 1000);
-  EXPECT_EQ(bytes(), end);
+  rig.step(kStill, 1000);
+  EXPECT_EQ(saved(rig.bodies), end);
 }
 
 TEST(Tether, IsRefusedIfItCannotBe) {
-  World world;
-  world.set_terrain(Heightfield(std::vector<float>(4, -20), 2, 2, 200, {-100, -100}));
-  const EvenWater water = still_water();
-  const auto refusal = [&](const TetherSpec& spec) -> std::string {
-    Rig rig(kStep_s, world);
-    try {
-      rig.add(spec, water);
-    } catch (const InvalidValue& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_EQ(refusal(between({0, 0, -10}, {9, 0, -10}, 8, 8)),
+  const World world = flat_bed(-20, 2, 200);
+  const auto refused = [&](const TetherSpec& spec) { return refusal([&] { Rig(world).add(spec, kStill); }); };
+  EXPECT_EQ(refused(between({0, 0, -10}, {9, 0, -10}, 8, 8)),
             "tether length_m = 8: must be at least the distance of its ends, 9 m");
-  EXPECT_EQ(refusal(between({0, 0, -21}, {9, 0, -10}, 20, 8)), "tether end =   0   0 -21: must be above the bed");
+  EXPECT_EQ(refused(between({0, 0, -21}, {9, 0, -10}, 20, 8)), "tether end =   0   0 -21: must be above the bed");
   TetherSpec massless = between({0, 0, -10}, {9, 0, -10}, 20, 8);
   massless.mass_kg_m = 0;
-  EXPECT_EQ(refusal(massless), "tether.mass_kg_m = 0: must be positive");
+  EXPECT_EQ(refused(massless), "tether.mass_kg_m = 0: must be positive");
   massless.mass_kg_m = 1;
-  EXPECT_EQ(refusal(massless), "");
+  EXPECT_EQ(refused(massless), "");
 }
 
 }  // namespace

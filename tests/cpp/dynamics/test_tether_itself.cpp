@@ -5,9 +5,7 @@
 #include <cstring>
 #include <memory>
 
-#include "dynamics/bodies.h"
-#include "meshes.h"
-#include "uwsim/dynamics/rigid_body_world.h"
+#include "dynamics/tethers.h"
 
 namespace uwsim::tether_itself_tests {  // other files have some of these names, too
 namespace {
@@ -62,10 +60,9 @@ class Shaped {
     p.mass_kg = kMass_kg;
     p.linear_damping.diagonal().head<3>().setConstant(damping_n_s_m);
     p.inertia_kg_m2 = Eigen::Vector3d(0.05, 0.05, 0.05).asDiagonal();
-    const auto craft = std::make_shared<const Craft>(p, BuoyantHull(testing::box(0.01, 0.01, 0.01)));
+    const auto craft = craft_of(p, testing::box(0.01, 0.01, 0.01));
     for (const Eigen::Vector3d& end : {nodes.front(), nodes.back()}) {
-      const Eigen::Vector3d place = kDeep + end;
-      bodies.add_body({"block " + std::to_string(bodies.size()), craft}, at(place.x(), place.y(), place.z()));
+      bodies.add_body({"block " + std::to_string(bodies.size()), craft}, at(kDeep + end));
     }
     TetherSpec spec;
     spec.first.body = 0;
@@ -85,8 +82,7 @@ class Shaped {
   void step(const WaterField& water) { bodies.step(water, steps++ * kStep_s); }
 
   void pull(double force_n) {
-    const Eigen::Vector3d way =
-        (bodies.state(1).world_from_body.position_m - bodies.state(0).world_from_body.position_m).normalized();
+    const Eigen::Vector3d way = (place_m(bodies, 1) - place_m(bodies, 0)).normalized();
     for (const std::size_t k : {0u, 1u}) {
       Loads loads{.body = Vector6d::Zero(), .world = Vector6d::Zero()};
       loads.world.head<3>() = (k == 0 ? -force_n : force_n) * way;
@@ -98,31 +94,13 @@ class Shaped {
 
   Eigen::Vector3d momentum() const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const std::size_t k : {0u, 1u}) {
-      const BodyState& state = bodies.state(k);
-      sum += kMass_kg * state.world_from_body.direction(state.linear_body_m_s());
-    }
-    for (std::size_t i = 0; i <= kElements; ++i) sum += tether().mass_kg(i) * tether().velocity_m_s(i);
-    return sum;
+    for (const std::size_t k : {0u, 1u}) sum += kMass_kg * velocity_m_s(bodies, k);
+    return sum + uwsim::momentum(tether());
   }
 
-  /// Kinetic, and of stretching, bending and contacts.
   double energy_j() const {
-    double sum = 0;
-    const TetherSpec& spec = tether().spec();
+    double sum = uwsim::energy_j(tether(), 0) + contact_energy_j(tether());
     for (const std::size_t k : {0u, 1u}) sum += bodies.spec(k).craft->kinetic_energy_j(bodies.state(k));
-    for (std::size_t i = 0; i <= kElements; ++i)
-      sum += 0.5 * tether().mass_kg(i) * tether().velocity_m_s(i).squaredNorm();
-    for (std::size_t i = 0; i < kElements; ++i) {
-      const double rest = tether().rest_m(i);
-      const double stretch = (tether().position_m(i + 1) - tether().position_m(i)).norm() - rest;
-      if (stretch > 0) sum += 0.5 * spec.axial_stiffness_n / rest * stretch * stretch;
-      if (i == 0) continue;
-      const Eigen::Vector3d turn =
-          (tether().position_m(i + 1) - 2 * tether().position_m(i) + tether().position_m(i - 1)) / rest;
-      sum += 0.5 * spec.bending_stiffness_n_m2 / rest * turn.squaredNorm();
-    }
-    for (const TetherContact& c : tether().contacts()) sum += 0.5 * c.force_n * c.force_n / c.stiffness;
     return sum;
   }
 
