@@ -2,34 +2,23 @@
 
 #include <string>
 
-#include "meshes.h"
 #include "sim/scene.h"
-#include "uwsim/sim/simulation.h"
 
 namespace uwsim {
 namespace {
 
 std::shared_ptr<const Craft> block(double density_kg_m3, double drag) {
-  const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
-  const SolidProperties solid = solid_properties(mesh);
-  CraftParameters p;
-  p.mass_kg = density_kg_m3 * solid.volume_m3;
-  p.inertia_kg_m2 = density_kg_m3 * solid.inertia_per_density_m5;
+  CraftParameters p = brick_parameters(density_kg_m3);
   p.centre_of_mass_body_m = {0.02, -0.01, -0.05};
   p.added_mass.diagonal() << 300, 500, 900, 30, 50, 40;
   p.quadratic_damping.diagonal().setConstant(drag);
-  return std::make_shared<const Craft>(p, BuoyantHull(mesh));
+  return craft_of(p);
 }
 
 VehicleSpec vehicle(const std::string& name, const Eigen::Vector3d& position_m, double density_kg_m3 = 1050,
                     double drag = 250) {
-  VehicleSpec spec;
-  spec.name = name;
-  spec.craft = block(density_kg_m3, drag);
-  spec.start_world_from_body.position_m = position_m;
-  ThrusterParameters thruster;
-  thruster.name = "aft";
-  thruster.curve = ThrustCurve({-1, 0, 1}, {-30, 0, 40});
+  VehicleSpec spec = vehicle_of(name, position_m, block(density_kg_m3, drag));
+  ThrusterParameters thruster = aft_thruster();
   thruster.position_body_m = {-0.5, 0.1, 0};
   spec.actuators.thrusters = {thruster};
   return spec;
@@ -39,7 +28,7 @@ VehicleSpec vehicle(const std::string& name, const Eigen::Vector3d& position_m, 
 Simulation falling() {
   World world;
   world.set_terrain(Heightfield({-20, -19, -20, -19}, 2, 2, 10.0, {-5, -5}));
-  Simulation sim(world, std::make_shared<const RayScene>(world), SimulationSpec{});
+  Simulation sim = simulation(world);
   sim.add_vehicle(vehicle("first", {0, 0, -19}, 2500));
   sim.add_vehicle(vehicle("second", {0.3, 0.2, -18}, 2500));
   return sim;
@@ -103,7 +92,7 @@ TEST(Forces, SurviveASavedState) {
 
 TEST(Forces, OfADockAreWhatHoldsTheVehicle) {
   const World world = flat_world();
-  Simulation sim(world, std::make_shared<const RayScene>(world), SimulationSpec{});
+  Simulation sim = simulation(world);
   VehicleSpec docked = vehicle("docked", {0, 0, -5}, 1200);
   docked.docked = true;
   sim.add_vehicle(docked);
@@ -115,11 +104,11 @@ TEST(Forces, OfADockAreWhatHoldsTheVehicle) {
 
 TEST(AppliedWrench, ChangesMomentumByForceTimesTime) {
   const World world = flat_world();
-  Simulation sim(world, std::make_shared<const RayScene>(world), SimulationSpec{});
+  Simulation sim = simulation(world);
   VehicleSpec spec = vehicle("pushed", {0, 0, -10}, 1000, 0);
   CraftParameters p = spec.craft->parameters();
   p.centre_of_mass_body_m.setZero();
-  spec.craft = std::make_shared<const Craft>(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
+  spec.craft = craft_of(p);
   const Vector6d push{12, 0, 0, 0, 0, 0};
   spec.wrenches = {{.wrench = push, .from_tick = 100, .until_tick = 200}};  // half a second
   sim.add_vehicle(spec);

@@ -2,9 +2,8 @@
 
 #include <random>
 
-#include "meshes.h"
+#include "refusal.h"
 #include "sim/scene.h"
-#include "uwsim/core/check.h"
 #include "uwsim/core/state_archive.h"
 #include "uwsim/sim/simulation.h"
 
@@ -13,18 +12,8 @@ namespace {
 
 /// A craft with a lagging thruster, a fin and sensors with internal state, which drops onto a sloping bed.
 VehicleSpec craft(const std::string& name, const Eigen::Vector3d& position_m) {
-  const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
-  const SolidProperties solid = solid_properties(mesh);
-  CraftParameters p;
-  p.mass_kg = 1050 * solid.volume_m3;
-  p.inertia_kg_m2 = 1050 * solid.inertia_per_density_m5;
-  p.quadratic_damping.diagonal().setConstant(250);
-  VehicleSpec spec;
-  spec.name = name;
-  spec.craft = std::make_shared<const Craft>(p, BuoyantHull(mesh));
-  ThrusterParameters thruster;
-  thruster.name = "aft";
-  thruster.curve = ThrustCurve({-1, 0, 1}, {-30, 0, 40});
+  VehicleSpec spec = vehicle_of(name, position_m, dragged(brick(), 1050));
+  ThrusterParameters thruster = aft_thruster();
   thruster.time_constant_s = 0.3;
   spec.actuators.thrusters = {thruster};
   FinParameters fin;
@@ -33,7 +22,6 @@ VehicleSpec craft(const std::string& name, const Eigen::Vector3d& position_m) {
   fin.deflection_max_rad = 0.5;
   fin.rate_max_rad_s = 0.2;
   spec.actuators.fins = {fin};
-  spec.start_world_from_body.position_m = position_m;
   SensorSpec depth{.name = "depth", .kind = "depth", .body_from_sensor = {}, .parameters = {}, .noise = {}};
   depth.rate_hz = 7;
   depth.latency_s = 0.31;
@@ -51,7 +39,7 @@ Simulation two_craft(const World& world, std::uint64_t seed = 3, EngineKind engi
   SimulationSpec spec;
   spec.seed = seed;
   spec.engine = engine;
-  Simulation sim(world, std::make_shared<const RayScene>(world), spec);
+  Simulation sim = simulation(world, spec);
   sim.add_vehicle(craft("first", {0, 0, -10}));
   VehicleSpec second = craft("second", {0.3, 0.2, -8.8});  // falls onto the first
   second.docked = true;
@@ -151,7 +139,7 @@ TEST_F(SavedState, AStateOfAnotherOriginIsRefusedAndChangesNothing) {
   const std::string before = fresh.save_state(kHere);
   EXPECT_THROW(fresh.restore_state(state, {"another scenario", "a build"}), InvalidValue);
   EXPECT_THROW(other_seed.restore_state(state, kHere), InvalidValue);
-  Simulation alone(world, std::make_shared<const RayScene>(world), {});
+  Simulation alone = simulation(world);
   EXPECT_THROW(alone.restore_state(state, kHere), InvalidValue);
   EXPECT_EQ(fresh.save_state(kHere), before);
   fresh.restore_state(state, {"a scenario", "another build"});
@@ -243,6 +231,23 @@ TEST_F(SavedState, AForgedNumberAnywhereDoesNotCrash) {
   }
   EXPECT_GT(restored, 0);
   EXPECT_GT(refused, 0);
+}
+
+TEST_F(SavedState, ALinkOfAnotherVersionIsRefusedByItsVersion) {
+  const auto bytes = [](std::uint64_t value) {
+    return std::string(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  Simulation sim = linked_craft(world), fresh = two_craft(world);
+  fresh.set_link({});
+  const std::string content(unwrapped_state(sim.save_state(kHere), kHere)), now = bytes(PacketNetwork::kLayout);
+  int refused = 0;
+  for (std::size_t at = content.find(now); at != std::string::npos; at = content.find(now, at + 1)) {
+    std::string older = content;
+    older.replace(at, now.size(), bytes(1));
+    refused += refusal([&] { fresh.restore_state(wrapped_state(older, kHere), kHere); }) ==
+               "state.link.version = 1: must be 2: another version of uwsim saved it";
+  }
+  EXPECT_EQ(refused, 1) << "only one of these numbers is the version";
 }
 
 TEST(StateArchive, NonFiniteValuesAreRefused) {

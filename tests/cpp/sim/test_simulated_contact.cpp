@@ -4,9 +4,8 @@
 
 #include <cmath>
 
-#include "meshes.h"
+#include "sim/scene.h"
 #include "uwsim/core/check.h"
-#include "uwsim/sim/simulation.h"
 
 namespace uwsim {
 namespace {
@@ -23,17 +22,10 @@ struct Block {
 
 /// A 1.2 x 0.8 x 0.6 m box without drag.
 VehicleSpec block_at(const Eigen::Vector3d& position_m, const Block& block = {}) {
-  TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
-  for (auto& v : mesh.vertices_m) v += block.mesh_shift_m;
-  const SolidProperties solid = solid_properties(mesh);
-  CraftParameters p;
-  p.mass_kg = block.density_kg_m3 * solid.volume_m3;
-  p.centre_of_mass_body_m = solid.centroid_m;
-  p.inertia_kg_m2 = block.density_kg_m3 * solid.inertia_per_density_m5;
-  VehicleSpec spec;
-  spec.name = "block";
-  spec.craft = std::make_shared<const Craft>(p, BuoyantHull(mesh));
-  spec.start_world_from_body.position_m = position_m;
+  const TriangleMesh mesh = testing::moved(brick(), block.mesh_shift_m);
+  CraftParameters p = solid_of(mesh, block.density_kg_m3);
+  p.centre_of_mass_body_m = block.mesh_shift_m;
+  VehicleSpec spec = vehicle_of("block", position_m, craft_of(p, mesh));
   spec.friction = block.friction;
   spec.restitution = block.restitution;
   spec.shape = block.shape;
@@ -41,44 +33,23 @@ VehicleSpec block_at(const Eigen::Vector3d& position_m, const Block& block = {})
   return spec;
 }
 
-/// A flat bed at z = -10; with `slab`, a slab on it that is 0.5 m thick and divided into squares of 0.5 m.
-World shallow_world(bool slab = false) {
+World shallow_world() {
   World world;
   world.set_terrain(Heightfield(std::vector<float>(81 * 81, -10), 81, 81, 0.5, {-20, -20}));
-  if (!slab) return world;
-  TriangleMesh mesh;
-  constexpr std::uint32_t n = 61;
-  for (std::uint32_t j = 0; j < n; ++j) {
-    for (std::uint32_t i = 0; i < n; ++i) mesh.vertices_m.emplace_back(0.5 * i - 15, 0.5 * j - 15, -9.5);
-  }
-  for (std::uint32_t j = 0; j + 1 < n; ++j) {
-    for (std::uint32_t i = 0; i + 1 < n; ++i) {
-      const std::uint32_t a = j * n + i;
-      mesh.triangles.push_back({a, a + 1, a + n});
-      mesh.triangles.push_back({a + 1, a + n + 1, a + n});
-    }
-  }
-  world.add_solid("slab", mesh);
   return world;
 }
 
-Simulation simulation(const World& world, const VehicleSpec& vehicle, double step_s = 0.005) {
+Simulation simulated(const VehicleSpec& vehicle, double step_s = 0.005) {
   SimulationSpec spec;
   spec.step_s = step_s;
-  Simulation sim(world, std::make_shared<const RayScene>(world), spec);
+  Simulation sim = simulation(shallow_world(), spec);
   sim.add_vehicle(vehicle);
   return sim;
 }
 
-Vector6d surge(double effort) {
-  Vector6d efforts = Vector6d::Zero();
-  efforts(0) = effort;
-  return efforts;
-}
-
 TEST(SimulatedContact, AFrictionlessBodyKeepsItsSpeedOverAFlatBed) {
   const Block slippery{.friction = 0, .restitution = 0};
-  Simulation sim = simulation(shallow_world(), block_at({-8.1, 0.3, -9.69}, slippery));
+  Simulation sim = simulated(block_at({-8.1, 0.3, -9.69}, slippery));
   sim.step(200);
   BodyState state = sim.state(0);
   state.velocity_body << 1, 0, 0, 0, 0, 0;
@@ -94,10 +65,10 @@ TEST(SimulatedContact, FrictionIsTheCoefficientTimesTheLoadInEveryDirection) {
     for (const double share : {0.9, 1.15}) {
       VehicleSpec block = block_at({0, 0, -9.69}, {.density_kg_m3 = 1100, .friction = mu, .restitution = 0});
       block.start_world_from_body.orientation = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
-      Simulation sim = simulation(shallow_world(), block);
+      Simulation sim = simulated(block);
       sim.step(200);
       const Eigen::Vector3d start = sim.state(0).world_from_body.position_m;
-      sim.actuators(0).set_effort(surge(share * mu * load_n / 1000));
+      sim.actuators(0).set_effort(share * mu * load_n / 1000 * Vector6d::Unit(0));
       sim.step(1000);
       const double moved_m = (sim.state(0).world_from_body.position_m - start).norm();
       if (share < 1) {
@@ -113,7 +84,7 @@ TEST(SimulatedContact, ABodyComesToRestForEveryStepAndShape) {
   for (const double step_s : {0.005, 0.01, 0.02}) {
     for (const CollisionShape shape : {CollisionShape::kHull, CollisionShape::kBox}) {
       const Block block{.shape = shape, .mesh_shift_m = {0.1, 0, 0.25}};
-      Simulation sim = simulation(shallow_world(), block_at({0, 0, -9.5}, block), step_s);
+      Simulation sim = simulated(block_at({0, 0, -9.5}, block), step_s);
       sim.step(static_cast<std::uint64_t>(15 / step_s));
       EXPECT_LT(sim.telemetry(0).speed_m_s, 1e-3) << step_s;
       EXPECT_NEAR(sim.state(0).world_from_body.position_m.z() - 0.05, -10, kRestTolerance_m)
@@ -123,12 +94,11 @@ TEST(SimulatedContact, ABodyComesToRestForEveryStepAndShape) {
 }
 
 TEST(SimulatedContact, TheFutureDependsOnTheStateAlone) {
-  BodyState start;
-  start.world_from_body.position_m = {0.2, -0.1, -9.695};
+  BodyState start = at({0.2, -0.1, -9.695});
   start.velocity_body << 0.3, 0, -0.2, 0, 0.1, 0;
   std::vector<BodyState> ends;
   for (const int before : {0, 100}) {
-    Simulation sim = simulation(shallow_world(), block_at({1, 1, -9.69}));
+    Simulation sim = simulated(block_at({1, 1, -9.69}));
     sim.step(static_cast<std::uint64_t>(before));
     sim.set_state(0, start);
     EXPECT_FALSE(sim.telemetry(0).collision_warning);
@@ -142,18 +112,16 @@ TEST(SimulatedContact, TheFutureDependsOnTheStateAlone) {
 
 TEST(SimulatedContact, ThrustersGiveNoThrustInAir) {
   VehicleSpec block = block_at({0, 0, 20});
-  Simulation sim = simulation(shallow_world(), block);
-  sim.actuators(0).set_effort(surge(1));
+  Simulation sim = simulated(block);
+  sim.actuators(0).set_effort(Vector6d::Unit(0));
   sim.step(100);
   EXPECT_EQ(sim.state(0).velocity_body(0), 0);
 }
 
 TEST(SimulatedContact, APositionUnderTheGroundOrBeyondTheWorldIsRefused) {
-  Simulation sim = simulation(shallow_world(), block_at({0, 0, -5}));
+  Simulation sim = simulated(block_at({0, 0, -5}));
   for (const Eigen::Vector3d& place : {Eigen::Vector3d(0, 0, -10.2), Eigen::Vector3d(0, 0, 2e18)}) {
-    BodyState state;
-    state.world_from_body.position_m = place;
-    EXPECT_THROW(sim.set_state(0, state), InvalidValue);
+    EXPECT_THROW(sim.set_state(0, at(place)), InvalidValue);
   }
   EXPECT_THROW(sim.state(1), std::out_of_range);
 }
@@ -161,7 +129,7 @@ TEST(SimulatedContact, APositionUnderTheGroundOrBeyondTheWorldIsRefused) {
 TEST(SimulatedContact, InvalidMaterialsAreRefused) {
   for (const Block& bad :
        {Block{.friction = -1}, Block{.friction = NAN}, Block{.restitution = 5}, Block{.restitution = NAN}}) {
-    EXPECT_THROW(simulation(shallow_world(), block_at({0, 0, -5}, bad)), InvalidValue);
+    EXPECT_THROW(simulated(block_at({0, 0, -5}, bad)), InvalidValue);
   }
 }
 

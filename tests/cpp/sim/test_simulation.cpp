@@ -4,39 +4,29 @@
 
 #include <cmath>
 
-#include "meshes.h"
+#include "refusal.h"
 #include "sim/scene.h"
-#include "uwsim/core/check.h"
 
 namespace uwsim {
 namespace {
 
-VehicleSpec neutral_vehicle(bool docked) {
-  const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
-  const SolidProperties solid = solid_properties(mesh);
-  CraftParameters p;
-  p.mass_kg = 1000 * solid.volume_m3;
-  p.inertia_kg_m2 = 1000 * solid.inertia_per_density_m5;
-  p.quadratic_damping.diagonal().setConstant(250);
-  VehicleSpec spec;
-  spec.name = "rov";
-  spec.craft = std::make_shared<const Craft>(p, BuoyantHull(mesh));
+VehicleSpec neutral_vehicle(bool docked = false) {
+  VehicleSpec spec = vehicle_of("rov", {0, 0, -8}, dragged());
   spec.actuators.full_wrench_body.setConstant(250);
-  spec.start_world_from_body.position_m = {0, 0, -8};
   spec.docked = docked;
   return spec;
 }
 
-Simulation simulation(const World& world, SimulationSpec spec = {}) {
-  return {world, std::make_shared<const RayScene>(world), spec};
+Simulation with_neutral_vehicle(const SimulationSpec& spec = {}) {
+  Simulation sim = simulation(flat_world(), spec);
+  sim.add_vehicle(neutral_vehicle());
+  return sim;
 }
 
 TEST(Simulation, ADockedVehicleStaysUntilItIsReleased) {
   Simulation sim = simulation(flat_world());
   sim.add_vehicle(neutral_vehicle(true));
-  Vector6d ahead = Vector6d::Zero();
-  ahead(0) = 1;
-  sim.actuators(0).set_effort(ahead);
+  sim.actuators(0).set_effort(Vector6d::Unit(0));
   sim.step(200);
   EXPECT_EQ(sim.state(0).world_from_body.position_m.x(), 0);
   EXPECT_EQ(sim.telemetry(0).mission_time_s, 0);
@@ -48,11 +38,8 @@ TEST(Simulation, ADockedVehicleStaysUntilItIsReleased) {
 
 TEST(Simulation, APositiveEffortMovesItsOwnAxisForwardAlone) {
   for (int axis = 0; axis < 6; ++axis) {
-    Simulation sim = simulation(flat_world());
-    sim.add_vehicle(neutral_vehicle(false));
-    Vector6d effort = Vector6d::Zero();
-    effort(axis) = 0.2;
-    sim.actuators(0).set_effort(effort);
+    Simulation sim = with_neutral_vehicle();
+    sim.actuators(0).set_effort(0.2 * Vector6d::Unit(axis));
     sim.step(100);
     EXPECT_GT(sim.state(0).velocity_body(axis), 0.01);
     Vector6d others = sim.state(0).velocity_body;
@@ -64,11 +51,8 @@ TEST(Simulation, APositiveEffortMovesItsOwnAxisForwardAlone) {
 TEST(Simulation, ThrustersStopWhenTheBatteryIsEmpty) {
   SimulationSpec spec;
   spec.mission_time_s = 2;
-  Simulation sim = simulation(flat_world(), spec);
-  sim.add_vehicle(neutral_vehicle(false));
-  Vector6d ahead = Vector6d::Zero();
-  ahead(0) = 1;
-  sim.actuators(0).set_effort(ahead);
+  Simulation sim = with_neutral_vehicle(spec);
+  sim.actuators(0).set_effort(Vector6d::Unit(0));
   sim.step(200);
   EXPECT_NEAR(sim.telemetry(0).battery_percent, 50, 1e-9);
   sim.step(200);
@@ -82,7 +66,7 @@ TEST(Simulation, ThrustersStopWhenTheBatteryIsEmpty) {
 TEST(Simulation, APropellerSpinsDownWhenTheBatteryIsEmpty) {
   SimulationSpec spec;
   spec.mission_time_s = 1;
-  VehicleSpec vehicle = neutral_vehicle(false);
+  VehicleSpec vehicle = neutral_vehicle();
   vehicle.actuators = {};
   vehicle.actuators.thrusters.resize(1);
   vehicle.actuators.thrusters[0].time_constant_s = 0.5;
@@ -100,15 +84,13 @@ TEST(Simulation, APropellerSpinsDownWhenTheBatteryIsEmpty) {
 TEST(Simulation, TelemetryAgreesWithGeometryAndWarnsAtItsThresholds) {
   SimulationSpec spec;
   spec.station_world_m = {0, 60, -8};
-  Simulation sim = simulation(flat_world(), spec);
-  sim.add_vehicle(neutral_vehicle(false));
+  Simulation sim = with_neutral_vehicle(spec);
   Telemetry t = sim.telemetry(0);
   EXPECT_NEAR(t.depth_m, 8, 1e-12);
   EXPECT_NEAR(t.distance_to_seabed_m, 12, 1e-9);
   EXPECT_NEAR(t.distance_to_station_m, 60, 1e-12);
   EXPECT_FALSE(t.range_warning || t.proximity_warning || t.collision_warning);
-  BodyState far;
-  far.world_from_body.position_m = {0, -51, -19.69};
+  BodyState far = at({0, -51, -19.69});
   far.velocity_body << 1, 2, 2, 0, 0, 0.5;
   sim.set_state(0, far);
   t = sim.telemetry(0);
@@ -124,37 +106,29 @@ TEST(Simulation, TelemetryAgreesWithGeometryAndWarnsAtItsThresholds) {
 
 TEST(Simulation, APositionInsideASolidIsRefused) {
   World world = flat_world();
-  TriangleMesh rock = testing::box(4, 4, 4);
-  for (Eigen::Vector3d& v : rock.vertices_m) v += Eigen::Vector3d(10, 0, -8);
-  world.add_solid("rock", rock);
+  world.add_solid("rock", testing::moved(testing::box(4, 4, 4), {10, 0, -8}));
   Simulation sim = simulation(world);
-  sim.add_vehicle(neutral_vehicle(false));
-  BodyState state;
-  state.world_from_body.position_m = {9, 1, -7};
-  try {
-    sim.set_state(0, state);
-    ADD_FAILURE() << "it must be refused";
-  } catch (const InvalidValue& error) {
-    EXPECT_STREQ(error.what(), "vehicle 'rov' position_m =  9  1 -7: must be outside 'rock'");
-  }
+  sim.add_vehicle(neutral_vehicle());
+  EXPECT_EQ(refusal([&] {
+              sim.set_state(0, at({9, 1, -7}));
+            }),
+            "vehicle 'rov' position_m =  9  1 -7: must be outside 'rock'");
   EXPECT_EQ(sim.state(0).world_from_body.position_m, Eigen::Vector3d(0, 0, -8)) << "it must stay where it was";
-  state.world_from_body.position_m = {7.5, 1, -7};
-  EXPECT_NO_THROW(sim.set_state(0, state));
-  VehicleSpec second = neutral_vehicle(false);
+  EXPECT_NO_THROW(sim.set_state(0, at({7.5, 1, -7})));
+  VehicleSpec second = neutral_vehicle();
   second.name = "second";
   second.start_world_from_body.position_m = {10, 0, -8};
   EXPECT_THROW(sim.add_vehicle(second), InvalidValue);
 }
 
 TEST(Simulation, InvalidCommandsStatesAndSpecsAreRefused) {
-  Simulation sim = simulation(flat_world());
-  sim.add_vehicle(neutral_vehicle(false));
+  Simulation sim = with_neutral_vehicle();
   EXPECT_THROW(sim.actuators(0).set_effort(Vector6d::Constant(1.01)), InvalidValue);
   EXPECT_THROW(sim.actuators(0).set_effort(Vector6d::Constant(NAN)), InvalidValue);
   BodyState state;
   state.velocity_body(3) = INFINITY;
   EXPECT_THROW(sim.set_state(0, state), InvalidValue);
-  EXPECT_THROW(sim.add_vehicle(neutral_vehicle(false)), InvalidValue) << "a repeated name";
+  EXPECT_THROW(sim.add_vehicle(neutral_vehicle()), InvalidValue) << "a repeated name";
   SimulationSpec spec;
   spec.step_s = 0;
   EXPECT_THROW(simulation(flat_world(), spec), InvalidValue);

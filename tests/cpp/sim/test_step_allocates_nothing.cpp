@@ -29,9 +29,7 @@ World uneven_world() {
   }
   World world;
   world.set_terrain(Heightfield(std::move(heights), 81, 81, 0.5, {-20, -20}));
-  TriangleMesh wall = testing::box(1, 8, 12);
-  for (Eigen::Vector3d& v : wall.vertices_m) v += Eigen::Vector3d(8, 0, kBed_m + 5);
-  world.add_solid("wall", wall);
+  world.add_solid("wall", testing::moved(testing::box(1, 8, 12), {8, 0, kBed_m + 5}));
   return world;
 }
 

@@ -2,9 +2,7 @@
 
 #include <cmath>
 
-#include "meshes.h"
 #include "sim/scene.h"
-#include "uwsim/sim/simulation.h"
 
 namespace uwsim {
 namespace {
@@ -22,16 +20,7 @@ SensorSpec sensor(const std::string& kind, double rate_hz = 0, double latency_s 
 
 /// A sphere of radius 1 m as a hull, neutrally buoyant, at rest.
 VehicleSpec ball(const std::string& name, const Eigen::Vector3d& position_m) {
-  const TriangleMesh mesh = testing::sphere(1, kBands);
-  const SolidProperties solid = solid_properties(mesh);
-  CraftParameters p;
-  p.mass_kg = 1000 * solid.volume_m3;
-  p.inertia_kg_m2 = 1000 * solid.inertia_per_density_m5;
-  p.quadratic_damping.diagonal().setConstant(250);
-  VehicleSpec spec;
-  spec.name = name;
-  spec.craft = std::make_shared<const Craft>(p, BuoyantHull(mesh));
-  spec.start_world_from_body.position_m = position_m;
+  VehicleSpec spec = vehicle_of(name, position_m, dragged(testing::sphere(1, kBands)));
   spec.sensors = {sensor("proximity", 10, 0.25), sensor("altitude"), sensor("dvl")};
   spec.sonars.resize(1);
   spec.sonars[0].name = "sonar";
@@ -39,17 +28,14 @@ VehicleSpec ball(const std::string& name, const Eigen::Vector3d& position_m) {
 }
 
 Simulation two_balls() {
-  const World world = flat_world();
-  Simulation sim(world, std::make_shared<const RayScene>(world), SimulationSpec{});
+  Simulation sim = simulation(flat_world());
   sim.add_vehicle(ball("first", {0, 0, -10}));
   sim.add_vehicle(ball("second", {10, 0, -10}));
   return sim;
 }
 
 void place(Simulation& sim, std::size_t vehicle, const Eigen::Vector3d& position_m) {
-  BodyState state;
-  state.world_from_body.position_m = position_m;
-  sim.set_state(vehicle, state);
+  sim.set_state(vehicle, at(position_m));
 }
 
 TEST(VehiclesSeeEachOther, ASphereGivesAFanTheRangesOfItsClosedForm) {
@@ -78,8 +64,7 @@ TEST(VehiclesSeeEachOther, NoneSeesItself) {
   Simulation sim = two_balls();
   place(sim, 1, {0, 0, -150 + 200.0});  // far above
   for (const Label label : sim.ping(0, 0).labels) EXPECT_NE(label, 2);
-  const World world = flat_world();
-  Simulation alone(world, std::make_shared<const RayScene>(world), SimulationSpec{});
+  Simulation alone = simulation(flat_world());
   alone.add_vehicle(ball("first", {0, 0, -10}));
   EXPECT_EQ(sim.ping(0, 0).ranges_m, alone.ping(0, 0).ranges_m);
   EXPECT_EQ(sim.read_sensor(0, 1).values, alone.read_sensor(0, 1).values);
