@@ -102,7 +102,7 @@ Tether::Tether(const TetherSpec& spec, const World& world, std::span<const Moved
   for (std::vector<Eigen::Vector3d>* vectors : {&next_, &gradient_, &change_}) vectors->resize(most);
   line_.resize(most);
   search_.resize(most);
-  joints_.all.reserve(most);
+  joints_.reserve(most);
   contacts_.reserve(kKeptContacts);
   hessian_.resize(most);
   flow_.resize(most);
