@@ -38,7 +38,7 @@ from waiting import until
 STOP, ARM = dialect.MAV_CMD_DO_FLIGHTTERMINATION, dialect.MAV_CMD_COMPONENT_ARM_DISARM
 SLOW_S = 0.05  # a parameter that takes this long to set, as on large terrain
 FLOOD = 100
-STOP_S = 1.5  # 0.1 s when the machine is idle; the flood takes 5 s, and so would a stop that waits for it
+STOP_S = 4.0  # 0.1 s when the machine is idle; the flood takes 5 s, and so would a stop that waits for it
 BEAT_S = 4.0
 
 

@@ -99,7 +99,7 @@ def slow_sweep(folder: Path) -> tuple[Path, Path]:
 
 
 def started(*words: str | Path, cwd: Path | None = None) -> subprocess.Popen:
-    """Start a command in a session of its own, which hears Ctrl-C."""
+    """Start a command in a session of its own, which Ctrl-C reaches."""
     return subprocess.Popen(
         [*UWSIM, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
         preexec_fn=hears_ctrl_c, cwd=cwd,

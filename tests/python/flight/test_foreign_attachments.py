@@ -2,7 +2,9 @@
 
 import sys
 import warnings
+from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -12,7 +14,8 @@ import pytest
 import uwsim
 from plugin_package import add_package
 from uwsim.base import sockets
-from uwsim.flight.attachment import Attachment
+from uwsim.base.options import OptionError, option
+from uwsim.flight.attachment import Attachment, AttachmentOptions, Attachments, Departure
 from uwsim.missions import wait
 
 PLACES = ("attach", "start", "flying", "on_ping", "observe", "commanded", "ended", "try_close")
@@ -64,27 +67,55 @@ def mission(vehicle):
     yield wait(0.3)
 
 
+@dataclass(frozen=True)
+class Asked(AttachmentOptions):
+    """Options of an attachment that is asked for. mine: 13 raises an error."""
+
+    switch = "mine"
+
+    mine: int | None = option(None, "Take part.")
+    mine_word: str = option("a", "A word.")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.mine == 13:
+            raise LookupError("lost")
+
+    def attach(self, flight: Departure) -> Attachment:
+        noted.append((self.mine, self.mine_word))
+        return Attachment()
+
+
+noted: list[tuple[int | None, str]] = []
+
+
 @pytest.fixture
-def fly_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Return a function that flies with an attachment of an installed package."""
-    module = ModuleType("mine_of_others")
-    monkeypatch.setitem(sys.modules, "mine_of_others", module)
-    monkeypatch.syspath_prepend(add_package(tmp_path, "others", "uwsim.attachments", "mine = mine_of_others:attach"))
-    caches = (sockets._installed, sockets.registered, sockets._loaded)
+def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
+    """The module of an installed package, of whose class Options the attachment is."""
+    found = ModuleType("mine_of_others")
+    monkeypatch.setitem(sys.modules, "mine_of_others", found)
+    monkeypatch.syspath_prepend(add_package(tmp_path, "others", "uwsim.attachments", "mine = mine_of_others:Options"))
+    caches = (sockets._installed, sockets.registered, sockets._loaded, sockets.load_all)
+    for cache in caches:
+        cache.cache_clear()
+    yield found
     for cache in caches:
         cache.cache_clear()
 
+
+@pytest.fixture
+def fly_with(module: ModuleType):
+    """Return a function that flies with what is attached to every flight."""
+
     def fly(attach) -> tuple[Any, list[str]]:
         if attach is not None:
-            module.attach = attach
+            module.Options = type("Always", (AttachmentOptions,), {"attach": lambda self, flight: attach(flight)})
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             flown = uwsim.fly(mission, "pool", map=True)
         return flown, [str(each.message) for each in caught if each.category is sockets.SocketWarning]
 
-    yield fly
-    for cache in caches:
-        cache.cache_clear()
+    return fly
 
 
 def test_it_takes_part_everywhere(fly_with) -> None:
@@ -105,7 +136,7 @@ def test_an_error_names_package_entry_and_place_and_the_flight_goes_on(fly_with,
         return mine
 
     flown, warned = fly_with(attach)
-    where = "uwsim.attachments: 'mine' of others (mine_of_others:attach)"
+    where = "uwsim.attachments: 'mine' of others (mine_of_others:Options)"
     assert warned == [f"{where}: {place}: LookupError: lost; the flight goes on without it"]
     assert flown.simulated_s == pytest.approx(0.5)
     assert place in made[0].noted and "try_close" not in made[0].noted - {place}
@@ -114,12 +145,40 @@ def test_an_error_names_package_entry_and_place_and_the_flight_goes_on(fly_with,
 @pytest.mark.parametrize(
     ("attach", "why"),
     [
-        (None, ": cannot be used: AttributeError: module 'mine_of_others' has no attribute 'attach'"),
-        (lambda flight: SimpleNamespace(), ": attach: TypeError: SimpleNamespace: must be an Attachment or None"),
-        (lambda flight: sys.exit(3), ": attach: SystemExit: 3"),
+        (None, "cannot be used: AttributeError: module 'mine_of_others' has no attribute 'Options'"),
+        (
+            lambda flight: SimpleNamespace(),
+            "attach: TypeError: SimpleNamespace: must be an Attachment or None; the flight goes on without it",
+        ),
+        (lambda flight: sys.exit(3), "attach: SystemExit: 3; the flight goes on without it"),
     ],
 )
 def test_what_is_no_attachment_costs_a_warning(fly_with, attach, why: str) -> None:
     flown, (warned,) = fly_with(attach)
-    assert f"(mine_of_others:attach){why}; the flight goes on without it" in warned
+    assert warned == f"uwsim.attachments: 'mine' of others (mine_of_others:Options): {why}"
     assert flown.simulated_s == pytest.approx(0.5)
+
+
+def test_its_options_are_keywords_of_fly_and_are_kept_for_a_flight_that_is_resumed(module: ModuleType) -> None:
+    module.Options = Asked
+    noted.clear()
+    uwsim.fly(mission, "pool")
+    uwsim.fly(mission, "pool", mine=3, mine_word="b")
+    assert noted == [(3, "b")]
+    assert Attachments(mine=3, mine_word="b", record="a.mcap").kept == {"mine": 3, "mine_word": "b"}
+    with pytest.raises(OptionError, match="--mine-word: needs --mine"):
+        uwsim.fly(mission, "pool", mine_word="b")
+    with pytest.raises(TypeError, match="mine_wrd: nothing that is registered has this option"):
+        uwsim.fly(mission, "pool", mine_wrd="b")
+
+
+def test_options_that_raise_an_error_end_only_what_asks_for_them(module: ModuleType) -> None:
+    module.Options = Asked
+    where = r"uwsim.attachments: 'mine' of others \(mine_of_others:Options\): options: LookupError: lost"
+    with pytest.raises(sockets.EntryError, match=where):
+        uwsim.fly(mission, "pool", mine=13)
+    module.Options = type("Broken", (Asked,), {"__post_init__": lambda self: {}["lost"]})
+    for cache in (sockets._loaded, sockets.load_all):
+        cache.cache_clear()
+    with pytest.warns(sockets.SocketWarning, match="options: KeyError: 'lost'"):
+        uwsim.fly(mission, "pool")

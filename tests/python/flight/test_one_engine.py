@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 
 import uwsim
+from uwsim.cli.autopilots import Autopilots
+from uwsim.cli.flags import expanded
 from uwsim.cli.run import run
 from uwsim.cli.survey import survey
+from uwsim.flight.elsewhere import Elsewhere
 from uwsim.flight.fly import fly
 from uwsim.flight.flyable_lanes import survey_plan
 from uwsim.flight.record import BATTERY_EMPTY, DONE
@@ -80,8 +83,8 @@ def test_a_map_is_scored_over_the_survey_s_area_or_else_where_the_sonar_was() ->
 
 
 def test_both_commands_have_the_same_options() -> None:
-    """Except for the options that select the mission, the vehicle, and an autopilot, which replaces a survey's."""
-    of_run, of_survey = set(inspect.signature(run).parameters), set(inspect.signature(survey).parameters)
-    assert of_survey - {"offsets"} <= of_run  # those of a multibeam's survey file
-    selects = {"make_map", "vehicle", "argument", "function", "connect", "lockstep", "odometry", "autopilots"}
+    """Except for the options that select the mission, the vehicle, and who flies it in place of a survey's mission."""
+    of_run, of_survey = (set(inspect.signature(expanded(command)).parameters) for command in (run, survey))
+    assert of_survey <= of_run
+    selects = {"make_map", "vehicle", "argument", "function", *Elsewhere.flags(), *Autopilots.flags()}
     assert of_run - of_survey == selects

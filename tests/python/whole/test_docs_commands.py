@@ -70,7 +70,12 @@ def own_schema(key: str) -> dict[str, Any] | None:
     return None
 
 
-OTHERS = {"ci": "a workflow of GitHub", "add-a-sensor": "the kind that it adds", "add-a-sonar": "the kind that it adds"}
+OTHERS = {
+    "ci": "a workflow of GitHub",
+    "extend": "the kinds of its package",
+    "add-a-sensor": "the kind that it adds",
+    "add-a-sonar": "the kind that it adds",
+}
 
 
 @pytest.mark.parametrize(("page", "document"), [each for each in documents() if each[0] not in OTHERS and each[1]])

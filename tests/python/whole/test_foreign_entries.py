@@ -23,6 +23,7 @@ LISTING = {  # a command that goes over all entries of a group; the first one ma
     "uwsim.schemas": "scenario schema exercise",
     "uwsim.bridges": "serve --help",
     "uwsim.autopilots": "serve --help",
+    "uwsim.flights": "run --help",
     "uwsim.pages": "serve --help",
     "uwsim.kinds.cloud_file": "map convert flown/map.bt cloud.xyz",
     **{f"uwsim.kinds.{part}": f"scenario schema {part}" for part in
@@ -38,7 +39,7 @@ NAMED = {  # a command that uses one entry of a group
     "uwsim.kinds.survey_file": "map convert empty.{} cloud.xyz",
     "uwsim.kinds.planner": "compare {} --scenario pool --seeds 1 --out compared",
 }
-WITHOUT_NAMES = {"uwsim.flights", "uwsim.step_sources"}
+WITHOUT_NAMES = {"uwsim.step_sources"}
 """Groups of which uwsim asks for its own entries only."""
 
 
