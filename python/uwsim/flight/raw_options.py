@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from uwsim.flight.patch_errors import PatchErrors
     from uwsim.scoring.tpu import Uncertainties
 
+FORMATS = [f".{name}" for name, entry in registered("uwsim.kinds.survey_file").items() if entry.is_own]
+"""uwsim's own, for the help: whether another package's can be used is known once it is imported."""
+
 
 @dataclass(frozen=True)
 class RawOptions(AttachmentOptions):
@@ -25,8 +28,7 @@ class RawOptions(AttachmentOptions):
     raw: Path | None = option(
         None,
         "Also write every mapped ping with its travel times for survey software: "
-        f"{' or '.join(f'.{name}' for name in registered('uwsim.kinds.survey_file'))}; all but .pd0 need earth: in the "
-        "scenario.",
+        f"{' or '.join(FORMATS)}; all but .pd0 need earth: in the scenario.",
         is_written=True,
     )
     offsets: str | None = option(
