@@ -1,4 +1,4 @@
-"""What tests of flights share: a pool with a short survey, and that survey, flown whole once."""
+"""A pool with a short survey, and that survey, flown whole once for all tests of flights."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What another package's code raises when it is used names the package, and ends only what asked for it."""
+"""An error in another package's code, when it is used, names the package, and ends only what asked for it."""
 
 import subprocess
 from pathlib import Path
