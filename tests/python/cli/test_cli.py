@@ -67,7 +67,12 @@ def test_a_mistake_gives_one_line(arguments: list[str], expected: str, tmp_path:
 
 def test_a_pipe_that_nobody_writes_is_refused(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.yaml")
-    for command in (["sweep"], ["map", "info"], ["scenario", "new", "mine", "--force", "--out"]):
+    for command in (
+        ["sweep"],
+        ["map", "info"],
+        ["identify", "--vehicle", "rov"],
+        ["scenario", "new", "mine", "--force", "--out"],
+    ):
         said = error_line(uwsim(*command, str(tmp_path / "pipe.yaml")))
         assert "is a pipe" in said or "not a regular file" in said
 

@@ -17,7 +17,9 @@ def identify(
     log: Annotated[
         Path,
         typer.Argument(
-            help="A recording, an MCAP file, a ROS bag (.bag or a folder) or a table (.csv).", metavar="LOG"
+            help="A recording, an MCAP file, a ROS bag (.bag or a folder) or a table (.csv).",
+            metavar="LOG",
+            callback=readable,
         ),
     ],
     vehicle: Annotated[str, typer.Option(help="The vehicle as far as it is known: a packaged name or a YAML file.")],
