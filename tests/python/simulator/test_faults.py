@@ -163,6 +163,7 @@ def test_a_current_goes_on_from_a_saved_state_and_ends_with_a_reset():
     for each in (sim, other):
         each.advance(1.0)
     assert other.save_state() == sim.save_state()
+    assert list(other.events) == list(sim.events)
     other.reset()
     other.advance(1.5)
     assert other.save_state() == sim.save_state()

@@ -48,7 +48,8 @@ class EventLog(Sequence[Event]):
         self._events: list[Event] = []
 
     def add(self, tick: int, vehicle: str, name: str, **values: Any) -> None:
-        """Add an event."""
+        """Add an event. Tuples become lists, which they are after `restore`."""
+        values = {key: list(value) if isinstance(value, tuple) else value for key, value in values.items()}
         self._events.append(Event(tick, round(tick * self._step_s, 9), vehicle, name, values))
 
     @overload
