@@ -46,6 +46,21 @@ def test_colours_of_vertices_count_and_a_file_without_colours_has_none(tmp_path:
     assert load_texture(tmp_path / "plain.glb") is None
 
 
+def test_a_whole_file_is_read_once_and_one_with_parts_whenever_it_is_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("UWSIM_CACHE", str(tmp_path / "cache"))
+    for name in ("whole.glb", "parts.gltf"):
+        trimesh.Scene([block(0.0, (255, 0, 0))]).export(tmp_path / name)
+    whole, parts = (load_texture(tmp_path / name) for name in ("whole.glb", "parts.gltf"))
+    assert whole is not None and parts is not None
+    monkeypatch.setattr(trimesh, "load_scene", None)
+    again = load_texture(tmp_path / "whole.glb")
+    assert again is not None and again.normals is None
+    assert [again.image.tolist(), again.corners.tolist()] == [whole.image.tolist(), whole.corners.tolist()]
+    assert load_texture(tmp_path / "parts.gltf") is None
+
+
 @pytest.mark.parametrize(("colour", "strongest"), [((255, 0, 0), 0), ((0, 0, 255), 2)])
 def test_a_camera_sees_the_colour(colour: tuple[int, int, int], strongest: int, tmp_path: Path) -> None:
     trimesh.Scene([block(0.0, colour)]).export(tmp_path / "block.glb")

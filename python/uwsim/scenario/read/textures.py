@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.scenario.read.disk_cache import Arrays, cached_arrays
 from uwsim.scenario.read.mesh_file import Y_UP_SUFFIXES, load_mesh
 
 TEXTURED_SUFFIXES = (".obj", ".glb", ".gltf")
@@ -45,9 +46,24 @@ def load_texture(path: Path) -> Texture | None:
     per colour. Returns None for files with neither, for unreadable images, and for formats other than glTF and OBJ.
     Several images are placed side by side. Images are reduced to at most 4,096 pixels per side.
     """
-    if path.suffix.lower() not in TEXTURED_SUFFIXES:
+    suffix = path.suffix.lower()
+    if suffix not in TEXTURED_SUFFIXES:
         return None
-    from uwsim.base.whole_trimesh import trimesh
+    content = path.read_bytes()
+    if suffix == ".obj":
+        return _read_texture(path) if b"mtllib" in content else None
+    if b'"uri"' in content:  # it depends on other files
+        return _read_texture(path)
+    parts: Any = cached_arrays(lambda: _parts_of(_read_texture(path)), "texture", content)
+    return Texture(*parts) if parts else None
+
+
+def _parts_of(texture: Texture | None) -> Arrays:
+    return tuple(part for part in texture or () if part is not None)
+
+
+def _read_texture(path: Path) -> Texture | None:
+    from uwsim.base.whole_trimesh import trimesh  # takes half a second
 
     try:
         scene = trimesh.load_scene(path, process=False)
