@@ -1,7 +1,7 @@
 // The start screen: starts a simulator, or connects to a running one.
 import { byId, el, first, write } from './dom.js';
 import { Preview } from './preview.js';
-import { number, options } from './start_inputs.js';
+import { address, number, options } from './start_inputs.js';
 import { STRINGS } from './strings.js';
 
 const WORDS = STRINGS.start;
@@ -11,7 +11,24 @@ const OWN = WORDS.own;
 const SAVED = 'saved:';
 const SAVED_HINT = WORDS.savedHint;
 const OF_SCENARIO = ['vehicle', 'sonar', 'mission_time_s', 'seed', 'link'];
-const ADDRESS = { type: 'text', autocomplete: 'off', spellcheck: false };
+
+// The form's fields; one without bounds or placeholder is a choice from the catalog.
+const FIELDS = {
+  scenario: { title: WORDS.scenario, wide: true },
+  vehicle: { title: WORDS.vehicle },
+  sonar: { title: WORDS.sonar },
+  mission_time_s: { title: WORDS.missionTime, bounds: { min: 1, step: 1 }, unit: 's', hint: WORDS.timeHint },
+  seed: { title: WORDS.seed, bounds: { min: 0, step: 1 }, hint: WORDS.seedHint },
+  speed: { title: WORDS.speed },
+  link: { title: WORDS.linkToTheVehicle },
+  rosbridge_host: { title: WORDS.address, placeholder: WORDS.noRosbridge, hint: WORDS.rosbridgeHint },
+  rosbridge_port: { title: WORDS.port, bounds: { min: 1, max: 65535, step: 1 }, hint: WORDS.portHint },
+  host: { title: WORDS.host, placeholder: '127.0.0.1', hint: WORDS.hostHint },
+  port: { title: WORDS.port, bounds: { min: 1, max: 65535, step: 1 } },
+};
+
+// An entry of the catalog as a choice.
+const choice = ({ name, title = name, description }) => ({ value: name, text: title, hint: description });
 
 export class StartScreen {
   #fields = new Map(); // name: { box, input, hint, wrong }
@@ -68,77 +85,23 @@ export class StartScreen {
     const before = [...this.#fields].map(([name, { input }]) => [name, input.value]);
     const saved = saves.map((name) => ({ value: SAVED + name, text: WORDS.goOnWith(name), hint: SAVED_HINT }));
     const own = { value: '', text: OWN };
-    byId('start-fields').replaceChildren(
-      this.#set(WORDS.simulator, this.#where()),
-      (this.ownSet = this.#set(
-        WORDS.mission,
-        this.#field(
-          'scenario',
-          WORDS.scenario,
-          options([
-            ...scenarios.map(({ name, description }) => ({ value: name, text: name, hint: description })),
-            ...saved,
-          ]),
-          { wide: true },
-        ),
-        this.#preview.element,
-        (this.edit = el('button', { type: 'button', className: 'edit', onclick: () => this.#edit() }, WORDS.edit)),
-        this.#field(
-          'vehicle',
-          WORDS.vehicle,
-          options([own, ...vehicles.map(({ name, description }) => ({ value: name, text: name, hint: description }))]),
-        ),
-        this.#field(
-          'sonar',
-          WORDS.sonar,
-          options([
-            own,
-            ...sonars.map(({ name, title, description }) => ({ value: name, text: title ?? name, hint: description })),
-          ]),
-        ),
-        this.#field('mission_time_s', WORDS.missionTime, number({ min: 1, step: 1 }), {
-          unit: 's',
-          hint: WORDS.timeHint,
-        }),
-        this.#field('seed', WORDS.seed, number({ min: 0, step: 1 }), {
-          hint: WORDS.seedHint,
-        }),
-      )),
-      (this.paceSet = this.#set(
-        WORDS.timeAndLink,
-        this.#field(
-          'speed',
-          WORDS.speed,
-          options(
-            speeds.map((speed) => ({
-              value: speed,
-              text: speed === 0 ? WORDS.asFastAsPossible : WORDS.realTime(speed),
-            })),
-          ),
-        ),
-        this.#field(
-          'link',
-          WORDS.linkToTheVehicle,
-          options(links.map(({ name, description }) => ({ value: name, text: name, hint: description }))),
-        ),
-      )),
-      (this.rosSet = this.#set(
-        WORDS.yourRosbridge,
-        this.#field('rosbridge_host', WORDS.address, el('input', { ...ADDRESS, placeholder: WORDS.noRosbridge }), {
-          hint: WORDS.rosbridgeHint,
-        }),
-        this.#field('rosbridge_port', WORDS.port, number({ min: 1, max: 65535, step: 1 }), {
-          hint: WORDS.portHint,
-        }),
-      )),
-      (this.otherSet = this.#set(
-        WORDS.address,
-        this.#field('host', WORDS.host, el('input', { ...ADDRESS, placeholder: '127.0.0.1' }), {
-          hint: WORDS.hostHint,
-        }),
-        this.#field('port', WORDS.port, number({ min: 1, max: 65535, step: 1 }), { hint: '' }),
-      )),
-    );
+    const paces = speeds.map((value) => ({ value, text: value ? WORDS.realTime(value) : WORDS.asFastAsPossible }));
+    const choices = {
+      scenario: [...scenarios.map(choice), ...saved],
+      vehicle: [own, ...vehicles.map(choice)],
+      sonar: [own, ...sonars.map(choice)],
+      speed: paces,
+      link: links.map(choice),
+    };
+    const fields = (...names) => names.map((name) => this.#field(name, choices[name]));
+    this.edit = el('button', { type: 'button', className: 'edit', onclick: () => this.#edit() }, WORDS.edit);
+    const [scenario, ...mission] = fields('scenario', 'vehicle', 'sonar', 'mission_time_s', 'seed');
+    this.ownSet = this.#set(WORDS.mission, scenario, this.#preview.element, this.edit, ...mission);
+    this.paceSet = this.#set(WORDS.timeAndLink, ...fields('speed', 'link'));
+    this.rosSet = this.#set(WORDS.yourRosbridge, ...fields('rosbridge_host', 'rosbridge_port'));
+    this.otherSet = this.#set(WORDS.address, ...fields('host', 'port'));
+    const where = this.#set(WORDS.simulator, this.#where());
+    byId('start-fields').replaceChildren(where, this.ownSet, this.paceSet, this.rosSet, this.otherSet);
     for (const [name, value] of Object.entries({ ...defaults, host: '127.0.0.1', port: 9090 })) {
       const field = this.#fields.get(name);
       if (field && value !== null && value !== undefined) field.input.value = value;
@@ -152,7 +115,7 @@ export class StartScreen {
   }
 
   #where() {
-    const choice = (value, title, text) =>
+    const place = (value, title, text) =>
       el(
         'label',
         {},
@@ -169,8 +132,8 @@ export class StartScreen {
     return el(
       'div',
       { className: 'choice', role: 'radiogroup', 'aria-label': WORDS.simulator },
-      choice('here', WORDS.here, WORDS.hereHint),
-      choice('there', WORDS.there, WORDS.thereHint),
+      place('here', WORDS.here, WORDS.hereHint),
+      place('there', WORDS.there, WORDS.thereHint),
     );
   }
 
@@ -189,7 +152,9 @@ export class StartScreen {
     return el('fieldset', {}, el('legend', {}, title), ...fields);
   }
 
-  #field(name, title, input, { wide = false, unit = '', hint = '' } = {}) {
+  #field(name, choices) {
+    const { title, wide = false, unit = '', hint = '', bounds, placeholder } = FIELDS[name];
+    const input = choices ? options(choices) : bounds ? number(bounds) : address(placeholder);
     input.id = `field-${name}`;
     input.name = name;
     const [note, wrong] = [

@@ -26,3 +26,7 @@ export function number({ min, max, step }) {
     'data-step': step,
   });
 }
+
+export function address(placeholder) {
+  return el('input', { type: 'text', autocomplete: 'off', spellcheck: false, placeholder });
+}
