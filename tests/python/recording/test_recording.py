@@ -275,6 +275,7 @@ def test_mistakes_are_met_at_the_door(tmp_path: Path) -> None:
     taken.write_bytes(b"mine")
     with pytest.raises(FileExistsError, match=r"taken.mcap': exists already"):
         Recorder(sim, taken).start()
+    assert "taken.mcap': exists already" in error_line(uwsim("serve", "pool", "--port", "0", "--record", taken))
     assert taken.read_bytes() == b"mine"
     with pytest.raises(OSError, match=r"nowhere.*cannot be written: No such file"):
         Recorder(sim, tmp_path / "nowhere" / "run.mcap").start()

@@ -137,12 +137,12 @@ def serve(
                 recorder = Recorder(
                     live, record, topics=record_topic or None, shared=table, feed=feed, is_light=not record_all
                 )
+                table.channels = recorder.record_received(table.channels)
+                sinks.enter_context(recorder)
                 if record_all:
                     typer.echo(f"recording everything, which takes {picture_cost_text(simulator)}", err=True)
                 elif not record_topic:
                     typer.echo("recording without pictures and maps, which --record-all adds", err=True)
-                table.channels = recorder.record_received(table.channels)
-                sinks.enter_context(recorder)
 
         options: dict[str, Any] = {"port": port, "ros": ros, **accessible}
         if page is not None:
