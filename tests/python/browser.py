@@ -14,7 +14,7 @@ from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.rosbridge import server
 from uwsim.exercises import Exercise
 from uwsim.operator.station import Site, Station
-from uwsim.operator.station.flights import Bounds
+from uwsim.operator.station.flights.flights import Bounds
 from waiting import until
 
 CHROMIUM = Path("/usr/bin/chromium-headless-shell")  # from tools/apt-packages-dev.txt, in place of Playwright's build

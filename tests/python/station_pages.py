@@ -11,8 +11,8 @@ from websockets.sync.client import connect
 from uwsim.bridges import RosbridgeServer
 from uwsim.channels.ros.messages import typed_array
 from uwsim.operator.station import Site, Station
-from uwsim.operator.station.calls import CALLS
-from uwsim.operator.station.wire import Refused
+from uwsim.operator.station.wire.calls import CALLS
+from uwsim.operator.station.wire.messages import Refused
 
 PATIENCE_S = 180.0
 

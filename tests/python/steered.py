@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from uwsim import Simulator
-from uwsim.bridges.aboard import aboard_of
+from uwsim.bridges.aboard.aboard import aboard_of
 from uwsim.bridges.plug import BridgePlug, Context
 from uwsim.channels.delivery.feed import Feed
 from uwsim.channels.served import served_table

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from uwsim.bridges.doors import table
+from uwsim.bridges.doors.table import table
 
 PAGE = Path(__file__).parents[2] / "SECURITY.md"
 BEGIN, END = "<!-- doors: written by tools/reference -->", "<!-- end of doors -->"

@@ -2,7 +2,7 @@
 
 A single thread makes the steps and sends MAVLink messages while the firmware waits for a line, so that each message
 arrives at the same frame in each run. ArduSub gets its position from the vehicle's own navigation (IMU, compass, DVL,
-depth) as ODOMETRY; see uwsim.bridges.firmware_flight.
+depth) as ODOMETRY; see uwsim.bridges.firmware.flight.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from uwsim import Simulator
 from uwsim.bridges.ardusub import ArduSub, prepared
-from uwsim.bridges.firmware_flight import firmware_flying
-from uwsim.bridges.firmware_pilot import FirmwarePilot
+from uwsim.bridges.firmware.flight import firmware_flying
+from uwsim.bridges.firmware.pilot import FirmwarePilot
 from uwsim.bridges.mavlink.earth import HOME
 from uwsim.recording import Recorder
 from uwsim.recording.diff import diff

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from uwsim import Simulator
-from uwsim.bridges.aboard import aboard_of
+from uwsim.bridges.aboard.aboard import aboard_of
 from uwsim.bridges.plug import Context
 from uwsim.channels.delivery.feed import Feed
 from uwsim.channels.served import served_table

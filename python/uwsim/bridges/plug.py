@@ -12,10 +12,10 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from uwsim.base.options import Options
-from uwsim.bridges.door import Door
+from uwsim.bridges.doors.door import Door
 
 if TYPE_CHECKING:
-    from uwsim.bridges.aboard import Aboard
+    from uwsim.bridges.aboard.aboard import Aboard
     from uwsim.bridges.actions import Action, Offered
     from uwsim.bridges.doctor.finding import Finding
     from uwsim.channels import Channel, Service

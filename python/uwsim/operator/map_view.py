@@ -12,8 +12,8 @@ import cbor2
 import numpy as np
 from websockets.http11 import Request, Response
 
-from uwsim.bridges.conversation import Rates, Share
-from uwsim.bridges.listener import Address, Listener
+from uwsim.bridges.doors.conversation import Rates, Share
+from uwsim.bridges.doors.listener import Address, Listener
 from uwsim.channels.families.map_changes import Part, in_blocks
 from uwsim.channels.ros import build
 from uwsim.channels.ros.messages import to_plain
@@ -22,7 +22,7 @@ from uwsim.mapping import OccupancyChanges, OccupancyMap
 from uwsim.mapping.occupied_cubes import occupied_cubes
 from uwsim.mapping.voxel_keys import voxel_keys
 from uwsim.operator.framed import LOCAL_PAGES, Framed
-from uwsim.operator.station.answers import TYPES, File, answer, frame, is_foreign, not_found, page_file
+from uwsim.operator.station.site.answers import TYPES, File, answer, frame, is_foreign, not_found, page_file
 
 VOXELS_MAX = 4_000_000
 """Maximum number of voxels on the page; a larger map is shown in cubes of 8, 64, ... voxels."""

@@ -16,7 +16,7 @@ from listening_sockets import NOTHING, listening, status, upgrade
 from ros1_tools import master, ros_is_installed
 from ros2_tools import free_domain
 from uwsim import Simulator
-from uwsim.bridges.admission import Door
+from uwsim.bridges.doors.admission import Door
 from uwsim.recording import Recorder
 
 SOURCES = Path(__file__).parents[3] / "python" / "uwsim"
@@ -168,4 +168,4 @@ def test_only_the_listener_listens() -> None:
     guards_of_rospy = "bridges/ros1/guard.py"  # names rospy's server in order to restrict it
     by_mavlink = "bridges/mavlink/endpoint.py"  # admits no browser: see test_mavlink.py
     by_nmea = "bridges/nmea/wire.py"  # reads nothing from its clients
-    assert found == {"bridges/listener.py", guards_of_rospy, by_mavlink, by_nmea}
+    assert found == {"bridges/doors/listener.py", guards_of_rospy, by_mavlink, by_nmea}

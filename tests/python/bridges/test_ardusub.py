@@ -11,8 +11,8 @@ import pytest
 
 from servo_standin import NEUTRAL, Standin, mixed, packet
 from uwsim import Simulator
-from uwsim.bridges.ardusub import ArduSub, SilentAutopilotError, prepared
-from uwsim.bridges.servo_frames import frame_of, servo_motors
+from uwsim.bridges.ardusub.ardusub import ArduSub, SilentAutopilotError, prepared
+from uwsim.bridges.ardusub.servo_frames import frame_of, servo_motors
 from uwsim.live import LiveSimulator
 from uwsim.live.command_log import replay as replay_log
 from uwsim.recording import Recorder, Recording

@@ -18,8 +18,8 @@ from listening_sockets import free_port, receiving
 from ros1_tools import master, ros_is_installed
 from ros2_tools import free_domain
 from uwsim.base.options import flag_name
-from uwsim.bridges.door import ANYWHERE, LOOPBACK
-from uwsim.bridges.doors import SERVE, doors
+from uwsim.bridges.doors.door import ANYWHERE, LOOPBACK
+from uwsim.bridges.doors.table import SERVE, doors
 from uwsim.bridges.page import Pages
 from uwsim.bridges.requested import Bridges, offered
 from uwsim.cli.autopilots import Autopilots

@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
-from uwsim.bridges import firmware as module
-from uwsim.bridges import firmware_link
-from uwsim.bridges.ardusub import ArduSub, SilentAutopilotError, prepared
-from uwsim.bridges.ardusub_options import ArduSubOptions, ProgramOptions
-from uwsim.bridges.firmware import Firmware, FirmwareError, Serials
-from uwsim.bridges.firmware_flight import checked_address, firmware_flying
+from uwsim.bridges.ardusub.ardusub import ArduSub, SilentAutopilotError, prepared
+from uwsim.bridges.ardusub.options import ArduSubOptions, ProgramOptions
+from uwsim.bridges.firmware import firmware as module
+from uwsim.bridges.firmware import link
+from uwsim.bridges.firmware.firmware import Firmware, FirmwareError, Serials
+from uwsim.bridges.firmware.flight import checked_address, firmware_flying
 from uwsim.bridges.mavlink.earth import HOME, NED_FROM_ENU, Home
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.read.validated import validated
@@ -101,7 +101,7 @@ def test_the_barometer_shows_the_pressure_under_waves(
     binary: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """ArduSub makes 101325 Pa + 1024 kg/m3 * 9.80665 m/s2 per metre below its own height, plus SIM_BARO_GLITCH."""
-    monkeypatch.setattr(firmware_link, "BOOT_NS", 0)
+    monkeypatch.setattr(link, "BOOT_NS", 0)
     path, salinity = tmp_path / "waves.yaml", "  salinity_psu: 35\n"
     waves = f"{salinity}  surface: {{kind: airy, amplitude_m: 0.4, period_s: 4}}\n"
     path.write_text((ROOT / "assets/scenarios/lagoon.yaml").read_text().replace(salinity, waves))
@@ -226,7 +226,7 @@ def test_it_is_ended_even_if_it_ignores_sigterm_and_with_its_parent(
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
     killed = (
-        "import sys; from pathlib import Path; from uwsim.bridges.firmware import *; port = int(sys.argv[3]); "
+        "import sys; from pathlib import Path; from uwsim.bridges.firmware.firmware import *; port = int(sys.argv[3]); "
         "f = Firmware(Path(sys.argv[1]), port, Serials(*[f'127.0.0.1:{port}'] * 2), Home(1, 2), "
         "folder=Path(sys.argv[2])).__enter__(); print(f.pid, flush=True); sys.stdin.read()"
     )

@@ -14,13 +14,13 @@ from scipy.spatial.transform import Rotation
 from servo_standin import mixed
 from uwsim import Simulator
 from uwsim.base.options import WithoutEffectError
-from uwsim.bridges import firmware_check
-from uwsim.bridges.ardusub import prepared
+from uwsim.bridges.ardusub.ardusub import prepared
 from uwsim.bridges.cli.ardusub_check import ardusub_check
-from uwsim.bridges.firmware import FirmwareError
-from uwsim.bridges.firmware_check import UNITS, Flown, sides_of, with_battery
-from uwsim.bridges.firmware_log import DEPTH_M, QUANTITIES, SAMPLE_S, compared, open_water, read_servo_log
-from uwsim.bridges.firmware_report import log_rows, side_rows, write_flights
+from uwsim.bridges.firmware import check
+from uwsim.bridges.firmware.check import UNITS, Flown, sides_of, with_battery
+from uwsim.bridges.firmware.dataflash_log import DEPTH_M, QUANTITIES, SAMPLE_S, compared, open_water, read_servo_log
+from uwsim.bridges.firmware.firmware import FirmwareError
+from uwsim.bridges.firmware.report import log_rows, side_rows, write_flights
 from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU
 from uwsim.scenario import Scenario, load
 
@@ -172,7 +172,7 @@ def test_finished_flights_are_kept_and_no_other_files_are_replaced(
         yield flown("a.parm", 0, 10.0)
         raise FirmwareError("has ended")
 
-    monkeypatch.setattr(firmware_check, "checked", fails_after_one)
+    monkeypatch.setattr(check, "checked", fails_after_one)
     with pytest.raises(FirmwareError, match="has ended"):
         ardusub_check(first=paths[1], second=paths[2], binary=paths[0], out=out)
     assert len((out / "flights.csv").read_text().splitlines()) == 2

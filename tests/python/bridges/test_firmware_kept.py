@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from uwsim.bridges.firmware_kept import REBOOT, ROUNDS, SETTLED, KeptParameters
+from uwsim.bridges.firmware.kept_parameters import REBOOT, ROUNDS, SETTLED, KeptParameters
 
 NEEDED = {"FRAME_CONFIG": 2.0, "BARO_SPEC_GRAV": 1.0227599143981934, "VISO_TYPE": 1.0, "NOT_THERE": 3.0}
 

@@ -18,10 +18,10 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from servo_standin import Standin, mixed
 from uwsim import Simulator
-from uwsim.bridges.ardusub import ArduSub, SilentAutopilotError, prepared
-from uwsim.bridges.ardusub_options import ArduSubOptions
-from uwsim.bridges.firmware_flight import firmware_flying
-from uwsim.bridges.firmware_pilot import FirmwarePilot
+from uwsim.bridges.ardusub.ardusub import ArduSub, SilentAutopilotError, prepared
+from uwsim.bridges.ardusub.options import ArduSubOptions
+from uwsim.bridges.firmware.flight import firmware_flying
+from uwsim.bridges.firmware.pilot import FirmwarePilot
 from uwsim.live import LiveSimulator
 from uwsim.live.command_log import replay as replay_log
 from uwsim.recording import Recorder

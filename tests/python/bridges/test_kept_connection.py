@@ -4,7 +4,7 @@ import socket
 
 import pytest
 
-from uwsim.bridges.kept_connection import DATAGRAMS_MAX, UNSENT_BYTES, Datagrams, Stream
+from uwsim.bridges.aboard.kept_connection import DATAGRAMS_MAX, UNSENT_BYTES, Datagrams, Stream
 
 
 def test_datagrams_are_read_in_turns_with_what_is_sent() -> None:

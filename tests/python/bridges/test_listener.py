@@ -12,9 +12,10 @@ import pytest
 from websockets.exceptions import ConnectionClosedOK
 
 from client_socket import connect
-from uwsim.bridges import RosbridgeServer, connection, places, rare_log
-from uwsim.bridges.conversation import Rates, Share, converse
-from uwsim.bridges.places import HALF_OPEN_MAX
+from uwsim.bridges import RosbridgeServer, rare_log
+from uwsim.bridges.doors import connection, places
+from uwsim.bridges.doors.conversation import Rates, Share, converse
+from uwsim.bridges.doors.places import HALF_OPEN_MAX
 from uwsim.bridges.rare_log import RareLog
 from uwsim.bridges.rosbridge import Limits
 from waiting import until
@@ -143,6 +144,6 @@ def test_only_who_takes_more_than_an_equal_part_waits_for_others(
     share, frames = Share(0.3), Frames(20, cpu_s)
     share.clients = 9
     share.delay_after(100.0)  # taken by the others
-    monkeypatch.setattr("uwsim.bridges.conversation.asyncio.sleep", sleep)
+    monkeypatch.setattr("uwsim.bridges.doors.conversation.asyncio.sleep", sleep)
     asyncio.run(converse(frames, frames, asyncio.Event(), Rates(1e3, 1e6), share))  # type: ignore[arg-type]
     assert (max(delays_s) > 0) == waits and share.clients == 9

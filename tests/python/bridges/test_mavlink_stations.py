@@ -25,7 +25,7 @@ from mavlink_station import (
     station_at,
 )
 from uwsim.bridges.mavlink import Endpoint, MavlinkVehicle
-from uwsim.bridges.video import Target, VideoStream
+from uwsim.bridges.video.video import Target, VideoStream
 from uwsim.live import LiveSimulator
 from uwsim.simulator.helm import Source
 from waiting import until

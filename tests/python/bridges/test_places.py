@@ -8,7 +8,7 @@ from contextlib import ExitStack
 
 import pytest
 
-from uwsim.bridges.places import HALF_OPEN_S, HalfOpen, Places
+from uwsim.bridges.doors.places import HALF_OPEN_S, HalfOpen, Places
 
 pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 from pymavlink.dialects.v20 import ardupilotmega as dialect

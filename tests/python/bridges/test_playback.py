@@ -11,8 +11,8 @@ from command_line import error_line, uwsim
 from foxglove_client import FoxgloveClient
 from ros2_tools import free_domain, peer, until
 from uwsim import Simulator, recording
-from uwsim.bridges.playback import play
-from uwsim.bridges.played_feed import PlayedFeed, channels_of
+from uwsim.bridges.playback.feed import PlayedFeed, channels_of
+from uwsim.bridges.playback.playback import play
 from uwsim.bridges.requested import PlayedBridges
 from uwsim.bridges.ros2 import Ros2Settings
 from uwsim.recording import Recorder

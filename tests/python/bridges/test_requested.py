@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from uwsim.base.options import OptionError, WithoutEffectError
-from uwsim.bridges.ardusub_options import ArduSubOptions
+from uwsim.bridges.ardusub.options import ArduSubOptions
 from uwsim.bridges.requested import Bridges, PlayedBridges
 from uwsim.cli.autopilots import Autopilots
 

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from websockets.sync.client import connect
 
 from uwsim.bridges import RosbridgeServer
-from uwsim.bridges.conversation import PIECE
+from uwsim.bridges.doors.conversation import PIECE
 from uwsim.bridges.rosbridge.encoding import to_json
 from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.bridges.rosbridge.limits import Limits

@@ -10,7 +10,7 @@ from client_socket import connect
 from rosbridge_session import Client
 from uwsim import Simulator
 from uwsim.bridges import RosbridgeServer
-from uwsim.bridges.admission import Door
+from uwsim.bridges.doors.admission import Door
 from uwsim.bridges.rosbridge.encoding import Growing
 from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.channels import Table

@@ -8,7 +8,7 @@ from client_socket import connect as websocket
 from client_socket import receive, send
 from rosbridge_session import Client
 from uwsim.bridges import RosbridgeServer
-from uwsim.bridges.conversation import MOST_UNDER_WAY, UNDER_WAY_S, Pace
+from uwsim.bridges.doors.conversation import MOST_UNDER_WAY, UNDER_WAY_S, Pace
 from uwsim.bridges.rosbridge.graph import Graph
 from waiting import until
 

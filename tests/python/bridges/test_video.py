@@ -19,8 +19,8 @@ import pytest
 from listening_sockets import free_port
 from uwsim import Simulator
 from uwsim.base.extras import MissingExtraError
-from uwsim.bridges import video as video_module
-from uwsim.bridges.video import Target, VideoStream
+from uwsim.bridges.video import video as video_module
+from uwsim.bridges.video.video import Target, VideoStream
 from uwsim.instruments.cameras import Frame
 from uwsim.live import LiveSimulator
 from waiting import until

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from uwsim.base.commands.table import SERVO_FRAMES
-from uwsim.bridges.servo_frames import unpacked
+from uwsim.bridges.ardusub.servo_frames import unpacked
 from uwsim.recording.reader import Recording
 
 RATE_HZ, SECONDS, MOTORS = 400, 88, 8

@@ -17,7 +17,7 @@ from uwsim.link import Carrier
 from uwsim.link.carried import carried_channels
 from uwsim.live import LiveSimulator
 from uwsim.operator.station import Station
-from uwsim.operator.station.running import Running
+from uwsim.operator.station.sessions.running import Running
 from uwsim.simulator.network import STATION
 from uwsim.simulator.simulator import Simulator
 

@@ -15,7 +15,7 @@ from uwsim.link.carried import carried_channels
 from uwsim.link.rates import airtime_s, airtime_share, send_rates
 from uwsim.link.trial import run_trial
 from uwsim.missions import wait
-from uwsim.operator.station.choice import ChoiceError, catalog, chosen
+from uwsim.operator.station.start.choice import ChoiceError, catalog, chosen
 from uwsim.scenario import load
 from uwsim.scenario.spec.link import LinkFault, LinkSetup
 from uwsim.scenario.spec.modem import load_modem

@@ -13,12 +13,13 @@ import pytest
 from station_pages import require_described
 from uwsim.evidence.scenario_check import check_file
 from uwsim.flight.survey import run_survey
-from uwsim.operator.station import Station, rebuild
-from uwsim.operator.station.calls import CALLS
+from uwsim.operator.station import Station
 from uwsim.operator.station.editor import Editor
 from uwsim.operator.station.editor.draft import MAX_BYTES, Draft
 from uwsim.operator.station.editor.forms import SECTIONS, forms
-from uwsim.operator.station.saves import continue_maps
+from uwsim.operator.station.services import rebuild
+from uwsim.operator.station.sessions.saves import continue_maps
+from uwsim.operator.station.wire.calls import CALLS
 from uwsim.scenario import ScenarioError, load
 from uwsim.scenario.read.assets import assets_folder
 

@@ -22,7 +22,7 @@ from uwsim.exercises import load_exercise
 from uwsim.exercises.exercise import Aid
 from uwsim.exercises.logbook import read_book
 from uwsim.live import COMMANDS
-from uwsim.operator.station.flights import Bounds
+from uwsim.operator.station.flights.flights import Bounds
 from uwsim.recording.replay import replay
 
 pytestmark = pytest.mark.usefixtures("blank_figures")  # of the sheets
@@ -274,7 +274,7 @@ def test_repeats_are_logged_once_briefly_and_a_refusal_is_not_an_act(tmp_path):
 
 
 def test_the_instructors_log_stops_at_its_limit(tmp_path, monkeypatch, caplog):
-    monkeypatch.setattr("uwsim.operator.station.instructor.LOG_MAX_BYTES", 1000)
+    monkeypatch.setattr("uwsim.operator.station.services.instructor.LOG_MAX_BYTES", 1000)
     with serving(tmp_path, is_fixed=True, truth=False, instructor_token=TOKEN) as (station, _):
         own = station.instructor
         for k in range(20):

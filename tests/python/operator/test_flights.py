@@ -16,8 +16,8 @@ from browser import until
 from flown import fly
 from station_pages import get, page, serving
 from uwsim.live import LiveSimulator
-from uwsim.operator.station import flights as kept
-from uwsim.operator.station.flights import Bounds, Flights
+from uwsim.operator.station.flights import flights as kept
+from uwsim.operator.station.flights.flights import Bounds, Flights
 from uwsim.recording import Recorder, Recording, queue
 from uwsim.recording.mcap_sink import McapSink
 from uwsim.recording.timeline import Timeline

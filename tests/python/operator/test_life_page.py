@@ -11,7 +11,7 @@ from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.foxglove.life import level_turns, life
 from uwsim.live import LiveSimulator
 from uwsim.operator.station import Site, Station
-from uwsim.operator.station.life import PERIOD_S
+from uwsim.operator.station.scene.life import PERIOD_S
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.swarms import MOST, swarm_places, swarms
 

@@ -16,8 +16,8 @@ from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.foxglove.scenes import Bodies
 from uwsim.live import LiveSimulator
 from uwsim.operator.station import Site, Station
-from uwsim.operator.station.loose_objects import outermost
-from uwsim.operator.station.preview import OBSTACLE, draw
+from uwsim.operator.station.scene.loose_objects import outermost
+from uwsim.operator.station.start.preview import OBSTACLE, draw
 from uwsim.scenario import load
 from uwsim.scenario.build.loose_bodies import object_mesh
 from uwsim.simulator.simulator import Simulator

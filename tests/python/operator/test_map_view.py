@@ -66,7 +66,7 @@ def test_a_large_map_comes_in_larger_cubes(slope) -> None:
 def test_only_this_machine_s_pages_are_served(slope) -> None:
     with uwsim.view(slope, browser=False) as viewer:
         assert viewer.url.startswith("http://127.0.0.1:") and f'src="{viewer.url}"' in viewer._repr_html_()
-        assert asked(viewer, "/")[0] == 200 and asked(viewer, "/../answers.py")[0] == 404
+        assert asked(viewer, "/")[0] == 200 and asked(viewer, "/../site/answers.py")[0] == 404
         assert asked(viewer, "/map/map.json", **{"Host": "rebound.example"})[0] == 403
         assert asked(viewer, "/map/map.json", **{"Sec-Fetch-Site": "cross-site"})[0] == 404
         with pytest.raises(Exception, match="503"):

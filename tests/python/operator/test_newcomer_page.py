@@ -8,7 +8,7 @@ import numpy as np
 
 from browser import chromium, desk, until, when
 from uwsim.mapping import OccupancyMap
-from uwsim.operator.station.flights import Bounds
+from uwsim.operator.station.flights.flights import Bounds
 
 PIPELINE = (-100.0, -30.0)  # a corner of lake's pipeline_main; the chart shows its name there
 ABOVE_M = 5.0

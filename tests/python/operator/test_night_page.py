@@ -13,7 +13,7 @@ from browser import desk, exercise_desk, judge, when
 from uwsim.exercises import load_exercise
 from uwsim.operator import station
 from uwsim.operator.map_view import MapViewer
-from uwsim.operator.station.flights import Bounds
+from uwsim.operator.station.flights.flights import Bounds
 
 TOKEN = "a-secret-of-18-byte"
 LUMINANCE_MAX = 0.51  # of the alarm's colour; the pictures' bound is that of text, 0.29

@@ -9,7 +9,7 @@ import numpy as np
 
 from browser import desk, judge, shows, until, when
 from flown import fly
-from uwsim.operator.station.flights import Bounds
+from uwsim.operator.station.flights.flights import Bounds
 from uwsim.recording import Recording
 from uwsim.recording.mcap_sink import McapSink
 

@@ -14,7 +14,7 @@ from browser import until
 from station_pages import page, serving
 from uwsim import Simulator
 from uwsim.live import LiveSimulator, replay
-from uwsim.operator.station.running import Running
+from uwsim.operator.station.sessions.running import Running
 from uwsim.recording.replay import replay as replay_recording
 
 

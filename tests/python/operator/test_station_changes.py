@@ -11,8 +11,9 @@ from browser import until
 from station_pages import Page, page, serving
 from uwsim import Simulator
 from uwsim.live import LiveSimulator
-from uwsim.operator.station.control import new_path
-from uwsim.operator.station.plan import Plan, PlanFlight
+from uwsim.operator.station.helm.plan import Plan, PlanFlight
+from uwsim.operator.station.services import services
+from uwsim.operator.station.services.control import new_path
 
 
 def test_start_finds_the_simulator_that_was_checked_ready():
@@ -36,7 +37,7 @@ def test_nothing_stays_prepared_when_all_have_left_the_start_screen():
 
 
 def test_the_controls_of_a_pilot_whose_network_died_can_be_taken(monkeypatch):
-    monkeypatch.setattr("uwsim.operator.station.services.DEAD_S", 60.0)  # on a busy machine her replies are late
+    monkeypatch.setattr(services, "DEAD_S", 60.0)  # on a busy machine her replies are late
     with (
         serving() as (station, server),
         page(server, "Bob") as bob,
@@ -55,7 +56,7 @@ def test_the_controls_of_a_pilot_whose_network_died_can_be_taken(monkeypatch):
         until(answers_pings, "her reply to a ping")
         assert bob.message("/station/state", lambda s: s["pilot"] == ada.id and s["pilot_silence"] == 0.0)
         assert "Ada has the controls" in bob.call("take_control")["message"]
-        monkeypatch.setattr("uwsim.operator.station.services.DEAD_S", 1.4)
+        monkeypatch.setattr(services, "DEAD_S", 1.4)
         socket.protocol.send_frame = lambda frame: None  # from now on nothing she sends arrives, including pongs
         assert bob.message("/station/state", lambda state: state["pilot_silence"] > 0.0)["pilot"] == ada.id
         until(lambda: bob.call("take_control")["success"], "the controls")

@@ -14,7 +14,7 @@ from station_pages import get, page, serving
 from uwsim.base.quaternions import about_y, about_z, product
 from uwsim.exercises import load_exercise
 from uwsim.live import LiveSimulator
-from uwsim.operator.station.inspection import looked_at, notes_csv, notes_geojson
+from uwsim.operator.station.sessions.inspection import looked_at, notes_csv, notes_geojson
 from uwsim.recording.replay import replay as replay_recording
 from uwsim.simulator.notes import comment_of, notes_of
 

@@ -6,8 +6,8 @@ import threading
 import pytest
 
 from uwsim import Simulator
-from uwsim.operator.station.fit import LEAST_BEHIND, PATIENCE, SHARES, Fit
-from uwsim.operator.station.prepared import Prepared
+from uwsim.operator.station.start.prepared import Prepared
+from uwsim.operator.station.views.picture_size import LEAST_BEHIND, PATIENCE, SHARES, Fit
 from uwsim.scenario import load
 
 

@@ -11,11 +11,13 @@ from PIL import Image
 
 from station_pages import get, page, serving
 from uwsim.bridges import RosbridgeServer
-from uwsim.bridges.admission import has_token
+from uwsim.bridges.doors.admission import has_token
 from uwsim.mapping import OccupancyMap
 from uwsim.operator.station import Site, Station
-from uwsim.operator.station.preview import AREA, OBSTACLE, STATION
+from uwsim.operator.station.start.preview import AREA, OBSTACLE, STATION
 from waiting import until
+
+OUTSIDE = ("/../station.py", "/%2e%2e/station.py", "/..%2f..%2fsimulator.py", "//etc/passwd", "/no", "/%00", "/style")
 
 
 @pytest.fixture(scope="module")
@@ -140,7 +142,7 @@ def test_only_this_machine_s_pages_are_served_and_nothing_foreign_is_loaded(pool
     assert get(server, "/scene/scene.json", Origin=mine)[2]["Access-Control-Allow-Origin"] == mine
     assert get(server, "/scene/scene.json")[2]["Access-Control-Allow-Origin"] is None
     assert get(server, "/snapshot/front.png", Sec_Fetch_Site="cross-site")[0] == 403  # an <img> on another site's page
-    for path in ("/../hub.py", "/%2e%2e/hub.py", "/..%2f..%2fsimulator.py", "//etc/passwd", "/no", "/%00", "/style"):
+    for path in OUTSIDE:
         assert get(server, path)[0] == 404, path
 
 

@@ -16,8 +16,9 @@ from uwsim.base.commands import COMMANDS, HOLDS
 from uwsim.base.commands.notes import NoteCategory
 from uwsim.channels.authority.rights import AidKind
 from uwsim.channels.ros.own_types import ALL_STOPPED, MAP_CHANGES, OWN_TYPES, STATION_STATE, TELEMETRY
-from uwsim.operator.station import Station, wire, wire_js
-from uwsim.operator.station.calls import CALLS, Call
+from uwsim.operator.station import Station, wire_js
+from uwsim.operator.station.wire import messages
+from uwsim.operator.station.wire.calls import CALLS, Call
 from uwsim.scenario.spec.failsafe import Behaviour
 from uwsim.scenario.spec.fault import FAULTS
 from uwsim.simulator.failures.alarms import FAILSAFE_CAUSES
@@ -76,7 +77,7 @@ def test_the_docs_list_the_fields_of_the_state() -> None:
 
 
 def test_efforts_of_a_request_are_the_axes_of_the_command() -> None:
-    fields = set(wire.Drive.model_fields)
+    fields = set(messages.Drive.model_fields)
     assert fields == {"vehicle", "stamp_ms", *AXES}
     assert [argument.name for argument in COMMANDS["set_effort"].arguments] == list(AXES)
 

@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from uwsim.bridges import RosbridgeServer, admission
-from uwsim.bridges.admission import has_token
+from uwsim.bridges import RosbridgeServer
+from uwsim.bridges.doors import admission
+from uwsim.bridges.doors.admission import has_token
 from uwsim.cli.access import Access, secret
 from uwsim.operator.station import Site, Station
 

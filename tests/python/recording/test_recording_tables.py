@@ -10,7 +10,7 @@ from PIL import Image, ImageSequence
 from command_line import uwsim
 from flown import with_small_cameras
 from uwsim import Simulator, recording
-from uwsim.bridges.played_feed import channels_of
+from uwsim.bridges.playback.feed import channels_of
 from uwsim.channels import Table
 from uwsim.channels.families.scans import PING_TOPICS
 from uwsim.channels.ros.cdr import encode

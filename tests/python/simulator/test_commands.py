@@ -23,7 +23,7 @@ from uwsim.channels.served import served_table
 from uwsim.link import Carrier
 from uwsim.live import LiveSimulator, replay
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.operator.station.running import piloted_commands
+from uwsim.operator.station.sessions.running import piloted_commands
 from uwsim.operator.teleop.hands import SERVICES
 from uwsim.recording import Recorder
 from uwsim.recording.replay import replay as replay_recording

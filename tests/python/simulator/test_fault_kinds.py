@@ -5,8 +5,8 @@ from pathlib import Path
 
 from sites import deep_lake
 from uwsim import Simulator
-from uwsim.operator.station.fault_kinds import fault_kinds
-from uwsim.operator.station.wire_training import FaultKinds
+from uwsim.operator.station.services.fault_kinds import fault_kinds
+from uwsim.operator.station.wire.training import FaultKinds
 from uwsim.scenario.spec.fault import FAULTS
 
 

@@ -194,7 +194,7 @@ from pathlib import Path
 from uwsim import Batch, Simulator
 from uwsim.channels import Table
 from uwsim.instruments.sonars import imaging
-from uwsim.operator.station.fault_kinds import fault_kinds
+from uwsim.operator.station.services.fault_kinds import fault_kinds
 from uwsim.scenario import load
 from uwsim.scenario.dump import write_scenario
 from uwsim.scenario.fingerprint import scenario_fingerprint

@@ -14,7 +14,7 @@ from uwsim.channels.served import served_table
 from uwsim.channels.table import Wire
 from uwsim.link import Carrier
 from uwsim.live import LiveSimulator
-from uwsim.operator.station.choice import catalog, chosen
+from uwsim.operator.station.start.choice import catalog, chosen
 from uwsim.scenario.build import world
 from uwsim.scenario.build.terrain import Terrain
 from uwsim.scenario.spec.terrain import TerrainModel

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from uwsim.bridges.ardusub_options import ProgramOptions
+from uwsim.bridges.ardusub.options import ProgramOptions
 from uwsim.bridges.cli.serve import Speed, parsed_speed
 from uwsim.cli.groups import under
 from uwsim.cli.options import Record, Seed, Threads
@@ -36,7 +36,7 @@ def ardusub(
     """
     from contextlib import ExitStack
 
-    from uwsim.bridges.firmware import checked_program
+    from uwsim.bridges.firmware.firmware import checked_program
     from uwsim.cli.autopilots import prepared
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator

@@ -14,7 +14,7 @@ from uwsim.cli.seeds import parsed_seeds
 from uwsim.cli.values import scenarios, vehicle_models
 
 if TYPE_CHECKING:
-    from uwsim.bridges.firmware_report import Row
+    from uwsim.bridges.firmware.report import Row
 
 SEEDS, WINDOW_S = "4", 5.0
 REPORT, FLIGHTS, DEPTHS_PICTURE, LOG_PICTURE = "report.md", "flights.csv", "depths.png", "log.png"
@@ -72,7 +72,7 @@ def ardusub_check(
         rows, page = _side_by_side(
             (first, second), binary, scenario, vehicle, parsed_seeds(seeds or SEEDS, "--seeds"), workers, out
         )
-    from uwsim.bridges.firmware_report import text_of
+    from uwsim.bridges.firmware.report import text_of
 
     typer.echo(text_of(rows))
     typer.echo(str(page))
@@ -80,9 +80,9 @@ def ardusub_check(
 
 def _beside_the_model(log: Path, scenario: str, vehicle: str, window_s: float, out: Path) -> tuple[list[Row], Path]:
     """Return the table and the path of the report."""
-    from uwsim.bridges.ardusub import prepared
-    from uwsim.bridges.firmware_log import compared, read_servo_log
-    from uwsim.bridges.firmware_report import draw_log, log_rows, write_report
+    from uwsim.bridges.ardusub.ardusub import prepared
+    from uwsim.bridges.firmware.dataflash_log import compared, read_servo_log
+    from uwsim.bridges.firmware.report import draw_log, log_rows, write_report
     from uwsim.flight.folder import made_folder
     from uwsim.scenario import load
 
@@ -107,8 +107,8 @@ def _side_by_side(
     """Return the table and the path of the report; each flight is in flights.csv as soon as it has ended."""
     import os
 
-    from uwsim.bridges.firmware_check import checked, sides_of
-    from uwsim.bridges.firmware_report import draw_depths, side_rows, write_flights, write_report
+    from uwsim.bridges.firmware.check import checked, sides_of
+    from uwsim.bridges.firmware.report import draw_depths, side_rows, write_flights, write_report
     from uwsim.flight.folder import made_folder
 
     sides = sides_of(*paths, binary)

@@ -75,7 +75,7 @@ def replay(
     pacer = Pacer(parsed_speed(speed or ("1" if as_topics else "max")))
     opened = Recording(recording)
     if as_topics:
-        from uwsim.bridges.playback import play
+        from uwsim.bridges.playback.playback import play
 
         play(
             opened, pacer, port=9090 if port is None else port, from_s=from_s, until_s=until_s, wait=wait,

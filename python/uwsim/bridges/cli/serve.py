@@ -97,7 +97,7 @@ def serve(
     from contextlib import ExitStack
 
     from uwsim.bridges import RosbridgeServer
-    from uwsim.bridges.aboard import aboard_of
+    from uwsim.bridges.aboard.aboard import aboard_of
     from uwsim.bridges.actions import actions_in, actions_of
     from uwsim.bridges.plug import Context
     from uwsim.channels.delivery.feed import Feed

@@ -11,7 +11,7 @@ import threading
 from collections import deque
 from collections.abc import Callable
 
-from uwsim.bridges.conversation import Frame
+from uwsim.bridges.doors.conversation import Frame
 from uwsim.bridges.foxglove import protocol
 
 REPLIES = 1000

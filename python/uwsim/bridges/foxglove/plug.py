@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from uwsim.bridges.door import HOST, WEB, Door
+from uwsim.bridges.doors.door import HOST, WEB, Door
 from uwsim.bridges.foxglove.options import FoxgloveOptions
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 

@@ -12,8 +12,9 @@ from typing import Any
 from websockets.typing import Subprotocol
 
 from uwsim.bridges.bridge import Bridge
-from uwsim.bridges.connection import HeardConnection
-from uwsim.bridges.conversation import Rates, Share
+from uwsim.bridges.doors.connection import HeardConnection
+from uwsim.bridges.doors.conversation import Rates, Share
+from uwsim.bridges.doors.listener import Address, Listener, post
 from uwsim.bridges.foxglove import protocol
 from uwsim.bridges.foxglove.offers import Offers
 from uwsim.bridges.foxglove.options import PORT
@@ -21,7 +22,6 @@ from uwsim.bridges.foxglove.outbox import Outbox, Room
 from uwsim.bridges.foxglove.protocol import Call
 from uwsim.bridges.foxglove.session import Session
 from uwsim.bridges.foxglove.shows import shows_of
-from uwsim.bridges.listener import Address, Listener, post
 from uwsim.bridges.live_parameters import Parameters
 from uwsim.channels import Channel, Service
 from uwsim.channels.delivery.feed import Reading, Readings

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Protocol
 
-from uwsim.bridges.conversation import Frame
+from uwsim.bridges.doors.conversation import Frame
 from uwsim.bridges.foxglove import protocol
 from uwsim.bridges.foxglove.outbox import Outbox
 from uwsim.bridges.foxglove.protocol import Call

@@ -16,10 +16,10 @@ from collections.abc import Callable, Iterable
 from contextlib import ExitStack, suppress
 from typing import Any
 
+from uwsim.bridges.aboard.kept_connection import DATAGRAMS_MAX, READ_BYTES, KeptConnection
+from uwsim.bridges.doors.places import Places
 from uwsim.bridges.imc.link import HEARTBEAT_S, POLL_S, QUERY, REPORT, Address, Identity, logger
 from uwsim.bridges.imc.wire import NO_SYSTEM, UNKNOWN_ENTITY, ImcError, Message, Sent, decoded, encoded
-from uwsim.bridges.kept_connection import DATAGRAMS_MAX, READ_BYTES, KeptConnection
-from uwsim.bridges.places import Places
 
 GROUP, BROADCAST = "224.0.75.69", "255.255.255.255"
 DISCOVERY_PORTS = (30100, 30101, 30102, 30103, 30104)

@@ -9,9 +9,9 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple, Self
 
-from uwsim.bridges.hosts import checked_host
+from uwsim.bridges.aboard.kept_connection import CONNECT_S, Datagrams, KeptConnection, Stream
+from uwsim.bridges.doors.hosts import checked_host
 from uwsim.bridges.imc.wire import NO_SYSTEM, UNKNOWN_ENTITY, ImcError, Message, PacketReader, Sent, decoded, encoded
-from uwsim.bridges.kept_connection import CONNECT_S, Datagrams, KeptConnection, Stream
 
 TCP_PORT, LISTEN_PORT = 6002, 6001
 """DUNE's port, by TCP ("Console") and UDP, and ours for datagrams."""

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from uwsim.base.options import Options, option
-from uwsim.bridges.addressed import must_name_vehicles_once, steered_vehicles
-from uwsim.bridges.door import EVERYONE, IF_LOCAL, Door
+from uwsim.bridges.aboard.addressed import must_name_vehicles_once, steered_vehicles
+from uwsim.bridges.doors.door import EVERYONE, IF_LOCAL, Door
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 if TYPE_CHECKING:
-    from uwsim.bridges.aboard import Aboard
+    from uwsim.bridges.aboard.aboard import Aboard
     from uwsim.bridges.doctor.finding import Finding
     from uwsim.bridges.imc.link import Address
 

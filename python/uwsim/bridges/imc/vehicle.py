@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.bridges.aboard import Aboard
+from uwsim.bridges.aboard.aboard import Aboard
 from uwsim.bridges.imc.announcer import Announcer
 from uwsim.bridges.imc.link import Address, Identity, ImcLink, logger
 from uwsim.bridges.imc.readings import MULTIBEAM, Instruments, Place, servos, simulated_state

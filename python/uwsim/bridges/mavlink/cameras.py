@@ -9,7 +9,7 @@ from typing import Any
 
 from uwsim.bridges.mavlink.component import DONE, FAILED, Commands, Component, Given, Obey
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.video import BITRATE_KBIT_S, VideoStream, own_first
+from uwsim.bridges.video.video import BITRATE_KBIT_S, VideoStream, own_first
 from uwsim.channels.delivery.pictures import RATE_HZ
 
 FIRST_COMPONENT, COMPONENTS = 100, 6  # MAV_COMP_ID_CAMERA to CAMERA6

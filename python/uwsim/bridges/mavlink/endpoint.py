@@ -13,9 +13,9 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, NamedTuple, Self
 
-from uwsim.bridges.admission import warn_beyond_loopback
-from uwsim.bridges.hosts import checked_host
-from uwsim.bridges.places import HALF_OPEN_MAX, HalfOpen, Places
+from uwsim.bridges.doors.admission import warn_beyond_loopback
+from uwsim.bridges.doors.hosts import checked_host
+from uwsim.bridges.doors.places import HALF_OPEN_MAX, HalfOpen, Places
 from uwsim.bridges.rare_log import RareLog
 
 PORTS = {"udpout": 14550, "udpin": 14550, "tcp": 5760}
@@ -63,11 +63,11 @@ class Wire:
     """An open endpoint. parser: returns a new parser of MAVLink messages, with `parse_buffer`.
 
     Each peer has a parser. A peer gets a place, and telemetry, with its first valid message, of which the checksum is
-    correct: see uwsim.bridges.places. A TCP connection whose first byte cannot begin a MAVLink message is closed at
-    once; browser requests start differently, so no web page can command the vehicle. A UDP peer goes after SILENT_S of
-    silence, and more than 100 datagrams of one in 0.1 s are not read, so that it cannot keep others from being heard. A
-    TCP peer that does not read its messages is disconnected, so that it cannot block. Must be used on one
-    thread. Raises OSError.
+    correct: see uwsim.bridges.doors.places. A TCP connection whose first byte cannot begin a MAVLink message is
+    closed at once; browser requests start differently, so no web page can command the vehicle. A UDP peer goes
+    after SILENT_S of silence, and more than 100 datagrams of one in 0.1 s are not read, so that it cannot keep
+    others from being heard. A TCP peer that does not read its messages is disconnected, so that it cannot block.
+    Must be used on one thread. Raises OSError.
     """
 
     def __init__(self, endpoint: Endpoint, parser: Callable[[], Any]) -> None:

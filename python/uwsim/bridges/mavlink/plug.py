@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from uwsim.base.options import Options, option
-from uwsim.bridges.door import EVERYONE, OWN, Door
+from uwsim.bridges.doors.door import EVERYONE, OWN, Door
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 

@@ -46,7 +46,7 @@ from uwsim.bridges.mavlink.streams import Streams
 from uwsim.bridges.mavlink.targets import Targets
 from uwsim.bridges.mavlink.telemetry import KINDS, origin, place
 from uwsim.bridges.rare_log import RareLog
-from uwsim.bridges.video import VideoStream
+from uwsim.bridges.video.video import VideoStream
 from uwsim.channels import Channel, Service
 from uwsim.channels.channel import ended_by
 from uwsim.channels.delivery.feed import Readings

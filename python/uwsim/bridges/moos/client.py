@@ -9,8 +9,8 @@ import time
 from collections.abc import Callable, Iterable
 from typing import NamedTuple, Self
 
-from uwsim.bridges.hosts import checked_host
-from uwsim.bridges.kept_connection import CONNECT_S, READ_BYTES, KeptConnection, Stream
+from uwsim.bridges.aboard.kept_connection import CONNECT_S, READ_BYTES, KeptConnection, Stream
+from uwsim.bridges.doors.hosts import checked_host
 from uwsim.bridges.moos.wire import DATA, NOTIFY, POISON, PROTOCOL, REGISTER, TIMING, Message, MoosError, PacketReader
 from uwsim.bridges.moos.wire import encoded as packet_of
 

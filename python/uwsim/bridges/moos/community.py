@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from uwsim.base.axes import AXES
-from uwsim.bridges.aboard import Aboard
+from uwsim.bridges.aboard.aboard import Aboard
 from uwsim.bridges.moos.client import Address, MoosClient, logger
 from uwsim.bridges.moos.reports import OWN, NodeReports
 from uwsim.bridges.moos.variables import depth_m, instruments, is_true, latest, navigation, number, ping_summary

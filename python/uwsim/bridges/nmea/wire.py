@@ -8,7 +8,7 @@ import socket
 from contextlib import suppress
 from typing import NamedTuple, Self
 
-from uwsim.bridges.hosts import checked_host
+from uwsim.bridges.doors.hosts import checked_host
 from uwsim.bridges.rare_log import RareLog
 
 PORT = 10110

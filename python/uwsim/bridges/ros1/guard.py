@@ -11,8 +11,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from uwsim.bridges.admission import Door
-from uwsim.bridges.places import HALF_OPEN_S, HalfOpen
+from uwsim.bridges.doors.admission import Door
+from uwsim.bridges.doors.places import HALF_OPEN_S, HalfOpen
 
 HEADER_BYTES_MAX = 1 << 16  # limit on a connection's header; with a message definition, it takes a few kB
 LOOPBACK = "127.0.0.1"

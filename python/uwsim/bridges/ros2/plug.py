@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from uwsim.base.options import Options, need, option
-from uwsim.bridges.door import ANYWHERE, EVERYONE, LOOPBACK, Door
+from uwsim.bridges.doors.door import ANYWHERE, EVERYONE, LOOPBACK, Door
 from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 
 from uwsim.bridges.bridge import Bridge
-from uwsim.bridges.listener import post
+from uwsim.bridges.doors.listener import post
 from uwsim.bridges.nodes.websocket import FIRST_WAIT_S, LONGEST_WAIT_S, checked_url, why_not_connected
 from uwsim.bridges.rosbridge.encoding import publication, to_json
 from uwsim.bridges.rosbridge.joining import Joining, RefusedError

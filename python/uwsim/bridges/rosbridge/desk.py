@@ -12,7 +12,7 @@ from concurrent.futures import Executor
 from functools import partial
 from typing import TypeVar
 
-from uwsim.bridges.conversation import Allowance, Frame
+from uwsim.bridges.doors.conversation import Allowance, Frame
 from uwsim.bridges.rosbridge.outbox import Parcel
 from uwsim.bridges.rosbridge.session import Session
 

@@ -14,7 +14,7 @@ import numpy as np
 import orjson
 from PIL import Image
 
-from uwsim.bridges.conversation import Frame
+from uwsim.bridges.doors.conversation import Frame
 from uwsim.channels.ros.base64_text import to_base64
 from uwsim.channels.ros.message_cost import held_bytes
 from uwsim.channels.ros.message_types import begins_with_header

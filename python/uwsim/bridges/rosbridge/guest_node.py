@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from uwsim.bridges.answers import Lane, outcome
-from uwsim.bridges.listener import post
+from uwsim.bridges.doors.listener import post
 from uwsim.bridges.rosbridge.encoding import Growing, Sample
 from uwsim.bridges.rosbridge.graph import LOGGER, Graph, Reply, Topic
 from uwsim.channels.calls.command_services import by_field

@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
-from uwsim.bridges.conversation import Frame
+from uwsim.bridges.doors.conversation import Frame
 from uwsim.bridges.rosbridge.encoding import Compression, Sample
 from uwsim.bridges.rosbridge.fragments import split
 from uwsim.bridges.rosbridge.ledger import Account

@@ -12,7 +12,7 @@ from functools import cache, partial
 from typing import Any
 
 from uwsim.bridges.answers import outcome
-from uwsim.bridges.listener import post
+from uwsim.bridges.doors.listener import post
 from uwsim.bridges.rosbridge.graph import LOGGER, Graph, Handler, Reply, plain_name
 from uwsim.bridges.rosbridge.parameters import Parameters
 from uwsim.bridges.rosbridge.type_details import message_details, part_details

@@ -13,9 +13,9 @@ from types import TracebackType
 from typing import Self
 
 from uwsim.bridges.actions import Offered, actions_of
-from uwsim.bridges.connection import HeardConnection
-from uwsim.bridges.conversation import Rates, Share
-from uwsim.bridges.listener import STOP_S, Address, Listener, Site
+from uwsim.bridges.doors.connection import HeardConnection
+from uwsim.bridges.doors.conversation import Rates, Share
+from uwsim.bridges.doors.listener import STOP_S, Address, Listener, Site
 from uwsim.bridges.rosbridge.desk import Desk, Seat
 from uwsim.bridges.rosbridge.graph import LOGGER, Graph
 from uwsim.bridges.rosbridge.guest_node import GuestNode

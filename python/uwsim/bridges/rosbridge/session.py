@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple
 
-from uwsim.bridges.conversation import Frame
+from uwsim.bridges.doors.conversation import Frame
 from uwsim.bridges.rosbridge.actions import Actions
 from uwsim.bridges.rosbridge.calls import Calls
 from uwsim.bridges.rosbridge.encoding import from_png, to_json

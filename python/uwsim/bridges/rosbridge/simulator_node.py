@@ -13,7 +13,7 @@ from typing import Any
 
 from uwsim.bridges.actions import Offered
 from uwsim.bridges.bridge import Bridge
-from uwsim.bridges.listener import post
+from uwsim.bridges.doors.listener import post
 from uwsim.bridges.rosbridge.encoding import Growing, Sample
 from uwsim.bridges.rosbridge.graph import Graph, Reply
 from uwsim.bridges.rosbridge.own_actions import OwnAction

@@ -20,7 +20,7 @@ from uwsim.operator.cli.station import KEPT, InstructorToken, InstructorTokenFil
 
 if TYPE_CHECKING:
     from uwsim.exercises import Exercise
-    from uwsim.operator.station.flights import Bounds
+    from uwsim.operator.station.flights.flights import Bounds
 
 
 @under("Fly")
@@ -136,7 +136,7 @@ def _serve(
     person: str,
 ) -> None:
     from uwsim.bridges import RosbridgeServer
-    from uwsim.bridges.admission import has_token
+    from uwsim.bridges.doors.admission import has_token
     from uwsim.cli.run_live import wait_for_interrupt
     from uwsim.operator.station import Site, Station
 

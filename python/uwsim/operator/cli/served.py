@@ -30,7 +30,7 @@ class StationPage(Page):
     def open(self, stack: ExitStack, serving: Serving) -> tuple[str, str, Table]:
         """Open the server, which the stack closes; return its address, the page's for the greeting, and the table."""
         from uwsim.bridges import RosbridgeServer
-        from uwsim.bridges.admission import has_token
+        from uwsim.bridges.doors.admission import has_token
         from uwsim.operator.cli.station import kept_flights
         from uwsim.operator.station import Site, Station
 

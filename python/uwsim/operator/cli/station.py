@@ -17,7 +17,7 @@ from uwsim.cli.options import Threads
 from uwsim.cli.values import modems, scenarios
 
 if TYPE_CHECKING:
-    from uwsim.operator.station.flights import Bounds
+    from uwsim.operator.station.flights.flights import Bounds
 
 Truth = Annotated[
     bool, typer.Option("--truth/--no-truth", help="Show pilots the true position, or only the instruments' values.")
@@ -80,7 +80,7 @@ def station(
     It works offline and over a forwarded port. The same port also serves rosbridge clients. Ctrl-C stops it.
     """
     from uwsim.bridges import RosbridgeServer
-    from uwsim.bridges.admission import has_token
+    from uwsim.bridges.doors.admission import has_token
     from uwsim.cli.run_live import wait_for_interrupt
     from uwsim.operator.framed import has_display
     from uwsim.operator.station import Site, Station
@@ -122,7 +122,7 @@ def station(
 
 def kept_flights(text: str) -> Bounds:
     """Return the bounds given by --keep-flights. Raises ValueError."""
-    from uwsim.operator.station.flights import Bounds
+    from uwsim.operator.station.flights.flights import Bounds
 
     try:
         return Bounds.of(text)

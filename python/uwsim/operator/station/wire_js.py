@@ -21,10 +21,10 @@ from uwsim.channels.families.map_changes import EDGE
 from uwsim.channels.ros.message_types import Kind, fields
 from uwsim.channels.ros.own_types import ALL_STOPPED, LINK, MAP_CHANGES, STATION_STATE, TELEMETRY
 from uwsim.instruments.sonars.imaging.pixels import ABOVE_MEDIAN_DB, AMBER, BELOW_MEDIAN_DB
-from uwsim.operator.station.calls import CALLS, Call
-from uwsim.operator.station.plan import SPEEDS_M_S
-from uwsim.operator.station.services import DEAD_S
-from uwsim.operator.station.wire import Message, Refused
+from uwsim.operator.station.helm.plan import SPEEDS_M_S
+from uwsim.operator.station.services.services import DEAD_S
+from uwsim.operator.station.wire.calls import CALLS, Call
+from uwsim.operator.station.wire.messages import Message, Refused
 
 PATH = Path(__file__).parent / "page/wire/messages.js"
 TOPIC_TYPES = (STATION_STATE, TELEMETRY, MAP_CHANGES, LINK)

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from uwsim.channels.guest import Values
-from uwsim.operator.station.scene import glb, plan_outline, thinned
+from uwsim.operator.station.scene.scene import glb, plan_outline, thinned
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.terrain import Terrain, build_terrain

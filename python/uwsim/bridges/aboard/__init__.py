@@ -1,0 +1,1 @@
+"""Systems aboard a vehicle that steer it: MOOS and IMC."""

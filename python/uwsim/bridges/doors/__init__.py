@@ -1,0 +1,1 @@
+"""The sockets on which uwsim receives: who may enter, how many, and how fast."""

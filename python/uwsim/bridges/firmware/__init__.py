@@ -1,0 +1,1 @@
+"""Compiled ArduSubs that uwsim starts, flies and compares."""

@@ -1,0 +1,1 @@
+"""A recording played to the clients of bridges, without a simulator."""

@@ -1,0 +1,1 @@
+"""A camera's pictures as an H.264 stream."""

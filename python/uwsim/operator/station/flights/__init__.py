@@ -1,0 +1,1 @@
+"""Flights that the station has recorded, and their replay."""

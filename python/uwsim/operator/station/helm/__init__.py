@@ -1,0 +1,1 @@
+"""Who steers, and how: the lease of the controls, the pilot's efforts, a plan."""

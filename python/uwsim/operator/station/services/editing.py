@@ -1,0 +1,104 @@
+"""The service of the scene editor: who may edit, and the requests about files and the running simulator."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from uwsim.channels.guest import Values
+from uwsim.operator.station.helm.lease import Lease
+from uwsim.operator.station.services.instructor import Instructor
+from uwsim.operator.station.services.rebuild import rebuild
+from uwsim.operator.station.sessions.running import Running
+from uwsim.operator.station.sessions.sessions import Sessions
+from uwsim.operator.station.start.choice import scenarios, with_choice
+from uwsim.scenario.read.assets import find_yaml
+
+CHANGES = ("set", "add", "remove", "undo", "redo", "revert")
+GONE_S = 3.0  # a client that sends nothing for this long, not even replies to pings, edits no longer
+ACTIONS = ("open", "report", *CHANGES, "check", "save", "apply", "close")
+
+
+class EditService:
+    """Handles the requests to edit a scenario.
+
+    On the start screen, a member may open one if no other member edits; while a simulator runs, the pilot alone or, if
+    there is one, the instructor. The next to open a scenario in which unsaved changes were left continues with them.
+    """
+
+    def __init__(self, sessions: Sessions, lease: Lease, instructor: Instructor | None) -> None:
+        self._sessions, self._lease, self._instructor = sessions, lease, instructor
+        self._editor = sessions.editor
+        self._of: Running | None = None  # whose scenario is edited, if it is that of a simulator
+
+    def answer(self, caller: str, request: Values) -> Values:
+        """Return the response to a request; see wire_editor.Edit. Raises ValueError or OSError."""
+        action, message = request.get("action"), ""
+        more: Values = {}
+        if action not in ACTIONS:
+            raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(ACTIONS)}")
+        if action != "report":
+            self._require(caller, is_open=action == "open")
+        elif self._instructor is not None and self._sessions.running is not None:
+            self._instructor.require(caller)  # who may prepare what the trainee must not see
+        if action == "open":
+            if self._open(caller, request.get("scenario")):
+                message = "continues with what was not saved"
+        elif action == "check":
+            more = {"mistakes": self._editor.mistakes()}
+        elif action == "save":
+            message = f"saved as {self._editor.save(request.get('name'))}"
+        elif action == "apply":
+            if self._sessions.present() is not self._of:
+                raise ValueError("the edited scenario is not the running simulator's: open that one")
+            rebuild(self._sessions, self._editor.draft.scenario)
+            self._of = self._sessions.running
+            message = "the world is rebuilt"
+            if self._instructor is not None and self._of is not None:
+                self._instructor.note(1e-9 * self._of.live.time_ns, "instructor", "rebuild", {})
+        elif action == "close":
+            self._editor.close(caller)
+        elif action in CHANGES:
+            more = {"added": list(self._editor.act(request))}
+        by = self._lease.members.get(self._editor.by, "")
+        state = self._editor.state(by)
+        if state["is_open"]:
+            state["is_of_running"] = self._of is not None and self._of is self._sessions.running
+        return {"success": True, "message": message, **state, **more}
+
+    def _require(self, caller: str, *, is_open: bool) -> None:
+        """Raise ValueError unless a client may edit now."""
+        if self._sessions.running is None:
+            if caller not in self._lease.members:
+                raise ValueError("join first")
+        elif self._instructor is not None:
+            self._instructor.require(caller)
+        else:
+            self._lease.require_pilot(caller)
+        by = self._editor.by
+        is_gone = by not in self._lease.members or self._sessions.node.silence_s(by) > GONE_S
+        is_free = is_open and (not by or is_gone or self._sessions.running is not None)  # there are rights for that
+        if by != caller and not is_free:
+            by_name = self._lease.members.get(by, "another client")
+            raise ValueError(f"{by_name} edits a scenario" if by else "open a scenario first")
+
+    def _open(self, caller: str, name: object) -> bool:
+        """Open a scenario, or that of the simulator; return True if unsaved changes were left in it."""
+        if name is None:
+            running, choice = self._sessions.present(), self._sessions.choice
+            scenario = running.live.simulator.scenario
+            is_kept = self._editor.open_running(
+                caller,
+                scenario,
+                lambda found: with_choice(found, choice, {}) == scenario,
+                is_of_same=self._of is running,
+            )
+            self._of = running
+            return is_kept
+        saved = self._editor.saved
+        known = [*saved, *scenarios(self._sessions.offered)]
+        if not isinstance(name, str) or name not in known:
+            raise ValueError(f"scenario = {str(name)[:40]!r}: must be one of {', '.join(known)}")
+        path = saved[name] if name in saved else find_yaml(name, "scenarios")
+        is_kept = self._editor.open(caller, name, Path(path), is_of_same=self._of is None)
+        self._of = None
+        return is_kept

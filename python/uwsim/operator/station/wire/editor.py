@@ -1,0 +1,126 @@
+"""Requests and responses of the scene editor's services; see `messages`."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from uwsim.operator.station.wire.messages import Message
+
+
+class Edit(Message):
+    """A request to the editor.
+
+    action: open, report, set, add, remove, undo, redo, revert, check, save, apply or close.
+
+    scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to
+    add. values: fields to set; null removes one. name: under which it is saved.
+    """
+
+    action: str
+    scenario: str | None = None
+    section: str | None = None
+    place: list[Any] | None = None
+    kind: str | None = None
+    vehicle: int | None = None
+    at_m: list[float] | None = None
+    values: dict[str, Any] | None = None
+    name: str | None = None
+
+
+class BedGrid(Message):
+    """The grid of heights in /edit/terrain.f32, in the world."""
+
+    rows: int
+    columns: int
+    west_m: float
+    south_m: float
+    spacing_m: list[float]
+
+
+class EditedPart(Message):
+    """A part of the edited scenario. place: its keys in the file. vehicle: the number of the vehicle that carries it.
+
+    is_inherited: whether it comes from the vehicle's own file, or is a start at the station. frame: x, y [m], yaw
+    [deg] and z [m] in the world of the axes of its position. values: as written, tables as rows of numbers. outline_m:
+    of an obstacle.
+    """
+
+    section: str
+    place: list[Any]
+    name: str
+    kind: str
+    vehicle: int | None
+    is_inherited: bool
+    frame: list[float]
+    values: dict[str, Any]
+    outline_m: list[list[float]]
+
+
+class EditState(Message):
+    """The editor's state; without a scenario, only is_open, false. by: the name of the client that edits.
+
+    edition: changes with the text. plan: changes with the obstacles, whose solids are /edit/PLAN/NUMBER.glb. added: the
+    place of the part that was added, or empty. mistakes: found by `check`. path: where the scenario was saved, or "".
+    """
+
+    success: Literal[True]
+    message: str
+    is_open: bool
+    by: str
+    name: str | None = None
+    edition: int | None = None
+    can_undo: bool | None = None
+    can_redo: bool | None = None
+    is_saved: bool | None = None
+    is_of_running: bool | None = None
+    grid: BedGrid | None = None
+    plan: int | None = None
+    vehicles: list[str] | None = None
+    parts: list[EditedPart] | None = None
+    text: str | None = None
+    added: list[Any] | None = None
+    mistakes: list[str] | None = None
+
+
+class FormField(Message):
+    """A field of a kind of part. type: number (width: how many), flag, choice, text, table (columns) or yaml.
+
+    low, high: bounds in unit, or null. by_default: its value if it is left out; of a table, one for each column. role:
+    place, turn or line for what the chart moves, or "".
+    """
+
+    name: str
+    meaning: str
+    type: Literal["number", "flag", "choice", "text", "table", "yaml"]
+    unit: str
+    low: float | None
+    high: float | None
+    width: int
+    columns: list[str]
+    choices: list[Any]
+    by_default: Any
+    is_required: bool
+    role: Literal["", "place", "turn", "line"]
+
+
+class FormKind(Message):
+    """A kind of part, "" if its section has no kinds, and its fields."""
+
+    kind: str
+    fields: list[FormField]
+
+
+class FormSection(Message):
+    """A section of a scenario. holds: list, names or one. of_vehicle: whether each vehicle has it."""
+
+    name: str
+    holds: Literal["list", "names", "one"]
+    of_vehicle: bool
+    kinds: list[FormKind]
+
+
+class EditForms(Message):
+    """The sections of a scenario that can be edited, with their kinds and fields, from its schema."""
+
+    success: Literal[True]
+    sections: list[FormSection]
