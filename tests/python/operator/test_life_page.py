@@ -12,6 +12,7 @@ from uwsim.bridges.foxglove.life import level_turns, life
 from uwsim.live import LiveSimulator
 from uwsim.operator.station import Site, Station
 from uwsim.operator.station.scene.life import PERIOD_S
+from uwsim.operator.station.sessions.description import describe
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.swarms import MOST, swarm_places, swarms
 
@@ -61,7 +62,7 @@ def test_the_page_does_not_know_them_if_the_truth_is_hidden(scenario: Path) -> N
     with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
         station.run(lambda: LiveSimulator(Simulator(scenario)))
         running = station.present()
-        assert running.describe()["life"] is None
+        assert describe(running)["life"] is None
         assert not any(topic.name == "station/life" for topic in running.topics())
 
 

@@ -23,6 +23,7 @@ from uwsim.operator.station.services.control import CONTROLS, NOT_OF_REPLAYS, OF
 from uwsim.operator.station.services.editing import EditService
 from uwsim.operator.station.services.fault_kinds import fault_kinds
 from uwsim.operator.station.services.instructor import Instructor, parameters
+from uwsim.operator.station.sessions.description import describe
 from uwsim.operator.station.sessions.running import Running
 from uwsim.operator.station.sessions.saves import saved_names
 from uwsim.operator.station.sessions.sessions import Sessions
@@ -72,7 +73,7 @@ class Services:
     def _describe(self, caller: str, request: Values) -> Values:
         running = self._sessions.present()
         own = {"session": self._sessions.number, "edition": running.edition, "is_fixed": self._sessions.is_fixed}
-        return {"success": True, **own, "controls": self._controls(), **running.describe()}
+        return {"success": True, **own, "controls": self._controls(), **describe(running)}
 
     def _controls(self) -> list[str]:
         running = self._sessions.running

@@ -1,27 +1,18 @@
-"""A simulator run by the station: its channels, views and map, and its description for the page."""
+"""A simulator run by the station: its channels, views and map, and what goes on in it."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
-import numpy as np
-
-from uwsim.base.axes import AXES
 from uwsim.base.commands import COMMANDS
 from uwsim.bridges.rosbridge.client import RosbridgeClient
 from uwsim.channels.authority.rights import OF_INSTRUCTOR, AidKind
 from uwsim.channels.delivery.feed import Feed
-from uwsim.channels.families.body_frames import body_frames
-from uwsim.channels.families.imaging import picture_geometry
 from uwsim.channels.families.map import PLACED
-from uwsim.channels.families.tether import object_topic
-from uwsim.channels.guest import GuestTopic, Node, Values
+from uwsim.channels.guest import GuestTopic, Node
 from uwsim.channels.served import served_table
-from uwsim.channels.source import Source
 from uwsim.channels.table import Wire
 from uwsim.link import Carrier
 from uwsim.link.ashore import with_scans
@@ -31,7 +22,6 @@ from uwsim.operator.station.flights.replay import Replay
 from uwsim.operator.station.helm.pilot import Pilot
 from uwsim.operator.station.helm.plan import PlanFlight
 from uwsim.operator.station.scene.life import Life
-from uwsim.operator.station.scene.loose_objects import TOPIC as OBJECTS
 from uwsim.operator.station.scene.loose_objects import LooseObjects
 from uwsim.operator.station.scene.scene import Scene
 from uwsim.operator.station.sessions.exercise import Judged
@@ -40,11 +30,8 @@ from uwsim.operator.station.start.prepared import load_navigation
 from uwsim.operator.station.start.user_rosbridge import UserRosbridge
 from uwsim.operator.station.views.arrivals import Arrivals
 from uwsim.operator.station.views.snapshots import Snapshots
-from uwsim.operator.station.views.views import View, Views, title
+from uwsim.operator.station.views.views import Views
 from uwsim.recording import Recorder
-from uwsim.scenario.spec.imaging_kind import core_kind
-from uwsim.scenario.spec.tether import Tether
-from uwsim.simulator.vehicle import Vehicle
 
 SHOWN = ("telemetry", PLACED, "image_raw/compressed", "picture/compressed")
 """Name endings of the channels that the page shows: a modem, with its low capacity, carries only these by default."""
@@ -70,7 +57,7 @@ class Running:
 
     The map is built from the start, so that late visitors see all of it. wake: called when a picture may be due. truth:
     whether the true position may be shown. folder: where notes are written. edition: a number that increases when a
-    change of a parameter changes the result of `describe`; see `notice_changes`. replay: the replay that the simulator
+    change of a parameter changes its description; see `notice_changes`. replay: the replay that the simulator
     follows, if any. In a replay, the truth is shown, and all values are those aboard, without a link. branched_from:
     the point in a replay at which a pilot took the helm, or "". instruction: the instructor's last message, or "".
     """
@@ -220,37 +207,6 @@ class Running:
         recorder.close()
         return recorder.path
 
-    def describe(self) -> Values:
-        """Return the response of `/station/describe`, except the session."""
-        sim = self.live.simulator
-        scenario, optional = sim.parameters.scenario, {channel.name for channel in self.table.channels}
-        return {
-            "scenario": scenario.name,
-            "description": " ".join(scenario.description.split()),
-            "step_s": sim.step_s,
-            "mission_time_s": scenario.mission_time_s,
-            "seed": sim.seed,
-            "truth_allowed": self.truth,
-            "warnings": {"range_m": scenario.warnings.range_m, "proximity_m": scenario.warnings.proximity_m},
-            "vehicles": [self._vehicle(source, optional) for source in self.table.sources],
-            "views": [self._camera_view(view) for view in self.views.views.values()] + self._sonar_views(),
-            "scene": "/scene/scene.json",
-            "tethers": {
-                one.name: found
-                for one in scenario.tethered
-                if one.name in sim.objects
-                and (found := self._tether(one.tether, _offered(partial(object_topic, one.name), optional)))
-            },
-            "objects": f"/{OBJECTS}" if self.objects is not None and self.objects.topics() else None,
-            "life": self.life.described() if self.life is not None else None,
-            "commands": self.commands(),
-            "is_supervised": self.is_supervised,
-            "is_recorded": self.flight is not None,
-            "has_exercise": self.judged is not None,
-            "replay": None if self.replay is None else self.replay.describe(),
-            "branched_from": self.branched_from,
-        }
-
     def end_plan(self, because: str) -> None:
         """End the plan being flown, if any."""
         if self.plan is not None:
@@ -268,110 +224,3 @@ class Running:
         """Return the topics of all views."""
         guests = [each for each in (self.views, self.arrivals, self.objects, self.life) if each is not None]
         return [topic for each in guests for topic in each.topics()]
-
-    def _camera_view(self, view: View) -> Values:
-        described = view.described()
-        if self.arrivals is None or view.name not in self.arrivals:
-            return described
-        aboard = (
-            {"aboard_topic": described["topic"], "aboard_small_topic": described["small_topic"]} if self.truth else {}
-        )
-        topics = {"topic": f"/station/view/{view.name}", "small_topic": f"/station/small/{view.name}"}
-        return {**described, **topics, **aboard, **self.arrivals.describe(view.name)}
-
-    def _sonar_views(self) -> list[Values]:
-        """Return the views of imaging sonars, which are ordinary channels paced by simulated time."""
-        return [
-            {
-                "name": source.topic(name), "title": title(source.topic(name)), "kind": core_kind(type(sonar.model)),
-                "vehicle": source.name, "frame_id": source.frame(f"{name}_link"), "width": 0, "height": 0,
-                "topic": f"/{source.topic(name)}/picture/compressed",
-                "small_topic": f"/{source.topic(name)}/picture/compressed",
-                "sonar": picture_geometry(sonar.model),
-                **self._sonar_link(f"{source.topic(name)}/picture/compressed"),
-            }
-            for source in self.table.sources
-            for name, sonar in source.of(self.live.simulator).imaging_sonars.items()
-        ]  # fmt: skip
-
-    def _sonar_link(self, channel: str) -> Values:
-        return {} if self.arrivals is None else {"link": self.arrivals.pace(channel)}
-
-    def _vehicle(self, source: Source, optional: set[str]) -> Values:
-        vehicle = source.of(self.live.simulator)
-
-        topic = _offered(source.topic, optional)
-        has_map = source.name in self.maps
-        tilt = sonar = None
-        if vehicle.sonars:
-            model = vehicle.sonar.model
-            rate_rad_s = model.tilt_rate_rad_s
-            tilt = {"min_rad": -0.5 * math.pi, "max_rad": 0.5 * math.pi, "rate_rad_s": rate_rad_s}
-            sonar = {
-                "name": model.name, "title": source.entry.sonar.title, "range_m": model.range_max_m,
-                "beams": model.beams, "fov_rad": model.field_of_view_rad,
-            }  # fmt: skip
-        motors = [
-            {"camera": name, "pan_deg": list(motor.pan_limits_deg), "tilt_deg": list(motor.tilt_limits_deg)}
-            for name, camera in vehicle.cameras.items()
-            if (motor := camera.mount.pan_tilt) is not None
-        ]
-        return {
-            "name": source.name,
-            "model": source.entry.model.name,
-            "prefix": source.prefix,
-            "telemetry": topic("telemetry"),
-            "scan": topic("ping"),
-            "joints": topic("joint_states"),
-            "proximities": [
-                {"name": name.removeprefix("proximity_"), "topic": found}
-                for name, sensor in vehicle.sensors.items()
-                if sensor.kind == "proximity" and (found := topic(name))
-            ],
-            "link": topic("link"),
-            "map": f"/map/{source.name}" if has_map else None,
-            "map_changes": topic("map_changes"),
-            "pings_per_s": self.table.pings[source.name].rate_hz if has_map else 0.0,
-            "thrusters": list(vehicle.thrusters),
-            "lamps": list(vehicle.lamps),
-            "efforts": [axis for axis in AXES if axis in vehicle.controllable],
-            "holds": vehicle.holds.possible if vehicle.holds is not None else [],
-            "tilt": tilt,
-            "sonar": sonar,
-            "motors": motors,
-            "tether": self._tether(source.entry.tether, topic),
-            "arm": _arm(source, vehicle),
-        }
-
-    def _tether(self, spec: Tether | None, topic: Callable[[str], str | None]) -> Values | None:
-        shape, tension = topic("tether/shape"), topic("tether/tension")
-        if spec is None or shape is None or tension is None:
-            return None
-        winch = spec.winch
-        return {
-            "shape": shape, "tension": tension, "turns": topic("tether/turns"),
-            "origin_m": np.asarray(self.table.origin_m, float).tolist(), "breaking_load_n": spec.breaking_load_n,
-            "fastest_m_s": None if winch is None else winch.fastest_m_s,
-            "strongest_n": None if winch is None else winch.strongest_n,
-        }  # fmt: skip
-
-
-def _offered(full: Callable[[str], str], optional: set[str]) -> Callable[[str], str | None]:
-    """Return what finds a topic's name for pages; None where it is not offered."""
-    return lambda name: f"/{full(name)}" if full(name) in optional else None
-
-
-def _arm(source: Source, vehicle: Vehicle) -> list[Values]:
-    """Return the joints with motors, and their stops; a hinge without any turns half a turn to either side."""
-    motors = () if vehicle.arm is None else vehicle.arm.motors
-    joints = {frame.joint.name: frame.joint for frame in body_frames(source.entry.model) if frame.joint is not None}
-    return [
-        {
-            "name": name,
-            "low": joint.low_rad if math.isfinite(joint.low_rad) else -math.pi,
-            "high": joint.high_rad if math.isfinite(joint.high_rad) else math.pi,
-            "is_slide": joint.is_slide,
-        }
-        for name in motors
-        for joint in [joints[name]]
-    ]
