@@ -173,7 +173,7 @@ class Editor:
         return self._draft
 
     def state(self, by: str) -> Values:
-        """Return what the page shows; see wire_editor.EditState. by: the name of the client that edits."""
+        """Return what the page shows; see wire.editor.EditState. by: the name of the client that edits."""
         with self._lock:
             draft = self._draft
             if draft is None:
@@ -188,7 +188,7 @@ class Editor:
 
 
 def _parts(draft: Draft) -> Iterator[Values]:
-    """Yield the scenario's parts; see wire_editor.EditedPart."""
+    """Yield the scenario's parts; see wire.editor.EditedPart."""
     values, scenario = draft.values, draft.scenario
     for section, found in SECTIONS.items():
         for vehicle in range(len(scenario.vehicles) if found.of_vehicle else 1):

@@ -56,12 +56,12 @@ OTHER_SCHEMAS = {"lamps": Lamps, "current": CurrentSpec, "start": StartPose}
 
 @cache
 def forms() -> dict[str, dict[str, list[Values]]]:
-    """Return the fields by section and kind ("" if it has no kinds); see wire_editor.FormField."""
+    """Return the fields by section and kind ("" if it has no kinds); see wire.editor.FormField."""
     return {name: dict(_kinds(schema(section.schema, OTHER_SCHEMAS))) for name, section in SECTIONS.items()}
 
 
 def described_forms() -> list[Values]:
-    """Return the sections as sent to the page; see wire_editor.FormSection."""
+    """Return the sections as sent to the page; see wire.editor.FormSection."""
     return [
         {
             "name": name, "holds": section.holds, "of_vehicle": section.of_vehicle,

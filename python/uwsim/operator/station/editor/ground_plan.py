@@ -60,7 +60,7 @@ class GroundPlan:
 
     @property
     def grid(self) -> Values:
-        """The grid of the bed's heights; see wire_editor.BedGrid."""
+        """The grid of the bed's heights; see wire.editor.BedGrid."""
         grid = self._thinned()
         rows, columns = grid.heights_m.shape
         west_m, south_m = (float(value) for value in grid.origin_m[:2])

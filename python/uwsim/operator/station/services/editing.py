@@ -31,7 +31,7 @@ class EditService:
         self._of: Running | None = None  # whose scenario is edited, if it is that of a simulator
 
     def answer(self, caller: str, request: Values) -> Values:
-        """Return the response to a request; see wire_editor.Edit. Raises ValueError or OSError."""
+        """Return the response to a request; see wire.editor.Edit. Raises ValueError or OSError."""
         action, message = request.get("action"), ""
         more: Values = {}
         if action not in ACTIONS:

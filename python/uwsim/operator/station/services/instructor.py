@@ -158,7 +158,7 @@ class Instructor:
 
 
 def _entry(time_s: float, by: str, action: str, arguments: Values, text: str) -> Values:
-    """Return an entry of the log, as wire_training.Instruction."""
+    """Return an entry of the log, as wire.training.Instruction."""
     clock = datetime.now().astimezone().isoformat(timespec="seconds")
     given = json.dumps(arguments)
     kept = arguments if len(given) <= ARGS_MAX else {"cut": given[:ARGS_MAX]}
@@ -201,7 +201,7 @@ def _truth(sim: Any) -> Values:
 
 
 def _fault_times(sim: Any) -> list[Values]:
-    """Return when each fault began, begins and ended, as far as this is known; see wire_training.FaultTime."""
+    """Return when each fault began, begins and ended, as far as this is known; see wire.training.FaultTime."""
     found: list[Values] = []
     for event in sim.events:
         if event.name == "fault":
