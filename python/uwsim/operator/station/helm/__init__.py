@@ -1,1 +1,1 @@
-"""Who steers, and how: the lease of the controls, the pilot's efforts, a plan."""
+"""The controls: their lease, the efforts of the pilot, a plan."""

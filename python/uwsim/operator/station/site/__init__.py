@@ -1,1 +1,1 @@
-"""What a browser fetches by HTTP: the page's files, maps, pictures, downloads."""
+"""The site that a browser fetches by HTTP: the files of the page, maps, pictures, downloads."""
