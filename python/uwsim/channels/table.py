@@ -1,4 +1,4 @@
-"""The table of all channels and services of a simulator. Adding a family of channels takes one line here."""
+"""The table of all channels and services of a simulator. A family of channels is an entry point, see `registered`."""
 
 from __future__ import annotations
 
@@ -13,28 +13,18 @@ from uwsim.channels.authority.rights import Rights
 from uwsim.channels.authority.steering import Steering, is_cut_off
 from uwsim.channels.calls.command_services import push_service
 from uwsim.channels.calls.parameters import parameter_services
-from uwsim.channels.calls.services import simulation_services, stream_service, vehicle_services
+from uwsim.channels.calls.services import simulation_services, stream_service
 from uwsim.channels.channel import Channel, Service
 from uwsim.channels.delivery.pictures import Pictures
 from uwsim.channels.families import frames
-from uwsim.channels.families.cameras import station_cameras, vehicle_cameras
-from uwsim.channels.families.commands import command_channels
-from uwsim.channels.families.description import description_channel
-from uwsim.channels.families.estimate import estimate_channels, has_estimate
-from uwsim.channels.families.forces import force_channels
+from uwsim.channels.families.cameras import station_cameras
+from uwsim.channels.families.estimate import has_estimate
 from uwsim.channels.families.frames import Tf
-from uwsim.channels.families.imaging import imaging_channels
-from uwsim.channels.families.instruments import sensor_channels
 from uwsim.channels.families.map import PingMap
 from uwsim.channels.families.pings import Pings
-from uwsim.channels.families.plain_link import plain_link_channels
 from uwsim.channels.families.published import TRUE_TOPICS, published_channels, station_picture
-from uwsim.channels.families.scans import scan_channels
-from uwsim.channels.families.telemetry import telemetry_channel
-from uwsim.channels.families.tether import object_tether_channels, tether_channels
-from uwsim.channels.families.twins import twin_channels
-from uwsim.channels.families.water_column import water_column_channels
-from uwsim.channels.families.wet_triangles import wet_triangles_channel
+from uwsim.channels.families.registered import items_of
+from uwsim.channels.families.tether import object_tether_channels
 from uwsim.channels.source import Source
 from uwsim.simulator.helm import Helm
 from uwsim.simulator.simulator import Simulator
@@ -103,6 +93,11 @@ class Table:
         self.has_standard = wire != "published"
         self.channels += self._standard(sim) if self.has_standard else []
         self.services: list[Service] = self._services(sim)
+        for source in self.sources:
+            items = items_of(self._given(source, sim), {each.name for each in (*self.channels, *self.services)})
+            self.services += [each for each in items if isinstance(each, Service)]
+            if self.has_standard:
+                self.channels += self._vehicles(source, [each for each in items if isinstance(each, Channel)])
 
     def __repr__(self) -> str:
         return f"<Table of {len(self.channels)} channels and {len(self.services)} services>"
@@ -131,14 +126,12 @@ class Table:
         return found
 
     def _standard(self, sim: Simulator) -> list[Channel]:
-        """Return the usual ROS topics."""
+        """Return the usual ROS topics that belong to no vehicle."""
         found = frames.common_channels(
             self.sources, self.tf, self.frame_prefix, rate_hz=self.tf_rate_hz, joint_frames=self.joint_frames
         )
         found += station_cameras(sim, self.pictures, self.frame_prefix)
         found += object_tether_channels(sim) if self.truth else []
-        for source in self.sources:
-            found += self._vehicles(source, self._standard_of(source, sim))
         return found
 
     def _vehicles(self, source: Source, channels: list[Channel]) -> list[Channel]:
@@ -150,29 +143,17 @@ class Table:
             for channel in over_link(source, channels)
         ]
 
-    def _standard_of(self, source: Source, sim: Simulator) -> list[Channel]:
-        found = frames.vehicle_channels(source, self.tf, truth=self.truth) + estimate_channels(source, self.tf)
-        found.append(telemetry_channel(source, truth=self.truth))
-        found += force_channels(source, sim) + tether_channels(source, sim) if self.truth else []
-        found += [wet_triangles_channel(source)] if self.truth else []
-        found += plain_link_channels(source, sim)
-        found += sensor_channels(source, sim)
-        found += vehicle_cameras(source, sim, self.pictures)
-        found += imaging_channels(source, sim, self.pictures)
-        found += command_channels(source, sim, self.steering[source.name])
-        found += twin_channels(source, sim, self.steering[source.name], per_thruster=self._thruster_topics)
-        found.append(description_channel(source))
-        if source.name in self.pings:
-            found += scan_channels(source, self.pings[source.name])
-            found += water_column_channels(self.pings[source.name], sim)
-            found += self.maps[source.name].channels()
-        return found
+    def _given(self, source: Source, sim: Simulator) -> dict[str, Any]:
+        """Return what the families of a vehicle may ask for, see `registered.GIVEN`."""
+        return {
+            "source": source, "sim": sim, "truth": self.truth, "tf": self.tf, "per_thruster": self._thruster_topics,
+            "pings": self.pings.get(source.name), "maps": self.maps, "pictures": self.pictures,
+            "steering": self.steering[source.name],
+        }  # fmt: skip
 
     def _services(self, sim: Simulator) -> list[Service]:
         found = simulation_services() + parameter_services() + ([push_service()] if sim.objects else [])
         found += [stream_service(f"camera/{name}", name, self.pictures) for name in sim.cameras]
-        for source in self.sources:
-            found += vehicle_services(source, sim, self.pictures, self.maps, self.steering[source.name])
         return found
 
 

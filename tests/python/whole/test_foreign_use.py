@@ -15,6 +15,7 @@ from typing import Literal
 
 from uwsim.base.options import Options, option
 from uwsim.bridges.plug import BridgePlug
+from uwsim.channels import Channel, Service
 from uwsim.scenario.spec.fault import FaultModel
 from uwsim.scenario.spec.sensor_kind import DerivedKind
 
@@ -40,6 +41,15 @@ class Plug(BridgePlug[Asked]):
         raising()
         yield
 
+def topics(source):
+    raising()
+
+def unread(source):
+    return [Channel("lost", "std_msgs/msg/String", "out", "", rate_hz=1.0, read=raising)]
+
+def clashing(source):
+    return [Service("release", "std_srvs/srv/Trigger", raising)]
+
 def command():
     raising()
 
@@ -53,6 +63,10 @@ lost = lost_package:SENSOR
 lost = lost_package:Fault
 [uwsim.bridges]
 lost = lost_package:Plug
+[uwsim.channels]
+lost = lost_package:topics
+unread = lost_package:unread
+clashing = lost_package:clashing
 [uwsim.cli]
 lost = lost_package:command
 mistaken = lost_package:mistaken
@@ -73,7 +87,12 @@ USES = {
         "sensor.yaml",
     ): "uwsim.kinds.sensor: 'lost' of others (lost_package:SENSOR): measure",
 }
-FINE = (("mistaken",), ("run", "mission.py", "--scenario", "pool", "--report", "none"))
+FINE = (("mistaken",), ("run", "mission.py", "--scenario", "pool", "--report", "none", "--record", "lost.mcap"))
+WARNED = (
+    "uwsim.channels: 'lost' of others (lost_package:topics): cannot be used: LookupError: lost",
+    "uwsim.channels: 'unread' of others (lost_package:unread): read of lost: LookupError: lost",
+    "'clashing' of others (lost_package:clashing): cannot be used: ValueError: 'release': the name is taken",
+)
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +110,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, ...], s
     placed: list[list[str | Path]] = []
     for words in commands:
         out = ["--out", work / f"out{len(placed)}"] if words[0] == "run" else []
-        placed.append([*(work / each if each in texts else each for each in words), *out])
+        placed.append([*(work / each if "." in each else each for each in words), *out])
     return dict(zip(commands, uwsim_in_another_process(*placed, env=with_plugins(folder)), strict=True))
 
 
@@ -105,4 +124,4 @@ def test_an_error_names_package_entry_and_call(words: tuple[str, ...], results) 
 def test_what_does_not_ask_for_it_works(results) -> None:
     mistaken, flown = (results[words] for words in FINE)
     assert (mistaken.returncode, mistaken.stderr) == (1, "uwsim: error: a mistake of the user\n")
-    assert flown.returncode == 0, flown.stderr
+    assert flown.returncode == 0 and all(line in flown.stderr for line in WARNED), flown.stderr

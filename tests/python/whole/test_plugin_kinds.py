@@ -191,6 +191,7 @@ import json, pickle, sys
 import numpy as np
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from uwsim import Batch, Simulator
 from uwsim.channels import Table
 from uwsim.instruments.sonars import imaging
@@ -250,6 +251,9 @@ sim.restore_state(state)
 sim.advance(2.0)
 repeated = light.read()
 (channel,) = [each for each in table.channels if each.type.endswith("Illuminance")]
+(topic,) = [each for each in table.channels if each.name == "to_station"]
+(service,) = [each for each in table.services if each.name == "where"]
+live = SimpleNamespace(read=lambda act: SimpleNamespace(result=lambda: act(sim)))
 batch = Batch(sys.argv[1], n=1)
 batch.step(round(2.0 / sim.step_s))
 member_light = batch.aboard(0).vehicles["rov"].sensors["light"].read()
@@ -261,6 +265,7 @@ measured = {
     "drag": drag, "unit": light.unit, "first": first, "later": [later, repeated, light.read()],
     "stream": [rows.stamps_ns.tolist(), rows.readings[:, 0].tolist()],
     "true": light.read(noise=False), "depth": -rov.pose.position_world_m[2], "type": channel.type,
+    "wire": [topic.type, topic.read(sim).data, service.call(live, {})],
     "illuminance": channel.read(sim).illuminance, "refused": refusal(lambda: batch.read("light")), "same": same,
 }
 print(json.dumps({"world": world, "sonar": seen, "light": measured, "page": fault_kinds()}))
@@ -300,6 +305,12 @@ def test_the_fault_multiplies_the_drag_and_the_sensor_measures_the_light(found: 
     assert light["type"] == "sensor_msgs/msg/Illuminance" and light["illuminance"] == pytest.approx(120.0 * biased)
 
 
+def test_the_topic_and_the_service_are_of_the_vehicle(found: dict[str, Any]) -> None:
+    kind, distance_m, answer = found["light"]["wire"]
+    assert kind == "std_msgs/msg/Float64" and 0.0 < distance_m < 100.0
+    assert answer["success"] and answer["message"].startswith("[")
+
+
 def test_the_goal_is_judged_and_the_planner_flies(ran: Ran) -> None:
     assert "10.0 of 10  Turn round" in ran["exercise"].stdout, ran["exercise"]
     assert ran["compare"].returncode == 0 and "square" in ran["compare"].stdout, ran["compare"]
@@ -322,7 +333,7 @@ def test_formats_of_clouds_and_grids_are_in_help_written_read_and_refused(ran: R
 
 def test_a_recording_with_the_packages_kinds_repeats_to_the_byte(ran: Ran, folder: Path) -> None:
     assert ran["run"].returncode == 0, ran["run"]
-    assert "light" in ran["recording"].stdout
+    assert "light" in ran["recording"].stdout and "to_station" in ran["recording"].stdout
     assert ran["replay"].returncode == 0 and "the same bytes" in ran["replay"].stdout, ran["replay"]
     lines = uwsim("replay", folder / "sink.mcap").stderr.splitlines()  # without the package
     assert [line.partition(" = ")[2].partition(":")[0] for line in lines] == UNKNOWN, lines

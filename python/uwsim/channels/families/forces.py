@@ -32,9 +32,9 @@ COLOURS = {
 }  # fmt: skip
 
 
-def force_channels(source: Source, sim: Simulator) -> list[Channel]:
+def force_channels(source: Source, sim: Simulator, *, truth: bool) -> list[Channel]:
     """Return a vehicle's channels of forces; none with Bullet's engine, which has no such terms."""
-    if sim.scenario.dynamics.engine != "uwsim":
+    if not truth or sim.scenario.dynamics.engine != "uwsim":
         return []
     frame_id, on_request = source.frame("base_link"), Delivery(on_request=True)
     return [

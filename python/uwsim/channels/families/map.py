@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -211,6 +211,11 @@ class PingMap:
                 f"there is no map yet: no server has begun to offer '{self._source.topic('octomap_binary')}'"
             )
         return self._map
+
+
+def map_channels(source: Source, maps: Mapping[str, PingMap]) -> list[Channel]:
+    """Return the channels of a vehicle's map, if it has a multibeam."""
+    return maps[source.name].channels() if source.name in maps else []
 
 
 def empty_map(scenario: Scenario) -> OccupancyMap:

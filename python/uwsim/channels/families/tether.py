@@ -20,9 +20,9 @@ FIELDS = (
 )
 
 
-def tether_channels(source: Source, sim: Simulator) -> list[Channel]:
+def tether_channels(source: Source, sim: Simulator, *, truth: bool) -> list[Channel]:
     """Return the channels of a vehicle's tether; none without one."""
-    return _channels(source.topic, source.name, sim)
+    return _channels(source.topic, source.name, sim) if truth else []
 
 
 def object_tether_channels(sim: Simulator) -> list[Channel]:

@@ -21,15 +21,16 @@ SHADES = 16
 """Colours between the smallest and the largest pressure."""
 
 
-def wet_triangles_channel(source: Source) -> Channel:
+def wet_triangles_channels(source: Source, *, truth: bool) -> list[Channel]:
     """Return a vehicle's channel of wet triangles, which are computed only while it is subscribed to."""
     frame_id = source.frame("base_link")
-    return Channel(
+    found = Channel(
         source.topic("wet_triangles"), MARKER, "out",
         "the triangles of the hull that are under water; the darker, the higher the pressure",
         rate_hz=RATE_HZ, frame_id=frame_id, delivery=Delivery(on_request=True),
         read=lambda sim: _marker(source, sim, frame_id),
     )  # fmt: skip
+    return [found] if truth else []
 
 
 def _marker(source: Source, sim: Simulator, frame_id: str) -> Any:
