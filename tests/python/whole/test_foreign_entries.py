@@ -29,6 +29,7 @@ LISTING = {  # a command that goes over all entries of a group; the first one ma
     "uwsim.kinds.cloud_file": "map convert flown/map.bt cloud.xyz",
     **{f"uwsim.kinds.{part}": f"scenario schema {part}" for part in
        ("fault", "imaging_sonar", "obstacle", "cover", "life", "terrain", "sensor")},
+    "uwsim.kinds.material": "scenario schema obstacle",
     "uwsim.kinds.goal": "scenario schema exercise",
 }  # fmt: skip
 NAMED = {  # a command that uses one entry of a group

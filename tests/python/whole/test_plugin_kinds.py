@@ -24,9 +24,10 @@ faults:
 obstacles:
   - {kind: pyramid, name: cairn, position_m: [20, 5, 0], on_bed: true, width_m: 2, height_m: 3}
 cover:
-  - {kind: cone, name: cones, density_per_m2: 0.01, size_m: [0.2, 0.3], depth_m: [22, 30]}
+  - {kind: cone, name: cones, density_per_m2: 0.01, size_m: [0.2, 0.3], depth_m: [22, 30], material: maerl}
+ground: {bed: maerl}
 """
-UNKNOWN = ["'slope'", "'pyramid'", "'cone'", "'light'", "'clipped'", "'kelp'"]
+UNKNOWN = ["'slope'", "'pyramid'", "'cone'", "'light'", "'clipped'", "'kelp'", "'maerl'", "'maerl'"]
 SONAR = "eye: {kind: clipped, position_m: [0.2, 0, 0], margin_db: 20, beams: 64, range_bins: 200}"
 LIGHT = "light: {kind: light, rate_hz: 2, latency_s: 0.1, attenuation_1_m: 0.2, noise: {std: 1.5, turn_on_std: 0.5}}"
 
@@ -169,6 +170,7 @@ MISTAKES = [  # in the scenario, or in its vehicle's file
     ("kind: kelp", "kind: kel", "'current', 'tether', 'kelp'; did you mean 'kelp'?"),
     ("0.2, noise", "-1, noise", "attenuation_1_m = -1 1/m: must be in [0, 10] 1/m"),
     ("margin_db: 20", "margin_db: 70", "margin_db = 70 dB: must be in [0, 60]"),
+    ("bed: maerl", "bed: mael", "ground.bed = 'mael': must be one of plain, sand, gravel, mud,"),
     ("margin_db: 20", "margin: 20", "unknown key; did you mean 'margin_db'?"),
     ("turn_on_std", "walk", "noise.walk = 0.5: must be 0 for 'light'"),
 ]
@@ -216,6 +218,8 @@ world = {
     "above": sim.scene.distance_m([[20.0, 5.0, -10.0]]).tolist(),
     "same": [each == scenario for each in (again, pickle.loads(pickle.dumps(scenario)))],
     "labels": sim.label_names,
+    "sound": scenario.ground.backscatter.fluid,
+    "look": [scenario.cover[0].material.looks, scenario.cover[0].material.albedo],
     "cones": len(sim.around().scene.cover_in([-30, -30], [30, 30])[0]),
     "fingerprints": [scenario_fingerprint(scenario), scenario_fingerprint(again)],
 }
@@ -279,6 +283,7 @@ def test_the_terrain_and_the_obstacle_are_in_the_world_and_in_files(found: dict[
     # It stands on the northern edge of its base, at y = 6.
     assert world["above"] == pytest.approx([10 - 6 * rise - 3], abs=1e-4)
     assert world["labels"][3] == "cones" and 2 < world["cones"] < 40
+    assert world["sound"] == [2.492, 1.337, 0.01705] and world["look"] == ["gravel", [0.45, 0.2, 0.2]]
     assert all(world["same"]) and len(set(world["fingerprints"])) == 1
 
 

@@ -18,7 +18,7 @@ from uwsim.scenario.read.textures import Texture, load_texture
 from uwsim.scenario.spec.arm import Link
 from uwsim.scenario.spec.bubble_plume import BUBBLES
 from uwsim.scenario.spec.loose_body import LooseBody
-from uwsim.scenario.spec.material import Material
+from uwsim.scenario.spec.material import Material, material_kind
 from uwsim.scenario.spec.obstacle import ObstacleModel
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.station import Station
@@ -29,7 +29,7 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
     """Return a scene of the world with its materials, vehicles, loose bodies and tethers. Raises ScenarioError."""
     scene = _core.CameraScene(world, rays, scenario.seed)
     ground = scenario.ground
-    scene.set_ground(ground.bed, ground.steep, ground.land)
+    scene.set_ground(*(material_kind(name).looks for name in (ground.bed, ground.steep, ground.land)))
     if scenario.detail == "fine":
         scene.show_detail()
     if ground.ripples_deg is not None:
@@ -46,18 +46,18 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
     for vehicle in scenario.vehicles:
         material, (vertices, triangles) = vehicle.model.material, vehicle_hull(vehicle.model)
         texture = _hull_texture(vehicle.model, len(triangles))
-        scene.add_vehicle(vehicle.name, vertices, triangles, material.kind, material.colour, *texture or ())
+        scene.add_vehicle(vehicle.name, vertices, triangles, material.looks, material.albedo, *texture or ())
     for body in scenario.objects:
         shape, mesh = body.shape, object_mesh(scenario, body)
         image, corners, normals = _body_texture(body, len(mesh[1])) or (None, None, None)
         scene.add_vehicle(
-            body.name, *mesh, shape.material.kind, shape.material.colour, surface_class=shape.surface_class,
+            body.name, *mesh, shape.material.looks, shape.material.albedo, surface_class=shape.surface_class,
             texture_image=image, texture_corners=corners, texture_normals=normals,
         )  # fmt: skip
     for animals in scenario.life or ():
-        scene.add_school(animals.material.kind, animals.surface_class, animals.material.colour)
+        scene.add_school(animals.material.looks, animals.surface_class, animals.material.albedo)
     for _ in plume_names(scenario):
-        scene.add_school(BUBBLES.kind, "bubbles", BUBBLES.colour)
+        scene.add_school(BUBBLES.looks, "bubbles", BUBBLES.colour)
     for carrier, link in all_shaped_links(scenario):
         _add_link(scene, carrier, link)
     for name, spec in tether_specs(scenario).items():
@@ -72,7 +72,7 @@ def _add_link(scene: _core.CameraScene, carrier: str, link: Link) -> None:
     mesh, material, texture = link_mesh(link), link.shape.material, link.shape.texture()
     if texture is not None and len(texture.corners) != len(mesh[1]):  # closing the mesh changed its triangles
         texture = None
-    scene.add_vehicle(f"{carrier} {link.shape.name}", *mesh, material.kind, material.colour, *texture or ())
+    scene.add_vehicle(f"{carrier} {link.shape.name}", *mesh, material.looks, material.albedo, *texture or ())
 
 
 def _hull_texture(model: VehicleModel, triangles: int) -> Texture | None:
@@ -104,5 +104,5 @@ def _set_appearance(
     scene: _core.CameraScene, label: int, kind: str, material: Material, texture: Texture | None
 ) -> None:
     """Set the material of a solid; a texture overrides its colour."""
-    colour = None if texture is not None else material.colour
-    scene.set_appearance(label, material.kind, kind, colour, *texture or ())
+    colour = None if texture is not None else material.albedo
+    scene.set_appearance(label, material.looks, kind, colour, *texture or ())

@@ -128,12 +128,13 @@ class OneOf:
     names: Sequence[str]
 
     def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_after_validator_function(self._check, handler(source))
+        return core_schema.no_info_after_validator_function(self.check, handler(source))
 
     def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         return {"enum": list(self.names)}
 
-    def _check(self, value: str) -> str:
+    def check(self, value: str) -> str:
+        """Return the text. Raises an error of validation unless it is one of the names."""
         if value not in self.names:
             raise broken(f"must be one of {', '.join(self.names)}{did_you_mean(value, self.names)}")
         return value

@@ -12,8 +12,8 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 from pydantic_core.core_schema import ValidationInfo
 
-from uwsim.base.sockets import load_all
-from uwsim.scenario.spec.fields import Model
+from uwsim.base.sockets import Adapt, EntryError, load, load_all, registered
+from uwsim.scenario.spec.fields import Model, OneOf, broken
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,28 @@ class Kinds:
             return value
         own = isinstance(value, Mapping) and value.get(self.key) in list(self.models(own=True))
         return _union(self, own=own).validate_python(value, context=info.context)
+
+
+@dataclass(frozen=True)
+class KindName:
+    """A type annotation: the name of an object that is registered in a group. adapt: see `uwsim.base.sockets`."""
+
+    group: str
+    adapt: Adapt
+
+    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_after_validator_function(self._check, handler(source))
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        return {"enum": list(load_all(self.group, self.adapt))}
+
+    def _check(self, name: str) -> str:
+        OneOf(tuple(registered(self.group))).check(name)
+        try:
+            load(self.group, name, self.adapt)
+        except EntryError as error:
+            raise broken(str(error)) from error
+        return name
 
 
 @cache

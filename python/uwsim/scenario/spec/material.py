@@ -1,14 +1,21 @@
-"""Surface materials: how they reflect light and scatter sound."""
+"""Surface materials: how they reflect light and scatter sound.
+
+Kinds are registered in the entry point group `uwsim.kinds.material`; docs/inside/extend.md adds one.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Annotated, Any
 
 from pydantic import BeforeValidator, model_validator
 
 from uwsim import _core
+from uwsim.base.sockets import load
 from uwsim.scenario.spec.camera import Colour
 from uwsim.scenario.spec.fields import InRange, Model, OneOf, broken
+from uwsim.scenario.spec.kinds import KindName
 
 SEABEDS = _core.seabeds()
 SeabedName = Annotated[str, OneOf(tuple(SEABEDS))]
@@ -58,7 +65,38 @@ BACKSCATTER = {
 TETHER = BACKSCATTER["leaf"]
 """A cable's jacket, soft and about as dense as water; assumed."""
 
-MaterialName = Annotated[str, OneOf(tuple(_core.material_names()))]
+GROUP = "uwsim.kinds.material"
+
+
+@dataclass(frozen=True)
+class MaterialKind:
+    """A kind of material: how it scatters sound, and which of _core.material_names() it looks like.
+
+    colour: its albedo, red, green and blue, except as the terrain's, which has that of what it looks like, the default.
+    """
+
+    backscatter: Backscatter
+    looks: str
+    colour: tuple[float, float, float] | None = None
+
+
+OWN = SimpleNamespace(**{name: MaterialKind(own, name) for name, own in BACKSCATTER.items()})
+
+
+def _fitting(name: str, found: Any) -> MaterialKind:
+    if not isinstance(found, MaterialKind):
+        raise TypeError(f"{type(found).__name__}: must be a MaterialKind")
+    if found.looks not in _core.material_names():
+        raise ValueError(f"looks = '{found.looks}': must be one of {', '.join(_core.material_names())}")
+    return found
+
+
+def material_kind(name: str) -> MaterialKind:
+    """Return the kind that is registered under a name. Raises ValueError."""
+    return load(GROUP, name, _fitting)  # type: ignore[no-any-return]
+
+
+MaterialName = Annotated[str, KindName(GROUP, _fitting)]
 
 
 class Material(Model):
@@ -77,7 +115,17 @@ class Material(Model):
     @property
     def backscatter(self) -> Backscatter:
         """The backscatter of the surface."""
-        return _with_own(BACKSCATTER[self.kind], self)
+        return _with_own(material_kind(self.kind).backscatter, self)
+
+    @property
+    def looks(self) -> str:
+        """The core's material that it looks like."""
+        return material_kind(self.kind).looks
+
+    @property
+    def albedo(self) -> Colour | None:
+        """Its colour, or its kind's, if that has one."""
+        return self.colour or material_kind(self.kind).colour
 
 
 def _named(value: object) -> object:
@@ -129,7 +177,7 @@ class Ground(Model):
     @property
     def backscatter(self) -> Backscatter:
         """The backscatter of the terrain."""
-        found = _with_own(BACKSCATTER[self.bed], self)
+        found = _with_own(material_kind(self.bed).backscatter, self)
         return found if self.ripples_deg is None else found.model_copy(update={"ripples_deg": self.ripples_deg})
 
 
