@@ -17,6 +17,7 @@ FOLDERS = ("flown", "compared")
 FLIGHT = "survey pool --time-limit 1 --report none --out flown --record flown.mcap --record-topic scan"
 LISTING = {  # a command that goes over all entries of a group; the first one makes a map
     **dict.fromkeys(("uwsim.attachments", "uwsim.channels"), FLIGHT),
+    "uwsim.assets": "scenario check unknown",
     "uwsim.cli": "--help",
     "uwsim.cli.map": "map --help",
     "uwsim.cli.scenario": "scenario check pool",

@@ -201,6 +201,7 @@ from uwsim.operator.station.services.fault_kinds import fault_kinds
 from uwsim.scenario import load
 from uwsim.scenario.dump import write_scenario
 from uwsim.scenario.fingerprint import scenario_fingerprint
+from uwsim.scenario.spec.modem import load_modem
 
 def refusal(call):
     try:
@@ -219,6 +220,7 @@ world = {
     "same": [each == scenario for each in (again, pickle.loads(pickle.dumps(scenario)))],
     "labels": sim.label_names,
     "sound": scenario.ground.backscatter.fluid,
+    "modem": load_modem("blue_light").bit_rate_bit_s,
     "look": [scenario.cover[0].material.looks, scenario.cover[0].material.albedo],
     "cones": len(sim.around().scene.cover_in([-30, -30], [30, 30])[0]),
     "fingerprints": [scenario_fingerprint(scenario), scenario_fingerprint(again)],
@@ -283,6 +285,7 @@ def test_the_terrain_and_the_obstacle_are_in_the_world_and_in_files(found: dict[
     # It stands on the northern edge of its base, at y = 6.
     assert world["above"] == pytest.approx([10 - 6 * rise - 3], abs=1e-4)
     assert world["labels"][3] == "cones" and 2 < world["cones"] < 40
+    assert world["modem"] == 500_000
     assert world["sound"] == [2.492, 1.337, 0.01705] and world["look"] == ["gravel", [0.45, 0.2, 0.2]]
     assert all(world["same"]) and len(set(world["fingerprints"])) == 1
 

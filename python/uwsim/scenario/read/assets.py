@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.sockets import load_all
 from uwsim.scenario.read.errors import ScenarioError
 
+GROUP = "uwsim.assets"
+"""Functions that return a package's folder of assets."""
 YAML_SUFFIXES = (".yaml", ".yml")
 
 
@@ -23,20 +27,41 @@ def assets_folder() -> Path:
     raise ScenarioError(f"uwsim's own assets are missing (looked in {_listed(candidates)}): install uwsim again")
 
 
+def packaged(kind: str, *, own: bool = False) -> dict[str, Path]:
+    """Return the files that can be loaded without a path by name, uwsim's first. own: only those.
+
+    kind: a folder in the assets, such as "scenarios".
+    """
+    found: dict[str, Path] = {}
+    for folder in load_all(GROUP, _folder, own=own).values():
+        for path in sorted((folder / kind).glob("*.yaml")):
+            found.setdefault(path.stem, path)
+    return found
+
+
+def _folder(name: str, found: Any) -> Path:
+    folder = found()
+    if not (isinstance(folder, Path) and folder.is_dir()):
+        raise TypeError(f"{folder}: must be an existing folder, as a Path")
+    return folder
+
+
 def packaged_names(kind: str) -> list[str]:
-    """Return the names that can be loaded without a path. kind: a folder in the assets, such as "scenarios"."""
-    return sorted(path.stem for path in (assets_folder() / kind).glob("*.yaml"))
+    """Return the names that can be loaded without a path."""
+    return list(packaged(kind))
 
 
 def find_yaml(source: str | Path, kind: str) -> Path:
     """Return the YAML file for a packaged name or a path. Raises a ScenarioError that lists the known names."""
     text = str(source)
-    names = packaged_names(kind)
-    if isinstance(source, str) and text in names:
-        return assets_folder() / kind / f"{text}.yaml"
+    if isinstance(source, str) and text in (own := packaged(kind, own=True)):
+        return own[text]
     path = Path(source).expanduser()
     if path.is_file():
         return path
+    names = packaged(kind)
+    if isinstance(source, str) and text in names:
+        return names[text]
     if path.is_dir():
         raise ScenarioError(
             f"{text}: is a folder, expected a YAML file or one of the packaged {kind}: {_listed(names)}"
