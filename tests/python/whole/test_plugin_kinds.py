@@ -27,7 +27,7 @@ cover:
   - {kind: cone, name: cones, density_per_m2: 0.01, size_m: [0.2, 0.3], depth_m: [22, 30], material: maerl}
 ground: {bed: maerl}
 """
-UNKNOWN = ["'slope'", "'pyramid'", "'cone'", "'light'", "'clipped'", "'kelp'", "'maerl'", "'maerl'"]
+UNKNOWN = ["'slope'", "'maerl'", "'pyramid'", "'cone'", "'light'", "'clipped'", "'kelp'"]
 SONAR = "eye: {kind: clipped, position_m: [0.2, 0, 0], margin_db: 20, beams: 64, range_bins: 200}"
 LIGHT = "light: {kind: light, rate_hz: 2, latency_s: 0.1, attenuation_1_m: 0.2, noise: {std: 1.5, turn_on_std: 0.5}}"
 
@@ -286,7 +286,7 @@ def test_the_terrain_and_the_obstacle_are_in_the_world_and_in_files(found: dict[
     assert world["above"] == pytest.approx([10 - 6 * rise - 3], abs=1e-4)
     assert world["labels"][3] == "cones" and 2 < world["cones"] < 40
     assert world["modem"] == 500_000
-    assert world["sound"] == [2.492, 1.337, 0.01705] and world["look"] == ["gravel", [0.45, 0.2, 0.2]]
+    assert world["sound"][:2] == [2.492, 1.337] and world["look"] == ["gravel", [0.45, 0.2, 0.2]]
     assert all(world["same"]) and len(set(world["fingerprints"])) == 1
 
 

@@ -32,7 +32,8 @@ def items_of(given: Mapping[str, Any], taken: set[str]) -> list[Channel | Servic
         entry, arguments = registered(GROUP)[name], {each: given[each] for each in asked}
         try:
             made = [one] if isinstance(one := family(**arguments), Channel) else one
-            found += made if entry.is_own else _checked(name, made, taken | SHARED | {each.name for each in found})
+            known = taken | SHARED | {each.name for each in found}
+            found += made if entry.is_own else _checked(name, made, given["source"].prefix, known)
         except Exception as error:  # a stranger's function may raise anything
             if entry.is_own:
                 raise
@@ -50,14 +51,16 @@ def _family(name: str, found: Any) -> tuple[Callable[..., Any], tuple[str, ...]]
     return found, asked
 
 
-def _checked(entry: str, items: Any, taken: set[str]) -> list[Channel | Service]:
+def _checked(entry: str, items: Any, prefix: str, taken: set[str]) -> list[Channel | Service]:
     """Return the items of another package, whose errors name its entry. Raises ValueError or TypeError."""
     found: list[Channel | Service] = []
     for item in items:
         if not isinstance(item, Channel | Service):
             raise TypeError(f"{type(item).__name__}: must be a Channel or a Service")
-        if item.name in taken or not item.name or checked_namespace(item.name) != item.name:
-            raise ValueError(f"'{item.name}': the name is taken, or no name")
+        if item.name in taken:
+            raise ValueError(f"'{item.name}': the name is taken")
+        if not item.name.startswith(prefix) or item.name != (checked_namespace(item.name) or None):
+            raise ValueError(f"'{item.name}': must be a name of the vehicle's, see Source.topic")
         taken.add(item.name)
         if isinstance(item, Service):
             if item.type not in SERVICE_TYPES:
