@@ -46,16 +46,16 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
     for vehicle in scenario.vehicles:
         material, (vertices, triangles) = vehicle.model.material, vehicle_hull(vehicle.model)
         texture = _hull_texture(vehicle.model, len(triangles))
-        scene.add_vehicle(vehicle.name, vertices, triangles, material.looks, material.albedo, *texture or ())
+        scene.add_vehicle(vehicle.name, vertices, triangles, material.looks, material.colour, *texture or ())
     for body in scenario.objects:
         shape, mesh = body.shape, object_mesh(scenario, body)
         image, corners, normals = _body_texture(body, len(mesh[1])) or (None, None, None)
         scene.add_vehicle(
-            body.name, *mesh, shape.material.looks, shape.material.albedo, surface_class=shape.surface_class,
+            body.name, *mesh, shape.material.looks, shape.material.colour, surface_class=shape.surface_class,
             texture_image=image, texture_corners=corners, texture_normals=normals,
         )  # fmt: skip
     for animals in scenario.life or ():
-        scene.add_school(animals.material.looks, animals.surface_class, animals.material.albedo)
+        scene.add_school(animals.material.looks, animals.surface_class, animals.material.colour)
     for _ in plume_names(scenario):
         scene.add_school(BUBBLES.looks, "bubbles", BUBBLES.colour)
     for carrier, link in all_shaped_links(scenario):
@@ -72,7 +72,7 @@ def _add_link(scene: _core.CameraScene, carrier: str, link: Link) -> None:
     mesh, material, texture = link_mesh(link), link.shape.material, link.shape.texture()
     if texture is not None and len(texture.corners) != len(mesh[1]):  # closing the mesh changed its triangles
         texture = None
-    scene.add_vehicle(f"{carrier} {link.shape.name}", *mesh, material.looks, material.albedo, *texture or ())
+    scene.add_vehicle(f"{carrier} {link.shape.name}", *mesh, material.looks, material.colour, *texture or ())
 
 
 def _hull_texture(model: VehicleModel, triangles: int) -> Texture | None:
@@ -104,5 +104,5 @@ def _set_appearance(
     scene: _core.CameraScene, label: int, kind: str, material: Material, texture: Texture | None
 ) -> None:
     """Set the material of a solid; a texture overrides its colour."""
-    colour = None if texture is not None else material.albedo
+    colour = None if texture is not None else material.colour
     scene.set_appearance(label, material.looks, kind, colour, *texture or ())

@@ -37,6 +37,6 @@ def add_cover(world: _core.World, layer: CoverModel) -> None:
 def set_cover_appearance(scene: _core.CameraScene, label: int, layer: CoverModel) -> None:
     """Set material, class and texture of a layer."""
     texture = layer.texture()
-    colour = None if texture is not None else layer.material.albedo
+    colour = None if texture is not None else layer.material.colour
     kind = layer.surface_class or layer.kind
     scene.set_cover_appearance(label, layer.material.looks, kind, colour, *texture or ())

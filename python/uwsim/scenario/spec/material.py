@@ -70,14 +70,10 @@ GROUP = "uwsim.kinds.material"
 
 @dataclass(frozen=True)
 class MaterialKind:
-    """A kind of material: how it scatters sound, and which of _core.material_names() it looks like.
-
-    colour: its albedo, red, green and blue, except as the terrain's, which has that of what it looks like, the default.
-    """
+    """A kind of material: how it scatters sound, and which of _core.material_names() it looks like."""
 
     backscatter: Backscatter
     looks: str
-    colour: tuple[float, float, float] | None = None
 
 
 OWN = SimpleNamespace(**{name: MaterialKind(own, name) for name, own in BACKSCATTER.items()})
@@ -121,11 +117,6 @@ class Material(Model):
     def looks(self) -> str:
         """The core's material that it looks like."""
         return material_kind(self.kind).looks
-
-    @property
-    def albedo(self) -> Colour | None:
-        """Its colour, or its kind's, if that has one."""
-        return self.colour or material_kind(self.kind).colour
 
 
 def _named(value: object) -> object:

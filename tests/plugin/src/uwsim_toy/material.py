@@ -4,6 +4,4 @@ from __future__ import annotations
 
 from uwsim.scenario.spec.material import SEABEDS, Backscatter, MaterialKind
 
-MAERL = MaterialKind(
-    Backscatter(strength_db=-28.0, relief=0.12, fluid=SEABEDS["sandy_gravel"]), looks="gravel", colour=(0.45, 0.2, 0.2)
-)
+MAERL = MaterialKind(Backscatter(strength_db=-28.0, relief=0.12, fluid=SEABEDS["sandy_gravel"]), looks="gravel")
