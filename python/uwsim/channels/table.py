@@ -94,7 +94,8 @@ class Table:
         self.channels += self._standard(sim) if self.has_standard else []
         self.services: list[Service] = self._services(sim)
         for source in self.sources:
-            items = items_of(self._given(source, sim), {each.name for each in (*self.channels, *self.services)})
+            taken = {each.name for each in self.channels} | {each.name for each in self.services}
+            items = items_of(self._given(source, sim), taken)
             self.services += [each for each in items if isinstance(each, Service)]
             if self.has_standard:
                 self.channels += self._vehicles(source, [each for each in items if isinstance(each, Channel)])
