@@ -66,11 +66,22 @@ def test_a_command_is_listed_explained_completed_and_run(
     assert uwsim_process(env=with_plugins(plugins) | completing).stdout.split() == ["toy"]
 
 
+RULES = {
+    "none": ("NoPlug", "must be a class derived from BridgePlug"),
+    "mine": ("OfAnother", "switch = 'other': must be 'mine'"),
+    "odd": ("Odd", "option speed: its name must"),
+}
+
+
 def test_a_broken_or_clashing_package_costs_a_line_of_warning(plugins: Path, tmp_path: Path) -> None:
-    broken = add_package(
-        tmp_path, "bad_one", "uwsim.cli", "gone = no_such_module:run", "survey = json:loads", "noise = math:pi"
+    entries = ("gone = no_such_module:run", "survey = json:loads", "noise = math:pi")
+    add_package(tmp_path, "bad_one", "uwsim.cli", *entries)
+    (tmp_path / "misfit.py").write_text(MISFITS)
+    bridges = [f"{name} = misfit:{each}" for name, (each, _) in RULES.items()]
+    add_package(tmp_path, "misfit", "uwsim.bridges", *bridges)
+    listed, toy, refused, shown = uwsim_in_another_process(
+        ["--help"], ["toy"], ["gone"], ["serve", "--help"], env=with_plugins(plugins, tmp_path)
     )
-    listed, toy, refused = uwsim_in_another_process(["--help"], ["toy"], ["gone"], env=with_plugins(plugins, broken))
     assert listed.returncode == 0
     assert listed.stderr.splitlines() == [
         "uwsim: warning: uwsim.cli: 'survey' of bad-one: the name is taken by uwsim",
@@ -84,6 +95,12 @@ def test_a_broken_or_clashing_package_costs_a_line_of_warning(plugins: Path, tmp
     assert refused.returncode == 1
     assert "'gone' of bad-one (no_such_module:run): cannot be used" in refused.stderr.splitlines()[-1]
     assert "Traceback" not in refused.stderr
+
+    assert "--ros2" in shown.stdout
+    for line, (name, (each, rule)) in zip(sorted(shown.stderr.splitlines()), sorted(RULES.items()), strict=True):
+        start = f"uwsim: warning: uwsim.bridges: '{name}' of misfit (misfit:{each}): cannot be used: "
+        assert line.startswith(start) and rule in line
+        assert f"--{name}" not in shown.stdout
 
 
 def test_a_package_is_imported_only_by_its_own_command(tmp_path: Path) -> None:
@@ -127,23 +144,3 @@ def test_its_bridge_sends_what_is_served_and_what_is_played(plugins: Path, tmp_p
         assert first["channel"] == "clock" and 0 <= first["time_ns"] < second["time_ns"]
         played = ["replay", str(tmp_path / "run.mcap"), "--as-topics", "--port", "0", "--toy", toy, "--speed", "100"]
         assert f"toy at {toy}" in uwsim_process(*played, env=environment).stdout
-
-
-def test_bridges_that_do_not_fit_are_left_out_with_a_warning(tmp_path: Path) -> None:
-    (tmp_path / "misfit.py").write_text(MISFITS)
-    rules = {
-        "none": ("NoPlug", "must be a class derived from BridgePlug"),
-        "mine": ("OfAnother", "switch = 'other': must be 'mine'"),
-        "odd": ("Odd", "option speed: its name must"),
-    }
-    entries = [f"{name} = misfit:{each}" for name, (each, _) in rules.items()]
-    shown = uwsim_process(
-        "serve", "--help", env=with_plugins(add_package(tmp_path, "misfit", "uwsim.bridges", *entries))
-    )
-    assert "--ros2" in shown.stdout
-    lines = sorted(shown.stderr.splitlines())
-    assert len(lines) == len(rules)
-    for line, (name, (each, rule)) in zip(lines, sorted(rules.items()), strict=True):
-        start = f"uwsim: warning: uwsim.bridges: '{name}' of misfit (misfit:{each}): cannot be used: "
-        assert line.startswith(start) and rule in line
-        assert f"--{name}" not in shown.stdout

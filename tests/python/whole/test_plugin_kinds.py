@@ -74,8 +74,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def ran(plugins: Path, folder: Path) -> Ran:
-    """The results of COMMANDS and of the check of all MISTAKES, in one process in which the package is installed."""
+def ran(plugins: Path, folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Ran:
+    """The results of COMMANDS and of the check of all MISTAKES, in one process in which package and MISFITS are."""
     whole, rov = SCENARIO, (folder / "toy_rov.yaml").read_text()
     for k, (old, new, _) in enumerate(MISTAKES):
         (folder / f"rov_{k}.yaml").write_text(rov.replace(old, new, 1))
@@ -83,7 +83,11 @@ def ran(plugins: Path, folder: Path) -> Ran:
     wrong = " ".join(f"{{}}/wrong_{k}.yaml" for k in range(len(MISTAKES)))
     commands = COMMANDS | {"check": f"scenario check {{}}/toy.yaml {wrong}"}
     words = [text.replace("{}", str(folder)).split() for text in commands.values()]
-    return dict(zip(commands, uwsim_in_another_process(*words, env=with_plugins(plugins)), strict=True))
+    (misfits := tmp_path_factory.mktemp("misfits") / "misfit.py").write_text(MISFITS)
+    for part, (name, _) in RULES.items():
+        add_package(misfits.parent, f"misfit_{part}", f"uwsim.kinds.{part}", f"mine = misfit:{name}")
+    env = with_plugins(plugins, misfits.parent)
+    return dict(zip(commands, uwsim_in_another_process(*words, env=env), strict=True))
 
 
 @pytest.fixture(scope="module")
@@ -140,21 +144,18 @@ SONAR = ImagingKind(Sonar, print)
 """
 
 
-def test_kinds_that_do_not_fit_are_left_out_with_a_warning(tmp_path: Path) -> None:
-    (tmp_path / "misfit.py").write_text(MISFITS)
-    rules = {
-        "obstacle": ("Obstacle", "must have the fields material"),
-        "terrain": ("Terrain", 'must have the field `source: Literal["mine"]`'),
-        "imaging_sonar": ("SONAR", "Sonar.plain: must be made by uwsim.scenario.spec.imaging_kind.figure"),
-    }
-    for part, (name, _) in rules.items():
-        add_package(tmp_path, f"misfit_{part}", f"uwsim.kinds.{part}", f"mine = misfit:{name}")
-    schemas = [["scenario", "schema", part] for part in rules]
-    shown = uwsim_in_another_process(*schemas, env=with_plugins(tmp_path))
-    assert all(each.returncode == 0 and "mine" not in each.stdout for each in shown)
-    lines = {line for each in shown for line in each.stderr.splitlines()}
-    assert len(lines) == len(rules), lines
-    for part, (name, rule) in rules.items():
+RULES = {
+    "obstacle": ("Obstacle", "must have the fields material"),
+    "terrain": ("Terrain", 'must have the field `source: Literal["mine"]`'),
+    "imaging_sonar": ("SONAR", "Sonar.plain: must be made by uwsim.scenario.spec.imaging_kind.figure"),
+}
+
+
+def test_kinds_that_do_not_fit_are_left_out_with_a_warning(ran: Ran) -> None:
+    assert all('"mine"' not in ran[f"schema {part}"].stdout for part in RULES)
+    lines = [line for each in ran.values() for line in each.stderr.splitlines() if " of misfit-" in line]
+    assert len(lines) == len(RULES), lines
+    for part, (name, rule) in RULES.items():
         start = f"uwsim: warning: uwsim.kinds.{part}: 'mine' of misfit-{part.replace('_', '-')} (misfit:{name}): "
         assert [line.startswith(f"{start}cannot be used: ") for line in lines if rule in line] == [True]
 
