@@ -1,12 +1,14 @@
 """A broken package costs a warning that names it: whatever its group, every command works as without it."""
 
+import os
 import subprocess
 import tomllib
 from pathlib import Path
+from unittest import mock
 
 import pytest
 
-from command_line import uwsim_in_another_process
+from command_line import uwsim, uwsim_in_another_process
 from docs_pages import ROOT
 from plugin_package import with_plugins
 
@@ -79,7 +81,9 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, Results]
         placed = [
             [str(work / each) if "." in each or each in FOLDERS else each for each in words] for words in commands
         ]
-        done = uwsim_in_another_process(*placed, env=with_plugins(*folders))
+        env = with_plugins(*folders)
+        with mock.patch.dict(os.environ, env):
+            done = uwsim_in_another_process(*placed, env=env) if folders else [uwsim(*words) for words in placed]
         return {words: _relative(each, work) for words, each in zip(commands, done, strict=True)}
 
     return run(commands), run([*commands, *of_one], folder)
