@@ -38,19 +38,14 @@ def check_file(source: str | Path) -> CheckReport:
         document = read_yaml(path, shown_name(path))
     except ScenarioError as error:
         return CheckReport(str(source), error.mistakes)
-    with caught_warnings() as issued:
-        mistakes = _mistakes(document, path.resolve().parent)
-    if mistakes:
-        return CheckReport(document.name, mistakes)
     found = checked(lambda: load(source))
-    sim = found.simulator
-    mistakes = found.mistakes if sim is None else (*_fault_mistakes(sim), *found.mistakes)
-    if mistakes or sim is None:
+    if (sim := found.simulator) is None:
+        with caught_warnings():
+            return CheckReport(document.name, _mistakes(document, path.resolve().parent) or found.mistakes)
+    if mistakes := (*_fault_mistakes(sim), *found.mistakes):
         return CheckReport(document.name, mistakes, paste=_remedy(sim))
     scene = measured_scene(sim)
-    notes = [str(each.message) for each in issued if issubclass(each.category, UserWarning)]
-    notes = [*dict.fromkeys([*notes, *found.warnings]), *surprises(sim, scene)]
-    return CheckReport(document.name, (), tuple(notes), scene, sim)
+    return CheckReport(document.name, (), (*found.warnings, *surprises(sim, scene)), scene, sim)
 
 
 def _fault_mistakes(sim: Simulator) -> tuple[str, ...]:
@@ -69,10 +64,10 @@ def _fault_mistakes(sim: Simulator) -> tuple[str, ...]:
     return tuple(found.mistakes)
 
 
-def _remedy(sim: Simulator | None) -> str:
+def _remedy(sim: Simulator) -> str:
     """Return YAML that gives the vehicle what it lacks to fly the scenario's survey, "" if it lacks nothing."""
-    missing = {} if sim is None or sim.scenario.survey is None else missing_for_survey(sim)
-    return remedy(sim, missing) if sim is not None and missing else ""
+    missing = {} if sim.scenario.survey is None else missing_for_survey(sim)
+    return remedy(sim, missing) if missing else ""
 
 
 def _mistakes(document: YamlDocument, folder: Path) -> tuple[str, ...]:
