@@ -125,7 +125,7 @@ def test_eight_threads_share_a_simulator_and_a_map() -> None:
         lambda: occupancy.to_bytes("bt"),
     )
     with threads_that_repeat(*calls) as raised:
-        time.sleep(1.0)
+        time.sleep(0.3)
     assert raised == []
     assert sim.tick == sum(steps) > 0
 
