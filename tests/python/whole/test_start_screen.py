@@ -5,18 +5,22 @@ All combinations are flown under `tools/test --all`.
 
 import gc
 from collections.abc import Iterator
+from functools import cache
 from itertools import combinations, product
 from typing import Any, get_args
 
 import pytest
 
+from uwsim import _core
 from uwsim.channels.served import served_table
 from uwsim.channels.table import Wire
 from uwsim.link import Carrier
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.start.choice import catalog, chosen
+from uwsim.scenario import Scenario, load, load_vehicle
 from uwsim.scenario.build import world
 from uwsim.scenario.build.terrain import Terrain
+from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.spec.terrain import TerrainModel
 from uwsim.simulator.simulator import Simulator
 
@@ -32,16 +36,28 @@ CHOICES: dict[str, list[Any]] = {
 
 @pytest.fixture(autouse=True, scope="module")
 def built_once() -> Iterator[None]:
-    """Build each terrain once, however often its scenario is flown: most of the time would go to rasters."""
-    build, last = world.build_terrain, dict[str, Any](spec=None)
+    """Build each world once, however often its scenario is flown: vehicles must fit into it, nothing else is chosen."""
+    build, last = world.build_terrain, dict[str, Any](spec=None, name=None)
 
-    def once(spec: TerrainModel) -> Terrain:
+    def terrain_once(spec: TerrainModel) -> Terrain:
         if last["spec"] != spec:
             last.update(spec=spec, terrain=build(spec))
         return last["terrain"]
 
+    def world_once(scenario: Scenario) -> _core.World:
+        if last["name"] != scenario.name:
+            last.update(world=world.build_world(scenario), name=scenario.name)
+        found, terrain = Collected(), terrain_once(scenario.terrain)
+        world._require_inside(scenario, terrain.window(scenario.terrain.window_m), found)
+        world._require_free_starts(last["world"], terrain, scenario, found)
+        found.raise_any()
+        return last["world"]
+
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(world, "build_terrain", once)
+        patch.setattr(world, "build_terrain", terrain_once)
+        patch.setattr("uwsim.simulator.simulator.build_world", world_once)
+        for read in (load, load_vehicle):
+            patch.setattr(f"uwsim.operator.station.start.choice.{read.__name__}", cache(read))
         yield
 
 

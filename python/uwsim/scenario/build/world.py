@@ -69,14 +69,7 @@ def build_world(scenario: Scenario) -> _core.World:
     for index, animals in enumerate(scenario.life or ()):
         with found.noted(), errors_at("life", index):
             add_life(world, terrain, animals)
-    for index, vehicle in enumerate(scenario.vehicles):
-        with found.noted(), vehicle_errors_at(scenario, index):
-            require_fits(vehicle.model.name, _hull(vehicle), terrain, vehicle.model.mesh_scale)
-        point_m, _ = start_pose(scenario, vehicle)
-        if (name := world.solid_around(point_m)) is not None:
-            with found.noted(), errors_at("vehicles", index, *(("start", "position_m") if vehicle.start else ())):
-                at = ", ".join(f"{x:g}" for x in point_m)
-                raise ScenarioError(f"vehicle '{vehicle.name}' starts at ({at}) m: must be outside '{name}'")
+    _require_free_starts(world, terrain, scenario, found)
     for index, body in enumerate(scenario.objects):
         with found.noted(), errors_at("objects", index):
             _require_free(world, terrain, body)
@@ -86,6 +79,19 @@ def build_world(scenario: Scenario) -> _core.World:
         add_plumes(world, terrain, scenario)
     found.raise_any()
     return world
+
+
+def _require_free_starts(world: _core.World, terrain: Terrain, scenario: Scenario, found: Collected) -> None:
+    """Note the vehicles that do not fit into a world whose solids are complete, or that start in one of them."""
+    errors_at = scenario.source_file.errors_at
+    for index, vehicle in enumerate(scenario.vehicles):
+        with found.noted(), vehicle_errors_at(scenario, index):
+            require_fits(vehicle.model.name, _hull(vehicle), terrain, vehicle.model.mesh_scale)
+        point_m, _ = start_pose(scenario, vehicle)
+        if (name := world.solid_around(point_m)) is not None:
+            with found.noted(), errors_at("vehicles", index, *(("start", "position_m") if vehicle.start else ())):
+                at = ", ".join(f"{x:g}" for x in point_m)
+                raise ScenarioError(f"vehicle '{vehicle.name}' starts at ({at}) m: must be outside '{name}'")
 
 
 def _require_free(world: _core.World, terrain: Terrain, body: LooseBody) -> None:

@@ -62,7 +62,8 @@ def with_choice(scenario: Scenario, values: Values, errors: dict[str, str]) -> S
         "link": lambda: {"modem": _link(values.get("link"))},
     }
     for field, read in changes.items():
-        scenario = _try(errors, field, lambda: scenario.with_changes(**read())) or scenario  # noqa: B023
+        if values.get(field) is not None:
+            scenario = _try(errors, field, lambda: scenario.with_changes(**read())) or scenario  # noqa: B023
     return scenario
 
 
