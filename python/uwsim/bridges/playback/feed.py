@@ -6,10 +6,12 @@ import logging
 import threading
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from typing import Any
 
-from uwsim.bridges.playback.map import PlayedMap
 from uwsim.channels import Channel, Delivery
 from uwsim.channels.delivery.feed import Reading, Sink
+from uwsim.channels.families.map_changes import MapChanges, Part
+from uwsim.channels.ros import build
 from uwsim.channels.ros.own_types import MAP_CHANGES
 from uwsim.recording.commands import COMMANDS
 from uwsim.recording.mcap_sink import is_latched
@@ -30,6 +32,29 @@ def channels_of(recording: Recording) -> list[Channel]:
                 Channel(info.name, info.type, "out", description, rate_hz=info.rate_hz, delivery=Delivery(latched))
             )
     return found
+
+
+class PlayedMap:
+    """The occupied voxels of a map as played so far. The map starts over when the recorded time jumps back."""
+
+    def __init__(self) -> None:
+        self._changes = MapChanges()
+        self._header: Any = None
+        self._time_ns = -1
+
+    def apply(self, reading: Reading) -> None:
+        """Apply the next message."""
+        message = reading.message
+        if reading.time_ns < self._time_ns:
+            self._changes.forget(message.resolution)
+        self._time_ns, self._header = reading.time_ns, message.header
+        self._changes.apply(Part(*(getattr(message, name) for name in Part._fields)))
+
+    def catch_up(self, cursor: Any) -> tuple[Any, Any]:
+        """Return one message with all changes since a cursor (None: since the beginning), and the next cursor."""
+        part, following = self._changes.since(cursor)
+        header = {} if self._header is None else {"header": self._header}
+        return build.message(MAP_CHANGES, **header, **part._asdict()), following
 
 
 class PlayedFeed:

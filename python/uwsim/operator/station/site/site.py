@@ -25,8 +25,7 @@ from uwsim.operator.station.site.answers import (
     page_file,
     with_policy,
 )
-from uwsim.operator.station.site.downloads import cloud, depth_tiff, map_file, sheet_file
-from uwsim.operator.station.site.replay_files import ghost_json, hull_glb, track_json
+from uwsim.operator.station.site.files import cloud, depth_tiff, ghost_json, hull_glb, map_file, sheet_file, track_json
 from uwsim.operator.station.site.token_page import token_page
 from uwsim.operator.station.station import Station
 
