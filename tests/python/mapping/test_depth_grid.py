@@ -107,8 +107,9 @@ def test_gdal_reads_the_s_102_that_we_write(tmp_path):
             rows, columns = np.nonzero(~depth.mask)
             east, north = rasterio.transform.xy(file.transform, rows, columns)
         longitude, latitude = rasterio.warp.transform("EPSG:32610", "EPSG:4326", list(east), list(north))
-        there = np.array([place.world_m(b, a, 0.0) for a, b in zip(longitude, latitude, strict=True)])
-        apart_m = np.abs(depth.compressed() - (20.0 + 0.1 * there[:, 0] + 0.05 * there[:, 1]))
+        some = slice(None, None, 7)  # of every column and row
+        there = np.array([place.world_m(b, a, 0.0) for a, b in zip(longitude[some], latitude[some], strict=True)])
+        apart_m = np.abs(depth.compressed()[some] - (20.0 + 0.1 * there[:, 0] + 0.05 * there[:, 1]))
         assert apart_m.max() < (1e-3 if place is utm else 0.25 * 0.15 + 1e-3)
         assert len(rows) == pytest.approx(np.isfinite(grid.depth_m).sum(), rel=0.005)
     write_s102(tmp_path / "b.h5", grid, own)
