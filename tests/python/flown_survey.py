@@ -28,7 +28,8 @@ vehicles:
     model: rov
     start: station
     sonar: {model: 2, tilt_deg: 90SONAR}
-survey: {area_m: [[-3, -2], [0, -2], [0, 1], [-3, 1]], altitude_m: 5, line_spacing_m: 6, speed_m_s: 0.5, tilt_deg: 90}
+survey: {area_m: [[-3, -2], [0, -2], [0, 1], [-3, 1]], altitude_m: 5, line_spacing_m: 6, speed_m_s: 0.5, tilt_deg: 90,
+         ping_rate_hz: 4}
 """
 
 
@@ -42,7 +43,7 @@ class Flown:
         self.folder, self.scenario = folder, folder / "scenario.yaml"
         self.scenario.write_text(POOL.replace("SONAR", sonar))
         self.raw, self.recording = folder / raw, folder / "survey.mcap"
-        options = {"report": "none", **options}
+        options = {"report": "none", "record_topic": ("tf_static",), **options}  # all would take most of the time
         self.record = run_survey(self.scenario, folder / "out", raw=self.raw, record=self.recording, **options)
 
     @cached_property

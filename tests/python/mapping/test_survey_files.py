@@ -92,7 +92,7 @@ def by_leidos(path: Path, every: int) -> tuple[np.ndarray, np.ndarray, dict[int,
 
 
 def test_leidos_library_reads_the_survey_and_it_grids_to_our_own_bed(bent):
-    stated, again, kinds = by_leidos(bent.gsf, every=25)
+    stated, again, kinds = by_leidos(bent.gsf, every=10)
     assert kinds[2] == kinds[12] == len(bent.record.path_world_m)
     apart_m = grids_apart_m(bent.own_soundings, stated)
     assert len(apart_m) > 100
