@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -35,23 +35,29 @@ class Program:
 
 
 class Programs:
-    """The process that has the imports, and those that are forked from it."""
+    """The process that has the imports, and those that are forked from it. It starts with the first of them."""
 
     def __init__(self) -> None:
+        self._process: subprocess.Popen[str] | None = None
+
+    def _start(self) -> subprocess.Popen[str]:
         self._socket, theirs = socket.socketpair(type=socket.SOCK_SEQPACKET)
         with theirs:
             command = [sys.executable, __file__, str(theirs.fileno())]
             # Pipes, as the programs have: Python's files remember whether they can be seeked.
             pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-            self._process = subprocess.Popen(command, pass_fds=[theirs.fileno()], text=True, **pipes)
+            return subprocess.Popen(command, pass_fds=[theirs.fileno()], text=True, **pipes)
 
     def close(self) -> None:
         """End it and those that still run."""
-        self._socket.close()
-        self._process.communicate(timeout=PATIENCE_S)
+        if self._process is not None:
+            self._socket.close()
+            self._process.communicate(timeout=PATIENCE_S)
+            self._process = None
 
     def ask(self, request: Any, *files: int) -> int:
         """Send a request with open files; return the answer, a number."""
+        self._process = self._process or self._start()
         socket.send_fds(self._socket, [json.dumps(request).encode()], list(files))
         answer = self._socket.recv(64)
         assert answer, self._process.communicate()[1]
@@ -78,10 +84,6 @@ class Programs:
                 program.end()
 
 
-@contextmanager
-def programs() -> Iterator[Programs]:
-    with closing(Programs()) as made:
-        yield made
 
 
 def next_program(requests: socket.socket) -> list[str]:
@@ -128,10 +130,17 @@ def ended_status(pid: int) -> int:
 
 if __name__ == "__main__":
     sys.path.pop(0)  # this folder, which is not on a user's path
+    import uwsim.bridges.nodes.processes
     import uwsim.bridges.rosbridge
     import uwsim.cli.program
-    import uwsim.live  # noqa: F401
+    import uwsim.live
+    import uwsim.operator.station  # noqa: F401
+    from uwsim.channels.ros.message_types import ros1_typestore, typestore
     from uwsim.cli import main
+    from uwsim.scenario import load
+
+    for once in (typestore, ros1_typestore, lambda: load("pool")):  # which takes each process half a second
+        once()
 
     sys.argv = ["uwsim", *next_program(socket.socket(fileno=int(sys.argv[1])))]
     main()

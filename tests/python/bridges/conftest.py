@@ -17,10 +17,19 @@ if TYPE_CHECKING:
     from uwsim.bridges.rosbridge.graph import Graph
 
 
-@pytest.fixture(scope="module")
-def programs() -> Iterator[forked_programs.Programs]:
-    with forked_programs.programs() as made:
-        yield made
+PROGRAMS = forked_programs.Programs()
+
+
+@pytest.fixture(scope="session")
+def programs() -> forked_programs.Programs:
+    return PROGRAMS
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> None:
+    """End the shared process with the last test of this folder, to which its processor time belongs."""
+    if nextitem is None or nextitem.path.parent != item.path.parent:
+        PROGRAMS.close()
 
 
 @pytest.fixture(scope="module")

@@ -25,8 +25,8 @@ from uwsim.mapping import OccupancyMap
 from uwsim.simulator.simulator import Simulator
 from waiting import until
 
-PINGS = 60  # a short survey: two lanes, each with a turn
-LANE = 30
+PINGS = 44  # a short survey: two lanes, each with a turn
+LANE = 22
 
 
 def interval_steps(sim):
