@@ -67,7 +67,7 @@ def test_rays_meet_the_growth_outside_the_bare_surface() -> None:
 
 
 def test_a_vehicle_rests_on_the_growth() -> None:
-    table = {"kind": "box", "name": "table", "position_m": [0, 0, -8], "size_m": [4, 4, 1]}
+    table = {"kind": "box", "name": "table", "position_m": [0, 0, -8], "size_m": [1, 1, 1]}
     shape = {"kind": "sphere", "name": "ball", "position_m": [0, 0, -6.9], "radius_m": 0.3}
     ball = {"shape": shape, "density_kg_m3": 3000}
     heights = []
