@@ -6,7 +6,14 @@ import pkgutil
 import pytest
 
 import uwsim.examples
-from uwsim.examples import m04_into_the_unknown, m09_two_vehicles, m10_digital_twin
+from uwsim.examples import (
+    m04_into_the_unknown,
+    m09_two_vehicles,
+    m10_digital_twin,
+    m13_boat_and_rov,
+    m14_glider,
+    m15_launch_and_recovery,
+)
 from uwsim.missions.planners import pipeline
 
 LESS = [
@@ -21,6 +28,9 @@ LESS = [
         },
     ),
     (m10_digital_twin, "AREA_M", [[-9, -18], [0, -18], [0, -10], [-9, -10]]),
+    (m13_boat_and_rov, "ROUND_M", m13_boat_and_rov.ROUND_M[:2]),
+    (m14_glider, "DIVES", 1),
+    (m15_launch_and_recovery, "SITE_M", m15_launch_and_recovery.SITE_M[:2]),
 ]
 
 

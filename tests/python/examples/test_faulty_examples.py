@@ -22,6 +22,7 @@ from uwsim.examples import (
     m12_learned_policy,
 )
 from uwsim.live import LiveSimulator
+from uwsim.missions.planners import pipeline
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.build.station import exit_position
 from uwsim.scenario.read.assets import assets_folder
@@ -111,7 +112,8 @@ def test_unknown_water_is_mown_with_weak_thrust_and_a_current():
     assert flown.result.flown_m2 > 150.0
 
 
-def test_the_pipeline_is_inspected_without_a_dvl_in_a_current():
+def test_the_pipeline_is_inspected_without_a_dvl_in_a_current(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(pipeline, "LOOK_PIXELS", 80)
     sim = Simulator(scenario_of("cove", NO_DVL, CURRENT), seed=3)
     flown = uwsim.fly(m05_pipeline_inspection.mission, sim)
     assert not flown.ended_early and flown.collisions == 0 and began(sim) == ["current", "sensor"]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import uwsim
+from uwsim.missions.planners import pipeline
 from uwsim.missions.planners.pipe_track import PipeTrack, crossings
 from uwsim.missions.planners.pipe_view import SeenPipe, pipe_in_picture, pixels_of
 from uwsim.missions.planners.pipeline import follow_pipeline
@@ -38,8 +39,10 @@ BLIND, DARK = {"kind": "sonar"}, {"kind": "camera", "camera": "down"}
     ids=["camera", "both, then camera", "sonar"],
 )
 def test_a_pipeline_is_followed_to_its_end_by_sonar_and_camera_and_by_either_alone(
-    begin_m, heading_rad, end, fault, least_m
+    begin_m, heading_rad, end, fault, least_m, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(pipeline, "LOOK_PIXELS", 160)
+
     def mission(vehicle):
         vehicle.undock()
         return (yield from follow_pipeline(vehicle, begin_m, heading_rad))
