@@ -31,7 +31,7 @@ def test_a_survey_writes_a_map_and_a_report_and_its_exit_code_says_that_it_is_in
     tmp_path: Path,
 ) -> None:
     out = tmp_path / "out"
-    words = ("survey", "pool", "--out", str(out), "--seed", "5", "--sonar-model", "1", "--mission-time", "20")
+    words = ("survey", "pool", "--out", str(out), "--seed", "5", "--sonar-model", "1", "--mission-time", "10")
     result = uwsim(*words)
     assert result.returncode == INCOMPLETE, result.stderr
     assert "the survey is incomplete: coverage is" in result.stderr
