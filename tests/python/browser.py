@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from unittest.mock import patch
 
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Error, Frame, Page, sync_playwright
 
 from uwsim.base.axes import AXES
 from uwsim.bridges import RosbridgeServer
@@ -28,8 +29,7 @@ def chromium() -> Iterator[Browser]:
     assert CHROMIUM.exists(), "run tools/setup --dev"
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=[SOFTWARE_GL])
-        with patch.object(server, "PONG_S", 10 * WAIT_S):  # a browser may stand still for longer than the usual limit
-            yield browser
+        yield browser
         browser.close()
 
 
@@ -41,17 +41,22 @@ class Desk:
         self.station = station
         self.url = server.url.replace("ws", "http", 1)
         self.complaints: list[str] = []
-        self.requests: list[str] = []
+        self.contexts: list[BrowserContext] = []
 
-    def open(self, path: str = "/", **options: object) -> Page:
-        """Open a page in a new browser context, which shares nothing with other pages, as for a separate user."""
+    def open(self, path: str = "/", requests: list[str] | None = None, **options: object) -> Page:
+        """Open a page in a new browser context, which shares nothing with other pages, as for a separate user.
+
+        requests: gets the addresses of all requests.
+        """
         context = self.browser.new_context(**{"viewport": {"width": 1280, "height": 800}, **options})  # type: ignore[arg-type]
+        self.contexts.append(context)
         context.set_default_timeout(1000 * WAIT_S)
         page = context.new_page()
         page.on("console", lambda message: message.type == "error" and self.complaints.append(message.text))
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
-        page.on("request", lambda request: self.requests.append(request.url))
-        page.on("websocket", lambda socket: self.requests.append(socket.url))
+        if requests is not None:
+            page.on("request", lambda request: requests.append(request.url))
+            page.on("websocket", lambda socket: requests.append(socket.url))
         page.goto(self.url + path)
         return page
 
@@ -62,14 +67,27 @@ class Desk:
         network, in which it releases all keys.
         """
         page = self.open(**options)
+        self.settle(page, is_patient)
+        return page
+
+    def settle(self, page: Page, is_patient: bool = True) -> None:
+        """Return when a page shows the running simulator, which has a pilot."""
         page.wait_for_selector("#station:not([hidden])")
         if is_patient:
             page.evaluate(
                 "() => void setInterval(() => { station.station.bridge.receivedMs = performance.now(); }, 100)"
             )
-        when(page, "station.telemetry.message")
-        when(page, "station.station.state.pilot")
-        return page
+        when(page, "station.telemetry.message && station.station.state.pilot")
+
+    def give(self, giver: Page, taker: Page) -> None:
+        """Hand the controls over from one page to another."""
+        giver.evaluate("id => station.station.handOver(id)", taker.evaluate("station.station.id"))
+        when(taker, "station.station.isPilot")
+
+    def regain(self, page: Page) -> None:
+        """Return when a page has the controls, which the last pilot's page has lost."""
+        again = "station.station.isPilot || station.station.takeControl().then(() => false, () => false)"
+        when(page, f"await ({again})")
 
     def leave(self, *pages: Page) -> None:
         """Give the controls up and close pages, so that the next one takes control."""
@@ -88,6 +106,19 @@ class Desk:
 
 
 @contextmanager
+def _serving(browser: Browser, station: Station) -> Iterator[Desk]:
+    with (
+        patch.object(server, "PONG_S", 10 * WAIT_S),  # a browser may stand still for longer than the usual limit
+        RosbridgeServer(None, guests=[station], site=Site(station)) as serving,
+        station.serving(serving.show),
+    ):
+        here = Desk(browser, station, serving)
+        yield here
+        for context in here.contexts:
+            context.close()
+
+
+@contextmanager
 def desk(
     browser: Browser, folder: Path, scenario: str = "", keep_flights: Bounds | None = None, **choice: object
 ) -> Iterator[Desk]:
@@ -95,38 +126,46 @@ def desk(
 
     keep_flights: of `Station`. choice: further arguments of `Station.start`.
     """
-    station = Station(offered=scenario or "pool", folder=folder, keep_flights=keep_flights)
-    with RosbridgeServer(None, guests=[station], site=Site(station)) as serving, station.serving(serving.show):
+    with _serving(browser, Station(offered=scenario or "pool", folder=folder, keep_flights=keep_flights)) as here:
         if scenario:
-            station.start({"scenario": scenario, "seed": 7, **choice})
-        here = Desk(browser, station, serving)
+            here.station.start({"scenario": scenario, "seed": 7, **choice})
         yield here
-        for context in list(browser.contexts):
-            context.close()
 
 
 @contextmanager
 def exercise_desk(browser: Browser, folder: Path, exercise: Exercise, **options: object) -> Iterator[Desk]:
     """Serve a station at which an exercise is flown. options: further arguments of `Station`."""
     station = Station(is_fixed=True, truth=False, folder=folder, **options)  # type: ignore[arg-type]
-    with RosbridgeServer(None, guests=[station], site=Site(station)) as serving, station.serving(serving.show):
+    with _serving(browser, station) as here:
         station.run_exercise(exercise)
-        yield Desk(browser, station, serving)
-        for context in list(browser.contexts):
-            context.close()
+        yield here
 
 
 def shows(page: Page, selector: str, text: str) -> None:
     """Wait until an element of a page contains a text: it may follow from a later message than one just received."""
-    until(lambda: text in page.inner_text(selector), f"{text!r} in {selector}")
+    when(page, f"document.querySelector({json.dumps(selector)})?.innerText.includes({json.dumps(text)})")
 
 
-def when(page: Page, expression: str) -> None:
+WAIT = """async () => {
+  for (const end = Date.now() + %d; Date.now() < end; await new Promise((done) => setTimeout(done, 20)))
+    if (%s) return true;
+  return false;
+}"""
+
+
+def when(page: Page | Frame, expression: str) -> None:
     """Wait until a JavaScript expression is true in a page. (Playwright's own wait needs eval, which pages forbid.)"""
-    until(lambda: page.evaluate(f"Boolean({expression})"), expression)
+    is_true = None
+    while is_true is None:
+        try:
+            is_true = page.evaluate(WAIT % (1000 * WAIT_S, expression))
+        except Error as error:  # while the page is loaded again
+            if "context was destroyed" not in error.message:
+                raise
+    assert is_true, f"{expression} did not happen in {WAIT_S:g} s"
 
 
-JUDGE = """async () => {
+JUDGE = """async (part) => {
   const options = {
     runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'],
     checks: { 'color-contrast': { options: { ignoreUnicode: false, ignoreLength: true } } },
@@ -140,7 +179,7 @@ JUDGE = """async () => {
     element.style.pointerEvents = '';
     return Boolean(hit) && (element.contains(hit) || hit.contains(element));
   };
-  const found = await axe.run(options);
+  const found = await axe.run(part, options);
   const wrong = listed(found.violations);
   for (const { target } of listed(found.incomplete).filter(isOpen)) {
     const element = document.querySelector(target[0]);
@@ -152,13 +191,13 @@ JUDGE = """async () => {
 }"""
 
 
-def judge(page: Page, what: str) -> None:
+def judge(page: Page, what: str, part: str = "html") -> None:
     """Run axe to find accessibility problems for users with a screen reader, a keyboard or low vision.
 
-    A contrast that axe leaves open, also where the text has been scrolled into view, counts as wrong, too, unless
-    another element covers the text. Signs and single letters are computed like words.
+    part: selector of what is judged. A contrast that axe leaves open, also where the text has been scrolled into view,
+    counts as wrong, too, unless another element covers the text. Signs and single letters are computed like words.
     """
     if not page.evaluate("Boolean(globalThis.axe)"):
         page.evaluate(AXE.read_text())
-    wrong = page.evaluate(JUDGE)
+    wrong = page.evaluate(JUDGE, part)
     assert not wrong, f"{what}: {wrong}"

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def browser():
+    """One Chromium for the whole folder."""
     from browser import chromium  # here, since not all tests of the folder need playwright
 
     with chromium() as found:

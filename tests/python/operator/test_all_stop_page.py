@@ -55,40 +55,7 @@ CONTRASTS = """([themes, states]) => {
 }"""
 
 
-def test_all_stop_and_each_button_can_be_read_in_every_theme_size_and_state(here):
-    seen = set()
-
-    def measure(page, *where) -> None:
-        measured = page.evaluate(CONTRASTS, [THEMES, STATES])
-        for found in measured["found"]:
-            case = (measured["pressed"], found["theme"], found["state"], *where)
-            contrasts = dict(found["contrasts"])
-            assert found["isOnTop"] and "all-stop" in contrasts, case
-            assert min(contrasts.values()) >= CONTRAST_MIN, (case, contrasts)
-            seen.add(case)
-
-    for sizes, is_touch in ((POINTER, False), (TOUCH, True)):
-        page = here.fly(has_touch=is_touch, is_mobile=is_touch)
-        when(page, f"station.station.isPilot && matchMedia('(pointer: coarse)').matches === {json.dumps(is_touch)}")
-        page.evaluate(FORCE, STATES)
-        for is_set in (False, True):
-            if is_set:
-                page.keyboard.press("x")
-                page.wait_for_selector("#all-stop[aria-pressed=true]")
-            for width, height in sizes:
-                page.set_viewport_size({"width": width, "height": height})
-                measure(page, is_touch, width, "folded")
-                if page.is_visible("#unfold"):
-                    page.click("#unfold")
-                    measure(page, is_touch, width, "unfolded")
-                    page.click("#unfold")
-        page.evaluate("station.station.allStop('rov', false)")
-        until(lambda: not here.rov.all_stopped, "the release of all stop")
-        here.leave(page)
-    assert len(seen) == 2 * len(STATES) * len(THEMES) * (4 + 6)
-
-
-def test_x_stops_what_another_client_drives_until_the_pilot_releases_it(here, tmp_path):
+def test_x_stops_what_another_client_drives_until_the_pilot_releases_it(here):
     with connect(here.url.replace("http", "ws", 1)) as other:
         other.send(json.dumps({"op": "publish", "topic": "/key", "msg": AHEAD}))
         until(lambda: here.effort("surge") == 1.0, "the other client's effort")
@@ -105,7 +72,6 @@ def test_x_stops_what_another_client_drives_until_the_pilot_releases_it(here, tm
         shows(page, "#stopped", "nothing moves the vehicle")
         assert page.is_hidden("#failsafe")
         judge(page, "all stop")
-        page.screenshot(path=tmp_path / "stopped.png")
 
         other.send(json.dumps({"op": "publish", "topic": "/key", "msg": AHEAD}))
         while (status := json.loads(other.recv(timeout=60)))["op"] != "status":
@@ -126,10 +92,8 @@ def test_x_stops_what_another_client_drives_until_the_pilot_releases_it(here, tm
         here.leave(page)
 
 
-def test_a_watcher_may_stop_and_not_release_even_while_a_dialog_is_open_and_a_lost_stop_is_sent_again(here):
-    pilot = here.fly()
-    when(pilot, "station.station.isPilot")
-    watcher = here.fly()
+def test_a_watcher_may_stop_and_not_release_even_while_a_dialog_is_open_and_a_lost_stop_is_sent_again(here, page):
+    pilot, watcher = page, here.fly()
     pilot.keyboard.down("w")
     until(lambda: here.effort("surge") == 0.5, "the pilot's effort")
     watcher.keyboard.press("?")
@@ -140,6 +104,7 @@ def test_a_watcher_may_stop_and_not_release_even_while_a_dialog_is_open_and_a_lo
     assert watcher.evaluate("station.station.allStop('rov', false)")["success"] is False
     assert here.rov.all_stopped
     when(pilot, "!station.pilot.isHeld")
+    pilot.keyboard.up("w")
     pilot.click("#end-stop")
     until(lambda: not here.rov.all_stopped, "the release of all stop")
     watcher.keyboard.press("Escape")
@@ -158,4 +123,38 @@ def test_a_watcher_may_stop_and_not_release_even_while_a_dialog_is_open_and_a_lo
         }"""
     )
     assert watcher.evaluate("window.asked") == ["/station/all_stop", True]
-    here.leave(watcher, pilot)
+    watcher.context.close()
+
+
+def test_all_stop_and_each_button_can_be_read_in_every_theme_size_and_state(here, page):
+    seen = set()
+
+    def measure(page, *where) -> None:
+        measured = page.evaluate(CONTRASTS, [THEMES, STATES])
+        for found in measured["found"]:
+            case = (measured["pressed"], found["theme"], found["state"], *where)
+            contrasts = dict(found["contrasts"])
+            assert found["isOnTop"] and "all-stop" in contrasts, case
+            assert min(contrasts.values()) >= CONTRAST_MIN, (case, contrasts)
+            seen.add(case)
+
+    touched = here.fly(has_touch=True, is_mobile=True)
+    for look, sizes, is_touch in ((page, POINTER, False), (touched, TOUCH, True)):
+        when(look, f"station.station.isPilot && matchMedia('(pointer: coarse)').matches === {json.dumps(is_touch)}")
+        look.evaluate(FORCE, STATES)
+        for is_set in (False, True):
+            if is_set:
+                look.keyboard.press("x")
+                look.wait_for_selector("#all-stop[aria-pressed=true]")
+            for width, height in sizes:
+                look.set_viewport_size({"width": width, "height": height})
+                measure(look, is_touch, width, "folded")
+                if look.is_visible("#unfold"):
+                    look.click("#unfold")
+                    measure(look, is_touch, width, "unfolded")
+                    look.click("#unfold")
+        look.evaluate("station.station.allStop('rov', false)")
+        until(lambda: not here.rov.all_stopped, "the release of all stop")
+        if look is page:
+            here.give(page, touched)
+    assert len(seen) == 2 * len(STATES) * len(THEMES) * (4 + 6)

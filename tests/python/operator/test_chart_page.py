@@ -1,7 +1,6 @@
 """The chart in a real browser: waypoints drawn, measured, saved as a mission's file, flown, and taken over by hand."""
 
 import runpy
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,7 +24,7 @@ def click(page, place):
     page.mouse.click(box["x"] + x, box["y"] + y)
 
 
-def test_a_plan_is_drawn_saved_and_flown(here, page, tmp_path: Path):
+def test_a_plan_is_drawn_saved_and_flown(here, page):
     page.click("text=Measure")
     click(page, DRAWN[0])
     click(page, DRAWN[1])
@@ -49,12 +48,10 @@ def test_a_plan_is_drawn_saved_and_flown(here, page, tmp_path: Path):
     when(page, "station.chart.state?.reached === 1")
     page.wait_for_timeout(300)
     judge(page, "chart")
-    page.screenshot(path=tmp_path / "chart.png")
     when(page, "station.chart.state?.is_flying === false")
     shows(page, ".view.is-large .scene-note", "all waypoints are reached")
     position = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
     assert np.linalg.norm(position - drawn[-1]) < 1.0  # by its own estimate
-    page.screenshot(path=tmp_path / "flown.png")
     flown = uwsim.fly(path, "pool", report="none")
     assert [event.name for event in flown.events].count("waypoint") == 3 and not flown.ended_early
     assert np.linalg.norm(flown.samples["rov"].path_world_m[-1] - drawn[-1]) < 0.6

@@ -1,7 +1,5 @@
 """The scene editor in a real browser: by mouse and by keys, saved, started, and put into a paused simulator."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -17,6 +15,18 @@ def chart_pixel(page, place):
     return box["x"] + x, box["y"] + y
 
 
+def scene_pixel(page, place):
+    return page.evaluate(
+        """(place) => {
+            const { camera, canvas } = station.editor.scene;
+            const at = camera.position.clone().fromArray(place).project(camera);
+            const { x, y, width, height } = canvas.getBoundingClientRect();
+            return [x + ((at.x + 1) / 2) * width, y + ((1 - at.y) / 2) * height];
+        }""",
+        list(place),
+    )
+
+
 def sent(page, name, value):
     return page.evaluate(SENT.format(name, value))
 
@@ -29,17 +39,25 @@ def here(browser, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def page(here):
-    return opened(here)
-
-
-def opened(here):
-    """Open the editor on a page of its own, with nothing chosen."""
+def start_page(here):
     page = here.open(viewport={"width": 1280, "height": 720})
     page.wait_for_selector(".preview:not([hidden])")
-    page.click("text=Edit this scenario")
-    when(page, "station.editor.state?.is_open && station.editor.chart.frame.scale > 5")
+    return page
+
+
+@pytest.fixture
+def page(start_page):
+    """The page with the editor opened by a key: the scenario as it is kept, the whole chart, nothing chosen."""
+    page = start_page
+    page.evaluate("document.querySelector('#editor-dialog').close()")
+    page.locator("button.edit").press("Enter")
+    when(page, "document.querySelector('#editor-dialog').open && station.editor.state?.is_open")
     assert page.evaluate("station.editor.selected") == -1
+    page.evaluate("station.editor.state.is_saved || station.editor.acts.revert()")
+    when(page, "station.editor.state.is_saved")
+    page.evaluate("station.editor.view === station.editor.chart || station.editor.acts.turn()")
+    page.evaluate("station.editor.acts.fit()")
+    when(page, "station.editor.chart.frame.scale > 5")
     return page
 
 
@@ -50,103 +68,183 @@ def dragged(page, start, by):
     page.mouse.up()
 
 
-def test_with_nothing_chosen_the_chart_pans_and_marks_and_add_lands_where_one_looks(browser, tmp_path: Path):
-    with desk(browser, tmp_path) as here:
-        page = opened(here)
-
-        def added(kind: str) -> list[float]:
-            page.get_by_label("Kind").select_option(kind)
-            page.click(".editor-bar >> text=Add")
-            when(page, SENT.format(kind, "position_m"))
-            return sent(page, kind, "position_m")[:2]
-
-        before, free = (
-            np.array(page.evaluate("station.editor.chart.frame.middle")),
-            chart_pixel(page, (-3, 3)),
-        )  # in the survey
-        dragged(page, free, (60, -30))
-        middle = np.array(page.evaluate("station.editor.chart.frame.middle"))
-        scale = page.evaluate("station.editor.chart.frame.scale")
-        np.testing.assert_allclose(middle - before, [-60 / scale, -30 / scale], atol=0.01)
-        np.testing.assert_allclose(added("sphere"), middle, atol=0.06)
-        for place in ((-3, 3), (-3, -3)):  # a part is chosen, then none
-            page.mouse.click(*chart_pixel(page, place))
-            when(page, "station.editor.selected === -1 && station.editor.parts.mark")
-            np.testing.assert_allclose(page.evaluate("station.editor.parts.mark"), place, atol=0.1)
-        np.testing.assert_allclose(added("cylinder"), (-3, -3), atol=0.1)
-        page.mouse.click(*chart_pixel(page, (-4, 1)))
-        when(page, "station.editor.part?.section === 'survey'")
-        page.mouse.click(*chart_pixel(page, (-3, 3)))
-        when(page, "station.editor.selected === -1 && station.editor.parts.mark")
-        for _ in range(8):
-            page.locator(".editor-canvas").press("+")
-        assert not page.evaluate("station.editor.chart.sees(station.editor.parts.mark)")
-        np.testing.assert_allclose(added("ring"), page.evaluate("station.editor.chart.frame.middle"), atol=0.06)
-
-        page.locator(".editor-canvas").press("Escape")
-        page.wait_for_selector("#editor-dialog", state="hidden")
-        page.click("text=Edit this scenario")
-        when(page, "document.querySelector('#editor-dialog').open && station.editor.selected === -1")
-        page.locator(".editor-canvas").press("v")
-        when(page, "station.editor.scene?.gate.frames > 0")
-        page.mouse.click(*scene_pixel(page, (3, -4, -5)))
-        when(page, "station.editor.selected === -1 && station.editor.parts.mark")
-        np.testing.assert_allclose(page.evaluate("station.editor.parts.mark"), (3, -4), atol=0.3)
-        page.evaluate("station.editor.parts.markAt(null)")
-        camera, target = page.evaluate(
-            """() => {
-              const { camera, controls } = station.editor.scene;
-              controls.target.z += 3;
-              controls.update();
-              return [camera.position.toArray(), controls.target.toArray()];
-            }"""
-        )
-        share = (-5 - camera[2]) / (target[2] - camera[2])
-        seen = np.array(camera) + share * (np.array(target) - camera)
-        assert np.hypot(*(seen - target)[:2]) > 1.0
-        np.testing.assert_allclose(added("net"), seen[:2], atol=0.3)
-        assert not here.complaints
-
-
-def test_ctrl_z_undoes_a_field_that_was_sent_and_a_text_that_was_not(browser, tmp_path: Path):
-    with desk(browser, tmp_path) as here:
-        page = opened(here)
-        page.click(".editor-table >> text=box")
-        field = page.get_by_label("size_m 1")
-        for value, key in (("2", "Enter"), ("3", "Tab")):
-            field.fill(value)
-            page.keyboard.press(key)
-            when(page, SENT.format("box", f"size_m[0] === {value}"))
-        for value in (2, 1):
-            page.keyboard.press("Control+z")
-            when(page, SENT.format("box", f"size_m[0] === {value}"))
-        page.keyboard.press("Control+y")
-        when(page, SENT.format("box", "size_m[0] === 2"))
-        field.focus()
-        page.keyboard.press("End")
-        page.keyboard.type("5")
-        page.keyboard.press("Control+z")
-        assert field.input_value() == "2" and sent(page, "box", "size_m[0]") == 2, "its own text"
-        page.locator(".editor-canvas").press("ArrowUp")
-        page.keyboard.press("Control+z")  # at once: what is not yet sent is the change that is undone
-        when(page, "station.editor.state.can_redo && " + SENT.format("box", "position_m[1] === 0"))
-        assert sent(page, "box", "size_m[0]") == 2
-        page.get_by_label("Kind").select_option("sphere")
+def test_with_nothing_chosen_the_chart_pans_and_marks_and_add_lands_where_one_looks(page):
+    def added(kind: str) -> list[float]:
+        page.get_by_label("Kind").select_option(kind)
         page.click(".editor-bar >> text=Add")
-        when(page, SENT.format("sphere", "radius_m"))
-        page.get_by_label("radius_m").fill("0.7")
-        page.keyboard.press("Enter")
-        when(page, SENT.format("sphere", "radius_m === 0.7"))
+        when(page, SENT.format(kind, "position_m"))
+        return sent(page, kind, "position_m")[:2]
+
+    before, free = (
+        np.array(page.evaluate("station.editor.chart.frame.middle")),
+        chart_pixel(page, (-3, 3)),
+    )  # in the survey
+    dragged(page, free, (60, -30))
+    middle = np.array(page.evaluate("station.editor.chart.frame.middle"))
+    scale = page.evaluate("station.editor.chart.frame.scale")
+    np.testing.assert_allclose(middle - before, [-60 / scale, -30 / scale], atol=0.01)
+    np.testing.assert_allclose(added("sphere"), middle, atol=0.06)
+    for place in ((-3, 3), (-3, -3)):  # a part is chosen, then none
+        page.mouse.click(*chart_pixel(page, place))
+        when(page, "station.editor.selected === -1 && station.editor.parts.mark")
+        np.testing.assert_allclose(page.evaluate("station.editor.parts.mark"), place, atol=0.1)
+    np.testing.assert_allclose(added("cylinder"), (-3, -3), atol=0.1)
+    page.mouse.click(*chart_pixel(page, (-4, 1)))
+    when(page, "station.editor.part?.section === 'survey'")
+    page.mouse.click(*chart_pixel(page, (-3, 3)))
+    when(page, "station.editor.selected === -1 && station.editor.parts.mark")
+    for _ in range(8):
+        page.locator(".editor-canvas").press("+")
+    assert not page.evaluate("station.editor.chart.sees(station.editor.parts.mark)")
+    np.testing.assert_allclose(added("ring"), page.evaluate("station.editor.chart.frame.middle"), atol=0.06)
+
+    page.locator(".editor-canvas").press("Escape")
+    page.wait_for_selector("#editor-dialog", state="hidden")
+    page.click("text=Edit this scenario")
+    when(page, "document.querySelector('#editor-dialog').open && station.editor.selected === -1")
+    page.locator(".editor-canvas").press("v")
+    when(page, "station.editor.scene?.gate.frames > 0")
+    page.mouse.click(*scene_pixel(page, (3, -4, -5)))
+    when(page, "station.editor.selected === -1 && station.editor.parts.mark")
+    np.testing.assert_allclose(page.evaluate("station.editor.parts.mark"), (3, -4), atol=0.3)
+    page.evaluate("station.editor.parts.markAt(null)")
+    camera, target = page.evaluate(
+        """() => {
+          const { camera, controls } = station.editor.scene;
+          controls.target.z += 3;
+          controls.update();
+          return [camera.position.toArray(), controls.target.toArray()];
+        }"""
+    )
+    share = (-5 - camera[2]) / (target[2] - camera[2])
+    seen = np.array(camera) + share * (np.array(target) - camera)
+    assert np.hypot(*(seen - target)[:2]) > 1.0
+    np.testing.assert_allclose(added("net"), seen[:2], atol=0.3)
+
+
+def test_ctrl_z_undoes_a_field_that_was_sent_and_a_text_that_was_not(page):
+    page.click(".editor-table >> text=box")
+    field = page.get_by_label("size_m 1")
+    for value, key in (("2", "Enter"), ("3", "Tab")):
+        field.fill(value)
+        page.keyboard.press(key)
+        when(page, SENT.format("box", f"size_m[0] === {value}"))
+    for value in (2, 1):
         page.keyboard.press("Control+z")
-        when(page, SENT.format("sphere", "radius_m !== 0.7"))
-        page.keyboard.press("Control+z")  # removes the part, and with it the field that has the focus
-        when(page, "!(" + SENT.format("sphere", "radius_m") + ")")
-        page.keyboard.press("Control+y")
-        when(page, SENT.format("sphere", "radius_m"))
-        assert not here.complaints
+        when(page, SENT.format("box", f"size_m[0] === {value}"))
+    page.keyboard.press("Control+y")
+    when(page, SENT.format("box", "size_m[0] === 2"))
+    field.focus()
+    page.keyboard.press("End")
+    page.keyboard.type("5")
+    page.keyboard.press("Control+z")
+    assert field.input_value() == "2" and sent(page, "box", "size_m[0]") == 2, "its own text"
+    page.locator(".editor-canvas").press("ArrowUp")
+    page.keyboard.press("Control+z")  # at once: what is not yet sent is the change that is undone
+    when(page, "station.editor.state.can_redo && " + SENT.format("box", "position_m[1] === 0"))
+    assert sent(page, "box", "size_m[0]") == 2
+    page.get_by_label("Kind").select_option("sphere")
+    page.click(".editor-bar >> text=Add")
+    when(page, SENT.format("sphere", "radius_m"))
+    page.get_by_label("radius_m").fill("0.7")
+    page.keyboard.press("Enter")
+    when(page, SENT.format("sphere", "radius_m === 0.7"))
+    page.keyboard.press("Control+z")
+    when(page, SENT.format("sphere", "radius_m !== 0.7"))
+    page.keyboard.press("Control+z")  # removes the part, and with it the field that has the focus
+    when(page, "!(" + SENT.format("sphere", "radius_m") + ")")
+    page.keyboard.press("Control+y")
+    when(page, SENT.format("sphere", "radius_m"))
 
 
-def test_a_scenario_is_edited_by_mouse_and_by_keys_saved_and_started(here, page, tmp_path: Path):
+def test_parts_of_the_vehicle_its_start_the_survey_and_currents_are_edited_by_keys_alone(page):
+    ground = page.locator(".editor-canvas")
+    section = page.locator(".editor-bar select").first
+
+    def edited(name: str) -> dict:
+        return page.evaluate(
+            f"station.editor.state.parts.find(({{name, section}}) => [name, section].includes('{name}'))?.values"
+        )
+
+    def changes(name: str, *keys: str) -> None:
+        for key in keys:
+            before = edited(name)
+            ground.press(key)
+            until(lambda before=before: edited(name) != before, f"{name}, {key}")
+
+    for name, added in (("sensors", "imu_2"), ("cameras", "camera"), ("lamps", "lamp")):
+        section.select_option(name)
+        ground.press("a")
+        until(lambda added=added: edited(added) is not None, added)
+        first = edited(added)
+        changes(added, "ArrowRight", "q", "PageUp")
+        for _ in range(3):
+            page.keyboard.press("Control+z")
+        until(lambda added=added, first=first: edited(added) == first, f"{added}, undone")
+        ground.press("Delete")
+        until(lambda added=added: edited(added) is None, f"{added}, deleted")
+    section.select_option("currents")
+    page.get_by_label("Kind").select_option("layers")
+    ground.press("a")
+    until(lambda: edited("currents") is not None, "a current in layers")
+    ground.press("Enter")
+    assert page.evaluate("document.activeElement.closest('.editor-form') !== null")
+    ground.press("Delete")
+    until(lambda: edited("currents") is None, "no current")
+    for name, keys in (("starts", ("ArrowRight", "q", "PageDown")), ("survey", ("ArrowUp", "e"))):
+        while page.evaluate("station.editor.part?.section") != name:
+            chosen = page.evaluate("station.editor.selected")
+            ground.press("n")
+            until(lambda chosen=chosen: page.evaluate("station.editor.selected") != chosen, "the next part")
+        changes(name, *keys)
+
+
+def test_in_3d_the_same_parts_are_moved_turned_added_and_undone_and_a_reload_keeps_them(page):
+    with page.expect_response("**/edit/*/*.glb*"):
+        page.locator(".editor-canvas").press("v")
+    when(page, "station.editor.scene.gate.frames > 0")
+    page.evaluate("station.editor.scene.fit()")
+    page.mouse.move(*scene_pixel(page, (3, 0, -4)))
+    page.mouse.down()
+    page.mouse.move(*scene_pixel(page, (4, 2, -4)), steps=3)
+    page.mouse.up()
+    when(page, SENT.format("box", "position_m[1] > 1.8"))
+    np.testing.assert_allclose(sent(page, "box", "position_m"), [4, 2, -4.5], atol=0.2)
+    page.mouse.wheel(0, -100)
+    when(page, SENT.format("box", "yaw_pitch_roll_deg?.[0] === 5"))
+    page.keyboard.press("Control+z")
+    when(page, "!(" + SENT.format("box", "yaw_pitch_roll_deg") + ")")
+    page.mouse.click(*scene_pixel(page, (-3, -4, -5)))
+    when(page, "station.editor.parts.mark")
+    page.get_by_label("Kind").select_option("cylinder")
+    page.click(".editor-bar >> text=Add")
+    when(page, SENT.format("cylinder", "position_m"))
+    np.testing.assert_allclose(sent(page, "cylinder", "position_m"), [-3, -4, 0], atol=0.2)
+    page.locator(".editor-scene").press("PageUp")
+    when(page, SENT.format("cylinder", "position_m[2] === 0.5"))
+    page.keyboard.press("F2")
+    page.keyboard.press("ControlOrMeta+a")
+    page.keyboard.type("buoy")
+    page.keyboard.press("Enter")
+    when(page, SENT.format("buoy", "radius_m"))
+    judge(page, "the editor in 3D")
+    page.click(".editor-bar >> text=Delete")
+    when(page, "!(" + SENT.format("buoy", "radius_m") + ")")
+
+    page.reload()
+    page.wait_for_selector(".preview:not([hidden])")
+    page.click("text=Edit this scenario")
+    shows(page, ".editor-message", "not saved")
+    assert sent(page, "box", "position_m[1]") > 1.8 and page.evaluate("station.editor.state.can_undo")
+    page.evaluate("station.station.bridge.drop()")  # a lost connection
+    when(page, "station.station.id && station.editor.state.by")
+    page.locator(".editor-canvas").press("Control+z")
+    when(page, SENT.format("buoy", "radius_m"))
+    page.click("text=Revert")
+    when(page, "station.editor.state.is_saved && " + SENT.format("box", "position_m[1] === 0"))
+
+
+def test_a_scenario_is_edited_by_mouse_and_by_keys_saved_and_started(here, page):
     page.mouse.move(*chart_pixel(page, (3, 0)))
     page.mouse.down()
     page.mouse.move(*chart_pixel(page, (4, 2)), steps=3)
@@ -177,7 +275,6 @@ def test_a_scenario_is_edited_by_mouse_and_by_keys_saved_and_started(here, page,
     shows(page, "[data-field=radius_m] .wrong", "radius_m = -1 m: must be in [0.01, 10000] m")
     assert page.input_value("[aria-label=radius_m]") == "-1"  # as typed, to be corrected
     judge(page, "the editor")
-    page.screenshot(path=tmp_path / "editor.png")
     page.fill("[aria-label=radius_m]", "0.5")
     page.keyboard.press("Enter")
     when(page, SENT.format("sphere", "radius_m === 0.5"))
@@ -195,10 +292,10 @@ def test_a_scenario_is_edited_by_mouse_and_by_keys_saved_and_started(here, page,
     assert [each.name for each in here.station.present().live.simulator.scenario.obstacles] == ["box", "sphere"]
 
 
-def test_a_paused_world_is_rebuilt_around_the_vehicle(here, page):
+def test_a_paused_world_is_rebuilt_around_the_vehicle(here, start_page):
+    page = start_page
     if here.station.sessions.running is None:  # another process may have started it in the test before
         here.station.start({"scenario": "pool", "seed": 7})
-        page.keyboard.press("Escape")
         when(page, "station.station.isPilot && station.telemetry.message")
     running = here.station.present()
     before = running.live
@@ -214,114 +311,3 @@ def test_a_paused_world_is_rebuilt_around_the_vehicle(here, page):
     after = here.station.present().live
     y_before, y_after = (live.simulator.scenario.obstacles[0].position_m[1] for live in (before, after))
     assert y_after == pytest.approx(y_before + 1.0) and after.paused and after.tick == before.tick > 0
-
-
-def test_parts_of_the_vehicle_its_start_the_survey_and_currents_are_edited_by_keys_alone(browser, tmp_path: Path):
-    with desk(browser, tmp_path) as here:
-        page = here.open(viewport={"width": 1280, "height": 720})
-        page.wait_for_selector(".preview:not([hidden])")
-        page.locator("button.edit").press("Enter")
-        when(page, "station.editor.state?.is_open && station.editor.chart.frame.scale > 5")
-        ground = page.locator(".editor-canvas")
-        section = page.locator(".editor-bar select").first
-
-        def edited(name: str) -> dict:
-            return page.evaluate(
-                f"station.editor.state.parts.find(({{name, section}}) => [name, section].includes('{name}'))?.values"
-            )
-
-        def changes(name: str, *keys: str) -> None:
-            for key in keys:
-                before = edited(name)
-                ground.press(key)
-                until(lambda before=before: edited(name) != before, f"{name}, {key}")
-
-        for name, added in (("sensors", "imu_2"), ("cameras", "camera"), ("lamps", "lamp")):
-            section.select_option(name)
-            ground.press("a")
-            until(lambda added=added: edited(added) is not None, added)
-            first = edited(added)
-            changes(added, "ArrowRight", "q", "PageUp")
-            for _ in range(3):
-                page.keyboard.press("Control+z")
-            until(lambda added=added, first=first: edited(added) == first, f"{added}, undone")
-            ground.press("Delete")
-            until(lambda added=added: edited(added) is None, f"{added}, deleted")
-        section.select_option("currents")
-        page.get_by_label("Kind").select_option("layers")
-        ground.press("a")
-        until(lambda: edited("currents") is not None, "a current in layers")
-        ground.press("Enter")
-        assert page.evaluate("document.activeElement.closest('.editor-form') !== null")
-        ground.press("Delete")
-        until(lambda: edited("currents") is None, "no current")
-        for name, keys in (("starts", ("ArrowRight", "q", "PageDown")), ("survey", ("ArrowUp", "e"))):
-            while page.evaluate("station.editor.part?.section") != name:
-                chosen = page.evaluate("station.editor.selected")
-                ground.press("n")
-                until(lambda chosen=chosen: page.evaluate("station.editor.selected") != chosen, "the next part")
-            changes(name, *keys)
-        assert not here.complaints
-
-
-def scene_pixel(page, place):
-    return page.evaluate(
-        """(place) => {
-            const { camera, canvas } = station.editor.scene;
-            const at = camera.position.clone().fromArray(place).project(camera);
-            const { x, y, width, height } = canvas.getBoundingClientRect();
-            return [x + ((at.x + 1) / 2) * width, y + ((1 - at.y) / 2) * height];
-        }""",
-        list(place),
-    )
-
-
-def test_in_3d_the_same_parts_are_moved_turned_added_and_undone_and_a_reload_keeps_them(browser, tmp_path: Path):
-    with desk(browser, tmp_path) as here:
-        page = here.open(viewport={"width": 1280, "height": 720})
-        page.wait_for_selector(".preview:not([hidden])")
-        page.click("text=Edit this scenario")
-        when(page, "station.editor.state?.is_open")
-        with page.expect_response("**/edit/*/*.glb*"):
-            page.locator(".editor-canvas").press("v")
-        when(page, "station.editor.scene.gate.frames > 0")
-        page.evaluate("station.editor.scene.fit()")
-        page.mouse.move(*scene_pixel(page, (3, 0, -4)))
-        page.mouse.down()
-        page.mouse.move(*scene_pixel(page, (4, 2, -4)), steps=3)
-        page.mouse.up()
-        when(page, SENT.format("box", "position_m[1] > 1.8"))
-        np.testing.assert_allclose(sent(page, "box", "position_m"), [4, 2, -4.5], atol=0.2)
-        page.mouse.wheel(0, -100)
-        when(page, SENT.format("box", "yaw_pitch_roll_deg?.[0] === 5"))
-        page.keyboard.press("Control+z")
-        when(page, "!(" + SENT.format("box", "yaw_pitch_roll_deg") + ")")
-        page.mouse.click(*scene_pixel(page, (-3, -4, -5)))
-        when(page, "station.editor.parts.mark")
-        page.get_by_label("Kind").select_option("cylinder")
-        page.click(".editor-bar >> text=Add")
-        when(page, SENT.format("cylinder", "position_m"))
-        np.testing.assert_allclose(sent(page, "cylinder", "position_m"), [-3, -4, 0], atol=0.2)
-        page.locator(".editor-scene").press("PageUp")
-        when(page, SENT.format("cylinder", "position_m[2] === 0.5"))
-        page.keyboard.press("F2")
-        page.keyboard.press("ControlOrMeta+a")
-        page.keyboard.type("buoy")
-        page.keyboard.press("Enter")
-        when(page, SENT.format("buoy", "radius_m"))
-        judge(page, "the editor in 3D")
-        page.click(".editor-bar >> text=Delete")
-        when(page, "!(" + SENT.format("buoy", "radius_m") + ")")
-
-        page.reload()
-        page.wait_for_selector(".preview:not([hidden])")
-        page.click("text=Edit this scenario")
-        shows(page, ".editor-message", "not saved")
-        assert sent(page, "box", "position_m[1]") > 1.8 and page.evaluate("station.editor.state.can_undo")
-        page.evaluate("station.station.bridge.drop()")  # a lost connection
-        when(page, "station.station.id && station.editor.state.by")
-        page.locator(".editor-canvas").press("Control+z")
-        when(page, SENT.format("buoy", "radius_m"))
-        page.click("text=Revert")
-        when(page, "station.editor.state.is_saved && " + SENT.format("box", "position_m[1] === 0"))
-        assert not here.complaints

@@ -23,32 +23,30 @@ def page(here):
     return here.fly(viewport={"width": 1440, "height": 900})
 
 
-def test_time_stands_still_until_the_pilot_presses_begin(here, page, tmp_path: Path):
+def test_time_stands_still_until_the_pilot_presses_begin(here, page):
     live = here.station.present().live
     shows(page, "#exercise", "Time stands still until you begin.")
     shows(page, "#exercise", "0 of 100 points")
     page.keyboard.press("KeyW")
     shows(page, "#hint", "press Begin")
     judge(page, "waiting")
-    page.screenshot(path=tmp_path / "before-begin.png")
     assert live.paused and live.tick == 0
     assert all(page.is_hidden(f"#{each}") for each in ("pause", "speed", "step", "inspect"))
     page.click(".exercise-begin")
     until(lambda: live.tick > 0, "time")
     when(page, "!station.station.state.paused")
-    until(lambda: page.is_hidden(".exercise-begin"), "no button")
+    page.wait_for_selector(".exercise-begin", state="hidden")
 
 
-def test_an_aid_that_the_exercise_does_not_allow_is_refused_and_the_reason_shown(here, page, tmp_path: Path):
+def test_an_aid_that_the_exercise_does_not_allow_is_refused_and_the_reason_shown(here, page):
     shows(page, "#exercise", "No aids are allowed.")
     page.click("#hold-depth")
     shows(page, "#toast", "hold: refused: the exercise does not allow this aid")
-    page.screenshot(path=tmp_path / "refused-aid.png")
     holds = here.rov.holds
     assert holds is not None and not holds.has_control
 
 
-def test_a_restart_leaves_a_sheet_and_waits_for_begin(here, page, tmp_path: Path):
+def test_a_restart_leaves_a_sheet_and_waits_for_begin(here, page):
     live = here.station.present().live
     page.click("#menu")
     page.click("text=Restart from the beginning")
@@ -60,7 +58,7 @@ def test_a_restart_leaves_a_sheet_and_waits_for_begin(here, page, tmp_path: Path
     shows(page, "#exercise", "Time stands still until you begin.")
 
 
-def test_a_changed_world_makes_the_score_not_valid_and_the_sheet_says_so(here, page, tmp_path: Path):
+def test_a_changed_world_makes_the_score_not_valid_and_the_sheet_says_so(here, page):
     live = here.station.present().live
     page.click(".exercise-begin")
     until(lambda: live.tick > 0, "time")
@@ -69,7 +67,6 @@ def test_a_changed_world_makes_the_score_not_valid_and_the_sheet_says_so(here, p
     shows(page, "#exercise", "20 / 20")
     shows(page, "#exercise", NOT_VALID)
     judge(page, "exercise")
-    page.screenshot(path=tmp_path / "running.png")
     with live.privileged():
         live.speed = 20.0
     page.wait_for_selector("#exercise >> text=Ended: the time is over")
@@ -82,10 +79,6 @@ def test_a_changed_world_makes_the_score_not_valid_and_the_sheet_says_so(here, p
     assert score["attempt"] == 2 and not score["is_valid"] and not score["has_passed"]
     assert score["goals"][0]["share"] == 1.0
     assert [act["changed"] for act in score["outside_acts"]] == [True]
-    page.screenshot(path=tmp_path / "over.png")
-    shown = here.browser.new_page()
-    shown.goto((here.station.sessions.folder / "sheet-2/sheet.html").as_uri())
-    shown.screenshot(path=tmp_path / "sheet.png", full_page=True)
 
 
 def test_a_jump_in_time_ends_an_attempt_too(here, page):

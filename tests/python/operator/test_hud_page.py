@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from browser import shows, until, when
+from browser import shows, when
 
 START_M = (-4.0, 0.0, -2.5)
 SCREENS = [(1280, 720), (1366, 768), (1920, 1080), (2560, 1440)]
@@ -151,7 +151,7 @@ def test_nothing_lies_over_anything(look):
 @pytest.mark.parametrize("locale", ["en", "de"])
 def test_nothing_lies_over_anything_in_hands(here, page, locale):
     held = here.fly(viewport={"width": 844, "height": 390}, locale=locale, has_touch=True, is_mobile=True)
-    page.evaluate("id => station.station.handOver(id)", held.evaluate("station.station.id"))
+    here.give(page, held)
     held.wait_for_selector(".stick.left")
     found = {}
     for size in HELD:
@@ -159,8 +159,7 @@ def test_nothing_lies_over_anything_in_hands(here, page, locale):
         enlarge_front(held)
         found[size] = held.evaluate(OVERLAPS)
     held.context.close()
-    again = "station.station.isPilot || station.station.takeControl().then(() => false, () => false)"
-    until(lambda: page.evaluate(again), "the controls")
+    here.regain(page)
     assert found == dict.fromkeys(HELD, CLEAR)
 
 
@@ -178,29 +177,26 @@ def test_the_chart_s_tools_are_one_row_and_not_over_the_arrow(look):
     assert look.evaluate(NORTH) == [1, False]
 
 
-@pytest.mark.usefixtures("page")
-def test_names_and_alarms_are_in_the_page_s_language(here):
-    look = here.fly(locale="de")
-    when(look, "station.telemetry.message && station.views.names.length > 2")
+@pytest.mark.parametrize("look", ["de"], indirect=True)
+def test_names_and_alarms_are_in_the_page_s_language(look):
+    when(look, "station.views.names.length > 2")
     titles = look.evaluate("[...document.querySelectorAll('.view .name')].map((each) => each.lastChild.textContent)")
     assert {"Vorn", "Unten"} <= set(titles) and not {"Front", "Down", "Chase"} & set(titles)
     heard, shown = look.evaluate(SIGNALS)
-    look.context.close()
     assert heard == SIGNALS_IN_GERMAN
     assert "kehrt von selbst zurück" in shown and "Antrieb stern folgt nicht" in shown
 
 
-def test_a_tip_is_the_page_s_own(page, tmp_path):
+def test_a_tip_is_the_page_s_own(page):
     page.set_viewport_size({"width": 1280, "height": 720})
     page.evaluate("document.documentElement.dataset.theme = 'night', dispatchEvent(new Event('theme'))")
     when(page, "innerWidth === 1280 && document.documentElement.clientWidth === 1280")
     page.wait_for_timeout(300)  # the bar finds its new places
     page.hover("#hold-depth")
     page.evaluate("dispatchEvent(new Event('resize'))")
-    until(lambda: page.is_visible(".tip"), "the tip of a button that stays under the pointer")
+    page.wait_for_selector(".tip")  # of a button that stays under the pointer
     page.evaluate("document.querySelector('#panel').dispatchEvent(new Event('scroll'))")
     assert page.is_visible(".tip") and page.inner_text(".tip") == page.get_attribute("#hold-depth", "data-tip")
-    page.screenshot(path=tmp_path / "tip.png")
     page.mouse.move(400, 400)
     page.wait_for_selector(".tip", state="hidden")
     page.evaluate("document.documentElement.dataset.theme = 'dark', dispatchEvent(new Event('theme'))")

@@ -91,7 +91,7 @@ def test_snapshots_carry_the_instruments_values(here, page):
     assert abs(off_deg) < 5.0
 
 
-def test_notes_stand_on_the_chart_and_in_files(here, page, tmp_path: Path):
+def test_notes_stand_on_the_chart_and_in_files(here, page):
     page.evaluate("station.views.enlarge('front')")
     page.select_option("[aria-label='Category of the note']", "defect")
     page.select_option("[aria-label='Place of the note']", "vehicle")
@@ -104,7 +104,7 @@ def test_notes_stand_on_the_chart_and_in_files(here, page, tmp_path: Path):
     page.click("body", position={"x": 700, "y": 5})
     page.keyboard.press("m")
     when(page, "station.inspection.notes.length === 2")
-    until(lambda: page.locator(".notes li").count() == 2, "two notes in the list")
+    when(page, "document.querySelectorAll('.notes li').length === 2")
     items = page.locator(".notes li").all_inner_texts()
     assert "2. Debris" in items[0] and "1. Defect: Crack <b>in</b> the weld" in items[1]
     first = page.evaluate("station.inspection.notes[0]")
@@ -112,7 +112,6 @@ def test_notes_stand_on_the_chart_and_in_files(here, page, tmp_path: Path):
     assert (here.station.sessions.folder / first["picture"]).is_file()
     when(page, "station.scene.marks.count === 2")
     judge(page, "inspection")
-    page.screenshot(path=tmp_path / "panel.png")
     page.evaluate("station.views.enlarge('chart')")
     when(page, "station.chart.frame.scale > 5")
 
@@ -126,7 +125,6 @@ def test_notes_stand_on_the_chart_and_in_files(here, page, tmp_path: Path):
         )
 
     until(lambda: np.abs(np.subtract(pin()[:3], [255, 122, 102])).max() < 30, "the colour of defects")
-    page.screenshot(path=tmp_path / "chart.png")
     with page.expect_download() as loaded:
         page.click("[aria-label='Notes as .csv']")
     rows = list(csv.DictReader(Path(loaded.value.path()).read_text().splitlines()))
@@ -136,6 +134,6 @@ def test_notes_stand_on_the_chart_and_in_files(here, page, tmp_path: Path):
 def test_a_watcher_sees_notes_and_writes_none(here, page):
     watcher = here.fly()
     when(watcher, "station.inspection.notes.length === 2")
-    until(lambda: watcher.input_value("#comment") == "Weld 12, süd", "the comment")
+    when(watcher, "document.querySelector('#comment').value === 'Weld 12, süd'")
     assert watcher.is_disabled("#comment") and watcher.is_disabled("#add-note")
     watcher.context.close()

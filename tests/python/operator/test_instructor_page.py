@@ -1,7 +1,6 @@
 """An instructor and a trainee, each at a page of their own, in a real browser."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -48,7 +47,7 @@ def call(page, service, **args):
     )
 
 
-def test_faults_and_water_change_for_the_instructor_alone(here, trainee, instructor, tmp_path: Path):
+def test_faults_and_water_change_for_the_instructor_alone(here, trainee, instructor):
     sim = here.station.present().live.simulator
     instructor.select_option("[aria-label=Fault]", "sensor")
     instructor.select_option("[aria-label=sensor]", "depth")
@@ -75,13 +74,11 @@ def test_faults_and_water_change_for_the_instructor_alone(here, trainee, instruc
     instructor.fill("[aria-label='Search parameters']", "sun_elevation")
     until(lambda: instructor.locator("#inspector input[type=range]:visible").count() == 1, "the sun's slider")
     judge(instructor, "instructor")
-    instructor.screenshot(path=tmp_path / "instructor.png")
     instructor.click("#inspector [aria-label=Close]")
     instructor.click("text=End sensor")
     until(lambda: not sim.faults.active, "no fault")
 
     judge(trainee, "trainee")
-    trainee.screenshot(path=tmp_path / "trainee.png")
     assert all(trainee.is_hidden(f"#{each}") for each in ("inspect", "pause", "speed", "step"))
     for service, args in (
         ("station/instruct", {"action": "pause"}),

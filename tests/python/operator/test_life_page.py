@@ -53,7 +53,6 @@ def test_the_page_draws_them_where_they_are(browser, tmp_path: Path, scenario: P
 
         until(agree, "the places of fish and bubbles")
         page.evaluate("station.views.enlarge('scene')")
-        page.screenshot(path=tmp_path / "life.png")
         assert not here.complaints
 
 

@@ -6,14 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from browser import chromium, desk, until, when
+from browser import desk, shows, until, when
 from uwsim.mapping import OccupancyMap
 from uwsim.operator.station.flights.flights import Bounds
 
 PIPELINE = (-100.0, -30.0)  # a corner of lake's pipeline_main; the chart shows its name there
 ABOVE_M = 5.0
 MOST_ACTS = {"pipeline": 11, "map": 1, "replay": 3}
-FLIGHT_S = 240.0  # of real time, for two minutes of simulated time that are recorded, mapped and shown
 
 
 class Acts:
@@ -27,8 +26,8 @@ class Acts:
         getattr(self.page, act)(*given)
 
 
-def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(tmp_path: Path):
-    with chromium() as browser, desk(browser, tmp_path, keep_flights=Bounds(10)) as here:
+def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(browser, tmp_path: Path):
+    with desk(browser, tmp_path, keep_flights=Bounds(10)) as here:
         page = here.open(viewport={"width": 1440, "height": 900})
         does = Acts(page)
         page.wait_for_selector("#field-scenario")
@@ -44,22 +43,20 @@ def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(tmp_
         box = page.locator(".view.is-large canvas").first.bounding_box()
         x, y = page.evaluate("(place) => station.chart.frame.at(place)", list(PIPELINE))
         page.mouse.move(box["x"] + x, box["y"] + y)
-        until(lambda: "deep" in page.inner_text(".view.is-large .scene-note"), "the depth at the pipeline")
+        shows(page, ".view.is-large .scene-note", "deep")
         bed_m = float(re.search(r"([\d.]+) m deep", page.inner_text(".view.is-large .scene-note"))[1])
         does("pipeline", "click", "text=Waypoint")
-        for depth_m in (10.0, bed_m - ABOVE_M):
+        for depth_m in (18.0, bed_m - ABOVE_M):
             does("pipeline", "fill", "[aria-label='Depth of waypoints [m]']", str(depth_m))
             page.mouse.click(box["x"] + x, box["y"] + y)
             does.done["pipeline"] += 1
         does("pipeline", "fill", "[aria-label='Speed [m/s]']", "1.5")
         does("pipeline", "click", ".chart-tools >> text=Fly")
-        note = page.locator(".view.is-large .scene-note")
-        until(lambda: "all waypoints are reached" in note.inner_text(), "the pipeline", FLIGHT_S)
+        shows(page, ".view.is-large .scene-note", "all waypoints are reached")
         live = here.station.present().live
         there = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
         assert np.linalg.norm(there[:2] - PIPELINE) < 4.0 and abs(there[2] + bed_m - ABOVE_M) < 2.0
         assert page.evaluate("station.telemetry.message.collisions") == 0
-        page.screenshot(path=tmp_path / "there.png")
 
         with page.expect_download() as download:
             does("map", "click", "text=.bt")
@@ -79,6 +76,5 @@ def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(tmp_
         until(lambda: live.paused and live.tick == timeline.end_tick, "the end of the replay")
         again = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
         assert np.linalg.norm(again - there) < 3.0  # it hovered until the menu paused the flight
-        page.screenshot(path=tmp_path / "again.png")
         assert all(does.done[task] <= most for task, most in MOST_ACTS.items()), does.done
         assert not here.complaints

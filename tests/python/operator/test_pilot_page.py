@@ -1,18 +1,15 @@
 """Holds, display and warnings as the pilot sees them, in a real browser: one station and one page for all of it."""
 
-from pathlib import Path
-
 from browser import judge, shows, until, when
 
 
-def test_keys_and_buttons_hold_and_a_lost_sensor_is_shown(here, page, tmp_path: Path):
+def test_keys_and_buttons_hold_and_a_lost_sensor_is_shown(here, page):
     live, holds = here.station.present().live, here.rov.holds
     page.keyboard.press("h")
     page.keyboard.press("z")
     until(lambda: set(holds.targets) == {"heading", "depth"} and all(holds.targets.values()), "two holds")
     page.wait_for_selector("#hold-heading[aria-pressed=true]")
     judge(page, "holds")
-    page.screenshot(path=tmp_path / "holds.png")
     page.evaluate("station.pilot.answers_ms = []")
     page.click("#hold-speed")
     until(lambda: "speed" in holds.targets, "a speed hold")
@@ -23,7 +20,6 @@ def test_keys_and_buttons_hold_and_a_lost_sensor_is_shown(here, page, tmp_path: 
     live.command("inject_fault", kind="sensor", sensor="depth", mode="off", name="no_depth").result()
     when(page, "station.telemetry.message.hold_note.includes('depth hold ended')")
     page.wait_for_selector("#hold-depth[aria-pressed=false]")
-    page.screenshot(path=tmp_path / "lost.png")
     live.command("end_fault", name="no_depth").result()
     page.click("#hold-heading")
     until(lambda: not holds.targets, "no hold")
@@ -36,7 +32,7 @@ PAD = """(changes) => {
 }"""
 
 
-def test_a_gamepad_drives_when_it_is_known_and_has_been_centred(here, page, tmp_path: Path):
+def test_a_gamepad_drives_when_it_is_known_and_has_been_centred(here, page):
     def axes(*values: float) -> None:
         page.evaluate(PAD, {"axes": values})
 
@@ -69,7 +65,6 @@ def test_a_gamepad_drives_when_it_is_known_and_has_been_centred(here, page, tmp_
     axes(0.5, -1)
     page.click("#gamepad-dialog button:text-is('Done')")
     judge(page, "gamepad")
-    page.screenshot(path=tmp_path / "gamepad.png")
     page.click("#gamepad-dialog [aria-label=Close]")
     when(page, "station.pilot.gamepads.stateOf(window.pad) === 'armed'")
     assert not here.rov.effort.any()
@@ -80,7 +75,7 @@ def test_a_gamepad_drives_when_it_is_known_and_has_been_centred(here, page, tmp_
     page.evaluate("navigator.getGamepads = () => []")
 
 
-def test_the_display_follows_the_camera_and_stays_off_fixed_ones(here, page, tmp_path: Path):
+def test_the_display_follows_the_camera_and_stays_off_fixed_ones(here, page):
     page.keyboard.press("1")
     shown = "station.views.largeView.hud.shown"
     when(page, f"{shown}?.axis && Math.abs({shown}.axis.up_deg + 8) < 2")  # as the camera is mounted, and a little roll
@@ -89,12 +84,11 @@ def test_the_display_follows_the_camera_and_stays_off_fixed_ones(here, page, tmp
     page.keyboard.up("ArrowDown")
     until(lambda: abs(here.rov.cameras["front"].aim_rad[1]) > 0.2, "the motor")
     page.wait_for_timeout(300)
-    page.screenshot(path=tmp_path / "tilted.png")
     kinds = page.evaluate("station.views.names.map((name) => [name, Boolean(station.views.hudOf(name))])")
     assert {name for name, has in kinds if has} == {"front", "down"}
 
 
-def test_a_collision_stays_until_it_is_acknowledged_and_lengths_and_colours_change(here, page, tmp_path: Path):
+def test_a_collision_stays_until_it_is_acknowledged_and_lengths_and_colours_change(here, page):
     live = here.station.present().live
     live.command("place", vehicle="rov", position_world_m=[1.2, 0.0, -4.4]).result()
     page.keyboard.down("w")
@@ -112,7 +106,6 @@ def test_a_collision_stays_until_it_is_acknowledged_and_lengths_and_colours_chan
     when(page, "document.querySelector('.big-values').textContent.includes('ft')")
     tape = "station.views.largeView.hud.shown.tapes.DEPTH"
     when(page, f"Math.abs({tape} * 0.3048 - station.telemetry.message.depth) < 0.05")
-    page.screenshot(path=tmp_path / "night.png")
     judge(page, "night, flying")
     page.click("#acknowledge")
     when(page, "document.querySelector('#lamp-collision').dataset.on === 'off'")

@@ -73,7 +73,6 @@ def test_a_flight_is_found_scrubbed_flown_on_and_compared(browser, tmp_path: Pat
         page.click("text=Quit to the start screen")
         page.wait_for_selector("#flights li button:not(:disabled)")
         judge(page, "start screen with a flight")
-        page.screenshot(path=tmp_path / "start.png", full_page=True)
 
         page.click("#flights li button")
         page.wait_for_selector("#timeline:not([hidden])")
@@ -113,7 +112,6 @@ def test_a_flight_is_found_scrubbed_flown_on_and_compared(browser, tmp_path: Pat
         until(lambda: live.tick == helm_tick, "the moment after the first effort")
         when(page, f"station.views.picture('{chase}').drawn > 0")  # a camera that was not shown in flight
         judge(page, "replay")
-        page.screenshot(path=tmp_path / "replay.png")
 
         page.click("text=Take the helm")
         page.wait_for_selector("#timeline", state="hidden")
@@ -127,12 +125,12 @@ def test_a_flight_is_found_scrubbed_flown_on_and_compared(browser, tmp_path: Pat
         page.keyboard.up("s")
         page.keyboard.press("Escape")
         page.click("text=Quit to the start screen")
-        until(lambda: page.locator("#flights li").count() == 2, "the second flight")
+        when(page, "document.querySelectorAll('#flights li').length === 2")
         assert "flown on from" in page.locator("#flights li").first.inner_text()
 
         page.locator("#flights li button").last.click()
         page.wait_for_selector("#timeline:not([hidden])")
-        until(lambda: page.locator("#timeline > select option").count() == 2, "another flight to compare")
+        when(page, "document.querySelectorAll('#timeline > select option').length === 2")
         page.select_option("#timeline > select", index=1)
         when(page, "station.timeline.ghost.found")
         apart = page.evaluate("station.timeline.ghost.found.apart_m")
@@ -141,11 +139,10 @@ def test_a_flight_is_found_scrubbed_flown_on_and_compared(browser, tmp_path: Pat
         until(lambda: live.paused, "the end")
         slider = page.locator("#timeline input[type=range]")
         slide_to(slider, helm_tick / 200 + 0.5)
-        until(lambda: "m apart, at most" in page.inner_text(".timeline-apart"), "the distance")
+        shows(page, ".timeline-apart", "m apart, at most")
         judge(page, "two flights")
         page.evaluate("station.views.enlarge('scene')")
         when(page, "station.scene.gate.frames > 2")
-        page.screenshot(path=tmp_path / "two.png")
         assert not here.complaints
 
 
@@ -160,14 +157,13 @@ def test_a_flight_that_was_cut_is_refused_in_one_line_and_a_restarted_server_lis
     for _ in range(2):
         with desk(browser, tmp_path, keep_flights=KEEP) as here:
             page = here.open(color_scheme="light")
-            until(lambda page=page: page.locator("#flights li").count() == 3, "three flights")
+            when(page, "document.querySelectorAll('#flights li').length === 3")
             cut = page.locator("[data-flight^='20260103']")
             assert "is cut off" in cut.inner_text() and cut.locator("button").is_disabled()
             edited = page.locator("[data-flight^='20260104']")
             edited.locator("button").click()
-            until(lambda edited=edited: "damaged" in edited.inner_text(), "why it is refused")
+            shows(page, "[data-flight^='20260104']", "damaged")
             assert page.is_visible("#start")
             judge(page, "refused flights")
-            page.screenshot(path=tmp_path / "refused.png", full_page=True)
             assert not here.complaints
     shutil.rmtree(folder)

@@ -1,11 +1,10 @@
 """The sonar pictures as the pilot uses them, in a real browser: ranges, bearings, gain, palette, freeze, cursor."""
 
 import math
-from pathlib import Path
 
 import pytest
 
-from browser import judge, until, when
+from browser import judge, shows, until, when
 
 START_M = [-2.5, 0.0, -4.2]
 FACE_M = 2.5  # east of the pool's middle: the near face of its box
@@ -26,7 +25,7 @@ def brightness(page, name):
     }}""")
 
 
-def test_the_box_is_where_rings_and_cursor_say(here, page, tmp_path: Path):
+def test_the_box_is_where_rings_and_cursor_say(here, page):
     name = "forward_looking"
     enlarge(page, name)
     screen = f"station.views.sonarOf('{name}')"
@@ -54,15 +53,14 @@ def test_the_box_is_where_rings_and_cursor_say(here, page, tmp_path: Path):
     x, y = page.evaluate(f"{screen}.shown.at(4, 0.5)")
     box = page.locator(".view.is-large canvas.picture").bounding_box()
     page.mouse.move(box["x"] + x, box["y"] + y)
-    until(lambda: "starboard" in page.inner_text(".view.is-large .sonar-reading"), "a reading")
+    shows(page, ".view.is-large .sonar-reading", "starboard")
     range_m, _, bearing, side = page.inner_text(".view.is-large .sonar-reading").replace(" m,", " m").split()
     assert (float(range_m), side) == (pytest.approx(4.0, abs=0.1), "starboard")
     assert float(bearing.removesuffix("°")) == pytest.approx(math.degrees(0.5), abs=1.5)
-    page.screenshot(path=tmp_path / "ahead.png")
     judge(page, "sonar picture")
 
 
-def test_gain_and_palette_change_the_picture_and_freeze_keeps_it(here, page, tmp_path: Path):
+def test_gain_and_palette_change_the_picture_and_freeze_keeps_it(here, page):
     name = "forward_looking"
     enlarge(page, name)
     page.wait_for_timeout(300)
@@ -84,7 +82,6 @@ def test_gain_and_palette_change_the_picture_and_freeze_keeps_it(here, page, tmp
     drawn = page.evaluate("station.views.largeView.picture.drawn")
     when(page, f"station.views.largeView.picture.drawn > {drawn} + 3")
     assert brightness(page, name) == kept
-    page.screenshot(path=tmp_path / "frozen.png")
     page.click(".view.is-large button:text-is('Freeze')")
     until(lambda: abs(brightness(page, name) - kept) > 0.5, "another picture")
     page.click(".view.is-large button:text-is('Freeze')")
@@ -93,11 +90,10 @@ def test_gain_and_palette_change_the_picture_and_freeze_keeps_it(here, page, tmp
 
 
 @pytest.mark.parametrize("name", ["side_scan", "profiler", "fan"])
-def test_all_sonars_have_ranges_and_a_cursor(page, name, tmp_path: Path):
+def test_all_sonars_have_ranges_and_a_cursor(page, name):
     page.evaluate("(name) => station.views.enlarge(name)", name)
     page.wait_for_timeout(1500)
     box = page.locator(".view.is-large canvas").first.bounding_box()
     page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"])
-    until(lambda: "starboard" in page.inner_text(".view.is-large .sonar-reading"), "a reading")
-    page.screenshot(path=tmp_path / f"{name}.png")
+    shows(page, ".view.is-large .sonar-reading", "starboard")
     judge(page, name)

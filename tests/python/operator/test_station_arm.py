@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from browser import judge, until, when
+from browser import judge, shows, until, when
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator
 from uwsim.operator.station import Site, Station
@@ -33,8 +33,8 @@ def test_sliders_move_joints_and_halt_stops_them(browser, tmp_path: Path) -> Non
         assert arm is not None
         page.locator("#arm input").nth(1).fill("0.6")
         until(lambda: arm.read().positions[1] == pytest.approx(0.6, abs=0.05), "the upper arm's position")
-        until(lambda: "34" in page.inner_text("#arm"), "0.6 rad in degrees")
-        until(lambda: len(page.evaluate("station.objects.outlines()")) == 6, "its six links on the chart")
+        shows(page, "#arm", "34")  # 0.6 rad in degrees
+        when(page, "station.objects.outlines().length === 6")  # its six links on the chart
         judge(page, "arm")
         page.locator("#arm input").nth(0).fill("2.0")
         until(lambda: arm.read().speeds[0] > 0.3, "the shoulder's turn")

@@ -7,7 +7,7 @@ import json
 
 from PIL import Image
 
-from browser import chromium, desk, when
+from browser import desk, when
 from ros2_tools import until
 from station_pages import get, page, serving
 
@@ -85,8 +85,8 @@ def _arrived(live):
     return _counts(live, "front").delivered
 
 
-def test_the_operator_reads_how_often_pictures_come_and_may_see_what_the_vehicle_sees(tmp_path):
-    with chromium() as browser, desk(browser, tmp_path, "pool", link="s2cm_hs") as here:
+def test_the_operator_reads_how_often_pictures_come_and_may_see_what_the_vehicle_sees(browser, tmp_path):
+    with desk(browser, tmp_path, "pool", link="s2cm_hs") as here:
         look = here.open()
         look.wait_for_selector("#station:not([hidden])")
         when(look, "station.views.picture('front').drawn > 0")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from browser import chromium, desk, judge, shows, until, when
+from browser import desk, judge, shows, when
 
 ROOT = Path(__file__).parents[3]
 PAGE = ROOT / "python/uwsim/operator/station/page"
@@ -51,8 +51,8 @@ def test_the_documents_have_no_words_of_their_own(path):
     assert bool(texts.keys) == (path.name == "index.html")
 
 
-def test_a_german_browser_gets_german_and_the_menu_changes_it(tmp_path):
-    with chromium() as browser, desk(browser, tmp_path, "pool") as here:
+def test_a_german_browser_gets_german_and_the_menu_changes_it(browser, tmp_path):
+    with desk(browser, tmp_path, "pool") as here:
         page = here.fly(locale="de-DE", viewport={"width": 1440, "height": 900})
         when(page, "station.station.isPilot && station.views.largeView.picture.drawn > 0")
         assert page.evaluate("document.documentElement.lang") == "de"
@@ -60,11 +60,9 @@ def test_a_german_browser_gets_german_and_the_menu_changes_it(tmp_path):
         shows(page, "#lease", "Sie steuern")
         assert "undefined" not in page.inner_text("body")
         judge(page, "the German page")
-        page.screenshot(path=tmp_path / "german.png")
         page.keyboard.press("Escape")
         page.wait_for_selector("#menu-dialog[open]")
         judge(page, "the German menu")
-        page.screenshot(path=tmp_path / "menu.png")
         page.click("#menu-dialog >> text=English")
         page.wait_for_selector("html[lang=en] #station:not([hidden])")
         shows(page, "#dock", "Release")
@@ -73,5 +71,5 @@ def test_a_german_browser_gets_german_and_the_menu_changes_it(tmp_path):
         page.wait_for_selector("#station:not([hidden])")
         assert page.evaluate("document.documentElement.lang") == "en"
         french = here.open(locale="fr-FR")  # without a table
-        until(lambda: french.evaluate("document.documentElement.lang") == "en", "English")
+        when(french, "document.documentElement.lang === 'en'")
         assert not here.complaints

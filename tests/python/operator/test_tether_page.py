@@ -28,8 +28,8 @@ def test_the_page_draws_it_and_winds_its_winch(browser, tmp_path: Path) -> None:
     with desk(browser, tmp_path, str(tmp_path / "tethered.yaml")) as here:
         page = here.fly()
         when(page, "station.station.isPilot")
-        until(lambda: len(page.evaluate("station.tethers.elementsOf('rov')")) == 12, "the whole tether")
-        until(lambda: len(page.evaluate("station.tethers.elementsOf('buoy')")) == 8, "the tether of a loose body")
+        when(page, "station.tethers.elementsOf('rov').length === 12")
+        when(page, "station.tethers.elementsOf('buoy').length === 8")  # of a loose body
 
         def agrees() -> bool:
             drawn = page.evaluate("station.tethers.elementsOf('rov')")
@@ -44,7 +44,6 @@ def test_the_page_draws_it_and_winds_its_winch(browser, tmp_path: Path) -> None:
         page.fill("#tether input", "20")
         page.click("#winch-keep")
         until(lambda: here.rov.tether.read().anchor_tension_n > 15.0, "the tension that the winch keeps")
-        page.screenshot(path=tmp_path / "tethered.png")
         here.rov.cut_tether(3.0)
         shows(page, "#tether h2 small", "broken")
 

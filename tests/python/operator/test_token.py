@@ -16,20 +16,19 @@ from uwsim.cli.access import Access, secret
 from uwsim.operator.station import Site, Station
 
 pytest.importorskip("playwright", reason="needs playwright")
-from browser import chromium, when
+from browser import when
 from listening_sockets import status, upgrade
 
 TOKEN = "correct-horse"
 UWSIM = [sys.executable, "-c", "from uwsim.cli import main; main()"]
 
 
-def test_a_page_without_the_token_asks_for_it_and_opens_with_it() -> None:
+def test_a_page_without_the_token_asks_for_it_and_opens_with_it(browser) -> None:
     station = Station()
     site = Site(station, lambda request: has_token(request, TOKEN))
     with (
         RosbridgeServer(None, guests=[station], site=site, token=TOKEN) as server,
         station.serving(server.show),
-        chromium() as browser,
     ):
         page = browser.new_context(viewport={"width": 1280, "height": 800}).new_page()
         url = server.url.replace("ws", "http", 1)

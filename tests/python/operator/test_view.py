@@ -9,7 +9,7 @@ from urllib.request import urlopen
 import pytest
 
 import uwsim
-from browser import chromium, when
+from browser import when
 from uwsim.live import LiveSimulator
 
 
@@ -61,8 +61,8 @@ def notebook(body: str) -> Iterator[str]:
         thread.join()
 
 
-def test_a_notebook_s_frame_shows_the_scene() -> None:
-    with uwsim.view("pool", browser=False) as viewer, chromium() as browser:
+def test_a_notebook_s_frame_shows_the_scene(browser) -> None:
+    with uwsim.view("pool", browser=False) as viewer:
         complaints: list[str] = []
         with notebook(viewer._repr_html_()) as url:
             page = browser.new_page(viewport={"width": 1000, "height": 700})
