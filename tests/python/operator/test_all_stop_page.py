@@ -33,11 +33,18 @@ CONTRASTS = """([themes, states]) => {
       .map((share) => (share <= 0.04045 ? share / 12.92 : ((share + 0.055) / 1.055) ** 2.4));
     return 0.2126 * r + 0.7152 * g + 0.0722 * b;
   };
+  const known = new Map(); // since many buttons have the same colours, and each pixel takes a while to read
   const contrast = (button) => {
     const layers = [];
     for (let each = button; each; each = each.parentElement) layers.unshift(getComputedStyle(each).backgroundColor);
-    const [ground, text] = [...layers, getComputedStyle(button).color].map(over).slice(-2);
-    return (Math.max(ground, text) + 0.05) / (Math.min(ground, text) + 0.05);
+    const colours = layers.filter((colour, k) => k === 0 || colour !== 'rgba(0, 0, 0, 0)');
+    colours.push(getComputedStyle(button).color);
+    const key = colours.join();
+    if (!known.has(key)) {
+      const [ground, text] = colours.map(over).slice(-2);
+      known.set(key, (Math.max(ground, text) + 0.05) / (Math.min(ground, text) + 0.05));
+    }
+    return known.get(key);
   };
   const stop = document.querySelector('#all-stop');
   const isRead = (each) => each.checkVisibility() && each.textContent.trim();

@@ -57,6 +57,8 @@ def page(start_page):
     when(page, "station.editor.state.is_saved")
     page.evaluate("station.editor.view === station.editor.chart || station.editor.acts.turn()")
     page.evaluate("station.editor.acts.fit()")
+    for section in ("lamps", "obstacles"):  # with its first kind
+        page.locator(".editor-bar select").first.select_option(section)
     when(page, "station.editor.chart.frame.scale > 5")
     return page
 
@@ -66,6 +68,51 @@ def dragged(page, start, by):
     page.mouse.down()
     page.mouse.move(start[0] + by[0], start[1] + by[1], steps=3)
     page.mouse.up()
+
+
+def test_in_3d_the_same_parts_are_moved_turned_added_and_undone_and_a_reload_keeps_them(page):
+    with page.expect_response("**/edit/*/*.glb*"):
+        page.locator(".editor-canvas").press("v")
+    when(page, "station.editor.scene.gate.frames > 0")
+    page.evaluate("station.editor.scene.fit()")
+    page.mouse.move(*scene_pixel(page, (3, 0, -4)))
+    page.mouse.down()
+    page.mouse.move(*scene_pixel(page, (4, 2, -4)), steps=3)
+    page.mouse.up()
+    when(page, SENT.format("box", "position_m[1] > 1.8"))
+    np.testing.assert_allclose(sent(page, "box", "position_m"), [4, 2, -4.5], atol=0.2)
+    page.mouse.wheel(0, -100)
+    when(page, SENT.format("box", "yaw_pitch_roll_deg?.[0] === 5"))
+    page.keyboard.press("Control+z")
+    when(page, "!(" + SENT.format("box", "yaw_pitch_roll_deg") + ")")
+    page.mouse.click(*scene_pixel(page, (-3, -4, -5)))
+    when(page, "station.editor.parts.mark")
+    page.get_by_label("Kind").select_option("cylinder")
+    page.click(".editor-bar >> text=Add")
+    when(page, SENT.format("cylinder", "position_m"))
+    np.testing.assert_allclose(sent(page, "cylinder", "position_m"), [-3, -4, 0], atol=0.2)
+    page.locator(".editor-scene").press("PageUp")
+    when(page, SENT.format("cylinder", "position_m[2] === 0.5"))
+    page.keyboard.press("F2")
+    page.keyboard.press("ControlOrMeta+a")
+    page.keyboard.type("buoy")
+    page.keyboard.press("Enter")
+    when(page, SENT.format("buoy", "radius_m"))
+    judge(page, "the editor in 3D")
+    page.click(".editor-bar >> text=Delete")
+    when(page, "!(" + SENT.format("buoy", "radius_m") + ")")
+
+    page.reload()
+    page.wait_for_selector(".preview:not([hidden])")
+    page.click("text=Edit this scenario")
+    shows(page, ".editor-message", "not saved")
+    assert sent(page, "box", "position_m[1]") > 1.8 and page.evaluate("station.editor.state.can_undo")
+    page.evaluate("station.station.bridge.drop()")  # a lost connection
+    when(page, "station.station.id && station.editor.state.by")
+    page.locator(".editor-canvas").press("Control+z")
+    when(page, SENT.format("buoy", "radius_m"))
+    page.click("text=Revert")
+    when(page, "station.editor.state.is_saved && " + SENT.format("box", "position_m[1] === 0"))
 
 
 def test_with_nothing_chosen_the_chart_pans_and_marks_and_add_lands_where_one_looks(page):
@@ -197,51 +244,6 @@ def test_parts_of_the_vehicle_its_start_the_survey_and_currents_are_edited_by_ke
             ground.press("n")
             until(lambda chosen=chosen: page.evaluate("station.editor.selected") != chosen, "the next part")
         changes(name, *keys)
-
-
-def test_in_3d_the_same_parts_are_moved_turned_added_and_undone_and_a_reload_keeps_them(page):
-    with page.expect_response("**/edit/*/*.glb*"):
-        page.locator(".editor-canvas").press("v")
-    when(page, "station.editor.scene.gate.frames > 0")
-    page.evaluate("station.editor.scene.fit()")
-    page.mouse.move(*scene_pixel(page, (3, 0, -4)))
-    page.mouse.down()
-    page.mouse.move(*scene_pixel(page, (4, 2, -4)), steps=3)
-    page.mouse.up()
-    when(page, SENT.format("box", "position_m[1] > 1.8"))
-    np.testing.assert_allclose(sent(page, "box", "position_m"), [4, 2, -4.5], atol=0.2)
-    page.mouse.wheel(0, -100)
-    when(page, SENT.format("box", "yaw_pitch_roll_deg?.[0] === 5"))
-    page.keyboard.press("Control+z")
-    when(page, "!(" + SENT.format("box", "yaw_pitch_roll_deg") + ")")
-    page.mouse.click(*scene_pixel(page, (-3, -4, -5)))
-    when(page, "station.editor.parts.mark")
-    page.get_by_label("Kind").select_option("cylinder")
-    page.click(".editor-bar >> text=Add")
-    when(page, SENT.format("cylinder", "position_m"))
-    np.testing.assert_allclose(sent(page, "cylinder", "position_m"), [-3, -4, 0], atol=0.2)
-    page.locator(".editor-scene").press("PageUp")
-    when(page, SENT.format("cylinder", "position_m[2] === 0.5"))
-    page.keyboard.press("F2")
-    page.keyboard.press("ControlOrMeta+a")
-    page.keyboard.type("buoy")
-    page.keyboard.press("Enter")
-    when(page, SENT.format("buoy", "radius_m"))
-    judge(page, "the editor in 3D")
-    page.click(".editor-bar >> text=Delete")
-    when(page, "!(" + SENT.format("buoy", "radius_m") + ")")
-
-    page.reload()
-    page.wait_for_selector(".preview:not([hidden])")
-    page.click("text=Edit this scenario")
-    shows(page, ".editor-message", "not saved")
-    assert sent(page, "box", "position_m[1]") > 1.8 and page.evaluate("station.editor.state.can_undo")
-    page.evaluate("station.station.bridge.drop()")  # a lost connection
-    when(page, "station.station.id && station.editor.state.by")
-    page.locator(".editor-canvas").press("Control+z")
-    when(page, SENT.format("buoy", "radius_m"))
-    page.click("text=Revert")
-    when(page, "station.editor.state.is_saved && " + SENT.format("box", "position_m[1] === 0"))
 
 
 def test_a_scenario_is_edited_by_mouse_and_by_keys_saved_and_started(here, page):

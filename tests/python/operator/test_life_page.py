@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from browser import desk, until
+from station_pages import serving
 from uwsim.base.quaternions import turned
-from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.foxglove.life import level_turns, life
 from uwsim.live import LiveSimulator
-from uwsim.operator.station import Site, Station
 from uwsim.operator.station.scene.life import PERIOD_S
 from uwsim.operator.station.sessions.description import describe
 from uwsim.simulator.simulator import Simulator
@@ -57,8 +56,7 @@ def test_the_page_draws_them_where_they_are(browser, tmp_path: Path, scenario: P
 
 
 def test_the_page_does_not_know_them_if_the_truth_is_hidden(scenario: Path) -> None:
-    station = Station(is_fixed=True, truth=False, folder=scenario.parent)
-    with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
+    with serving(scenario.parent, is_fixed=True, truth=False) as (station, _):
         station.run(lambda: LiveSimulator(Simulator(scenario)))
         running = station.present()
         assert describe(running)["life"] is None

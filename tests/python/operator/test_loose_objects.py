@@ -3,19 +3,17 @@
 import io
 import json
 from pathlib import Path
-from urllib.request import urlopen
 
 import numpy as np
 import pytest
 import shapely
 from PIL import Image
 
-from browser import until
+from browser import desk, until
+from station_pages import get, serving
 from uwsim.base.quaternions import turned
-from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.foxglove.scenes import Bodies
 from uwsim.live import LiveSimulator
-from uwsim.operator.station import Site, Station
 from uwsim.operator.station.scene.loose_objects import outermost
 from uwsim.operator.station.start.preview import OBSTACLE, draw
 from uwsim.scenario import load
@@ -53,22 +51,16 @@ def test_the_outermost_corners_have_the_shape_of_the_whole_body(scenario: Path) 
             assert some.area == pytest.approx(whole.area, rel=0.02)
 
 
-@pytest.mark.parametrize("truth", [True, False])
-def test_the_page_shows_bodies_where_they_are_unless_the_truth_is_hidden(browser, scenario: Path, truth: bool) -> None:
-    station = Station(is_fixed=True, truth=truth, folder=scenario.parent)
-    with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
+def test_the_page_does_not_know_bodies_if_the_truth_is_hidden(scenario: Path) -> None:
+    with serving(scenario.parent, is_fixed=True, truth=False) as (station, server):
         station.run(lambda: LiveSimulator(Simulator(scenario)))
-        url = server.url.replace("ws", "http", 1)
-        context = browser.new_context()
-        page = context.new_page()
-        page.goto(url)
-        page.wait_for_selector("#station:not([hidden])")
-        if not truth:
-            assert page.evaluate("station.station.description.objects") is None
-            assert json.loads(urlopen(f"{url}/scene/scene.json").read())["objects"] == []
-            context.close()
-            return
-        live = station.present().live
+        assert station.present().describe()["objects"] is None
+        assert json.loads(get(server, "/scene/scene.json")[1])["objects"] == []
+
+
+def test_the_page_shows_bodies_where_they_are(browser, scenario: Path) -> None:
+    with desk(browser, scenario.parent, str(scenario)) as here:
+        page, live = here.fly(), here.station.present().live
 
         def agree() -> bool:
             found = {each["name"]: each["outline"] for each in page.evaluate("station.objects.outlines()")}
@@ -80,7 +72,6 @@ def test_the_page_shows_bodies_where_they_are_unless_the_truth_is_hidden(browser
         until(agree, "the bodies' places, while one sinks and one rises")
         live.pause()
         until(agree, "the bodies' places")
-        context.close()
 
 
 def test_foxglove_gets_a_body_again_only_when_it_has_moved(scenario: Path) -> None:

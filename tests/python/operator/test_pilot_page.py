@@ -1,4 +1,4 @@
-"""Holds, display and warnings as the pilot sees them, in a real browser: one station and one page for all of it."""
+"""Holds, display, warnings and parameters as the pilot sees them, in a real browser: one page for all of it."""
 
 from browser import judge, shows, until, when
 
@@ -109,3 +109,38 @@ def test_a_collision_stays_until_it_is_acknowledged_and_lengths_and_colours_chan
     judge(page, "night, flying")
     page.click("#acknowledge")
     when(page, "document.querySelector('#lamp-collision').dataset.on === 'off'")
+
+
+def test_the_inspector_finds_changes_and_resets_parameters(here, page):
+    name = "rov.drag.linear.surge"
+    own = here.station.present().live.simulator.parameters
+    page.click("#inspect")
+    page.fill("[aria-label='Search parameters']", "drag linear surge")
+    box = page.locator(f"[aria-label='{name}, N s/m']")
+    box.fill("40")
+    box.press("Enter")
+    until(lambda: own[name] == 40.0, "the change")
+    when(page, "document.querySelectorAll('.parameter[data-changed]').length === 1")
+    judge(page, "inspector")
+    box.fill("-1")
+    box.press("Enter")  # is refused, and the field returns to the value that holds
+    when(page, f"document.querySelector('[aria-label=\"{name}, N s/m\"]').value === '40'")
+    shows(page, "#toast", "must be in")
+    assert own[name] == 40.0
+    page.locator(f"[aria-label='{name}, slider']").press("ArrowRight")
+    until(lambda: 40.0 < own[name] < 41.0, "the slider")
+    slider = page.locator(f"[aria-label='{name}, slider']")
+    slider.press("Home")  # from a tenth to ten times the scenario's value
+    until(lambda: own[name] == 2.94, "the slider's left end")
+    slider.press("End")
+    until(lambda: own[name] == 294.0, "its right end")
+    for word, found in (("turbidity", "optics.visibility_m"), ("wind", "optics.wind_m_s"), ("gravity", "rov.mass_kg")):
+        page.fill("[aria-label='Search parameters']", word)
+        page.wait_for_selector(f"[aria-label^='{found},']:visible")
+    page.fill("[aria-label='Search parameters']", name)
+    page.click(f"[aria-label='Reset {name}']")
+    until(lambda: own[name] == 29.4, "the reset")
+    here.station.present().live.call(lambda sim: own.update({name: 50.0})).result()  # by another client
+    when(page, f"document.querySelector('[aria-label=\"{name}, N s/m\"]').value === '50'")
+    here.station.present().live.command("reset_parameters", name=name).result()
+    page.click("#inspect")

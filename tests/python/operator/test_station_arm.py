@@ -4,11 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from browser import judge, shows, until, when
-from uwsim.bridges import RosbridgeServer
-from uwsim.live import LiveSimulator
-from uwsim.operator.station import Site, Station
-from uwsim.simulator.simulator import Simulator
+from browser import desk, judge, shows, until, when
 
 REACH = """
 name: reach
@@ -21,15 +17,10 @@ vehicles:
 def test_sliders_move_joints_and_halt_stops_them(browser, tmp_path: Path) -> None:
     path = tmp_path / "reach.yaml"
     path.write_text(REACH)
-    station = Station(is_fixed=True, folder=tmp_path)
-    with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
-        live = LiveSimulator(Simulator(path))
-        station.run(lambda: live)
-        page = browser.new_page()
-        page.goto(f"http://127.0.0.1:{server.port}/")
+    with desk(browser, tmp_path, str(path)) as here:
+        page, arm = here.fly(), here.rov.arm
         page.wait_for_selector("#arm:not([hidden])")
         when(page, "station.station.isPilot")
-        arm = live.simulator.rov.arm
         assert arm is not None
         page.locator("#arm input").nth(1).fill("0.6")
         until(lambda: arm.read().positions[1] == pytest.approx(0.6, abs=0.05), "the upper arm's position")
@@ -41,4 +32,3 @@ def test_sliders_move_joints_and_halt_stops_them(browser, tmp_path: Path) -> Non
         page.click("#halt-arm")
         until(lambda: abs(arm.read().speeds[0]) < 1e-3, "the halt")
         assert arm.read().positions[0] < 1.9
-        page.close()

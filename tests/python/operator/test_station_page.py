@@ -21,10 +21,10 @@ from uwsim.scenario.read.assets import assets_folder
 HELD_S = 1.2
 
 
-def docked(here, page):
+def docked(page):
     """Restart the simulator of a page, which keeps the controls."""
     session = page.evaluate("station.station.state.session")
-    here.station.present().live.reset()
+    page.evaluate("station.station.control('restart')")
     when(page, f"station.station.state.session > {session} && station.telemetry.message?.released === false")
     when(page, "station.station.isPilot && station.pilot.mayAct")
     return page
@@ -195,7 +195,7 @@ def test_silence_puts_efforts_to_zero_and_a_held_key_goes_on(here, page):
 
 
 def test_one_flies_and_hands_over_and_a_silent_one_loses_the_controls(here, page, monkeypatch):
-    first = docked(here, page)
+    first = docked(page)
     second = here.fly()
     shows(second, "#lease", "flies")
 
@@ -291,12 +291,12 @@ def test_keys_can_be_changed(here, page):
     until(lambda: here.effort("surge") == 0.5 and here.effort("yaw") == 0.5, "the changed keys")
     page.reload()
     when(page, "globalThis.station?.bindings.keysOf('surge+')[0] === 'KeyO'")  # the bindings persist
-    here.settle(page)
     here.regain(page)
+    here.settle(page)
 
 
 def test_published_keys_add_up_until_the_opposite_key(here, page):
-    docked(here, page)
+    docked(page)
     page.keyboard.press("?")
     page.click("text=Published")
     page.keyboard.press("Escape")
@@ -318,7 +318,7 @@ def test_published_keys_add_up_until_the_opposite_key(here, page):
 
 
 def test_buttons_act(here, page):
-    docked(here, page)
+    docked(page)
     assert page.inner_text("#sound") == "Sound off"
     docked_m = here.rov.pose.position_world_m
     assert page.is_visible("#undock")
