@@ -144,9 +144,9 @@ def exercise_desk(browser: Browser, folder: Path, exercise: Exercise, **options:
         yield here
 
 
-def shows(page: Page, selector: str, text: str) -> None:
+def shows(page: Page, selector: str, text: str, limit_s: float = WAIT_S) -> None:
     """Wait until an element of a page contains a text: it may follow from a later message than one just received."""
-    when(page, f"document.querySelector({json.dumps(selector)})?.innerText.includes({json.dumps(text)})")
+    when(page, f"document.querySelector({json.dumps(selector)})?.innerText.includes({json.dumps(text)})", limit_s)
 
 
 WAIT = """async () => {
@@ -156,21 +156,20 @@ WAIT = """async () => {
 }"""
 
 
-def when(page: Page | Frame, expression: str) -> None:
+def when(page: Page | Frame, expression: str, limit_s: float = WAIT_S) -> None:
     """Wait until a JavaScript expression is true in a page. (Playwright's own wait needs eval, which pages forbid.)"""
     is_true = None
     while is_true is None:
         try:
-            is_true = page.evaluate(WAIT % (1000 * WAIT_S, expression))
+            is_true = page.evaluate(WAIT % (1000 * limit_s, expression))
         except Error as error:  # while the page is loaded again
             if "context was destroyed" not in error.message:
                 raise
-    assert is_true, f"{expression} did not happen in {WAIT_S:g} s"
+    assert is_true, f"{expression} did not happen in {limit_s:g} s"
 
 
 JUDGE = """async (part) => {
   const options = {
-    elementRef: true,
     runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'],
     checks: { 'color-contrast': { options: { ignoreUnicode: false, ignoreLength: true } } },
   };
@@ -185,17 +184,11 @@ JUDGE = """async (part) => {
   };
   const found = await axe.run(part, options);
   const wrong = listed(found.violations);
-  let open = listed(found.incomplete).filter(isOpen).map(({ element }) => element);
-  while (open.length) {
-    const [first, ...others] = open;
-    first.scrollIntoView({ block: 'center', inline: 'center' });
-    const again = isOnTop(first)
-      ? await axe.run({ include: open.filter(isOnTop) }, { ...options, runOnly: ['color-contrast'] })
-      : { violations: [], incomplete: [], passes: [] };
-    const isFirst = ({ element }) => first.contains(element);
-    wrong.push(...listed(again.violations), ...listed(again.incomplete).filter(isOpen).filter(isFirst));
-    const done = new Set(listed([...again.violations, ...again.passes]).map(({ element }) => element));
-    open = others.filter((each) => !done.has(each));
+  for (const { target } of listed(found.incomplete).filter(isOpen)) {
+    const element = document.querySelector(target[0]);
+    element?.scrollIntoView({ block: 'center', inline: 'center' });
+    const again = element && isOnTop(element) ? await axe.run(element, options) : { violations: [], incomplete: [] };
+    wrong.push(...listed(again.violations), ...listed(again.incomplete).filter(isOpen));
   }
   return wrong.map(({ id, html, any }) => [id, html.slice(0, 120), any[0]?.data?.messageKey ?? '']);
 }"""

@@ -13,6 +13,7 @@ from uwsim.operator.station.flights.flights import Bounds
 PIPELINE = (-100.0, -30.0)  # a corner of lake's pipeline_main; the chart shows its name there
 ABOVE_M = 5.0
 MOST_ACTS = {"pipeline": 11, "map": 1, "replay": 3}
+FLIGHT_S = 240.0  # of real time, for two minutes of simulated time that are recorded, mapped and shown
 
 
 class Acts:
@@ -52,7 +53,7 @@ def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(brow
             does.done["pipeline"] += 1
         does("pipeline", "fill", "[aria-label='Speed [m/s]']", "1.5")
         does("pipeline", "click", ".chart-tools >> text=Fly")
-        shows(page, ".view.is-large .scene-note", "all waypoints are reached")
+        shows(page, ".view.is-large .scene-note", "all waypoints are reached", FLIGHT_S)
         live = here.station.present().live
         there = live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
         assert np.linalg.norm(there[:2] - PIPELINE) < 4.0 and abs(there[2] + bed_m - ABOVE_M) < 2.0
