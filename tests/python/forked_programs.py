@@ -84,8 +84,6 @@ class Programs:
                 program.end()
 
 
-
-
 def next_program(requests: socket.socket) -> list[str]:
     """Fork for each request; return its words in the process that becomes the program."""
     pids: set[int] = set()
