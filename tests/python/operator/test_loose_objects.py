@@ -15,6 +15,7 @@ from uwsim.base.quaternions import turned
 from uwsim.bridges.foxglove.scenes import Bodies
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.scene.loose_objects import outermost
+from uwsim.operator.station.sessions.description import describe
 from uwsim.operator.station.start.preview import OBSTACLE, draw
 from uwsim.scenario import load
 from uwsim.scenario.build.loose_bodies import object_mesh
@@ -54,7 +55,7 @@ def test_the_outermost_corners_have_the_shape_of_the_whole_body(scenario: Path) 
 def test_the_page_does_not_know_bodies_if_the_truth_is_hidden(scenario: Path) -> None:
     with serving(scenario.parent, is_fixed=True, truth=False) as (station, server):
         station.run(lambda: LiveSimulator(Simulator(scenario)))
-        assert station.present().describe()["objects"] is None
+        assert describe(station.present())["objects"] is None
         assert json.loads(get(server, "/scene/scene.json")[1])["objects"] == []
 
 
