@@ -22,7 +22,7 @@ from waiting import until
 CHROMIUM = Path("/usr/bin/chromium-headless-shell")  # from tools/apt-packages-dev.txt, in place of Playwright's build
 SOFTWARE_GL = "--enable-unsafe-swiftshader"
 AXE = Path(__file__).parents[2] / "build/js/node_modules/axe-core/axe.min.js"
-PICTURES_HZ = 4.0  # fewer than the station's, since each takes processor time in both
+PICTURES_HZ = 2.5  # less than the station renders, since each picture takes processor time there and in the page
 WAIT_S = 180.0  # timeout for every wait; generous because the machine may be busy
 
 
@@ -111,7 +111,7 @@ class Desk:
 def _serving(browser: Browser, station: Station) -> Iterator[Desk]:
     with (
         patch.object(server, "PONG_S", 10 * WAIT_S),  # a browser may stand still for longer than the usual limit
-        patch.multiple(views, RATE_HZ=PICTURES_HZ, RATE_MAX_HZ=PICTURES_HZ, SMALL_PERIOD_S=1.0),
+        patch.multiple(views, RATE_HZ=PICTURES_HZ, RATE_MAX_HZ=PICTURES_HZ, SMALL_PERIOD_S=1.0, UNAWAITED_PERIOD_S=2.0),
         RosbridgeServer(None, guests=[station], site=Site(station)) as serving,
         station.serving(serving.show),
     ):

@@ -41,8 +41,8 @@ def snapshot(page):
 
 
 def record_pictures(page) -> None:
-    """Wait until seven pictures with different times have been recorded."""
-    for _ in range(7):
+    """Wait until four pictures with different times have been recorded."""
+    for _ in range(4):
         before = page.evaluate("String(station.recorder.shown[0])")
         when(page, f"String(station.recorder.shown[0]) !== {json.dumps(before)}")
     page.wait_for_timeout(700)  # until the encoder has them, too
