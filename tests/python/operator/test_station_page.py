@@ -313,7 +313,7 @@ def test_published_keys_add_up_until_the_opposite_key(here, page):
     page.keyboard.press("y")
     until(lambda: here.rov.released, "undocking")
     page.keyboard.press("?")
-    page.click("text=WASD")
+    page.click("#keys-dialog button:text-is('Standard')")
     page.keyboard.press("Escape")
 
 
