@@ -7,16 +7,20 @@
         toy: str | None = option(None, "Write readings to this file.", metavar="FILE")
         toy_rate: float | None = option(None, "Lines per second. Default: 10.", bounds=(0.1, 1000, "Hz"))
 
-is the flags `--toy FILE` and `--toy-rate FLOAT`, of which the second needs the first.
+is the flags `--toy FILE` and `--toy-rate FLOAT`, of which the second needs the first. A unit at the end of a name, as
+in toy_length_m, is left out of the flag: its help states it.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Mapping
 from typing import Any, ClassVar, get_type_hints
 
 from uwsim.base.did_you_mean import did_you_mean
+
+UNIT = re.compile(r"_(m|s|deg|mb)$")
 
 
 class OptionError(ValueError):
@@ -87,6 +91,11 @@ class Options(FlagGroup):
         return {each.name: getattr(self, each.name) != each.default for each in dataclasses.fields(self)}
 
     @property
+    def arguments(self) -> dict[str, Any]:
+        """The options that differ from their defaults, as keywords."""
+        return {name: getattr(self, name) for name, is_given in self.given().items() if is_given}
+
+    @property
     def is_requested(self) -> bool:
         """True if the switch is given, or if there is none."""
         return self.switch is None or is_given(getattr(self, self.switch))
@@ -99,8 +108,8 @@ class Options(FlagGroup):
 
 
 def flag_name(name: str) -> str:
-    """Return the flag of an option, such as --ros-peer for ros_peer."""
-    return f"--{name.replace('_', '-')}"
+    """Return the flag of an option, such as --ros-peer for ros_peer, and --time-limit for time_limit_s."""
+    return f"--{UNIT.sub('', name).replace('_', '-')}"
 
 
 def is_given(value: object) -> bool:
@@ -113,9 +122,14 @@ def need(needed: str, **options: object) -> None:
 
     needed: the missing option, such as "--record". options: values by argument name.
     """
-    given = [flag_name(name) for name, value in options.items() if is_given(value)]
-    if given:
-        raise WithoutEffectError(f"{', '.join(given)}: {'need' if len(given) > 1 else 'needs'} {needed}")
+    count = sum(map(is_given, options.values()))
+    refuse(f"{'need' if count > 1 else 'needs'} {needed}", **options)
+
+
+def refuse(rule: str, **options: object) -> None:
+    """Raise WithoutEffectError for options that were passed against a rule. options: values by argument name."""
+    if given := [flag_name(name) for name, value in options.items() if is_given(value)]:
+        raise WithoutEffectError(f"{', '.join(given)}: {rule}")
 
 
 def require_within(name: str, number: float | None, low: float, high: float, unit: str = "") -> None:

@@ -43,14 +43,14 @@ def readable(param: typer.CallbackParam, value: Any) -> Any:
     """
     for path in value if isinstance(value, list) else (value,):
         if isinstance(path, Path):
-            _require_file(path, option_name(param))
+            require_file(path, option_name(param))
     return value
 
 
 def writable(param: typer.CallbackParam, value: Path | None) -> Path | None:
     """Return a path if it can be written; a typer callback, which reports an error before a long computation."""
     if value is not None:
-        _require_file(value, option_name(param))
+        require_file(value, option_name(param))
         if value.is_dir():
             raise UsageError(f"{option_name(param)} = '{value}': is a folder: must be a file")
         if not os.access(value.parent, os.W_OK):
@@ -58,7 +58,8 @@ def writable(param: typer.CallbackParam, value: Path | None) -> Path | None:
     return value
 
 
-def _require_file(path: Path, name: str) -> None:
+def require_file(path: Path, name: str) -> None:
+    """Raise UsageError for a device or a pipe. name: the option, for the message."""
     try:
         kind = path.stat().st_mode
     except (OSError, ValueError):  # such as a name that is too long; opening it will raise the error

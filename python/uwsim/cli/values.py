@@ -48,7 +48,8 @@ vehicle_models = packaged("vehicles")
 sonars = packaged("sonars", "1", "2", "3", "4")
 modems = packaged("modems")
 vehicles = packaged("vehicles")
-COMPLETED = {"vehicles": vehicle_models, "sonars": sonars, "modems": modems}
+sequences = packaged("sequences")
+COMPLETED = {"vehicles": vehicle_models, "sonars": sonars, "modems": modems, "sequences": sequences}
 """By the kind that a flag states."""
 
 

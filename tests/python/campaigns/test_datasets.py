@@ -14,11 +14,12 @@ from ruamel.yaml import YAML
 import uwsim
 from elsewhere import Elsewhere
 from uwsim.base import own_files
-from uwsim.campaigns.datasets import make, studio
+from uwsim.campaigns.datasets import studio
 from uwsim.campaigns.datasets.formats.masks import bounds, run_lengths
 from uwsim.campaigns.datasets.spec import DatasetSpec
 from uwsim.campaigns.datasets.split import split_of_frames
 from uwsim.campaigns.datasets.studio import Studio
+from uwsim.campaigns.workers import campaign
 from uwsim.scenario.build.hull import hull_radius_m
 from uwsim.scenario.read.assets import assets_folder
 
@@ -234,7 +235,7 @@ def test_the_same_bytes_after_a_stop_and_by_other_workers(
         uwsim.make_dataset(aquarium, stopped, FRAMES, workers=0, **OPTIONS)
     with pytest.raises(ValueError, match=r"--resume: .*options"):
         uwsim.make_dataset(aquarium, stopped, FRAMES, workers=0, resume=True, **{**OPTIONS, "seed": 9})
-    monkeypatch.setattr(make, "open_workers", lambda count, scheduler: Elsewhere(studio._kept.cache_clear))
+    monkeypatch.setattr(campaign, "open_workers", lambda count, scheduler: Elsewhere(studio._kept.cache_clear))
     done = uwsim.make_dataset(aquarium, stopped, FRAMES, resume=True, **OPTIONS)
     assert done.made == FRAMES - 2 and not done.interrupted
     assert files_of(stopped) == files_of(data.out)

@@ -9,7 +9,6 @@ from scipy.spatial.transform import Rotation
 
 from command_line import error_line, uwsim
 from uwsim import make_dataset
-from uwsim.campaigns.cli import dataset as cli
 from uwsim.campaigns.datasets.make import Dataset
 from uwsim.campaigns.datasets.spec import DatasetSpec
 from uwsim.campaigns.datasets.track import read_track
@@ -158,14 +157,19 @@ def test_the_command_makes_a_dataset(tmp_path: Path) -> None:
     assert repr(Dataset(spec, Path("data"), 1000, (), 10, 2.0)) == shown
 
 
-def test_the_command_reads_sizes_ranges_and_variations() -> None:
-    assert cli._size("640x360") == (640, 360)
-    assert cli._interval("--distance", "1..6.5") == (1.0, 6.5)
-    assert cli._variation("optics.jerlov=II,3C") == ("optics.jerlov", "II,3C")
-    assert cli._variation("optics.wind_m_s=0..5") == ("optics.wind_m_s", "0..5")
-    for read in (lambda: cli._size("640"), lambda: cli._interval("--distance", "3"), lambda: cli._variation("a=1..b")):
+def spec_of(**options: object) -> DatasetSpec:
+    return validated(DatasetSpec, {"scenario": "pool", "n": 1, **options})
+
+
+def test_text_is_read_as_on_the_command_line() -> None:
+    assert spec_of(size="640x360").size == (640, 360)
+    assert spec_of(distance_m="1..6.5").distance_m == (1.0, 6.5)
+    assert spec_of(write="rgb, depth", look_at="box", effects="noise+wobble").write == ("rgb", "depth")
+    texts = ("optics.jerlov=II,3C", "optics.wind_m_s=0..5")
+    assert spec_of(vary=texts) == spec_of(vary={"optics.jerlov": "II,3C", "optics.wind_m_s": "0..5"})
+    for wrong in ({"size": "640"}, {"distance_m": "3"}, {"vary": ("a=1..b",)}, {"vary": ("a",)}):
         with pytest.raises(ValueError, match="must be"):
-            read()
+            spec_of(**wrong)
 
 
 @pytest.mark.parametrize(
@@ -180,8 +184,7 @@ def test_the_command_reads_sizes_ranges_and_variations() -> None:
     ],
 )
 def test_variations_may_be_written_briefly_in_python_as_on_the_command_line(brief: object, whole: object) -> None:
-    one, two = (validated(DatasetSpec, {"scenario": "pool", "n": 1, "vary": {"a": each}}) for each in (brief, whole))
-    assert one.vary == two.vary
+    assert spec_of(vary={"a": brief}).vary == spec_of(vary={"a": whole}).vary
 
 
 def test_the_pieces_of_cover_can_be_looked_at_by_class_and_by_name(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from elsewhere import Elsewhere
 from uwsim.campaigns.film import Film, make, make_film, shot
 from uwsim.campaigns.film.shot import FilmCamera, between, developed
 from uwsim.campaigns.film.views import along_path
+from uwsim.campaigns.workers import campaign
 from uwsim.missions import goto
 from uwsim.scenario.spec.camera import CameraMount
 
@@ -50,7 +51,7 @@ def test_frames_do_not_depend_on_workers_and_an_interrupted_film_resumes(
         make_film(recording, out, **options)
     with pytest.raises(ValueError, match=r"fps is 4\.0: was begun with 5\.0"):
         make_film(recording, out, **{**options, "fps": 4.0}, resume=True)
-    monkeypatch.setattr(make, "open_workers", lambda count, scheduler: Elsewhere(shot._stage.cache_clear))
+    monkeypatch.setattr(campaign, "open_workers", lambda count, scheduler: Elsewhere(shot._stage.cache_clear))
     rest = make_film(recording, out, **options, resume=True)
     assert rest.made == 2 and not rest.interrupted
     assert frames(rest) == frames(whole) and len(frames(whole)) == 3
@@ -104,10 +105,10 @@ def test_a_path_is_followed(tmp_path: Path) -> None:
     [
         ({"camera": "nose"}, "camera = 'nose': must be one of chase, orbit, front, "),
         ({"quality": "best"}, "quality = 'best': must be one of draft, good, high"),
-        ({"until_s": 1.0}, "until = 1 s: must be above from = 2 s"),
+        ({"until_s": 1.0}, "until = 1 s: must be above --from = 2 s"),
         ({"from_s": 50.0, "until_s": 60.0}, "ends before from = 50 s"),
         ({"from_s": 2.0, "until_s": 2.1}, "has less than a frame between from = 2 s and until = 2.1 s"),
-        ({"size": (0, 28)}, "size = 0x28: both must be in"),
+        ({"size": (0, 28)}, r"size = 0 pixels: must be in \[1, 8192\]"),
     ],
 )
 def test_mistakes_are_reported(recording: Path, tmp_path: Path, options: dict, message: str) -> None:

@@ -10,7 +10,7 @@ from uwsim import Simulator
 from uwsim.campaigns.fleet import run_fleet
 from uwsim.campaigns.fleet.fleet import shares
 from uwsim.campaigns.fleet.score import by_tile
-from uwsim.campaigns.fleet.tile_job import TileJob
+from uwsim.campaigns.fleet.tile_job import TileJob, start_above
 from uwsim.campaigns.fleet.tiles import Grid, grid_over, tiles_of
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario import ScenarioError, build_terrain, load
@@ -77,7 +77,12 @@ def test_a_part_of_the_terrain_has_the_heights_and_the_water_of_the_whole() -> N
     places = np.random.default_rng(0).uniform(low, high, (500, 2))
     np.testing.assert_allclose(part.height_at(places), full.height_at(places), atol=1e-9)
     tile, beside = tiles_of(whole.survey.area_m, grid_over(whole.survey.area_m, 60.0), 0.5)[0][:2]
-    first, second = (TileJob("lake", 3, each, 0.5).scenario_of_tile(whole) for each in (tile, beside))
+    starts_m = [start_above(full, each) for each in (tile, beside)]
+    assert full.height_at(np.array([start_m[:2] for start_m in starts_m])).max() < -3.5
+    first, second = (
+        TileJob("lake", 3, {}, voxel_m=0.5, tile=each, start_m=start_m).varied_scenario()
+        for each, start_m in zip((tile, beside), starts_m, strict=True)
+    )
     assert first.water == second.water and first.vehicles[0].name != second.vehicles[0].name, "noise of its own"
     with Simulator(first) as sim, Simulator(whole) as all_of_it:
         places = np.random.default_rng(1).uniform(np.min(tile.area_m, axis=0), np.max(tile.area_m, axis=0), (500, 2))
@@ -101,11 +106,11 @@ def test_a_fleets_map_is_scored_as_one_and_survives_a_stop_and_a_failure(
         run_fleet(pool, again, **OPTIONS)
     with pytest.raises(ValueError, match=r"tile_m is 5\.0: was begun with 6\.0"):
         run_fleet(pool, again, **{**OPTIONS, "tile_m": 5.0}, resume=True)
-    with pytest.raises(ValueError, match="retry_failed: needs resume"):
+    with pytest.raises(ValueError, match="--retry-failed: needs --resume"):
         run_fleet(pool, tmp_path / "new", **OPTIONS, retry_failed=True)
     with monkeypatch.context() as patched:
-        failing = {"error": "ValueError: no", "dry": None}
-        patched.setattr("uwsim.campaigns.fleet.fleet.fly_tile", lambda job: failing)
+        failing = {"metrics": {}, "error": "ValueError: no"}
+        patched.setattr("uwsim.campaigns.fleet.fleet.fly_job", lambda job: failing)
         flown = run_fleet(pool, again, **OPTIONS, resume=True)
         assert flown.failed == {1: "ValueError: no"} and flown.figures["tiles_failed"] == 1
         assert run_fleet(pool, again, **OPTIONS, resume=True).failed

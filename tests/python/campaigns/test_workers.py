@@ -15,7 +15,6 @@ import pytest
 
 from command_line import UWSIM, hears_ctrl_c
 from uwsim.base.folder_lock import LOCK
-from uwsim.base.stoppable import stop_on_signals
 from uwsim.campaigns.sweeps import run_sweep
 from uwsim.campaigns.sweeps.table import TABLE
 from uwsim.campaigns.workers import Workers, dask_workers, open_workers
@@ -192,7 +191,6 @@ def test_what_has_nothing_to_keep_ends_at_once(number: signal.Signals) -> None:
     with (
         pytest.raises(KeyboardInterrupt),
         job_progress("frames") as progress,
-        stop_on_signals(progress),
         progress.abandonable("flying"),
     ):
         os.kill(os.getpid(), number)
@@ -227,7 +225,7 @@ def test_an_interruption_that_a_command_leaves_to_the_program_is_one_line() -> N
 
 
 def test_jobs_end_at_their_next_pause() -> None:
-    with job_progress("frames") as progress, stop_on_signals(progress):
+    with job_progress("frames") as progress:
         with progress.abandonable("flying"):
             pass
         os.kill(os.getpid(), signal.SIGINT)

@@ -33,7 +33,7 @@ POOL_TERRAIN = "source: noise\n  size_m: [20, 20]\n  spacing_m: 0.5\n  bed_depth
         (["survey", "pool", "--mission-time", "-5"], "--mission-time = -5.0 s: must be in [1, 1000000] s"),
         (["survey", "pool", "--threads", "0"], "threads"),
         (["survey", "pool", "--frequency", "abc"], "--frequency = 'abc': must be a number in [0.1, 100000] kHz"),
-        (["dataset", "pool", "--n", "2.5"], "--n = '2.5': must be a whole number in [1, 1000000000]"),
+        (["dataset", "pool", "--n", "2.5"], "--n = '2.5': must be a whole number in [1, 1000000]"),
         (["dataset", "--sequence", "cove-lane"], "did you mean 'cove-lanes'?"),
         (["dataset", "lake", "--sequence", "cove-lanes"], "SCENARIO: set by the sequence cove-lanes; leave it out"),
         (["bench", "surveyy"], "unknown"),

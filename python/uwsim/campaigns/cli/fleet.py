@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uwsim.base.options import need
-from uwsim.campaigns.cli.sweep import Scheduler, Workers
+from uwsim.campaigns.workers import RetriedOptions
 from uwsim.cli.bounds import within
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED
 from uwsim.cli.groups import under
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
 
 @under("Fly")
 def fleet(
+    *,
     scenario: ScenarioName,
     tile: Annotated[float, typer.Option(help="Largest edge of a tile [m].", callback=within(1, 1e5, "m"))],
     out: Annotated[Path, typer.Option(help="Folder for map.bt, summary.json, tiles.png and the tiles' maps.")] = Path(
@@ -35,12 +35,7 @@ def fleet(
         ),
     ] = 1,
     score: Annotated[bool, typer.Option("--score/--no-score", help="Compare the map with the true world.")] = True,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Fly the tiles that are missing in --out.")] = False,
-    retry_failed: Annotated[
-        bool, typer.Option("--retry-failed", help="With --resume: also fly those that failed.")
-    ] = False,
+    work: RetriedOptions,
 ) -> None:
     """Survey an area in tiles on many workers; merge the maps.
 
@@ -49,29 +44,14 @@ def fleet(
     workers or the order in which tiles are finished. If the fleet is interrupted or
     killed, only the tiles in progress are lost: --resume flies the rest. Exits with 1 if a tile failed.
     """
-    from uwsim.base.stoppable import stop_on_signals
     from uwsim.campaigns.fleet import run_fleet
     from uwsim.campaigns.workers.job_progress import job_progress
 
-    if not resume:
-        need("--resume", retry_failed=retry_failed)
-    with job_progress("tiles") as progress, stop_on_signals(progress):
+    with job_progress("tiles") as progress:
         flown = run_fleet(
-            scenario,
-            out,
-            tile_m=tile,
-            voxel_m=voxel,
-            seed=seed,
-            vehicles=vehicles,
-            score=score,
-            workers=workers,
-            scheduler=scheduler,
-            resume=resume,
-            retry_failed=retry_failed,
-            stop_requested=progress.stop_requested,
-            tell=progress.tell,
-            show=progress.activity,
-        )
+            scenario, out, tile_m=tile, voxel_m=voxel, seed=seed, vehicles=vehicles, score=score, **work.arguments,
+            **progress.arguments,
+        )  # fmt: skip
     for number, error in list(flown.failed.items())[:3]:
         typer.echo(f"tile {number}: {error}", err=True)
     for number, reason in list(flown.ended_early.items())[:3]:

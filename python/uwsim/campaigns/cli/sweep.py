@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uwsim.base.options import WithoutEffectError, need
+from uwsim.base.options import refuse
+from uwsim.campaigns.workers import RetriedOptions
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED
 from uwsim.cli.groups import under
@@ -16,30 +17,17 @@ from uwsim.cli.groups import under
 if TYPE_CHECKING:
     from uwsim.campaigns.sweeps import Sweep, SweepPlan
 
-Workers = Annotated[
-    int | None,
-    typer.Option(
-        help="Worker processes on this machine; 0: work in this process. Default: one per core.",
-        callback=within(0, 4096),
-    ),
-]
-Scheduler = Annotated[
-    str | None, typer.Option(help="Address of a Dask cluster to use instead, such as tcp://10.0.0.1:8786.")
-]
+ALONE = "cannot be given with {}, which flies in this process"
 
 
 @under("Fly")
 def sweep(
+    *,
     source: Annotated[
         Path, typer.Argument(help="The sweep: what to fly, and what to vary.", metavar="SWEEP.yaml", callback=readable)
     ],
     out: Annotated[Path, typer.Option(help="Folder for runs.parquet, report.html and the worst runs.")] = Path("runs"),
-    workers: Workers = None,
-    scheduler: Scheduler = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Fly the runs that are missing in --out.")] = False,
-    retry_failed: Annotated[
-        bool, typer.Option("--retry-failed", help="With --resume: also fly those that failed.")
-    ] = False,
+    work: RetriedOptions,
     again: Annotated[
         int | None,
         typer.Option(
@@ -61,27 +49,21 @@ def sweep(
     continues. A run that fails becomes a row with its error. Exits with 1 if a run failed, has no value of the
     sweep's objective because it ended early, or violates the sweep's requirements.
     """
-    from uwsim.base.stoppable import stop_on_signals
     from uwsim.campaigns.sweeps import fly_again, plan_sweep, run_sweep
     from uwsim.campaigns.workers.job_progress import job_progress
     from uwsim.flight.terminal import Terminal
 
     screen = Terminal()
     if plan:
-        _alone(
-            "--plan", scheduler=scheduler, resume=resume, retry_failed=retry_failed, again=again, no_report=no_report
-        )
+        refuse(ALONE.format("--plan"), **work.arguments | {"workers": None}, again=again, no_report=no_report)
         with screen.status("flying three of the runs"):
             found = plan_sweep(source)
-        _print_plan(found, workers)
+        _print_plan(found, work.workers)
         if found.failed:
             raise typer.Exit(FAILED)
         return
     if again is not None:
-        _alone(
-            "--again", workers=workers, scheduler=scheduler, resume=resume, retry_failed=retry_failed,
-            no_report=no_report,
-        )  # fmt: skip
+        refuse(ALONE.format("--again"), **work.arguments, no_report=no_report)
         with screen.status(f"flying run {again} again"):
             differences = fly_again(source, again, out)
         for difference in differences:
@@ -90,35 +72,14 @@ def sweep(
         if differences:
             raise typer.Exit(FAILED)
         return
-    if not resume:
-        need("--resume", retry_failed=retry_failed)
-    with job_progress("runs") as progress, stop_on_signals(progress):
-        flown = run_sweep(
-            source,
-            out,
-            workers=workers,
-            scheduler=scheduler,
-            resume=resume,
-            retry_failed=retry_failed,
-            report=not no_report,
-            stop_requested=progress.stop_requested,
-            tell=progress.tell,
-            show=progress.activity,
-        )
+    with job_progress("runs") as progress:
+        flown = run_sweep(source, out, report=not no_report, **work.arguments, **progress.arguments)
     _print(flown)
     if flown.interrupted:
         screen.message(f"interrupted after {len(flown.rows):,} of {len(flown.runs):,} runs; --resume continues")
         raise typer.Exit(INTERRUPTED)
     if flown.failed or flown.without_objective or any(flown.missed.values()):
         raise typer.Exit(FAILED)
-
-
-def _alone(chosen: str, **options: object) -> None:
-    """Refuse options that have no effect with the chosen one."""
-    for name, value in options.items():
-        if value is not None and value is not False:
-            option = f"--{name.replace('_', '-')}"
-            raise WithoutEffectError(f"{option}: cannot be given with {chosen}, which flies in this process")
 
 
 def _print_plan(plan: SweepPlan, workers: int | None) -> None:

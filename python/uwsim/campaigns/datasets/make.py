@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import time
-from collections.abc import Callable
-from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,12 +15,10 @@ from uwsim.campaigns.datasets.split import split_of_frames
 from uwsim.campaigns.datasets.studio import Studio, digest_of, require_effects, studio_of
 from uwsim.campaigns.datasets.tables import write_tables
 from uwsim.campaigns.datasets.track import Track, read_track, track_of
-from uwsim.campaigns.workers import Finished, Ledger, Show, Tell, open_workers, run_missing
+from uwsim.campaigns.workers import Campaign, Ledger
 from uwsim.flight.folder import made_folder
 from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.scenario.read.validated import validated
-
-RETRIES = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,12 +58,6 @@ def make_dataset(
     *,
     along: str | Path | None = None,
     mission: str | Path | None = None,
-    workers: int | None = None,
-    scheduler: str | None = None,
-    resume: bool = False,
-    stop_requested: Callable[[], bool] = lambda: False,
-    tell: Tell = lambda finished, failed, count: None,
-    show: Show = lambda activity: nullcontext(),
     **options: Any,
 ) -> Dataset:
     """Write n labelled frames of a scenario into the folder `out`; the bytes do not depend on the workers.
@@ -79,15 +68,17 @@ def make_dataset(
     track of `mission`, a file that is flown first. workers: number of processes on this machine (default: one per
     core); 0 renders in this process. scheduler: the address of a Dask cluster to use instead; its workers must see
     `out` under the same path. resume: render the frames that are missing in `out`, which must have been begun with the
-    same options, scenario and build. options: the other fields of datasets.spec.DatasetSpec.
+    same options, scenario and build. options: these, the others of uwsim.campaigns.workers.Campaign, and the fields of
+    datasets.spec.DatasetSpec.
 
     A program that calls this must do so under `if __name__ == "__main__":`, unless workers=0, since the workers import
     the program. Raises ValueError before anything is written, or if no pose is possible for a frame; also OSError.
     """
     source = str(Path(scenario).resolve()) if Path(scenario).is_file() else str(scenario)
-    spec = validated(DatasetSpec, {"scenario": source, "n": n, **options})
+    campaign, fields = Campaign.of(options)
+    spec = validated(DatasetSpec, {"scenario": source, "n": n, **fields})
     require_effects(spec)
-    threads = None if workers == 0 else 1
+    threads, show = campaign.job_threads, campaign.show
     with show("checking"):
         digest = digest_of(spec)
         studio = studio_of(spec, threads, digest)
@@ -97,40 +88,21 @@ def make_dataset(
             studio.viewpoint(0)  # raises ValueError if there is none
     into = made_folder(Path(out))
     with alone_in(into):
-        if not resume:
+        if not campaign.options.resume:
             _require_no_pictures(into, spec)
         plan = _plan(spec, digest, track)
-        made, wall_s = 0, 0.0
-        with Ledger.opened(into, plan, resume=resume, what="dataset", jobs="frames") as ledger:
+        with Ledger.opened(into, plan, resume=campaign.options.resume, what="dataset", jobs="frames") as ledger:
             _make_folders(into, spec)
-            missing = {
-                number: FrameJob(spec, digest, number, str(into.resolve()), _pose(track, number), threads)
-                for number in range(spec.n)
-                if ledger.lacks(number)
-            }
-            if missing:
-                with show("starting workers"):
-                    crew = open_workers(workers, scheduler=scheduler)
-                begun_s = time.perf_counter()
-                with crew:
-                    made = sum(1 for _ in run_missing(
-                        crew, make_frame, missing, spec.n, ledger, retries=RETRIES, result_of=_result_of,
-                        stop_requested=stop_requested, tell=tell,
-                    ))  # fmt: skip
-                    wall_s = time.perf_counter() - begun_s
+            place = str(into.resolve())
+            jobs = {k: FrameJob(spec, digest, k, place, _pose(track, k), threads) for k in range(spec.n)}
+            made = campaign.run(ledger, make_frame, jobs)
         files: tuple[Path, ...] = ()
         if len(ledger.results) == spec.n:
             with show("writing tables"):
                 splits = split_of_frames(spec.n, spec.val_share, studio.sim.seed, in_sequence=track is not None)
                 records = [ledger.results[number] for number in range(spec.n)]
                 files = tuple(write_tables(into, studio, plan, records, splits))
-        return Dataset(spec, into, len(ledger.results), files, made, wall_s)
-
-
-def _result_of(each: Finished) -> dict[str, Any]:
-    if each.result is None:
-        raise OSError(f"frame {each.job}: {each.why}; --resume continues")
-    return each.result
+        return Dataset(spec, into, len(ledger.results), files, made, campaign.wall_s)
 
 
 def _track(spec: DatasetSpec, studio: Studio, along: str | Path | None, mission: str | Path | None) -> Track | None:

@@ -29,22 +29,27 @@ Metres = Annotated[float, InRange(0.01, 1000, "m")]
 class DatasetSpec(Model):
     """The options of a dataset, except for a track.
 
-    scenario: the name of a packaged scenario, or a file. n: number of frames. seed: the seed of all random draws and of
-    the scenario; None: the scenario's own seed. vehicle: its name; None: the first. camera: a camera of the vehicle or
-    the station. size: picture width and height in pixels; None: the camera's own size. effects, without: the picture's
-    effects, as in Camera.capture. write: the files to write for each frame. pictures: the file format of rgb. sonar: a
-    forward-looking sonar of the vehicle; None: the first. look_at: names or classes of targets; None: everything.
-    distance_m: smallest and largest distance to the target; None: from the clearance to good visibility. clearance_m:
-    free space around the vehicle's hull and the camera. pitch_max_deg, roll_max_deg: the vehicle's limits in either
-    direction. empty_share, crowded_share: the fractions of frames without any object in the picture, and with many: the
-    one with the most of several drawn poses. label_range_m: objects farther away are not labelled; None: the water's
-    visibility. min_pixels: objects with fewer pixels are not annotated. val_share: the fraction of frames used for
-    validation. vary: variations by parameter name, each "LOW..HIGH", "A,B,C", a tuple (low, high), a list of values, or
-    a dictionary as in a sweep's file; each frame draws a value for each parameter.
+    Text is read as on the command line. From Python, vary may also be a dictionary of texts, tuples (low, high), lists
+    of values, or dictionaries as in a sweep's file.
+
+    scenario: the name of a packaged scenario, or a file. n: number of frames. seed: seed of all random draws, which
+    replaces the scenario's. vehicle: name of the vehicle; by default the first. camera: a camera of the vehicle or the
+    station, such as down; of a --sequence also several, comma-separated. size: pixels, WxH; by default the camera's
+    own. effects: those of the picture, on, off, or joined by +, as for Camera.capture. without: effects to omit, such
+    as wobble; of a --sequence, instruments, such as multibeam. write: outputs, comma-separated: rgb, depth, normals,
+    instances, classes, parts, boxes, yolo, arrays, sonar, multibeam. pictures: format of rgb, png or jpg. sonar: the
+    forward-looking sonar; by default the first. look_at: names or classes of targets, comma-separated, such as
+    gate,pipeline; by default everything. distance_m: distance to the target [m], LOW..HIGH; by default up to 0.6 of the
+    water's visibility. clearance_m: free space around hull and camera. pitch_max_deg: largest pitch of the vehicle, up
+    and down. roll_max_deg: largest roll of the vehicle, to either side. empty_share: share of the frames without any
+    object in the picture. crowded_share: share of the frames with many, which are of the pose that shows the most
+    objects of 16. label_range_m: objects farther away have no labels; by default the water's visibility. min_pixels:
+    smaller objects have no box. val_share: share of the frames for validation. vary: a parameter drawn for each frame,
+    NAME=LOW..HIGH or NAME=A,B,C, such as optics.jerlov=II,3C; may be repeated.
     """
 
     scenario: str
-    n: Annotated[int, InRange(1, MAX_FRAMES)]
+    n: Annotated[int, InRange(1, MAX_FRAMES)] = 100
     seed: Annotated[int, InRange(0, 2**63 - 1)] | None = None
     vehicle: str | None = None
     camera: str = "front"
@@ -66,10 +71,44 @@ class DatasetSpec(Model):
     val_share: Annotated[float, InRange(0, 1)] = 0.2
     vary: Annotated[dict[str, Variation], Field(max_length=200)] = Field({})
 
+    @field_validator("without", "write", "look_at", mode="before")
+    @classmethod
+    def _is_listed(cls, names: Any) -> Any:
+        """Read names that are separated by commas."""
+        return tuple(part.strip() for part in names.split(",") if part.strip()) if isinstance(names, str) else names
+
+    @field_validator("effects", mode="before")
+    @classmethod
+    def _is_joined(cls, effects: Any) -> Any:
+        return tuple(effects.split("+")) if isinstance(effects, str) and effects not in ("on", "off") else effects
+
+    @field_validator("size", mode="before")
+    @classmethod
+    def _is_product(cls, size: Any) -> Any:
+        if not isinstance(size, str):
+            return size
+        width, _, height = size.lower().partition("x")
+        if not (width.isdecimal() and height.isdecimal() and len(size) < 20):
+            raise broken("must be WIDTHxHEIGHT in pixels, such as 320x240")
+        return int(width), int(height)
+
+    @field_validator("distance_m", mode="before")
+    @classmethod
+    def _is_interval(cls, distance: Any) -> Any:
+        return interval(distance) if isinstance(distance, str) else distance
+
     @field_validator("vary", mode="before")
     @classmethod
     def _written_briefly(cls, vary: Any) -> Any:
-        """Read "LOW..HIGH" and "A,B,C" as on the command line, and a list of values or a tuple (low, high)."""
+        """Read "LOW..HIGH" and "A,B,C", and a list of values or a tuple (low, high); or texts NAME=VALUES of these."""
+        if isinstance(vary, tuple | list):
+            pairs = [text.partition("=") for text in vary]
+            if not all(name and values for name, _, values in pairs):
+                raise broken("must be NAME=LOW..HIGH or NAME=A,B,C")
+            for _, _, values in pairs:
+                if ".." in values:
+                    interval(values)
+            vary = {name: values for name, _, values in pairs}
         return {name: variation_of(value) for name, value in vary.items()} if isinstance(vary, Mapping) else vary
 
     @model_validator(mode="after")
@@ -113,6 +152,17 @@ class DatasetSpec(Model):
     def writes(self, *products: str) -> bool:
         """Return whether any of these products is written."""
         return not set(products).isdisjoint(self.write)
+
+
+def interval(text: str) -> tuple[float, float]:
+    """Return the numbers of LOW..HIGH. Raises an error for a field's validator."""
+    low, dots, high = text.partition("..")
+    try:
+        if dots:
+            return float(low), float(high)
+    except ValueError:
+        pass
+    raise broken("must be LOW..HIGH, such as 1..6")
 
 
 def variation_of(value: Any) -> Any:

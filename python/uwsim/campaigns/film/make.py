@@ -7,7 +7,6 @@ import io
 import subprocess
 import tempfile
 from collections.abc import Callable
-from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,25 +21,21 @@ from uwsim.base.ffmpeg import encoder_path
 from uwsim.base.folder_lock import alone_in
 from uwsim.base.own_files import is_own, remove_own, require_own
 from uwsim.campaigns.film import views
+from uwsim.campaigns.film.options import QUALITIES, FilmOptions
 from uwsim.campaigns.film.roll import Roll, scene_of
 from uwsim.campaigns.film.shot import WITHOUT, FilmCamera, Shot, shoot
-from uwsim.campaigns.workers import Finished, Ledger, Show, Tell, open_workers, run_missing
+from uwsim.campaigns.workers import Campaign, Ledger
 from uwsim.figures.reel import Reel
 from uwsim.flight.folder import made_folder
 from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.scenario.spec.camera import CameraMount
 from uwsim.simulator.simulator import Simulator
 
-QUALITIES = {"draft": 1, "good": 4, "high": 16}
-"""Pictures of which each frame is the mean, by quality."""
 SUFFIXES = (".mp4", ".webp")
-RETRIES = 2
 FOV_DEG = 75.0
 METERED_S, METERED_PIXELS, STEADY_S = 0.2, 96, 1.0
 """Exposure: time between its measurements, their width, and the standard deviation of the Gaussian that steadies it."""
 RUN = "run.mcap"
-MAX_PIXELS = 8192
-"""Most pixels along an edge: those of a camera."""
 Floats = NDArray[np.float64]
 
 
@@ -64,68 +59,47 @@ def make_film(
     out: str | Path = "film.mp4",
     *,
     scenario: str = "lake",
-    camera: str = "chase",
-    vehicle: str | None = None,
-    size: tuple[int, int] = (1280, 720),
-    fps: float = 30.0,
-    quality: str = "good",
-    from_s: float = 0.0,
-    until_s: float = 3600.0,
-    workers: int | None = None,
-    scheduler: str | None = None,
-    resume: bool = False,
-    stop_requested: Callable[[], bool] = lambda: False,
-    tell: Tell = lambda finished, failed, count: None,
-    show: Show = lambda activity: nullcontext(),
+    **options: Any,
 ) -> Film:
     """Film a run; the bytes of the frames do not depend on the workers.
 
         uwsim.campaigns.film.make_film("reef", "dive.mp4", from_s=60, until_s=72)
 
     source: a recording (.mcap), a mission's file (.py), which is flown in `scenario`, or a scenario, whose survey is
-    flown. out: .mp4 (needs ffmpeg) or .webp; the frames are kept beside it, in a folder that ends in .frames. camera:
-    chase, orbit, the name of one of the vehicle's cameras, or a CSV file with the columns views.PATH. size: pixels,
-    even for .mp4. quality: one of QUALITIES. from_s, until_s: simulated times. workers, scheduler, resume: as for
-    make_dataset. Raises ValueError before anything is written, or if the run cannot be repeated; OSError.
+    flown. out: .mp4 (needs ffmpeg) or .webp; the frames are kept beside it, in a folder that ends in .frames. options:
+    those of FilmOptions; workers, scheduler and resume, as for make_dataset, and the others of
+    uwsim.campaigns.workers.Campaign. Raises ValueError before anything is written, or if the run cannot be repeated;
+    OSError.
     """
+    campaign, others = Campaign.of(options)
+    wanted = FilmOptions(**others)
+    resume, show, size, fps = campaign.options.resume, campaign.show, wanted.pixels, wanted.fps
     target = Path(out)
     folder = target.with_suffix(".frames")
     encode = _encoder(target, size, fps)
-    if quality not in QUALITIES:
-        raise ValueError(f"quality = {quality!r}: must be one of {', '.join(QUALITIES)}")
-    if not from_s < until_s:
-        raise ValueError(f"until = {until_s:g} s: must be above from = {from_s:g} s")
     if Ledger(folder).exists != resume:
         rule = "holds no film to resume" if resume else "holds a film already: --resume, or another --out"
         raise ValueError(f"'{folder}': {rule}")
-    if not all(1 <= pixels <= MAX_PIXELS for pixels in size):
-        raise ValueError(f"size = {size[0]}x{size[1]}: both must be in [1, {MAX_PIXELS}] pixels")
-    for path in (source, camera):
+    for path in (source, wanted.camera):
         if Path(path).suffix in (".mcap", ".csv") and not Path(path).is_file():
             raise FileNotFoundError(f"'{path}': no such file")
-    threads, is_new = None if workers == 0 else 1, not folder.exists()
+    is_new = not folder.exists()
     try:
         with alone_in(made_folder(folder)):
             with show("flying"):
-                recording = _recorded(source, folder, scenario, until_s + 1 / fps, resume=resume)
+                recording = _recorded(source, folder, scenario, wanted.until_s + 1 / fps, resume=resume)
             with show("repeating the run"):
-                shots = _shots(
-                    recording, folder, camera, vehicle, size, fps, QUALITIES[quality], from_s, until_s, threads
-                )
+                shots = _shots(recording, folder, wanted, campaign.job_threads)
             if not resume:
                 for shot in shots:
                     require_own(Path(shot.path))
-            plan = {"flight": _flight(source, scenario, until_s), "size": list(size), "fps": fps, "quality": quality,
-                    "camera": camera, "run": _digest(shots), "build": build_fingerprint()}  # fmt: skip
-            made = 0
+            plan = {
+                "flight": _flight(source, scenario, wanted.until_s), "size": list(size), "fps": fps,
+                "quality": wanted.quality, "camera": wanted.camera, "run": _digest(shots), "build": build_fingerprint(),
+            }  # fmt: skip
             with Ledger.opened(folder, plan, resume=resume, what="film", jobs="frames") as ledger:
-                missing = {k: shot for k, shot in enumerate(shots) if ledger.lacks(k) or not Path(shot.path).exists()}
-                if missing:
-                    with open_workers(workers, scheduler=scheduler) as crew:
-                        made = sum(1 for _ in run_missing(
-                            crew, shoot, missing, len(shots), ledger, retries=RETRIES, result_of=_result_of,
-                            stop_requested=stop_requested, tell=tell,
-                        ))  # fmt: skip
+                frames = dict(enumerate(shots))
+                made = campaign.run(ledger, shoot, frames, lacks=lambda k: not Path(shots[k].path).exists())
     finally:
         if is_new and folder.exists() and not Ledger(folder).exists:
             remove_own(folder)  # no frame was begun
@@ -166,14 +140,12 @@ def _flight(source: str | Path, scenario: str, until_s: float) -> str | None:
     return f"the survey of {source} until {until_s:g} s"
 
 
-def _shots(
-    recording: Path, folder: Path, view: str, vehicle: str | None, size: tuple[int, int], fps: float, samples: int,
-    from_s: float, until_s: float, threads: int | None,
-) -> list[Shot]:  # fmt: skip
+def _shots(recording: Path, folder: Path, wanted: FilmOptions, threads: int | None) -> list[Shot]:
     """Return all frames."""
+    view, fps, size, samples = wanted.camera, wanted.fps, wanted.pixels, QUALITIES[wanted.quality]
     is_path = Path(view).suffix == ".csv"
     carried = None if view in ("chase", "orbit") or is_path else view
-    roll, sim = Roll.of(recording, from_s, until_s, fps, carried, vehicle)
+    roll, sim = Roll.of(recording, wanted.from_s, wanted.until_s, fps, carried, wanted.vehicle)
     positions = np.array([state.positions_m[roll.vehicle] for state in roll.states])
     lens: dict[str, Any] = {"width": size[0], "height": size[1]}
     mount, hidden = CameraMount(position_m=(0.0, 0.0, 0.0), field_of_view_deg=FOV_DEG, **lens), None
@@ -226,12 +198,6 @@ def _digest(shots: list[Shot]) -> str:
         digest.update(b"".join(np.asarray(part, np.float64).tobytes() for part in (*parts, shot.poses)))
         digest.update(state.optics.model_dump_json().encode() + shot.mount.model_dump_json().encode())
     return digest.hexdigest()
-
-
-def _result_of(each: Finished) -> dict[str, Any]:
-    if each.result is None:
-        raise OSError(f"frame {each.job}: {each.why}; --resume continues")
-    return each.result
 
 
 def _encoder(out: Path, size: tuple[int, int], fps: float) -> Callable[[list[Path]], None]:

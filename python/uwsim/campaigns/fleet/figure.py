@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.base.texts.json_text import read_json
-from uwsim.campaigns.fleet.store import scores_file
 from uwsim.campaigns.fleet.tiles import Tile
 from uwsim.figures.style import (
     ACCENT,
@@ -29,8 +27,9 @@ FEW = 150
 
 
 def draw_fleet(
-    path: Path, map_path: Path, tiles: list[Tile], results: Mapping[int, Mapping[str, Any]], figures: Mapping[str, Any]
-) -> None:
+    path: Path, map_path: Path, tiles: list[Tile], results: Mapping[int, Mapping[str, Any]],
+    scores: Mapping[int, Mapping[str, Any]], figures: Mapping[str, Any],
+) -> None:  # fmt: skip
     """Draw the lowest occupied voxel in each column, and the outline and coverage of each tile. Raises OSError."""
     occupied = OccupancyMap.read(map_path).occupied_voxels()
     figure = new_figure(9.0, 8.0)
@@ -47,14 +46,14 @@ def draw_fleet(
         extent = (low[0], low[0] + columns * edge_m, low[1], low[1] + rows * edge_m)
         axes.imshow(heights, origin="lower", extent=extent, cmap=HEIGHTS, norm=limits, interpolation="nearest")
         add_colour_bar(figure, axes, limits, HEIGHTS, "z [m]")
-    scores = read_json(scores_file(map_path.parent)) if "coverage" in figures else {}
     for tile in tiles:
         outline = np.array([*tile.area_m, tile.area_m[0]])
-        mapped = "metrics" in results[tile.number]
+        result = results.get(tile.number)  # there is none of a dry tile
+        mapped = result is not None and not result["error"]
         axes.plot(*outline.T, color="white" if mapped else MISSED, linewidth=0.8)
         if len(tiles) <= FEW:
             x, y = np.array(tile.area_m).mean(axis=0)
-            text = _text(results[tile.number], scores.get(str(tile.number)))
+            text = _text(result, scores.get(tile.number))
             axes.text(x, y, text, ha="center", va="center", fontsize=7, color="white" if mapped else ACCENT)
     axes.set_aspect("equal")
     share = figures.get("coverage")
@@ -64,9 +63,9 @@ def draw_fleet(
     save_figure(figure, path)
 
 
-def _text(result: Mapping[str, Any], score: Mapping[str, Any] | None) -> str:
+def _text(result: Mapping[str, Any] | None, score: Mapping[str, Any] | None) -> str:
+    if result is None:
+        return "dry"
     if result["error"]:
         return "failed"
-    if result["dry"]:
-        return "dry"
     return f"{100 * score['covered'] / score['visible']:.1f} %" if score and score["visible"] else ""

@@ -4,39 +4,39 @@ from __future__ import annotations
 
 import heapq
 import time
-from collections.abc import Callable, Mapping
-from contextlib import nullcontext
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.folder_lock import alone_in
+from uwsim.base.options import require_within
 from uwsim.campaigns.fleet.score import scored
-from uwsim.campaigns.fleet.store import MAP, TILES, map_file, path_file
-from uwsim.campaigns.fleet.tile_job import DryTileError, TileJob, fly_tile
-from uwsim.campaigns.fleet.tiles import Grid, Tile, grid_over, tiles_of
-from uwsim.campaigns.workers import Finished, Ledger, Show, Tell, open_workers, run_missing
+from uwsim.campaigns.fleet.tile_job import TileJob, start_above
+from uwsim.campaigns.fleet.tiles import TILES, Grid, Tile, grid_over, tiles_of
+from uwsim.campaigns.sweeps.job import fly_job
+from uwsim.campaigns.workers import Campaign, Finished, Ledger, RetriedOptions
+from uwsim.campaigns.workers.work import Show
 from uwsim.flight.flyable_lanes import require_lanes_flown_by, required_survey
 from uwsim.flight.folder import made_folder
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.merge import merge_files
-from uwsim.scenario import Scenario, ScenarioError, load
+from uwsim.scenario import Scenario, ScenarioError, build_terrain, load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.scoring.score_json import write_json
 from uwsim.simulator.simulator import Simulator
 
-SUMMARY, FIGURE = "summary.json", "tiles.png"
-RETRIES = 2
+MAP, SUMMARY, FIGURE = "map.bt", "summary.json", "tiles.png"
+LIMITS = {"tile_m": (1.0, 1e5, "m"), "vehicles": (1, 100_000, ""), "voxel_m": (0.02, 10.0, "m")}
 
 
 @dataclass(frozen=True, eq=False)
 class Fleet:
     """A survey of an area in tiles, complete or in progress.
 
-    results: keyed by tile number. figures: values for the whole area. interrupted: whether tiles or the score are
-    missing; `resume=True` continues the survey.
+    results: keyed by tile number, without those of tiles that are too shallow to fly in. figures: values for the whole
+    area. interrupted: whether tiles or the score are missing; `resume=True` continues the survey.
     """
 
     out: Path
@@ -53,7 +53,7 @@ class Fleet:
     @property
     def ended_early(self) -> dict[int, str]:
         """The reasons why the surveys of tiles ended before their last lane, keyed by tile number."""
-        flown = {number: result["metrics"] for number, result in self.results.items() if "metrics" in result}
+        flown = {number: result["metrics"] for number, result in self.results.items()}
         return {number: str(of["ended_because"]) for number, of in flown.items() if of.get("ended_early")}
 
 
@@ -66,123 +66,111 @@ def run_fleet(
     seed: int | None = None,
     vehicles: int = 1,
     score: bool = True,
-    workers: int | None = None,
-    scheduler: str | None = None,
-    resume: bool = False,
-    retry_failed: bool = False,
-    stop_requested: Callable[[], bool] = lambda: False,
-    tell: Tell = lambda finished, failed, count: None,
-    show: Show = lambda activity: nullcontext(),
+    **options: Any,
 ) -> Fleet:
     """Survey a scenario's area in tiles of about tile_m; write `out`/map.bt, summary.json and tiles.png.
 
     Each tile has its own starting position, and is surveyed by a copy of the scenario's first vehicle in that part of
     the terrain. voxel_m, seed: override the values in the scenario. vehicles: number of vehicles that share the tiles;
-    affects the fleet's total time but not the map. workers, scheduler, resume, retry_failed: see
-    uwsim.campaigns.sweeps.run_sweep. Raises ScenarioError, ValueError or OSError.
+    affects the fleet's total time but not the map. options: as for uwsim.campaigns.sweeps.run_sweep. Raises
+    ScenarioError, ValueError or OSError.
     """
+    campaign = Campaign(RetriedOptions, **options)
     base = load(scenario)
     survey = required_survey(base)
-    if not 1.0 <= tile_m <= 1e5:
-        raise ValueError(f"tile_m = {tile_m:g} m: must be in [1, 100000] m")
-    if not 1 <= vehicles <= 100_000:
-        raise ValueError(f"vehicles = {vehicles}: must be in [1, 100000]")
+    edge_m = survey.voxel_m if voxel_m is None else voxel_m
+    for name, value in (("tile_m", tile_m), ("vehicles", vehicles), ("voxel_m", edge_m)):
+        require_within(name, value, *LIMITS[name])
     if base.terrain.window_m is not None:
         raise ScenarioError("terrain.window_m: must be left out for a fleet: each tile has its own")
     if base.faults:
         raise ScenarioError("faults: must be left out for a fleet: each tile has a vehicle of its own")
-    edge_m = voxel_m if voxel_m is not None else survey.voxel_m
-    if not 0.02 <= edge_m <= 10.0:
-        raise ValueError(f"voxel_m = {edge_m:g} m: must be in [0.02, 10] m")
     grid = grid_over(survey.area_m, tile_m)
     tiles, left_m2 = tiles_of(survey.area_m, grid, edge_m)
-    name = str(Path(scenario).resolve()) if Path(scenario).is_file() else str(scenario)
-    jobs = {tile.number: TileJob(name, base.seed if seed is None else seed, tile, edge_m) for tile in tiles}
-    with show("checking the tiles"):
-        _require_flyable(base, jobs)
     plan = {
         "scenario": scenario_fingerprint(base), "tile_m": tile_m, "voxel_m": edge_m,
         "seed": base.seed if seed is None else seed, "build": build_fingerprint(),
     }  # fmt: skip
-    if retry_failed and not resume:
-        raise ValueError("retry_failed: needs resume")
+    with campaign.show("checking the tiles"):
+        jobs = _jobs(scenario, base, tiles, plan)
     into = made_folder(Path(out), (SUMMARY, FIGURE, MAP))
     with alone_in(into):
         (into / TILES).mkdir(exist_ok=True)
-        with Ledger.opened(into, plan, resume=resume, what="fleet", jobs="tiles") as ledger:
-            with show("starting workers"):
-                crew = open_workers(workers, scheduler=scheduler)
-            with crew:
-                missing = {n: job for n, job in jobs.items() if ledger.lacks(n, retry_failed=retry_failed)}
-                for _ in run_missing(
-                    crew, fly_tile, missing, len(jobs), ledger, retries=RETRIES,
-                    result_of=partial(_result_of, into), stop_requested=stop_requested, tell=tell,
-                ):  # fmt: skip
-                    pass
-                if len(ledger.results) < len(tiles):
-                    return Fleet(into, tiles, ledger.results, {}, interrupted=True)
-                figures = _flown_figures(base, grid, tiles, left_m2, ledger.results, plan, vehicles)
-                figures |= _merged(into, ledger.results, show)
-                if score:
-                    with show("scoring the map"):
-                        scores = scored(crew, jobs, grid, ledger.results, into, stop_requested)
-                    if scores is None:
-                        return Fleet(into, tiles, ledger.results, figures, interrupted=True)
-                    figures |= scores
+        with Ledger.opened(into, plan, resume=campaign.options.resume, what="fleet", jobs="tiles") as ledger:
+            results = ledger.results
+
+            def kept(each: Finished) -> dict[str, Any]:
+                """Write the tile's files and return the rest of its result."""
+                result = dict(each.result or {"metrics": {}, "error": each.error})
+                for key, suffix in (("map", ".ot"), ("path", ".npy")):
+                    if key in result:
+                        write_atomically(jobs[each.job].tile.file(into, suffix), result.pop(key))
+                return result
+
+            campaign.run(ledger, fly_job, jobs, result_of=kept)
+        if len(results) < len(jobs):
+            return Fleet(into, tiles, results, {}, interrupted=True)
+        flown = {number: jobs[number] for number in sorted(results) if not results[number]["error"]}
+        figures = _flown_figures(base, grid, tiles, left_m2, results, plan, vehicles)
+        figures |= _merged(into, [job.tile.file(into, ".ot") for job in flown.values()], campaign.show)
+        scores: Mapping[int, Mapping[str, Any]] = {}
+        if score:
+            range_m = max(float(results[number]["range_m"]) for number in flown)
+            with campaign.show("scoring the map"):
+                found = scored(campaign, flown, grid, range_m, into, into / MAP)
+            if found is None:
+                return Fleet(into, tiles, results, figures, interrupted=True)
+            figures, scores = figures | found[0], found[1]
         write_json(into / SUMMARY, figures)
-        with show("drawing the tiles"):
+        with campaign.show("drawing the tiles"):
             from uwsim.campaigns.fleet.figure import draw_fleet  # imported here, since matplotlib takes a second
 
-            draw_fleet(into / FIGURE, into / MAP, tiles, ledger.results, figures)
-        return Fleet(into, tiles, ledger.results, figures)
+            draw_fleet(into / FIGURE, into / MAP, tiles, results, scores, figures)
+        return Fleet(into, tiles, results, figures)
 
 
-def _require_flyable(base: Scenario, jobs: Mapping[int, TileJob]) -> None:
-    """Build the scenario of the first tile that is not dry. Raises its error.
+def _jobs(scenario: str | Path, base: Scenario, tiles: list[Tile], plan: Mapping[str, Any]) -> dict[int, TileJob]:
+    """Return the jobs of all tiles with water deep enough to fly in, once the first of them can be flown.
 
-    Raises ScenarioError, too, if its vehicle cannot fly the survey's lanes, or if all tiles are dry.
+    Raises its error, or ScenarioError if there is none.
     """
-    for job in jobs.values():
-        try:
-            tile = job.scenario_of_tile(base)
-        except DryTileError:
-            continue
-        return require_lanes_flown_by(Simulator(tile, threads=1))
-    raise ScenarioError("survey.area_m: there is no tile with water deep enough to fly in")
-
-
-def _result_of(into: Path, each: Finished) -> dict[str, Any]:
-    """Write the tile's files and return the rest of its result."""
-    result = dict(each.result or {"error": each.error, "dry": None})
-    for key, file in (("map", map_file), ("path", path_file)):
-        if key in result:
-            write_atomically(file(into, each.job), result.pop(key))
-    return result
+    name = str(Path(scenario).resolve()) if Path(scenario).is_file() else str(scenario)
+    terrain = build_terrain(base.terrain)
+    starts = {tile.number: start_above(terrain, tile) for tile in tiles}
+    jobs = {
+        tile.number: TileJob(name, plan["seed"], {}, voxel_m=plan["voxel_m"], tile=tile, start_m=start)
+        for tile in tiles
+        if (start := starts[tile.number]) is not None
+    }
+    if not jobs:
+        raise ScenarioError("survey.area_m: there is no tile with water deep enough to fly in")
+    require_lanes_flown_by(Simulator(next(iter(jobs.values())).varied_scenario(), threads=1))
+    return jobs
 
 
 def _flown_figures(
     base: Scenario, grid: Grid, tiles: list[Tile], left_m2: float, results: Mapping[int, Mapping[str, Any]],
     plan: Mapping[str, Any], vehicles: int,
 ) -> dict[str, Any]:  # fmt: skip
-    flown = [result["metrics"] for result in results.values() if "metrics" in result]
+    flown = [result["metrics"] for _, result in sorted(results.items()) if not result["error"]]
     times_s = [float(metrics["simulated_s"]) for metrics in flown]
+    sums = ("pings", "echoes", "path_length_m", "collisions", "lanes.flown_m", "lanes.planned_m")
     return {
         "scenario": base.name,
         **{key: plan[key] for key in ("seed", "voxel_m", "build")},
         "tile_edge_m": list(grid.edge_m),
         "tiles": len(tiles),
         "tiles_flown": len(flown),
-        "tiles_dry": sum(bool(result["dry"]) for result in results.values()),
+        "tiles_dry": len(tiles) - len(results),
         "tiles_ended_early": sum(bool(metrics.get("ended_early")) for metrics in flown),
-        "tiles_failed": sum(bool(result["error"]) for result in results.values()),
+        "tiles_failed": len(results) - len(flown),
         "area_left_out_m2": left_m2,
-        **{key: sum(metrics[key] for metrics in flown) for key in ("pings", "echoes", "path_length_m", "collisions")},
-        **{f"lanes_{key}": sum(metrics["lanes"][key] for metrics in flown) for key in ("flown_m", "planned_m")},
+        **{key.replace(".", "_"): sum(metrics[key] for metrics in flown) for key in sums},
         "simulated_s": sum(times_s),
         "vehicles": vehicles,
         "fleet_out_s": max(shares(times_s, vehicles), default=0.0),
-        "fly_worker_s": sum(float(result.get("wall_s", 0.0)) for result in results.values()),
-        "fly_cpu_s": sum(float(result.get("cpu_s", 0.0)) for result in results.values()),
+        "fly_worker_s": sum(float(result.get("run_wall_s", 0.0)) for result in results.values()),
+        "fly_cpu_s": sum(float(result.get("run_cpu_s", 0.0)) for result in results.values()),
     }
 
 
@@ -197,8 +185,7 @@ def shares(times_s: list[float], vehicles: int) -> list[float]:
     return sorted(busy, reverse=True)
 
 
-def _merged(into: Path, results: Mapping[int, Mapping[str, Any]], show: Show) -> dict[str, Any]:
-    maps = [map_file(into, number) for number, result in sorted(results.items()) if "metrics" in result]
+def _merged(into: Path, maps: list[Path], show: Show) -> dict[str, Any]:
     if not maps:
         raise ValueError("no tile was surveyed: see the errors in the ledger")
     begun_s, begun_cpu_s = time.perf_counter(), time.process_time()

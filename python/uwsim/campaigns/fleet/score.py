@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,34 +13,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
-from uwsim.campaigns.fleet.store import MAP, path_file, scores_file
 from uwsim.campaigns.fleet.tile_job import ScoreJob, TileJob, score_tile
-from uwsim.campaigns.fleet.tiles import Grid, Tile
-from uwsim.campaigns.workers import Workers
+from uwsim.campaigns.fleet.tiles import TILES, Grid, Tile
+from uwsim.campaigns.workers import Campaign
+from uwsim.campaigns.workers.campaign import RETRIES
 from uwsim.mapping import OccupancyMap
 from uwsim.scoring.polygon import inside_polygon
 
-RETRIES = 2
+Floats = NDArray[np.float32]
+SCORES = "scores.json"
 
 
 class _ScoreJobs(Mapping[int, ScoreJob]):
     """The jobs that score the tiles, built one at a time to save memory, since several jobs may share a ping."""
 
-    def __init__(self, jobs: Mapping[int, TileJob], grid: Grid, results: Mapping[int, Mapping[str, Any]], out: Path):
-        self._jobs, self._grid, self._results = jobs, grid, results
-        flown = [number for number, result in sorted(results.items()) if "metrics" in result]
-        self._numbers = flown
-        self._range_m = max(float(results[number]["range_m"]) for number in flown)
-        self._path_m = np.concatenate([np.load(path_file(out, number)) for number in flown])
-        occupied = OccupancyMap.read(out / MAP).occupied_voxels()
-        self._of_tile = by_tile(occupied.astype(np.float32), grid, [jobs[number].tile for number in flown])
+    def __init__(self, jobs: Mapping[int, TileJob], grid: Grid, range_m: float, out: Path, occupied: Floats) -> None:
+        """jobs: those of the flown tiles. occupied: centres (n, 3) of the occupied voxels of the merged map."""
+        self._jobs, self._grid, self._range_m = jobs, grid, range_m
+        self._path_m = np.concatenate([np.load(job.tile.file(out, ".npy")) for job in jobs.values()])
+        self._of_tile = by_tile(occupied, grid, [job.tile for job in jobs.values()])
         self.unscored = len(occupied) - sum(map(len, self._of_tile.values()))
 
     def __len__(self) -> int:
-        return len(self._numbers)
+        return len(self._jobs)
 
     def __iter__(self) -> Iterator[int]:
-        return iter(self._numbers)
+        return iter(self._jobs)
 
     def __getitem__(self, number: int) -> ScoreJob:
         job = self._jobs[number]
@@ -50,7 +48,7 @@ class _ScoreJobs(Mapping[int, ScoreJob]):
         return ScoreJob(job, self._grid, self._of_tile[number], self._path_m[near], self._range_m)
 
 
-def by_tile(occupied_m: NDArray[np.float32], grid: Grid, tiles: list[Tile]) -> dict[int, NDArray[np.float32]]:
+def by_tile(occupied_m: Floats, grid: Grid, tiles: list[Tile]) -> dict[int, Floats]:
     """Assign voxels (n, 3) to tiles by grid cell or, in a cell with several tiles, by tile outline."""
     codes = grid.cells_of(occupied_m) @ (grid.count[1], 1) if len(occupied_m) else np.empty(0, np.int64)
     order = np.argsort(codes, kind="stable")
@@ -69,32 +67,32 @@ def by_tile(occupied_m: NDArray[np.float32], grid: Grid, tiles: list[Tile]) -> d
 
 
 def scored(
-    crew: Workers, jobs: Mapping[int, TileJob], grid: Grid, results: Mapping[int, Mapping[str, Any]], out: Path,
-    stop_requested: Callable[[], bool],
-) -> dict[str, Any] | None:  # fmt: skip
-    """Score each tile's part of the merged map on workers; return the values for the whole map, keyed by name.
+    campaign: Campaign, jobs: Mapping[int, TileJob], grid: Grid, range_m: float, out: Path, map_file: Path
+) -> tuple[dict[str, Any], dict[int, dict[str, Any]]] | None:
+    """Score each tile's part of the merged map on workers; return values for the whole map by name, and for each tile.
 
-    Returns None if stop_requested() ended the work. Raises OSError if a tile cannot be scored.
+    jobs: those of the flown tiles. Returns None if the campaign was stopped. Raises OSError if a tile cannot be scored.
     """
     begun_s = time.perf_counter()
-    wanted = _ScoreJobs(jobs, grid, results, out)
+    wanted = _ScoreJobs(jobs, grid, range_m, out, OccupancyMap.read(map_file).occupied_voxels().astype(np.float32))
     parts: dict[int, dict[str, Any]] = {}
-    for each in crew.finished(score_tile, wanted, retries=RETRIES, stop_requested=stop_requested):
-        if each.result is None:
-            raise OSError(f"tile {each.job}: cannot be scored: {each.why}")
-        parts[each.job] = each.result
+    with campaign.crew() as crew:
+        for each in crew.finished(score_tile, wanted, retries=RETRIES, stop_requested=campaign.stop_requested):
+            if each.result is None:
+                raise OSError(f"tile {each.job}: cannot be scored: {each.why}")
+            parts[each.job] = each.result
     if len(parts) < len(wanted):
         return None
     in_order = [parts[number] for number in sorted(parts)]
     total = {key: sum(part[key] for part in in_order) for key in ("visible", "covered", "occupied", "false")}
-    write_atomically(scores_file(out), (json.dumps(parts, sort_keys=True) + "\n").encode())
+    write_atomically(out / TILES / SCORES, (json.dumps(parts, sort_keys=True) + "\n").encode())
     share = {
         "coverage": total["covered"] / total["visible"] if total["visible"] else None,
         "precision": 1.0 - total["false"] / total["occupied"] if total["occupied"] else None,
     }
     shares = [part["covered"] / part["visible"] for part in in_order if part["visible"]]
     sums = sum(part["distance_sum_m"] for part in in_order)
-    return {
+    values = {
         **share,
         "visible_truth_voxels": total["visible"],
         "occupied_voxels": total["occupied"] + wanted.unscored,
@@ -107,3 +105,4 @@ def scored(
         "score_cpu_s": sum(part["cpu_s"] for part in in_order),
         "score_s": time.perf_counter() - begun_s,
     }
+    return values, parts

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from manifold3d import CrossSection, FillRule
@@ -12,6 +13,8 @@ from numpy.typing import NDArray
 from uwsim.scenario.spec.polygon import area, narrowest_width
 
 Corners = tuple[tuple[float, float], ...]
+TILES = "tiles"
+"""The folder of the tiles' files."""
 MAX_TILES = 1_000_000
 LEAST_WIDTH_VOXELS, LEAST_AREA_VOXELS = 4, 40
 """Smaller pieces, which occur along the area's edge, are left out."""
@@ -27,6 +30,10 @@ class Tile:
     number: int
     cell: tuple[int, int]
     area_m: Corners
+
+    def file(self, out: Path, suffix: str) -> Path:
+        """Return a file in a fleet's folder: .ot, the map with all log-odds; .npy, the sonar's positions (n, 3)."""
+        return out / TILES / f"{self.number:06d}{suffix}"
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ class Job:
 
     def varied_scenario(self) -> Scenario:
         """Return the run's scenario. Raises ScenarioError."""
-        return varied(_loaded(self.scenario), self.values).with_changes(seed=self.seed)
+        return varied(loaded(self.scenario), self.values).with_changes(seed=self.seed)
 
     @property
     def makes_map(self) -> bool:
@@ -66,19 +66,29 @@ class Job:
             "carried": SURVEYED if is_survey else None,
         }  # fmt: skip
 
+    def fly(self, sim: Simulator) -> dict[str, Any]:
+        """Fly and score the run; return its values, including those of the map, as the metrics of its result."""
+        if self.mission is not None and not _is_same_file(Path(self.mission), self.mission_digest):
+            raise MissionError(f"mission '{self.mission}': is missing here, or has changed since the sweep was started")
+        flown = fly(self.mission, sim, report="none", autosave_s=0.0, **self.flight())
+        if flown.interrupted:
+            raise KeyboardInterrupt  # the flight caught the error, but half a run is not a result
+        return {"metrics": flat(run_values(scored(flown, sim)))}
+
 
 @lru_cache(maxsize=8)  # a worker flies the same few scenarios for hours
-def _loaded(scenario: str) -> Scenario:
+def loaded(scenario: str) -> Scenario:
+    """Return a scenario by name or path."""
     return load(scenario)
 
 
 def fly_job(job: Job) -> dict[str, Any]:
-    """Fly a run; return its values by name, its provenance and the error, if any, that ended it.
+    """Fly a run; return what Job.fly returns, its provenance and the error, if any, that ended it.
 
     A mistake in the scenario or mission becomes an error in the result. Raises OSError and MemoryError, which may be
     transient.
     """
-    begun_s = time.perf_counter()
+    begun_s, begun_cpu_s = time.perf_counter(), time.process_time()
     result: dict[str, Any] = {"metrics": {}, "error": None, "flight_wall_s": None}
     try:
         with wall_limit(job.wall_limit_s), warnings.catch_warnings():
@@ -89,40 +99,28 @@ def fly_job(job: Job) -> dict[str, Any]:
     except (Exception, WallLimitError) as error:
         kind = "" if isinstance(error, ScenarioError | MissionError | WallLimitError) else f"{type(error).__name__}: "
         result["error"] = kind + " ".join(str(error).split())
-    tidy_now_and_then()
-    result["run_wall_s"] = time.perf_counter() - begun_s
-    return result
+    tidy_now_and_then(time.perf_counter() - begun_s)
+    return {
+        **result, "run_wall_s": time.perf_counter() - begun_s, "run_cpu_s": time.process_time() - begun_cpu_s
+    }  # fmt: skip
 
 
 def _fly(job: Job, result: dict[str, Any]) -> None:
-    scenario = job.varied_scenario()
-    sim = Simulator(scenario, threads=1)
+    sim = Simulator(job.varied_scenario(), threads=1)
     result |= {"seed": sim.seed, "scenario_digest": scenario_fingerprint(sim.scenario), "build": build_fingerprint()}
     begun_s = time.perf_counter()
     try:
-        figures = _flown(job, sim)
+        result |= job.fly(sim)
     finally:
         result["flight_wall_s"] = time.perf_counter() - begun_s
-    result["metrics"] = flat(figures)
-
-
-def _flown(job: Job, sim: Simulator) -> dict[str, Any]:
-    """Fly and score a run; return its values, including those of the map."""
-    if job.mission is not None and not _is_same_file(Path(job.mission), job.mission_digest):
-        raise MissionError(f"mission '{job.mission}': is missing here, or has changed since the sweep was started")
-    flown = fly(job.mission, sim, report="none", autosave_s=0.0, **job.flight())
-    if flown.interrupted:
-        raise KeyboardInterrupt  # the flight caught the error, but half a run is not a result
-    values = run_values(scored(flown, sim))
-    if values["lanes"] is not None:
-        del values["lanes"]["each"]  # its lanes would be columns
-    return values
 
 
 def run_values(flown: FlightRecord) -> dict[str, Any]:
     """Return the values of a flight, with those of its map beside the others, and its result."""
     values = flight_values(flown)
     score = values.pop("map", {})
+    if values["lanes"] is not None:
+        del values["lanes"]["each"]  # its lanes would be columns
     return {**values, **score, "result": flown.result}
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
-from collections.abc import Callable, Mapping
-from contextlib import nullcontext
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
@@ -20,7 +19,8 @@ from uwsim.campaigns.sweeps.job import fly_job
 from uwsim.campaigns.sweeps.rows import Rows
 from uwsim.campaigns.sweeps.spec import SweepSpec, read_sweep
 from uwsim.campaigns.sweeps.table import TABLE, write_table
-from uwsim.campaigns.workers import Finished, Ledger, Show, Tell, open_workers, run_missing
+from uwsim.campaigns.workers import Campaign, Finished, Ledger, RetriedOptions
+from uwsim.campaigns.workers.work import Show
 from uwsim.flight.folder import made_folder
 from uwsim.scenario import load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
@@ -74,55 +74,43 @@ def run_sweep(
     source: str | Path | Mapping[str, Any],
     out: str | Path,
     *,
-    workers: int | None = None,
-    scheduler: str | None = None,
-    resume: bool = False,
-    retry_failed: bool = False,
     report: bool = True,
-    stop_requested: Callable[[], bool] = lambda: False,
-    tell: Tell = lambda finished, failed, count: None,
-    show: Show = lambda activity: nullcontext(),
+    **options: Any,
 ) -> Sweep:
     """Fly all runs of a sweep; write `out`/runs.parquet and, if requested, report.html, and repeat the worst runs.
 
-    source: a YAML file or its values. workers: number of processes on this machine (default: one per core); 0 flies in
-    this process. scheduler: the address of a Dask cluster to use instead. resume: fly the runs that are missing in
-    `out`, which must have been begun with the same sweep and build. retry_failed: also repeat failed runs. A failed run
-    becomes a row with its error. A metric that the first successful run does not have is an error: the finished runs
-    are kept, and resumed once the name is correct.
+    source: a YAML file or its values. options: those of uwsim.campaigns.workers.Campaign. workers: number of processes
+    on this machine (default: one per core); 0 flies in this process. scheduler: the address of a Dask cluster to use
+    instead. resume: fly the runs that are missing in `out`, which must have been begun with the same sweep and build.
+    retry_failed: also repeat failed runs. A failed run becomes a row with its error. A metric that the first successful
+    run does not have is an error: the finished runs are kept, and resumed once the name is correct.
 
     Programs that call this must do so under `if __name__ == "__main__":`, since the workers import them. Raises
     ScenarioError for mistakes in the file, before anything is written unless the mistake is a metric's name; also
     ValueError and OSError.
     """
+    campaign = Campaign(RetriedOptions, **options)
     spec, read_from, folder = read_sweep(source)
-    with show("checking the sweep"):
+    with campaign.show("checking the sweep"):
         runs, jobs = runs_of(spec), Jobs(spec, folder)
         require_flyable(spec, read_from, folder)
         plan = _plan(spec, jobs)
-    if retry_failed and not resume:
-        raise ValueError("retry_failed: needs resume")
     into = made_folder(Path(out), (TABLE, REPORT))
     with alone_in(into):
         name = spec.name or (Path(source).stem if isinstance(source, str | Path) else "sweep")
-        with Ledger.opened(into, plan, resume=resume, what="sweep", jobs="runs") as ledger:
-            are_known = _metrics_are_known(spec, read_from, ledger.results)
-            lacking = [run for run in runs if ledger.lacks(run.number, retry_failed=retry_failed)]
-            missing = {run.number: jobs.of(run) for run in lacking}
-            if missing:
-                with show("starting workers"):
-                    crew = open_workers(workers, scheduler=scheduler)
-                with crew:
-                    for number, result in run_missing(
-                        crew, fly_job, missing, len(runs), ledger, retries=spec.retries, result_of=_result_of,
-                        stop_requested=stop_requested, tell=tell,
-                    ):  # fmt: skip
-                        are_known = are_known or _metrics_are_known(spec, read_from, {number: result})
+        with Ledger.opened(into, plan, resume=campaign.options.resume, what="sweep", jobs="runs") as ledger:
+            known = _Metrics(spec, read_from)
+            for number, result in ledger.results.items():
+                known.look(number, result)
+            campaign.run(
+                ledger, fly_job, {run.number: jobs.of(run) for run in runs}, retries=spec.retries,
+                result_of=_result_of, then=known.look,
+            )  # fmt: skip
         sweep = Sweep(spec, Rows.of(runs, ledger.results, plan), into, runs)
-        with show("writing the table"):
+        with campaign.show("writing the table"):
             write_table(into / TABLE, sweep.rows, {"uwsim sweep": json.dumps(plan), "uwsim": version("uwsim")})
         if report:
-            _report(sweep, name, jobs, show)
+            _report(sweep, name, jobs, campaign.show)
         return sweep
 
 
@@ -130,13 +118,18 @@ def _result_of(each: Finished) -> dict[str, Any]:
     return {**(each.result or {"metrics": {}, "error": each.error}), "trials": each.trials}
 
 
-def _metrics_are_known(spec: SweepSpec, source: SourceFile, results: Mapping[int, Mapping[str, Any]]) -> bool:
-    """Return whether one of the runs shows that all metrics which the sweep names exist. Raises ScenarioError."""
-    return any(
-        require_metrics(spec, source, number, result["metrics"])
-        for number, result in results.items()
-        if not result["error"]
-    )
+@dataclass
+class _Metrics:
+    """Looks at results until one shows that all metrics which the sweep names exist."""
+
+    spec: SweepSpec
+    source: SourceFile
+    are_known: bool = False
+
+    def look(self, number: int, result: Mapping[str, Any]) -> None:
+        """Look at a run's result. Raises ScenarioError."""
+        if not self.are_known and not result["error"]:
+            self.are_known = require_metrics(self.spec, self.source, number, result["metrics"])
 
 
 def _report(sweep: Sweep, name: str, jobs: Jobs, show: Show) -> None:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from uwsim.base.stoppable import Stoppable, note_kept
+from uwsim.base.stoppable import Stoppable, note_kept, stop_on_signals
 
 
 class JobProgress(Stoppable):
@@ -39,6 +40,11 @@ class JobProgress(Stoppable):
         finally:
             self.at_once = False
 
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What shows and stops a campaign, as keywords of the functions that run one."""
+        return {"stop_requested": self.stop_requested, "tell": self.tell, "show": self.activity}
+
     def stop(self, *, in_haste: bool = False) -> None:
         """Stop early; jobs in progress are lost. in_haste: stop immediately, since finished jobs are on disk."""
         super().stop(in_haste=in_haste)
@@ -48,7 +54,10 @@ class JobProgress(Stoppable):
 
 @contextmanager
 def job_progress(what: str, doing: str = "flying") -> Iterator[JobProgress]:
-    """Show a progress bar for the duration of the block. what: the jobs, such as "runs". doing: the activity."""
+    """Show a progress bar, and stop on signals, for the duration of the block.
+
+    what: the jobs, such as "runs". doing: the activity.
+    """
     console = Console(stderr=True)
     bar = Progress(
         TextColumn("{task.fields[activity]}"),
@@ -61,5 +70,5 @@ def job_progress(what: str, doing: str = "flying") -> Iterator[JobProgress]:
         disable=not console.is_terminal,
     )
     progress = JobProgress(bar, bar.add_task("", total=0, note="", activity=""), doing)
-    with bar:
+    with bar, stop_on_signals(progress):
         yield progress

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Self
 
 from uwsim.base.texts.json_text import json_value
-from uwsim.campaigns.workers.work import Finished, Tell, Work
-from uwsim.campaigns.workers.workers import Workers
+from uwsim.campaigns.workers.work import Finished
 
 LEDGER = "ledger.jsonl"
 
@@ -23,8 +22,9 @@ class Ledger:
     each job is either finished or not. If a job has several lines, the last one counts.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, jobs: str = "jobs") -> None:
         self.path = folder / LEDGER
+        self._jobs = jobs
         self.results: dict[int, dict[str, Any]] = {}
         self._file: Any = None
         self._whole = 0  # bytes read of whole lines
@@ -42,7 +42,7 @@ class Ledger:
         what, jobs: names of the plan and of its jobs in messages, such as "sweep" and "runs". Raises ValueError if the
         folder's ledger must be resumed, or there is none to resume; otherwise see `begin` and `resume`.
         """
-        ledger = cls(folder)
+        ledger = cls(folder, jobs)
         if not resume and ledger.exists:
             ledger.read()
             rule = f"holds a {what} already, {len(ledger.results):,} {jobs} of it finished: --resume, or another --out"
@@ -58,6 +58,12 @@ class Ledger:
     def lacks(self, job: int, *, retry_failed: bool = False) -> bool:
         """Return whether a job must be run. retry_failed: also if it has failed."""
         return job not in self.results or (retry_failed and bool(self.results[job]["error"]))
+
+    def result_of(self, finished: Finished) -> dict[str, Any]:
+        """Return the result of a job. Raises OSError for one that has none."""
+        if finished.result is None:
+            raise OSError(f"{self._jobs.removesuffix('s')} {finished.job}: {finished.why}; --resume continues")
+        return finished.result
 
     def begin(self, plan: Mapping[str, Any]) -> None:
         """Start a new ledger. Raises OSError."""
@@ -114,22 +120,3 @@ class Ledger:
         except OSError as error:
             os.ftruncate(self._file.fileno(), found.st_size)  # removes the partial line
             raise OSError(f"'{self.path}': cannot be written: {error.strerror}; --resume continues") from error
-
-
-def run_missing(
-    crew: Workers, work: Work, missing: Mapping[int, Any], count: int, ledger: Ledger, *, retries: int,
-    result_of: Callable[[Finished], Mapping[str, Any]], stop_requested: Callable[[], bool], tell: Tell,
-) -> Iterator[tuple[int, Mapping[str, Any]]]:  # fmt: skip
-    """Run the missing jobs of `count`, and record each in the ledger as it finishes; yield its number and result.
-
-    result_of: returns what the ledger stores. retries, stop_requested: see Workers.finished.
-    """
-    finished = count - len(missing)
-    failed = sum(bool(result.get("error")) for number, result in ledger.results.items() if number not in missing)
-    tell(finished, failed, count)
-    for each in crew.finished(work, missing, retries=retries, stop_requested=stop_requested):
-        result = result_of(each)
-        ledger.add(each.job, result)
-        finished, failed = finished + 1, failed + bool(result.get("error"))
-        tell(finished, failed, count)
-        yield each.job, result

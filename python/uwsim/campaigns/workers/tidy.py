@@ -9,18 +9,15 @@ from itertools import count
 
 EVERY = 25
 """The number of jobs between collections. Python frees a simulator's cyclic parts late, and malloc keeps the memory."""
+LONG_S = 4.0
+"""The time of a job that is worth one by itself."""
 
 _done = count(1)
 
 
-def tidy_now_and_then() -> None:
-    """Return memory at intervals; call this after each job."""
-    if next(_done) % EVERY == 0:
-        tidy()
-
-
-def tidy() -> None:
-    """Return memory to the system; takes about 40 ms. Call this after a long job."""
-    gc.collect()
-    with suppress(OSError, AttributeError):  # if the C library is not glibc
-        ctypes.CDLL("libc.so.6").malloc_trim(0)
+def tidy_now_and_then(job_s: float = 0.0) -> None:
+    """Return memory to the system, which takes about 40 ms, at intervals; call this after each job. job_s: its time."""
+    if next(_done) % EVERY == 0 or job_s > LONG_S:
+        gc.collect()
+        with suppress(OSError, AttributeError):  # if the C library is not glibc
+            ctypes.CDLL("libc.so.6").malloc_trim(0)
