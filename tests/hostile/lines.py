@@ -56,7 +56,7 @@ SUFFIX = re.compile(r"(?<![\w.])\w*(\.(?:bt|ot|mcap|bag|png|csv|json|ya?ml|py|ob
 SERVER = frozenset({"serve", "station", "connect", "nodes", "teleop", "map view"})
 BROWSING = ("station", "map view")
 BASES: dict[str, tuple[list[str], dict[str, str]]] = {
-    "survey": (["pool.yaml"], {"out": "out", "mission_time": "2", "report": "none"}),
+    "survey": (["pool.yaml"], {"out": "out", "mission_time_s": "2", "report": "none"}),
     "run": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "report": "none"}),
     "compare": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "seeds": "0", "time_limit": "2"}),
     "sweep": (["sweep.yaml"], {"out": "out", "workers": "0"}),

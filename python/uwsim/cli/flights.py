@@ -32,12 +32,12 @@ ScenarioOfFlight = Annotated[
 class MapOptions(Options):
     """The options of a flight's map. Raises WithoutEffectError."""
 
-    voxel: float | None = option(None, VOXEL, bounds=VOXELS)
+    voxel_m: float | None = option(None, VOXEL, bounds=VOXELS)
     engine: str | None = option(
         None, "Engine of the map: bricks (default), or octomap, the stock library.", choices=("bricks", "octomap")
     )
     verify_map: bool = option(False, "Also build a stock OctoMap map; exit with 1 if a byte differs.")
-    map_memory: float | None = option(
+    map_memory_mb: float | None = option(
         None,
         "Limit of the map's memory [MB]; the rest of the map goes to disk. Default: no limit.",
         bounds=(0.001, 1e9, "MB"),
@@ -59,11 +59,8 @@ class MapOptions(Options):
 
     @property
     def arguments(self) -> dict[str, Any]:
-        """The arguments of `fly` that are given, without close_loops, which `resume` does not have."""
-        return given(
-            voxel_m=self.voxel, engine=self.engine, verify_map=self.verify_map or None, map_memory_mb=self.map_memory,
-            outlier_filter=self.outlier_filter,
-        )  # fmt: skip
+        """Those that are given, as arguments of `fly`."""
+        return {name: value for name, value in super().arguments.items() if name != "min_coverage"}
 
 
 @dataclass(frozen=True)
@@ -76,7 +73,7 @@ class FlightOptions(Options):
         "own instruments.",
         choices=("truth", "filter"),
     )
-    time_limit: float | None = option(
+    time_limit_s: float | None = option(
         None, "End the flight after this simulated time [s]. Default: the battery's.", bounds=(0.001, 1e9, "s")
     )
     report: str = option(
@@ -84,20 +81,22 @@ class FlightOptions(Options):
         "full: report.html, figures and summary.json; json: summary.json alone; none: neither, and no score.",
         choices=("full", "json", "none"),
     )
-    autosave: float | None = option(None, "Wall time between saves [s]; 0 for none. Default: 30.", bounds=(0, 1e6, "s"))
+    autosave_s: float | None = option(
+        None, "Wall time between saves [s]; 0 for none. Default: 30.", bounds=(0, 1e6, "s")
+    )
     resume: bool = option(False, "Continue the flight last saved in --out.")
 
     @property
     def arguments(self) -> dict[str, Any]:
-        """The arguments of `fly` that are given."""
-        return given(estimate=self.estimate, time_limit_s=self.time_limit, report=self.report, autosave_s=self.autosave)
+        """Those that are given, as arguments of `fly`."""
+        return {name: value for name, value in super().arguments.items() if name != "resume"}
 
     def require_fit(self, maps: MapOptions, attachments: Attachments) -> None:
         """Raise ValueError for options that contradict each other."""
         if maps.min_coverage and self.report == "none":
             raise ValueError("--min-coverage: needs a score of the map, which --report none leaves out")
-        if maps.close_loops and self.autosave:
-            raise ValueError(f"--autosave {self.autosave:g} s: a flight with --close-loops is not autosaved")
+        if maps.close_loops and self.autosave_s:
+            raise ValueError(f"--autosave {self.autosave_s:g} s: a flight with --close-loops is not autosaved")
         if self.resume:
             attachments.require_start()
         if self.resume and maps.close_loops:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -49,21 +48,6 @@ Pose = Annotated[
     ),
 ]
 VehicleName = Annotated[str | None, typer.Option("--vehicle", help="Name of the vehicle. Default: the first.")]
-Record = Annotated[
-    Path | None, typer.Option(help="Record the run into a new file: FILE.mcap, or FILE.bag for ROS 1 (no replay).")
-]
-RecordTopics = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--record-topic", help="Channels to record, such as scan or 'camera/*'. Default: all but pictures and maps."
-    ),
-]
-RecordAll = Annotated[
-    bool,
-    typer.Option(
-        "--record-all", help="Also record pictures and maps; prints first how much processor time that takes."
-    ),
-]
 Threads = Annotated[int | None, typer.Option(help=THREADS, callback=within(*THREAD_COUNTS))]
 
 
@@ -92,6 +76,12 @@ class SonarOptions(Options):
         """The frequency [Hz]."""
         return None if self.frequency is None else 1e3 * self.frequency
 
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """Those that are given, as arguments of a Simulator."""
+        found = super().arguments | {"sonar_model": self.sonar, "sonar_frequency_hz": self.frequency_hz}
+        return {name: value for name, value in found.items() if value is not None and name != "frequency"}
+
 
 @dataclass(frozen=True)
 class SimulatorOptions(SonarOptions):
@@ -102,7 +92,7 @@ class SimulatorOptions(SonarOptions):
         "Replaces the model of the scenario's first vehicle: a packaged one's name, or a YAML file.",
         completion="vehicles",
     )
-    mission_time: float | None = option(None, "Replaces the scenario's battery time [s].", bounds=(1, 1e6, "s"))
+    mission_time_s: float | None = option(None, "Replaces the scenario's battery time [s].", bounds=(1, 1e6, "s"))
     link: str | None = option(
         None,
         "Link between station and vehicles: none, tether, ideal_acoustic, micromodem, s2cm_hs, or a YAML file. "
@@ -110,13 +100,3 @@ class SimulatorOptions(SonarOptions):
         completion="modems",
     )
     threads: int | None = option(None, THREADS, bounds=THREAD_COUNTS)
-
-    @property
-    def arguments(self) -> dict[str, Any]:
-        """The arguments of a Simulator that are given."""
-        found = {
-            "seed": self.seed, "sonar_model": self.sonar, "sonar_frequency_hz": self.frequency_hz,
-            "vehicle_model": self.vehicle_model, "mission_time_s": self.mission_time, "link": self.link,
-            "threads": self.threads,
-        }  # fmt: skip
-        return {name: value for name, value in found.items() if value is not None}

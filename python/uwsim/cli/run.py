@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from uwsim.base.options import WithoutEffectError, flag_name, need
+from uwsim.base.options import WithoutEffectError, flag_name, need, refuse
 from uwsim.cli.autopilots import Autopilots, prepared
 from uwsim.cli.bounds import readable
 from uwsim.cli.flights import FlightOptions, MapOptions, Out, exit_as, given
@@ -70,15 +69,15 @@ def run(
     of_map = maps.given() | {name: True for name in attachments.requested if name == "raw"}
     if mission is None and not flight.resume:
         raise WithoutEffectError("needs the mission's file, such as my_mission.py")
-    saved = {"autosave": flight.autosave is not None, "resume": flight.resume}
+    saved = {"autosave_s": flight.autosave_s is not None, "resume": flight.resume}
     if autopilot is not None:
-        _refuse(saved, flag_name(str(autopilot.switch)), ALONE)
+        refuse(f"cannot be given with {flag_name(str(autopilot.switch))}: {ALONE}", **saved)
     if other is not None:
-        switch = flag_name(str(other.switch))
+        beside = f"cannot be given with {flag_name(str(other.switch))}"
         simulated = simulator.given() | of_map | dict.fromkeys(attachments.arguments, True)
         simulated |= {"estimate": flight.estimate is not None, **dict.fromkeys(autopilots.requested, True)}
-        _refuse(saved, switch, UNSAVED)
-        _refuse({**simulated, "voxel": False}, switch, "the server has its own, or there is none")
+        refuse(f"{beside}: {UNSAVED}", **saved)
+        refuse(f"{beside}: the server has its own, or there is none", **{**simulated, "voxel_m": False})
     if not make_map and not flight.resume:
         need("--map", **of_map)
     if maps.close_loops:
@@ -109,14 +108,8 @@ def run(
                 scene, of_simulator = prepared(autopilot, scenario or "lake", **of_simulator), {}
                 typer.echo(stack.enter_context(autopilot.flying(scene)))
             asked |= of_simulator | attachments.arguments
-            flown = fly(mission, scene, out, close_loops=maps.close_loops, **asked)
+            flown = fly(mission, scene, out, **asked)
     exit_as(flown, maps.min_coverage)
-
-
-def _refuse(options: Mapping[str, bool], by: str, why: str) -> None:
-    """Raise WithoutEffectError for an option that was passed although another option makes it useless."""
-    if given := [name for name, is_given in options.items() if is_given]:
-        raise WithoutEffectError(f"{flag_name(given[0])}: cannot be given with {by}: {why}")
 
 
 def _arguments(texts: list[str]) -> dict[str, Any]:

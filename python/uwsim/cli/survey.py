@@ -47,5 +47,5 @@ def survey(
     make_world_ahead(scenario or "lake")
     from uwsim.flight.survey import run_survey
 
-    flown = run_survey(scenario or "lake", out, close_loops=maps.close_loops, **attachments.arguments, **asked)
+    flown = run_survey(scenario or "lake", out, **attachments.arguments, **asked)
     exit_as(flown, maps.min_coverage)

@@ -16,7 +16,7 @@ Then `uwsim run` and `uwsim survey` have the flag `--diary FILE`, and `uwsim.fly
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -116,13 +116,10 @@ class Attachments(RegisteredOptions[AttachmentOptions]):
     @property
     def arguments(self) -> dict[str, Any]:
         """The options that are given, as keywords of `uwsim.fly`."""
-        return _given(self.requested.values())
+        return {name: value for each in self.requested.values() for name, value in each.arguments.items()}
 
     @property
     def kept(self) -> dict[str, Any]:
         """Those of them with which the flight is resumed."""
-        return _given(options for options in self.requested.values() if not options.since_start)
-
-
-def _given(found: Iterable[Options]) -> dict[str, Any]:
-    return {name: getattr(each, name) for each in found for name, is_given in each.given().items() if is_given}
+        lasting = [each for each in self.requested.values() if not each.since_start]
+        return {name: value for each in lasting for name, value in each.arguments.items()}

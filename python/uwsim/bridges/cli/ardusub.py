@@ -10,8 +10,9 @@ import typer
 from uwsim.bridges.ardusub.options import ProgramOptions
 from uwsim.bridges.cli.serve import Speed, parsed_speed
 from uwsim.cli.groups import under
-from uwsim.cli.options import Record, Seed, Threads
+from uwsim.cli.options import Seed, Threads
 from uwsim.cli.values import scenarios
+from uwsim.recording.flight_options import RecordOptions
 
 
 @under("Connect")
@@ -24,7 +25,7 @@ def ardusub(
     program: ProgramOptions,
     speed: Speed = "1",
     seed: Seed = None,
-    record: Record = None,
+    recorded: RecordOptions,
     threads: Threads = None,
 ) -> None:
     """Start a compiled ArduSub, which flies a vehicle.
@@ -49,8 +50,8 @@ def ardusub(
         live = LiveSimulator(simulator, speed=pace)
         flown = stack.enter_context(autopilot.flying(live))
         stack.enter_context(live)
-        if record is not None:
+        if recorded.record is not None:
             from uwsim.recording import Recorder
 
-            stack.enter_context(Recorder(live, record, is_light=True))
+            stack.enter_context(Recorder(live, recorded.record, topics=recorded.record_topic or None, is_light=True))
         run_until_interrupted(live, f"{scenario} with {model}, {flown}", ends_with_error=True)

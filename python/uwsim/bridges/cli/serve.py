@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from uwsim.base.options import flag_name, need
+from uwsim.base.options import flag_name, option, refuse
 from uwsim.bridges.cli.graph_options import ServedGraphOptions
 from uwsim.bridges.page import Pages, Serving
 from uwsim.bridges.requested import Bridges
@@ -16,8 +17,9 @@ from uwsim.cli.autopilots import Autopilots, prepared
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.groups import under
-from uwsim.cli.options import Record, RecordAll, RecordTopics, SimulatorOptions
+from uwsim.cli.options import SimulatorOptions
 from uwsim.cli.values import scenarios
+from uwsim.recording.flight_options import RecordOptions
 
 if TYPE_CHECKING:
     from uwsim.channels import Table
@@ -54,6 +56,18 @@ Tf = Annotated[
 Paused = Annotated[bool, typer.Option("--paused", help="Start paused; the service /simulation/resume starts it.")]
 
 
+@dataclass(frozen=True)
+class ServedRecordOptions(RecordOptions):
+    """The options of a recording of what is served. Raises OptionError."""
+
+    record_all: bool = option(False, "Also record pictures and maps; prints first how much processor time that takes.")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.record_all:
+            refuse("cannot be given with --record-all, which records all channels", record_topic=self.record_topic)
+
+
 @under("Connect")
 def serve(
     *,
@@ -85,9 +99,7 @@ def serve(
     paused: Paused = False,
     pages: Pages,
     bridges: Bridges,
-    record: Record = None,
-    record_topic: RecordTopics = None,
-    record_all: RecordAll = False,
+    recorded: ServedRecordOptions,
     autopilots: Autopilots,
 ) -> None:
     """Run a scenario in real time for rosbridge.
@@ -113,10 +125,6 @@ def serve(
         rule = "its page needs the usual topics and frames: --tf truth, and no other option about them"
         raise ValueError(f"{flag_name(str(page.switch))}: {rule}")
     parameters = graph.parameters(node_name(namespace))
-    if record is None:
-        need("--record", record_topic=record_topic, record_all=record_all)
-    if record_topic and record_all:
-        raise ValueError("--record-all: cannot be given with --record-topic, which selects the channels")
     accessible = access.settings(host)
     simulator = prepared(autopilot, scenario, **simulated.arguments)
     bridges.check(simulator)
@@ -130,18 +138,19 @@ def serve(
 
         def record_from(table: Table) -> None:
             """Start recording the channels that a table's clients see, if a recording was requested."""
-            if record is not None:
+            if recorded.record is not None:
                 from uwsim.recording import Recorder
                 from uwsim.recording.picture_cost import picture_cost_text
 
                 recorder = Recorder(
-                    live, record, topics=record_topic or None, shared=table, feed=feed, is_light=not record_all
-                )
+                    live, recorded.record, topics=recorded.record_topic or None, shared=table, feed=feed,
+                    is_light=not recorded.record_all,
+                )  # fmt: skip
                 table.channels = recorder.record_received(table.channels)
                 sinks.enter_context(recorder)
-                if record_all:
+                if recorded.record_all:
                     typer.echo(f"recording everything, which takes {picture_cost_text(simulator)}", err=True)
-                elif not record_topic:
+                elif not recorded.record_topic:
                     typer.echo("recording without pictures and maps, which --record-all adds", err=True)
 
         options: dict[str, Any] = {"port": port, "ros": ros, **accessible}

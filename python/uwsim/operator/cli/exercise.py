@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uwsim.base.options import WithoutEffectError, need
+from uwsim.base.options import WithoutEffectError, need, refuse
 from uwsim.bridges.page import page_url
-from uwsim.cli.access import INSTRUCTOR_VARIABLE, Tokens, secret
+from uwsim.cli.access import Tokens
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED
 from uwsim.cli.flights import Out
 from uwsim.cli.groups import under
-from uwsim.cli.options import AsJson, Record, Threads, print_json
+from uwsim.cli.options import AsJson, Threads, print_json
 from uwsim.cli.values import exercises
-from uwsim.operator.cli.station import KEPT, InstructorToken, InstructorTokenFile, instructor_text, kept_flights
+from uwsim.operator.cli.station import KEPT, InstructorOptions, kept_flights
+from uwsim.recording.flight_options import RecordOptions
 
 if TYPE_CHECKING:
     from uwsim.exercises import Exercise
@@ -49,14 +50,13 @@ def exercise(
         ),
     ] = None,
     out: Out = Path("out"),
-    record: Record = None,
+    recorded: RecordOptions,
     port: Annotated[
         int | None,
         typer.Option(help="Port of --serve; 0 chooses a free one. Default: 9090.", callback=within(0, 65535)),
     ] = None,
     tokens: Tokens,
-    instructor_token: InstructorToken = None,
-    instructor_token_file: InstructorTokenFile = None,
+    instructor: InstructorOptions,
     keep_flights: Annotated[
         str | None,
         typer.Option(
@@ -80,27 +80,24 @@ def exercise(
         _list({each: load_exercise(each) for each in exercise_names()}, as_json)
         return
     if not serve:
-        need("--serve", port=port, **tokens.given(), keep_flights=keep_flights)
-        need("--serve", instructor_token=instructor_token, instructor_token_file=instructor_token_file)
+        need("--serve", port=port, **tokens.arguments, **instructor.arguments, keep_flights=keep_flights)
     if serve == (pilot is not None):
         raise WithoutEffectError("needs either --pilot FILE, which flies it, or --serve, for a person")
     found = load_exercise(name)
     named = "" if person is None else checked_person(person)
     if serve:
-        if record is not None:
-            raise WithoutEffectError("--record: has no effect with --serve; the page's menu records")
-        if as_json:
-            raise WithoutEffectError("--json: has no effect with --serve; each attempt's score.json is in --out")
+        refuse("has no effect with --serve; the page's menu records", **recorded.arguments)
+        refuse("has no effect with --serve; each attempt's score.json is in --out", json=as_json)
         bounds = kept_flights(KEPT if keep_flights is None else keep_flights)
-        secret_instructor = secret("--instructor-token", instructor_token, instructor_token_file, INSTRUCTOR_VARIABLE)
-        shown = secret_instructor and (instructor_token or "TOKEN")
-        _serve(found, out, 9090 if port is None else port, tokens, secret_instructor, shown, bounds, threads, named)
+        _serve(found, out, 9090 if port is None else port, tokens, instructor, bounds, threads, named)
         return
     from uwsim.exercises.flight import fly_exercise
     from uwsim.exercises.sheet_text import score_lines
     from uwsim.flight.terminal import Terminal
 
-    course, flown = fly_exercise(found, pilot, out, person=named, threads=threads, record=record, screen=Terminal())
+    course, flown = fly_exercise(
+        found, pilot, out, person=named, threads=threads, screen=Terminal(), **recorded.arguments
+    )
     if as_json:
         print_json(course.sheet())
     else:
@@ -125,28 +122,16 @@ def _list(found: dict[str, Exercise], as_json: bool) -> None:
 
 
 def _serve(
-    found: Exercise,
-    out: Path,
-    port: int,
-    tokens: Tokens,
-    secret_instructor: str | None,
-    shown: str | None,
-    bounds: Bounds,
-    threads: int | None,
-    person: str,
-) -> None:
+    found: Exercise, out: Path, port: int, tokens: Tokens, instructor: InstructorOptions, bounds: Bounds,
+    threads: int | None, person: str,
+) -> None:  # fmt: skip
     from uwsim.bridges import RosbridgeServer
     from uwsim.bridges.doors.admission import has_token
     from uwsim.cli.run_live import wait_for_interrupt
     from uwsim.operator.station import Site, Station
 
     hub = Station(
-        is_fixed=True,
-        truth=False,
-        threads=threads,
-        folder=out,
-        instructor_token=secret_instructor,
-        keep_flights=bounds,
+        is_fixed=True, truth=False, threads=threads, folder=out, instructor_token=instructor.secret, keep_flights=bounds
     )
     accessible = tokens.settings("127.0.0.1")
     secret_token = accessible["token"]
@@ -154,5 +139,5 @@ def _serve(
     with RosbridgeServer(None, port=port, guests=[hub], site=site, **accessible) as server, hub.serving(server.show):
         hub.run_exercise(found, person)
         url = page_url(server.url, tokens.token)
-        where = f"the exercise is at {url}{instructor_text(url, shown)}; its sheets will be in {out}"
+        where = f"the exercise is at {url}{instructor.text(url)}; its sheets will be in {out}"
         wait_for_interrupt(f"{where}; Ctrl-C ends it")

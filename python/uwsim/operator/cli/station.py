@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import webbrowser
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from uwsim.base.options import Options, option
 from uwsim.bridges.cli.serve import Origin, Wire
 from uwsim.bridges.page import page_url
 from uwsim.cli.access import INSTRUCTOR_VARIABLE, Access, secret
-from uwsim.cli.bounds import readable, within
+from uwsim.cli.bounds import within
 from uwsim.cli.groups import under
 from uwsim.cli.options import Threads
 from uwsim.cli.values import modems, scenarios
@@ -23,18 +25,6 @@ Truth = Annotated[
     bool, typer.Option("--truth/--no-truth", help="Show pilots the true position, or only the instruments' values.")
 ]
 
-InstructorToken = Annotated[
-    str | None,
-    typer.Option(
-        help="Token of an instructor, who changes the world on the page that is printed; the pilot then neither sees "
-        "nor changes parameters. At least 8 characters. All users of this machine can see it: prefer "
-        f"--instructor-token-file, or the environment variable {INSTRUCTOR_VARIABLE}."
-    ),
-]
-InstructorTokenFile = Annotated[
-    Path | None, typer.Option(help="File with the token, in place of --instructor-token.", callback=readable)
-]
-
 KeepFlights = Annotated[
     str,
     typer.Option(
@@ -44,6 +34,32 @@ KeepFlights = Annotated[
     ),
 ]
 KEPT = "50,2000"
+
+
+@dataclass(frozen=True)
+class InstructorOptions(Options):
+    """The token of an instructor, who has a page with other rights."""
+
+    instructor_token: str | None = option(
+        None,
+        "Token of an instructor, who changes the world on the page that is printed; the pilot then neither sees nor "
+        "changes parameters. At least 8 characters. All users of this machine can see it: prefer "
+        f"--instructor-token-file, or the environment variable {INSTRUCTOR_VARIABLE}.",
+    )
+    instructor_token_file: Path | None = option(None, "File with the token, in place of --instructor-token.")
+
+    @property
+    def secret(self) -> str | None:
+        """The token. Raises ValueError for two tokens or a bad file."""
+        return secret("--instructor-token", self.instructor_token, self.instructor_token_file, INSTRUCTOR_VARIABLE)
+
+    def text(self, url: str) -> str:
+        """Return the text that names the instructor's page at a station's address, or "" without a token."""
+        if not self.secret:
+            return ""
+        path, _, query = url.partition("?")
+        shown = self.instructor_token or "TOKEN"  # not one from a file, since a terminal is visible, too
+        return f", the instructor's page at {path}instructor.html{query and '?' + query}#{shown}"
 
 
 @under("Connect")
@@ -70,8 +86,7 @@ def station(
     wire: Wire = None,
     origin: Origin = None,
     access: Access,
-    instructor_token: InstructorToken = None,
-    instructor_token_file: InstructorTokenFile = None,
+    instructor: InstructorOptions,
     keep_flights: KeepFlights = KEPT,
     threads: Threads = None,
 ) -> None:
@@ -89,7 +104,6 @@ def station(
 
     accessible = access.settings(host)
     secret_token = accessible["token"]
-    secret_instructor = secret("--instructor-token", instructor_token, instructor_token_file, INSTRUCTOR_VARIABLE)
     load(scenario)  # reports mistakes here instead of on the page
     if link is not None and link not in packaged_names("modems"):
         raise ValueError(f"--link = {link!r}: must be one of {', '.join(packaged_names('modems'))}")
@@ -100,7 +114,7 @@ def station(
         wire=wire or "both",  # type: ignore[arg-type]  # checked there
         origin=origin,
         threads=threads,
-        instructor_token=secret_instructor,
+        instructor_token=instructor.secret,
         keep_flights=kept_flights(keep_flights),
     )
     server = RosbridgeServer(
@@ -114,10 +128,9 @@ def station(
         url = page_url(
             server.url, access.token
         )  # without a token from a file, since a browser's options are visible, too
-        shown = secret_instructor and (instructor_token or "TOKEN")
         if browser and has_display():
             webbrowser.open(url)
-        wait_for_interrupt(f"the station is at {url}{instructor_text(url, shown)}; Ctrl-C ends it")
+        wait_for_interrupt(f"the station is at {url}{instructor.text(url)}; Ctrl-C ends it")
 
 
 def kept_flights(text: str) -> Bounds:
@@ -128,11 +141,3 @@ def kept_flights(text: str) -> Bounds:
         return Bounds.of(text)
     except ValueError as error:
         raise ValueError(f"--keep-flights = {error}") from None
-
-
-def instructor_text(url: str, instructor_token: str | None) -> str:
-    """Return the text that names the instructor's page, or ""."""
-    if instructor_token is None:
-        return ""
-    path, _, query = url.partition("?")
-    return f", the instructor's page at {path}instructor.html{query and '?' + query}#{instructor_token}"
