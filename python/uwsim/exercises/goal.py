@@ -6,8 +6,7 @@ from another package.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -22,10 +21,14 @@ Within = Annotated[float, InRange(0.01, 1000, "m")]
 Points = Annotated[float, InRange(0, 1000)]
 
 
-class Progress(ABC):
-    """How much of a goal has been met. share: in [0, 1]. errors_m: deviations from the value to be held, if any."""
+class Progress:
+    """How much of a goal has been met. share: in [0, 1]. errors_m: deviations from the value to be held, if any.
 
-    def __init__(self) -> None:
+    As it is, it counts the time without interruption in which the goal is met: for its for_s, or at once without one.
+    """
+
+    def __init__(self, goal: Any = None) -> None:
+        self._goal, self._kept_s = goal, 0.0
         self.share = 0.0
         self.errors_m: list[float] = []
         self.times_s: list[float] = []
@@ -35,9 +38,15 @@ class Progress(ABC):
         """True once the goal has been met in full."""
         return self.share >= 1.0
 
-    @abstractmethod
     def judge(self, moment: Moment, period_s: float) -> None:
         """Judge the next moment, period_s after the last."""
+        self.keep(self._goal.is_met_at(moment), period_s)
+
+    def keep(self, is_met: bool, period_s: float) -> None:
+        """Count the time in which the goal is met."""
+        self._kept_s = self._kept_s + period_s if is_met else 0.0
+        for_s = getattr(self._goal, "for_s", period_s)
+        self.share = max(self.share, min(self._kept_s / for_s, 1.0))
 
     def note(self, time_s: float, error_m: float) -> None:
         """Record an error for the debriefing."""
@@ -52,6 +61,8 @@ class GoalModel(Model):
     must be met before this one counts.
     """
 
+    progress: ClassVar[type[Progress]] = Progress
+
     name: Name
     title: str = Field(min_length=1, max_length=120)
     points: Points = 10.0
@@ -62,6 +73,10 @@ class GoalModel(Model):
 
     def begun(self) -> Progress:
         """Return the goal's progress at the beginning."""
+        return self.progress(self)
+
+    def is_met_at(self, moment: Moment) -> bool:
+        """Return whether the goal is met at a moment, for a goal whose progress is a Progress as it is."""
         raise NotImplementedError
 
     def require(self, sim: Simulator) -> None:

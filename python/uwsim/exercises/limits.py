@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -22,6 +22,9 @@ class LimitModel(Model):
     cost: points lost each time it is broken. ends: whether breaking it ends the exercise.
     """
 
+    text: ClassVar[str]
+    """Its title, with the values of fields in braces."""
+
     cost: Points = 5.0
     ends: bool = False
 
@@ -38,22 +41,19 @@ class LimitModel(Model):
     @property
     def title(self) -> str:
         """The text shown to the pilot."""
-        raise NotImplementedError
+        return self.text.format_map(dict(self))
 
 
 class Collisions(LimitModel):
     """No collisions."""
+
+    text = "No collision"
 
     kind: Literal["collision"]
 
     def is_broken(self, moment: Moment, collisions_before: int) -> bool:
         """See LimitModel."""
         return moment.collisions > collisions_before
-
-    @property
-    def title(self) -> str:
-        """See LimitModel."""
-        return "No collision"
 
 
 class Deepest(LimitModel):
@@ -62,17 +62,14 @@ class Deepest(LimitModel):
     most_m: depth, positive down.
     """
 
+    text = "Not deeper than {most_m:g} m"
+
     kind: Literal["depth"]
     most_m: Annotated[float, InRange(0, 11000, "m")]
 
     def is_broken(self, moment: Moment, collisions_before: int) -> bool:
         """See LimitModel."""
         return -float(moment.position_world_m[2]) > self.most_m
-
-    @property
-    def title(self) -> str:
-        """See LimitModel."""
-        return f"Not deeper than {self.most_m:g} m"
 
 
 class Lowest(LimitModel):
@@ -81,17 +78,14 @@ class Lowest(LimitModel):
     least_m: altitude.
     """
 
+    text = "At least {least_m:g} m above the bed"
+
     kind: Literal["altitude"]
     least_m: Annotated[float, InRange(0, 1000, "m")]
 
     def is_broken(self, moment: Moment, collisions_before: int) -> bool:
         """See LimitModel."""
         return moment.altitude_m < self.least_m
-
-    @property
-    def title(self) -> str:
-        """See LimitModel."""
-        return f"At least {self.least_m:g} m above the bed"
 
 
 class Fastest(LimitModel):
@@ -100,6 +94,8 @@ class Fastest(LimitModel):
     most_m_s: speed.
     """
 
+    text = "Not faster than {most_m_s:g} m/s"
+
     kind: Literal["speed"]
     most_m_s: Annotated[float, InRange(0.01, 100, "m/s")]
 
@@ -107,17 +103,14 @@ class Fastest(LimitModel):
         """See LimitModel."""
         return moment.speed_m_s > self.most_m_s
 
-    @property
-    def title(self) -> str:
-        """See LimitModel."""
-        return f"Not faster than {self.most_m_s:g} m/s"
-
 
 class Area(LimitModel):
     """An area that the vehicle must not leave.
 
     area_m: a polygon, x and y.
     """
+
+    text = "Stay within the area"
 
     kind: Literal["area"]
     area_m: list[Point2] = Field(min_length=3, max_length=1000)
@@ -127,17 +120,14 @@ class Area(LimitModel):
         point: Any = moment.position_world_m[None, :2]
         return not bool(inside(point, np.array(self.area_m))[0])
 
-    @property
-    def title(self) -> str:
-        """See LimitModel."""
-        return "Stay within the area"
-
 
 class Reports(LimitModel):
     """A maximum number of notes of a category, to discourage false reports.
 
     category: the notes' category. most: the largest number allowed.
     """
+
+    text = "At most {most} notes: {category}"
 
     kind: Literal["reports"]
     category: NoteCategory = "defect"
@@ -146,11 +136,6 @@ class Reports(LimitModel):
     def is_broken(self, moment: Moment, collisions_before: int) -> bool:
         """See LimitModel."""
         return len(moment.notes(self.category)) > self.most
-
-    @property
-    def title(self) -> str:
-        """See LimitModel."""
-        return f"At most {self.most} notes: {self.category}"
 
 
 class Tangled(LimitModel):

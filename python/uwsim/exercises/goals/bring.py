@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import StrictBool
 
 from uwsim.base.did_you_mean import did_you_mean
-from uwsim.exercises.goal import Duration, GoalModel, Progress, Within
+from uwsim.exercises.goal import Duration, GoalModel, Within
 from uwsim.exercises.moment import Floats, Moment
 from uwsim.scenario.spec.fields import InRange, Name, Point3
 from uwsim.simulator.simulator import Simulator
@@ -32,10 +32,6 @@ class Bring(GoalModel):
     for_s: Duration = 2.0
     let_go: StrictBool = True
 
-    def begun(self) -> Progress:
-        """See GoalModel."""
-        return _Bringing(self)
-
     def require(self, sim: Simulator) -> None:
         """See GoalModel."""
         known = [body.name for body in sim.scenario.objects if body.path is None and not body.fixed]
@@ -43,7 +39,7 @@ class Bring(GoalModel):
             rule = f"must be one of {', '.join(known)}" if known else "no object is loose"
             raise ValueError(f"object = '{self.object}': {rule}{did_you_mean(self.object, known)}")
 
-    def is_there(self, moment: Moment) -> bool:
+    def is_met_at(self, moment: Moment) -> bool:
         """Return whether the body is in its place and free."""
         body = moment.sim.objects[self.object]
         pose = body.pose
@@ -52,16 +48,6 @@ class Bring(GoalModel):
         if self.axis_world is not None and _apart_deg(pose.world_from_body[:3, 0], self.axis_world) > self.within_deg:
             return False
         return not (self.let_go and any(contact.other == moment.vehicle.name for contact in body.contacts))
-
-
-class _Bringing(Progress):
-    def __init__(self, goal: Bring) -> None:
-        super().__init__()
-        self._goal, self._there_s = goal, 0.0
-
-    def judge(self, moment: Moment, period_s: float) -> None:
-        self._there_s = self._there_s + period_s if self._goal.is_there(moment) else 0.0
-        self.share = max(self.share, min(self._there_s / self._goal.for_s, 1.0))
 
 
 def _apart_deg(axis: Floats, other: Point3) -> float:

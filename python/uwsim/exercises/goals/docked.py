@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from uwsim.exercises.goal import GoalModel, Progress
+from uwsim.exercises.goal import GoalModel
 from uwsim.exercises.moment import Moment
 
 
@@ -13,12 +13,6 @@ class Docked(GoalModel):
 
     kind: Literal["docked"]
 
-    def begun(self) -> Progress:
+    def is_met_at(self, moment: Moment) -> bool:
         """See GoalModel."""
-        return _Docking()
-
-
-class _Docking(Progress):
-    def judge(self, moment: Moment, period_s: float) -> None:
-        if not moment.vehicle.released:
-            self.share = 1.0
+        return not moment.vehicle.released

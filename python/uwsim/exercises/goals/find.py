@@ -21,6 +21,22 @@ ORDINARY = ("anode", "joint")
 """Kinds of marks that are no defects."""
 
 
+class _Finding(Progress):
+    def __init__(self, goal: Find) -> None:
+        super().__init__(goal)
+        self._seen_s = np.empty(0)
+        self._places: np.ndarray | None = None
+
+    def judge(self, moment: Moment, period_s: float) -> None:
+        if self._places is None:
+            self._places = self._goal.places(moment.sim)
+            self._seen_s = np.zeros(len(self._places))
+        for k, place in enumerate(self._places):
+            if self._seen_s[k] < self._goal.for_s:
+                self._seen_s[k] = self._seen_s[k] + period_s if self._goal.is_in_view(moment, place) else 0.0
+        self.share = float((self._seen_s >= self._goal.for_s).mean())
+
+
 class Find(Sight):
     """Find what there is to be found on an obstacle, such as the holes in a net, with the vehicle's cameras.
 
@@ -29,13 +45,11 @@ class Find(Sight):
     has seen, each for_s without interruption.
     """
 
+    progress = _Finding
+
     kind: Literal["find"]
     obstacle: Name
     marks: list[Name] = Field(default_factory=list)
-
-    def begun(self) -> Progress:
-        """See GoalModel."""
-        return _Finding(self)
 
     def require(self, sim: Simulator) -> None:
         """See GoalModel."""
@@ -56,22 +70,6 @@ class Find(Sight):
         found = marks(sim, self.obstacle)
         kinds = self.marks or [kind for kind in found if kind not in ORDINARY]
         return np.concatenate([np.empty((0, 3)), *(found[kind] for kind in kinds)])
-
-
-class _Finding(Progress):
-    def __init__(self, goal: Find) -> None:
-        super().__init__()
-        self._goal, self._seen_s = goal, np.empty(0)
-        self._places: np.ndarray | None = None
-
-    def judge(self, moment: Moment, period_s: float) -> None:
-        if self._places is None:
-            self._places = self._goal.places(moment.sim)
-            self._seen_s = np.zeros(len(self._places))
-        for k, place in enumerate(self._places):
-            if self._seen_s[k] < self._goal.for_s:
-                self._seen_s[k] = self._seen_s[k] + period_s if self._goal.is_in_view(moment, place) else 0.0
-        self.share = float((self._seen_s >= self._goal.for_s).mean())
 
 
 def marks(sim: Simulator, name: str) -> Mapping[str, np.ndarray]:

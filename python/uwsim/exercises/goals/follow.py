@@ -17,25 +17,9 @@ from uwsim.scenario.spec.fields import Point3
 STATIONS_M = 0.5  # spacing of the points of a path that must be passed
 
 
-class Follow(GoalModel):
-    """Follow a path from its first point to its last.
-
-    points_m: its corners. within_m: allowed distance from the path. The goal's share is the share of the path's length
-    passed in order: a pilot who leaves the path must return to the point of departure.
-    """
-
-    kind: Literal["follow"]
-    points_m: list[Point3] = Field(min_length=2, max_length=1000)
-    within_m: Within = 1.0
-
-    def begun(self) -> Progress:
-        """See GoalModel."""
-        return _Following(self)
-
-
 class _Following(Progress):
     def __init__(self, goal: Follow) -> None:
-        super().__init__()
+        super().__init__(goal)
         self._within_m = goal.within_m
         self._stations, self._corners = _stations(goal.points_m), np.array(goal.points_m, np.float64)
         self._next = 0
@@ -47,6 +31,20 @@ class _Following(Progress):
         if 0 < self._next < len(self._stations):
             self.note(moment.time_s, _distance_m(moment.position_world_m, self._corners))
         self.share = self._next / len(self._stations)
+
+
+class Follow(GoalModel):
+    """Follow a path from its first point to its last.
+
+    points_m: its corners. within_m: allowed distance from the path. The goal's share is the share of the path's length
+    passed in order: a pilot who leaves the path must return to the point of departure.
+    """
+
+    progress = _Following
+
+    kind: Literal["follow"]
+    points_m: list[Point3] = Field(min_length=2, max_length=1000)
+    within_m: Within = 1.0
 
 
 def _distance_m(point: Floats, corners: Floats) -> float:

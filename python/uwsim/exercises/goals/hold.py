@@ -12,12 +12,42 @@ from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import Degrees, InRange, Metres, Point3, broken
 
 
+class _Holding(Progress):
+    def __init__(self, goal: Hold) -> None:
+        super().__init__(goal)
+        self._is_first = True
+
+    def judge(self, moment: Moment, period_s: float) -> None:
+        error_m = self._error_m(moment)
+        is_kept = error_m <= self._goal.within_m and self._turned_deg(moment) <= self._goal.within_deg
+        if is_kept:
+            self._is_first = False
+        if not self._is_first:
+            self.note(moment.time_s, error_m)
+        self.keep(is_kept, period_s)
+
+    def _error_m(self, moment: Moment) -> float:
+        found = [0.0]
+        if self._goal.position_m is not None:
+            found.append(moment.distance_m(self._goal.position_m))
+        if self._goal.depth_m is not None:
+            found.append(abs(self._goal.depth_m + float(moment.position_world_m[2])))
+        return max(found)
+
+    def _turned_deg(self, moment: Moment) -> float:
+        if self._goal.heading_deg is None:
+            return 0.0
+        return abs((math.degrees(moment.yaw_rad) - self._goal.heading_deg + 180.0) % 360.0 - 180.0)
+
+
 class Hold(GoalModel):
     """Hold a position, a depth or a heading for some time without interruption.
 
     position_m: position in the world; within_m: distance from it. depth_m: positive down; within_m applies.
     heading_deg: counter-clockwise from east; within_deg: difference from it. for_s: how long.
     """
+
+    progress = _Holding
 
     kind: Literal["hold"]
     position_m: Point3 | None = None
@@ -32,37 +62,3 @@ class Hold(GoalModel):
         if self.position_m is None and self.depth_m is None and self.heading_deg is None:
             raise broken("must have at least one of position_m, depth_m and heading_deg")
         return self
-
-    def begun(self) -> Progress:
-        """See GoalModel."""
-        return _Holding(self)
-
-
-class _Holding(Progress):
-    def __init__(self, goal: Hold) -> None:
-        super().__init__()
-        self._goal, self._kept_s = goal, 0.0
-        self._is_first = True
-
-    def judge(self, moment: Moment, period_s: float) -> None:
-        error_m = self._error_m(moment)
-        is_kept = error_m <= self._goal.within_m and self._turned_deg(moment) <= self._goal.within_deg
-        if is_kept:
-            self._is_first = False
-        if not self._is_first:
-            self.note(moment.time_s, error_m)
-        self._kept_s = self._kept_s + period_s if is_kept else 0.0
-        self.share = max(self.share, min(self._kept_s / self._goal.for_s, 1.0))
-
-    def _error_m(self, moment: Moment) -> float:
-        found = [0.0]
-        if self._goal.position_m is not None:
-            found.append(moment.distance_m(self._goal.position_m))
-        if self._goal.depth_m is not None:
-            found.append(abs(self._goal.depth_m + float(moment.position_world_m[2])))
-        return max(found)
-
-    def _turned_deg(self, moment: Moment) -> float:
-        if self._goal.heading_deg is None:
-            return 0.0
-        return abs((math.degrees(moment.yaw_rad) - self._goal.heading_deg + 180.0) % 360.0 - 180.0)

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from uwsim.exercises.goal import Duration, GoalModel, Progress, Within
+from uwsim.exercises.goal import Duration, GoalModel, Within
 from uwsim.exercises.moment import Floats, Moment
 from uwsim.scenario.spec.fields import InRange, Name, Point3, broken
 from uwsim.simulator.simulator import Simulator
@@ -68,9 +68,9 @@ class LookAt(Sight):
             raise broken("give one of position_m and object", at=("position_m",), value=self.position_m)
         return self
 
-    def begun(self) -> Progress:
+    def is_met_at(self, moment: Moment) -> bool:
         """See GoalModel."""
-        return _Looking(self)
+        return self.is_in_view(moment, self.place(moment.sim))
 
     def require(self, sim: Simulator) -> None:
         """See GoalModel."""
@@ -83,14 +83,3 @@ class LookAt(Sight):
         if self.object is not None:
             return np.asarray(sim.objects[self.object].pose.position_world_m, np.float64)
         return np.array(self.position_m)
-
-
-class _Looking(Progress):
-    def __init__(self, goal: LookAt) -> None:
-        super().__init__()
-        self._goal, self._seen_s = goal, 0.0
-
-    def judge(self, moment: Moment, period_s: float) -> None:
-        is_in_view = self._goal.is_in_view(moment, self._goal.place(moment.sim))
-        self._seen_s = self._seen_s + period_s if is_in_view else 0.0
-        self.share = max(self.share, min(self._seen_s / self._goal.for_s, 1.0))

@@ -12,27 +12,9 @@ from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import InRange, Point2
 
 
-class MapArea(GoalModel):
-    """Sweep an area of the bed with the first multibeam sonar, which is read once per second.
-
-    area_m: a polygon, x and y. cell_m: edge length of the cells into which it is divided. share: fraction of the cells
-    that must have returned an echo for full points.
-    """
-
-    kind: Literal["map"]
-    area_m: list[Point2] = Field(min_length=3, max_length=1000)
-    cell_m: Within = 1.0
-    share: Annotated[float, InRange(0.01, 1)] = 0.9
-
-    def begun(self) -> Progress:
-        """See GoalModel."""
-        return _Mapping(self)
-
-
 class _Mapping(Progress):
     def __init__(self, goal: MapArea) -> None:
-        super().__init__()
-        self._goal = goal
+        super().__init__(goal)
         corners = np.array(goal.area_m)
         self._low = corners.min(axis=0)
         counts = np.ceil((corners.max(axis=0) - self._low) / goal.cell_m).astype(int)
@@ -53,3 +35,18 @@ class _Mapping(Progress):
         self._seen[cells[:, 0], cells[:, 1]] = True
         found = float((self._seen & self._wanted).sum()) / max(int(self._wanted.sum()), 1)
         self.share = min(found / self._goal.share, 1.0)
+
+
+class MapArea(GoalModel):
+    """Sweep an area of the bed with the first multibeam sonar, which is read once per second.
+
+    area_m: a polygon, x and y. cell_m: edge length of the cells into which it is divided. share: fraction of the cells
+    that must have returned an echo for full points.
+    """
+
+    progress = _Mapping
+
+    kind: Literal["map"]
+    area_m: list[Point2] = Field(min_length=3, max_length=1000)
+    cell_m: Within = 1.0
+    share: Annotated[float, InRange(0.01, 1)] = 0.9

@@ -14,12 +14,29 @@ from uwsim.scenario.spec.fields import InRange, Name, broken
 from uwsim.simulator.simulator import Simulator
 
 
+class _Moving(Progress):
+    def __init__(self, goal: MoveJoint) -> None:
+        super().__init__(goal)
+        self._first: float | None = None
+        self._end = math.radians(goal.to_deg) if goal.to_deg is not None else float(goal.to_m or 0.0)
+
+    def judge(self, moment: Moment, period_s: float) -> None:
+        now = self._goal.position(moment.sim)
+        assert now is not None  # `require` has seen it
+        if self._first is None:
+            self._first = now
+        whole = self._end - self._first
+        self.share = max(self.share, min((now - self._first) / whole, 1.0) if whole else 1.0)
+
+
 class MoveJoint(GoalModel):
     """Turn or move a joint of an object, such as a valve's handle, as far as a position.
 
     object: one of the scenario's `objects`, with links. joint: the name of its link. to_deg: for a hinge; to_m: for a
     slide. It counts in proportion to the farthest way from where the joint begins.
     """
+
+    progress = _Moving
 
     kind: Literal["move_joint"]
     object: Name
@@ -32,10 +49,6 @@ class MoveJoint(GoalModel):
         if (self.to_deg is None) == (self.to_m is None):
             raise broken("give one of to_deg and to_m", at=("to_deg",), value=self.to_deg)
         return self
-
-    def begun(self) -> Progress:
-        """See GoalModel."""
-        return _Moving(self)
 
     def require(self, sim: Simulator) -> None:
         """See GoalModel."""
@@ -53,19 +66,3 @@ class MoveJoint(GoalModel):
         if joints is None or self.joint not in joints.names:
             return None
         return float(joints.read().positions[joints.names.index(self.joint)])
-
-
-class _Moving(Progress):
-    def __init__(self, goal: MoveJoint) -> None:
-        super().__init__()
-        self._goal = goal
-        self._first: float | None = None
-        self._end = math.radians(goal.to_deg) if goal.to_deg is not None else float(goal.to_m or 0.0)
-
-    def judge(self, moment: Moment, period_s: float) -> None:
-        now = self._goal.position(moment.sim)
-        assert now is not None  # `require` has seen it
-        if self._first is None:
-            self._first = now
-        whole = self._end - self._first
-        self.share = max(self.share, min((now - self._first) / whole, 1.0) if whole else 1.0)

@@ -12,26 +12,10 @@ from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import Degrees, Point3
 
 
-class Pass(GoalModel):
-    """Pass through an opening, such as a gate.
-
-    position_m: its centre. heading_deg: the direction of passage, counter-clockwise from east. within_m: its radius.
-    """
-
-    kind: Literal["pass"]
-    position_m: Point3
-    heading_deg: Degrees
-    within_m: Within = 1.0
-
-    def begun(self) -> Progress:
-        """See GoalModel."""
-        return _Passing(self)
-
-
 class _Passing(Progress):
     def __init__(self, goal: Pass) -> None:
-        super().__init__()
-        self._goal, self._before = goal, (0.0, np.zeros(3))
+        super().__init__(goal)
+        self._before = (0.0, np.zeros(3))
         heading = math.radians(goal.heading_deg)
         self._ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
         self._has_before = False
@@ -47,3 +31,17 @@ class _Passing(Progress):
             if error_m <= self._goal.within_m:
                 self.share = 1.0
         self._has_before = True
+
+
+class Pass(GoalModel):
+    """Pass through an opening, such as a gate.
+
+    position_m: its centre. heading_deg: the direction of passage, counter-clockwise from east. within_m: its radius.
+    """
+
+    progress = _Passing
+
+    kind: Literal["pass"]
+    position_m: Point3
+    heading_deg: Degrees
+    within_m: Within = 1.0

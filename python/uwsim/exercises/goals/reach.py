@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from uwsim.exercises.goal import GoalModel, Progress, Within
+from uwsim.exercises.goal import GoalModel, Within
 from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import Point3
 
@@ -19,16 +19,6 @@ class Reach(GoalModel):
     position_m: Point3
     within_m: Within = 1.0
 
-    def begun(self) -> Progress:
+    def is_met_at(self, moment: Moment) -> bool:
         """See GoalModel."""
-        return _Reaching(self)
-
-
-class _Reaching(Progress):
-    def __init__(self, goal: Reach) -> None:
-        super().__init__()
-        self._goal = goal
-
-    def judge(self, moment: Moment, period_s: float) -> None:
-        if moment.distance_m(self._goal.position_m) <= self._goal.within_m:
-            self.share = 1.0
+        return moment.distance_m(self.position_m) <= self.within_m

@@ -11,27 +11,7 @@ from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import Point3
 
 
-class Report(GoalModel):
-    """Report what is at a place by writing a note, either at the station or with the command `note`.
-
-    position_m: position in the world. within_m: how close to it the note must be placed. category: the note's category.
-    """
-
-    kind: Literal["report"]
-    position_m: Point3
-    within_m: Within = 3.0
-    category: NoteCategory = "defect"
-
-    def begun(self) -> Progress:
-        """See GoalModel."""
-        return _Reporting(self)
-
-
 class _Reporting(Progress):
-    def __init__(self, goal: Report) -> None:
-        super().__init__()
-        self._goal = goal
-
     def judge(self, moment: Moment, period_s: float) -> None:
         away_m = [
             math.dist(place, self._goal.position_m)
@@ -41,3 +21,17 @@ class _Reporting(Progress):
         if away_m and min(away_m) <= self._goal.within_m:
             self.note(moment.time_s, min(away_m))
             self.share = 1.0
+
+
+class Report(GoalModel):
+    """Report what is at a place by writing a note, either at the station or with the command `note`.
+
+    position_m: position in the world. within_m: how close to it the note must be placed. category: the note's category.
+    """
+
+    progress = _Reporting
+
+    kind: Literal["report"]
+    position_m: Point3
+    within_m: Within = 3.0
+    category: NoteCategory = "defect"
