@@ -16,7 +16,7 @@ from uwsim.cli.flights import Out
 from uwsim.cli.groups import under
 from uwsim.cli.options import AsJson, Threads, print_json
 from uwsim.cli.values import exercises
-from uwsim.operator.cli.station import KEPT, InstructorOptions, kept_flights
+from uwsim.operator.cli.station import KEPT, InstructorOptions, kept_flights, station_server
 from uwsim.recording.flight_options import RecordOptions
 
 if TYPE_CHECKING:
@@ -125,18 +125,13 @@ def _serve(
     found: Exercise, out: Path, port: int, tokens: Tokens, instructor: InstructorOptions, bounds: Bounds,
     threads: int | None, person: str,
 ) -> None:  # fmt: skip
-    from uwsim.bridges import RosbridgeServer
-    from uwsim.bridges.doors.admission import has_token
     from uwsim.cli.run_live import wait_for_interrupt
-    from uwsim.operator.station import Site, Station
+    from uwsim.operator.station import Station
 
     hub = Station(
         is_fixed=True, truth=False, threads=threads, folder=out, instructor_token=instructor.secret, keep_flights=bounds
     )
-    accessible = tokens.settings("127.0.0.1")
-    secret_token = accessible["token"]
-    site = Site(hub, lambda request: secret_token is None or has_token(request, secret_token))
-    with RosbridgeServer(None, port=port, guests=[hub], site=site, **accessible) as server, hub.serving(server.show):
+    with station_server(hub, port=port, **tokens.settings("127.0.0.1")) as server:
         hub.run_exercise(found, person)
         url = page_url(server.url, tokens.token)
         where = f"the exercise is at {url}{instructor.text(url)}; its sheets will be in {out}"

@@ -29,17 +29,12 @@ class StationPage(Page):
 
     def open(self, stack: ExitStack, serving: Serving) -> tuple[str, str, Table]:
         """Open the server, which the stack closes; return its address, the page's for the greeting, and the table."""
-        from uwsim.bridges import RosbridgeServer
-        from uwsim.bridges.doors.admission import has_token
-        from uwsim.operator.cli.station import kept_flights
-        from uwsim.operator.station import Site, Station
+        from uwsim.operator.cli.station import kept_flights, station_server
+        from uwsim.operator.station import Station
 
-        secret = serving.server["token"]
         bounds = None if self.keep_flights is None else kept_flights(self.keep_flights)
         hub = Station(is_fixed=True, wire=serving.wire or "both", origin=serving.origin, keep_flights=bounds)  # type: ignore[arg-type]  # checked there
-        site = Site(hub, lambda request: secret is None or has_token(request, secret))
-        server = stack.enter_context(RosbridgeServer(None, guests=[hub], site=site, **serving.server))
-        stack.enter_context(hub.serving(server.show))
+        server = stack.enter_context(station_server(hub, **serving.server))
         hub.run(lambda: serving.live, lambda running: serving.record(running.table), serving.feed)
         place = f"the station's page at {page_url(server.url, serving.token)}"
         return server.url, place, hub.present().table

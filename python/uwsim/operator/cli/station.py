@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import webbrowser
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -19,6 +21,8 @@ from uwsim.cli.options import Threads
 from uwsim.cli.values import modems, scenarios
 
 if TYPE_CHECKING:
+    from uwsim.bridges import RosbridgeServer
+    from uwsim.operator.station import Station
     from uwsim.operator.station.flights.flights import Bounds
 
 Truth = Annotated[
@@ -94,16 +98,13 @@ def station(
 
     It works offline and over a forwarded port. The same port also serves rosbridge clients. Ctrl-C stops it.
     """
-    from uwsim.bridges import RosbridgeServer
-    from uwsim.bridges.doors.admission import has_token
     from uwsim.cli.run_live import wait_for_interrupt
     from uwsim.operator.framed import has_display
-    from uwsim.operator.station import Site, Station
+    from uwsim.operator.station import Station
     from uwsim.scenario import load
     from uwsim.scenario.read.assets import packaged_names
 
     accessible = access.settings(host)
-    secret_token = accessible["token"]
     load(scenario)  # reports mistakes here instead of on the page
     if link is not None and link not in packaged_names("modems"):
         raise ValueError(f"--link = {link!r}: must be one of {', '.join(packaged_names('modems'))}")
@@ -117,20 +118,25 @@ def station(
         instructor_token=instructor.secret,
         keep_flights=kept_flights(keep_flights),
     )
-    server = RosbridgeServer(
-        None,
-        port=port,
-        guests=[hub],
-        site=Site(hub, lambda request: secret_token is None or has_token(request, secret_token)),
-        **accessible,
-    )
-    with server, hub.serving(server.show):
-        url = page_url(
-            server.url, access.token
-        )  # without a token from a file, since a browser's options are visible, too
+    with station_server(hub, port=port, **accessible) as server:
+        # without a token from a file, since a browser's options are visible, too
+        url = page_url(server.url, access.token)
         if browser and has_display():
             webbrowser.open(url)
         wait_for_interrupt(f"the station is at {url}{instructor.text(url)}; Ctrl-C ends it")
+
+
+@contextmanager
+def station_server(hub: Station, **settings: Any) -> Iterator[RosbridgeServer]:
+    """Serve a station's page and rosbridge clients on one port. settings: those of the RosbridgeServer."""
+    from uwsim.bridges import RosbridgeServer
+    from uwsim.bridges.doors.admission import has_token
+    from uwsim.operator.station import Site
+
+    token = settings["token"]
+    site = Site(hub, lambda request: token is None or has_token(request, token))
+    with RosbridgeServer(None, guests=[hub], site=site, **settings) as server, hub.serving(server.show):
+        yield server
 
 
 def kept_flights(text: str) -> Bounds:
