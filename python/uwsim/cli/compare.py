@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from uwsim.base.options import Options, need, option, refuse
 from uwsim.base.sockets import PLANNERS, planner, registered
 from uwsim.base.stoppable import note_kept
-from uwsim.cli.bounds import within
-from uwsim.cli.choices import one_of
 from uwsim.cli.groups import under
-from uwsim.cli.options import Threads, Voxel
+from uwsim.cli.options import VOXEL, VOXELS, Threads
 from uwsim.cli.seeds import parsed_seeds
-from uwsim.cli.values import packaged, scenarios, words
+from uwsim.cli.values import packaged, words
 
 if TYPE_CHECKING:
-    from uwsim.flight.benchmark import Benchmark
     from uwsim.flight.compare import Comparison, Row
 
 
@@ -26,10 +25,45 @@ COVERING = ("unknown_water", "frontier", "boustrophedon")  # those that cover an
 WIDTH = 180  # width of the table if stdout is a file
 SURVEY = "survey"  # the mission that flies the scenario's own survey
 BY: dict[str, Literal["truth", "filter"]] = {"truth": "truth", "estimate": "filter"}
+COLUMNS: dict[str, Callable[[Row], str]] = {
+    "mission": lambda row: row.mission,
+    "seed": lambda row: f"{row.seed}",
+    "time [s]": lambda row: f"{row.time_s:.0f}",
+    "path [m]": lambda row: f"{row.path_m:.0f}",
+    "effort [s]": lambda row: f"{row.effort_s:.0f}",
+    "battery [%]": lambda row: f"{row.battery_percent:.1f}",
+    "collisions": lambda row: f"{row.collisions}",
+    "lost [m]": lambda row: f"{row.estimate_rms_m:.2f}",
+    "seen [m²]": lambda row: f"{row.seen_m2:.0f}",
+    "of all [%]": lambda row: f"{100 * row.seen_share:.0f}",
+    "half seen [s]": lambda row: f"{row.half_seen_s:.0f}",
+    "map coverage [%]": lambda row: f"{100 * row.map_coverage:.0f}",
+    "map error [m]": lambda row: f"{row.map_error_m:.3f}",
+    "off target [m]": lambda row: f"{row.off_target_m:.2f}",
+}
+
+
+@dataclass(frozen=True)
+class Conditions(Options):
+    """The conditions of all flights, which a benchmark sets."""
+
+    scenario: str | None = option(None, "Packaged scenario, or a YAML file. Default: cove.", completion="scenarios")
+    voxel_m: float | None = option(None, VOXEL, bounds=VOXELS)
+    by: str | None = option(
+        None, "State for the missions: truth (default), or estimate (by the vehicle's filter).", choices=tuple(BY)
+    )
+    fault: tuple[str, ...] = option(
+        (), "A fault in each flight, such as 'kind: sensor, sensor: dvl, mode: off, at_s: 60'."
+    )
+    time_limit_s: float | None = option(
+        None, "End each flight after this simulated time [s].", bounds=(0.001, 1e9, "s")
+    )
+    set: tuple[str, ...] = option((), "NAME=VALUE for a parameter of every mission.")
 
 
 @under("Fly")
 def compare(
+    *,
     missions: Annotated[
         list[str] | None,
         typer.Argument(
@@ -38,10 +72,6 @@ def compare(
             show_default=False,
             autocompletion=words(*registered(PLANNERS)),
         ),
-    ] = None,
-    scenario: Annotated[
-        str | None,
-        typer.Option(help="Packaged scenario, or a YAML file. Default: cove.", autocompletion=scenarios),
     ] = None,
     benchmark: Annotated[
         str | None,
@@ -61,24 +91,7 @@ def compare(
         str | None,
         typer.Option(help="How many seeds from 0, such as 30; or a list, such as 3,7,100-129. Default: 3."),
     ] = None,
-    voxel: Voxel = None,
-    by: Annotated[
-        str | None,
-        typer.Option(
-            help="State for the missions: truth (default), or estimate (by the vehicle's filter).", **one_of(*BY)
-        ),
-    ] = None,
-    fault: Annotated[
-        list[str] | None,
-        typer.Option(help="A fault in each flight, such as 'kind: sensor, sensor: dvl, mode: off, at_s: 60'."),
-    ] = None,
-    time_limit: Annotated[
-        float | None,
-        typer.Option(help="End each flight after this simulated time [s].", callback=within(0.001, 1e9, "s")),
-    ] = None,
-    argument: Annotated[
-        list[str] | None, typer.Option("--set", help="NAME=VALUE for a parameter of every mission.")
-    ] = None,
+    conditions: Conditions,
     resume: Annotated[
         bool, typer.Option("--resume", help="Keep the flights that --out already holds, and fly the rest.")
     ] = False,
@@ -100,10 +113,9 @@ def compare(
 
     task = load_benchmark(benchmark) if benchmark is not None else None
     if task is not None:
-        set_by_it = {"--scenario": scenario, "--by": by, "--voxel": voxel, "--time-limit": time_limit, "--fault": fault}
-        _refuse_beside_benchmark(task, {**set_by_it, "--set": argument})
-    elif held_out:
-        raise ValueError("--held-out: needs --benchmark")
+        refuse(f"is set by the benchmark {task.name}; leave it out", **conditions.arguments)
+    else:
+        need("--benchmark", held_out=held_out)
     chosen = _missions([task.baseline, *(missions or ())] if task else missions or COVERING)
     numbers = parsed_seeds(seeds, "--seeds") if seeds is not None else [0, 1, 2]
     if task is not None and seeds is None:
@@ -116,12 +128,14 @@ def compare(
     screen = Terminal()
     if task is not None:
         screen.message(f"{task.name}: {task.task}")
+    of_task = task if task is not None else conditions
     found = fly_all(
-        chosen, task.scenario_of if task else scenario or "cove", out, seeds=numbers,
-        arguments=parsed_arguments(argument or [], ast.literal_eval),
-        estimate=task.estimate if task else BY[by or "truth"], faults=[_fault(text) for text in fault or ()],
-        time_limit_s=task.time_limit_s if task else time_limit, voxel_m=task.voxel_m if task else voxel,
-        target=task.target if task else None, threads=threads, resume=resume, show=screen.status, show_row=_print_row,
+        chosen, task.scenario_of if task else conditions.scenario or "cove", out, seeds=numbers,
+        arguments=parsed_arguments(list(conditions.set), ast.literal_eval),
+        estimate=task.estimate if task else BY[conditions.by or "truth"],
+        faults=[_fault(text) for text in conditions.fault],
+        time_limit_s=of_task.time_limit_s, voxel_m=of_task.voxel_m, target=task.target if task else None,
+        threads=threads, resume=resume, show=screen.status, show_row=_print_row,
     )  # fmt: skip
     _print(found, task.values if task else MORE_IS_BETTER)
     typer.echo(f"{out / 'compare.png'}")
@@ -141,12 +155,6 @@ def _missions(names: Iterable[str]) -> dict[str, Any]:
             raise ValueError(f"mission '{text}': there is another '{name}'")
         chosen[name] = None if text == SURVEY else planner(text) if text in planners else Path(text)
     return chosen
-
-
-def _refuse_beside_benchmark(benchmark: Benchmark, options: dict[str, Any]) -> None:
-    given = next((name for name, value in options.items() if value), None)
-    if given is not None:
-        raise ValueError(f"{given}: is set by the benchmark {benchmark.name}; leave it out")
 
 
 def _fault(text: str) -> dict[str, Any]:
@@ -179,20 +187,11 @@ def _print(found: Comparison, values: Iterable[str]) -> None:
 
     from uwsim.flight.paired import LEAST_FOR_INTERVAL, without_randomness
 
-    columns = (
-        "mission", "seed", "time [s]", "path [m]", "effort [s]", "battery [%]", "collisions", "lost [m]", "seen [m²]",
-        "of all [%]", "half seen [s]", "map coverage [%]", "map error [m]",
-    )  # fmt: skip
     has_target = any(row.off_target_m == row.off_target_m for row in found.rows)
-    table = Table(*columns, *(["off target [m]"] if has_target else []))
+    columns = {title: shown for title, shown in COLUMNS.items() if has_target or title != "off target [m]"}
+    table = Table(*columns)
     for row in found.rows:
-        table.add_row(
-            row.mission, f"{row.seed}", f"{row.time_s:.0f}", f"{row.path_m:.0f}", f"{row.effort_s:.0f}",
-            f"{row.battery_percent:.1f}", f"{row.collisions}", f"{row.estimate_rms_m:.2f}",
-            f"{row.seen_m2:.0f}", f"{100 * row.seen_share:.0f}",
-            f"{row.half_seen_s:.0f}", f"{100 * row.map_coverage:.0f}", f"{row.map_error_m:.3f}",
-            *([f"{row.off_target_m:.2f}"] if has_target else []),
-        )  # fmt: skip
+        table.add_row(*(shown(row) for shown in columns.values()))
     pairs = Table("mission", "against", "value", "seeds", "median difference", "95 % interval of it", "wins", "losses")
     for pair in (pair for pair in found.pairs if pair.value in values):
         interval = (

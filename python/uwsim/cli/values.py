@@ -49,7 +49,9 @@ sonars = packaged("sonars", "1", "2", "3", "4")
 modems = packaged("modems")
 vehicles = packaged("vehicles")
 sequences = packaged("sequences")
-COMPLETED = {"vehicles": vehicle_models, "sonars": sonars, "modems": modems, "sequences": sequences}
+COMPLETED = {
+    "scenarios": scenarios, "vehicles": vehicle_models, "sonars": sonars, "modems": modems, "sequences": sequences,
+}  # fmt: skip
 """By the kind that a flag states."""
 
 

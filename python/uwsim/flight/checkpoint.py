@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-import io
 import os
 import re
 from collections.abc import Collection
@@ -24,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from uwsim.base.atomic_file import write_atomically
-from uwsim.base.npz import read_npz
+from uwsim.base.npz import npz_bytes, read_npz
 from uwsim.base.own_files import adopt, is_empty, is_own, remove_own
 from uwsim.flight.mission_log import LOG
 from uwsim.flight.samples import COLUMNS
@@ -60,9 +59,7 @@ class FlightCheckpoint:
             for name, occupancy in maps.items():
                 if occupancy is not None:
                     occupancy.write(self.folder / name)
-            buffer = io.BytesIO()
-            np.savez(buffer, allow_pickle=False, **saved.arrays())
-            write_atomically(self.folder / arrays_name, buffer.getvalue())
+            write_atomically(self.folder / arrays_name, npz_bytes(np.savez, **saved.arrays()))
             state = saved.state_file({name: _digest(self.folder / name) for name in files})
             write_atomically(self.folder / STATE, state.sealed())
         except BaseException:

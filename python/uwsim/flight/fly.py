@@ -19,7 +19,7 @@ from uwsim.flight.mission_file import FUNCTION
 from uwsim.flight.missions import AnyMission, FlownMission, found_mission
 from uwsim.flight.pinging import MapSetup
 from uwsim.flight.record import FlightRecord
-from uwsim.flight.request import ESTIMATES, EstimateKind, FlightRequest, file_digest, resolved_path
+from uwsim.flight.request import ESTIMATES, OF_SIMULATOR, EstimateKind, FlightRequest, file_digest, resolved_path
 from uwsim.flight.results import require_report
 from uwsim.flight.saved_flight import SavedFlight
 from uwsim.flight.setup import Setup
@@ -125,12 +125,7 @@ def fly(
         mission_digest=None if found.file is None else file_digest(found.file),
         arguments=dict(arguments or {}),
         scenario=str(resolved_path(scenario)) if isinstance(scenario, str | Path) else "",
-        seed=sim.seed,
-        sonar_model=resolved_path(sonar_model),
-        sonar_frequency_hz=sonar_frequency_hz,
-        vehicle_model=None if vehicle_model is None else resolved_path(vehicle_model),
-        mission_time_s=mission_time_s,
-        link=None if link is None else resolved_path(link),
+        **{name: resolved_path(of_simulator[name]) for name in OF_SIMULATOR} | {"seed": sim.seed},
         carried=carried,
         vehicles=names,
         estimate=estimate,

@@ -14,6 +14,8 @@ from uwsim.simulator.simulator import Simulator
 
 EstimateKind = Literal["truth", "filter"]
 ESTIMATES: tuple[EstimateKind, ...] = ("truth", "filter")
+OF_SIMULATOR = ("seed", "sonar_model", "sonar_frequency_hz", "vehicle_model", "mission_time_s", "link")
+"""Names of the arguments of the simulator."""
 PATHS = ("mission", "scenario", "sonar_model", "vehicle_model", "link")
 """Names of the arguments that may be paths."""
 
@@ -59,16 +61,7 @@ class FlightRequest:
 
     def new_simulator(self, threads: int | None = None) -> Simulator:
         """Return a new simulator for the flight. Raises ScenarioError or ValueError if the request is invalid."""
-        return Simulator(
-            self.scenario,
-            seed=self.seed,
-            sonar_model=self.sonar_model,
-            sonar_frequency_hz=self.sonar_frequency_hz,
-            vehicle_model=self.vehicle_model,
-            mission_time_s=self.mission_time_s,
-            link=self.link,
-            threads=threads,
-        )
+        return Simulator(self.scenario, threads=threads, **{name: getattr(self, name) for name in OF_SIMULATOR})
 
     def new_reference(self) -> OccupancyMap | None:
         """Return an empty stock OctoMap for verification if requested, else None."""

@@ -5,7 +5,6 @@ A state may come from an untrusted source: it contains no pickled objects, and i
 
 from __future__ import annotations
 
-import io
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -13,7 +12,7 @@ from gymnasium.utils.seeding import np_random
 from numpy.typing import NDArray
 from pydantic import Field
 
-from uwsim.base.npz import read_npz
+from uwsim.base.npz import npz_bytes, read_npz
 from uwsim.base.saved_state import State, checked
 from uwsim.batch import Batch
 from uwsim.learning.episodes import Episodes
@@ -80,9 +79,7 @@ def save_episodes(episodes: Episodes, ended: Flags) -> bytes:
     parts |= {ARRAY + name: values for name, values in arrays.items()}
     for k in range(episodes.n):
         parts[f"{MEMBER}{k}"] = np.frombuffer(episodes.batch.save_state(k), np.uint8)
-    file = io.BytesIO()
-    np.savez(file, allow_pickle=False, **parts)  # type: ignore[arg-type]
-    return file.getvalue()
+    return npz_bytes(np.savez, **parts)
 
 
 def restore_episodes(episodes: Episodes, state: bytes) -> tuple[Any, Flags]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
-from uwsim.base.npz import read_npz
+from uwsim.base.npz import npz_bytes, read_npz
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,16 +53,14 @@ class SurveyTrack:
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write a NumPy archive atomically; the same track always produces the same bytes. Raises OSError."""
-        file = io.BytesIO()
-        np.savez_compressed(
-            file,
+        content = npz_bytes(
             version=np.int64(VERSION),
             path_world_m=np.asarray(self.path_world_m, np.float64),
             area_world_m=np.asarray(self.area_world_m, np.float64),
             range_max_m=np.float64(self.range_max_m),
             scenario_name=np.str_(self.scenario_name),
         )
-        write_atomically(Path(path), file.getvalue())
+        write_atomically(Path(path), content)
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Self:

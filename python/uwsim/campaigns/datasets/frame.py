@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.npz import npz_bytes
 from uwsim.campaigns.datasets.formats.coco import annotations_of
-from uwsim.campaigns.datasets.formats.npz import archive
 from uwsim.campaigns.datasets.formats.pixels import depth_pixels, level_pixels, normal_pixels
 from uwsim.campaigns.datasets.formats.yolo import yolo_lines
 from uwsim.campaigns.datasets.parts import drawn
@@ -112,7 +112,7 @@ def _add_picture(studio: Studio, frame: Frame, record: dict[str, Any], files: di
     if spec.writes("parts"):
         files["parts"] = encode_png(drawn(studio.part_masks(frame), labels.shape))
     if spec.writes("arrays"):
-        files["arrays"] = archive(
+        files["arrays"] = npz_bytes(
             rgb=frame.rgb, depth_m=frame.depth_m, normals_world=frame.normals_world, labels=frame.labels
         )
     record["world_from_optical"] = frame.world_from_optical.tolist()
@@ -138,7 +138,7 @@ def _add_sonar(studio: Studio, image: SonarImage, record: dict[str, Any], files:
         "sonar_classes": encode_png(np.asarray(studio.class_of_label, np.uint8)[labels]),
     }
     if studio.spec.writes("arrays"):
-        files["sonar_arrays"] = archive(
+        files["sonar_arrays"] = npz_bytes(
             level_db=image.level_db, noise_db=image.noise_db, labels=image.labels, ranges_m=image.ranges_m,
             bearings_rad=image.bearings_rad,
         )  # fmt: skip
@@ -151,7 +151,7 @@ def _add_sonar(studio: Studio, image: SonarImage, record: dict[str, Any], files:
 
 def _add_multibeam(studio: Studio, record: dict[str, Any], files: dict[str, bytes]) -> None:
     ping = studio.vehicle.sonar.ping()
-    files["multibeam"] = archive(
+    files["multibeam"] = npz_bytes(
         ranges_m=ping.ranges_m, angles_rad=ping.angles_rad, labels=ping.labels, intensity_db=ping.intensity_db,
         valid=ping.valid, points_sonar_m=ping.points_sonar_m,
     )  # fmt: skip

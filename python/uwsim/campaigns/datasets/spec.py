@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from uwsim.base.texts.json_text import json_value
 from uwsim.instruments.cameras.effects import effects_on
@@ -71,45 +72,13 @@ class DatasetSpec(Model):
     val_share: Annotated[float, InRange(0, 1)] = 0.2
     vary: Annotated[dict[str, Variation], Field(max_length=200)] = Field({})
 
-    @field_validator("without", "write", "look_at", mode="before")
+    @field_validator("without", "write", "look_at", "effects", "size", "distance_m", "vary", mode="before")
     @classmethod
-    def _is_listed(cls, names: Any) -> Any:
-        """Read names that are separated by commas."""
-        return tuple(part.strip() for part in names.split(",") if part.strip()) if isinstance(names, str) else names
-
-    @field_validator("effects", mode="before")
-    @classmethod
-    def _is_joined(cls, effects: Any) -> Any:
-        return tuple(effects.split("+")) if isinstance(effects, str) and effects not in ("on", "off") else effects
-
-    @field_validator("size", mode="before")
-    @classmethod
-    def _is_product(cls, size: Any) -> Any:
-        if not isinstance(size, str):
-            return size
-        width, _, height = size.lower().partition("x")
-        if not (width.isdecimal() and height.isdecimal() and len(size) < 20):
-            raise broken("must be WIDTHxHEIGHT in pixels, such as 320x240")
-        return int(width), int(height)
-
-    @field_validator("distance_m", mode="before")
-    @classmethod
-    def _is_interval(cls, distance: Any) -> Any:
-        return interval(distance) if isinstance(distance, str) else distance
-
-    @field_validator("vary", mode="before")
-    @classmethod
-    def _written_briefly(cls, vary: Any) -> Any:
-        """Read "LOW..HIGH" and "A,B,C", and a list of values or a tuple (low, high); or texts NAME=VALUES of these."""
-        if isinstance(vary, tuple | list):
-            pairs = [text.partition("=") for text in vary]
-            if not all(name and values for name, _, values in pairs):
-                raise broken("must be NAME=LOW..HIGH or NAME=A,B,C")
-            for _, _, values in pairs:
-                if ".." in values:
-                    interval(values)
-            vary = {name: values for name, _, values in pairs}
-        return {name: variation_of(value) for name, value in vary.items()} if isinstance(vary, Mapping) else vary
+    def _read(cls, value: Any, info: ValidationInfo) -> Any:
+        """Read text, and variations that are written briefly."""
+        if info.field_name == "vary":
+            return _variations(value)
+        return READ.get(str(info.field_name), _listed)(value) if isinstance(value, str) else value
 
     @model_validator(mode="after")
     def _has_no_ineffective_keys(self) -> DatasetSpec:
@@ -154,15 +123,40 @@ class DatasetSpec(Model):
         return not set(products).isdisjoint(self.write)
 
 
-def interval(text: str) -> tuple[float, float]:
-    """Return the numbers of LOW..HIGH. Raises an error for a field's validator."""
-    low, dots, high = text.partition("..")
+def _listed(text: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+def _joined(text: str) -> str | tuple[str, ...]:
+    return text if text in ("on", "off") else tuple(text.split("+"))
+
+
+def _size(text: str) -> tuple[int, int]:
+    if (found := re.fullmatch(r"(\d{1,9})x(\d{1,9})", text.lower())) is None:
+        raise broken("must be WIDTHxHEIGHT in pixels, such as 320x240")
+    return int(found[1]), int(found[2])
+
+
+def _interval(text: str) -> tuple[float, float]:
+    low, _, high = text.partition("..")
     try:
-        if dots:
-            return float(low), float(high)
+        return float(low), float(high)
     except ValueError:
-        pass
-    raise broken("must be LOW..HIGH, such as 1..6")
+        raise broken("must be LOW..HIGH, such as 1..6") from None
+
+
+READ: dict[str, Callable[[str], Any]] = {"effects": _joined, "size": _size, "distance_m": _interval}
+"""How the text of a field is read, if not as names that are separated by commas."""
+
+
+def _variations(vary: Any) -> Any:
+    """Return the variations by name of a dictionary, or of texts NAME=VALUES."""
+    if isinstance(vary, tuple | list):
+        pairs = [str(text).partition("=") for text in vary]
+        if not all(name and values for name, _, values in pairs):
+            raise broken("must be NAME=LOW..HIGH or NAME=A,B,C")
+        vary = {name: values for name, _, values in pairs}
+    return {name: variation_of(value) for name, value in vary.items()} if isinstance(vary, Mapping) else vary
 
 
 def variation_of(value: Any) -> Any:

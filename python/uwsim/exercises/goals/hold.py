@@ -13,6 +13,8 @@ from uwsim.scenario.spec.fields import Degrees, InRange, Metres, Point3, broken
 
 
 class _Holding(Progress):
+    _goal: Hold
+
     def __init__(self, goal: Hold) -> None:
         super().__init__(goal)
         self._is_first = True

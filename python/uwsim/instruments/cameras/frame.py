@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.npz import npz_bytes
 from uwsim.instruments.cameras.image_file import check_suffix, encode_jpeg, encode_png, write_image
 
 Floats = NDArray[np.float64]
@@ -99,9 +99,7 @@ class Frame:
         target = Path(path)
         if target.suffix != ".npz":
             raise ValueError(f"path '{target}': must end in .npz")
-        content = io.BytesIO()
-        np.savez_compressed(content, **self._arrays())
-        write_atomically(target, content.getvalue())
+        write_atomically(target, npz_bytes(**self._arrays()))
 
     def to_dict(self) -> dict[str, Any]:
         """Return all fields, keyed by name."""

@@ -5,14 +5,14 @@ They are read in order of simulated time, so the same scenario, seed and mission
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.campaigns.datasets.formats.npz import archive
+from uwsim.base.npz import npz_bytes
 from uwsim.campaigns.datasets.sequences.calibration import (
     body_from_optical,
     camera_calibration,
@@ -37,6 +37,8 @@ from uwsim.simulator.simulator import Simulator
 
 Say = Callable[[Channel, Any, int], None]
 """Writes a message of a channel, with its time [ns], to the bag."""
+Description = tuple[str, str, NDArray[np.float64], Mapping[str, Any]]
+"""What sensor.yaml states: kind, comment, T_BS, and the keys of that kind."""
 PNG_FORMAT = "rgb8; png compressed bgr8"
 TRUTH_HZ = 200.0
 LOWEST_DB, STEP_DB = -100.0, 0.01
@@ -49,51 +51,59 @@ TRUTH_COLUMNS = (
 )
 
 
-class Instrument(Protocol):
-    """One instrument. rate_hz: how often `read` is called. count: its rows so far."""
-
-    folder: Path
-    rate_hz: float
-
-    @property
-    def count(self) -> int:
-        """The number of samples written."""
-
-    def read(self, sim: Simulator) -> None:
-        """Write the new samples."""
-
-    def close(self) -> None:
-        """Finish the files."""
-
-
-class Sampled:
-    """A sensor with numeric samples: all those that are not lost, with the times of their measurement."""
+class Instrument:
+    """One instrument: its files in a folder, and its messages in the bag. rate_hz: how often `read` is called."""
 
     rate_hz = RATE_HZ
 
+    def __init__(self, folder: Path, source: Source, say: Say, files: Rows | Files) -> None:
+        self.folder, self._source, self._say, self._files = folder, source, say, files
+
+    @property
+    def count(self) -> int:
+        """The number of samples, pictures or pings written."""
+        return self._files.count
+
+    def read(self, sim: Simulator) -> None:
+        """Write the new samples."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """Finish the files. Raises OSError."""
+        self._files.close()
+        if (described := self._described()) is not None:
+            write_sensor(self.folder, *described)
+
+    def _described(self) -> Description | None:
+        """Return what sensor.yaml states; None for an instrument that has written nothing."""
+        raise NotImplementedError
+
+
+def _named(table: Table, name: str) -> Channel:
+    return next(channel for channel in table.channels if channel.name == name)
+
+
+class Sampled(Instrument):
+    """A sensor with numeric samples: all those that are not lost, with the times of their measurement."""
+
     def __init__(self, folder: Path, source: Source, sim: Simulator, name: str, say: Say, channel: Channel | None):
-        self.folder, self.name = folder, name
-        self._source, self._sim, self._say, self._channel = source, sim, say, channel
+        self.name, self._sim, self._channel = name, sim, channel
         self.sensor: Sensor[Any] = source.of(sim).sensors[name]
         self.mount = source.model(sim).sensors[name]
         self._stream = self.sensor.stream()
         fields = dict(sensor_kind(self.sensor.kind).fields)
         self._width = 6 if self.sensor.kind == "imu" else sum(width for width, _ in fields.values())
-        self._rows = Rows(folder, IMU_COLUMNS if self.sensor.kind == "imu" else (*_columns(fields), "valid []"))
+        columns = IMU_COLUMNS if self.sensor.kind == "imu" else (*_columns(fields), "valid []")
+        self._rows = Rows(folder, columns)
+        super().__init__(folder, source, say, self._rows)
 
-    @property
-    def count(self) -> int:
-        """See Instrument."""
-        return self._rows.count
-
-    def describe(self) -> None:
-        """Write sensor.yaml."""
+    def _described(self) -> Description:
         is_imu = self.sensor.kind == "imu"
         more = imu_noise(self.mount, self.sensor) if is_imu else {"rate_hz": 1.0 / self.sensor.period_s}
         parameters = {key: [float(value) for value in values] for key, values in self.mount.parameters.items()}
         more |= {"parameters": parameters} if parameters and not is_imu else {}
         pose = mounted(self.mount.position_m, self.mount.yaw_pitch_roll_deg)
-        write_sensor(self.folder, self.sensor.kind, f"{self.name}: {self.sensor.meaning}", pose, more)
+        return self.sensor.kind, f"{self.name}: {self.sensor.meaning}", pose, more
 
     def read(self, sim: Simulator) -> None:
         """See Instrument."""
@@ -112,121 +122,99 @@ class Sampled:
     def close(self) -> None:
         """See Instrument."""
         self.read(self._sim)
-        self._rows.close()
-        self.describe()
+        super().close()
 
 
-class Seen:
+class Seen(Instrument):
     """A camera: its pictures as PNG, the same bytes in the folder and in the bag."""
-
-    rate_hz = RATE_HZ
 
     def __init__(self, folder: Path, source: Source, table: Table, sim: Simulator, name: str, say: Say):
         self.camera: Camera = source.of(sim).cameras[name]
         require_calibrated(name, self.camera)
-        self.folder, self.name, self._key = folder, name, source.prefix + name
-        self._pictures, self._say, self._frame = table.pictures, say, source.frame(f"{name}_optical")
-        channels = {channel.name: channel for channel in table.channels}
+        self._pictures = Files(folder, ".png")
+        super().__init__(folder, source, say, self._pictures)
+        self.name, self._key = name, source.prefix + name
+        self._taken, self._frame = table.pictures, source.frame(f"{name}_optical")
         self.topic = f"{source.prefix}camera/{name}/image_raw/compressed"
-        self._image, self._info = channels[self.topic], channels[f"{source.prefix}camera/{name}/camera_info"]
+        self._image, self._info = (
+            _named(table, topic) for topic in (self.topic, f"{source.prefix}camera/{name}/camera_info")
+        )
         self.body_from_optical = body_from_optical(self.camera.world_from_camera, source.of(sim).pose.world_from_body)
         self._aim_rad = self.camera.aim_rad
         self.info: Any = None
-        self._files = Files(folder, ".png")
-
-    @property
-    def count(self) -> int:
-        """See Instrument."""
-        return self._files.count
 
     def read(self, sim: Simulator) -> None:
         """See Instrument. Raises ValueError if the camera has turned, as its calibration then no longer holds."""
         if self.camera.aim_rad != self._aim_rad:
             raise ValueError(f"camera {self.name}: was turned by the mission, so that it has no single T_BS")
-        picture = self._pictures.read(sim, self._key, self.camera)
-        if picture is None or picture.frame.time_ns <= self._files.last_ns:  # the first one is read twice
+        picture = self._taken.read(sim, self._key, self.camera)
+        if picture is None or picture.frame.time_ns <= self._pictures.last_ns:  # the first one is read twice
             return
         content = encode_png(picture.frame.rgb)
-        self._files.add(picture.frame.time_ns, content)
+        self._pictures.add(picture.frame.time_ns, content)
         stamp_ns, self.info = picture.frame.time_ns, picture.frame.info
         self._say(self._image, compressed_image(content, stamp_ns, self._frame, PNG_FORMAT), stamp_ns)
         self._say(self._info, info_message(picture, self._frame, is_sent=False), stamp_ns)
 
-    def close(self) -> None:
-        """See Instrument."""
-        self._files.close()
-        if self.info is not None:
-            calibration = camera_calibration(self.info, self.rate_hz)
-            write_sensor(self.folder, "camera", self.name, self.body_from_optical, calibration)
+    def _described(self) -> Description | None:
+        if self.info is None:
+            return None
+        return "camera", self.name, self.body_from_optical, camera_calibration(self.info, self.rate_hz)
 
 
-class Pinged:
+class Pinged(Instrument):
     """A multibeam: each ping as .npz, and as LaserScan and PointCloud2 in the bag."""
 
     def __init__(self, folder: Path, source: Source, table: Table, sim: Simulator, say: Say):
-        self.folder, self._source, self._say = folder, source, say
+        self._archives = Files(folder, ".npz")
+        super().__init__(folder, source, say, self._archives)
         self._pings = table.pings[source.name]
         self.rate_hz = self._pings.rate_hz
-        channels = {channel.name: channel for channel in table.channels}
-        self._channels = [channels[source.topic(name)] for name in ("scan", "points")]
+        self._channels = [_named(table, source.topic(name)) for name in ("scan", "points")]
         vehicle = source.of(sim)
         self._body_from_sonar = np.linalg.inv(vehicle.pose.world_from_body) @ vehicle.sonar.ping().world_from_sonar
-        self._files = Files(folder, ".npz")
-
-    @property
-    def count(self) -> int:
-        """See Instrument."""
-        return self._files.count
 
     def read(self, sim: Simulator) -> None:
         """See Instrument."""
         taken = self._pings.newest(sim)
         ping = taken.ping
-        if ping.time_ns <= self._files.last_ns:
+        if ping.time_ns <= self._archives.last_ns:
             return
-        content = archive(
+        content = npz_bytes(
             ranges_m=ping.ranges_m, angles_rad=ping.angles_rad, valid=ping.valid, intensity_db=ping.intensity_db,
             points_sonar_m=ping.points_sonar_m,
             body_from_sonar=np.linalg.inv(taken.odom_from_body) @ taken.odom_from_sonar,
         )  # fmt: skip
-        self._files.add(ping.time_ns, content)
+        self._archives.add(ping.time_ns, content)
         for channel in self._channels:
             if (message := channel.read(sim)) is not None:
                 self._say(channel, message, ping.time_ns)
 
-    def close(self) -> None:
-        """See Instrument."""
-        self._files.close()
+    def _described(self) -> Description:
         model = self._pings.model
         more = {
             "rate_hz": self.rate_hz, "beams": model.beams, "field_of_view_rad": model.field_of_view_rad,
             "range_max_m": model.range_max_m, "frequency_hz": model.frequency_hz,
         }  # fmt: skip
         comment = f"{model.name}; the head turns: body_from_sonar of each ping, T_BS is that of the first"
-        write_sensor(self.folder, "multibeam", comment, self._body_from_sonar, more)
+        return "multibeam", comment, self._body_from_sonar, more
 
 
-class Imaged:
+class Imaged(Instrument):
     """An imaging sonar: 16-bit levels, one picture per ping; for a side-scan, one picture with a row per ping."""
 
     def __init__(self, folder: Path, source: Source, table: Table, sim: Simulator, name: str, say: Say):
-        self.folder, self.name, self._say = folder, name, say
+        self.name = name
         self._sonar: ImagingSonar = source.of(sim).imaging_sonars[name]
-        self._channel = next(each for each in table.channels if each.name == f"{source.topic(name)}/image")
+        self._channel = _named(table, f"{source.topic(name)}/image")
         assert self._channel.rate_hz is not None
         self.rate_hz = self._channel.rate_hz
         self._is_waterfall = isinstance(self._sonar.model, SideScan)
         self._body_from_sonar = np.linalg.inv(source.of(sim).pose.world_from_body) @ self._sonar.world_from_sonar
         self._geometry: dict[str, Any] = {}
         self._lines: list[NDArray[np.uint16]] = []
-        self._files = None if self._is_waterfall else Files(folder, ".png")
-        self._rows = Rows(folder, ["row"]) if self._is_waterfall else None
+        super().__init__(folder, source, say, Rows(folder, ["row"]) if self._is_waterfall else Files(folder, ".png"))
         self._last_ns = -1
-
-    @property
-    def count(self) -> int:
-        """See Instrument."""
-        return self._files.count if self._files is not None else len(self._lines)
 
     def read(self, sim: Simulator) -> None:
         """See Instrument."""
@@ -238,10 +226,10 @@ class Imaged:
             return
         self._last_ns = stamp_ns
         levels = sixteen_bits(message.image.data.view("<f4").reshape(-1, message.image.beam_count))
-        if self._files is not None:
+        if isinstance(self._files, Files):
             self._files.add(stamp_ns, encode_png(levels))
-        elif self._rows is not None:
-            self._rows.add(stamp_ns, str(len(self._lines)))
+        else:
+            self._files.add(stamp_ns, str(len(self._lines)))
             self._lines.append(np.concatenate([levels[::-1, 1], levels[:, 0]]))
         bearings = [float(np.arctan2(-beam.y, beam.z)) for beam in message.beam_directions]
         ranges_m = {"first": float(message.ranges[0]), "last": float(message.ranges[-1]), "count": len(message.ranges)}
@@ -250,12 +238,11 @@ class Imaged:
 
     def close(self) -> None:
         """See Instrument."""
-        if self._files is not None:
-            self._files.close()
-        if self._rows is not None:
-            self._rows.close()
-            if self._lines:
-                (self.folder / "waterfall.png").write_bytes(encode_png(np.stack(self._lines)))
+        super().close()
+        if self._lines:
+            (self.folder / "waterfall.png").write_bytes(encode_png(np.stack(self._lines)))
+
+    def _described(self) -> Description:
         model: Any = self._sonar.model
         layout = "a row for each ping; columns: port from the farthest, then starboard from the nearest"
         layout = (
@@ -265,25 +252,19 @@ class Imaged:
             "rate_hz": self.rate_hz, "frequency_hz": model.frequency_hz, "range_max_m": model.range_max_m,
             "level_db": {"offset": LOWEST_DB, "per_unit": STEP_DB}, "layout": layout, **self._geometry,
         }  # fmt: skip
-        kind = type(model).__name__
-        write_sensor(self.folder, kind, f"{self.name}: levels re 1 uPa", self._body_from_sonar, more)
+        return type(model).__name__, f"{self.name}: levels re 1 uPa", self._body_from_sonar, more
 
 
-class Truth:
+class Truth(Instrument):
     """The vehicle's true pose and velocity, written as EuRoC ground truth, as a TUM trajectory, and to the bag."""
 
     rate_hz = TRUTH_HZ
 
     def __init__(self, folder: Path, tum: Path, source: Source, table: Table, say: Say):
-        self.folder, self._source, self._say = folder, source, say
         self._rows = Rows(folder, TRUTH_COLUMNS)
+        super().__init__(folder, source, say, self._rows)
         self._tum = Tum(tum)
-        self._channel = next(each for each in table.channels if each.name == source.topic("ground_truth/odom"))
-
-    @property
-    def count(self) -> int:
-        """See Instrument."""
-        return self._rows.count
+        self._channel = _named(table, source.topic("ground_truth/odom"))
 
     def read(self, sim: Simulator) -> None:
         """See Instrument."""
@@ -296,10 +277,12 @@ class Truth:
 
     def close(self) -> None:
         """See Instrument."""
-        self._rows.close()
+        super().close()
         self._tum.close()
+
+    def _described(self) -> Description:
         comment = "true pose and velocity of the body frame in the world: x east, y north, z up"
-        write_sensor(self.folder, "ground-truth", comment, np.eye(4), {"rate_hz": self.rate_hz})
+        return "ground-truth", comment, np.eye(4), {"rate_hz": self.rate_hz}
 
 
 def sixteen_bits(level_db: NDArray[np.float32]) -> NDArray[np.uint16]:
