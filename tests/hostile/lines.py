@@ -58,7 +58,7 @@ BROWSING = ("station", "map view")
 BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "survey": (["pool.yaml"], {"out": "out", "mission_time_s": "2", "report": "none"}),
     "run": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "report": "none"}),
-    "compare": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "seeds": "0", "time_limit": "2"}),
+    "compare": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "seeds": "0", "time_limit_s": "2"}),
     "sweep": (["sweep.yaml"], {"out": "out", "workers": "0"}),
     "exercise": (["hover"], {"pilot": "mission.py", "out": "out"}),
     "logbook": ([], {}),
