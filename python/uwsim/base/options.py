@@ -20,8 +20,6 @@ from typing import Any, ClassVar, get_type_hints
 
 from uwsim.base.did_you_mean import did_you_mean
 
-UNIT = re.compile(r"_(m|s|deg|mb)$")
-
 
 class OptionError(ValueError):
     """Raised for an option that cannot be used. exit_code: that of the command."""
@@ -109,7 +107,7 @@ class Options(FlagGroup):
 
 def flag_name(name: str) -> str:
     """Return the flag of an option, such as --ros-peer for ros_peer, and --time-limit for time_limit_s."""
-    return f"--{UNIT.sub('', name).replace('_', '-')}"
+    return "--" + re.sub(r"_(m|s|deg|mb)$", "", name).replace("_", "-")
 
 
 def is_given(value: object) -> bool:
@@ -118,10 +116,7 @@ def is_given(value: object) -> bool:
 
 
 def need(needed: str, **options: object) -> None:
-    """Raise WithoutEffectError for options that were passed without the option that they need.
-
-    needed: the missing option, such as "--record". options: values by argument name.
-    """
+    """Raise WithoutEffectError for options, by argument name, that were passed without another, such as "--record"."""
     count = sum(map(is_given, options.values()))
     refuse(f"{'need' if count > 1 else 'needs'} {needed}", **options)
 
