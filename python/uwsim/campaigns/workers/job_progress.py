@@ -42,7 +42,7 @@ class JobProgress(Stoppable):
 
     @property
     def arguments(self) -> dict[str, Any]:
-        """What shows and stops a campaign, as keywords of the functions that run one."""
+        """The keywords with which the functions that run a campaign show it, and stop it."""
         return {"stop_requested": self.stop_requested, "tell": self.tell, "show": self.activity}
 
     def stop(self, *, in_haste: bool = False) -> None:

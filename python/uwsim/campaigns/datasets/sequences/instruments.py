@@ -38,7 +38,7 @@ from uwsim.simulator.simulator import Simulator
 Say = Callable[[Channel, Any, int], None]
 """Writes a message of a channel, with its time [ns], to the bag."""
 Description = tuple[str, str, NDArray[np.float64], Mapping[str, Any]]
-"""What sensor.yaml states: kind, comment, T_BS, and the keys of that kind."""
+"""The content of sensor.yaml: kind, comment, T_BS, and the keys of that kind."""
 PNG_FORMAT = "rgb8; png compressed bgr8"
 TRUTH_HZ = 200.0
 LOWEST_DB, STEP_DB = -100.0, 0.01
