@@ -14,13 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.channels.source import Source
+from uwsim.instruments.gauges import GAUGES
 from uwsim.navigation.estimation import Navigator
 from uwsim.navigation.sensor_choice import port_proximity
 from uwsim.simulator.simulator import Simulator
 
 NAN = math.nan
-SCALARS = {"depth": "depth", "pressure": "pressure", "temperature": "temperature", "distance_to_seabed": "altitude"}
-"""The kind of sensor that measures each field of /telemetry."""
+KINDS = ("depth", "pressure", "temperature", "altitude", "proximity", "acceleration")
+"""The kinds of sensors that measure gauges, in the order of /telemetry's list `gauges`."""
 SPEEDS = {"linear": "speed", "angular": "angular_speed"}
 
 
@@ -53,12 +54,10 @@ def gauges(sim: Simulator, source: Source, estimate: Navigator | None) -> Gauges
     def first(kind: str) -> str | None:
         return next((name for name, sensor in sensors.items() if sensor.kind == kind), None)
 
-    for field, kind in SCALARS.items():
-        fill(field, first(kind))
     to_port = port_proximity(sensors)
-    fill("distance_to_port", None if to_port is None else to_port.name)
-    for field in ("linear_acceleration", "angular_acceleration"):
-        fill(field, first("acceleration"), np.full(3, NAN), f"{field}_{'m_s2' if field[0] == 'l' else 'rad_s2'}")
+    for kind, gauge in ((kind, gauge) for kind in KINDS for gauge in GAUGES if gauge.sensor == kind):
+        name = first(kind) if kind != "proximity" else to_port and to_port.name
+        fill(gauge.name, name, *(() if gauge.width == 1 else (np.full(gauge.width, NAN), gauge.attribute)))
     if (name := first("position")) is not None:
         fill("position", name, np.full(3, NAN), "position_m")
         found.values["position_std"] = np.full(3, getattr(sensors[name].spec.noise.get("position"), "std", 0.0))

@@ -3,6 +3,8 @@
 docs/connections/station-wire.md explains the fields.
 """
 
+from uwsim.instruments.gauges import NUMBERS, VECTORS
+
 TELEMETRY = "uwsim_msgs/msg/Telemetry"
 MAP_CHANGES = "uwsim_msgs/msg/MapChanges"
 STATION_STATE = "uwsim_msgs/msg/StationState"
@@ -23,18 +25,7 @@ float32[3] position_std        # m, along the frame's axes, according to the est
 float64[3] true_position       # m, in the odom frame; nan if the truth is hidden
 float32[4] orientation         # x, y, z, w: the vehicle's own estimate
 bool is_truth                  # whether the truth may be shown
-float32 speed                  # m/s
-float32 angular_speed          # rad/s
-float32 temperature            # deg C
-float32 pressure               # Pa, absolute
-float32 depth                  # m
-float32 distance_to_station    # m
-float32 distance_to_seabed     # m, straight down; inf: no echo
-float32 distance_to_port       # m, of the proximity sensor; nan without one
-float32 mission_time           # s since the release
-float32 battery                # percent
-float32 link_delay             # s, one way, of sound between vehicle and station
-float32 tilt                   # rad, of the sonar's head; up is positive; nan without one
+""" + "".join(gauge.definition for gauge in NUMBERS) + """\
 float32[] thrusters            # commands in [-1, 1], in the vehicle's order
 float32[] efforts              # surge, sway, heave, roll, pitch, yaw as commanded
 bool[] lamps                   # in the vehicle's order
@@ -46,8 +37,7 @@ uint32 collisions              # since the start
 string failsafe                # active failsafe: hold, surface, return, go_on; empty: none
 string failsafe_cause          # silence, battery, leak, thruster, sensor
 string[] alarms                # failures detected aboard; "all stop" while that is set
-float32[3] linear_acceleration # m/s2, along the body's axes, without gravity
-float32[3] angular_acceleration # rad/s2, about them
+""" + "".join(gauge.definition for gauge in VECTORS) + """\
 string[] gauges                # fields above that are measured aboard, and nan if they cannot be; not over a modem
 float32[] gauge_ages           # s since each was measured; inf: no valid measurement
 string[] holds                 # active ones: heading, depth, altitude, position, speed

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from uwsim.channels import Channel
 from uwsim.channels.families.published import join
 from uwsim.channels.ros import build
 from uwsim.channels.ros.own_types import TELEMETRY
+from uwsim.instruments.gauges import NUMBERS, VECTORS, Gauge
 from uwsim.simulator.failures.alarms import FAILSAFE_CAUSES
 
 STATE = struct.Struct("<HHhIHHHIB")
@@ -46,20 +48,11 @@ def unpack_state(data: bytes, channel: Channel) -> Any:
     return build.text(join(math.inf if whole == NONE[code] else whole * quantum for whole, quantum, code in values))
 
 
-FLOATS = (
-    ("speed", "H", 0.01), ("angular_speed", "H", 0.001), ("temperature", "h", 0.01), ("pressure", "I", 10.0),
-    ("depth", "i", 0.01), ("distance_to_station", "H", 0.1), ("distance_to_seabed", "H", 0.1),
-    ("distance_to_port", "H", 0.1), ("mission_time", "I", 0.1), ("battery", "B", 0.5), ("link_delay", "H", 0.001),
-    ("tilt", "h", 0.001),
-)  # fmt: skip
-"""Fields of /telemetry, each with its struct format code and quantum."""
 FLAGS = ("is_truth", "released", "range_warning", "proximity_warning", "collision_warning")
 HEAD = struct.Struct("<q3i3i3H4b6hBH3B")
-FIGURES = struct.Struct("<" + "".join(code for _, code, _ in FLOATS))
+FIGURES = struct.Struct("<" + "".join(gauge.packed[1] for gauge in NUMBERS))
 DOES = ("", "hold", "surface", "return", "go_on")
 CAUSES = ("", *FAILSAFE_CAUSES)
-INFINITE = ("distance_to_seabed",)
-"""Fields whose missing value is infinity instead of nan."""
 
 
 def pack_telemetry(message: Any) -> bytes:
@@ -70,16 +63,19 @@ def pack_telemetry(message: Any) -> bytes:
     places = [quantised(x, 0.01, "i") for x in (*message.position, *message.true_position)]
     places += [quantised(x, 0.01, "H") for x in message.position_std]
     turn = [quantised(x, 1 / 126, "b") for x in message.orientation]
-    pushed = [quantised(x, 0.001, "h") for x in (*message.linear_acceleration, *message.angular_acceleration)]
     commands = [quantised(x, 0.01, "b") for x in (*message.efforts, *message.thrusters)]
     return (
-        HEAD.pack(stamp_ns, *places, *turn, *pushed, flags, min(message.collisions, 65535), len(lamps),
-                  len(message.efforts), len(message.thrusters))
-        + FIGURES.pack(*(quantised(float(getattr(message, name)), quantum, code) for name, code, quantum in FLOATS))
+        HEAD.pack(stamp_ns, *places, *turn, *_packed(message, VECTORS), flags, min(message.collisions, 65535),
+                  len(lamps), len(message.efforts), len(message.thrusters))
+        + FIGURES.pack(*_packed(message, NUMBERS))
         + np.packbits(lamps).tobytes()
         + struct.pack(f"<{len(commands)}b", *commands)
         + _pack_notices(message)
     )  # fmt: skip
+
+
+def _packed(message: Any, gauges: Iterable[Gauge]) -> list[int]:
+    return [quantised(x, *gauge.packed) for gauge in gauges for x in np.atleast_1d(getattr(message, gauge.name))]
 
 
 def unpack_telemetry(data: bytes, channel: Channel) -> Any:
@@ -87,11 +83,13 @@ def unpack_telemetry(data: bytes, channel: Channel) -> Any:
     stamp_ns, *rest, flags, collisions, lamps, efforts, thrusters = HEAD.unpack_from(data)
     places, stds = [value_of(x, 0.01, "i") for x in rest[:6]], [value_of(x, 0.01, "H") for x in rest[6:9]]
     turn = np.array([value_of(x, 1 / 126, "b") for x in rest[9:13]])
-    pushed = np.array([value_of(x, 0.001, "h") for x in rest[13:]], np.float32)
-    figures = {
-        name: value_of(whole, quantum, code, math.inf if name in INFINITE else math.nan)
-        for (name, code, quantum), whole in zip(FLOATS, FIGURES.unpack_from(data, HEAD.size), strict=True)
+    figures: dict[str, Any] = {
+        gauge.name: value_of(whole, *gauge.packed, gauge.missing)
+        for gauge, whole in zip(NUMBERS, FIGURES.unpack_from(data, HEAD.size), strict=True)
     }
+    wholes = iter(rest[13:])
+    for gauge in VECTORS:
+        figures[gauge.name] = np.array([value_of(next(wholes), *gauge.packed) for _ in range(gauge.width)], np.float32)
     at = HEAD.size + FIGURES.size
     lit = np.unpackbits(np.frombuffer(data, np.uint8, -(-lamps // 8), at))[:lamps].astype(bool)
     commands = 0.01 * np.frombuffer(data, np.int8, efforts + thrusters, at + -(-lamps // 8)).astype(np.float32)
@@ -102,8 +100,6 @@ def unpack_telemetry(data: bytes, channel: Channel) -> Any:
         position_std=np.array(stds, np.float32),
         true_position=np.array(places[3:]),
         orientation=(turn / (np.linalg.norm(turn) or 1.0)).astype(np.float32),
-        linear_acceleration=pushed[:3],
-        angular_acceleration=pushed[3:],
         efforts=commands[:efforts],
         thrusters=commands[efforts:],
         lamps=lit,

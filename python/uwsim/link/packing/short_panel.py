@@ -11,15 +11,12 @@ import numpy as np
 from uwsim.channels import Channel
 from uwsim.channels.ros import build
 from uwsim.channels.ros.own_types import ALL_STOPPED, TELEMETRY
+from uwsim.instruments.gauges import NUMBERS, VECTORS
 from uwsim.link.packing.panels import FLAGS, pack_failsafe, quantised, unpack_failsafe, value_of
 
-FIGURES = (
-    ("depth", "H", 0.01, 0.0), ("speed", "B", 0.02, math.nan), ("distance_to_seabed", "H", 0.1, math.inf),
-    ("distance_to_port", "B", 0.1, math.nan), ("temperature", "b", 0.5, math.nan), ("mission_time", "H", 1.0, math.nan),
-    ("battery", "B", 0.5, math.nan), ("tilt", "b", 0.0125, math.nan),
-)  # fmt: skip
-"""Fields of /telemetry, each with its struct format code, quantum, and missing value. A negative depth is sent as 0."""
-HEAD = struct.Struct("<I9s3b4B" + "".join(code for _, code, _, _ in FIGURES))
+SLOW = sorted((gauge.slow, gauge) for gauge in NUMBERS if gauge.slow)
+"""Place, quantum and struct format code of each gauge that is carried. A negative depth is sent as 0."""
+HEAD = struct.Struct("<I9s3b4B" + "".join(code for (_, _, code), _ in SLOW))
 STAMP_NS = 10_000_000
 TURN_RAD = math.pi / 127  # roll, pitch and yaw
 
@@ -38,7 +35,7 @@ def pack(message: Any) -> bytes:
     flags = sum(bool(getattr(message, name)) << bit for bit, name in enumerate(FLAGS))
     flags |= (ALL_STOPPED in message.alarms) << len(FLAGS)
     lamps = sum(bool(lit) << bit for bit, lit in enumerate(message.lamps[:8]))
-    figures = [quantised(float(getattr(message, name)), quantum, code) for name, code, quantum, _ in FIGURES]
+    figures = [quantised(float(getattr(message, gauge.name)), *packed) for (_, *packed), gauge in SLOW]
     return HEAD.pack(
         stamp_ns // STAMP_NS, position, *(quantised(angle, TURN_RAD, "b") for angle in angles_rad), flags,
         pack_failsafe(message), lamps, min(len(message.lamps), 8), *figures,
@@ -59,19 +56,18 @@ def unpack(data: bytes, channel: Channel) -> Any:
         position=np.array([_from_three(position[k : k + 3]) for k in (0, 3, 6)]),
         position_std=unknown.astype(np.float32),
         true_position=unknown,
-        linear_acceleration=unknown.astype(np.float32),
-        angular_acceleration=unknown.astype(np.float32),
+        **{gauge.name: unknown.astype(np.float32) for gauge in VECTORS},
         orientation=turn.astype(np.float32),
         lamps=np.array([bool(lamps >> bit & 1) for bit in range(count)]),
         hold_targets=np.empty(0, np.float32),
         alarms=[ALL_STOPPED] if flags >> len(FLAGS) & 1 else [],
         **states | {"is_truth": False},
-        **dict.fromkeys(("angular_speed", "pressure", "distance_to_station", "link_delay"), math.nan),
-        **unpack_failsafe(failsafe),
-        **{
-            name: value_of(whole, quantum, code, none)
-            for (name, code, quantum, none), whole in zip(FIGURES, figures, strict=True)
+        **dict.fromkeys((gauge.name for gauge in NUMBERS), math.nan)
+        | {
+            gauge.name: value_of(whole, *packed, gauge.missing)
+            for ((_, *packed), gauge), whole in zip(SLOW, figures, strict=True)
         },
+        **unpack_failsafe(failsafe),
     )
 
 
