@@ -95,4 +95,22 @@ const message = { gauges: ['depth', 'distance_to_seabed'], gauge_ages: [3, Infin
 assert.equal(ageText(ageOf('depth', message)), 'measured 3.0 s ago');
 assert.equal(ageText(ageOf('distance_to_seabed', message)), 'no valid measurement');
 assert.equal(ageText(ageOf('depth', {})), '');
+
+// A sensor that a package adds is a row, a column and a field of the telemetry, with its age and no entry in any table.
+const { Telemetry } = await import('../../python/uwsim/operator/station/page/telemetry.js');
+const { gaugeRow } = await import('../../python/uwsim/operator/station/page/panel/rows.js');
+const subscribed = new Map();
+const bridge = { subscribe: (topic, _type, act) => void subscribed.set(topic, act) };
+const telemetry = new Telemetry({ bridge, state: {} });
+telemetry.watch({ name: 'rov', telemetry: '/telemetry', sensor_gauges: '/sensor_gauges' });
+const readings = { names: ['sensor light'], units: ['W/m^2'], values: [88.912], ages: [3] };
+subscribed.get('/sensor_gauges')(readings);
+subscribed.get('/telemetry')({ ...message, header: { stamp: { sec: 1, nanosec: 0 } } });
+const kept = telemetry.sensors;
+subscribed.get('/telemetry')({ ...message, header: { stamp: { sec: 2, nanosec: 0 } } });
+assert.equal(telemetry.sensors, kept); // so that the rows stay
+const [name, unit, read, , field] = gaugeRow(telemetry.sensors[0]);
+assert.deepEqual([name, unit, read(telemetry.message, {})], ['Light', 'W/m^2', '88.91']);
+assert.equal(ageText(ageOf(field, telemetry.message)), 'measured 3.0 s ago');
+assert.deepEqual(telemetry.sensors[0].columns, ['sensor_light']);
 process.exit(0);

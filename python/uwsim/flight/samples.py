@@ -17,7 +17,7 @@ from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
 from uwsim.base.wall_timer import Measurement
 from uwsim.flight.ping_log import PANEL_WARNINGS, lit
-from uwsim.instruments.sensors import Sensor
+from uwsim.instruments.gauges import GAUGES
 from uwsim.mapping.files.georeference import Georeference
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.simulator.simulator import Simulator
@@ -40,8 +40,9 @@ COMMANDS = ("thruster ", "effort ")
 """Prefixes of the names of columns with commands."""
 TOO_MANY = {"set_wrench", "set_thrusters", "set_fins", "link_send"}
 """Commands that, like set_effort, are too frequent to log."""
-_FIGURES = attrgetter("depth_m", "distance_to_seabed_m", "speed_m_s", "battery_percent", "distance_to_station_m")
 AT = {name: k for k, name in enumerate(COLUMNS)}
+_ATTRIBUTES = {gauge.columns[0]: gauge.attribute for gauge in GAUGES}
+_FIGURES = attrgetter(*(_ATTRIBUTES.get(name, name) for name in COLUMNS[AT["depth_m"] : AT["released"]]))
 LIT_AT = slice(AT["range_warning"], AT["collision_warning"] + 1)
 OnEvent = Callable[[str, str, dict[str, Any]], object]
 """A function called with a vehicle's name, an event's name and its values."""
@@ -52,10 +53,8 @@ class Samples:
     """The samples of one vehicle; a column such as `samples["depth_m"]` has shape (n,).
 
     The motion is the true motion, with rates in body axes (REP 103). Further columns are "fin NAME", the deflections
-    [rad]; "sensor NAME" or, for a sensor with several quantities, "sensor NAME QUANTITY", with " 0", " 1" ... for the
-    elements of an array; and "thruster NAME" or, for a vehicle without thrusters, "effort AXIS", the commands in [-1,
-    1]. Sensor columns contain the newest readings as a mission would read them, in the units of `Sensor.unit`, and NaN
-    if the sensor is off.
+    [rad]; `Sensor.numbers`; and "thruster NAME" or, for a vehicle without thrusters, "effort AXIS", the commands in
+    [-1, 1]. Sensor columns contain the newest readings as a mission would read them, and NaN if the sensor is off.
     """
 
     names: tuple[str, ...]
@@ -194,9 +193,9 @@ class _Columns:
 
     def __init__(self, vehicle: Vehicle, with_sensors: bool) -> None:
         self._vehicle = vehicle
-        self._sensors = [(sensor, _fields(sensor)) for sensor in vehicle.sensors.values() if with_sensors]
+        self._sensors = list(vehicle.sensors.values()) if with_sensors else []
         self._has_thrusters = bool(vehicle.thrusters)
-        sensors = [name for sensor, _ in self._sensors for name in _names(sensor)]
+        sensors = [name for sensor in self._sensors for name in sensor.numbers]
         commands = [f"thruster {one}" for one in vehicle.thrusters] or [f"effort {axis}" for axis in AXES]
         self.names = (*(f"fin {fin}" for fin in vehicle.fins), *sensors, *commands)
 
@@ -204,26 +203,11 @@ class _Columns:
         """Return the current values, in the order of `names`."""
         vehicle = self._vehicle
         found: list[float] = list(vehicle.fins.values())
-        for sensor, fields in self._sensors:
-            reading = sensor.read()
-            found += [reading] if fields is None else np.hstack([getattr(reading, name) for name in fields]).tolist()
+        for sensor in self._sensors:
+            found += sensor.flat(sensor.read())
         if self._has_thrusters:
             return [*found, *(one.command for one in vehicle.thrusters.values())]
         return [*found, *vehicle.effort.tolist()]
-
-
-def _fields(sensor: Sensor[Any]) -> tuple[str, ...] | None:
-    """Return the names of a sensor's quantities; None if its reading is a number."""
-    return tuple(sensor.unit) if isinstance(sensor.unit, dict) else None
-
-
-def _names(sensor: Sensor[Any]) -> list[str]:
-    fields = _fields(sensor)
-    if fields is None:
-        return [f"sensor {sensor.name}"]
-    sizes = {field: np.size(getattr(sensor.read(noise=False), field)) for field in fields}
-    parts = {field: [""] if size == 1 else [f" {k}" for k in range(size)] for field, size in sizes.items()}
-    return [f"sensor {sensor.name} {field}{part}" for field in fields for part in parts[field]]
 
 
 def _row(time_s: float, vehicle: Vehicle, own: OwnVehicle) -> list[float]:

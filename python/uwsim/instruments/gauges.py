@@ -44,9 +44,10 @@ class Gauge(NamedTuple):
         return f"{self.name}_{_suffix(self.unit)}"
 
     @property
-    def column(self) -> str:
-        """The name for people with the unit, as in files."""
-        return f"{self.word}_{_suffix(self.unit)}"
+    def columns(self) -> list[str]:
+        """The name for people with the unit, as in files, of each number."""
+        axes = ("_x", "_y", "_z") if self.width > 1 else ("",)
+        return [f"{self.word}{axis}_{_suffix(self.unit)}" for axis in axes]
 
     @property
     def definition(self) -> str:

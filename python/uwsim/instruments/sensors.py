@@ -165,6 +165,24 @@ class Sensor(Attached, Generic[R]):
         """The unit of the value, such as "m", or for several quantities a dict such as {"velocity_m_s": "m/s"}."""
         return self._units if self._scalar is None else self._units[self._scalar]
 
+    @property
+    def numbers(self) -> dict[str, str]:
+        """The unit of each number of a reading, by "sensor NAME", or "sensor NAME QUANTITY" with " 0", " 1" ... ."""
+        if self._scalar is not None:
+            return {f"sensor {self.name}": self._units[self._scalar]}
+        return {
+            f"sensor {self.name} {field}{part}": unit
+            for field, (width, unit) in self._fields.items()
+            for part in ([""] if width == 1 else [f" {k}" for k in range(width)])
+        }
+
+    def flat(self, reading: R) -> list[float]:
+        """Return the numbers of a reading, in the order of `numbers`."""
+        if self._scalar is not None:
+            return [cast(float, reading)]
+        found: list[float] = np.hstack([getattr(reading, field) for field in self._fields]).tolist()
+        return found
+
     def read(self, *, noise: bool = True) -> R:
         """Return the newest sample that has arrived: a float in `unit`, or several values (`readings.py`).
 

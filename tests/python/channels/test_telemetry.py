@@ -1,13 +1,36 @@
 """/telemetry: the panel's values in one message."""
 
+import re
 import struct
+from pathlib import Path
 
 import numpy as np
 
+import uwsim
 from channel_tools import table
 from uwsim import Simulator
 from uwsim.channels import Table
 from uwsim.channels.ros.cdr import encode
+from uwsim.instruments.gauges import GAUGES
+
+USERS = {  # of a gauge's value, each for a reason of its own
+    "distance_to_seabed": {
+        "telemetry.py",  # the warning
+        "inspection.py",  # the place of a note
+        "telemetry.js",  # contact ahead
+        "readout.py",  # the pilot's line in a terminal
+    },
+    "distance_to_port": {"telemetry.js"},  # the nearest obstacle
+}
+
+
+def test_a_gauge_is_named_in_the_table_and_where_its_value_is_used() -> None:
+    made = {"gauges.py", "messages.js"}  # the table, and the page's module that is made from it
+    sources = [path for kind in ("py", "js") for path in Path(uwsim.__file__).parent.rglob(f"*.{kind}")]
+    texts = [(path.name, path.read_text()) for path in sources if "vendor" not in path.parts]
+    assert set(USERS) <= {gauge.name for gauge in GAUGES}
+    for name, users in USERS.items():
+        assert {file for file, text in texts if re.search(rf"\b{name}\b", text)} == users | made, name
 
 
 def test_accelerations_are_the_rates_of_the_velocities_along_the_body_axes() -> None:

@@ -15,7 +15,8 @@ from uwsim.base.axes import AXES
 from uwsim.base.commands import COMMANDS, HOLDS
 from uwsim.base.commands.notes import NoteCategory
 from uwsim.channels.authority.rights import AidKind
-from uwsim.channels.ros.own_types import ALL_STOPPED, MAP_CHANGES, OWN_TYPES, STATION_STATE, TELEMETRY
+from uwsim.channels.ros.own_types import ALL_STOPPED, MAP_CHANGES, OWN_TYPES, SENSOR_GAUGES, STATION_STATE, TELEMETRY
+from uwsim.instruments.gauges import GAUGES
 from uwsim.operator.station import Station, wire_js
 from uwsim.operator.station.wire import messages
 from uwsim.operator.station.wire.calls import CALLS, Call
@@ -48,6 +49,7 @@ def test_the_page_has_a_text_for_each_name_of_python_s_tables() -> None:
     assert set(texts["exercise"]["aids"]) == set(get_args(AidKind))
     assert {*FAILSAFE_CAUSES, *get_args(Behaviour)} <= set(texts["failsafe"])
     assert set(HOLDS) <= set(texts["holds"])
+    assert {gauge.word for gauge in GAUGES if gauge.shown_in} <= set(texts["panel"])
     assert {*Reason, ALL_STOPPED} <= set(texts["said"]["texts"])
 
 
@@ -66,7 +68,7 @@ def test_every_field_and_message_is_explained() -> None:
         assert f"`/station/{call.name}`" in DOCS
         for field in (*call.request.model_fields, *call.answer.model_fields):
             assert re.search(rf"\b{field}\b", DOCS), f"{call.name}: {field}"
-    assert OWN_TYPES[TELEMETRY] in DOCS and OWN_TYPES[MAP_CHANGES] in DOCS
+    assert all(OWN_TYPES[name] in DOCS for name in (TELEMETRY, SENSOR_GAUGES, MAP_CHANGES))
 
 
 def test_the_docs_list_the_fields_of_the_state() -> None:

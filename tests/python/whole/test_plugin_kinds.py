@@ -197,8 +197,12 @@ from pathlib import Path
 from types import SimpleNamespace
 from uwsim import Batch, Simulator
 from uwsim.channels import Table
+from uwsim.channels.families.telemetry import plain_panel
 from uwsim.instruments.sonars import imaging
+from uwsim.link import Carrier
+from uwsim.live import LiveSimulator
 from uwsim.operator.station.services.fault_kinds import fault_kinds
+from uwsim.operator.station.sessions.running import SHOWN
 from uwsim.scenario import load
 from uwsim.scenario.dump import write_scenario
 from uwsim.scenario.fingerprint import scenario_fingerprint
@@ -275,7 +279,19 @@ measured = {
     "wire": [topic.type, topic.read(sim).data, service.call(live, {})],
     "illuminance": channel.read(sim).illuminance, "refused": refusal(lambda: batch.read("light")), "same": same,
 }
-print(json.dumps({"world": world, "sonar": seen, "light": measured, "page": fault_kinds()}))
+(gauges,) = [each for each in table.channels if each.name.endswith("sensor_gauges")]
+message = gauges.read(sim)
+shown = {"message": [message.names, message.units, message.values.tolist()], "read": light.read()}
+shown["panel"] = plain_panel(sim, table.sources[0])["sensor light"]
+sim.parameters["rov.sensors.light.on"] = False
+off = gauges.read(sim)
+shown["off"] = [str(off.values[0]), str(off.ages[0])]
+far = Simulator(scenario.with_changes(modem="micromodem"))
+with LiveSimulator(far, paused=True) as live, Carrier(live, Table(far), only=SHOWN) as carrier:
+    live.step(6000)
+    arrived = carrier.newest("sensor_gauges")
+    shown["arrived"] = [arrived.names, arrived.units, arrived.values.tolist()]
+print(json.dumps({"world": world, "sonar": seen, "light": measured, "page": fault_kinds(), "gauges": shown}))
 """
 
 
@@ -318,6 +334,16 @@ def test_the_topic_and_the_service_are_of_the_vehicle(found: dict[str, Any]) -> 
     kind, distance_m, answer = found["light"]["wire"]
     assert kind == "std_msgs/msg/Float64" and 0.0 < distance_m < 100.0
     assert answer["success"] and answer["message"].startswith("[")
+
+
+def test_the_sensor_is_a_gauge_without_an_entry_of_its_own(found: dict[str, Any], ran: Ran, folder: Path) -> None:
+    """On the panel, in pictures, samples, recordings and replays, and over a slow modem; see also station.mjs."""
+    gauges = found["gauges"]
+    assert gauges["message"] == [["sensor light"], ["W/m^2"], [pytest.approx(gauges["read"])]]
+    assert gauges["panel"] == pytest.approx(gauges["read"]) and gauges["off"] == ["nan", "inf"]
+    assert gauges["arrived"][:2] == [["sensor light"], ["W/m^2"]] and 0.0 < gauges["arrived"][2][0] < 500.0
+    assert "sensor_light" in next(folder.glob("flown/**/samples*.csv")).read_text().splitlines()[0].split(",")
+    assert "sensor_gauges" in ran["recording"].stdout and ran["replay"].returncode == 0, ran["replay"]
 
 
 def test_the_goal_is_judged_and_the_planner_flies(ran: Ran) -> None:

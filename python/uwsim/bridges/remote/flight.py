@@ -38,8 +38,6 @@ from uwsim.navigation.control.protocols import Clock
 from uwsim.scenario.build.ping_chain import VOXEL_M
 from uwsim.simulator.simulator import Simulator
 
-NAN = math.nan
-
 
 def fly_remote(
     mission: MissionFunction | str | Path,
@@ -221,10 +219,6 @@ _NAMES = (*COLUMNS, *(f"effort {axis}" for axis in AXES))
 def _row(time_s: float, vehicle: OwnVehicle) -> list[float]:
     pose, panel = vehicle.pose, vehicle.telemetry()
     rotation, position = pose.world_from_body, np.asarray(pose.position_world_m).tolist()
-    shown = {
-        name: float(getattr(panel, name, NAN))
-        for name in ("battery_percent", "distance_to_seabed_m", "distance_to_station_m", "speed_m_s")
-    }
     return [
         time_s,
         *position,
@@ -234,10 +228,10 @@ def _row(time_s: float, vehicle: OwnVehicle) -> list[float]:
         *position,
         float(pose.yaw_rad),
         -position[2],
-        shown["distance_to_seabed_m"],
+        panel.distance_to_seabed_m,
         float(np.linalg.norm(vehicle.velocity.linear_body_m_s)),
-        shown["battery_percent"],
-        shown["distance_to_station_m"],
+        panel.battery_percent,
+        panel.distance_to_station_m,
         vehicle.released,
         *(float(getattr(panel, f"{name}_warning", False)) for name in ("range", "proximity", "collision")),
         0.0,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -31,8 +31,10 @@ from uwsim.bridges.remote.tree import RemoteTree
 from uwsim.channels.calls.command_services import request_of
 from uwsim.channels.families.key import POSE, key_message
 from uwsim.channels.ros.own_types import ALL_STOPPED
+from uwsim.instruments.gauges import GAUGES
 
 LIGHT_SERVICE = "lights/"
+GAUGE_NAMES = {gauge.attribute: gauge.name for gauge in GAUGES}
 PROJECTED = "marine_acoustic_msgs/msg/ProjectedSonarImage"
 
 
@@ -192,16 +194,8 @@ class RemoteVehicle(Commandable):
         """Return the panel from /telemetry or, without that topic, only the battery."""
         panel = self._telemetry()
         if panel is not None:
-            return RemotePanel(
-                battery_percent=float(panel.battery),
-                depth_m=float(panel.depth),
-                distance_to_seabed_m=float(panel.distance_to_seabed),
-                distance_to_station_m=float(panel.distance_to_station),
-                speed_m_s=float(panel.speed),
-                range_warning=bool(panel.range_warning),
-                proximity_warning=bool(panel.proximity_warning),
-                collision_warning=bool(panel.collision_warning),
-            )
+            names = [each.name for each in fields(RemotePanel)]
+            return RemotePanel(**{name: getattr(panel, GAUGE_NAMES.get(name, name)) for name in names})
         battery = f"{self._prefix}battery_state"
         if battery not in self._connection.topics:
             return RemotePanel(math.nan)

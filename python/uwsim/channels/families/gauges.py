@@ -7,21 +7,29 @@ sensors measure; any other shows its estimate.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.channels.ros import build
+from uwsim.channels.ros.messages import to_plain
+from uwsim.channels.ros.own_types import SENSOR_GAUGES
 from uwsim.channels.source import Source
 from uwsim.instruments.gauges import GAUGES
+from uwsim.instruments.sensors import Sample, Sensor
 from uwsim.navigation.estimation import Navigator
 from uwsim.navigation.sensor_choice import port_proximity
+from uwsim.scenario.spec.sensor_kind import DerivedKind, sensor_kind
 from uwsim.simulator.simulator import Simulator
 
 NAN = math.nan
 KINDS = ("depth", "pressure", "temperature", "altitude", "proximity", "acceleration")
 """The kinds of sensors that measure gauges, in the order of /telemetry's list `gauges`."""
+MOST = 6
+"""The most numbers of a sensor that are gauges; one with more, such as a profile, is no row of numbers for a pilot."""
 SPEEDS = {"linear": "speed", "angular": "angular_speed"}
 
 
@@ -47,9 +55,8 @@ def gauges(sim: Simulator, source: Source, estimate: Navigator | None) -> Gauges
             return
         sample = sensors[name].sample()
         value = getattr(sample.value, part) if part else sample.value
-        is_known = sample.valid or bool(np.all(np.isinf(value)))  # infinite: no echo
-        found.values[field] = value if is_known else missing
-        found.ages_s[field] = 1e-9 * (sim.time_ns - sample.stamp_ns) if is_known else math.inf
+        found.ages_s[field] = _age_s(sim, sample, value)
+        found.values[field] = missing if math.isinf(found.ages_s[field]) else value
 
     def first(kind: str) -> str | None:
         return next((name for name, sensor in sensors.items() if sensor.kind == kind), None)
@@ -69,6 +76,48 @@ def gauges(sim: Simulator, source: Source, estimate: Navigator | None) -> Gauges
         _estimate(found, sim, estimate)
     _derive(found, sim)
     return found
+
+
+def _age_s(sim: Simulator, sample: Sample[Any], value: Any) -> float:
+    """Return a sample's age, infinite without a valid measurement."""
+    is_known = sample.valid or bool(np.all(np.isinf(value)))  # infinite: no echo
+    return 1e-9 * (sim.time_ns - sample.stamp_ns) if is_known else math.inf
+
+
+def gauge_sensors(sensors: Mapping[str, Sensor[Any]]) -> list[Sensor[Any]]:
+    """Return the sensors of kinds in Python, each number of which is a gauge, unless there are too many."""
+    kinds = {name: sensor_kind(sensor.kind) for name, sensor in sensors.items()}
+    return [sensors[name] for name, kind in kinds.items() if isinstance(kind, DerivedKind) and _width(kind) <= MOST]
+
+
+def _width(kind: DerivedKind) -> int:
+    return sum(width for width, _ in kind.fields.values())
+
+
+def read_sensors(sim: Simulator, source: Source) -> Any:
+    """Return the message with the gauges of sensors of kinds in Python."""
+    numbers, values, ages_s = {}, [], []
+    for sensor in gauge_sensors(source.of(sim).sensors):
+        sample = sensor.sample()
+        found = sensor.flat(sample.value)
+        age_s = _age_s(sim, sample, found)
+        numbers |= sensor.numbers
+        values += [NAN] * len(found) if math.isinf(age_s) else found
+        ages_s += [age_s] * len(found)
+    return build.message(
+        SENSOR_GAUGES,
+        header=build.header(sim.time_ns, source.frame("base_link")),
+        names=list(numbers),
+        units=list(numbers.values()),
+        values=np.array(values, np.float32),
+        ages=np.array(ages_s, np.float32),
+    )
+
+
+def values_by_name(message: Any) -> dict[str, Any]:
+    """Return the plain values of a panel's message, or of one with the gauges of sensors."""
+    found: dict[str, Any] = to_plain(message)
+    return dict(zip(found["names"], map(float, found["values"]), strict=True)) if "names" in found else found
 
 
 def _estimate(found: Gauges, sim: Simulator, estimate: Navigator | None) -> None:

@@ -1,4 +1,4 @@
-"""The /telemetry channel: one message with all values on a vehicle's panel, as measured aboard (see `gauges`)."""
+"""The values on a vehicle's panel, as measured aboard (see `gauges`): /telemetry, and those of further sensors."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from uwsim.channels.channel import PANEL, Channel, OverLink
 from uwsim.channels.families.estimate import has_estimate
-from uwsim.channels.families.gauges import gauges
+from uwsim.channels.families.gauges import gauge_sensors, gauges, read_sensors, values_by_name
 from uwsim.channels.families.hold_fields import hold_fields
 from uwsim.channels.ros import build
-from uwsim.channels.ros.own_types import ALL_STOPPED, TELEMETRY
+from uwsim.channels.ros.own_types import ALL_STOPPED, SENSOR_GAUGES, TELEMETRY
 from uwsim.channels.source import Source
 from uwsim.navigation.estimation import Navigator
 from uwsim.simulator.simulator import Simulator
@@ -23,13 +23,29 @@ RATE_HZ = 10.0
 NAN = math.nan
 
 
-def telemetry_channel(source: Source, *, truth: bool) -> Channel:
-    """Return a vehicle's telemetry channel. truth: whether its true position is published."""
-    return Channel(
+def telemetry_channels(source: Source, sim: Simulator, *, truth: bool) -> list[Channel]:
+    """Return the channels of a vehicle's panel. truth: whether its true position is published."""
+    panel = Channel(
         source.topic("telemetry"), TELEMETRY, "out", "the vehicle's panel, position, commands and warnings",
         rate_hz=RATE_HZ, frame_id=source.frame("odom"), over_link=OverLink(PANEL, "telemetry"),
         read=lambda sim: read(sim, source, truth=truth),
     )  # fmt: skip
+    more = Channel(
+        source.topic("sensor_gauges"),
+        SENSOR_GAUGES,
+        "out",
+        "the readings of sensors that packages add",
+        rate_hz=RATE_HZ,
+        frame_id=source.frame("base_link"),
+        over_link=OverLink(packing="sensor_gauges"),
+        read=lambda sim: read_sensors(sim, source),
+    )
+    return [panel, more] if gauge_sensors(source.of(sim).sensors) else [panel]
+
+
+def plain_panel(sim: Simulator, source: Source) -> dict[str, Any]:
+    """Return all values on the panel, without the truth, as plain values by name."""
+    return values_by_name(read(sim, source, truth=False)) | values_by_name(read_sensors(sim, source))
 
 
 def read(sim: Simulator, source: Source, *, truth: bool) -> Any:

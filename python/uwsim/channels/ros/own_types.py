@@ -6,6 +6,7 @@ docs/connections/station-wire.md explains the fields.
 from uwsim.instruments.gauges import NUMBERS, VECTORS
 
 TELEMETRY = "uwsim_msgs/msg/Telemetry"
+SENSOR_GAUGES = "uwsim_msgs/msg/SensorGauges"
 MAP_CHANGES = "uwsim_msgs/msg/MapChanges"
 STATION_STATE = "uwsim_msgs/msg/StationState"
 LINK = "uwsim_msgs/msg/Link"
@@ -25,7 +26,9 @@ float32[3] position_std        # m, along the frame's axes, according to the est
 float64[3] true_position       # m, in the odom frame; nan if the truth is hidden
 float32[4] orientation         # x, y, z, w: the vehicle's own estimate
 bool is_truth                  # whether the truth may be shown
-""" + "".join(gauge.definition for gauge in NUMBERS) + """\
+"""
+    + "".join(gauge.definition for gauge in NUMBERS)
+    + """\
 float32[] thrusters            # commands in [-1, 1], in the vehicle's order
 float32[] efforts              # surge, sway, heave, roll, pitch, yaw as commanded
 bool[] lamps                   # in the vehicle's order
@@ -37,13 +40,22 @@ uint32 collisions              # since the start
 string failsafe                # active failsafe: hold, surface, return, go_on; empty: none
 string failsafe_cause          # silence, battery, leak, thruster, sensor
 string[] alarms                # failures detected aboard; "all stop" while that is set
-""" + "".join(gauge.definition for gauge in VECTORS) + """\
+"""
+    + "".join(gauge.definition for gauge in VECTORS)
+    + """\
 string[] gauges                # fields above that are measured aboard, and nan if they cannot be; not over a modem
 float32[] gauge_ages           # s since each was measured; inf: no valid measurement
 string[] holds                 # active ones: heading, depth, altitude, position, speed
 float32[] hold_targets         # of each: yaw [rad], depth [m], altitude [m], distance to the position [m], speed [m/s];
                                # nan while the stick moves the vehicle or it comes to rest
 string hold_note               # why the last hold was lost or changed; empty: none was
+""",
+    SENSOR_GAUGES: """\
+std_msgs/Header header
+string[] names                 # "sensor NAME", followed by the quantity if the sensor has several
+string[] units
+float32[] values               # nan if they cannot be measured
+float32[] ages                 # s since each was measured; inf: no valid measurement
 """,
     MAP_CHANGES: """\
 std_msgs/Header header

@@ -56,6 +56,7 @@ PACKINGS: dict[str, Packing] = {
     "state": Packing(panels.pack_state, panels.unpack_state),
     "telemetry": Packing(panels.pack_telemetry, panels.unpack_telemetry),
     "telemetry_short": Packing(short_panel.pack, short_panel.unpack),
+    "sensor_gauges": Packing(panels.pack_sensors, panels.unpack_sensors),
     "depths": Packing(pings.pack_depths, pings.unpack_depths),
     "scan": Packing(pings.pack_scan, pings.unpack_scan),
     "placed": Packing(pings.pack_placed, pings.unpack_placed),

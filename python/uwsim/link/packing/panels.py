@@ -13,7 +13,7 @@ from uwsim.base.commands import HOLDS
 from uwsim.channels import Channel
 from uwsim.channels.families.published import join
 from uwsim.channels.ros import build
-from uwsim.channels.ros.own_types import TELEMETRY
+from uwsim.channels.ros.own_types import SENSOR_GAUGES, TELEMETRY
 from uwsim.instruments.gauges import NUMBERS, VECTORS, Gauge
 from uwsim.simulator.failures.alarms import FAILSAFE_CAUSES
 
@@ -107,6 +107,40 @@ def unpack_telemetry(data: bytes, channel: Channel) -> Any:
         **_unpack_notices(data[at + -(-lamps // 8) + efforts + thrusters :]),
         **{name: bool(flags >> bit & 1) for bit, name in enumerate(FLAGS)},
         **figures,
+    )
+
+
+SENSORS, SENSOR = struct.Struct("<IB"), struct.Struct("<fH")
+STAMP_NS = 10_000_000
+START = "sensor "
+"""Every name begins with this, which is not sent."""
+
+
+def pack_sensors(message: Any) -> bytes:
+    """Pack /sensor_gauges: each value unchanged, its age to 0.1 s, and its name and unit as text."""
+    stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+    texts = [text for pair in zip(message.names, message.units, strict=True) for text in pair]
+    ages = [quantised(age, 0.1, "H") for age in message.ages]
+    return (
+        SENSORS.pack(stamp_ns // STAMP_NS, len(ages))
+        + b"".join(SENSOR.pack(*each) for each in zip(message.values, ages, strict=True))
+        + "\n".join(text.removeprefix(START) for text in texts).encode()
+    )
+
+
+def unpack_sensors(data: bytes, channel: Channel) -> Any:
+    """Return the message."""
+    stamp, count = SENSORS.unpack_from(data)
+    end = SENSORS.size + count * SENSOR.size
+    values, ages = zip(*SENSOR.iter_unpack(data[SENSORS.size : end]), strict=True)
+    texts = data[end:].decode().split("\n")
+    return build.message(
+        SENSOR_GAUGES,
+        header=build.header(stamp * STAMP_NS, channel.frame_id),
+        names=[START + name for name in texts[::2]],
+        units=texts[1::2],
+        values=np.array(values, np.float32),
+        ages=np.array([value_of(age, 0.1, "H", math.inf) for age in ages], np.float32),
     )
 
 

@@ -12,12 +12,11 @@ from uwsim.channels import Channel
 from uwsim.channels.ros import build
 from uwsim.channels.ros.own_types import ALL_STOPPED, TELEMETRY
 from uwsim.instruments.gauges import NUMBERS, VECTORS
-from uwsim.link.packing.panels import FLAGS, pack_failsafe, quantised, unpack_failsafe, value_of
+from uwsim.link.packing.panels import FLAGS, STAMP_NS, pack_failsafe, quantised, unpack_failsafe, value_of
 
 SLOW = sorted((gauge.slow, gauge) for gauge in NUMBERS if gauge.slow)
 """Place, quantum and struct format code of each gauge that is carried. A negative depth is sent as 0."""
 HEAD = struct.Struct("<I9s3b4B" + "".join(code for (_, _, code), _ in SLOW))
-STAMP_NS = 10_000_000
 TURN_RAD = math.pi / 127  # roll, pitch and yaw
 
 

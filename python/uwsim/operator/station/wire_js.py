@@ -19,7 +19,8 @@ from uwsim.base.commands import COMMANDS, HOLDS
 from uwsim.base.commands.notes import NoteCategory
 from uwsim.channels.families.map_changes import EDGE
 from uwsim.channels.ros.message_types import Kind, fields
-from uwsim.channels.ros.own_types import ALL_STOPPED, LINK, MAP_CHANGES, STATION_STATE, TELEMETRY
+from uwsim.channels.ros.own_types import ALL_STOPPED, LINK, MAP_CHANGES, SENSOR_GAUGES, STATION_STATE, TELEMETRY
+from uwsim.instruments.gauges import SHOWN
 from uwsim.instruments.sonars.imaging.pixels import ABOVE_MEDIAN_DB, AMBER, BELOW_MEDIAN_DB
 from uwsim.operator.station.helm.plan import SPEEDS_M_S
 from uwsim.operator.station.services.services import DEAD_S
@@ -27,7 +28,7 @@ from uwsim.operator.station.wire.calls import CALLS, Call
 from uwsim.operator.station.wire.messages import Message, Refused
 
 PATH = Path(__file__).parent / "page/wire/messages.js"
-TOPIC_TYPES = (STATION_STATE, TELEMETRY, MAP_CHANGES, LINK)
+TOPIC_TYPES = (STATION_STATE, TELEMETRY, SENSOR_GAUGES, MAP_CHANGES, LINK)
 HEAD = """\
 // Made by `python -m uwsim.operator.station.wire_js` from commands, messages and calls.py: do not edit.
 
@@ -49,6 +50,10 @@ def _constants() -> str:
     piloted = [command for command in COMMANDS.values() if command.is_piloted]
     commands = {command.name: [argument.name for argument in command.arguments] for command in piloted}
     services = [name for name in commands if COMMANDS[name].service and COMMANDS[name].of != "simulator"]
+    gauges = [
+        {"name": each.name, "word": each.word, "unit": each.unit, "list": each.shown_in, "columns": each.columns}
+        for each in SHOWN
+    ]
     return "".join(
         f"{comment}export const {name} = {_literal(value)};\n"
         for name, value, comment in (
@@ -61,6 +66,7 @@ def _constants() -> str:
             ("SONAR_COLOURS", list(AMBER), "// Those of sonar pictures, from the weakest to the strongest level.\n"),
             ("SONAR_SPAN_DB", BELOW_MEDIAN_DB + ABOVE_MEDIAN_DB, "// Between the first and the last of them.\n"),
             ("NOTE_CATEGORIES", list(get_args(NoteCategory)), ""),
+            ("GAUGES", gauges, "// The fields of the telemetry that are gauges, in the order of the panel.\n"),
             ("HOLDS", list(HOLDS), "// The arguments of the command `hold`.\n"),
             ("TYPES", types, "// The types of topics, by their last name.\n"),
             ("COMMANDS", commands, "// The arguments of each command that the pilot may give by name.\n"),
@@ -73,9 +79,17 @@ def _literal(value: Any) -> str:
     """Return a constant in prettier's format."""
     if isinstance(value, dict):
         return "{\n" + "".join(f"  {key}: {_literal(item)},\n" for key, item in value.items()) + "}"
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return "[\n" + "".join(map(_row, value)) + "]"
     if isinstance(value, list):
         return "[" + ", ".join(map(_literal, value)) + "]"
     return json.dumps(value).replace('"', "'")
+
+
+def _row(value: dict[str, Any]) -> str:
+    items = [f"{key}: {_literal(item)}" for key, item in value.items()]
+    line = f"  {{ {', '.join(items)} }},\n"
+    return line if len(line) <= 121 else "  {\n" + "".join(f"    {item},\n" for item in items) + "  },\n"
 
 
 def _function(call: Call) -> str:

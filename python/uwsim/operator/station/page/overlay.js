@@ -2,9 +2,11 @@
 import { attitude } from './attitude.js';
 import { clockText, fixed } from './dom.js';
 import { STRINGS } from './strings.js';
+import { GAUGES } from './wire/messages.js';
 
 const WORDS = STRINGS.overlay;
 export const BAND_PX = 60; // below the picture, so that nothing is hidden
+const BIG = GAUGES.filter(({ list }) => list === 'big');
 const INK = '#f2f8fb';
 const COMMENT_INK = '#ffd166';
 const ROOM_PX = 14;
@@ -17,8 +19,7 @@ export function instruments(message, time_s) {
   const isPlaced = Boolean(message) && [...message.position].every(Number.isFinite);
   return {
     time_s: known(time_s, 3),
-    depth_m: known(message?.depth, 2),
-    altitude_m: known(message?.distance_to_seabed, 2),
+    ...Object.fromEntries(BIG.map(({ name, columns: [column] }) => [column, known(message?.[name], 2)])),
     heading_deg: isPlaced ? Number(known(attitude(message.orientation).heading_deg, 1)) % 360 : null,
     position_m: isPlaced ? [...message.position].map((value) => known(value, 2)) : null,
   };

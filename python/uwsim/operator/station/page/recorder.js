@@ -4,6 +4,7 @@ import { byId, pen, toast } from './dom.js';
 import { BAND_PX, burn, instruments, overlayLines } from './overlay.js';
 import { withText } from './png_text.js';
 import { STRINGS } from './strings.js';
+import { GAUGES } from './wire/messages.js';
 
 const WORDS = STRINGS.recorder;
 const FRAMES_PER_S = 10;
@@ -12,6 +13,12 @@ const BITS_PER_S = 2.5e6;
 const FILE_BYTES = 2e8; // then another file is begun, since the browser keeps it in memory
 const FILE_ROWS = 2e5; // of the telemetry, some 8 h
 const KINDS = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm', 'video/mp4'];
+const measured = (gauges) =>
+  Object.fromEntries(
+    gauges.flatMap(({ name, columns }) =>
+      columns.map((column, k) => [column, (m) => (columns.length > 1 ? m[name][k] : m[name])]),
+    ),
+  );
 const COLUMNS = {
   time_s: (m, t) => t,
   east_m: (m) => m.position[0],
@@ -24,29 +31,16 @@ const COLUMNS = {
   true_east_m: (m) => m.true_position[0],
   true_north_m: (m) => m.true_position[1],
   true_up_m: (m) => m.true_position[2],
-  speed_m_s: (m) => m.speed,
-  angular_speed_rad_s: (m) => m.angular_speed,
-  acceleration_x_m_s2: (m) => m.linear_acceleration[0],
-  acceleration_y_m_s2: (m) => m.linear_acceleration[1],
-  acceleration_z_m_s2: (m) => m.linear_acceleration[2],
-  angular_acceleration_x_rad_s2: (m) => m.angular_acceleration[0],
-  angular_acceleration_y_rad_s2: (m) => m.angular_acceleration[1],
-  angular_acceleration_z_rad_s2: (m) => m.angular_acceleration[2],
-  depth_m: (m) => m.depth,
-  altitude_m: (m) => m.distance_to_seabed,
-  to_station_m: (m) => m.distance_to_station,
-  temperature_deg_c: (m) => m.temperature,
-  pressure_pa: (m) => m.pressure,
-  battery_percent: (m) => m.battery,
+  ...measured(GAUGES),
   range_warning: (m) => Number(m.range_warning),
   proximity_warning: (m) => Number(m.proximity_warning),
   collision_warning: (m) => Number(m.collision_warning),
 };
-const COLUMN_NAMES = Object.keys(COLUMNS);
 
 export class Recorder {
   /** @type {{ rows: string[], chunks: Blob[], stem: string, recorder?: MediaRecorder, bytes?: number, timer?: number, type?: string } | null} */
   #running = null; // { recorder, chunks, bytes, rows, timer, type, stem }
+  #columns = {}; // of the table: functions of the telemetry and its time, by name
   shown = []; // the lines below the last recorded picture
 
   // comment(): returns the comment to show in pictures.
@@ -114,7 +108,8 @@ export class Recorder {
 
   #start() {
     const type = globalThis.MediaRecorder && KINDS.find((kind) => MediaRecorder.isTypeSupported(kind));
-    const rows = [COLUMN_NAMES.join()];
+    this.#columns = { ...COLUMNS, ...measured(this.telemetry.sensors) };
+    const rows = [Object.keys(this.#columns).join()];
     if (!type) {
       this.#running = { rows, chunks: [], stem: this.#stem('run') };
       toast(WORDS.noPictures);
@@ -179,7 +174,11 @@ export class Recorder {
   #note() {
     if (!this.#running) return;
     const { message, stamp_s } = this.telemetry;
-    this.#running.rows.push(COLUMN_NAMES.map((name) => COLUMNS[name](message, stamp_s)).join());
+    this.#running.rows.push(
+      Object.values(this.#columns)
+        .map((read) => read(message, stamp_s))
+        .join(),
+    );
     if (this.#running.rows.length > FILE_ROWS) this.#continue();
   }
 

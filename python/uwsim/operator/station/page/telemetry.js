@@ -16,6 +16,8 @@ export class Telemetry extends EventTarget {
   vehicle = ''; // the vehicle's name
   joints = new Map(); // the angles [rad] of the vehicle's motors, by name
   #receivedMs = -Infinity;
+  #readings = null; // the last of the sensors
+  sensors = []; // the gauges of sensors that packages add, like those of GAUGES
 
   constructor(station) {
     super();
@@ -24,9 +26,10 @@ export class Telemetry extends EventTarget {
 
   // joints: the topic of the motors' angles. proximities: { name, topic } of each proximity sensor. Either may be
   // missing, for example over a modem.
-  watch({ name: vehicle, telemetry: topic, joints = null, proximities = [] }) {
+  watch({ name: vehicle, telemetry: topic, sensor_gauges: gauges = null, joints = null, proximities = [] }) {
     for (const end of this.#ends) end();
     [this.message, this.vehicle] = [null, vehicle];
+    [this.sensors, this.#readings] = [[], null];
     this.joints = new Map();
     this.#closings = new Map();
     this.#ranges = new Map();
@@ -45,6 +48,12 @@ export class Telemetry extends EventTarget {
           },
           { throttle_rate: 100 },
         ),
+      );
+    if (gauges)
+      this.#ends.push(
+        bridge.subscribe(gauges, TYPES.SensorGauges, (readings) => void (this.#readings = readings), {
+          throttle_rate: 150,
+        }),
       );
     for (const { name, topic: ranges } of proximities)
       this.#ends.push(
@@ -78,12 +87,28 @@ export class Telemetry extends EventTarget {
     return found.length ? Math.min(...found) : NaN;
   }
 
+  // The reaches of ranges in the telemetry, by field.
+  get reaches() {
+    return { distance_to_port: this.portReach_m };
+  }
+
   get portReach_m() {
     return (this.#ranges.get('port') ?? [...this.#ranges.values()][0])?.reach_m ?? NaN;
   }
 
+  // The telemetry, with the readings of sensors as if they were fields of it.
   #receive(message) {
-    this.message = message;
+    const { names = [], units = [], values = [], ages = [] } = this.#readings ?? {};
+    if (names.join() !== this.sensors.map(({ name }) => name).join())
+      this.sensors = names.map((name, k) => {
+        const word = name.slice('sensor '.length).replaceAll('_', ' ');
+        const title = word.replace(/^./, (letter) => letter.toUpperCase());
+        return { name, word: title, unit: units[k], columns: [name.replaceAll(' ', '_')] };
+      });
+    this.message = Object.assign(message, Object.fromEntries(names.map((name, k) => [name, values[k]])), {
+      gauges: [...(message.gauges ?? []), ...names],
+      gauge_ages: [...(message.gauge_ages ?? []), ...ages],
+    });
     this.#receivedMs = performance.now();
     this.#approach(STRINGS.telemetry.bed, message.distance_to_seabed, message.header);
     this.dispatchEvent(new Event('change'));

@@ -109,6 +109,7 @@ def _vehicle(running: Running, source: Source, optional: set[str]) -> Values:
         "model": source.entry.model.name,
         "prefix": source.prefix,
         "telemetry": topic("telemetry"),
+        "sensor_gauges": topic("sensor_gauges"),
         "scan": topic("ping"),
         "joints": topic("joint_states"),
         "proximities": [

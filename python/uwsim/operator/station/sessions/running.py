@@ -33,7 +33,7 @@ from uwsim.operator.station.views.snapshots import Snapshots
 from uwsim.operator.station.views.views import Views
 from uwsim.recording import Recorder
 
-SHOWN = ("telemetry", PLACED, "image_raw/compressed", "picture/compressed")
+SHOWN = ("telemetry", "sensor_gauges", PLACED, "image_raw/compressed", "picture/compressed")
 """Name endings of the channels that the page shows: a modem, with its low capacity, carries only these by default."""
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.channels import Channel
+from uwsim.channels.families.gauges import values_by_name
 from uwsim.channels.guest import GuestTopic, Node, Values
-from uwsim.channels.ros.messages import to_plain
-from uwsim.channels.ros.own_types import TELEMETRY
+from uwsim.channels.ros.own_types import SENSOR_GAUGES, TELEMETRY
 from uwsim.link import Carrier
 from uwsim.link.carried import vehicle_of
 from uwsim.live import LiveSimulator
@@ -23,6 +23,7 @@ SUFFIX = "image_raw/compressed"
 LOOK_S = 0.05
 SMALL_S = 2.0
 """Interval between pictures of a view that no pilot has enlarged, in simulated time."""
+PANELS = (TELEMETRY, SENSOR_GAUGES)
 
 
 class Arrivals:
@@ -45,7 +46,7 @@ class Arrivals:
             if view.vehicle:
                 self._channels[view.name] = seen.get(_topic(view))
                 self._vehicles[view.name] = view.vehicle
-        self._panels = {name: vehicle_of(one, live.simulator) for name, one in seen.items() if one.type == TELEMETRY}
+        self._panels = {name: vehicle_of(one, live.simulator) for name, one in seen.items() if one.type in PANELS}
 
     def __contains__(self, view: str) -> bool:
         """Return whether a view's pictures are received over the link."""
@@ -90,11 +91,13 @@ class Arrivals:
 
     def panel(self, vehicle: str) -> Values:
         """Return a vehicle's newest panel. Raises ValueError if none has arrived."""
-        panels = [name for name, owner in self._panels.items() if owner == vehicle]
-        arrived = [panel for name in panels if (panel := self._carrier.newest(name)) is not None]
-        if not arrived:
+        found: Values = {}
+        for name, owner in self._panels.items():
+            if owner == vehicle and (message := self._carrier.newest(name)) is not None:
+                found |= values_by_name(message)
+        if "position" not in found:
             raise ValueError(f"no telemetry of '{vehicle}' has come over {self._carrier.modem} yet")
-        return dict(to_plain(arrived[0]))
+        return found
 
     def _reader(self, name: str, channel: str) -> Any:
         """Return a function that requests pictures from the vehicle while any page needs them, and reads the newest."""

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.channels.families import telemetry
+from uwsim.channels.families.telemetry import plain_panel
 from uwsim.channels.guest import Values
-from uwsim.channels.ros.messages import to_plain
 from uwsim.channels.table import Table
 from uwsim.instruments.cameras.image_file import encode_png
+from uwsim.instruments.gauges import GAUGES
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.views.arrivals import Arrivals
 from uwsim.operator.station.views.views import Views
@@ -47,15 +47,15 @@ class Snapshots:
         if self.arrivals is not None and shown.name in self.arrivals:
             return self.arrivals.snapshot(shown.name)
         source = next((each for each in self.table.sources if each.name == shown.vehicle), self.table.sources[0])
-        frame, panel = self.views.capture(shown, lambda sim: telemetry.read(sim, source, truth=False))
-        return frame.rgb, to_plain(panel)
+        frame, panel = self.views.capture(shown, lambda sim: plain_panel(sim, source))
+        return frame.rgb, panel
 
     def panel(self, vehicle: str) -> Values:
         """Return a vehicle's current panel or, over a link, the last to arrive. Raises ValueError if there is none."""
         if self.arrivals is not None:
             return self.arrivals.panel(vehicle)
         source = next(each for each in self.table.sources if each.name == vehicle)
-        return dict(to_plain(self.live.read(lambda sim: telemetry.read(sim, source, truth=False)).result()))
+        return self.live.read(lambda sim: plain_panel(sim, source)).result()
 
     def described(self, view: str, panel: Values, comment: str, *, note: str = "") -> dict[str, str]:
         """Return the text chunks of a picture: PNG's standard keywords, and "uwsim" with all values as JSON."""
@@ -81,8 +81,7 @@ def instruments(panel: Values) -> Values:
     yaw_rad = math.atan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
     return {
         "time_s": round(header["sec"] + 1e-9 * header["nanosec"], 3),
-        "depth_m": _known(panel["depth"], 2),
-        "altitude_m": _known(panel["distance_to_seabed"], 2),
+        **{gauge.columns[0]: _known(panel[gauge.name], 2) for gauge in GAUGES if gauge.shown_in == "big"},
         "heading_deg": round((90.0 - math.degrees(yaw_rad)) % 360.0, 1) % 360.0 if is_known else None,
         "position_m": [round(value, 2) for value in position.tolist()] if is_known else None,
     }

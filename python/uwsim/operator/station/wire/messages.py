@@ -128,6 +128,7 @@ class VehicleDescription(Message):
     model: str
     prefix: str
     telemetry: str | None
+    sensor_gauges: str | None
     scan: str | None
     joints: str | None
     proximities: list[Proximity]

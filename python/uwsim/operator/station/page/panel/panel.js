@@ -1,7 +1,6 @@
 // The panel: all values of the paper's panel, the position, bars, the link and the map.
-import { attitude } from '../attitude.js';
 import { clockText, el, fixed, grouped, tip, write } from '../dom.js';
-import { inUnit, unitName } from '../units.js';
+import { unitName } from '../units.js';
 import { Alarms } from './alarms.js';
 import { AllStop } from './all_stop.js';
 import { Arm } from './arm.js';
@@ -9,6 +8,7 @@ import { Bars } from './bars.js';
 import { ExercisePanel } from './exercise.js';
 import { Failsafe } from './failsafe.js';
 import { Link } from './link.js';
+import { AROUND, BIG, LENGTH, MOTION, POSITION, gaugeRow } from './rows.js';
 import { TetherPanel } from './tether.js';
 import { STRINGS } from '../strings.js';
 
@@ -17,75 +17,7 @@ const WORDS = STRINGS.panel;
 const LOW_PERCENT = 25;
 const EMPTY_PERCENT = 10;
 const OLD_S = 1.5; // age from which a measurement is greyed out, plus the interval of slow instruments
-// The telemetry field of each value that is measured aboard.
-const GAUGES = {
-  [WORDS.depth]: 'depth',
-  [WORDS.altitude]: 'distance_to_seabed',
-  [WORDS.speed]: 'speed',
-  [WORDS.turning]: 'angular_speed',
-  [WORDS.accel]: 'linear_acceleration',
-  [WORDS.angularAccel]: 'angular_acceleration',
-  [WORDS.east]: 'position',
-  [WORDS.north]: 'position',
-  [WORDS.up]: 'position',
-  [WORDS.station]: 'distance_to_station',
-  [WORDS.portSide]: 'distance_to_port',
-  [WORDS.water]: 'temperature',
-  [WORDS.pressure]: 'pressure',
-};
 const EFFORTS = [WORDS.surge, WORDS.sway, WORDS.heave, WORDS.roll, WORDS.pitch, WORDS.yaw];
-const LENGTH = 'length'; // in the pilot's unit
-const RANGE = (value, digits = 1) => (value === Infinity ? WORDS.none : fixed(value, digits));
-
-// A range, or that nothing is within the sensor's reach.
-const beyond = (range_m, reach_m) =>
-  range_m >= reach_m ? WORDS.beyond(fixed(inUnit(reach_m), 0)) : RANGE(inUnit(range_m));
-
-const DEG = 180 / Math.PI;
-// Format a vector in body axes, such as "1.20 ahead, -0.10 to port, 0.00 up".
-const components = (vector, names) => names.map((name, k) => `${fixed(vector[k], 2)} ${name}`).join(', ');
-
-// Each value: name, unit, a function of the telemetry m, and optionally a tooltip.
-const BIG = [
-  [WORDS.depth, LENGTH, (m) => fixed(inUnit(m.depth), 1)],
-  [WORDS.altitude, LENGTH, (m) => RANGE(inUnit(m.distance_to_seabed))],
-  [WORDS.heading, '°', (m) => String(Math.round(attitude(m.orientation).heading_deg) % 360).padStart(3, '0')],
-];
-const MOTION = [
-  [WORDS.speed, 'm/s', (m) => fixed(m.speed, 2)],
-  [WORDS.turning, '°/s', (m) => fixed(DEG * m.angular_speed, 1)],
-  [
-    WORDS.accel,
-    'm/s²',
-    (m) => fixed(Math.hypot(...m.linear_acceleration), 2),
-    (m) => components(m.linear_acceleration, [WORDS.ahead, WORDS.toPort, WORDS.upWard]),
-  ],
-  [
-    WORDS.angularAccel,
-    '°/s²',
-    (m) => fixed(DEG * Math.hypot(...m.angular_acceleration), 1),
-    (m) =>
-      components(
-        [...m.angular_acceleration].map((value) => DEG * value),
-        [WORDS.rollRate, WORDS.pitchRate, WORDS.yawRate],
-      ),
-  ],
-  [WORDS.roll, '', (m) => sided(attitude(m.orientation).roll_deg, WORDS.sStarboard, WORDS.sPort)],
-  [WORDS.pitch, '°', (m) => fixed(attitude(m.orientation).nose_up_deg, 1)],
-];
-const POSITION = [
-  [WORDS.east, 'm', (m) => fixed(m.position[0], 1)],
-  [WORDS.north, 'm', (m) => fixed(m.position[1], 1)],
-  [WORDS.up, 'm', (m) => fixed(m.position[2], 1)],
-];
-const AROUND = [
-  [WORDS.station, LENGTH, (m) => fixed(inUnit(m.distance_to_station), 1)],
-  [WORDS.portSide, LENGTH, (m, reach_m) => beyond(m.distance_to_port, reach_m)],
-  [WORDS.water, '°C', (m) => fixed(m.temperature, 1)],
-  [WORDS.pressure, 'kPa', (m) => fixed(m.pressure / 1000, 1)],
-  [WORDS.soundDelay, 'ms', (m) => fixed(1000 * m.link_delay, 0)],
-  [WORDS.collisions, '', (m) => String(m.collisions)],
-];
 
 // The age of a measured value [s]; 0 if the telemetry does not report it.
 export function ageOf(field, { gauges = [], gauge_ages: ages = [] }) {
@@ -106,15 +38,10 @@ function estimateText({ position, position_std: std, true_position: truth, is_tr
   return `± ${fixed(Math.hypot(...std), 2)} m${isTruth ? WORDS.truly(fixed(off_m, 2)) : ''}`;
 }
 
-// Format an angle to a side: "2.0° S" is to starboard.
-function sided(value, positive, negative) {
-  const text = fixed(Math.abs(value), 1);
-  return Number(text) ? `${text}° ${value > 0 ? positive : negative}` : `${text}°`;
-}
-
 export class Panel {
-  #lengths = []; // elements with the name of the unit of lengths
-  #values = []; // [element, text of m, tip of m, measured field]
+  #values = []; // [element, text of m, tip of m, measured field, element with the name of the unit of lengths]
+  #own = 0; // of them: those that are not of sensors that packages add
+  #sensors = []; // the gauges of these
   alarms = new Alarms();
   thrusters = new Bars();
   efforts = new Bars();
@@ -142,15 +69,17 @@ export class Panel {
     this.efforts.name(EFFORTS);
     this.charge = el('small');
     this.driveTitle = el('span', {}, WORDS.thrusters);
+    this.around = this.#list(AROUND);
     this.timed = el(
       'div',
       {},
       this.#section('', this.age, this.#list(BIG, 'big-values'), this.#list(MOTION)),
       this.#section(WORDS.position, this.kind, this.#list(POSITION, 'big-values small')),
-      this.#section(WORDS.around, null, this.#list(AROUND)),
+      this.#section(WORDS.around, null, this.around),
       this.#section(WORDS.battery, this.charge, this.meter),
       this.#section(this.driveTitle, el('small', {}, '%'), this.thrusters.element),
     );
+    this.#own = this.#values.length;
     this.exercise = new ExercisePanel(station);
     this.instruction = el('p', { className: 'failsafe', id: 'instruction', role: 'status', hidden: true });
     container.append(
@@ -209,7 +138,7 @@ export class Panel {
   }
 
   show() {
-    const { message, isStale, lag_s, contact, nearest_m, portReach_m } = this.telemetry;
+    const { message, isStale, lag_s, contact, nearest_m, reaches, sensors } = this.telemetry;
     this.timed.classList.toggle('is-stale', isStale);
     this.alarms.show(message, isStale, { time_s: this.telemetry.stamp_s, contact, nearest_m });
     if (this.station.isBlind && this.station.flew) this.alarms.warnOfSilence();
@@ -227,9 +156,15 @@ export class Panel {
             : '',
     );
     if (!message) return;
-    for (const element of this.#lengths) write(element, unitName());
-    for (const [element, read, explain, field] of this.#values) {
-      write(element, read(message, portReach_m));
+    if (sensors !== this.#sensors) {
+      this.#sensors = sensors;
+      this.#values.length = this.#own;
+      const kept = [...this.around.children].slice(0, AROUND.length);
+      this.around.replaceChildren(...kept, ...this.#list(sensors.map(gaugeRow)).children);
+    }
+    for (const [element, read, explain, field, lengths] of this.#values) {
+      if (lengths) write(lengths, unitName());
+      write(element, read(message, reaches));
       const age = ageText(ageOf(field, message));
       element.parentElement.classList.toggle('is-stale', age !== '');
       tip(element, age || (explain?.(message) ?? ''));
@@ -251,11 +186,10 @@ export class Panel {
 
   #list(rows, className = 'values') {
     const list = el('dl', { className });
-    for (const [name, unit, read, explain] of rows) {
+    for (const [name, unit, read, explain, field] of rows) {
       const value = el('span', {}, '–');
-      this.#values.push([value, read, explain, GAUGES[name]]);
       const suffix = unit ? el('span', { className: 'unit' }, unit) : null;
-      if (unit === LENGTH) this.#lengths.push(suffix);
+      this.#values.push([value, read, explain, field, unit === LENGTH ? suffix : null]);
       const parts = [el('dt', {}, name), el('dd', {}, value, suffix)];
       list.append(el('div', {}, ...parts));
     }

@@ -6,9 +6,11 @@ import { inUnit, unitName } from '../units.js';
 import { axisText, pixelsBelow } from './camera_axis.js';
 import { said, titled } from '../said.js';
 import { STRINGS } from '../strings.js';
+import { GAUGES } from '../wire/messages.js';
 
 const WORDS = STRINGS.hud;
 
+const TAPES = GAUGES.filter(({ list }) => list === 'big'); // depth to the left, altitude to the right
 const INK = '#f2f8fb';
 const SOFT = 'rgb(242 248 251 / .72)';
 const STALE = '#9aa6ae';
@@ -82,20 +84,15 @@ export class Hud {
     this.#chips(width / 2, foot - 64 * scale, scale, holds, isStale ? '' : said(message.hold_note ?? ''), free);
     const clear = 2 * (foot - LINES * scale - height / 2); // of the lines
     const tall = Math.min(300, height * 0.56, height - 2 * covered.corners * rem_px, clear);
-    this.#tape(side, height / 2, tall, scale, {
-      name: WORDS.depth,
-      value: inUnit(message.depth),
-      side: 'left',
-      down: true,
-      target: inTarget('depth'),
-    });
-    const altitude = message.distance_to_seabed;
-    this.#tape(width - side, height / 2, tall, scale, {
-      name: WORDS.altitude,
-      value: inUnit(altitude),
-      target: inTarget('altitude'),
-      side: 'right',
-      color: !isStale && altitude < proximity_m ? WARN : this.ink,
+    TAPES.forEach(({ name, word }, k) => {
+      this.#tape(k ? width - side : side, height / 2, tall, scale, {
+        name: WORDS[word],
+        value: inUnit(message[name]),
+        target: inTarget(word),
+        side: k ? 'right' : 'left',
+        down: !k,
+        color: k && !isStale && message[name] < proximity_m ? WARN : this.ink,
+      });
     });
   }
 

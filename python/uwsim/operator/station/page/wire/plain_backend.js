@@ -58,6 +58,7 @@ export class PlainBackend {
       name: prefix.slice(0, -1) || 'vehicle',
       prefix,
       telemetry: `/${prefix}telemetry`,
+      sensor_gauges: has(`/${prefix}sensor_gauges`),
       scan: has(`/${prefix}scan`),
       link: has(`/${prefix}link`),
       map_changes: has(`/${prefix}map_changes`),

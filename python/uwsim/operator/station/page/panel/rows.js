@@ -1,0 +1,70 @@
+// The rows of the panel: how a gauge is shown, whose table is Python's, and the values computed from the orientation.
+import { attitude } from '../attitude.js';
+import { fixed } from '../dom.js';
+import { STRINGS } from '../strings.js';
+import { inUnit } from '../units.js';
+import { GAUGES } from '../wire/messages.js';
+
+const WORDS = STRINGS.panel;
+const NAMES = /** @type {Record<string, any>} */ (WORDS);
+const DEG = 180 / Math.PI;
+export const LENGTH = 'length'; // in the pilot's unit
+// The unit, the factor and the decimals with which a gauge in an SI unit is shown; others are shown as they are.
+const SHOWN = {
+  m: [LENGTH, 1, 1],
+  'm/s': ['m/s', 1, 2],
+  'rad/s': ['°/s', DEG, 1],
+  'm/s2': ['m/s²', 1, 2],
+  'rad/s2': ['°/s²', DEG, 1],
+  'deg C': ['°C', 1, 1],
+  Pa: ['kPa', 1e-3, 1],
+  s: ['ms', 1000, 0],
+};
+const LINEAR = [WORDS.ahead, WORDS.toPort, WORDS.upWard];
+const ANGULAR = [WORDS.rollRate, WORDS.pitchRate, WORDS.yawRate];
+
+// A range, or that nothing is within the sensor's reach.
+function range(range_m, reach_m = Infinity) {
+  if (range_m === Infinity) return WORDS.none;
+  return range_m >= reach_m ? WORDS.beyond(fixed(inUnit(reach_m), 0)) : fixed(inUnit(range_m), 1);
+}
+
+const size = (value) => (typeof value === 'number' ? value : Math.hypot(...value));
+
+// The row of a gauge: name, unit, a function of the telemetry m and the reach of each range, a function of m for the
+// tooltip, and the field of the telemetry, whose age is known.
+export function gaugeRow({ name, word, unit }) {
+  const [shown, factor, digits] = SHOWN[unit] ?? [unit, 1, null];
+  const text = (value) => (digits === null ? String(+value.toPrecision(4)) : fixed(factor * value, digits));
+  const axes = unit.startsWith('rad') ? ANGULAR : LINEAR;
+  return [
+    NAMES[word] ?? word,
+    shown,
+    (m, reaches) => (shown === LENGTH ? range(m[name], reaches[name]) : text(size(m[name]))),
+    // such as "1.20 ahead, -0.10 to port, 0.00 up"
+    (m) =>
+      typeof m[name] === 'number' ? '' : axes.map((axis, k) => `${fixed(factor * m[name][k], 2)} ${axis}`).join(', '),
+    name,
+  ];
+}
+
+const gauges = (...lists) => GAUGES.filter(({ list }) => lists.includes(list)).map(gaugeRow);
+
+// Format an angle to a side: "2.0° S" is to starboard.
+function sided(value, positive, negative) {
+  const text = fixed(Math.abs(value), 1);
+  return Number(text) ? `${text}° ${value > 0 ? positive : negative}` : `${text}°`;
+}
+
+const AXES = [WORDS.east, WORDS.north, WORDS.up];
+export const BIG = [
+  ...gauges('big'),
+  [WORDS.heading, '°', (m) => String(Math.round(attitude(m.orientation).heading_deg) % 360).padStart(3, '0')],
+];
+export const MOTION = [
+  ...gauges('motion'),
+  [WORDS.roll, '', (m) => sided(attitude(m.orientation).roll_deg, WORDS.sStarboard, WORDS.sPort)],
+  [WORDS.pitch, '°', (m) => fixed(attitude(m.orientation).nose_up_deg, 1)],
+];
+export const POSITION = AXES.map((axis, k) => [axis, 'm', (m) => fixed(m.position[k], 1), null, 'position']);
+export const AROUND = [...gauges('around', 'water'), [WORDS.collisions, '', (m) => String(m.collisions)]];
