@@ -41,7 +41,7 @@ COMMANDS = ("thruster ", "effort ")
 TOO_MANY = {"set_wrench", "set_thrusters", "set_fins", "link_send"}
 """Commands that, like set_effort, are too frequent to log."""
 AT = {name: k for k, name in enumerate(COLUMNS)}
-_ATTRIBUTES = {gauge.columns[0]: gauge.attribute for gauge in GAUGES}
+_ATTRIBUTES = {gauge.column: gauge.attribute for gauge in GAUGES}
 _FIGURES = attrgetter(*(_ATTRIBUTES.get(name, name) for name in COLUMNS[AT["depth_m"] : AT["released"]]))
 LIT_AT = slice(AT["range_warning"], AT["collision_warning"] + 1)
 OnEvent = Callable[[str, str, dict[str, Any]], object]

@@ -44,10 +44,9 @@ class Gauge(NamedTuple):
         return f"{self.name}_{_suffix(self.unit)}"
 
     @property
-    def columns(self) -> list[str]:
-        """The name for people with the unit, as in files, of each number."""
-        axes = ("_x", "_y", "_z") if self.width > 1 else ("",)
-        return [f"{self.word}{axis}_{_suffix(self.unit)}" for axis in axes]
+    def column(self) -> str:
+        """The name for people with the unit, as in files, and with % for the axis of three numbers."""
+        return f"{self.word}{'_%' if self.width > 1 else ''}_{_suffix(self.unit)}"
 
     @property
     def definition(self) -> str:

@@ -287,8 +287,9 @@ sim.parameters["rov.sensors.light.on"] = False
 off = gauges.read(sim)
 shown["off"] = [str(off.values[0]), str(off.ages[0])]
 far = Simulator(scenario.with_changes(modem="micromodem"))
+far.advance(1.0)
 with LiveSimulator(far, paused=True) as live, Carrier(live, Table(far), only=SHOWN) as carrier:
-    live.step(6000)
+    live.step(4000)
     arrived = carrier.newest("sensor_gauges")
     shown["arrived"] = [arrived.names, arrived.units, arrived.values.tolist()]
 print(json.dumps({"world": world, "sonar": seen, "light": measured, "page": fault_kinds(), "gauges": shown}))

@@ -86,12 +86,8 @@ def _age_s(sim: Simulator, sample: Sample[Any], value: Any) -> float:
 
 def gauge_sensors(sensors: Mapping[str, Sensor[Any]]) -> list[Sensor[Any]]:
     """Return the sensors of kinds in Python, each number of which is a gauge, unless there are too many."""
-    kinds = {name: sensor_kind(sensor.kind) for name, sensor in sensors.items()}
-    return [sensors[name] for name, kind in kinds.items() if isinstance(kind, DerivedKind) and _width(kind) <= MOST]
-
-
-def _width(kind: DerivedKind) -> int:
-    return sum(width for width, _ in kind.fields.values())
+    found = [sensor for sensor in sensors.values() if isinstance(sensor_kind(sensor.kind), DerivedKind)]
+    return [sensor for sensor in found if len(sensor.numbers) <= MOST]
 
 
 def read_sensors(sim: Simulator, source: Source) -> Any:

@@ -110,37 +110,29 @@ def unpack_telemetry(data: bytes, channel: Channel) -> Any:
     )
 
 
-SENSORS, SENSOR = struct.Struct("<IB"), struct.Struct("<fH")
 STAMP_NS = 10_000_000
 START = "sensor "
-"""Every name begins with this, which is not sent."""
+"""Every name of a sensor's gauge begins with this, which is not sent."""
 
 
 def pack_sensors(message: Any) -> bytes:
-    """Pack /sensor_gauges: each value unchanged, its age to 0.1 s, and its name and unit as text."""
+    """Pack /sensor_gauges: names and units as text, values to six digits, ages in whole seconds."""
     stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
-    texts = [text for pair in zip(message.names, message.units, strict=True) for text in pair]
-    ages = [quantised(age, 0.1, "H") for age in message.ages]
-    return (
-        SENSORS.pack(stamp_ns // STAMP_NS, len(ages))
-        + b"".join(SENSOR.pack(*each) for each in zip(message.values, ages, strict=True))
-        + "\n".join(text.removeprefix(START) for text in texts).encode()
-    )
+    rows = zip(message.names, message.units, message.values, message.ages, strict=True)
+    texts = [f"{name.removeprefix(START)}\t{unit}\t{value:.6g}\t{age:.0f}" for name, unit, value, age in rows]
+    return struct.pack("<I", stamp_ns // STAMP_NS) + "\n".join(texts).encode()
 
 
 def unpack_sensors(data: bytes, channel: Channel) -> Any:
     """Return the message."""
-    stamp, count = SENSORS.unpack_from(data)
-    end = SENSORS.size + count * SENSOR.size
-    values, ages = zip(*SENSOR.iter_unpack(data[SENSORS.size : end]), strict=True)
-    texts = data[end:].decode().split("\n")
+    names, units, values, ages = zip(*(row.split("\t") for row in data[4:].decode().split("\n")), strict=True)
     return build.message(
         SENSOR_GAUGES,
-        header=build.header(stamp * STAMP_NS, channel.frame_id),
-        names=[START + name for name in texts[::2]],
-        units=texts[1::2],
+        header=build.header(struct.unpack_from("<I", data)[0] * STAMP_NS, channel.frame_id),
+        names=[START + name for name in names],
+        units=list(units),
         values=np.array(values, np.float32),
-        ages=np.array([value_of(age, 0.1, "H", math.inf) for age in ages], np.float32),
+        ages=np.array(ages, np.float32),
     )
 
 

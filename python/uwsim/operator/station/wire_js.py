@@ -51,7 +51,8 @@ def _constants() -> str:
     commands = {command.name: [argument.name for argument in command.arguments] for command in piloted}
     services = [name for name in commands if COMMANDS[name].service and COMMANDS[name].of != "simulator"]
     gauges = [
-        {"name": each.name, "word": each.word, "unit": each.unit, "list": each.shown_in, "columns": each.columns}
+        {"name": each.name, **({"word": each.called} if each.called else {}), "unit": each.unit}
+        | {"list": each.shown_in, "column": each.column}
         for each in SHOWN
     ]
     return "".join(
@@ -80,16 +81,11 @@ def _literal(value: Any) -> str:
     if isinstance(value, dict):
         return "{\n" + "".join(f"  {key}: {_literal(item)},\n" for key, item in value.items()) + "}"
     if isinstance(value, list) and value and isinstance(value[0], dict):
-        return "[\n" + "".join(map(_row, value)) + "]"
+        rows = (", ".join(f"{key}: {_literal(item)}" for key, item in each.items()) for each in value)
+        return "[\n" + "".join(f"  {{ {row} }},\n" for row in rows) + "]"
     if isinstance(value, list):
         return "[" + ", ".join(map(_literal, value)) + "]"
     return json.dumps(value).replace('"', "'")
-
-
-def _row(value: dict[str, Any]) -> str:
-    items = [f"{key}: {_literal(item)}" for key, item in value.items()]
-    line = f"  {{ {', '.join(items)} }},\n"
-    return line if len(line) <= 121 else "  {\n" + "".join(f"    {item},\n" for item in items) + "  },\n"
 
 
 def _function(call: Call) -> str:

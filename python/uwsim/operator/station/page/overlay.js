@@ -19,7 +19,7 @@ export function instruments(message, time_s) {
   const isPlaced = Boolean(message) && [...message.position].every(Number.isFinite);
   return {
     time_s: known(time_s, 3),
-    ...Object.fromEntries(BIG.map(({ name, columns: [column] }) => [column, known(message?.[name], 2)])),
+    ...Object.fromEntries(BIG.map(({ name, column }) => [column, known(message?.[name], 2)])),
     heading_deg: isPlaced ? Number(known(attitude(message.orientation).heading_deg, 1)) % 360 : null,
     position_m: isPlaced ? [...message.position].map((value) => known(value, 2)) : null,
   };

@@ -15,8 +15,10 @@ const FILE_ROWS = 2e5; // of the telemetry, some 8 h
 const KINDS = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm', 'video/mp4'];
 const measured = (gauges) =>
   Object.fromEntries(
-    gauges.flatMap(({ name, columns }) =>
-      columns.map((column, k) => [column, (m) => (columns.length > 1 ? m[name][k] : m[name])]),
+    gauges.flatMap(({ name, column }) =>
+      column.includes('%')
+        ? ['x', 'y', 'z'].map((axis, k) => [column.replace('%', axis), (m) => m[name][k]])
+        : [[column, (m) => m[name]]],
     ),
   );
 const COLUMNS = {

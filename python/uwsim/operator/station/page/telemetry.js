@@ -98,16 +98,17 @@ export class Telemetry extends EventTarget {
 
   // The telemetry, with the readings of sensors as if they were fields of it.
   #receive(message) {
-    const { names = [], units = [], values = [], ages = [] } = this.#readings ?? {};
+    const { header, names = [], units = [], values = [], ages = [] } = this.#readings ?? {};
+    const since_s = header ? Math.max(0, seconds(message.header.stamp) - seconds(header.stamp)) : 0;
     if (names.join() !== this.sensors.map(({ name }) => name).join())
       this.sensors = names.map((name, k) => {
         const word = name.slice('sensor '.length).replaceAll('_', ' ');
         const title = word.replace(/^./, (letter) => letter.toUpperCase());
-        return { name, word: title, unit: units[k], columns: [name.replaceAll(' ', '_')] };
+        return { name, word: title, unit: units[k], column: name.replaceAll(' ', '_') };
       });
     this.message = Object.assign(message, Object.fromEntries(names.map((name, k) => [name, values[k]])), {
       gauges: [...(message.gauges ?? []), ...names],
-      gauge_ages: [...(message.gauge_ages ?? []), ...ages],
+      gauge_ages: [...(message.gauge_ages ?? []), ...[...ages].map((age) => age + since_s)],
     });
     this.#receivedMs = performance.now();
     this.#approach(STRINGS.telemetry.bed, message.distance_to_seabed, message.header);

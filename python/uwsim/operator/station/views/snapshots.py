@@ -81,7 +81,7 @@ def instruments(panel: Values) -> Values:
     yaw_rad = math.atan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
     return {
         "time_s": round(header["sec"] + 1e-9 * header["nanosec"], 3),
-        **{gauge.columns[0]: _known(panel[gauge.name], 2) for gauge in GAUGES if gauge.shown_in == "big"},
+        **{gauge.column: _known(panel[gauge.name], 2) for gauge in GAUGES if gauge.shown_in == "big"},
         "heading_deg": round((90.0 - math.degrees(yaw_rad)) % 360.0, 1) % 360.0 if is_known else None,
         "position_m": [round(value, 2) for value in position.tolist()] if is_known else None,
     }

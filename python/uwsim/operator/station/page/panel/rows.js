@@ -33,9 +33,10 @@ const size = (value) => (typeof value === 'number' ? value : Math.hypot(...value
 
 // The row of a gauge: name, unit, a function of the telemetry m and the reach of each range, a function of m for the
 // tooltip, and the field of the telemetry, whose age is known.
-export function gaugeRow({ name, word, unit }) {
-  const [shown, factor, digits] = SHOWN[unit] ?? [unit, 1, null];
-  const text = (value) => (digits === null ? String(+value.toPrecision(4)) : fixed(factor * value, digits));
+export function gaugeRow({ name, word = name, unit }) {
+  const [shown, factor, digits] = SHOWN[unit] ?? [unit, 1, -1];
+  const text = (value) =>
+    digits < 0 && Number.isFinite(value) ? String(+value.toPrecision(4)) : fixed(factor * value, Math.max(0, digits));
   const axes = unit.startsWith('rad') ? ANGULAR : LINEAR;
   return [
     NAMES[word] ?? word,

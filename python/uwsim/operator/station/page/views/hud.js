@@ -84,7 +84,7 @@ export class Hud {
     this.#chips(width / 2, foot - 64 * scale, scale, holds, isStale ? '' : said(message.hold_note ?? ''), free);
     const clear = 2 * (foot - LINES * scale - height / 2); // of the lines
     const tall = Math.min(300, height * 0.56, height - 2 * covered.corners * rem_px, clear);
-    TAPES.forEach(({ name, word }, k) => {
+    TAPES.forEach(({ name, word = name }, k) => {
       this.#tape(k ? width - side : side, height / 2, tall, scale, {
         name: WORDS[word],
         value: inUnit(message[name]),

@@ -22,32 +22,20 @@ export const SONAR_SPAN_DB = 25.0;
 export const NOTE_CATEGORIES = ['observation', 'defect', 'leak', 'debris', 'growth'];
 // The fields of the telemetry that are gauges, in the order of the panel.
 export const GAUGES = [
-  { name: 'speed', word: 'speed', unit: 'm/s', list: 'motion', columns: ['speed_m_s'] },
-  { name: 'angular_speed', word: 'angular_speed', unit: 'rad/s', list: 'motion', columns: ['angular_speed_rad_s'] },
-  {
-    name: 'linear_acceleration',
-    word: 'acceleration',
-    unit: 'm/s2',
-    list: 'motion',
-    columns: ['acceleration_x_m_s2', 'acceleration_y_m_s2', 'acceleration_z_m_s2'],
-  },
-  {
-    name: 'angular_acceleration',
-    word: 'angular_acceleration',
-    unit: 'rad/s2',
-    list: 'motion',
-    columns: ['angular_acceleration_x_rad_s2', 'angular_acceleration_y_rad_s2', 'angular_acceleration_z_rad_s2'],
-  },
-  { name: 'depth', word: 'depth', unit: 'm', list: 'big', columns: ['depth_m'] },
-  { name: 'distance_to_seabed', word: 'altitude', unit: 'm', list: 'big', columns: ['altitude_m'] },
-  { name: 'distance_to_station', word: 'to_station', unit: 'm', list: 'around', columns: ['to_station_m'] },
-  { name: 'distance_to_port', word: 'to_port', unit: 'm', list: 'around', columns: ['to_port_m'] },
-  { name: 'temperature', word: 'temperature', unit: 'deg C', list: 'water', columns: ['temperature_deg_c'] },
-  { name: 'pressure', word: 'pressure', unit: 'Pa', list: 'water', columns: ['pressure_pa'] },
-  { name: 'link_delay', word: 'link_delay', unit: 's', list: 'water', columns: ['link_delay_s'] },
-  { name: 'mission_time', word: 'mission_time', unit: 's', list: '', columns: ['mission_time_s'] },
-  { name: 'battery', word: 'battery', unit: 'percent', list: '', columns: ['battery_percent'] },
-  { name: 'tilt', word: 'tilt', unit: 'rad', list: '', columns: ['tilt_rad'] },
+  { name: 'speed', unit: 'm/s', list: 'motion', column: 'speed_m_s' },
+  { name: 'angular_speed', unit: 'rad/s', list: 'motion', column: 'angular_speed_rad_s' },
+  { name: 'linear_acceleration', word: 'acceleration', unit: 'm/s2', list: 'motion', column: 'acceleration_%_m_s2' },
+  { name: 'angular_acceleration', unit: 'rad/s2', list: 'motion', column: 'angular_acceleration_%_rad_s2' },
+  { name: 'depth', unit: 'm', list: 'big', column: 'depth_m' },
+  { name: 'distance_to_seabed', word: 'altitude', unit: 'm', list: 'big', column: 'altitude_m' },
+  { name: 'distance_to_station', word: 'to_station', unit: 'm', list: 'around', column: 'to_station_m' },
+  { name: 'distance_to_port', word: 'to_port', unit: 'm', list: 'around', column: 'to_port_m' },
+  { name: 'temperature', unit: 'deg C', list: 'water', column: 'temperature_deg_c' },
+  { name: 'pressure', unit: 'Pa', list: 'water', column: 'pressure_pa' },
+  { name: 'link_delay', unit: 's', list: 'water', column: 'link_delay_s' },
+  { name: 'mission_time', unit: 's', list: '', column: 'mission_time_s' },
+  { name: 'battery', unit: 'percent', list: '', column: 'battery_percent' },
+  { name: 'tilt', unit: 'rad', list: '', column: 'tilt_rad' },
 ];
 // The arguments of the command `hold`.
 export const HOLDS = ['heading', 'depth', 'altitude', 'position', 'speed'];
