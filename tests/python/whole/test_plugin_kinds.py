@@ -343,7 +343,7 @@ def test_the_sensor_is_a_gauge_without_an_entry_of_its_own(found: dict[str, Any]
     assert gauges["message"] == [["sensor light"], ["W/m^2"], [pytest.approx(gauges["read"])]]
     assert gauges["panel"] == pytest.approx(gauges["read"]) and gauges["off"] == ["nan", "inf"]
     assert gauges["arrived"][:2] == [["sensor light"], ["W/m^2"]] and 0.0 < gauges["arrived"][2][0] < 500.0
-    assert "sensor_light" in next(folder.glob("flown/**/samples*.csv")).read_text().splitlines()[0].split(",")
+    assert "sensor_light" in (folder / "flown/track-rov.csv").read_text().splitlines()[0].split(",")
     assert "sensor_gauges" in ran["recording"].stdout and ran["replay"].returncode == 0, ran["replay"]
 
 

@@ -16,6 +16,7 @@ export class Telemetry extends EventTarget {
   vehicle = ''; // the vehicle's name
   joints = new Map(); // the angles [rad] of the vehicle's motors, by name
   #receivedMs = -Infinity;
+  /** @type {import('./wire/messages.js').SensorGauges | null} */
   #readings = null; // the last of the sensors
   sensors = []; // the gauges of sensors that packages add, like those of GAUGES
 
@@ -98,8 +99,10 @@ export class Telemetry extends EventTarget {
 
   // The telemetry, with the readings of sensors as if they were fields of it.
   #receive(message) {
-    const { header, names = [], units = [], values = [], ages = [] } = this.#readings ?? {};
-    const since_s = header ? Math.max(0, seconds(message.header.stamp) - seconds(header.stamp)) : 0;
+    const { names = [], units = [], values = [], ages = [] } = this.#readings ?? {};
+    const since_s = this.#readings
+      ? Math.max(0, seconds(message.header.stamp) - seconds(this.#readings.header.stamp))
+      : 0;
     if (names.join() !== this.sensors.map(({ name }) => name).join())
       this.sensors = names.map((name, k) => {
         const word = name.slice('sensor '.length).replaceAll('_', ' ');
