@@ -63,7 +63,7 @@ def gauges(sim: Simulator, source: Source, estimate: Navigator | None) -> Gauges
 
     to_port = port_proximity(sensors)
     for kind, gauge in ((kind, gauge) for kind in KINDS for gauge in GAUGES if gauge.sensor == kind):
-        name = first(kind) if kind != "proximity" else to_port and to_port.name
+        name = first(kind) if kind != "proximity" else to_port.name if to_port is not None else None
         fill(gauge.name, name, *(() if gauge.width == 1 else (np.full(gauge.width, NAN), gauge.attribute)))
     if (name := first("position")) is not None:
         fill("position", name, np.full(3, NAN), "position_m")
@@ -92,7 +92,9 @@ def gauge_sensors(sensors: Mapping[str, Sensor[Any]]) -> list[Sensor[Any]]:
 
 def read_sensors(sim: Simulator, source: Source) -> Any:
     """Return the message with the gauges of sensors of kinds in Python."""
-    numbers, values, ages_s = {}, [], []
+    numbers: dict[str, str] = {}
+    values: list[float] = []
+    ages_s: list[float] = []
     for sensor in gauge_sensors(source.of(sim).sensors):
         sample = sensor.sample()
         found = sensor.flat(sample.value)

@@ -34,7 +34,7 @@ def pack(message: Any) -> bytes:
     flags = sum(bool(getattr(message, name)) << bit for bit, name in enumerate(FLAGS))
     flags |= (ALL_STOPPED in message.alarms) << len(FLAGS)
     lamps = sum(bool(lit) << bit for bit, lit in enumerate(message.lamps[:8]))
-    figures = [quantised(float(getattr(message, gauge.name)), *packed) for (_, *packed), gauge in SLOW]
+    figures = [quantised(float(getattr(message, gauge.name)), quantum, code) for (_, quantum, code), gauge in SLOW]
     return HEAD.pack(
         stamp_ns // STAMP_NS, position, *(quantised(angle, TURN_RAD, "b") for angle in angles_rad), flags,
         pack_failsafe(message), lamps, min(len(message.lamps), 8), *figures,
@@ -63,8 +63,8 @@ def unpack(data: bytes, channel: Channel) -> Any:
         **states | {"is_truth": False},
         **dict.fromkeys((gauge.name for gauge in NUMBERS), math.nan)
         | {
-            gauge.name: value_of(whole, *packed, gauge.missing)
-            for ((_, *packed), gauge), whole in zip(SLOW, figures, strict=True)
+            gauge.name: value_of(whole, quantum, code, gauge.missing)
+            for ((_, quantum, code), gauge), whole in zip(SLOW, figures, strict=True)
         },
         **unpack_failsafe(failsafe),
     )
