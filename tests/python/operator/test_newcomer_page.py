@@ -47,7 +47,7 @@ def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(brow
         shows(page, ".view.is-large .scene-note", "deep")
         bed_m = float(re.search(r"([\d.]+) m deep", page.inner_text(".view.is-large .scene-note"))[1])
         does("pipeline", "click", "text=Waypoint")
-        for depth_m in (18.0, bed_m - ABOVE_M):
+        for depth_m in (10.0, bed_m - ABOVE_M):
             does("pipeline", "fill", "[aria-label='Depth of waypoints [m]']", str(depth_m))
             page.mouse.click(box["x"] + x, box["y"] + y)
             does.done["pipeline"] += 1

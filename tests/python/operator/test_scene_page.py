@@ -68,7 +68,7 @@ def test_meshes_have_their_files_colours_and_those_before_the_vehicle_are_transp
             mesh = trimesh.load(io.BytesIO(get(here.url + part["url"])), file_type="glb", force="mesh")
             world.add_solid(f"part_{k}", np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.uint32))
         rays = _core.RayScene(world)
-        page = here.open(viewport={"width": 800, "height": 600})
+        page = here.open()
         when(page, "globalThis.station?.scene?.vessels.get('rov')?.group.children.length > 1")
         when(page, f"station.scene.scene.children.length >= {len(parts) + 4}")
         page.evaluate("station.views.enlarge('scene')")
