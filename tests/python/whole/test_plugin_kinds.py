@@ -12,6 +12,7 @@ import pytest
 from command_line import error_line, uwsim, uwsim_in_another_process
 from docs_pages import ROOT
 from plugin_package import add_package, with_plugins
+from uwsim.scenario.spec.sensor_kind import DerivedKind
 
 SCENARIO = """
 name: toy
@@ -375,3 +376,11 @@ def test_a_recording_with_the_packages_kinds_repeats_to_the_byte(ran: Ran, folde
     assert ran["replay"].returncode == 0 and "the same bytes" in ran["replay"].stdout, ran["replay"]
     lines = uwsim("replay", folder / "sink.mcap").stderr.splitlines()  # without the package
     assert [line.partition(" = ")[2].partition(":")[0] for line in lines] == UNKNOWN, lines
+
+
+@pytest.mark.parametrize(
+    ("fields", "rule"), [({"x": (1, "m\t")}, "unit 'm\\\\t' of 'x': must be printable"), ({}, "at least one")]
+)
+def test_a_sensor_without_numbers_or_with_an_odd_unit_is_refused(fields: dict[str, Any], rule: str) -> None:
+    with pytest.raises(ValueError, match=rule):
+        DerivedKind("odd", "odd", "position", fields, lambda values, figures, time_s: {})

@@ -88,6 +88,9 @@ class DerivedKind:
                 raise ValueError(f"'{key}': must be a letter followed by at most 39 letters, digits, '-' or '_'")
         if not self.fields:
             raise ValueError("fields: must have at least one")
+        for name, (_, unit) in self.fields.items():
+            if not unit.isprintable():
+                raise ValueError(f"unit {unit!r} of '{name}': must be printable")
         if bool(self.type) != (self.write is not None):
             raise ValueError("type and write: give both or none")
 
