@@ -54,6 +54,10 @@ class Program(TyperGroup):
         except KeyboardInterrupt:
             exit_interrupted(signal.SIGINT, None)
 
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names; typer would build all commands for them, whenever a word is completed."""
+        return list(self.commands)
+
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the commands by heading, all aligned in the same columns.
 

@@ -18,7 +18,7 @@ from uwsim.bridges.remote import RemoteConnection, RemoteVehicle
 from uwsim.bridges.ros2.service_topics import service_channels
 from uwsim.channels import Table
 from uwsim.channels.channel import Service
-from uwsim.channels.families.telemetry import telemetry_channel
+from uwsim.channels.families.telemetry import telemetry_channels
 from uwsim.channels.ros import build
 from uwsim.channels.ros.own_types import ALL_STOPPED
 from uwsim.link import Carrier
@@ -156,7 +156,7 @@ def test_it_crosses_a_link_as_urgently_as_can_be(modem: str) -> None:
 def test_the_panel_over_a_modem_tells_it(packing: str, is_stopped: bool) -> None:
     sim = Simulator("pool")
     sim.rov.all_stop(is_stopped)
-    channel = telemetry_channel(Table(sim).sources[0], truth=True)
+    (channel,) = telemetry_channels(Table(sim).sources[0], sim, truth=True)
     data = PACKINGS[packing].pack(channel.read(sim))
     assert list(PACKINGS[packing].unpack(data, channel).alarms) == [ALL_STOPPED] * is_stopped
 

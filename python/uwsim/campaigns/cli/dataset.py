@@ -10,7 +10,7 @@ import typer
 
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.base.options import Options, WithoutEffectError, flag_name, is_given, option
-from uwsim.campaigns.workers import CampaignOptions
+from uwsim.campaigns.workers.options import CampaignOptions
 from uwsim.cli.bounds import UsageError, readable, require_file
 from uwsim.cli.exit_codes import INTERRUPTED
 from uwsim.cli.groups import under

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from uwsim.campaigns.film.options import FilmOptions
-from uwsim.campaigns.workers import CampaignOptions
+from uwsim.campaigns.workers.options import CampaignOptions
 from uwsim.cli.exit_codes import INTERRUPTED
 from uwsim.cli.groups import under
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uwsim.base.options import refuse
-from uwsim.campaigns.workers import RetriedOptions
+from uwsim.campaigns.workers.options import RetriedOptions
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED
 from uwsim.cli.groups import under
