@@ -152,7 +152,7 @@ def test_all_stop_and_each_button_can_be_read_in_every_theme_size_and_state(here
         for is_set in (False, True):
             if is_set:
                 look.keyboard.press("x")
-                look.wait_for_selector("#all-stop[aria-pressed=true]")
+            look.wait_for_selector(f"#all-stop[aria-pressed={json.dumps(is_set)}]")
             for width, height in sizes:
                 look.set_viewport_size({"width": width, "height": height})
                 measure(look, is_touch, width, "folded")
