@@ -20,12 +20,21 @@ class Made(NamedTuple):
     notes: list[str]
 
 
+class NotMadeError(ValueError):
+    """A source of which no scenario can be made. notes: a line for all that was read, left out or assumed before."""
+
+    def __init__(self, rule: str, notes: list[str]) -> None:
+        super().__init__(rule)
+        self.notes = notes
+
+
 @dataclass(frozen=True)
 class ScenarioSource:
     """A format. what: for messages, such as `a URDF file`. accepts: whether a path looks like one, at little cost.
 
     make: called with the path, the folder to write, or None for one named after the scenario, and the options of the
-    command line that are among `options`. It raises ValueError or OSError, and then has written nothing.
+    command line that are among `options`. It raises ValueError (NotMadeError has its notes printed) or OSError, and then has
+    written nothing.
     """
 
     what: str

@@ -44,6 +44,14 @@ def scenario_from(
     terrain: Annotated[
         str | None, typer.Option(help="Unity: the top-level object that is the bed. Default: SolidTerrain.")
     ] = None,
+    arguments: Annotated[
+        list[str] | None,
+        typer.Option("--arg", help="A robot: an argument of xacro or Stonefish, once for each.", metavar="NAME=VALUE"),
+    ] = None,
+    data: Annotated[
+        Path | None,
+        typer.Option(help="Stonefish: the folder of its resources. Default: looked for above the file."),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(help="A chart: the YAML file to write. Others: the folder. Default: the source's own name."),
@@ -58,17 +66,32 @@ def scenario_from(
     vehicle are read. All that is left out or assumed is printed.
     """
     from uwsim.base.options import OptionError
-    from uwsim.evidence.scenario_source import source_of
+    from uwsim.evidence.scenario_source import NotMadeError, source_of
 
     found = source_of(source)
     options = {
         "size": size, "centre": centre, "water_level": water_level, "unit": unit, "nodata": nodata, "scene": scene,
-        "terrain": terrain,
+        "terrain": terrain, "arguments": arguments and _arguments(arguments), "data": data,
     }  # fmt: skip
     given = {key: value for key, value in options.items() if value is not None}
     for key in given.keys() - {*found.options}:
-        raise OptionError(f"--{key.replace('_', '-')}: is not for {found.what}")
-    made = found.make(source, out, given)
+        raise OptionError(f"--{'arg' if key == 'arguments' else key.replace('_', '-')}: is not for {found.what}")
+    try:
+        made = found.make(source, out, given)
+    except NotMadeError as error:
+        for note in error.notes:
+            typer.echo(note, err=True)
+        raise
     for note in made.notes:
         typer.echo(note)
     typer.echo(f"{made.path}: fly it with uwsim station {made.path}")
+
+
+def _arguments(given: list[str]) -> dict[str, str]:
+    """Return arguments by name. Raises OptionError."""
+    from uwsim.base.options import OptionError
+
+    for each in given:
+        if not each.partition("=")[0].strip() or "=" not in each:
+            raise OptionError(f"--arg {each}: must be NAME=VALUE")
+    return {name.strip(): value for name, _, value in (each.partition("=") for each in given)}

@@ -34,12 +34,13 @@ SENSORS = {
 """The sensors of the replacement that stand for those of the agent."""
 
 
-def read_holoocean(path: Path) -> Found:
-    """Return the agents of a scenario as vehicles. Raises ValueError or OSError."""
+def read_holoocean(path: Path, found: Found | None = None) -> Found:
+    """Return the agents of a scenario as vehicles, in `found` if given. Raises ValueError or OSError."""
     values = read_json(path)
     if not isinstance(values, dict) or not isinstance(values.get("agents"), list):
         raise ValueError(f"'{path}': must be an object with a list of agents")
-    found = Found(plain_name(str(values.get("name") or path.stem)))
+    found = found or Found("")
+    found.name = plain_name(str(values.get("name") or path.stem))
     if "world" in values:
         found.left_out(f"world '{values['world']}' of package '{values.get('package_name')}'")
     for key in sorted(values.keys() - {"name", "world", "package_name", "agents", "main_agent", "ticks_per_sec"}):

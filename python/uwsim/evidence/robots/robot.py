@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -84,6 +86,19 @@ class Robot:
     sonar: list[float] | None = None
     model: str | None = None
 
+    def summary(self) -> str:
+        """Return in a line how much of a vehicle was found."""
+        if self.model is not None:
+            return f"vehicle '{self.name}': the packaged '{self.model}'"
+        mass_kg = sum(lump.mass_kg for lump in self.lumps)
+        counts = {
+            "solid": len(self.solids), "thruster": len(self.thrusters), "fin": len(self.fins),
+            "sensor": len(self.sensors), "camera": len(self.cameras),
+            "imaging sonar": len(self.imaging_sonars), "multibeam": int(self.sonar is not None),
+        }  # fmt: skip
+        parts = [f"{count} {what}{'s' * (count > 1)}" for what, count in counts.items() if count]
+        return f"vehicle '{self.name}': {', '.join([f'{mass_kg:.4g} kg', *parts])}"
+
     def whole(self) -> Lump:
         """Return all lumps as one rigid part (Steiner). Raises ValueError if they have no mass."""
         mass = sum(lump.mass_kg for lump in self.lumps)
@@ -97,15 +112,30 @@ class Robot:
         return Lump(mass, centre, inertia)
 
 
+@dataclass(frozen=True)
+class Given:
+    """Values that a user states beside a file.
+
+    arguments: of xacro and of Stonefish, by name. data: the folder to which Stonefish's paths are relative.
+    """
+
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    data: Path | None = None
+
+
 @dataclass
 class Found:
     """A scenario as found in a file.
+
+    The law of all formats: an element that is stated is used, or noted as left out, with its value and the reason, or
+    replaced by what is noted as assumed; one that breaks a rule never refuses those beside it.
 
     obstacles: as in a scenario. notes: a line for each element that was left out or assumed. density_kg_m3: of the
     water, if stated. current_m_s: its velocity, likewise. bed_z_m: of a flat bed, likewise.
     """
 
     name: str
+    given: Given = field(default_factory=Given)
     robots: list[Robot] = field(default_factory=list)
     obstacles: list[dict[str, Any]] = field(default_factory=list)
     meshes: dict[str, Mesh] = field(default_factory=dict)
@@ -113,6 +143,20 @@ class Found:
     current_m_s: Floats | None = None
     bed_z_m: float | None = None
     notes: list[str] = field(default_factory=list)
+
+    def lines(self) -> list[str]:
+        """Return what was read, a line for each vehicle, and all notes."""
+        return [f"read: {robot.summary()}" for robot in self.robots] + self.notes
+
+    @contextmanager
+    def beside(self, element: Element) -> Iterator[None]:
+        """Leave out an element without which those beside it stand, with the rule that it breaks."""
+        try:
+            yield
+        except (ValueError, OSError) as error:
+            rule = str(error).removeprefix(f"'{element.file}': ")
+            self.left_out(rule if rule.startswith(element.path) else f"{element.path}: {rule}")
+            element.use_all()
 
     def left_out(self, what: str) -> None:
         """Note an element that is not used, once."""

@@ -29,13 +29,17 @@ LEVELS, ALONE_M = 8, 2.0
 """Models within models, at most; depth of a model without a world."""
 
 
-def read_sdf(path: Path) -> Found:
-    """Return the vehicles and fixed obstacles of an SDF file, of a model or a world. Raises ValueError or OSError."""
+def read_sdf(path: Path, found: Found | None = None) -> Found:
+    """Return the vehicles and fixed obstacles of an SDF file, of a model or a world, in `found` if given.
+
+    Raises ValueError or OSError.
+    """
     root = read_xml(path)
     if root.tag != "sdf":
         raise root.error("must be <sdf>")
     world = root.find("world")
-    reader = _Reader(path, Found(plain_name(path.parent.name if path.stem == "model" else path.stem)))
+    reader = _Reader(path, found or Found(""))
+    reader.found.name = plain_name(path.parent.name if path.stem == "model" else path.stem)
     if world is not None:
         reader.found.name = plain_name(world.name)
         reader.world(world)

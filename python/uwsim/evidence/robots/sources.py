@@ -7,7 +7,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from uwsim.evidence.scenario_source import Made, ScenarioSource
+from uwsim.evidence.robots.robot import Found, Given, plain_name
+from uwsim.evidence.scenario_source import Made, NotMadeError, ScenarioSource
 
 HEAD = 4096
 """Bytes in which the root element of a description is looked for."""
@@ -28,19 +29,25 @@ def _json(path: Path) -> bool:
 
 
 def _make(module: str, function: str) -> Callable[[Path, Path | None, Mapping[str, Any]], Made]:
-    def make(path: Path, out: Path | None, _: Mapping[str, Any]) -> Made:
+    def make(path: Path, out: Path | None, given: Mapping[str, Any]) -> Made:
         from uwsim.evidence.robots.written import write_found
 
-        found = getattr(import_module(f"uwsim.evidence.robots.{module}"), function)(path)
+        found = Found(plain_name(path.stem), Given(**given))
         try:
-            return Made(write_found(found, out or Path(found.name)), found.notes)
+            getattr(import_module(f"uwsim.evidence.robots.{module}"), function)(path, found)
+            try:
+                return Made(write_found(found, out or Path(found.name)), found.lines())
+            except ValueError as error:
+                raise ValueError(f"'{path}': as converted: {error}") from None
         except ValueError as error:
-            raise ValueError(f"'{path}': as converted: {error}") from None
+            raise NotMadeError(str(error), found.lines()) from None
 
     return make
 
 
 SDF = ScenarioSource("an SDF file", _xml((".sdf", ".world"), b"sdf"), _make("sdf", "read_sdf"))
-URDF = ScenarioSource("a URDF file", _xml((".urdf", ".xacro"), b"robot"), _make("urdf", "read_urdf"))
-STONEFISH = ScenarioSource("a Stonefish .scn file", _xml((".scn",), b"scenario"), _make("stonefish", "read_stonefish"))
+URDF = ScenarioSource("a URDF file", _xml((".urdf", ".xacro"), b"robot"), _make("urdf", "read_urdf"), ("arguments",))
+STONEFISH = ScenarioSource(
+    "a Stonefish .scn file", _xml((".scn",), b"scenario"), _make("stonefish", "read_stonefish"), ("arguments", "data")
+)
 HOLOOCEAN = ScenarioSource("a HoloOcean scenario (.json)", _json, _make("holoocean", "read_holoocean"))

@@ -35,9 +35,12 @@ FILES_MAX = 50
 POINTS = 41
 
 
-def read_stonefish(path: Path) -> Found:
-    """Return the vehicles and fixed obstacles of a scenario and what it includes. Raises ValueError or OSError."""
-    reader = _Reader(path)
+def read_stonefish(path: Path, found: Found | None = None) -> Found:
+    """Return the vehicles and fixed obstacles of a scenario and what it includes, in `found` if given.
+
+    Raises ValueError or OSError.
+    """
+    reader = _Reader(found or Found(plain_name(path.stem)))
     reader.read(path, {})
     if not (reader.robots or reader.found.obstacles):
         raise ValueError(f"'{path}': has no <robot> and no <static> object")
@@ -79,8 +82,9 @@ def _package(name: str, path: Path) -> Path | None:
 
 
 class _Reader:
-    def __init__(self, path: Path) -> None:
-        self.found = Found(plain_name(path.stem), density_kg_m3=DENSITY_KG_M3)
+    def __init__(self, found: Found) -> None:
+        self.found = found
+        found.density_kg_m3 = DENSITY_KG_M3
         self.materials: dict[str, float] = {}
         self.robots: list[tuple[Element, Path]] = []
         self.documents: list[Element] = []

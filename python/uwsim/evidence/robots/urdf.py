@@ -28,14 +28,15 @@ from uwsim.evidence.robots.xml_file import HERE, Element, Pose, read_xml
 SENSOR_PLUGINS = {"dvl": "dvl", "imu": "imu", "subsea_pressure": "pressure", "magnetometer": "compass"}
 
 
-def read_urdf(path: Path) -> Found:
-    """Return the vehicle of a URDF file. Raises ValueError or OSError."""
+def read_urdf(path: Path, found: Found | None = None) -> Found:
+    """Return the vehicle of a URDF file, in `found` if given. Raises ValueError or OSError."""
     root = read_xml(path)
     if root.tag != "robot":
         raise root.error("must be <robot>")
     if b"xacro:" in path.read_bytes() and any("xacro" in child.tag for child in root.all("*")):
         raise root.error("has xacro's macros: expand them first, with `xacro FILE > out.urdf`")
-    found = Found(plain_name(root.name), density_kg_m3=DENSITY_KG_M3)
+    found = found or Found("")
+    found.name, found.density_kg_m3 = plain_name(root.name), DENSITY_KG_M3
     links = _links(root, path, found)
     base = links.base()
     robot = Robot(plain_name(root.name), Pose(np.array([0.0, 0.0, -2.0]), np.eye(3)))
