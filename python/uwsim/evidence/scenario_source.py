@@ -33,8 +33,8 @@ class ScenarioSource:
     """A format. what: for messages, such as `a URDF file`. accepts: whether a path looks like one, at little cost.
 
     make: called with the path, the folder to write, or None for one named after the scenario, and the options of the
-    command line that are among `options`. It raises ValueError (NotMadeError has its notes printed) or OSError, and then has
-    written nothing.
+    command line that are among `options`. It raises ValueError (of NotMadeError, the notes are printed) or OSError, and
+    then has written nothing.
     """
 
     what: str

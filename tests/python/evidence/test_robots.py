@@ -144,8 +144,7 @@ def test_a_surface_that_uwsim_does_not_have_is_named(tmp_path: Path) -> None:
     assert "its forward direction is not the vehicle's" in printed
     assert not sim.scenario.vehicles[0].model.fins
     (tmp_path / "flat.sdf").write_text(ruddered(1, "0 0 0"))
-    with pytest.raises(ValueError, match="forward and upward must be two directions"):
-        read_sdf(tmp_path / "flat.sdf")
+    assert any("forward and upward must be two directions" in note for note in read_sdf(tmp_path / "flat.sdf").notes)
 
 
 def test_sdf_obstacles_are_where_their_poses_put_them(tmp_path: Path) -> None:
@@ -350,6 +349,29 @@ def test_shapes_that_only_stand_in_displace_nothing(tmp_path: Path) -> None:
     assert len(robot.solids) == 1
 
 
+ZERO = """<plugin filename="gz-sim-hydrodynamics-system" name="gz::sim::systems::Hydrodynamics">
+  <link_name>base</link_name><xUabsU>0</xUabsU></plugin></model>"""
+ODD = [
+    ("a.sdf", WORLD.replace("<xU>-4", "<xU>4"), ": xU = 4 would drive the hull: -4 is meant"),
+    ("a.sdf", WORLD.replace("</model>", ZERO, 1), ": zero coefficients do nothing"),
+    ("a.sdf", WORLD.replace("<radius>0.5", "<radius>1e308"), "radius and length must be positive, at most 1e+06"),
+    ("a.urdf", URDF.replace("-150 -250", "150 -250"), "150 of axis 1 would drive the hull: -150 is meant"),
+]
+
+
+@pytest.mark.parametrize("name, text, words", ODD)
+def test_an_odd_element_does_not_refuse_its_neighbours(name: str, text: str, words: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text(text)
+    (tmp_path / f"right_{name}").write_text(WORLD if name.endswith("sdf") else URDF)
+    read = read_sdf if name.endswith("sdf") else read_urdf
+    odd, right = read(tmp_path / name), read(tmp_path / f"right_{name}")
+    assert any(words in note for note in odd.notes), odd.notes
+    assert not any(words in note for note in right.notes)
+    for key in ("added_mass", "linear", "quadratic", "volume_m3"):
+        np.testing.assert_array_equal(getattr(odd.robots[0], key), getattr(right.robots[0], key))
+    assert [each.thrust_n for each in odd.robots[0].thrusters] == [each.thrust_n for each in right.robots[0].thrusters]
+
+
 BOMB = '<!DOCTYPE a [<!ENTITY a "aaaa">]><sdf/>'
 
 
@@ -361,15 +383,10 @@ BOMB = '<!DOCTYPE a [<!ENTITY a "aaaa">]><sdf/>'
         ("a.sdf", "<sdf>" + "<model>" * 200 + "</model>" * 200 + "</sdf>", "deep: must be at most 100"),
         ("a.sdf", "<sdf/>", "has no model with a thruster"),
         ("a.txt", "<sdf/>", "must be the checkout of a Unity project"),
-        ("a.sdf", WORLD.replace("<xU>-4", "<xU>4"), "xU = 4: must not be positive: it would drive the hull"),
         ("a.sdf", WORLD.replace("<mass>99", "<mass>nan"), "link 'base'/inertial/mass: 'nan': must be 1 finite number"),
         ("a.sdf", WORLD.replace("<mass>99", "<mass>-99"), "mass"),
         ("a.sdf", WORLD.replace("<mass>99", "<mass>999999"), "': as converted: vehicles[0].model: vehicle 'glider'"),
-        ("a.sdf", WORLD.replace(">port_joint<", ">lost<"), "there is no joint 'lost'"),
         ("a.sdf", WORLD.replace("2 0.25 0.2", "2 0.25"), "must be 3 finite numbers"),
-        ("a.sdf", WORLD.replace("<radius>0.5", "<radius>1e308"), "radius and length must be positive, at most 1e+06"),
-        ("a.urdf", URDF.replace("<volume>0.2", "<volume>0"), "volume = 0 m3: must be positive"),
-        ("a.urdf", URDF.replace("-150 -250", "150 -250"), "must not be positive: it would drive the hull"),
         ("a.urdf", URDF.replace('<parent link="base"/>', '<parent link="tail"/>'), "circle"),
         ("a.urdf", URDF.replace("Basic", "Odd"), "must be Basic, Bessa or LinearInterp"),
         ("a.scn", SCN + "<a/>", "must be XML"),
@@ -390,8 +407,8 @@ def test_mistakes_are_one_line_after_what_was_found_and_write_nothing(
     (tmp_path / name).write_text(text)
     done = command("scenario", "from", tmp_path / name, "--out", tmp_path / "out")
     *found, last = done.stderr.splitlines()
-    assert done.returncode != 0 and words in last
-    assert all(line.startswith(("read: ", "left out: ", "assumed: ")) for line in found), found
+    assert done.returncode != 0 and last.startswith("uwsim: error: ") and words in done.stderr
+    assert all(line.startswith(("read: ", "left out: ", "assumed: ", "topic: ")) for line in found), found
     assert not (tmp_path / "out").exists()
 
 
@@ -420,3 +437,14 @@ def test_nothing_that_is_not_ours_is_replaced(tmp_path: Path) -> None:
         write_found(found, tmp_path / "out")
     assert (tmp_path / "out" / "glider.yaml").read_text() == "mine"
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["glider.yaml"]
+
+
+def test_a_vehicle_that_nothing_moves_does_not_refuse_another(tmp_path: Path) -> None:
+    """The second has one thruster, whose joint is not there."""
+    model = WORLD.split('<model name="glider">')[1].split("</model>")[0]
+    second = f'<model name="prop">{model}</model>'.replace(">port_joint<", ">lost<").replace(
+        ">starboard_joint<", ">lost<"
+    )
+    sim, printed = made(tmp_path, "world.sdf", WORLD.replace("</world>", f"{second}</world>"))
+    assert [*sim.vehicles] == ["glider"]
+    assert "left out: vehicle 'prop': has no thrusters, so nothing could move it" in printed

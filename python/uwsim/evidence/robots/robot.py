@@ -27,7 +27,10 @@ class Lump(NamedTuple):
 
 
 class Thruster(NamedTuple):
-    """A thruster. axis: of positive thrust. thrust_n: pairs of a command in [-1, 1] and a thrust. Frame: the body."""
+    """A thruster. axis: of positive thrust. thrust_n: pairs of a command in [-1, 1] and a thrust. Frame: the body.
+
+    force: `buoyancy` for an engine that changes the displaced volume, as in a vehicle's file.
+    """
 
     name: str
     position_m: Floats
@@ -39,6 +42,7 @@ class Thruster(NamedTuple):
     clockwise: bool
     zero_thrust_advance_ratio: float | None = None
     torque_per_thrust_m: float = 0.0
+    force: str | None = None
 
 
 class Fin(NamedTuple):
@@ -132,6 +136,7 @@ class Found:
 
     obstacles: as in a scenario. notes: a line for each element that was left out or assumed. density_kg_m3: of the
     water, if stated. current_m_s: its velocity, likewise. bed_z_m: of a flat bed, likewise.
+    refusals: the errors of the vehicles that were left out.
     """
 
     name: str
@@ -143,6 +148,7 @@ class Found:
     current_m_s: Floats | None = None
     bed_z_m: float | None = None
     notes: list[str] = field(default_factory=list)
+    refusals: list[Exception] = field(default_factory=list)
 
     def lines(self) -> list[str]:
         """Return what was read, a line for each vehicle, and all notes."""
@@ -158,10 +164,40 @@ class Found:
             self.left_out(rule if rule.startswith(element.path) else f"{element.path}: {rule}")
             element.use_all()
 
+    @contextmanager
+    def vehicle(self, element: Element) -> Iterator[None]:
+        """Leave out a vehicle as `beside` does, with all that was found of it."""
+        count = len(self.robots)
+        with self.beside(element):
+            try:
+                yield
+            except (ValueError, OSError) as error:
+                del self.robots[count:]
+                self.refusals.append(error)
+                raise
+
+    def refuse(self, robot: Robot, error: Exception) -> None:
+        """Leave out a vehicle that breaks a rule. Raises the error for the last one."""
+        if len(self.robots) == 1:
+            raise error
+        self.robots.remove(robot)
+        self.left_out(str(error))
+
+    def require_any(self, root: Element, rule: str) -> None:
+        """Raise ValueError where no vehicle is left of those that there were, or one by a rule where nothing is."""
+        if self.refusals and not self.robots:
+            raise self.refusals[0]
+        if not (self.robots or self.obstacles):
+            raise root.error(rule)
+
+    def noted(self, what: str) -> None:
+        """Note what is worth knowing, once."""
+        if what not in self.notes:
+            self.notes.append(what)
+
     def left_out(self, what: str) -> None:
         """Note an element that is not used, once."""
-        if (note := f"left out: {what}") not in self.notes:
-            self.notes.append(note)
+        self.noted(f"left out: {what}")
 
     def dropped(self, element: Element, more: str = "") -> None:
         """Note an element that is not used, with all below it. more: follows its path."""
@@ -179,8 +215,7 @@ class Found:
 
     def assumed(self, what: str) -> None:
         """Note a value that the file does not state, once."""
-        if (note := f"assumed: {what}") not in self.notes:
-            self.notes.append(note)
+        self.noted(f"assumed: {what}")
 
 
 def plain_name(text: str, others: Any = ()) -> str:

@@ -7,12 +7,23 @@ from typing import Any
 import numpy as np
 
 from uwsim.evidence.robots.robot import Found, Robot, plain_name
-from uwsim.evidence.robots.xml_file import Floats, Pose, yaw_pitch_roll_deg
+from uwsim.evidence.robots.xml_file import Element, Floats, Pose, yaw_pitch_roll_deg
 
 Errors = dict[str, dict[str, Any]]
 RATES_HZ = (0.1, 1000.0)
 PLACED = ("dvl", "usbl", "altitude", "proximity", "depth", "pressure", "temperature", "imu", "velocity", "position")
 """The kinds that have a position."""
+GZ_SENSORS = {
+    "imu": "imu",
+    "magnetometer": "compass",
+    "air_pressure": "pressure",
+    "altimeter": "depth",
+    "dvl": "dvl",
+    "navsat": "gnss",
+    "gps": "gnss",
+}
+"""Kinds of sensors by their types in SDF."""
+CAMERAS = ("camera", "depth", "depth_camera", "rgbd", "rgbd_camera", "wideanglecamera", "multicamera")
 
 
 def put_sensor(
@@ -43,3 +54,37 @@ def put_camera(robot: Robot, name: str, at: Pose, field_of_view_deg: float, size
 def from_optical(turn: Floats) -> Floats:
     """Return the rotation of a camera along x, z up, from that of one along z, y down."""
     return np.asarray(turn @ np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]))
+
+
+def put_gz_sensor(robot: Robot, found: Found, sensor: Element, at: Pose) -> None:
+    """Add a <sensor> of SDF, which URDF has within <gazebo>, or note it. Raises ValueError."""
+    kind, rate = sensor.needed("type"), sensor.number("update_rate", 10.0)
+    if kind in CAMERAS:
+        camera = sensor.find("camera")
+        angle = 1.047 if camera is None else camera.number("horizontal_fov", 1.047)
+        width, height = (
+            (320.0, 240.0)
+            if camera is None
+            else (camera.number("image/width", 320.0), camera.number("image/height", 240.0))
+        )
+        put_camera(robot, sensor.name, at, float(np.degrees(angle)), (int(width), int(height)))
+    elif kind in ("gpu_lidar", "lidar", "ray", "gpu_ray"):
+        robot.sonar = at.position_m.tolist()
+        found.assumed(f"{sensor.path}: its place is the multibeam's mount")
+    elif kind in GZ_SENSORS or (kind == "custom" and "dvl" in (sensor.attribute("gz:type") or sensor.name)):
+        mine = GZ_SENSORS.get(kind, "dvl")
+        put_sensor(robot, found, sensor.path, sensor.name, mine, at, rate, _errors(sensor, kind))
+    else:
+        found.dropped(sensor, f", of type {kind}")
+
+
+def _errors(sensor: Element, kind: str) -> Errors:
+    """Return the white noise of an IMU, the largest of its axes, as in a vehicle's file."""
+    if kind != "imu":
+        return {}
+    channels = {
+        channel: {"std": max(sensor.number(f"imu/{channel}/{axis}/noise/stddev", 0.0) for axis in "xyz")}
+        for channel in ("angular_velocity", "linear_acceleration")
+    }
+    stated = {channel: errors for channel, errors in channels.items() if errors["std"] > 0.0}
+    return {"channels": stated} if stated else {}

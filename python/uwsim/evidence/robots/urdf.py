@@ -11,21 +11,12 @@ from pathlib import Path
 import numpy as np
 
 from uwsim.evidence.robots import shapes
-from uwsim.evidence.robots.lift_drag import put_uuv_fin
 from uwsim.evidence.robots.links import Joint, Links, inertia
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, plain_name
-from uwsim.evidence.robots.sensors import put_camera, put_sensor
-from uwsim.evidence.robots.uuv_plugins import (
-    DENSITY_KG_M3,
-    is_uuv_object,
-    is_uuv_thruster,
-    put_uuv_object,
-    uuv_errors,
-    uuv_thruster,
-)
+from uwsim.evidence.robots.sensors import put_gz_sensor
+from uwsim.evidence.robots.systems import put_plugins
+from uwsim.evidence.robots.uuv_plugins import DENSITY_KG_M3
 from uwsim.evidence.robots.xml_file import HERE, Element, Pose, read_xml
-
-SENSOR_PLUGINS = {"dvl": "dvl", "imu": "imu", "subsea_pressure": "pressure", "magnetometer": "compass"}
 
 
 def read_urdf(path: Path, found: Found | None = None) -> Found:
@@ -43,16 +34,16 @@ def read_urdf(path: Path, found: Found | None = None) -> Found:
     found.assumed("the vehicle starts at 2 m of depth")
     to_base = links.poses[base].inverse()
     links.put_into(robot, base)
-    for extension in root.all("gazebo"):
-        for plugin in extension.all("plugin"):
-            _plugin(robot, found, links, plugin, base)
-        link = extension.attribute("reference")
+    found.robots.append(robot)
+    extensions = list(root.all("gazebo"))
+    put_plugins(robot, found, (plugin for each in extensions for plugin in each.all("plugin")), links, base)
+    for extension in extensions:
         for sensor in extension.all("sensor"):
-            at = to_base.then(links.pose(link or "", extension)).then(sensor.pose())
-            _sensor(robot, found, sensor, at)
+            with found.beside(sensor):
+                link = extension.attribute("reference") or ""
+                put_gz_sensor(robot, found, sensor, to_base.then(links.pose(link, extension)).then(sensor.pose()))
     if robot.volume_m3 is None:
         found.assumed("the collision shapes displace water: no plugin states a volume")
-    found.robots.append(robot)
     found.note_unused(root)
     return found
 
@@ -98,9 +89,8 @@ def _fill(links: Links, link: Element, name: str, path: Path, found: Found) -> N
     if inertial is not None:
         own = inertial.origin()
         moments = inertia(inertial.find("inertia"), lambda e, k: e.number(None, 0.0, k))
-        links.lumps[name] = Lump(
-            inertial.number("mass", None, "value"), own.position_m, own.turn @ moments @ own.turn.T
-        )
+        mass_kg = inertial.number("mass", None, "value")
+        links.lumps[name] = Lump(mass_kg, own.position_m, own.turn @ moments @ own.turn.T)
     links.solids[name] = []
     for collision in link.all("collision"):
         solid = _solid(collision, path, found)
@@ -130,7 +120,8 @@ def _solid(collision: Element, path: Path, found: Found) -> Mesh | None:
                 found.dropped(shape, f" {shape.needed('filename')}: not beside the file")
                 return None
             scale = shape.numbers(None, 3, "scale")
-            return shapes.closed(shapes.from_file(file, np.ones(3) if scale is None else scale), shape.path)
+            with found.beside(shape):
+                return shapes.closed(shapes.from_file(file, np.ones(3) if scale is None else scale), shape.path)
     return None
 
 
@@ -143,30 +134,3 @@ def _mesh_file(address: str, path: Path) -> Path | None:
         if (file := folder / rest).is_file():
             return file
     return None
-
-
-def _plugin(robot: Robot, found: Found, links: Links, plugin: Element, base: str) -> None:
-    file = plugin.attribute("filename") or ""
-    to_base = links.poses[base].inverse()
-    if is_uuv_object(file):
-        put_uuv_object(robot, found, plugin, base)
-    elif is_uuv_thruster(file):
-        robot.thrusters.append(uuv_thruster(plugin, links, to_base, robot, found))
-    elif "uuv_fin" in file or "fin_ros" in file:
-        put_uuv_fin(robot, plugin, links, to_base, found)
-    elif (kind := next((kind for part, kind in SENSOR_PLUGINS.items() if part in file), None)) is not None:
-        at = to_base.then(links.pose(plugin.text("link_name") or "", plugin))
-        rate = plugin.number("update_rate", 10.0)
-        put_sensor(robot, found, plugin.path, kind, kind, at, rate, uuv_errors(plugin, kind))
-    else:
-        found.dropped(plugin, f", {file}")
-
-
-def _sensor(robot: Robot, found: Found, sensor: Element, at: Pose) -> None:
-    kind = sensor.needed("type")
-    if kind not in ("camera", "depth", "rgbd_camera"):
-        found.dropped(sensor, f", of type {kind}")
-        return
-    angle = sensor.number("camera/horizontal_fov", 1.047)
-    size = int(sensor.number("camera/image/width", 320.0)), int(sensor.number("camera/image/height", 240.0))
-    put_camera(robot, sensor.name, at, float(np.degrees(angle)), size)

@@ -56,9 +56,10 @@ def _hydrodynamics(robot: Robot, found: Found, link: Element) -> None:
         assert found.density_kg_m3 is not None
         robot.volume_m3 = whole.mass_kg / found.density_kg_m3
     else:
-        robot.volume_m3 = link.number("volume")
-    if not robot.volume_m3 > 0.0:
-        raise link.error(f"volume = {robot.volume_m3:g} m3: must be positive")
+        volume_m3 = link.number("volume")
+        robot.volume_m3 = volume_m3 if volume_m3 > 0.0 else None
+        if robot.volume_m3 is None:
+            found.left_out(f"{link.path}: volume = {volume_m3:g} m3: must be positive: that of the shapes is taken")
     centre = link.numbers("center_of_buoyancy", 3)
     robot.centre_of_buoyancy_m = np.zeros(3) if centre is None else centre
     sides = [link.number(f"box/{side}", 0.0) for side in ("length", "width", "height")]
@@ -78,10 +79,10 @@ def _hydrodynamics(robot: Robot, found: Found, link: Element) -> None:
     if forward is not None and forward.any():
         found.left_out(f"{model.path}: linear_damping_forward_speed")
     scale = model.number("scaling_damping", 1.0)
-    robot.added_mass = _matrix(model, "added_mass", 1.0) * model.number("scaling_added_mass", 1.0)
+    robot.added_mass = _matrix(model, "added_mass", 1.0, found) * model.number("scaling_added_mass", 1.0)
     robot.added_mass = 0.5 * (robot.added_mass + robot.added_mass.T)
-    robot.linear = _matrix(model, "linear_damping", -scale)
-    robot.quadratic = _matrix(model, "quadratic_damping", -scale)
+    robot.linear = _matrix(model, "linear_damping", -scale, found)
+    robot.quadratic = _matrix(model, "quadratic_damping", -scale, found)
 
 
 def uuv_errors(plugin: Element, kind: str) -> Errors:
@@ -107,24 +108,28 @@ def uuv_errors(plugin: Element, kind: str) -> Errors:
     return {"channels": stated} if stated else {}
 
 
-def _matrix(model: Element, key: str, sign: float) -> Floats:
-    found = model.numbers(key)
-    if found is None:
+def _matrix(model: Element, key: str, sign: float, found: Found) -> Floats:
+    values = model.numbers(key)
+    if values is None:
         return np.zeros((6, 6))
-    if len(found) not in (6, 36):
-        raise model.error(f"{key}: has {len(found)} numbers: must have 6 or 36")
-    matrix = sign * (np.diag(found) if len(found) == 6 else found.reshape(6, 6))
-    if (np.diagonal(matrix) < 0.0).any():
-        rule = "must not be negative" if sign > 0.0 else "must not be positive: it would drive the hull"
-        raise model.error(f"{key}: {' '.join(f'{value:g}' for value in found[:6])}: {rule}")
+    if len(values) not in (6, 36):
+        raise model.error(f"{key}: has {len(values)} numbers: must have 6 or 36")
+    matrix = sign * (np.diag(values) if len(values) == 6 else values.reshape(6, 6))
+    for axis in np.flatnonzero(np.diagonal(matrix) < 0.0):
+        number = sign * matrix[axis, axis]
+        found.assumed(f"{model.path}: {key}: {number:g} of axis {axis + 1} would drive the hull: {-number:g} is meant")
+        matrix[axis, axis] *= -1.0
     return np.asarray(matrix)
 
 
 def _limits(plugin: Element, conversion: Element, found: Found) -> tuple[float, float]:
     """Return the lowest and highest input of a thruster. Raises ValueError for one without a bound."""
     low, high = plugin.number("clampMin", -np.inf), plugin.number("clampMax", np.inf)
-    if low >= high:
+    if low == high:
         raise plugin.error(f"clampMin = {low:g}, clampMax = {high:g}: must increase")
+    if low > high:
+        found.assumed(f"{plugin.path}: clampMin = {low:g}, clampMax = {high:g}: they are swapped")
+        low, high = high, low
     if np.isfinite(low) != np.isfinite(high):
         most = abs(low if np.isfinite(low) else high)
         found.assumed(f"{plugin.path}: its input is from {-most:g} to {most:g}: it has one clamp of two")

@@ -50,11 +50,15 @@ def write_found(found: Found, out: Path) -> Path:
     vehicles, objects = [], [*found.obstacles]
     for name, mesh in found.meshes.items():
         contents[f"{name}.ply"] = _ply(mesh)
-    for robot in found.robots:
+    for robot in list(found.robots):
         entry: dict[str, Any] = {"name": robot.name, "model": robot.model}
         if robot.model is None:
+            try:
+                hull, values, origin = _vehicle(robot, found)
+            except ValueError as error:
+                found.refuse(robot, error)
+                continue
             entry["model"] = f"{robot.name}.yaml"
-            hull, values, origin = _vehicle(robot, found)
             robot.place = robot.place.then(Pose(origin, np.eye(3)))
             contents[f"{robot.name}.ply"] = _ply(hull)
             contents[f"{robot.name}.yaml"] = yaml_text(values).encode()
@@ -249,7 +253,8 @@ def _thruster(each: Thruster, origin: Floats) -> dict[str, Any]:
     axis = each.axis / np.linalg.norm(each.axis)
     axis = np.where(np.abs(axis) < STRAIGHT, 0.0, axis)
     axis = axis / np.linalg.norm(axis)
-    return {"model": model, "position_m": _row(each.position_m - origin), "axis": _row(axis), "spin": spin}
+    mount = {"model": model, "position_m": _row(each.position_m - origin), "axis": _row(axis)}
+    return mount | ({"spin": spin} if each.force is None else {"force": each.force})
 
 
 def _fin(each: Fin, origin: Floats, density_kg_m3: float) -> dict[str, Any]:

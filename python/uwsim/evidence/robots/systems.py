@@ -1,0 +1,241 @@
+"""Plugins on a vehicle, in SDF and, within <gazebo>, in URDF: gz-sim's systems and UUV Simulator's.
+
+Sources: gz-sim's documentation and sources of Thruster, Hydrodynamics, BuoyancyEngine, JointPositionController and
+OdometryPublisher. Thrust is along the joint's axis; hydrodynamic forces act at their link's origin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from uwsim.evidence.robots.lift_drag import is_lift_drag, put_surface, put_uuv_fin
+from uwsim.evidence.robots.links import Links
+from uwsim.evidence.robots.robot import Found, Robot, Thruster, plain_name
+from uwsim.evidence.robots.sensors import put_sensor
+from uwsim.evidence.robots.uuv_plugins import is_uuv_object, is_uuv_thruster, put_uuv_object, uuv_errors, uuv_thruster
+from uwsim.evidence.robots.xml_file import Element, Floats, Pose
+
+ROWS, COLUMNS = "xyzkmn", "UVWPQR"
+THRUST_N, DIAMETER_M = 1000.0, 0.02
+"""gz-sim's defaults of Thruster's limits and propeller."""
+BLADDER_M3 = {"min_volume": 3e-5, "neutral_volume": 3e-4, "max_volume": 9.9e-4, "max_inflation_rate": 3e-6}
+DENSITY_KG_M3, GRAVITY_M_S2 = 1000.0, 9.80665
+"""gz-sim's defaults of BuoyancyEngine, but for gravity."""
+SENSORS = {"dvl": "dvl", "imu": "imu", "subsea_pressure": "pressure", "magnetometer": "compass"}
+"""Kinds of sensors by words in the names of UUV Simulator's plugins."""
+LIKE = {"odometry-publisher": "odometry", "pose-publisher": "poses", "joint-state-publisher": "states of joints"}
+"""What others publish by a plugin, and uwsim without one."""
+
+
+def put_plugins(robot: Robot, found: Found, plugins: Iterable[Element], links: Links, base: str) -> None:
+    """Read the plugins of a vehicle; one that breaks a rule is left out, with the rule.
+
+    The hydrodynamics come first, since fins and neutral buoyancy refer to the density that they state.
+    """
+    reader = _Reader(robot, found, links, base, list(plugins))
+    for plugin in sorted(reader.plugins, key=lambda each: "dynamics" not in _file(each) and not _is_object(each)):
+        with found.beside(plugin):
+            reader.read(plugin)
+
+
+def moves(plugin: Element) -> bool:
+    """Return whether a plugin is one that could move a vehicle."""
+    return "thruster" in _file(plugin) or "buoyancy-engine" in _file(plugin)
+
+
+def _file(plugin: Element) -> str:
+    return (plugin.attribute("filename") or "").lower().replace("_system", "-system")
+
+
+def _is_object(plugin: Element) -> bool:
+    return is_uuv_object(_file(plugin))
+
+
+@dataclass
+class _Reader:
+    robot: Robot
+    found: Found
+    links: Links
+    base: str
+    plugins: list[Element]
+    limits: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.to_base = self.links.poses[self.base].inverse()
+        for plugin in self.plugins:
+            with self.found.beside(plugin):
+                self.limits.update(_autopilot_limits(plugin))
+
+    def read(self, plugin: Element) -> None:
+        file = _file(plugin)
+        readers: list[tuple[bool, Callable[[Element], None]]] = [
+            (is_uuv_object(file), lambda each: put_uuv_object(self.robot, self.found, each, self.base)),
+            ("hydrodynamics" in file, self._hydrodynamics),
+            (is_lift_drag(file), self._surface),
+            (is_uuv_thruster(file), self._uuv_thruster),
+            ("thruster" in file, self._thruster),
+            ("uuv_fin" in file or "fin_ros" in file, self._uuv_fin),
+            ("buoyancy-engine" in file, self._engine),
+            ("joint-position-controller" in file, self._servo),
+        ]
+        for is_its, reader in readers:
+            if is_its:
+                reader(plugin)
+                return
+        if (kind := next((kind for word, kind in SENSORS.items() if word in file), None)) is not None:
+            at = self.to_base.then(self.links.pose(plugin.text("link_name") or "", plugin))
+            rate = plugin.number("update_rate", 10.0)
+            put_sensor(self.robot, self.found, plugin.path, kind, kind, at, rate, uuv_errors(plugin, kind))
+        elif (what := next((what for word, what in LIKE.items() if word in file), None)) is not None:
+            self.found.assumed(f"{plugin.path}: uwsim publishes {what} without a plugin")
+            plugin.use_all()
+        else:
+            self.found.dropped(plugin, f", {plugin.attribute('filename')}")
+
+    def _surface(self, plugin: Element) -> None:
+        put_surface(self.robot, plugin, self.links, self.to_base, self.found)
+
+    def _uuv_fin(self, plugin: Element) -> None:
+        put_uuv_fin(self.robot, plugin, self.links, self.to_base, self.found)
+
+    def _uuv_thruster(self, plugin: Element) -> None:
+        self.robot.thrusters.append(uuv_thruster(plugin, self.links, self.to_base, self.robot, self.found))
+
+    def _hydrodynamics(self, plugin: Element) -> None:
+        link = plugin.text("link_name") or self.base
+        there = self.to_base.then(self.links.pose(link, plugin))
+        if self.found.density_kg_m3 is None and plugin.find("water_density"):
+            self.found.density_kg_m3 = plugin.number("water_density")
+        added, linear, quadratic = self._derivatives(plugin)
+        if plugin.text("disable_added_mass") in ("1", "true"):
+            added[:] = 0.0
+        if (current := plugin.numbers("default_current", 3)) is not None:
+            self.found.current_m_s = current
+        if not any(matrix.any() for matrix in (added, linear, quadratic)):
+            self.found.left_out(f"{plugin.path}: zero coefficients do nothing")
+            plugin.use_all()
+            return
+        if link != self.base:
+            self.found.assumed(f"{plugin.path}: link '{link}' is fixed to the base link, '{self.base}'")
+            if quadratic.any() and not _is_same(there):
+                self.found.assumed(f"{plugin.path}: its quadratic drag is carried to the base link as a matrix")
+            added, linear, quadratic = (carried(matrix, there) for matrix in (added, linear, quadratic))
+        for key, matrix in (("added_mass", added), ("linear", linear), ("quadratic", quadratic)):
+            before = getattr(self.robot, key)
+            setattr(self.robot, key, matrix if before is None else before + matrix)
+
+    def _derivatives(self, plugin: Element) -> tuple[Floats, Floats, Floats]:
+        """Return added mass, linear and quadratic damping (6, 6) at the link, magnitudes."""
+        matrices = np.zeros((3, 6, 6))
+        known = set()
+        for i, row in enumerate(ROWS):
+            for j, column in enumerate(COLUMNS):
+                square = f"{row}{column}abs{column}"
+                if not plugin.find(square):
+                    square = f"{row}{column}{column}"  # until Gazebo Garden
+                for matrix, key in zip(matrices, (f"{row}Dot{column}", f"{row}{column}", square), strict=True):
+                    known.add(key)
+                    matrix[i, j] = -plugin.number(key, 0.0)
+                    if i == j and matrix[i, j] < 0.0:
+                        self.found.assumed(
+                            f"{plugin.path}: {key} = {-matrix[i, j]:g} would drive the hull: {matrix[i, j]:g} is meant"
+                        )
+                        matrix[i, j] *= -1.0
+        for element in plugin.all("*"):
+            derivative = element.tag[:1] in ROWS and any(column in element.tag[1:] for column in COLUMNS)
+            if derivative and element.tag not in known and element.number(None) != 0.0:
+                self.found.left_out(f"{element.path} = {element.text()}")
+        return matrices[0], matrices[1], matrices[2]
+
+    def _thruster(self, plugin: Element) -> None:
+        joint = self.links.joint(plugin.text("joint_name") or "", plugin)
+        low, high = self.limits.get(joint.name, (-THRUST_N, THRUST_N))
+        low, high = plugin.number("min_thrust_cmd", low), plugin.number("max_thrust_cmd", high)
+        if not low <= 0.0 < high:
+            raise plugin.error(f"thrust from {low:g} to {high:g} N: must include 0, and some thrust ahead")
+        if joint.name not in self.limits and not plugin.find("max_thrust_cmd"):
+            self.found.assumed(f"{plugin.path}: limits of {-THRUST_N:g} and {THRUST_N:g} N, gz-sim's defaults")
+        coefficient = plugin.number("thrust_coefficient", 1.0)
+        for key in ("fluid_density", "velocity_control"):  # of the propeller's speed, which does not change the thrust
+            plugin.text(key)
+        name = plain_name(joint.name.removesuffix("_joint"), [each.name for each in self.robot.thrusters])
+        pairs = [(-1.0, low), (0.0, 0.0), (1.0, high)]
+        if plugin.text("use_angvel_cmd") in ("1", "true", "True"):
+            steps = np.linspace(-1.0, 1.0, 21)
+            pairs = [(float(x), float((high if x > 0.0 else -low) * x * abs(x))) for x in steps]
+        self._topic(plugin, f"thruster '{name}'", plugin.text("topic") or f"joint/{joint.name}/cmd_thrust")
+        self.robot.thrusters.append(
+            Thruster(
+                name,
+                self.to_base.then(joint.pose).position_m,
+                self.to_base.turn @ joint.axis,
+                pairs,
+                0.0,
+                plugin.number("propeller_diameter", DIAMETER_M),
+                abs(coefficient) * 4.0 * np.pi**2,  # gz: rho k D^4 omega^2, omega in rad/s; here by revolutions
+                clockwise=coefficient > 0.0,
+            )
+        )
+
+    def _engine(self, plugin: Element) -> None:
+        """Read a bladder: rho g (V - V_neutral), upward at its link's origin, with a limited rate of filling."""
+        at = self.to_base.then(self.links.pose(plugin.text("link_name") or "", plugin))
+        least, neutral, most, rate = (plugin.number(key, default) for key, default in BLADDER_M3.items())
+        if not least < most or not rate > 0.0:
+            raise plugin.error(f"volumes from {least:g} to {most:g} m3 at {rate:g} m3/s: must increase, at some rate")
+        weight = plugin.number("fluid_density", DENSITY_KG_M3) * GRAVITY_M_S2
+        low, high = (float(weight * (volume - neutral)) for volume in (least, most))
+        if not low < 0.0 < high:
+            raise plugin.error(f"neutral_volume = {neutral:g} m3: must be between {least:g} and {most:g} m3")
+        time_s = 0.5 * (most - least) / rate
+        name = plain_name("engine", [each.name for each in self.robot.thrusters])
+        self.found.assumed(f"{plugin.path}: its pump lags by {time_s:.3g} s, half the time of a full stroke")
+        self._topic(plugin, f"buoyancy engine '{name}'", "buoyancy_engine")
+        pairs = [(-1.0, low), (0.0, 0.0), (1.0, high)]
+        upward = np.array([0.0, 0.0, 1.0])
+        self.robot.thrusters.append(
+            Thruster(name, at.position_m, upward, pairs, time_s, DIAMETER_M, None, clockwise=True, force="buoyancy")
+        )
+
+    def _servo(self, plugin: Element) -> None:
+        """Note the controller of a joint: that of a fin is the fin's own servo."""
+        joint = self.links.joint(plugin.text("joint_name") or "", plugin)
+        if not any(is_lift_drag(_file(each)) and each.text("link_name") == joint.child for each in self.plugins):
+            self.found.dropped(plugin, f" of joint '{joint.name}': no fin is at its link; here it is fixed at zero")
+            return
+        self.found.assumed(f"{plugin.path}: the fin of joint '{joint.name}' turns at uwsim's rate, without its gains")
+        self._topic(plugin, f"fin '{joint.name}'", plugin.text("topic") or f"joint/{joint.name}/0/cmd_pos")
+        plugin.use_all()
+
+    def _topic(self, plugin: Element, what: str, topic: str) -> None:
+        """Note gz-sim's topic of commands, which a bridge to ROS 2 has mapped."""
+        space = plugin.text("namespace")
+        self.found.noted(f"topic: {what} is commanded by {f'/model/{space}/' if space else ''}{topic} in gz-sim")
+
+
+def carried(matrix: Floats, there: Pose) -> Floats:
+    """Return a 6 x 6 matrix of a link, between velocities and forces at its origin, at the frame in which its pose is.
+
+    J^T M J, where J takes velocities of that frame to those of the link (Fossen 2011, eq. 2.33 and 7.24).
+    """
+    x, y, z = there.position_m
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn = there.turn.T
+    to_link = np.block([[turn, -turn @ across], [np.zeros((3, 3)), turn]])
+    return np.asarray(to_link.T @ matrix @ to_link)
+
+
+def _is_same(pose: Pose) -> bool:
+    return not pose.position_m.any() and bool((pose.turn == np.eye(3)).all())
+
+
+def _autopilot_limits(plugin: Element) -> Iterator[tuple[str, tuple[float, float]]]:
+    """Yield the joints that ArduPilot's plugin drives by force, and their thrusts at its lowest and highest output."""
+    for control in plugin.all("control"):
+        if control.text("type") == "COMMAND" and "cmd_thrust" in (control.text("cmd_topic") or ""):
+            multiplier, offset = control.number("multiplier", 1.0), control.number("offset", 0.0)
+            low, high = sorted((multiplier * offset, multiplier * (1.0 + offset)))
+            yield control.text("jointName") or "", (low, high)
