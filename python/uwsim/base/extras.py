@@ -33,6 +33,7 @@ EXTRA_OF = {
     "foxglove": "foxglove",
     "pymavlink": "mavlink",
     "imageio_ffmpeg": "video",
+    "xacro": "robots",
     "xxhash": "unity",
     "pandas": "tables",
     "pyarrow": "tables",

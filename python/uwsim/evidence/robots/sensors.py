@@ -19,10 +19,11 @@ GZ_SENSORS = {
     "air_pressure": "pressure",
     "altimeter": "depth",
     "dvl": "dvl",
-    "navsat": "gnss",
-    "gps": "gnss",
+    "navsat": "gps",
+    "gps": "gps",
 }
 """Kinds of sensors by their types in SDF."""
+RAYS = ("gpu_lidar", "lidar", "ray", "gpu_ray")
 CAMERAS = ("camera", "depth", "depth_camera", "rgbd", "rgbd_camera", "wideanglecamera", "multicamera")
 
 
@@ -68,7 +69,9 @@ def put_gz_sensor(robot: Robot, found: Found, sensor: Element, at: Pose) -> None
             else (camera.number("image/width", 320.0), camera.number("image/height", 240.0))
         )
         put_camera(robot, sensor.name, at, float(np.degrees(angle)), (int(width), int(height)))
-    elif kind in ("gpu_lidar", "lidar", "ray", "gpu_ray"):
+    elif kind in RAYS and "dvl" in sensor.name:
+        found.dropped(sensor, ": a beam of the DVL, which has its own here")
+    elif kind in RAYS:
         robot.sonar = at.position_m.tolist()
         found.assumed(f"{sensor.path}: its place is the multibeam's mount")
     elif kind in GZ_SENSORS or (kind == "custom" and "dvl" in (sensor.attribute("gz:type") or sensor.name)):

@@ -6,27 +6,34 @@ Sources: ROS, "URDF XML specification"; UUV Simulator, documentation and sources
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 
+from uwsim.base.extras import need_extra
 from uwsim.evidence.robots import shapes
 from uwsim.evidence.robots.links import Joint, Links, inertia
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, plain_name
 from uwsim.evidence.robots.sensors import put_gz_sensor
 from uwsim.evidence.robots.systems import put_plugins
 from uwsim.evidence.robots.uuv_plugins import DENSITY_KG_M3
+from uwsim.evidence.robots.xacro_process import package_folder
 from uwsim.evidence.robots.xml_file import HERE, Element, Pose, read_xml
+from uwsim.scenario.read.limited import run_limited
+
+XACRO = b"www.ros.org/wiki/xacro"
+"""In a document with macros."""
+EXPANDER = Path(__file__).with_name("xacro_process.py")
+MEMORY_BYTES, CPU_S = 1_000_000_000, 20
 
 
 def read_urdf(path: Path, found: Found | None = None) -> Found:
     """Return the vehicle of a URDF file, in `found` if given. Raises ValueError or OSError."""
-    root = read_xml(path)
+    found = found or Found("")
+    root = _document(path, found)
     if root.tag != "robot":
         raise root.error("must be <robot>")
-    if b"xacro:" in path.read_bytes() and any("xacro" in child.tag for child in root.all("*")):
-        raise root.error("has xacro's macros: expand them first, with `xacro FILE > out.urdf`")
-    found = found or Found("")
     found.name, found.density_kg_m3 = plain_name(root.name), DENSITY_KG_M3
     links = _links(root, path, found)
     base = links.base()
@@ -46,6 +53,29 @@ def read_urdf(path: Path, found: Found | None = None) -> Found:
         found.assumed("the collision shapes displace water: no plugin states a volume")
     found.note_unused(root)
     return found
+
+
+def _document(path: Path, found: Found) -> Element:
+    """Return the root of a file, after xacro's macros if it has any."""
+    root = read_xml(path)
+    if XACRO not in path.read_bytes():
+        if found.given.arguments:
+            raise ValueError(f"'{path}': has no macros, for which --arg could state a value")
+        return root
+    need_extra("xacro", "robots", f"'{path}': xacro")
+    given = [f"{name}={value}" for name, value in found.given.arguments.items()]
+    try:
+        content = run_limited(EXPANDER, "xacro", str(path), *given, memory_bytes=MEMORY_BYTES, cpu_s=CPU_S)
+    except ValueError as error:
+        rule = str(error)
+        if lacking := re.search(r"Undefined substitution argument (\w+)", rule):
+            rule = f"argument {lacking[1]} has no value: state it by --arg {lacking[1]}=VALUE"
+        elif lost := re.search(r"package://(\w+)", rule):
+            rule = (
+                f"package '{lost[1]}' is neither around the file nor in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH: {rule}"
+            )
+        raise ValueError(f"'{path}': {rule}") from None
+    return read_xml(path, content=content)
 
 
 def _links(root: Element, path: Path, found: Found) -> Links:
@@ -133,4 +163,6 @@ def _mesh_file(address: str, path: Path) -> Path | None:
     for folder in [path.resolve().parent, *path.resolve().parents]:
         if (file := folder / rest).is_file():
             return file
-    return None
+    package, _, within = rest.partition("/")
+    found = package_folder(package, path) if scheme in ("package", "model") else None
+    return found / within if found is not None and (found / within).is_file() else None

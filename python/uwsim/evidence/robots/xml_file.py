@@ -187,18 +187,20 @@ class Element:
         return Pose(np.zeros(3) if position is None else position, np.eye(3) if angles is None else turned(*angles))
 
 
-def read_xml(path: Path, expand: Callable[[str], str] | None = None) -> Element:
+def read_xml(path: Path, expand: Callable[[str], str] | None = None, content: bytes | None = None) -> Element:
     """Return the root of an XML file. Entities of its own, which may expand without bound, are refused.
 
     Prefixes such as gz: are parts of names, as simulators read them, and need not be declared. expand: applied to the
-    value of each attribute. Raises ValueError for what is not XML, is too large or too deep, and OSError.
+    value of each attribute. content: in place of the file's own, such as after its macros. Raises ValueError for what
+    is not XML, is too large or too deep, and OSError.
     """
     if path.exists() and not path.is_file():  # a pipe or a device may never end
         raise ValueError(f"'{path}': must be a regular file")
-    with path.open("rb") as file:
-        content = file.read(BYTES_MAX + 1)
+    if content is None:
+        with path.open("rb") as file:
+            content = file.read(BYTES_MAX + 1)
     if len(content) > BYTES_MAX:
-        raise ValueError(f"'{path}': has {path.stat().st_size} bytes: must have at most {BYTES_MAX}")
+        raise ValueError(f"'{path}': has {max(path.stat().st_size, len(content))} bytes: must have at most {BYTES_MAX}")
     builder, parser, depth = ElementTree.TreeBuilder(), expat.ParserCreate(), 0
 
     def start(tag: str, attributes: dict[str, str]) -> None:

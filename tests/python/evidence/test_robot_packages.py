@@ -1,0 +1,122 @@
+"""A robot's description in a ROS package: macros of xacro, arguments, packages beside it, and gz-sim's systems."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from command_line import uwsim as command
+from uwsim.evidence.robots.robot import Found, Given
+from uwsim.evidence.robots.sdf import read_sdf
+from uwsim.evidence.robots.urdf import read_urdf
+from uwsim.evidence.robots.xacro_process import package_folder
+
+DATA = Path(__file__).parents[1] / "data" / "robots"
+FIELD = Path(__file__).parents[4] / "shared" / "field" / "robots"
+PACKAGE = "<package><name>{}</name></package>"
+TOP = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="sled"><xacro:arg name="side" default="1.2"/>
+  <xacro:include filename="$(find parts)/screw.xacro"/>
+  <link name="base"><inertial><mass value="$(arg mass)"/><inertia ixx="20" ixy="0" ixz="0" iyy="40" iyz="0" izz="50"/>
+    </inertial><collision><geometry><box size="$(arg side) ${2*0.4} 0.25"/></geometry></collision></link>
+  <xacro:screw name="port" y="0.2"/><xacro:screw name="star" y="-0.2"/></robot>"""
+SCREW = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="screw" params="name y">
+  <link name="${name}"/><joint name="${name}_joint" type="continuous"><origin xyz="-0.6 ${y} 0"/><axis xyz="1 0 0"/>
+    <parent link="base"/>
+    <child link="${name}"/></joint>
+  <gazebo><plugin filename="gz-sim-thruster-system" name="gz::sim::systems::Thruster"><namespace>sled</namespace>
+    <joint_name>${name}_joint</joint_name><max_thrust_cmd>30</max_thrust_cmd><min_thrust_cmd>-20</min_thrust_cmd>
+    </plugin></gazebo></xacro:macro></robot>"""
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Path:
+    """Return a description whose macros are in another package of the same checkout, under another folder's name."""
+    for folder, name, file, text in (
+        ("robots/sled/urdf", "sled_description", "sled.urdf.xacro", TOP),
+        ("common/pieces", "parts", "screw.xacro", SCREW),
+    ):
+        (tmp_path / "ws" / folder).mkdir(parents=True)
+        (tmp_path / "ws" / folder / file).write_text(text)
+        root = tmp_path / "ws" / ("robots/sled" if name == "sled_description" else folder)
+        (root / "package.xml").write_text(PACKAGE.format(name))
+    return tmp_path / "ws" / "robots" / "sled" / "urdf" / "sled.urdf.xacro"
+
+
+def test_packages_are_found_by_their_manifests(workspace: Path, tmp_path: Path) -> None:
+    assert package_folder("parts", workspace) == tmp_path / "ws" / "common" / "pieces"
+    assert package_folder("sled_description", workspace) == workspace.parents[1]
+    assert package_folder("absent", workspace) is None
+
+
+def test_macros_are_expanded_with_the_arguments_given(workspace: Path) -> None:
+    pytest.importorskip("xacro", reason="the extra robots")
+    (robot,) = read_urdf(workspace, Found("", Given({"mass": "250"}))).robots
+    assert robot.whole().mass_kg == 250.0
+    np.testing.assert_allclose([each.position_m for each in robot.thrusters], [[-0.6, 0.2, 0.0], [-0.6, -0.2, 0.0]])
+    assert [dict(each.thrust_n)[1.0] for each in robot.thrusters] == [30.0, 30.0]
+    assert np.ptp(robot.solids[0][0], axis=0) == pytest.approx([1.2, 0.8, 0.25])
+    with pytest.raises(ValueError, match="argument mass has no value: state it by --arg mass=VALUE"):
+        read_urdf(workspace)
+    workspace.write_text(TOP.replace("$(find parts)", "$(find lost)"))
+    with pytest.raises(ValueError, match="package 'lost' is neither around the file nor in ROS_PACKAGE_PATH"):
+        read_urdf(workspace, Found("", Given({"mass": "250"})))
+    workspace.write_text(TOP.replace("2*0.4", "[0]*10**12"))
+    with pytest.raises(ValueError, match=r"sled\.urdf\.xacro"):
+        read_urdf(workspace, Found("", Given({"mass": "250"})))
+
+
+@pytest.mark.parametrize("argument, words", [("mass", "must be NAME=VALUE"), ("=1", "must be NAME=VALUE")])
+def test_an_argument_has_a_name_and_a_value(argument: str, words: str, workspace: Path, tmp_path: Path) -> None:
+    done = command("scenario", "from", workspace, "--arg", argument, "--out", tmp_path / "out")
+    assert done.returncode == 2 and words in done.stderr and not (tmp_path / "out").exists()
+
+
+def test_gz_sim_s_systems_are_the_same_in_urdf(tmp_path: Path) -> None:
+    """The vehicle of glider.sdf, its plugins within <gazebo>; gz-sim converts a URDF to SDF in this way."""
+    sdf = read_sdf(DATA / "glider.sdf").robots[0]
+    plugins = re.findall("<plugin.*?</plugin>", (DATA / "glider.sdf").read_text(), re.DOTALL)
+    within = "".join(f"<gazebo>{plugin}</gazebo>" for plugin in plugins)
+    links = "".join(
+        f"""<link name="{side}"/><joint name="{side}_joint" type="continuous"><origin xyz="{" ".join(map(str, at))}"/>
+          <axis xyz="1 0 0"/><parent link="base"/><child link="{side}"/></joint>"""
+        for side, at in (("port", sdf.thrusters[0].position_m), ("starboard", sdf.thrusters[1].position_m))
+    )
+    (tmp_path / "glider.urdf").write_text(
+        f"""<robot name="glider"><link name="base"><inertial><mass value="100"/><inertia ixx="9" ixy="0" ixz="0" iyy="9"
+          iyz="0" izz="9"/></inertial><collision><geometry><box size="2 0.25 0.2"/></geometry></collision></link>
+          {links}{within}</robot>"""
+    )
+    urdf = read_urdf(tmp_path / "glider.urdf").robots[0]
+    for key in ("added_mass", "linear", "quadratic"):
+        np.testing.assert_array_equal(getattr(urdf, key), getattr(sdf, key))
+    for ours, theirs in zip(urdf.thrusters, sdf.thrusters, strict=True):
+        assert ours.thrust_n == theirs.thrust_n
+        np.testing.assert_allclose(ours.position_m, theirs.position_m)
+
+
+def test_a_buoyancy_engine_is_one(tmp_path: Path) -> None:
+    """gz-sim's BuoyancyEngine: rho g (V - V_neutral), by command from its least volume to its most."""
+    engine = """<gazebo><plugin filename="gz-sim-buoyancy-engine-system" name="gz::sim::systems::BuoyancyEngine">
+      <link_name>base</link_name><min_volume>0.0001</min_volume><neutral_volume>0.0005</neutral_volume>
+      <max_volume>0.0010</max_volume><max_inflation_rate>0.00001</max_inflation_rate></plugin></gazebo></robot>"""
+    (tmp_path / "a.urdf").write_text((DATA / "sled.urdf").read_text().replace("</robot>", engine))
+    found = read_urdf(tmp_path / "a.urdf")
+    (_, pump) = found.robots[0].thrusters
+    assert dict(pump.thrust_n) == pytest.approx({-1.0: -0.4 * 9.80665, 0.0: 0.0, 1.0: 0.5 * 9.80665})
+    assert pump.force == "buoyancy" and pump.time_constant_s == pytest.approx(45.0)
+    assert any("its pump lags by 45 s" in note for note in found.notes)
+
+
+@pytest.mark.skipif(not FIELD.is_dir(), reason="files of the field, which are not part of the project")
+def test_files_of_the_field_have_the_values_that_are_known_without_uwsim() -> None:
+    (gz,) = read_urdf(FIELD / "gz_systems.urdf").robots
+    np.testing.assert_allclose([each.position_m for each in gz.thrusters], [[-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]])
+    assert [dict(each.thrust_n)[1.0] for each in gz.thrusters] == [30.0, 30.0]
+    np.testing.assert_array_equal(np.diagonal(gz.added_mass)[:3], [5.0, 8.0, 10.0])
+    np.testing.assert_array_equal(np.diagonal(gz.quadratic)[:3], [30.0, 40.0, 60.0])
+    (right,), (odd,) = (read_sdf(FIELD / f"sdf_{name}.sdf").robots for name in ("ok", "second_hydro_zero"))
+    np.testing.assert_array_equal(odd.quadratic, right.quadratic)
+    (right,), (odd,) = (read_urdf(FIELD / f"uuv_{name}.urdf").robots for name in ("ok", "clamps_swapped"))
+    assert [each.thrust_n for each in odd.thrusters] == [each.thrust_n for each in right.thrusters]
+    assert not read_urdf(FIELD / "uuv_no_clamp.urdf").robots[0].thrusters
