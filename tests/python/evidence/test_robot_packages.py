@@ -6,11 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import uwsim
 from command_line import uwsim as command
 from uwsim.evidence.robots.robot import Found, Given
 from uwsim.evidence.robots.sdf import read_sdf
 from uwsim.evidence.robots.urdf import read_urdf
 from uwsim.evidence.robots.xacro_process import package_folder
+from uwsim.missions.lawn_mower_needs import ALTIMETER, SONAR, missing_for_lanes
 
 DATA = Path(__file__).parents[1] / "data" / "robots"
 FIELD = Path(__file__).parents[4] / "shared" / "field" / "robots"
@@ -120,3 +122,24 @@ def test_files_of_the_field_have_the_values_that_are_known_without_uwsim() -> No
     (right,), (odd,) = (read_urdf(FIELD / f"uuv_{name}.urdf").robots for name in ("ok", "clamps_swapped"))
     assert [each.thrust_n for each in odd.thrusters] == [each.thrust_n for each in right.thrusters]
     assert not read_urdf(FIELD / "uuv_no_clamp.urdf").robots[0].thrusters
+
+
+def test_a_checkout_is_enough_and_a_survey_s_outfit_is_added_on_demand(workspace: Path, tmp_path: Path) -> None:
+    """The likeliest description is taken, and the others are named; a vehicle is ready for a survey by an option."""
+    broken = workspace.with_name("test.urdf")
+    broken.write_text('<robot name="a"><plugin filename="thruster"/></robot>')
+    workspace.with_name("sled.urdf").write_text((DATA / "sled.urdf").read_text())
+    launch = workspace.parents[1] / "launch" / "all.launch"
+    launch.parent.mkdir()
+    launch.write_text('<launch><param command="xacro $(find sled)/urdf/test.urdf sled.urdf.xacro mass:=1"/></launch>')
+    out = tmp_path / "out"
+    pytest.importorskip("xacro", reason="the extra robots")
+    done = command("scenario", "from", tmp_path / "ws", "--arg", "mass=250", "--out", out)
+    assert done.returncode == 0, done.stderr
+    assert "read: robots/sled/urdf/sled.urdf.xacro, the likeliest" in done.stdout
+    assert "refused: " in done.stdout and "test.urdf" in done.stdout and "sled.urdf" in done.stdout
+    assert "lacks a multibeam and an altimeter: --outfit survey adds it" in done.stdout
+    fitted = command("scenario", "from", workspace, "--arg", "mass=250", "--out", tmp_path / "b", "--outfit", "survey")
+    assert fitted.returncode == 0, fitted.stderr
+    sim = uwsim.Simulator(tmp_path / "b" / "sled_water.yaml")
+    assert not missing_for_lanes(sim.rov).keys() & {SONAR, ALTIMETER}

@@ -11,7 +11,7 @@ from uwsim.cli.bounds import within
 
 
 def scenario_from(
-    source: Annotated[Path, typer.Argument(help="A file, or the checkout of the Unity project.")],
+    source: Annotated[Path, typer.Argument(help="A file, or a checkout: of a robot, or of the Unity project.")],
     size: Annotated[
         float | None,
         typer.Option(help="A chart: the largest edge [m]. Default: 500.", callback=within(5, 20_000, "m")),
@@ -52,6 +52,10 @@ def scenario_from(
         Path | None,
         typer.Option(help="Stonefish: the folder of its resources. Default: looked for above the file."),
     ] = None,
+    outfit: Annotated[
+        Literal["survey"] | None,
+        typer.Option(help="A robot: give it what a survey needs and it lacks, a multibeam and an altimeter."),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(help="A chart: the YAML file to write. Others: the folder. Default: the source's own name."),
@@ -71,7 +75,7 @@ def scenario_from(
     found = source_of(source)
     options = {
         "size": size, "centre": centre, "water_level": water_level, "unit": unit, "nodata": nodata, "scene": scene,
-        "terrain": terrain, "arguments": arguments and _arguments(arguments), "data": data,
+        "terrain": terrain, "arguments": arguments and _arguments(arguments), "data": data, "outfit": outfit,
     }  # fmt: skip
     given = {key: value for key, value in options.items() if value is not None}
     for key in given.keys() - {*found.options}:

@@ -7,11 +7,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from uwsim.evidence.robots.checkout import descriptions, is_checkout
 from uwsim.evidence.robots.robot import Found, Given, plain_name
 from uwsim.evidence.scenario_source import Made, NotMadeError, ScenarioSource
 
 HEAD = 4096
 """Bytes in which the root element of a description is looked for."""
+TRIED = 20
+"""Descriptions of a checkout that are tried."""
 
 
 def _xml(suffixes: tuple[str, ...], root: bytes) -> Callable[[Path], bool]:
@@ -45,9 +48,35 @@ def _make(module: str, function: str) -> Callable[[Path, Path | None, Mapping[st
     return make
 
 
-SDF = ScenarioSource("an SDF file", _xml((".sdf", ".world"), b"sdf"), _make("sdf", "read_sdf"))
-URDF = ScenarioSource("a URDF file", _xml((".urdf", ".xacro"), b"robot"), _make("urdf", "read_urdf"), ("arguments",))
+def _from_checkout(folder: Path, out: Path | None, given: Mapping[str, Any]) -> Made:
+    """Make the scenario of the likeliest description that is a vehicle, and name the others."""
+    files = descriptions(folder)
+    refused: list[str] = []
+    for file in files[:TRIED]:
+        source = next(each for each in (SDF, URDF, STONEFISH) if each.accepts(file))
+        try:
+            made = source.make(file, out, {key: given[key] for key in given.keys() & {*source.options}})
+        except (ValueError, OSError) as error:
+            refused.append(f"refused: {error}")
+            continue
+        others = [str(each.relative_to(folder)) for each in files if each != file]
+        beside = f"; others: {', '.join(others)}" if others else ""
+        return Made(made.path, [f"read: {file.relative_to(folder)}, the likeliest{beside}", *refused, *made.notes])
+    raise NotMadeError(f"'{folder}': none of its {len(files)} descriptions of robots can be converted", refused)
+
+
+ROBOT_OPTIONS = ("outfit",)
+SDF = ScenarioSource("an SDF file", _xml((".sdf", ".world"), b"sdf"), _make("sdf", "read_sdf"), ROBOT_OPTIONS)
+URDF = ScenarioSource(
+    "a URDF file", _xml((".urdf", ".xacro"), b"robot"), _make("urdf", "read_urdf"), ("arguments", *ROBOT_OPTIONS)
+)
 STONEFISH = ScenarioSource(
-    "a Stonefish .scn file", _xml((".scn",), b"scenario"), _make("stonefish", "read_stonefish"), ("arguments", "data")
+    "a Stonefish .scn file",
+    _xml((".scn",), b"scenario"),
+    _make("stonefish", "read_stonefish"),
+    ("arguments", "data", *ROBOT_OPTIONS),
 )
 HOLOOCEAN = ScenarioSource("a HoloOcean scenario (.json)", _json, _make("holoocean", "read_holoocean"))
+CHECKOUT = ScenarioSource(
+    "a folder with the description of a robot", is_checkout, _from_checkout, ("arguments", "data", *ROBOT_OPTIONS)
+)

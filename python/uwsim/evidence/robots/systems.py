@@ -21,6 +21,8 @@ from uwsim.evidence.robots.xml_file import Element, Floats, Pose
 ROWS, COLUMNS = "xyzkmn", "UVWPQR"
 THRUST_N, DIAMETER_M = 1000.0, 0.02
 """gz-sim's defaults of Thruster's limits and propeller."""
+BOLLARD = (1e-3, 10.0)
+"""Coefficients that a vehicle's file may have."""
 BLADDER_M3 = {"min_volume": 3e-5, "neutral_volume": 3e-4, "max_volume": 9.9e-4, "max_inflation_rate": 3e-6}
 DENSITY_KG_M3, GRAVITY_M_S2 = 1000.0, 9.80665
 """gz-sim's defaults of BuoyancyEngine, but for gravity."""
@@ -175,10 +177,20 @@ class _Reader:
                 pairs,
                 0.0,
                 plugin.number("propeller_diameter", DIAMETER_M),
-                abs(coefficient) * 4.0 * np.pi**2,  # gz: rho k D^4 omega^2, omega in rad/s; here by revolutions
+                self._bollard(plugin, coefficient),
                 clockwise=coefficient > 0.0,
             )
         )
+
+    def _bollard(self, plugin: Element, coefficient: float) -> float | None:
+        """Return T / (rho n^2 D^4), n in revolutions, of gz-sim's T / (rho omega^2 D^4), if it is a propeller's."""
+        found = abs(coefficient) * 4.0 * np.pi**2
+        if BOLLARD[0] <= found <= BOLLARD[1]:
+            return found
+        self.found.left_out(
+            f"{plugin.path}: thrust_coefficient = {coefficient:g}: no propeller has it; thrust is stated"
+        )
+        return None
 
     def _engine(self, plugin: Element) -> None:
         """Read a bladder: rho g (V - V_neutral), upward at its link's origin, with a limited rate of filling."""

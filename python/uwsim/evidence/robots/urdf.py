@@ -60,7 +60,7 @@ def _document(path: Path, found: Found) -> Element:
     root = read_xml(path)
     if XACRO not in path.read_bytes():
         if found.given.arguments:
-            raise ValueError(f"'{path}': has no macros, for which --arg could state a value")
+            found.left_out("--arg: the file has no macros, which could take a value")
         return root
     need_extra("xacro", "robots", f"'{path}': xacro")
     given = [f"{name}={value}" for name, value in found.given.arguments.items()]

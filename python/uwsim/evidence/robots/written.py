@@ -17,6 +17,7 @@ from uwsim.base.texts.yaml_document import yaml_document
 from uwsim.evidence.robots.robot import Fin, Found, Mesh, Robot, Thruster, plain_name, unlike_zero
 from uwsim.evidence.robots.shapes import closed, joined, volume_and_centre
 from uwsim.evidence.robots.xml_file import Floats, Pose, yaw_pitch_roll_deg
+from uwsim.evidence.scenario_check.remedy import ALTITUDE as ALTIMETER
 from uwsim.evidence.vehicle.draft import drafted
 from uwsim.scenario.dump import yaml_text
 from uwsim.simulator.simulator import Simulator
@@ -32,6 +33,8 @@ BEYOND = 1.1
 STRAIGHT = 1e-3
 """Smaller components of a thruster's axis are errors of angles that a file states to three digits, such as 1.571.
 As levers, they would let an allocation balance a moment by far more thrust than there is."""
+ALTIMETER_M = 100.0
+"""Range of an altimeter that is added, as that of a Ping."""
 STATES = ("added_mass", "linear", "quadratic")
 KEYS = {"added_mass": "added_mass", "linear": "linear_damping", "quadratic": "quadratic_damping"}
 
@@ -187,12 +190,34 @@ def _vehicle(robot: Robot, found: Found) -> tuple[Mesh, dict[str, Any], Floats]:
             raise ValueError(f"vehicle '{robot.name}': has fins, but no density of the water is stated")
         own = {each.name: _fin(each, origin, found.density_kg_m3) for each in robot.fins}
         values["fins"] = values.get("fins", {}) | own
+    _outfit(robot, found, hull[0] + origin)
     for key in ("sensors", "cameras", "imaging_sonars"):
         if parts := getattr(robot, key):
             values[key] = {name: _moved(part, origin) for name, part in parts.items()}
     if robot.sonar is not None:
         values["sonar"] = {"position_m": _row(np.array(robot.sonar) - origin)}
     return hull, values, origin
+
+
+def _outfit(robot: Robot, found: Found, vertices: Floats) -> None:
+    """Add what a vehicle lacks to fly a survey, under its hull, or note the option that adds it."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    lacks = {
+        "a multibeam": robot.sonar is None,
+        "an altimeter": not any(sensor["kind"] == "altitude" for sensor in robot.sensors.values()),
+    }
+    what = " and ".join(name for name, is_absent in lacks.items() if is_absent)
+    if not what:
+        return
+    if found.given.outfit is None:
+        found.noted(f"for a survey, vehicle '{robot.name}' lacks {what}: --outfit survey adds it")
+        return
+    found.assumed(f"vehicle '{robot.name}': {what} under its hull, by --outfit survey")
+    if robot.sonar is None:
+        robot.sonar = [0.9 * float(high[0]), 0.0, float(low[2])]
+    if lacks["an altimeter"]:
+        name = plain_name("altitude", robot.sensors)
+        robot.sensors[name] = ALTIMETER | {"position_m": [0.0, 0.0, float(low[2])], "range_max_m": ALTIMETER_M}
 
 
 def _hull(robot: Robot, found: Found) -> tuple[Mesh, Floats]:
