@@ -63,6 +63,14 @@ def test_macros_are_expanded_with_the_arguments_given(workspace: Path) -> None:
     workspace.write_text(TOP.replace("$(find parts)", "$(find lost)"))
     with pytest.raises(ValueError, match="package 'lost' is neither around the file nor in ROS_PACKAGE_PATH"):
         read_urdf(workspace, Found("", Given({"mass": "250"})))
+    switch = (
+        '<xacro:arg name="use_sim" default="false"/><xacro:if value="$(arg use_sim)"><xacro:screw name="port" y="0.2"/>'
+    )
+    off = TOP.replace('<xacro:screw name="port" y="0.2"/><xacro:screw name="star" y="-0.2"/>', f"{switch}</xacro:if>")
+    workspace.write_text(off)
+    switched = read_urdf(workspace, Found("", Given({"mass": "250"})))
+    assert len(switched.robots[0].thrusters) == 1
+    assert any(note.startswith("assumed: --arg use_sim=true") for note in switched.notes)
     workspace.write_text(TOP.replace("2*0.4", "[0]*10**12"))
     with pytest.raises(ValueError, match=r"sled\.urdf\.xacro"):
         read_urdf(workspace, Found("", Given({"mass": "250"})))
@@ -126,18 +134,18 @@ def test_files_of_the_field_have_the_values_that_are_known_without_uwsim() -> No
 
 def test_a_checkout_is_enough_and_a_survey_s_outfit_is_added_on_demand(workspace: Path, tmp_path: Path) -> None:
     """The likeliest description is taken, and the others are named; a vehicle is ready for a survey by an option."""
-    broken = workspace.with_name("test.urdf")
+    broken = workspace.with_name("zed.urdf")
     broken.write_text('<robot name="a"><plugin filename="thruster"/></robot>')
     workspace.with_name("sled.urdf").write_text((DATA / "sled.urdf").read_text())
     launch = workspace.parents[1] / "launch" / "all.launch"
     launch.parent.mkdir()
-    launch.write_text('<launch><param command="xacro $(find sled)/urdf/test.urdf sled.urdf.xacro mass:=1"/></launch>')
+    launch.write_text('<launch><param command="xacro $(find sled)/urdf/zed.urdf sled.urdf.xacro mass:=1"/></launch>')
     out = tmp_path / "out"
     pytest.importorskip("xacro", reason="the extra robots")
     done = command("scenario", "from", tmp_path / "ws", "--arg", "mass=250", "--out", out)
     assert done.returncode == 0, done.stderr
     assert "read: robots/sled/urdf/sled.urdf.xacro, the likeliest" in done.stdout
-    assert "refused: " in done.stdout and "test.urdf" in done.stdout and "sled.urdf" in done.stdout
+    assert "refused: " in done.stdout and "zed.urdf" in done.stdout and "sled.urdf" in done.stdout
     assert "lacks a multibeam and an altimeter: --outfit survey adds it" in done.stdout
     fitted = command("scenario", "from", workspace, "--arg", "mass=250", "--out", tmp_path / "b", "--outfit", "survey")
     assert fitted.returncode == 0, fitted.stderr

@@ -408,9 +408,10 @@ def test_mistakes_are_one_line_after_what_was_found_and_write_nothing(
     done = command("scenario", "from", tmp_path / name, "--out", tmp_path / "out")
     *found, last = done.stderr.splitlines()
     assert done.returncode != 0 and last.startswith("uwsim: error: ") and words in done.stderr
-    assert all(line.startswith(("read: ", "left out: ", "assumed: ", "topic: ", "for a survey, ")) for line in found), (
-        found
-    )
+    assert all(
+        line.startswith(("read: ", "left out: ", "assumed: ", "topic: ", "for a survey, ", "arguments: "))
+        for line in found
+    ), found
     assert not (tmp_path / "out").exists()
 
 

@@ -7,6 +7,7 @@ Sources: ROS, "URDF XML specification"; UUV Simulator, documentation and sources
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -22,8 +23,10 @@ from uwsim.evidence.robots.xacro_process import package_folder
 from uwsim.evidence.robots.xml_file import HERE, Element, Pose, read_xml
 from uwsim.scenario.read.limited import run_limited
 
-XACRO = b"www.ros.org/wiki/xacro"
+XACRO = b"ros.org/wiki/xacro"
 """In a document with macros."""
+SWITCH = re.compile("sim|gazebo|gz|hydro|plugin", re.IGNORECASE)
+"""Arguments that switch a simulator's plugins on."""
 EXPANDER = Path(__file__).with_name("xacro_process.py")
 MEMORY_BYTES, CPU_S = 1_000_000_000, 20
 
@@ -63,9 +66,22 @@ def _document(path: Path, found: Found) -> Element:
             found.left_out("--arg: the file has no macros, which could take a value")
         return root
     need_extra("xacro", "robots", f"'{path}': xacro")
-    given = [f"{name}={value}" for name, value in found.given.arguments.items()]
+    stated = {each.name: each.attribute("default") or "" for each in root.all("xacro:arg")}
+    if stated:
+        found.noted(f"arguments: {', '.join(f'{key}={value}' for key, value in stated.items())}; --arg states another")
+    content = _expanded(path, found.given.arguments)
+    switches = [key for key in stated if SWITCH.search(key) and stated[key].lower() in ("false", "0")]
+    off = {key: "true" for key in switches if key not in found.given.arguments}
+    if off and b"<plugin" not in content:
+        found.assumed(f"{', '.join(f'--arg {key}=true' for key in off)}: without it, no plugin is in the description")
+        content = _expanded(path, {**off, **found.given.arguments})
+    return read_xml(path, content=content)
+
+
+def _expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
+    given = [f"{name}={value}" for name, value in arguments.items()]
     try:
-        content = run_limited(EXPANDER, "xacro", str(path), *given, memory_bytes=MEMORY_BYTES, cpu_s=CPU_S)
+        return run_limited(EXPANDER, "xacro", str(path), *given, memory_bytes=MEMORY_BYTES, cpu_s=CPU_S)
     except ValueError as error:
         rule = str(error)
         if lacking := re.search(r"Undefined substitution argument (\w+)", rule):
@@ -75,7 +91,6 @@ def _document(path: Path, found: Found) -> Element:
                 f"package '{lost[1]}' is neither around the file nor in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH: {rule}"
             )
         raise ValueError(f"'{path}': {rule}") from None
-    return read_xml(path, content=content)
 
 
 def _links(root: Element, path: Path, found: Found) -> Links:
