@@ -17,8 +17,7 @@ from uwsim.evidence.robots import shapes
 from uwsim.evidence.robots.links import Joint, Links, inertia
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, plain_name
 from uwsim.evidence.robots.sensors import put_gz_sensor
-from uwsim.evidence.robots.systems import put_plugins
-from uwsim.evidence.robots.uuv_plugins import DENSITY_KG_M3
+from uwsim.evidence.robots.systems import DENSITY_KG_M3, put_plugins
 from uwsim.evidence.robots.xacro_process import package_folder
 from uwsim.evidence.robots.xml_file import HERE, Element, Pose, read_xml
 from uwsim.scenario.read.limited import run_limited
@@ -37,7 +36,7 @@ def read_urdf(path: Path, found: Found | None = None) -> Found:
     root = _document(path, found)
     if root.tag != "robot":
         raise root.error("must be <robot>")
-    found.name, found.density_kg_m3 = plain_name(root.name), DENSITY_KG_M3
+    found.name = plain_name(root.name)
     links = _links(root, path, found)
     base = links.base()
     robot = Robot(plain_name(root.name), Pose(np.array([0.0, 0.0, -2.0]), np.eye(3)))
@@ -54,6 +53,9 @@ def read_urdf(path: Path, found: Found | None = None) -> Found:
                 put_gz_sensor(robot, found, sensor, to_base.then(links.pose(link, extension)).then(sensor.pose()))
     if robot.volume_m3 is None:
         found.assumed("the collision shapes displace water: no plugin states a volume")
+    if found.density_kg_m3 is None:
+        found.density_kg_m3 = DENSITY_KG_M3
+        found.assumed(f"water of {DENSITY_KG_M3:g} kg/m3, gz-sim's default, which its world may state otherwise")
     found.note_unused(root)
     return found
 
