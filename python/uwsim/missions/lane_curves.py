@@ -26,16 +26,23 @@ GRACE_S = 60.0
 ENTERED_M, ENTERED_RAD = 1.5, math.radians(60.0)  # how far from its line, and turned from it, a lane is entered
 MOST_DRIFT_RAD = math.radians(40.0)
 UNDER_WAY_M_S, TURNING_RAD_S = 0.2, 0.2
+MOST_SLIP = math.tan(math.radians(30.0))  # sideways in parts of ahead; a blunt hull without sway slips on in its turns
 
+SLIP_AHEAD_S, LEAD, DRIFT_S = 12.0, 2.0, 20.0
+"""For a hull that slips: how far ahead, in time, it aims along a lane, as its course follows its heading after seconds;
+how much farther it turns than its course has to; and the time over which its drift is averaged."""
 
-Ended = Literal["entered", "missed", "blocked"]
+Ended = Literal["entered", "missed", "blocked", "slipped"]
 
 
 class LaneCurves:
-    """Flies the curves of a survey. ahead_m: the distance ahead, on its path, to the point that the vehicle aims at."""
+    """Flies the curves of a survey. ahead_m: the distance ahead, on its path, to the point that the vehicle aims at.
 
-    def __init__(self, lookout: Lookout, clock: Watch, speed_m_s: float) -> None:
-        self._lookout, self._clock, self._speed_m_s = lookout, clock, speed_m_s
+    hovers: whether the vehicle could stop and turn instead, so that a curve ends where it slips.
+    """
+
+    def __init__(self, lookout: Lookout, clock: Watch, speed_m_s: float, *, hovers: bool) -> None:
+        self._lookout, self._clock, self._speed_m_s, self._hovers = lookout, clock, speed_m_s, hovers
         self.ahead_m = 1.5 + 1.5 * speed_m_s
 
     def onto(self, lane: Lane, entry_m: NDArray[np.float64], start: LegStart, state: MowerState) -> Steps[Ended]:
@@ -55,6 +62,8 @@ class LaneCurves:
                 break
             if self._lookout.shoals.blocks(here, aim):
                 return "blocked"
+            if self._hovers and slips(self._lookout.vehicle):
+                return "slipped"
             if path.off_m > self.ahead_m:
                 state.radius_m *= WIDER
                 return "missed"
@@ -80,6 +89,27 @@ class LaneCurves:
         course_rad, speed = math.atan2(aim_m[1] - y, aim_m[0] - x), self._speed_m_s
         velocity = (speed * math.cos(course_rad), speed * math.sin(course_rad))
         yield from self._lookout.steer(heading_for(course_rad, self._lookout.vehicle), velocity)
+
+    def hold(self, lane: Lane, state: MowerState) -> Steps[None]:
+        """Fly along a lane for one control period with a hull that slips.
+
+        Its course lags behind its heading by the time in which the slip dies down, so that turning against the drift of
+        the moment, as `make_for` does, would swing it from side to side. It leads the course instead, as far as that is
+        off, and turns against a current's drift, the mean of some seconds.
+        """
+        vehicle, (x, y) = self._lookout.vehicle, self._here()
+        along_m = lane.locate(np.array((x, y)))[0]
+        aim_x, aim_y = lane.point(along_m + SLIP_AHEAD_S * self._speed_m_s)
+        course_rad, yaw_rad = math.atan2(aim_y - y, aim_x - x), float(vehicle.pose.yaw_rad)
+        surge_m_s, sway_m_s, _ = vehicle.velocity.linear_body_m_s
+        off_rad = 0.0
+        if surge_m_s > UNDER_WAY_M_S:
+            drift_rad = math.atan2(sway_m_s, surge_m_s)
+            state.drift_rad += self._lookout.period_s / DRIFT_S * (drift_rad - state.drift_rad)
+            off_rad = LEAD * wrap_angle(course_rad - yaw_rad - drift_rad)
+        turn_rad = min(max(off_rad - state.drift_rad, -MOST_DRIFT_RAD), MOST_DRIFT_RAD)
+        velocity = (self._speed_m_s * math.cos(course_rad), self._speed_m_s * math.sin(course_rad))
+        yield from self._lookout.steer(course_rad + turn_rad, velocity)
 
     def _here(self) -> tuple[float, float]:
         x, y, _ = self._lookout.vehicle.pose.position_world_m.tolist()
@@ -131,6 +161,18 @@ def has_entered(lane: Lane, position_m: Sequence[float], yaw_rad: float) -> bool
     """Return whether a vehicle is on a lane's line, and turned along it, or across it against a current."""
     across_m = lane.locate(np.asarray(position_m))[1]
     return abs(across_m) <= ENTERED_M and abs(wrap_angle(yaw_rad - lane.heading_rad)) <= ENTERED_RAD
+
+
+def is_under_way(vehicle: Any) -> bool:
+    """Return whether a vehicle moves horizontally, ahead or aside."""
+    surge_m_s, sway_m_s, _ = vehicle.velocity.linear_body_m_s
+    return math.hypot(surge_m_s, sway_m_s) > UNDER_WAY_M_S
+
+
+def slips(vehicle: Any) -> bool:
+    """Return whether a vehicle goes sideways by more than its course can be held against."""
+    surge_m_s, sway_m_s, _ = vehicle.velocity.linear_body_m_s
+    return is_under_way(vehicle) and abs(sway_m_s) > MOST_SLIP * abs(surge_m_s)
 
 
 def heading_for(course_rad: float, vehicle: Any) -> float:

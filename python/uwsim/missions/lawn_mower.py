@@ -6,8 +6,8 @@ turn by 180 degrees; side-step; repeat, turning the other way each time; stop wh
 height above the bed and above obstacles that the sonar sees ahead, and goes around shoals too high to pass over. Near
 the bed, where all ranges are short, 7 m give way to what the geometry leaves (`water_ahead.py`). What was flown of each
 lane is compared with its length, and a survey of which less than 95 % was flown is not complete. A vehicle that cannot
-go sideways flies from lane to lane in curves (`lane_curves.py`), without stopping. It can serve as a template for other
-missions.
+go sideways flies from lane to lane in curves (`lane_curves.py`), without stopping; one that slips in them and can hover
+stops, turns and goes ahead to the next lane. It can serve as a template for other missions.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from uwsim.base.sealed import Sealed
 from uwsim.missions.heights import HIGHEST_Z_M
-from uwsim.missions.lane_curves import LaneCurves
+from uwsim.missions.lane_curves import LaneCurves, is_under_way, slips
 from uwsim.missions.lane_lengths import LANE_FLOWN, LANES_FLOWN, LEAST_FLOWN, lane_values, not_flown_because
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower_needs import missing_for_lanes
@@ -46,12 +46,13 @@ from uwsim.navigation.sensor_choice import port_proximity
 COVERED = "all lanes are flown"  # the result of run() if nothing stopped the mission
 BESIDE_M = 2.0  # what the published 7 m to port leave beside its steps of 5 m
 UNDOCK_M, UNDOCK_SPEED_M_S = 6.0, 0.5
-ARRIVED_M = 0.5  # a point counts as reached within this distance
+ARRIVED_M, ARRIVED_AHEAD_M = 0.5, 1.0  # a point counts as reached within this distance
 PASSABLE_Z_M = HIGHEST_Z_M - 2.0  # anything higher is a shoal, which the vehicle avoids
 HALF_WIDTH_M = 3.0  # half the width of the corridor ahead in which the vehicle climbs over obstacles
 LOOK_AHEAD_M = 6.0  # a lane ends this far in front of a shoal
 SIDE_STEPS = 3.0  # in line spacings; a lane farther away is reached by a transit, facing the direction of travel
 STUCK_AFTER_S, TURN_FIRST_RAD = 60.0, math.radians(30.0)
+STOPPED_M, STOPPED_AFTER_S = 3.0, 30.0  # a vehicle that slips is taken to be carried by a current after that
 MOST_LEGS = 12  # for one lane, of a vehicle that flies curves
 
 
@@ -61,8 +62,8 @@ class AdaptiveLawnMower(Sealed):
     `run` needs a clock that can wait. The legs are "undock", "approach" and "tilt", then "turn", "abreast" and "mow"
     for each lane; a distant lane is preceded by a "transit" and another "tilt". During a long transit the sonar looks
     farther ahead than on the lanes. Without sway there are only "undock", "turn" (a curve), "transit" (around shoals)
-    and "mow". `state` holds everything carried from one control period to the next, so `save` and `restore` may be
-    called at any time.
+    and "mow"; after a curve in which it slipped, each lane is preceded by a "transit", "tilt" and "turn". `state` holds
+    everything carried from one control period to the next, so `save` and `restore` may be called at any time.
     """
 
     vehicle: SurveyVehicle
@@ -96,7 +97,8 @@ class AdaptiveLawnMower(Sealed):
         )
         self._drives_sway = "sway" in self._own.controllable
         self._speed_m_s = max(plan.speed_m_s, float(getattr(self._own.control, "speed_min_m_s", 0.0)))
-        self._curves = LaneCurves(self.lookout, clock, self._speed_m_s)
+        hovers = self._speed_m_s == plan.speed_m_s and getattr(self._own.control, "speed_min_m_s", 0.0) == 0.0
+        self._curves = LaneCurves(self.lookout, clock, self._speed_m_s, hovers=hovers)
         if self._speed_m_s > plan.speed_m_s:
             text = f"the plan's speed, {plan.speed_m_s:g} m/s, is too slow for the vehicle's fins: it flies at "
             warnings.warn(f"{text}{self._speed_m_s:g} m/s", SlowPlanWarning, stacklevel=2)
@@ -152,18 +154,6 @@ class AdaptiveLawnMower(Sealed):
 
     def steps(self) -> Steps[str]:
         """Return the mission as steps; `ended = yield from mower.steps()` is equivalent to `run`."""
-        legs: dict[LegName, Callable[[LegStart], Steps[LegName]]] = {
-            "undock": self._undock,
-            "approach": self._approach,
-            "transit": self._transit,
-            "tilt": self._wait_for_tilt,
-            "turn": self._turn,
-            "abreast": self._side_step,
-            "mow": self._mow,
-        }
-        if not self._drives_sway:
-            curve, around = self._curve, self._around
-            legs |= {"approach": curve, "tilt": curve, "turn": curve, "abreast": curve, "transit": around}
         state = self.state
         try:
             if not self.vehicle.released:
@@ -172,7 +162,7 @@ class AdaptiveLawnMower(Sealed):
                 if state.leg_start is None:  # otherwise the leg is resumed, with the sonar as it was saved
                     state.leg_start = self._leg_start()
                     self.vehicle.sonar.aim(-math.radians(self.plan.tilt_deg))
-                state.leg = yield from legs[state.leg](state.leg_start)
+                state.leg = yield from self._legs()[state.leg](state.leg_start)
                 state.leg_start = None
         except StoppedError as stop:
             return str(stop)
@@ -183,6 +173,23 @@ class AdaptiveLawnMower(Sealed):
             return f"no way led to {state.skipped} of {len(self.lanes)} lanes"
         planned_m, flown_m = self._length_before_m[-1], sum(self.flown_m)
         return COVERED if flown_m >= LEAST_FLOWN * planned_m else not_flown_because(flown_m, planned_m, state.ended)
+
+    def _legs(self) -> dict[LegName, Callable[[LegStart], Steps[LegName]]]:
+        legs: dict[LegName, Callable[[LegStart], Steps[LegName]]] = {
+            "undock": self._undock,
+            "approach": self._approach,
+            "transit": self._transit,
+            "tilt": self._wait_for_tilt,
+            "turn": self._turn,
+            "abreast": self._side_step,
+            "mow": self._mow,
+        }
+        if self._drives_sway:
+            return legs
+        if self.state.stops:
+            return legs | {"approach": self._stop, "transit": self._stop, "abreast": self._come_abreast}
+        curve, around = self._curve, self._around
+        return legs | {"approach": curve, "tilt": curve, "turn": curve, "abreast": curve, "transit": around}
 
     def _plan_lanes(self) -> None:
         plan, near_m = self.plan, np.array(self.state.lanes_near_m)
@@ -274,7 +281,8 @@ class AdaptiveLawnMower(Sealed):
                 raise StoppedError(f"stuck in a turn, {math.degrees(left):.0f} degrees before its end")
             half_turn_ahead = abs(left) > math.radians(120.0)
             aside = self.vehicle.pose.yaw_rad + direction * math.radians(60.0)
-            yield from self.lookout.steer(aside if half_turn_ahead else lane.heading_rad, self._back_to(start))
+            back = self._back_to(start) if self._drives_sway else (0.0, 0.0)
+            yield from self.lookout.steer(aside if half_turn_ahead else lane.heading_rad, back)
         if self.state.lane > 0:
             self._require_clearance_to_port(lane)
         return "abreast"
@@ -312,9 +320,35 @@ class AdaptiveLawnMower(Sealed):
         """Fly a curve onto the lane's line, or further along it if the last lane was cut short; wider if it missed."""
         lane, entry_m = self._entry(start)
         ended = yield from self._curves.onto(lane, entry_m, start, self.state)
+        if ended == "slipped":
+            self.state.stops = True
+            self._own.log("stops_to_turn", lane=self.state.lane)
+            return "transit"
         if self.state.legs > MOST_LEGS:
             return self._skip_lane("turn")
         return "mow" if ended == "entered" else "transit" if ended == "blocked" else "turn"
+
+    def _stop(self, start: LegStart) -> Steps[LegName]:
+        """Stop, and travel to the lane, facing the direction of travel."""
+        while is_under_way(self.vehicle) and self.clock.time_s < start.time_s + STOPPED_AFTER_S:
+            yield from self.lookout.steer(start.yaw_rad, (0.0, 0.0))
+        _, entry_m = self._entry(self._leg_start_here(start))
+        if not (yield from self._go_to(entry_m, start, heading_rad=None)):
+            return self._skip_lane("abreast")
+        return "tilt"
+
+    def _come_abreast(self, start: LegStart) -> Steps[LegName]:
+        """Fly along the lane from a place on it, and travel to it from elsewhere."""
+        lane = self.lanes[self.state.lane]
+        along_m, across_m = lane.locate(np.array(start.position_world_m))
+        if abs(across_m) <= STOPPED_M and -STOPPED_M <= along_m <= lane.length_m:
+            return "mow"
+        return self._skip_lane("abreast") if self.state.legs > MOST_LEGS else "transit"
+        yield  # a leg is a generator
+
+    def _leg_start_here(self, start: LegStart) -> LegStart:
+        x, y, z = self._position().tolist()
+        return LegStart(start.time_s, (x, y, z), start.yaw_rad)
 
     def _around(self, start: LegStart) -> Steps[LegName]:
         """Fly around the shoals that are in the way of a curve."""
@@ -339,6 +373,9 @@ class AdaptiveLawnMower(Sealed):
                 state.furthest_m, state.furthest_s = along, self.clock.time_s
             elif self.clock.time_s > state.furthest_s + STUCK_AFTER_S:
                 raise StoppedError(f"stuck {along:.0f} m into a lane")
+            if state.stops:
+                yield from self._curves.hold(lane, state)
+                continue
             if not self._drives_sway:
                 yield from self._curves.make_for(lane.point(along + self._curves.ahead_m))
                 continue
@@ -346,7 +383,7 @@ class AdaptiveLawnMower(Sealed):
             velocity = (speed * ahead_x - port_m_s * ahead_y, speed * ahead_y + port_m_s * ahead_x)
             yield from self.lookout.steer(lane.heading_rad, velocity)
         self._end_lane(because)
-        return "turn"
+        return "abreast" if self.state.stops else "turn"
 
     def _end_of_lane(self, lane: Lane) -> str | None:
         """Return why the vehicle flies no farther along the lane, "" at its end; None if it goes on."""
@@ -380,7 +417,7 @@ class AdaptiveLawnMower(Sealed):
         while True:
             x, y, _ = self._position().tolist()
             distance = math.dist((to_x, to_y), (x, y))
-            if distance <= ARRIVED_M:
+            if distance <= (ARRIVED_M if self._drives_sway else ARRIVED_AHEAD_M):
                 return True
             if (aim := self.lookout.shoals.next_point((x, y), (to_x, to_y))) is None:
                 return False
@@ -390,6 +427,8 @@ class AdaptiveLawnMower(Sealed):
                     return False  # a long search along shoals has failed
                 raise StoppedError(f"stuck {distance:.0f} m before ({to_x:.0f}, {to_y:.0f}) m")
             speed_m_s = min(self.plan.speed_m_s, 0.2 + 0.3 * distance)
+            if not self._drives_sway:  # until its side slip has died down, it would circle about the point
+                speed_m_s = 0.0 if slips(self.vehicle) else min(speed_m_s, 0.1 + 0.1 * distance)
             yield from self.lookout.head_for(aim, speed_m_s, heading_rad if straight else None)
 
     def _position(self) -> NDArray[np.float64]:

@@ -38,7 +38,9 @@ class MowerState:
     distance along the lane. furthest_m: the largest along_m so far, reached at furthest_s. skipped: number of lanes
     skipped as unreachable. legs: number of legs begun for the current lane. radius_m: for a vehicle without
     sway, the radius of its curves; 0 before the first. reached: how far along a curve it is, in points. entry_m: where
-    on the current lane it began to fly along it; None before that. ended: the lanes before the current one.
+    on the current lane it began to fly along it; None before that. ended: the lanes before the current one. stops: for
+    a vehicle without sway, whether it has slipped too far in a curve, and since then stops to turn. drift_rad: its mean
+    drift since then, from its heading to its course.
     """
 
     lanes_near_m: tuple[float, float]
@@ -54,6 +56,8 @@ class MowerState:
     reached: Annotated[int, Ge(0)] = 0
     entry_m: float | None = None
     ended: list[LaneEnd] = field(default_factory=list)
+    stops: bool = False
+    drift_rad: float = 0.0
 
 
 @dataclass

@@ -61,6 +61,11 @@ class Lookout(Sealed):
         self.shoals = ShoalChart(passable_z_m)
         self._turn_first_rad, self._most_climb_m, self._autopilot = turn_first_rad, most_climb_m, autopilot
 
+    @property
+    def period_s(self) -> float:
+        """The control period."""
+        return float((self.vehicle.autopilot if self._autopilot is None else self._autopilot).period_s)
+
     def head_for(
         self, point_world_m: tuple[float, float], speed_m_s: float, heading_rad: float | None = None
     ) -> Steps[None]:
@@ -121,8 +126,7 @@ class Lookout(Sealed):
             begun = heights.begin_yoyo(self.altitude_m)
             vehicle.log("yoyo", upper_m=round(begun.upper_m, 1), lower_m=round(begun.lower_m, 1), above_bed=True)
         ahead, aside, _ = (vehicle.pose.world_from_body[:3, :3] @ vehicle.velocity.linear_body_m_s).tolist()
-        period_s = (vehicle.autopilot if self._autopilot is None else self._autopilot).period_s
-        return heights.next_z_m(z_m, self._top_m(), period_s * math.hypot(ahead, aside))
+        return heights.next_z_m(z_m, self._top_m(), self.period_s * math.hypot(ahead, aside))
 
     def share_of_speed(self, z_world_m: float) -> float:
         """Return the fraction of full speed that lets the vehicle reach a height in time; below 1 during a climb."""
