@@ -122,6 +122,21 @@ def test_a_slow_hull_reaches_its_speed(tmp_path: Path) -> None:
     np.testing.assert_allclose(speeds, np.sqrt(10.0 / 20.0), rtol=1e-3)
 
 
+def test_a_side_slip_dies_down_by_its_drag(tmp_path: Path) -> None:
+    """m dv/dt = -(a + b v) v: v / 2 after m / a ln((2 a + b v) / (a + b v)) and m / b ln((a + b v) / (a + b v / 2)).
+
+    The centre of mass is at the origin, so that a slip does not roll the box.
+    """
+    check = checked(tmp_path, max_force_n=[800, 0, 300], centre_of_mass_m=[0.0, 0.0, 0.0])
+    assert check.vehicle is not None and check.vehicle.slip is not None
+    mass_kg, a, b, v = check.vehicle.mass_kg + 250.0, 50.0, 450.0, 0.5
+    assert check.vehicle.slip.time_s == pytest.approx(mass_kg / a * np.log((2 * a + b * v) / (a + b * v)), abs=0.11)
+    along_m = mass_kg / b * np.log((a + b * v) / (a + b * v / 2))
+    assert check.vehicle.slip.distance_m == pytest.approx(along_m, abs=0.03)
+    steered = checked(tmp_path)
+    assert steered.vehicle is not None and steered.vehicle.slip is None
+
+
 def test_a_thrust_above_the_centre_pitches_a_straight_run_down(tmp_path: Path) -> None:
     """T h = W GM sin(pitch), with T = K v^2 + D v, since this box has no Munk moment; it dives along its own axis."""
     height_m, lever_m = 0.25, 0.01

@@ -12,7 +12,7 @@ from uwsim.base.axes import AXES
 from uwsim.evidence.vehicle.boats import boat_at_rest
 from uwsim.evidence.vehicle.linear_motion import course_growth_1_s, model_motion
 from uwsim.evidence.vehicle.mounts import Mount, mounts
-from uwsim.evidence.vehicle.trials import StraightRun, straight_run
+from uwsim.evidence.vehicle.trials import Slip, StraightRun, slip, straight_run
 from uwsim.scenario import ScenarioError
 from uwsim.scenario.build.ballast import mass_with_ballast, trim_weights
 from uwsim.scenario.build.gravity import STANDARD_M_S2
@@ -42,7 +42,8 @@ class VehicleFigures:
     its attitude there; None for other vehicles. glides: whether a buoyancy engine and fins drive it.
     drives: axes with thrusters or fins. course_growth_1_s: growth rate of a yaw disturbance without control at
     UNDER_WAY_M_S, negative if it decays; None if thrusters can push the vehicle sideways. straight: None if nothing
-    drives it ahead, or its motion diverges. radiation: the fit of its table of radiation; None without one.
+    drives it ahead, or its motion diverges. radiation: the fit of its table of radiation; None without one. slip: how
+    its side slip dies down, of a submerged vehicle whose sway nothing drives; None for others.
     """
 
     size_m: tuple[float, float, float]
@@ -68,6 +69,7 @@ class VehicleFigures:
     radiation: RadiationReport | None = None
     metacentric_m: tuple[float, float] | None = None
     glides: bool = False
+    slip: Slip | None = None
 
 
 def vehicle_figures(
@@ -92,6 +94,7 @@ def vehicle_figures(
     if boat is not None:
         nose_down_deg, roll_deg = boat.nose_down_deg, boat.roll_to_starboard_deg
     vertices, _ = vehicle_hull(model)
+    glides = bool(model.fins) and any(mount.force == "buoyancy" for mount in model.thrusters.values())
     return VehicleFigures(
         size_m=_three(np.ptp(vertices, axis=0)),
         volume_m3=body.volume_m3,
@@ -117,7 +120,8 @@ def vehicle_figures(
         mounts=mounts(model),
         radiation=_radiation(model, body, density_kg_m3),
         metacentric_m=None if boat is None else (boat.roll_m, boat.pitch_m),
-        glides=bool(model.fins) and any(mount.force == "buoyancy" for mount in model.thrusters.values()),
+        glides=glides,
+        slip=None if boat is not None or glides or control.driven[SWAY] else slip(model, density_kg_m3, trim),
     )
 
 

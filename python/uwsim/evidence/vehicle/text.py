@@ -10,9 +10,12 @@ from uwsim.evidence.vehicle.figures import VehicleFigures
 from uwsim.evidence.vehicle.report import VehicleReport
 from uwsim.evidence.vehicle.surprises import attitude_text, straight_text
 from uwsim.evidence.vehicle.tables import Table, tables
-from uwsim.evidence.vehicle.trials import RUN_S
+from uwsim.evidence.vehicle.trials import RUN_S, SLIP_M_S, Slip
 from uwsim.scenario.build.control import floating_text
 from uwsim.scenario.build.scale import size_text
+
+SLIP_SHORT_S = 2.0
+"""A slip that halves faster is not seen in a survey's curves."""
 
 
 def vehicle_lines(figures: VehicleFigures) -> Iterator[str]:
@@ -46,6 +49,8 @@ def vehicle_lines(figures: VehicleFigures) -> Iterator[str]:
     if growth is not None:
         steers += f"; its course under way {'dies out' if growth < 0.0 else 'grows'} at {abs(growth):.2g} /s"
     yield steers
+    if figures.slip is not None:
+        yield slip_text(figures.slip)
     if figures.straight is not None:
         yield f"straight run, {RUN_S:g} s at full surge without control: {straight_text(figures.straight)}"
     if figures.radiation is not None:
@@ -62,6 +67,14 @@ def vehicle_lines(figures: VehicleFigures) -> Iterator[str]:
         if farthest.away_m > 0.0:
             where = f"{farthest.label} is the farthest from its hull, by {farthest.away_m:.2f} m"
         yield f"mounts: {len(figures.mounts)}; {where}"
+
+
+def slip_text(slip: Slip) -> str:
+    """Return how long a side slip lasts, and what that means for a survey."""
+    text = f"no sway: a side slip of {SLIP_M_S:g} m/s halves in {slip.time_s:.1f} s and {slip.distance_m:.1f} m"
+    if slip.time_s < SLIP_SHORT_S:
+        return f"{text}; a survey flies it from lane to lane in curves"
+    return f"{text}; a survey stops for its turns where it slips: thrusters for sway would make it faster"
 
 
 def report_lines(report: VehicleReport) -> Iterator[str]:

@@ -27,6 +27,7 @@ CIRCLE_S, LAST_S, SAMPLE_S = 120.0, 40.0, 0.1
 RUN_S, RUN_LAST_S = 30.0, 10.0
 TILT_DEG = 15.0
 """Tilt on a straight run beyond which a warning is given; propeller torques roll sound vehicles by up to 12 degrees."""
+SLIP_M_S, SLIP_LONGEST_S = 0.5, 120.0
 STEADY, FASTEST = 0.05, 99.0  # FASTEST [m/s, rad/s]: a vehicle can be placed with up to 100
 
 
@@ -110,6 +111,26 @@ def _straight_run(model: VehicleModel, density_kg_m3: float, trim: Trim | None) 
         climb_m=float(rov.pose.position_world_m[2] - start_m),
         tilt_deg=float(np.degrees(tilts.max())),
     )
+
+
+@dataclass(frozen=True)
+class Slip:
+    """A motion to the side without surge and without control, SLIP_M_S at first, until it has fallen to half."""
+
+    time_s: float
+    distance_m: float
+
+
+def slip(model: VehicleModel, density_kg_m3: float, trim: Trim | None) -> Slip:
+    """Return how a vehicle's side slip dies down in deep, still water; after at most SLIP_LONGEST_S."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # the check's own simulator gave them
+        sim = Simulator(deep_scenario(model, density_kg_m3=density_kg_m3, trim=trim))
+    rov = sim.rov
+    rov.place((0.0, 0.0, TOWED_M), velocity_body=(0.0, SLIP_M_S, 0.0, 0.0, 0.0, 0.0))
+    while rov.velocity.linear_body_m_s[1] > 0.5 * SLIP_M_S and sim.time_s < SLIP_LONGEST_S:
+        sim.advance(SAMPLE_S)
+    return Slip(sim.time_s, float(np.linalg.norm(rov.pose.position_world_m[:2])))
 
 
 def terminal_speeds(scenario: Scenario) -> Floats:
