@@ -24,6 +24,23 @@ def chart(suffix: str) -> Callable[[bytes, Path], Any]:
     return read
 
 
+def soundings(data: bytes, folder: Path) -> Any:
+    """Read soundings as text, and grid them."""
+    from uwsim.evidence.soundings import grid_soundings, read_soundings
+
+    path, out = folder / "soundings.xyz", folder / "made.tif"
+    path.write_bytes(data)
+    found = read_soundings(path)
+    return [found.points.tobytes(), grid_soundings(found, out, cell=None, crs=None), out.read_bytes()]
+
+
+def sounded() -> list[bytes]:
+    """Return soundings on a grid, and scattered ones with named columns."""
+    grid = "".join(f"{k % 4} {k // 4} {-20 - k}\n" for k in range(16))
+    rows = np.random.default_rng(1).uniform(0.0, 9.0, (40, 3)).round(2).tolist()
+    return [grid.encode(), ("easting,northing,depth\n" + "".join(f"{x},{y},{z}\n" for x, y, z in rows)).encode()]
+
+
 def made(suffix: str) -> Callable[[], list[bytes]]:
     """Return a maker of a small chart in a format that we write: 8 x 6 cells, one of them empty."""
 

@@ -359,6 +359,7 @@ READERS = {
     "bag": Reader(charts.chart(".bag")),
     "s102": Reader(charts.chart(".h5")),
     "gebco": Reader(charts.chart(".nc")),
+    "soundings": Reader(charts.soundings, has_end=_without_end),
     "image": Reader(_image, ("PIL",)),
     "current_npz": Reader(fields.current(".npz"), ("numpy.lib", "zipfile")),
     "current_csv": Reader(fields.current(".csv"), ("csv",), has_end=_without_end),

@@ -363,6 +363,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "bag": charts.made(".bag"),
     "s102": charts.made(".h5"),
     "gebco": charts.elevations,
+    "soundings": charts.sounded,
     "image": _image,
     "current_npz": _npz,
     "current_csv": lambda: [CSV],

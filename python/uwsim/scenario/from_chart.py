@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,19 +36,19 @@ class FromChart:
 
 def scenario_from_chart(
     chart: Path, out: Path, *, size_m: float, centre: tuple[float, float] | None = None, water_level_m: float = 0.0,
-    band: int = 1, unit: Literal["m", "ft", "us-ft"] | None = None, nodata: float | None = None,
+    band: int = 1, **stated: Any,
 ) -> FromChart:  # fmt: skip
     """Write a scenario whose bed is the largest square of a chart without gaps, or the part of it about its middle.
 
     size_m: the largest edge. centre: of the square, in the chart's coordinates (longitude and latitude, or easting and
-    northing). water_level_m: elevation of the water surface in the chart. unit, nodata: of its heights, where the file
-    does not state them; see RasterTerrain. Raises OSError or ValueError.
+    northing). water_level_m: elevation of the water surface in the chart. stated: unit, nodata, positive and crs, where
+    the file does not state them; see RasterTerrain. Raises OSError or ValueError.
     """
     if out.suffix not in (".yaml", ".yml"):
         raise ValueError(f"--out {out}: must end in .yaml")
     require_own(out)
-    read = {"water_level_m": water_level_m, "band": band, "unit": unit, "nodata": nodata}
-    read = {key: value for key, value in read.items() if value is not None}
+    read = {"water_level_m": water_level_m, "band": band}
+    read |= {key: value for key, value in stated.items() if value is not None}
     raster = chart_raster(RasterTerrain.model_validate({"source": "raster", "file": chart.resolve(), **read}))
     column, row, side = _square(raster, chart, centre)
     x, y = raster.place_at(column, row)
@@ -62,8 +62,7 @@ def scenario_from_chart(
     part = part[np.isfinite(part)] - water_level_m
     shallow_m, deep_m = -float(part.max()), -float(part.min())
     if shallow_m < 1.0:
-        down = ": its heights are all positive: if they are depths, negate them, such as with `gdal_calc.py -A " \
-               f"{chart.name} --calc=-A --outfile=up.tif`" if deep_m < 0.0 else ""  # fmt: skip
+        down = ": its heights are all positive: if they are depths, give --positive down" if deep_m < 0.0 else ""
         raise ValueError(f"'{chart}': its largest part without gaps reaches {-shallow_m:g} m above the water surface: "
                          f"must lie 1 m below it or deeper: choose --centre and --size{down}")  # fmt: skip
     values = _values(chart, out, (x, y), edge_m, spacing_m, (shallow_m, deep_m), read)

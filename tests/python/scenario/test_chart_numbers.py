@@ -116,5 +116,6 @@ def test_any_file_s_name_becomes_a_name_and_depths_that_are_positive_are_explain
     for stem in ("2019_survey", "gebco_2024_n44.0_s43.0_w5.0_e6.0_and_more"):
         made = scenario_from_chart(chart(tmp_path / f"{stem}.tif"), tmp_path / f"{stem}.yaml", size_m=100.0)
         assert load(made.path).name[0].isalpha()
-    with pytest.raises(ValueError, match=r"its heights are all positive: if they are depths, negate them"):
+    with pytest.raises(ValueError, match=r"its heights are all positive: if they are depths, give --positive down"):
         middle_m(chart(tmp_path / "down.tif", -BED))
+    assert middle_m(chart(tmp_path / "down.tif", -BED), positive="down") == middle_m(chart(tmp_path / "up.tif"))

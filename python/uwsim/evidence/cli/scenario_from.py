@@ -38,6 +38,19 @@ def scenario_from(
             help="A chart: the value of cells without data. Default: its own.", callback=within(-1e38, 1e38, "")
         ),
     ] = None,
+    positive: Annotated[
+        Literal["up", "down"] | None, typer.Option(help="A chart: down, if its heights are depths. Default: up.")
+    ] = None,
+    crs: Annotated[
+        str | None, typer.Option(help="A chart: its coordinate system, such as EPSG:32632. Default: its own.")
+    ] = None,
+    cell: Annotated[
+        float | None,
+        typer.Option(
+            help="Soundings: the width of a cell, in the unit of their x. Default: by their density.",
+            callback=within(1e-9, 1e6, ""),
+        ),
+    ] = None,
     scene: Annotated[
         str | None, typer.Option(help="Unity: the scene, by its file's name without .unity. Default: LawnTest.")
     ] = None,
@@ -74,8 +87,9 @@ def scenario_from(
 
     found = source_of(source)
     options = {
-        "size": size, "centre": centre, "water_level": water_level, "unit": unit, "nodata": nodata, "scene": scene,
-        "terrain": terrain, "arguments": arguments and _arguments(arguments), "data": data, "outfit": outfit,
+        "size": size, "centre": centre, "water_level": water_level, "unit": unit, "nodata": nodata,
+        "positive": positive, "crs": crs, "cell": cell, "scene": scene, "terrain": terrain,
+        "arguments": arguments and _arguments(arguments), "data": data, "outfit": outfit,
     }  # fmt: skip
     given = {key: value for key, value in options.items() if value is not None}
     for key in given.keys() - {*found.options}:

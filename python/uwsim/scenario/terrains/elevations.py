@@ -168,7 +168,7 @@ def _read(spec: RasterTerrain) -> Raster:
             at=("crs",) if spec.crs else ("file",),
         )
     known = without_gaps(np.where(np.isfinite(values), values, np.nan), spec)
-    elevations = (known * scale + offset) * unit_m
+    elevations = (known * scale + offset) * (-unit_m if spec.positive == "down" else unit_m)
     return Raster(name, _filled(elevations) if spec.fill_nodata else elevations, file_from_pixel, crs)
 
 

@@ -23,10 +23,10 @@ class RasterTerrain(TerrainModel):
     projection that is not true to scale there, such as Web Mercator, are projected to metres by a transverse Mercator
     projection centred on the terrain. unit: of the heights, `m`, `ft` or `us-ft`; by default that of the band or of the
     vertical reference. nodata: the value of cells without data, in the file's unit, in addition to those that the file
-    declares. water_level_m: elevation of the water surface; it becomes z = 0. horizontal_scale: simulated metres per
-    real metre; 0.05 makes 10 km a 500 m lake. vertical_scale: simulated metres per real metre of height. centre: centre
-    of the terrain in the file's coordinates (longitude, latitude or easting, northing); by default the file's centre.
-    size_m: simulated extent; by default the largest that fits.
+    declares. positive: `down` for depths. water_level_m: elevation of the water surface; it becomes z = 0.
+    horizontal_scale: simulated metres per real metre; 0.05 makes 10 km a 500 m lake. vertical_scale: simulated metres
+    per real metre of height. centre: centre of the terrain in the file's coordinates (longitude, latitude or easting,
+    northing); by default the file's centre. size_m: simulated extent; by default the largest that fits.
     fill_nodata: interpolate cells without data; without it, the terrain must not include any.
     """
 
@@ -36,6 +36,7 @@ class RasterTerrain(TerrainModel):
     crs: str | None = None
     unit: Literal["m", "ft", "us-ft"] | None = None
     nodata: Annotated[float, InRange(-1e38, 1e38)] | None = None
+    positive: Literal["up", "down"] = "up"
     water_level_m: Annotated[float, InRange(-12_000, 10_000, "m")]
     horizontal_scale: Factor = 1.0
     vertical_scale: Factor = 1.0
