@@ -61,6 +61,12 @@ def _cloud(suffix: str) -> Callable[[bytes, Path], Any]:
     return read
 
 
+def _scan_graph(data: bytes, folder: Path) -> Any:
+    from uwsim.mapping.files.scan_graph import read_scans
+
+    return [scan.points_world_m.tobytes() for scan in read_scans(_written(folder / "scans.graph", data))]
+
+
 def _mesh(suffix: str) -> Callable[[bytes, Path], Any]:
     def read(data: bytes, folder: Path) -> tuple[bytes, bytes]:
         from uwsim.scenario.read.mesh_file import load_mesh
@@ -347,6 +353,7 @@ READERS = {
     "xtf": Reader(surveys.read_side_scan, ("pyxtf",), has_end=_without_end),
     "xyz": Reader(_cloud(".xyz"), has_end=_without_end),
     "stl": Reader(_mesh(".stl"), ("trimesh.exchange",), _has_one_solid),
+    "scan_graph": Reader(_scan_graph),
     "obj": Reader(_mesh(".obj"), ("trimesh.exchange",), has_end=_without_end),
     "mesh_ply": Reader(_mesh(".ply"), ("trimesh.exchange",)),
     "off": Reader(_mesh(".off"), ("trimesh.exchange",)),

@@ -145,6 +145,18 @@ def _cloud(suffix: str) -> Callable[[], list[bytes]]:
     return make
 
 
+def _scan_graph() -> list[bytes]:
+    """Two scans of OctoMap, and the edge between them."""
+    from uwsim.mapping.files.scan_graph import POINT, POSE
+
+    points, pose = np.zeros(3, POINT), np.zeros(1, POSE)
+    points["count"], points["xyz"] = 3, np.arange(9.0).reshape(3, 3)
+    pose["three"], pose["four"], pose["uxyz"] = 3, 4, (1.0, 0.0, 0.0, 0.0)
+    node = np.uint32(3).tobytes() + points.tobytes() + pose.tobytes()
+    edge = np.zeros(2, np.uint32).tobytes() + pose.tobytes()[:-4] + np.float64(1.0).tobytes()
+    return [np.uint32(2).tobytes() + 2 * node + np.uint32(1).tobytes() + edge]
+
+
 def _mesh(suffix: str) -> Callable[[], list[bytes]]:
     def make() -> list[bytes]:
         import trimesh
@@ -362,6 +374,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "tif": _tif,
     "bag": charts.made(".bag"),
     "s102": charts.made(".h5"),
+    "scan_graph": _scan_graph,
     "gebco": charts.elevations,
     "soundings": charts.sounded,
     "image": _image,

@@ -1,4 +1,4 @@
-"""`uwsim map build`: a map from files of real or simulated surveys."""
+"""`uwsim map build`: a map from files of real or simulated surveys, clouds or scan graphs."""
 
 from __future__ import annotations
 
@@ -17,44 +17,117 @@ if TYPE_CHECKING:
 SHARE = 0.01  # the default voxel, as a share of the first ping's median depth below its sonar
 PLACES = (1.0, 2.0, 5.0)
 RANGE_MAX_M = 15_000.0
+CLOUDS, GRAPH, POINTS_VOXEL_M = (".pcd", ".ply", ".las", ".xyz"), ".graph", 0.1
 
 
 def build(
     out: Annotated[Path, typer.Argument(help=f"The map to write, {' or '.join(MAPS)}.")],
     sources: Annotated[
         list[Path],
-        typer.Option("--from", help="A survey, FILE.gsf or FILE.kmall; may be given several times.", callback=readable),
+        typer.Option(
+            "--from",
+            help="A survey (.gsf, .kmall), a cloud (.ply, .pcd, .las, .xyz) or scans of OctoMap (.graph); repeatable.",
+            callback=readable,
+        ),
     ],
     voxel: Annotated[
         float | None,
         typer.Option(
-            help="Edge of a voxel [m]. Default: 1 % of the first ping's depth.", callback=within(0.01, 1000, "m")
+            help="Edge of a voxel [m]. Default: 1 % of the first ping's depth; of a cloud or graph 0.1.",
+            callback=within(0.01, 1000, "m"),
         ),
     ] = None,
     origin: Annotated[
         tuple[float, float] | None,
         typer.Option(
-            help="Latitude and longitude [deg] of the map's zero. Default: the first ping's.",
+            help="A survey: latitude and longitude [deg] of the map's zero. Default: the first ping's.",
             metavar="LAT LON",
             callback=within(-180, 180, "deg"),
         ),
     ] = None,
+    sensor_at: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(
+            help="A cloud: where its sensor was, in its coordinates: the rays to its points are free.",
+            metavar="X Y Z",
+            callback=within(-1e5, 1e5, "m"),
+        ),
+    ] = None,
+    occupied_only: Annotated[
+        bool, typer.Option("--occupied-only", help="A cloud: its points are occupied, and nothing is free.")
+    ] = False,
 ) -> None:
-    """Build a map from a survey file.
+    """Build a map from a survey file, a cloud or a scan graph.
 
-    Travel times are traced through the file's own sound-speed profile at its attitude and offsets, and inserted like a
-    simulated ping. Beams that the file flags are left out. The map is in metres east and north of its zero.
+    Of a survey, travel times are traced through the file's own sound-speed profile at its attitude and offsets, and
+    inserted like a simulated ping. Beams that the file flags are left out. The map is in metres east and north of its
+    zero. A cloud does not state where it was seen from: --sensor-at states it, or --occupied-only does without. Scans
+    in OctoMap's .graph files have their poses; the map has the bytes of its own graph2tree.
     """
+    from uwsim.mapping.occupancy_map import require_map_path
+
+    require_map_path(out)  # before long work
+    kinds = {path.suffix.lower() if path.suffix.lower() in (*CLOUDS, GRAPH) else "" for path in sources}
+    if len(kinds) > 1 and kinds & {"", GRAPH}:
+        raise ValueError("--from: surveys, clouds and graphs cannot be mixed")
+    of_cloud = bool(kinds & {*CLOUDS})
+    for option, is_given, is_its in (
+        ("--origin", origin is not None, kinds == {""}),
+        ("--sensor-at", sensor_at is not None, of_cloud),
+        ("--occupied-only", occupied_only, of_cloud),
+    ):
+        if is_given and not is_its:
+            raise ValueError(f"{option}: is not for '{sources[0]}'")
+    if kinds == {""}:
+        _from_surveys(out, sources, voxel, origin)
+    else:
+        _from_points(out, sources, voxel or POINTS_VOXEL_M, sensor_at, occupied_only)
+
+
+def _from_points(
+    out: Path, sources: list[Path], voxel_m: float, sensor_at: tuple[float, float, float] | None, occupied_only: bool
+) -> None:
+    """Build a map from clouds, each seen from the same place or from nowhere, or from graphs."""
+    import numpy as np
+
+    from uwsim.mapping import OccupancyMap
+    from uwsim.mapping.files import read_cloud
+    from uwsim.mapping.files.scan_graph import read_scans
+
+    if sources[0].suffix.lower() != GRAPH and (sensor_at is None) == (not occupied_only):
+        rule = "a cloud does not state where it was seen from: give --sensor-at X Y Z or --occupied-only"
+        raise ValueError(f"--from {sources[0]}: {rule}")
+    occupancy = OccupancyMap(resolution_m=voxel_m)
+    scans = points = 0
+    for path in sources:
+        if path.suffix.lower() == GRAPH:
+            for scan in read_scans(path):
+                occupancy.insert_scan(scan.points_world_m, scan.origin_m, np.inf)
+                scans, points = scans + 1, points + len(scan.points_world_m)
+            continue
+        cloud = read_cloud(path).astype(np.float32)
+        scans, points = scans + 1, points + len(cloud)
+        if sensor_at is not None:
+            occupancy.insert_scan(cloud, np.array(sensor_at), np.inf)
+        else:
+            one = np.unique(np.floor(cloud / voxel_m), axis=0, return_index=True)[1]
+            each = cloud[np.sort(one)]
+            occupancy.insert_scans(each, np.ones(len(each), np.int64), each.astype(np.float64), np.inf)
+    if not points:
+        raise ValueError(f"--from {sources[0]}: has no points")
+    occupancy.write(out)
+    typer.echo(f"{out}: {scans:,} scans, {points:,} points, voxels of {voxel_m:g} m")
+
+
+def _from_surveys(out: Path, sources: list[Path], voxel: float | None, origin: tuple[float, float] | None) -> None:
     import numpy as np  # here, since all commands are imported for completion
 
     from uwsim.mapping import OccupancyMap
     from uwsim.mapping.files.georeference import Georeference, metres_about
     from uwsim.mapping.map_filler import MapFiller
-    from uwsim.mapping.occupancy_map import require_map_path
     from uwsim.mapping.ping_to_map import traced_beams
     from uwsim.mapping.survey_soundings import open_surveys
 
-    require_map_path(out)  # before long work
     surveys = open_surveys(sources, "--from")
     start = surveys[0].first
     latitude, longitude = origin or (start.latitude_deg, start.longitude_deg)
