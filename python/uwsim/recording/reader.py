@@ -31,6 +31,10 @@ if TYPE_CHECKING:
     from uwsim.recording.derived import Derived, Make
 
 
+NOT_OURS = "was not written by uwsim"
+"""In the message for a file of another's."""
+
+
 class Recording:
     """A recording written by a Recorder in .mcap format.
 
@@ -47,7 +51,7 @@ class Recording:
         contents = _read_contents(self.path)
         metadata = contents.metadata
         if START not in metadata:
-            raise ValueError(f"recording '{path}': was not written by uwsim, or is still empty")
+            raise ValueError(f"recording '{path}': {NOT_OURS}, or is still empty")
         self._require_our_version(metadata[START])
         self.complete, self.attachments = contents.complete, contents.attachments
         self._channels, self._schemas = contents.channels, contents.schemas
