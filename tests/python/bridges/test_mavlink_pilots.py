@@ -15,7 +15,7 @@ from mavlink_station import ALT_HOLD, DONE, GUIDED, MANUAL, Station
 from uwsim.bridges.actions import goal
 from uwsim.bridges.mavlink import MavlinkVehicle
 from uwsim.bridges.mavlink.earth import Home
-from uwsim.bridges.mavlink.modes import AUTO, SURFACE
+from uwsim.bridges.mavlink.modes import AUTO, STABILIZE, SURFACE
 from uwsim.bridges.mavlink.settings import Settings
 from uwsim.bridges.mavlink.stations import DISARM, NOTHING, WARN, Stations
 from uwsim.live import LiveSimulator
@@ -211,6 +211,27 @@ def test_attitude_targets_turn_and_climb(live: LiveSimulator, vehicle: MavlinkVe
         station.mav.set_position_target_local_ned_send(0, 1, 1, 1, mask, 0, 0, -3, speed, *[0.0] * 7)
         station.receive("STATUSTEXT", lambda text: "target: " in text.text)
         assert (vehicle._flight._is_steering, live.rov.helm.leases) == before
+
+
+def test_targets_of_depth_and_heading_alone_are_those_of_the_holds(live: LiveSimulator, station: Station) -> None:
+    """ArduSub steers to them in ALT_HOLD, as its own example does; elsewhere they need GUIDED."""
+    assert station.arm() == DONE and station.mode(STABILIZE) == DONE
+    q = Rotation.from_euler("ZYX", [math.radians(45), 0, 0]).as_quat(scalar_first=True)
+    depth = 1, 1, 5, 0xDFB, 0, 0, -1.5, *[0.0] * 8
+    station.mav.set_position_target_global_int_send(0, *depth)
+    station.receive("STATUSTEXT", lambda text: "must be in mode GUIDED" in text.text)
+    assert station.mode(ALT_HOLD) == DONE
+
+    def is_there() -> bool:
+        station.mav.set_position_target_global_int_send(0, *depth)
+        station.mav.set_attitude_target_send(0, 1, 1, 1 << 6, q, 0, 0, 0, 0.0)
+        station.poll()
+        turned = math.remainder(math.pi / 4 - live.rov.pose.yaw_rad, math.tau)
+        return abs(turned) < 0.05 and abs(live.rov.pose.position_world_m[2] + 1.5) < 0.1
+
+    until(is_there)
+    station.mav.set_position_target_global_int_send(0, 1, 1, 5, 0xDFB, 0, 0, 1.5, *[0.0] * 8)
+    station.receive("STATUSTEXT", lambda text: "alt = 1.5 m" in text.text)
 
 
 def latest(station: Station, kind: str) -> Any:

@@ -102,6 +102,7 @@ EPISODE: list[tuple[str, dict[str, Any]]] = [
     ("note", {"vehicle": "rov", "text": "rust", "position_world_m": [1.0, 2.0, -3.0]}),
     ("inject_fault", {"kind": "sensor", "name": "compass_sticks", "sensor": "compass", "mode": "stuck"}),
     ("hold", {"vehicle": "torpedo", "heading": True, "depth": True}),
+    ("hold_at", {"vehicle": "torpedo", "heading_rad": 0.5}),
     ("set_effort", {"vehicle": "torpedo", "surge": 0.5, "yaw": 0.2}),
     ("set_effort", {"vehicle": "torpedo", "surge": 0.5}),
     ("set_effort", {"vehicle": "rov", "sway": 0.3}),

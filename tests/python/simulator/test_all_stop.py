@@ -33,7 +33,7 @@ MOVING: dict[str, tuple[str, dict[str, Any]]] = {
 """Commands that move a vehicle, each with a vehicle it moves."""
 FRAMES = "servo_frames"
 """The steps of an autopilot; tested separately below."""
-REFUSED = {"hold", "set_joints"}
+REFUSED = {"hold", "hold_at", "set_joints"}
 """Commands that are refused while all stop is set; see test_holds.py and test_arm.py."""
 IN_DOCK = ("release", "undock")
 """Commands that release a vehicle from its dock; tested separately below."""

@@ -131,7 +131,7 @@ def test_what_a_real_vehicle_could_take_is_a_method_of_every_vehicle() -> None:
     real = {name for name, one in COMMANDS.items() if (one.crosses_link or one.is_ashore) and one.apply is None}
     assert real == {name for name in COMMANDS if hasattr(Commandable, name)}
     assert {name for name, command in COMMANDS.items() if command.steers} == {
-        "set_effort", "set_wrench", "set_thrusters", "set_fins", "hold",
+        "set_effort", "set_wrench", "set_thrusters", "set_fins", "hold", "hold_at",
     }  # fmt: skip
 
 

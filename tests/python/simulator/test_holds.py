@@ -64,6 +64,19 @@ def test_depth_position_and_heading_are_kept_against_a_push_while_other_axes_obe
     assert np.linalg.norm(sim.rov.velocity.linear_body_m_s) < 0.05
 
 
+def test_a_hold_is_given_a_target_which_the_stick_takes_over() -> None:
+    sim = afloat(depth=True, heading=True)
+    sim.rov.command("hold_at", heading_rad=0.8, z_world_m=-2.0)
+    sim.advance(12.0)
+    assert yaw_deg(sim) == pytest.approx(math.degrees(0.8), abs=2.0)
+    assert sim.rov.pose.position_world_m[2] == pytest.approx(-2.0, abs=0.05)
+    sim.rov.set_effort(yaw=0.3)
+    sim.advance(1.0)
+    assert sim.rov.holds.targets == {"heading": None, "depth": [-2.0]}
+    with pytest.raises(ValueError, match="hold_at: heading is not held: hold it first"):
+        afloat(depth=True).rov.command("hold_at", heading_rad=0.0)
+
+
 def test_speed_is_kept_as_the_stick_left_it_and_altitude_follows_the_bed() -> None:
     sim = afloat()
     sim.rov.set_effort(surge=0.5)

@@ -33,6 +33,10 @@ def _hold(vehicle: Any, **on: bool) -> None:
     vehicle.helm.holds.set(**on)
 
 
+def _hold_at(vehicle: Any, **targets: float | None) -> None:
+    vehicle.helm.holds.aim(**targets)
+
+
 def _note(vehicle: Any, **values: Any) -> None:
     vehicle.helm.note(**values)
 
@@ -119,6 +123,11 @@ STEERING = [
         "hold", "replace the set of active holds: heading, depth or altitude, position or speed",
         tuple(Argument(name, "flag", default=False) for name in HOLDS), _hold,
         crosses_link=True, replaces=True, steers=True, service="uwsim_msgs/srv/Hold",
+    ),
+    Command(
+        "hold_at", "give the active heading or depth hold a target",
+        (Argument("heading_rad", unit="rad", default=None), Argument("z_world_m", unit="m", default=None)), _hold_at,
+        crosses_link=True, replaces=True, steers=True,
     ),
     Command(
         "place", "put a vehicle at a pose",

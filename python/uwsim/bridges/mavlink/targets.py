@@ -16,14 +16,19 @@ from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU, Vector, euler_rad
 from uwsim.bridges.mavlink.endpoint import Peer
 from uwsim.bridges.mavlink.flight import Flight
-from uwsim.bridges.mavlink.modes import GUIDED
+from uwsim.bridges.mavlink.modes import GUIDED, HOLDS_OF
 from uwsim.bridges.mavlink.plan import FAR_M
 from uwsim.bridges.mavlink.state import State
 from uwsim.missions.moves import SPEED_MAX_M_S
 
 LOCAL, LOCAL_OFFSET, BODY, BODY_OFFSET, BODY_FRD = 1, 7, 8, 9, 12  # MAV_FRAME
 GLOBAL_FRAMES = (0, 3, 5, 6, 11)
-POSITION_IGNORED, VELOCITY_IGNORED, ACCELERATION_IGNORED = 0b111, 0b111 << 3, 0b111 << 6  # POSITION_TARGET_TYPEMASK
+POSITION_IGNORED, HORIZONTAL_IGNORED, VELOCITY_IGNORED, ACCELERATION_IGNORED = (
+    0b111,
+    0b011,
+    0b111 << 3,
+    0b111 << 6,
+)  # POSITION_TARGET_TYPEMASK
 YAW_IGNORED, YAW_RATE_IGNORED = 1 << 10, 1 << 11
 THRUST_IGNORED, ATTITUDE_IGNORED = 1 << 6, 1 << 7  # ATTITUDE_TARGET_TYPEMASK
 RELATIVE_YAW = 2  # MAV_DO_REPOSITION_FLAGS
@@ -84,18 +89,35 @@ class Targets:
         """Fly to a geographic location, or at a velocity."""
         if message.coordinate_frame not in GLOBAL_FRAMES:
             raise ValueError(f"target: frame {message.coordinate_frame}: must be a global one (0, 3, 5, 6, 11)")
+        place = DEGREES_E7 * message.lat_int, DEGREES_E7 * message.lon_int
+        if message.type_mask & POSITION_IGNORED == HORIZONTAL_IGNORED and self._holds("depth"):
+            self._hold_depth(message.alt)
+            return
         state = self._require_guided()
         if message.type_mask & POSITION_IGNORED:
             self._steer(message, state, [message.vx, message.vy, message.vz], is_body=False)
             return
-        place = DEGREES_E7 * message.lat_int, DEGREES_E7 * message.lon_int
         self._guide(message, self._craft.home.world_m(*place, message.alt))
 
+    def _holds(self, name: str) -> bool:
+        """Return whether a hold is active in a mode flown with sticks, in which ArduSub, too, steers targets."""
+        return self._flight.is_by_sticks and name in HOLDS_OF[self._flight.mode]
+
+    def _hold_depth(self, altitude_m: float) -> None:
+        if not -FAR_M < altitude_m <= 0.0:  # of the surface is 0
+            raise ValueError(f"target: alt = {altitude_m:g} m: must be a number, at most 0")
+        self._craft.command("hold_at", z_world_m=altitude_m)
+
     def on_set_attitude_target(self, peer: Peer, message: Any) -> None:
-        """Turn to an attitude, and climb: half of the thrust keeps the depth, as for ArduSub."""
-        if message.type_mask & (THRUST_IGNORED | ATTITUDE_IGNORED):
-            raise ValueError(f"SET_ATTITUDE_TARGET: type_mask = {message.type_mask}: attitude and thrust must be given")
-        q, thrust = np.array(message.q), message.thrust
+        """Turn to an attitude, and climb: half of the thrust keeps the depth, as for ArduSub.
+
+        Without thrust, in a mode that holds the heading, it is the heading's target.
+        """
+        without_thrust = bool(message.type_mask & THRUST_IGNORED) and self._holds("heading")
+        if message.type_mask & ATTITUDE_IGNORED or (message.type_mask & THRUST_IGNORED and not without_thrust):
+            rule = "attitude and thrust must be given; the attitude alone where the heading is held, as in ALT_HOLD"
+            raise ValueError(f"SET_ATTITUDE_TARGET: type_mask = {message.type_mask}: {rule}")
+        q, thrust = np.array(message.q), 0.5 if without_thrust else message.thrust
         if not abs(np.linalg.norm(q) - 1) <= 0.01 or not 0 <= thrust <= 1:
             values = f"q = {q.tolist()}, thrust = {thrust:g}"
             raise ValueError(f"SET_ATTITUDE_TARGET: {values}: must have the length 1, and be in [0, 1]")
@@ -105,6 +127,9 @@ class Targets:
         if any(abs(tilt) > (TILT_MAX_RAD if axis in drives else 0.02) for axis, tilt in tilts.items()):
             degrees = {axis: round(math.degrees(tilt), 1) for axis, tilt in tilts.items()}
             raise ValueError(f"SET_ATTITUDE_TARGET: {degrees} deg: must be at most 45, and 0 where nothing drives it")
+        if without_thrust:
+            self._craft.command("hold_at", heading_rad=math.pi / 2 - yaw)
+            return
         state = self._require_guided()
         ahead = np.array([0.0, 0.0, -2 * SPEED_M_S * (thrust - 0.5)])
         self._steer_by(state, ahead, _rates(state, roll, pitch, yaw))

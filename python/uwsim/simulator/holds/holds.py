@@ -88,6 +88,15 @@ class Holds:
         self._vehicle.helm.is_driven = True
         self._attend(tick)
 
+    def aim(self, heading_rad: float | None = None, z_world_m: float | None = None) -> None:
+        """Give the active heading and depth hold a target, until the stick moves the vehicle. Raises ValueError."""
+        given = {"heading": heading_rad, "depth": z_world_m}
+        for name, value in given.items():
+            if value is not None and name not in self.targets:
+                raise ValueError(f"vehicle '{self._vehicle.name}': hold_at: {name} is not held: hold it first")
+        self._vehicle.helm.note_command()
+        self.targets |= {name: [float(value)] for name, value in given.items() if value is not None}
+
     @property
     def possible(self) -> list[str]:
         """The names of the holds for which the vehicle has actuators and sensors."""
