@@ -22,6 +22,7 @@ from uwsim.missions import OwnVehicle, drive
 
 HOME = Home(33.810313, -118.393867)
 NAN = math.nan
+TEXTS: list[str] = []
 
 
 def item(
@@ -48,7 +49,7 @@ class Servos(NamedTuple):
 
 def craft_of(sim: Simulator) -> Any:
     launch = sim.rov.pose.position_world_m * [1, 1, 0]
-    return SimpleNamespace(home=HOME, vehicle=sim.rov, launch_world_m=launch)
+    return SimpleNamespace(home=HOME, vehicle=sim.rov, launch_world_m=launch, send_text=TEXTS.append)
 
 
 @pytest.fixture(scope="module")
@@ -129,6 +130,22 @@ def test_circles_and_turns_go_the_stated_way(sim: Simulator) -> None:
     assert flown.ended[5] - flown.began[5] >= 2.0
 
 
+def test_a_waypoint_above_the_bed_is_there_and_triggers_and_jumps_end_no_survey(sim: Simulator) -> None:
+    x, y, _ = sim.rov.pose.position_world_m
+    ends = [(x + 4, y, 1.5), (x, y, 1.5)]
+    flown = fly(
+        sim, item(1, 16, at=ends[0], frame=10), item(2, 206, 5.0), item(3, 82, 1.0, at=ends[1], frame=11),
+        item(4, 177, 1, 2),
+    )  # fmt: skip
+    assert "mission item 2: camera trigger by distance: has no effect" in TEXTS
+    assert "mission item 3: spline: is flown straight" in TEXTS
+    bed_m = sim.world.height_at(flown.points[:, :2])
+    on = flown.during(3)
+    assert (flown.points[on][-1, 2] - bed_m[on][-1]) == pytest.approx(1.5, abs=0.2)
+    far = flown.points[:, 0] > x + 3.5
+    assert np.count_nonzero(np.diff(far.astype(int)) == 1) == 3, "there and twice more"
+
+
 def test_land_and_return_end_at_the_surface(sim: Simulator) -> None:
     home = sim.rov.pose.position_world_m.copy()
     flown = fly(sim, item(1, 16, at=(home[0] + 3, home[1], -2.0)), item(2, 20, NAN, NAN, NAN, NAN))
@@ -145,7 +162,10 @@ def test_land_and_return_end_at_the_surface(sim: Simulator) -> None:
         (item(4, 16, NAN, at=(0, 0, -1)), dialect.MAV_MISSION_INVALID_PARAM1, "hold = nan s"),
         (item(4, 16, at=(0, 0, 1)), dialect.MAV_MISSION_INVALID_PARAM7, "altitude = 1 m"),
         (item(4, 16, at=(500, 0, -1)), dialect.MAV_MISSION_INVALID_PARAM5_X, "must be above the terrain"),
-        (item(4, 16, at=(0, 0, -1), frame=10), dialect.MAV_MISSION_UNSUPPORTED_FRAME, "frame 10"),
+        (item(4, 16, at=(0, 0, -1), frame=1), dialect.MAV_MISSION_UNSUPPORTED_FRAME, "frame 1"),
+        (item(4, 16, at=(0, 0, -1), frame=10), dialect.MAV_MISSION_INVALID_PARAM7, "height = -1 m above the bed"),
+        (item(4, 21, at=(0, 0, 1), frame=10), dialect.MAV_MISSION_UNSUPPORTED_FRAME, "is for waypoints"),
+        (item(4, 177, 0, 1), dialect.MAV_MISSION_INVALID_PARAM1, "jump to item 0"),
         (item(4, 18, 1, 0, 0.1, at=(0, 0, -1)), dialect.MAV_MISSION_INVALID_PARAM3, "radius = 0.1 m"),
         (item(4, 93, -1, 12, 0, 0), dialect.MAV_MISSION_INVALID_PARAM1, "delay = -1 s"),
         (item(4, 115, 90, 0, 0.5), dialect.MAV_MISSION_INVALID_PARAM3, "direction = 0.5"),

@@ -10,10 +10,9 @@ from typing import Any
 
 from uwsim.bridges.mavlink.component import SendText
 from uwsim.bridges.mavlink.endpoint import Peer
-from uwsim.bridges.mavlink.plan import RefusedItemError
+from uwsim.bridges.mavlink.plan import ITEMS_MAX, RefusedItemError
 from uwsim.bridges.mavlink.telemetry import EXTENDED_STATUS, Kind
 
-ITEMS_MAX = 1000
 AGAIN_S = 1.0  # interval at which a missing item is requested again
 GIVE_UP_S = 15.0  # time without an item after which an upload ends
 MISSION = 0  # MAV_MISSION_TYPE; fences and rally points are other types

@@ -18,8 +18,10 @@ from uwsim.bridges.mavlink.earth import Vector
 from uwsim.bridges.mavlink.servos import Servos
 from uwsim.missions import OwnVehicle, Steps, dive_to, goto, hold, turn_to
 from uwsim.missions.moves import SPEED_MAX_M_S, follow_leg, reached_m
+from uwsim.navigation.sensor_choice import altimeter
 
-ABOVE_SEA, ABOVE_HOME = (0, 5), (3, 6)  # MAV_FRAME; both altitudes are relative to the surface
+ABOVE_SEA, ABOVE_HOME, ABOVE_BED = (0, 5), (3, 6), (10, 11)  # MAV_FRAME; the first two are relative to the surface
+HEIGHT_MAX_M, ITEMS_MAX = 1000.0, 1000
 FAR_M = 1e5
 """Limit of distances from the world's origin."""
 TIME_MAX_S, TURNS_MAX, RADIUS_MAX_M, TURN_DEG_S = 65535.0, 255.0, 255.0, 60.0
@@ -30,7 +32,13 @@ SURFACE_M = 0.2
 CHORDS = 36  # of a circle
 CONTROL_S = 0.1
 UNSUPPORTED_FRAME, UNSUPPORTED, INVALID_PARAMETER, INVALID_X, INVALID_Z = 2, 3, 6, 10, 12  # MAV_MISSION_RESULT
-CHANGE_SPEED = 178
+CHANGE_SPEED, JUMP = 178, 177
+NOT_EXECUTED: Mapping[int, str] = {
+    195: "region of interest", 196: "region of interest", 197: "region of interest", 201: "region of interest",
+    203: "camera trigger", 206: "camera trigger by distance", 530: "camera mode", 2000: "camera trigger",
+    2001: "end of camera triggers", 2500: "video", 2501: "end of video",
+}  # fmt: skip
+"""Items that are accepted, so that a survey with them is flown, and have no effect; a text names each."""
 
 
 class RefusedItemError(ValueError):
@@ -62,11 +70,17 @@ class Pilot:
             point[:2] = self.vehicle.pose.position_world_m[:2]
         return point
 
-    def go(self, point: Vector) -> Steps[None]:
-        """Fly along the leg from the last waypoint, if there is one, and to the point."""
+    def go(self, point: Vector, height_m: float | None = None) -> Steps[None]:
+        """Fly along the leg from the last waypoint, if there is one, and to the point.
+
+        height_m: above the bed, by the altimeter, in place of the point's z, which is then the one that it leads to.
+        """
+        to = point if height_m is None else point[:2]
         if self.passed is not None:
-            yield from follow_leg(self.vehicle, self.passed, point, speed_m_s=self.speed_m_s)
-        yield from goto(self.vehicle, point, speed_m_s=self.speed_m_s, within_m=self.within_m)
+            yield from follow_leg(self.vehicle, self.passed, to, altitude_m=height_m, speed_m_s=self.speed_m_s)
+        yield from goto(self.vehicle, to, altitude_m=height_m, speed_m_s=self.speed_m_s, within_m=self.within_m)
+        if height_m is not None:
+            point[2] = self.vehicle.pose.position_world_m[2]
         self.passed = point
 
     def stay(self, duration_s: float, point: Vector | None = None) -> Steps[None]:
@@ -80,13 +94,18 @@ class Pilot:
         self.passed = None
 
 
+def _height_m(item: Any) -> float | None:
+    """Return an item's height above the bed, None for one with an altitude."""
+    return float(item.z) if item.frame in ABOVE_BED else None
+
+
 def _waypoint(pilot: Pilot, item: Any) -> Steps[None]:
-    yield from pilot.go(point := pilot.place(item))
+    yield from pilot.go(point := pilot.place(item), _height_m(item))
     yield from pilot.stay(item.param1, point)
 
 
 def _loiter(pilot: Pilot, item: Any) -> Steps[None]:
-    yield from pilot.go(point := pilot.place(item))
+    yield from pilot.go(point := pilot.place(item), _height_m(item))
     yield from pilot.stay(math.inf, point)
 
 
@@ -143,6 +162,14 @@ def _change_speed(pilot: Pilot, item: Any) -> Steps[None]:
     yield from ()
 
 
+def _jump(pilot: Pilot, item: Any) -> Steps[None]:
+    yield from pilot.stay(CONTROL_S)  # so that jumps in a circle take time
+
+
+def _skip(pilot: Pilot, item: Any) -> Steps[None]:
+    yield from ()
+
+
 def _set_servo(pilot: Pilot, item: Any) -> Steps[None]:
     pilot.servos.set(int(item.param1), item.param2)
     yield from ()
@@ -171,19 +198,22 @@ KINDS: Mapping[int, ItemKind] = {
     19: ItemKind("loiter for a time", _waypoint, True, {1: SECONDS}),
     20: ItemKind("return", _return, False, {}),
     21: ItemKind("surface", _land, True, {}),
+    82: ItemKind("spline waypoint", _waypoint, True, {1: SECONDS}),
     93: ItemKind("delay", lambda pilot, item: pilot.stay(item.param1), False, {1: ("delay", 0.0, TIME_MAX_S, "s")}),
     115: ItemKind(
         "yaw", _turn, False,
         {1: ("angle", 0.0, 360.0, "deg"), 2: ("rate", 0.0, 90.0, "deg/s"), 3: ("direction", -1, 1, ""),
          4: ("relative", 0, 1, "")},
     ),
+    JUMP: ItemKind("jump", _jump, False, {2: ("repeats", -1, TIME_MAX_S, "")}),
     CHANGE_SPEED: ItemKind(
         "speed", _change_speed, False, {1: ("type", 0, 1, ""), 2: ("speed", 0.01, SPEED_MAX_M_S, "m/s")}
     ),
     183: ItemKind("servo", _set_servo, False, {}),
+    **{number: ItemKind(name, _skip, False, {}) for number, name in NOT_EXECUTED.items()},
 }  # fmt: skip
 """The items that can be flown, by MAV_CMD. Another item takes one entry."""
-WHOLE = {115: (3, 4), CHANGE_SPEED: (1,)}
+WHOLE = {115: (3, 4), CHANGE_SPEED: (1,), JUMP: (1, 2)}
 """Parameters that must be whole numbers."""
 
 
@@ -193,7 +223,7 @@ def checked(item: Any, craft: Craft, servos: Servos) -> Any:
         return item
     kind = KINDS.get(item.command)
     if kind is None:
-        known = ", ".join(f"{each.name} ({number})" for number, each in KINDS.items())
+        known = ", ".join(f"{each.name} ({number})" for number, each in KINDS.items() if number not in NOT_EXECUTED)
         raise RefusedItemError(item, UNSUPPORTED, f"command {item.command}: must be {known}")
     for number, (meaning, low, high, unit) in kind.limits.items():
         value = getattr(item, f"param{number}")
@@ -203,6 +233,12 @@ def checked(item: Any, craft: Craft, servos: Servos) -> Any:
     if item.command == 18 and abs(item.param3) < RADIUS_MIN_M:
         reason = f"radius = {item.param3:g} m: must be {RADIUS_MIN_M:g} m or more"
         raise RefusedItemError(item, INVALID_PARAMETER + 2, reason)
+    if item.command == JUMP and not 1 <= item.param1 <= ITEMS_MAX:
+        raise RefusedItemError(item, INVALID_PARAMETER, f"jump to item {item.param1:g}: must be 1 or more")
+    if item.command in NOT_EXECUTED:
+        craft.send_text(f"mission item {item.seq}: {kind.name}: has no effect")
+    if item.command == 82:
+        craft.send_text(f"mission item {item.seq}: spline: is flown straight")
     if item.command == 183 and (why := servos.refusal(item.param1, item.param2)):
         raise RefusedItemError(item, INVALID_PARAMETER + why[0] - 1, f"servo param{why[0]}: must be {why[1]}")
     if kind.is_placed:
@@ -211,15 +247,31 @@ def checked(item: Any, craft: Craft, servos: Servos) -> Any:
 
 
 def _check_place(item: Any, craft: Craft) -> None:
-    if item.frame not in ABOVE_SEA + ABOVE_HOME:
-        raise RefusedItemError(item, UNSUPPORTED_FRAME, f"frame {item.frame}: must be a global one (0, 3, 5, 6)")
-    if not -FAR_M < item.z <= 0:
+    if item.frame in ABOVE_BED:
+        _check_height(item, craft)
+    elif item.frame not in ABOVE_SEA + ABOVE_HOME:
+        raise RefusedItemError(
+            item, UNSUPPORTED_FRAME, f"frame {item.frame}: must be a global one (0, 3, 5, 6, 10, 11)"
+        )
+    elif not -FAR_M < item.z <= 0:
         rule = f"must not be above the surface, 0 m, nor below {-FAR_M:g} m"
         raise RefusedItemError(item, INVALID_Z, f"altitude = {item.z:g} m: {rule}")
-    east, north, up = (float(part) for part in craft.home.world_m(1e-7 * item.x, 1e-7 * item.y, item.z))
+    altitude_m = 0.0 if item.frame in ABOVE_BED else item.z
+    east, north, up = (float(part) for part in craft.home.world_m(1e-7 * item.x, 1e-7 * item.y, altitude_m))
     if (item.x or item.y) and (edge := craft.vehicle.beyond_terrain(east, north, up)) is not None:
         place = f"({east:.1f}, {north:.1f}, {up:.1f}) m east, north and up of the origin"
         raise RefusedItemError(item, INVALID_X, f"position {place}: must be above the terrain, {edge}")
+
+
+def _check_height(item: Any, craft: Craft) -> None:
+    if item.command not in (16, 17, 19, 82):
+        raise RefusedItemError(item, UNSUPPORTED_FRAME, f"frame {item.frame}: is for waypoints; must be 0, 3, 5 or 6")
+    if altimeter(craft.vehicle.sensors) is None:
+        rule = "is above the bed, and the vehicle has no sensor of kind 'altitude'"
+        raise RefusedItemError(item, UNSUPPORTED_FRAME, f"frame {item.frame}: {rule}")
+    if not 0 < item.z <= HEIGHT_MAX_M:
+        rule = f"height = {item.z:g} m above the bed: must be in (0, {HEIGHT_MAX_M:g}]"
+        raise RefusedItemError(item, INVALID_Z, rule)
 
 
 class MissionPlan:
@@ -244,12 +296,18 @@ class MissionPlan:
         """Fly the items in turn, at the speed that the ones before have set."""
         pilot = Pilot(vehicle, self._craft, self._servos, reached_m(vehicle, tolerance.xy_m))
         for item in self._items:
-            if item.seq >= self._first:
-                self._begun(item.seq)
-                yield from KINDS[item.command].fly(pilot, item)
-                self._reached(item.seq)
-            elif item.command == CHANGE_SPEED:
+            if item.seq < self._first and item.command == CHANGE_SPEED:
                 pilot.speed_m_s = item.param2
+        number, jumped = max(self._first, 1), dict[int, int]()
+        while number <= len(self._items):
+            item = self._items[number - 1]
+            self._begun(item.seq)
+            yield from KINDS[item.command].fly(pilot, item)
+            self._reached(item.seq)
+            number += 1
+            if item.command == JUMP and (item.param2 < 0 or jumped.get(item.seq, 0) < item.param2):
+                jumped[item.seq] = jumped.get(item.seq, 0) + 1
+                number = int(item.param1)
         if pilot.passed is not None:
             self.points_world_m = pilot.passed.reshape(1, 3)
 

@@ -22,7 +22,7 @@ from uwsim.bridges.mavlink.state import State
 from uwsim.missions.moves import SPEED_MAX_M_S
 
 LOCAL, LOCAL_OFFSET, BODY, BODY_OFFSET, BODY_FRD = 1, 7, 8, 9, 12  # MAV_FRAME
-GLOBAL_FRAMES = (0, 3, 5, 6, 11)
+GLOBAL_FRAMES = (0, 3, 5, 6)
 POSITION_IGNORED, HORIZONTAL_IGNORED, VELOCITY_IGNORED, ACCELERATION_IGNORED = (
     0b111,
     0b011,
@@ -88,7 +88,8 @@ class Targets:
     def on_set_position_target_global_int(self, peer: Peer, message: Any) -> None:
         """Fly to a geographic location, or at a velocity."""
         if message.coordinate_frame not in GLOBAL_FRAMES:
-            raise ValueError(f"target: frame {message.coordinate_frame}: must be a global one (0, 3, 5, 6, 11)")
+            rule = "must be a global one (0, 3, 5, 6); heights above the bed (10, 11) are for missions"
+            raise ValueError(f"target: frame {message.coordinate_frame}: {rule}")
         place = DEGREES_E7 * message.lat_int, DEGREES_E7 * message.lon_int
         if message.type_mask & POSITION_IGNORED == HORIZONTAL_IGNORED and self._holds("depth"):
             self._hold_depth(message.alt)
