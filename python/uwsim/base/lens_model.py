@@ -37,7 +37,8 @@ def coefficients(model: str, given: Sequence[float]) -> tuple[str, tuple[float, 
     """Return a calibration's model and all of its coefficients; those left out at the end are 0.
 
     model: one of COEFFICIENTS or ALIASES; "" for one that 5 or 8 coefficients name. Coefficients beyond the eighth, of
-    thin prisms and tilted sensors, must be 0. A rational_polynomial without k4 k5 k6 is a plumb_bob. Raises ValueError.
+    thin prisms and tilted sensors, must be 0. A plumb_bob with k4 k5 k6, as old files have, is a rational_polynomial,
+    and one of these without them a plumb_bob. Raises ValueError.
     """
     values = [float(value) for value in given]
     while len(values) > 8 and values[-1] == 0.0:
@@ -47,6 +48,8 @@ def coefficients(model: str, given: Sequence[float]) -> tuple[str, tuple[float, 
         raise ValueError(f"distortion_model = {model!r:.40}: must be one of {', '.join(COEFFICIENTS)}")
     if not model and len(values) == 4:
         raise ValueError("distortion_model: missing: 4 coefficients are of plumb_bob or of equidistant")
+    if name == "plumb_bob" and len(values) > 5:
+        name = "rational_polynomial"
     names = COEFFICIENTS[name]
     if len(values) > len(names):
         raise ValueError(f"{len(given)} coefficients of distortion: {name} has at most {', '.join(names)}")
@@ -119,6 +122,6 @@ def _largest_angle(d: tuple[float, ...]) -> tuple[float, float]:
     with np.errstate(all="ignore"):  # a rational factor may divide by 0
         x, y = bent(d, np.tan(angles) * across, np.tan(angles) * down)
         outward = x * across + y * down
-        grows = (np.diff(outward, axis=0, prepend=0.0) > 0.0).all(axis=1)
+        grows = np.asarray((np.diff(outward, axis=0, prepend=0.0) > 0.0).all(axis=1))
     last = max((len(grows) if grows.all() else int(grows.argmin())) - 1, 0)
     return float(angles[last, 0]), float(outward[last].min())

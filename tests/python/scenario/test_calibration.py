@@ -142,6 +142,7 @@ def test_files_of_ros_and_opencv_are_read(tmp_path: Path) -> None:
         ("plumb_bob", "mei", "distortion_model = 'mei': must be one of plumb_bob, rational_polynomial, equidistant"),
         ("plumb_bob", "equidistant", "5 coefficients of distortion: equidistant has at most k1, k2, k3, k4"),
         ("plumb_bob\n", "''\n", "distortion_model: missing: 4 coefficients"),
+        ("camera_matrix: {", "left: {camera_matrix: [1]}\nother: {", "camera_matrix: missing; left have one"),
         ("image_width: 320\n", "", r"image_width, image_height = \[240\]: must be two"),
     ],
 )
@@ -156,6 +157,15 @@ def test_a_principal_point_beyond_the_picture_is_named(tmp_path: Path) -> None:
     (tmp_path / "ost.yaml").write_text(ROS.replace("width: 320", "width: 150"))
     with pytest.warns(CalibrationWarning, match=r"cx = 151.25 is beyond the picture's 150 pixels"):
         read_calibration(tmp_path / "ost.yaml")
+
+
+def test_a_model_is_what_its_coefficients_are() -> None:
+    eight = (0.1, 0.2, 0.0, 0.0, 0.3, 0.4, 0.5, 0.6)
+    assert lens_model.coefficients("plumb_bob", eight) == ("rational_polynomial", eight)  # as in old files
+    assert lens_model.coefficients("rational_polynomial", (*eight[:5], 0, 0, 0)) == ("plumb_bob", eight[:5])
+    assert lens_model.coefficients("fisheye", eight[:4]) == ("equidistant", eight[:4])
+    assert lens_model.coefficients("plumb_bob", eight[:4]) == ("plumb_bob", (*eight[:4], 0.0))
+    assert lens_model.coefficients("", (*eight, 0.0, 0.0, 0.0, 0.0)) == ("rational_polynomial", eight)
 
 
 @pytest.mark.parametrize(

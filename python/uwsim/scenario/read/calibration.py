@@ -16,7 +16,7 @@ from uwsim.base.texts.text_file import decoded, read_limited
 from uwsim.base.texts.yaml_document import MAX_BYTES, YamlDocument, yaml_document
 from uwsim.scenario.read.errors import ScenarioError
 
-MATRIX = ("camera_matrix", "K", "cameraMatrix", "Camera_Matrix", "intrinsic_matrix")
+MATRIX = ("camera_matrix", "K", "M", "cameraMatrix", "Camera_Matrix", "intrinsic_matrix")
 COEFFICIENTS = ("distortion_coefficients", "D", "distCoeffs", "dist_coeffs", "Distortion_Coefficients", "dist_coeff")
 WIDTH, HEIGHT = ("image_width", "width", "image_Width"), ("image_height", "height", "image_Height")
 
@@ -110,6 +110,9 @@ def _document(path: Path) -> YamlDocument:
 
 def _fields(document: YamlDocument) -> dict[str, Any]:
     values = document.values
+    inner = [name for name, part in values.items() if isinstance(part, Mapping) and _key(part, MATRIX)]
+    if _key(values, MATRIX) is None and inner:
+        raise ValueError(f"camera_matrix: missing; {', '.join(inner)} have one: a calibration is one of one camera")
     matrix = _numbers(document, MATRIX)
     if len(matrix) != 9 or matrix[1] or matrix[3] or matrix[6:] != [0.0, 0.0, 1.0]:
         raise ValueError(f"{_key(values, MATRIX)} = {matrix}: must be fx, 0, cx; 0, fy, cy; 0, 0, 1")
