@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import cv2
@@ -11,6 +12,11 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.base import lens_model
+from uwsim.exercises.goals.look_at import LookAt
+from uwsim.recording.capsule import pack, unpack
+from uwsim.scenario import load
+from uwsim.scenario.dump import write_scenario
+from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.scenario.read.calibration import CalibrationWarning, read_calibration, write_calibration
 
 POOL = Path(__file__).parents[3] / "assets" / "scenarios" / "pool.yaml"
@@ -190,6 +196,30 @@ def test_a_fold_within_the_picture_is_named_with_the_largest_angle(tmp_path: Pat
     camera = station_camera(tmp_path, stated(width=WIDTH, height=HEIGHT, **lens))
     with pytest.raises(ValueError, match=r"folds the picture over 4\d\.\d deg from the axis, 1\d\d pixels from"):
         camera.capture()
+
+
+def test_a_calibrated_scenario_is_written_and_packed(tmp_path: Path) -> None:
+    (tmp_path / "ost.yaml").write_text(ROS)
+    station_camera(tmp_path, "calibration: ost.yaml, width: 160")
+    scenario = load(tmp_path / "pool.yaml")
+    write_scenario(tmp_path / "written.yaml", scenario)
+    assert load(tmp_path / "written.yaml") == scenario
+    packed = unpack(pack(scenario), tmp_path / "packed")
+    assert packed.station.cameras["odd"].fx == scenario.station.cameras["odd"].fx == 0.5 * LENS["fx"]
+    assert scenario_fingerprint(packed) == scenario_fingerprint(scenario)
+
+
+def test_a_goal_looks_through_the_lens() -> None:
+    sim = Simulator("pool", threads=2)
+    sim.rov.place((0.0, 0.0, -3.0))
+    camera = sim.rov.cameras["front"]
+    off_centre = {"fx": 400.0, "fy": 400.0, "cx": 500.0, "cy": 180.0, "distortion": (0.0,) * 5}
+    camera.change(camera.mount.model_copy(update=off_centre))
+    moment = SimpleNamespace(position_world_m=np.array([0.0, 0.0, -3.0]), vehicle=sim.rov, sim=sim)
+    words = {"name": "look", "title": "Look", "kind": "look_at", "position_m": (0, 0, 0), "cameras": ["front"]}
+    pose, goal = camera.world_from_camera, LookAt.model_validate(words)
+    in_view = [goal.is_in_view(moment, (pose @ (1.0, y, 0.0, 1.0))[:3]) for y in (1.2, -0.3, -0.4)]  # y is to port
+    assert in_view == [True, True, False]  # at pixels 20, 620 and 660 of 640
 
 
 def test_parameters_know_no_field_of_view_of_a_calibrated_camera(tmp_path: Path) -> None:
