@@ -46,7 +46,7 @@ def calibrated_fields(path: Path, width: object = None, height: object = None) -
     With only one of both, the aspect ratio is the file's. Raises ScenarioError.
     """
     found = read_calibration(path)
-    whole = [value if isinstance(value, int) and value > 0 else None for value in (width, height)]
+    whole = [value if type(value) is int and value > 0 else None for value in (width, height)]
     if "width" not in found:
         if None in whole:
             raise ScenarioError(f"{path}: holds no image_width and image_height: give width and height beside it")
