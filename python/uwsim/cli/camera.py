@@ -39,15 +39,25 @@ def camera(
     at: Annotated[
         float, typer.Option(help="Simulated time at which to capture [s].", callback=within(0, 36_000, "s"))
     ] = 0.0,
+    calibration: Annotated[
+        Path | None,
+        typer.Option(help="Write its calibration, too: .yaml as ROS's camera_info, .yml as OpenCV's FileStorage."),
+    ] = None,
     seed: Seed = None,
     threads: Threads = None,
 ) -> None:
     """Capture pictures with and without the water's effects."""
     from uwsim.cli.draw_camera import CameraRequest, draw
+    from uwsim.scenario.read.calibration import check_suffix, write_calibration
 
     wanted = [part for part in effects.split(",") if part]
     if not wanted:
         raise ValueError(f"effects = {effects!r}: must name at least one picture")
+    if calibration is not None:
+        check_suffix(calibration)
     request = CameraRequest(name, wanted, pose, jerlov, sun, [part for part in lamps.split(",") if part], at, vehicle)
     frames = draw(scenario, request, out, seed=seed, threads=threads)
     typer.echo(f"{out}: {len(frames)} x {frames[0].info.width} x {frames[0].info.height} pixels, camera '{name}'")
+    if calibration is not None:
+        write_calibration(calibration, frames[0].info, name)
+        typer.echo(f"{calibration}: calibration of camera '{name}'")

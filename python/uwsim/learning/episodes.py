@@ -215,7 +215,7 @@ class Episodes:
         """Return a picture (height, width, 3) of the current state from a camera on the member's vehicle."""
         vehicle = self.batch.simulator(member).vehicles[self.task.vehicle]
         camera = vehicle.cameras[view.camera]
-        camera.change(camera.mount.model_copy(update={"width": view.width, "height": view.height}))
+        camera.change(camera.mount.resized(view.width, view.height))
         return np.asarray(camera.capture().rgb)
 
 

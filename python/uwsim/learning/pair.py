@@ -137,7 +137,7 @@ class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stu
         if self.render_mode is None:
             return None
         camera = self._batch.simulator(0).rov.cameras[self.view.camera]
-        camera.change(camera.mount.model_copy(update={"width": self.view.width, "height": self.view.height}))
+        camera.change(camera.mount.resized(self.view.width, self.view.height))
         return np.asarray(camera.capture().rgb)
 
     def close(self) -> None:

@@ -55,7 +55,7 @@ class LampLike(Protocol):
 
 
 class LensLike(Protocol):
-    """A picture's intrinsics in pixels, as in sensor_msgs/CameraInfo: d (5,), k (3, 3)."""
+    """A picture's intrinsics in pixels, as in sensor_msgs/CameraInfo: k (3, 3), d (see uwsim.base.lens_model)."""
 
     @property
     def width(self) -> int: ...

@@ -12,6 +12,7 @@ from command_line import error_line, uwsim
 from uwsim import Simulator
 from uwsim.cli.draw_camera import CameraRequest, set_up
 from uwsim.cli.pose_option import parsed_pose
+from uwsim.scenario.read.calibration import read_calibration
 
 
 def test_pictures_with_and_without_effects_lie_side_by_side(tmp_path: Path) -> None:
@@ -25,6 +26,15 @@ def test_pictures_with_and_without_effects_lie_side_by_side(tmp_path: Path) -> N
     assert with_water[0, :, 1].mean() > with_water[0, :, 2].mean()  # green water
     assert without[0, :, 2].mean() > without[0, :, 1].mean()  # blue sky
     assert [path.name for path in tmp_path.iterdir()] == ["pair.png"]
+
+
+def test_the_calibration_is_written_beside_the_picture(tmp_path: Path) -> None:
+    assert uwsim(*["camera", "pool", "--effects", "off", "--calibration", "front.yaml"], cwd=tmp_path).returncode == 0
+    assert read_calibration(tmp_path / "front.yaml")["width"] == 640
+    assert "must end in .yaml (ROS) or .yml" in error_line(
+        uwsim(*["camera", "pool", "--calibration", "f.xml"], cwd=tmp_path)
+    )
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["camera.png", "front.yaml"]
 
 
 def test_camera_lamps_sun_and_time_can_be_chosen(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from uwsim.base import lens_model
 from uwsim.base.named import Named
 from uwsim.base.short_repr import ShortRepr
 from uwsim.bridges.remote.connection import RemoteConnection
@@ -82,7 +83,7 @@ class RemoteSensor:
 
 @dataclass(frozen=True, eq=False)
 class RemoteLens:
-    """A picture's intrinsics in pixels, as in sensor_msgs/CameraInfo: d (5,), k (3, 3)."""
+    """A picture's intrinsics in pixels, as in sensor_msgs/CameraInfo: k (3, 3), d (see uwsim.base.lens_model)."""
 
     width: int
     height: int
@@ -104,7 +105,7 @@ class RemotePicture:
 
     @cached_property
     def info(self) -> RemoteLens:
-        """The intrinsics, from camera_info. Raises ValueError if there is no such topic, or OSError."""
+        """The intrinsics, from camera_info. Raises ValueError for no such topic or an unknown lens, or OSError."""
         return self._lens()
 
     @cached_property
@@ -170,7 +171,8 @@ class RemoteCamera:
     def _lens(self) -> RemoteLens:
         info = self._connection.newest(f"{self._start}/camera_info")
         k = np.asarray(info.k, np.float64).reshape(3, 3)
-        return RemoteLens(int(info.width), int(info.height), np.asarray(info.d, np.float64), k)
+        _, d = lens_model.coefficients(str(info.distortion_model), info.d)
+        return RemoteLens(int(info.width), int(info.height), np.array(d), k)
 
     def _world_from_camera(self, header: Any) -> NDArray[np.float64]:
         world_from_camera = self._tree.world_from(str(header.frame_id), seconds(header.stamp))

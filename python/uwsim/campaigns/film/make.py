@@ -151,7 +151,7 @@ def _shots(recording: Path, folder: Path, wanted: FilmOptions, threads: int | No
     mount, hidden = CameraMount(position_m=(0.0, 0.0, 0.0), field_of_view_deg=FOV_DEG, **lens), None
     if roll.camera is not None:
         level = {"position_m": (0.0, 0.0, 0.0), "yaw_pitch_roll_deg": (0.0, 0.0, 0.0), "follows": "body"}
-        mount = roll.camera.mount.model_copy(update={**level, **lens, "pan_tilt": None, "on": True})
+        mount = roll.camera.mount.resized(*size).model_copy(update={**level, "pan_tilt": None, "on": True})
         hidden, poses = roll.camera.hidden, roll.poses
     elif is_path:
         poses = views.along_path(Path(view), np.array([1e-9 * state.time_ns for state in roll.states]))
@@ -173,9 +173,7 @@ def _shots(recording: Path, folder: Path, wanted: FilmOptions, threads: int | No
 def _gains(sim: Simulator, roll: Roll, poses: Floats, mount: CameraMount, hidden: int | None, fps: float) -> Floats:
     """Return a steady exposure for each frame, from small pictures of some."""
     every = max(round(METERED_S * fps), 1)
-    small = mount.model_copy(
-        update={"width": METERED_PIXELS, "height": max(METERED_PIXELS * mount.height // mount.width, 1)}
-    )
+    small = mount.resized(METERED_PIXELS, max(METERED_PIXELS * mount.height // mount.width, 1))
     scene = scene_of(sim)
     at = np.arange(0, len(poses), every)
     seen = [

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from uwsim.base import lens_model
 from uwsim.exercises.goal import Duration, GoalModel, Within
 from uwsim.exercises.moment import Floats, Moment
 from uwsim.scenario.spec.fields import InRange, Name, Point3, broken
@@ -44,8 +44,9 @@ class Sight(GoalModel):
         ahead, left, up = (world_from_camera[:3, :3].T @ ray).tolist()
         if ahead <= 0.0:
             return False
-        half = math.tan(math.radians(0.5 * camera.mount.field_of_view_deg))
-        if abs(left) > half * ahead or abs(up) > half * ahead * camera.mount.height / camera.mount.width:
+        info, x, y = camera.info, np.array(-left / ahead), np.array(-up / ahead)
+        size, pixel = np.array([info.width, info.height]), np.array(lens_model.project(info.k, info.d, x, y))
+        if not lens_model.shows(info.d, x, y) or (np.abs(pixel - 0.5 * (size - 1)) > 0.5 * size).any():
             return False
         hit_m = float(moment.sim.scene.cast(eye[None], ray[None], distance_m).ranges_m[0])
         return hit_m >= distance_m - self.clear_m

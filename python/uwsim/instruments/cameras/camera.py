@@ -192,9 +192,8 @@ class Camera(Attached):
             if not 1 <= pixels <= LARGEST_SIDE:
                 raise ValueError(f"camera '{self.name}': {name} = {pixels} pixels: must be in [1, {LARGEST_SIDE}]")
         height = height or max(1, round(width * self.mount.height / self.mount.width))
-        mount = self.mount.model_copy(update={"width": width, "height": height})
         other = self._twin()
-        other._refit(mount)
+        other._refit(self.mount.resized(width, height))
         return other
 
     def ray_table(self, *, distort: bool = True, in_water: bool = True) -> NDArray[np.float32]:

@@ -40,15 +40,19 @@ class Lens:
     @cached_property
     def rectified(self) -> Lens:
         """An ideal pinhole camera with the projection matrix of `info`: no distortion, no port."""
-        angle_rad = 2.0 * np.arctan(0.5 * self.mount.width / self.info.p[0, 0])
+        (fx, _, cx, _), (_, fy, cy, _), _ = self.info.p.tolist()
+        angle_rad = 2.0 * np.arctan(0.5 * self.mount.width / fx)
         pinhole = {"field_of_view_deg": float(np.degrees(angle_rad)), "distortion": (0.0,) * 5, "port": None}
+        if self.mount.fx is not None:
+            pinhole |= {"fx": fx, "fy": fy, "cx": cx, "cy": cy}
         return Lens(self.name, self.mount.model_copy(update=pinhole))
 
 
 def _calibrated(k: Floats, rays: NDArray[np.float32]) -> tuple[Floats, Floats]:
     """Return the K (3, 3) and k1 k2 p1 p2 k3 (5,) that best fit rays in water, like a calibration with distant points.
 
-    A pixel's distance from the principal point, f (x' y'), is linear in f and in f times each coefficient.
+    A pixel's distance from the principal point, f (x' y'), is linear in f and in f times each coefficient. The ratio of
+    both focal lengths is that of k (3, 3).
     """
     step = max(1, max(rays.shape[:2]) // 64)
     v, u = np.mgrid[0 : rays.shape[0] : step, 0 : rays.shape[1] : step]
@@ -56,8 +60,9 @@ def _calibrated(k: Floats, rays: NDArray[np.float32]) -> tuple[Floats, Floats]:
     r2 = x * x + y * y
     across = [x, x * r2, x * r2**2, 2 * x * y, r2 + 2 * x * x, x * r2**3]
     down = [y, y * r2, y * r2**2, r2 + 2 * y * y, 2 * x * y, y * r2**3]
-    from_centre = np.hstack([u.ravel() - k[0, 2], v.ravel() - k[1, 2]])
+    squeeze = k[1, 1] / k[0, 0]
+    from_centre = np.hstack([u.ravel() - k[0, 2], (v.ravel() - k[1, 2]) / squeeze])
     (focal, *scaled), *_ = np.linalg.lstsq(np.hstack([across, down]).T, from_centre, rcond=None)
     fitted = k.copy()
-    fitted[0, 0] = fitted[1, 1] = focal
+    fitted[0, 0], fitted[1, 1] = focal, squeeze * focal
     return fitted, np.array(scaled) / focal

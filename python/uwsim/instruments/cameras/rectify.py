@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base import lens_model
+
 Floats = NDArray[np.float64]
 
 
@@ -12,7 +14,7 @@ def rectify(rgb: NDArray[np.uint8], k: Floats, d: Floats, p: Floats) -> NDArray[
     """Return a picture (h, w, 3) as seen through the pinhole with the projection matrix p (3, 4).
 
     As ROS's image_proc and OpenCV's initUndistortRectifyMap do: each pixel of the result is interpolated linearly at
-    the point to which k (3, 3) and d (k1 k2 p1 p2 k3, Brown and Conrady) project its ray; black beyond the picture.
+    the point to which k (3, 3) and d (see uwsim.base.lens_model) project its ray; black beyond the picture.
     """
     if not d.any() and np.array_equal(k, p[:, :3]):
         return rgb
@@ -35,10 +37,5 @@ def project(
     u: NDArray[np.int64], v: NDArray[np.int64], k: Floats, d: Floats, p: Floats
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return the pixels of a lens with k and d that see the rays through pixels (u, v) of the pinhole p."""
-    k1, k2, p1, p2, k3 = d
-    x, y = (u - p[0, 2]) / p[0, 0], (v - p[1, 2]) / p[1, 1]
-    r2 = x * x + y * y
-    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
-    bent_x = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
-    bent_y = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
-    return (k[0, 0] * bent_x + k[0, 2]).astype(np.float32), (k[1, 1] * bent_y + k[1, 2]).astype(np.float32)
+    left, top = lens_model.project(k, d, (u - p[0, 2]) / p[0, 0], (v - p[1, 2]) / p[1, 1])
+    return left.astype(np.float32), top.astype(np.float32)

@@ -26,11 +26,10 @@ class Together:
     """
 
     def __init__(self, size: tuple[int, int] | None) -> None:
-        shape = {} if size is None else {"height": size[0], "width": size[1]}
         lenses: dict[tuple[str, CameraMount], Lens] = {}
 
         def lens(mount: CameraMount, name: str) -> _core.Camera:
-            key = name, mount.model_copy(update=shape)
+            key = name, mount if size is None else mount.resized(size[1], size[0])
             return lenses.setdefault(key, Lens(*key)).core
 
         self._size = size

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
+from uwsim.base import lens_model
 from uwsim.missions.vehicle import LensLike, PictureLike
 
 Floats = NDArray[np.float64]
@@ -70,22 +71,15 @@ def pipe_in_picture(frame: PictureLike, bed_z_m: float, diameter_m: float) -> Se
 def pixels_of(points_world_m: Floats, info: LensLike, world_from_camera: Floats) -> tuple[Floats, NDArray[np.bool_]]:
     """Project points (n, 3) into a picture; return (column, row), (n, 2), and a mask (n,) of points inside it.
 
-    The lens model is Brown and Conrady's (OpenCV's "plumb_bob"). world_from_camera: x ahead, y left, z up.
+    world_from_camera: x ahead, y left, z up. Raises ValueError for an `info.d` of another lens model than ROS's.
     """
     seen = (points_world_m - world_from_camera[:3, 3]) @ world_from_camera[:3, :3]
     ahead = np.maximum(seen[:, 0], 1e-6)
     x, y = -seen[:, 1] / ahead, -seen[:, 2] / ahead
-    k1, k2, p1, p2, k3 = np.asarray(info.d, np.float64)
-    r2 = x * x + y * y
-    radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
-    bent_x = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
-    bent_y = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
-    k = np.asarray(info.k, np.float64).reshape(3, 3)
-    pixels = np.column_stack([k[0, 0] * bent_x + k[0, 2], k[1, 1] * bent_y + k[1, 2]])
-    inside = (
-        (seen[:, 0] > 0.0) & (pixels >= 0.0).all(axis=1) & (pixels <= (info.width - 1, info.height - 1)).all(axis=1)
-    )
-    return pixels, inside
+    k, d = np.asarray(info.k, np.float64).reshape(3, 3), np.asarray(info.d, np.float64)
+    pixels = np.column_stack(lens_model.project(k, d, x, y))
+    in_picture = (pixels >= 0.0).all(axis=1) & (pixels <= (info.width - 1, info.height - 1)).all(axis=1)
+    return pixels, (seen[:, 0] > 0.0) & lens_model.shows(d, x, y) & in_picture
 
 
 def _qualities(rgb: NDArray[np.uint8], pixels: Floats) -> Floats:

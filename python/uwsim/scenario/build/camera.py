@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base import lens_model
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.spec.camera import CameraMount, Lamps
@@ -25,13 +26,15 @@ def mount_orientation_xyzw(yaw_pitch_roll_deg: Sequence[float]) -> Floats:
 
 
 def intrinsic_matrix(mount: CameraMount) -> Floats:
-    """Return the intrinsic matrix K (3, 3) in pixels, for square pixels and a principal point at the image centre."""
+    """Return the intrinsic matrix K (3, 3) in pixels: the calibration's, or that of the field of view."""
+    if mount.fx is not None:
+        return np.array([[mount.fx, 0, mount.cx], [0, mount.fy, mount.cy], [0, 0, 1]])
     focal = 0.5 * mount.width / np.tan(np.radians(0.5 * mount.field_of_view_deg))
     return np.array([[focal, 0, 0.5 * (mount.width - 1)], [0, focal, 0.5 * (mount.height - 1)], [0, 0, 1]])
 
 
 def core_camera(name: str, mount: CameraMount) -> _core.Camera:
-    """Return the core's camera, including its ray table. Raises ValueError."""
+    """Return the core's camera, including its ray table. Raises ValueError, also if the picture folds over."""
     k = intrinsic_matrix(mount)
     lens = _core.Lens(
         mount.width,
@@ -43,16 +46,33 @@ def core_camera(name: str, mount: CameraMount) -> _core.Camera:
         distortion=list(mount.distortion),
         port=None if mount.port is None else _core.FlatPort(**mount.port.model_dump()),
     )
-    return _core.Camera(
-        name,
-        lens,
-        exposure=mount.exposure,
-        full_well=mount.full_well,
-        read_noise=mount.read_noise,
-        vignetting=mount.vignetting,
-        wobble_rad=None if mount.wobble_mrad is None else 1e-3 * mount.wobble_mrad,
-        shutter_s=1e-3 * mount.shutter_ms,
-        readout_s=1e-3 * mount.readout_ms,
+    try:
+        return _core.Camera(
+            name,
+            lens,
+            exposure=mount.exposure,
+            full_well=mount.full_well,
+            read_noise=mount.read_noise,
+            vignetting=mount.vignetting,
+            wobble_rad=None if mount.wobble_mrad is None else 1e-3 * mount.wobble_mrad,
+            shutter_s=1e-3 * mount.shutter_ms,
+            readout_s=1e-3 * mount.readout_ms,
+        )
+    except ValueError as error:
+        raise ValueError(f"camera '{name}': {_fold(mount, k) or error}") from None
+
+
+def _fold(mount: CameraMount, k: Floats) -> str:
+    """Return where the distortion folds the picture over, or "" if it does not."""
+    angle_rad, bent = lens_model.largest_angle(mount.distortion)
+    across = max(k[0, 2], mount.width - 1 - k[0, 2]) / k[0, 0]
+    corner = np.hypot(across, max(k[1, 2], mount.height - 1 - k[1, 2]) / k[1, 1])
+    if corner <= bent:
+        return ""
+    return (
+        f"distortion = {list(mount.distortion)}: folds the picture over {np.degrees(angle_rad):.1f} deg from the axis, "
+        f"{bent * k[0, 0]:.0f} pixels from the principal point, while its corners are up to "
+        f"{corner * k[0, 0]:.0f} pixels away: make the distortion or the picture smaller"
     )
 
 

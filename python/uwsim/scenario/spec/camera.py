@@ -6,14 +6,22 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field, StrictBool, model_validator
+from pydantic_core.core_schema import ValidationInfo
 
-from uwsim.scenario.spec.fields import Degrees, InRange, Model, Name, Point3, YawPitchRoll, broken
+from uwsim.base import lens_model
+from uwsim.scenario.read.calibration import calibrated_fields
+from uwsim.scenario.spec.fields import AssetFile, Degrees, InRange, Model, Name, Point3, YawPitchRoll, asset_at, broken
 
 LARGEST_SIDE = 8192
+FIELD_DEG = 1, 170
+INTRINSICS = ("fx", "fy", "cx", "cy")
 DOCK_VIEW_M = (2.9, 1.3, 1.5)
 FORWARD: tuple[float, float, float] = (0.0, 0.0, 0.0)
 Pixels = Annotated[int, InRange(1, LARGEST_SIDE, "pixels")]
+FocalLength = Annotated[float, InRange(1, 1e6, "pixels")]
+Principal = Annotated[float, InRange(-1e5, 1e5, "pixels")]
 Coefficient = Annotated[float, InRange(-100, 100)]
 Share = Annotated[float, InRange(0, 1)]
 Colour = tuple[Share, Share, Share]
@@ -55,8 +63,11 @@ class CameraMount(Model):
     """A camera: its mount, lens and image sensor.
 
     It looks along its x: yaw 90 turns it to port, pitch 90 down. position_m: position in the frame of its carrier.
-    width, height: size in pixels, which are square. field_of_view_deg: angle across the image's width, before
-    distortion.
+    width, height: size in pixels. field_of_view_deg: angle across the image's width, before distortion, for square
+    pixels and a principal point in the middle. fx, fy, cx, cy: instead of it, the focal lengths and the principal point
+    of a calibration; pixel centres have whole coordinates, as in OpenCV. calibration: instead of these, width, height
+    and distortion, a YAML file of ROS's camera_calibration or of OpenCV's FileStorage; a width or height beside it
+    scales the picture.
     distortion: k1, k2, p1, p2, k3 of the Brown-Conrady model, as in OpenCV. port: a flat window, at which rays from the
     water are refracted: field of view and distortion are then those of the lens in air. Without it they hold in water
     as in air, as behind a dome, or after a calibration under water. exposure: a factor on the automatic or
@@ -73,7 +84,12 @@ class CameraMount(Model):
     yaw_pitch_roll_deg: YawPitchRoll = FORWARD
     width: Pixels = 640
     height: Pixels = 360
-    field_of_view_deg: Annotated[float, InRange(1, 170, "deg")] = 80.0
+    field_of_view_deg: Annotated[float, InRange(*FIELD_DEG, "deg")] = 80.0
+    fx: FocalLength | None = None
+    fy: FocalLength | None = None
+    cx: Principal | None = None
+    cy: Principal | None = None
+    calibration: AssetFile | None = None
     distortion: tuple[Coefficient, Coefficient, Coefficient, Coefficient, Coefficient] = (0.0, 0.0, 0.0, 0.0, 0.0)
     port: FlatPort | None = None
     exposure: Annotated[float, InRange(0.001, 1000)] = 1.0
@@ -87,11 +103,54 @@ class CameraMount(Model):
     pan_tilt: PanTilt | None = None
     on: StrictBool = True
 
+    @model_validator(mode="before")
+    @classmethod
+    def _reads_its_calibration(cls, data: object, info: ValidationInfo) -> object:
+        if not isinstance(data, Mapping) or data.get("calibration") is None:
+            return data
+        found = calibrated_fields(asset_at(data["calibration"], info), data.get("width"), data.get("height"))
+        for key, value in found.items():
+            if key in data and np.any(np.asarray(data[key]) != np.asarray(value)):
+                raise broken(f"must be that of calibration, {value}, or left out", at=(key,), value=data[key])
+        return {**data, **found}
+
+    @model_validator(mode="after")
+    def _has_one_lens(self) -> CameraMount:
+        stated = [key for key in INTRINSICS if getattr(self, key) is not None]
+        absent = [key for key in INTRINSICS if key not in stated]
+        if stated and absent:
+            raise broken(f"missing: give all or none of {', '.join(INTRINSICS)}", at=(absent[0],))
+        if self.fx is None:
+            return self
+        if "field_of_view_deg" in self.model_fields_set:
+            rule = f"must not be given beside {', '.join(INTRINSICS)}"
+            raise broken(rule, at=("field_of_view_deg",), value=self.field_of_view_deg, unit="deg")
+        self.__dict__["field_of_view_deg"] = _across_deg(self.fx, self.width)
+        if not FIELD_DEG[0] <= self.field_of_view_deg <= FIELD_DEG[1]:
+            rule = (
+                f"the field of view across the width, {self.field_of_view_deg:.3g} deg, must be in {[*FIELD_DEG]} deg"
+            )
+            raise broken(rule, at=("fx",), value=self.fx, unit="pixels")
+        return self
+
     @model_validator(mode="after")
     def _turns_on_the_hull(self) -> CameraMount:
         if self.pan_tilt is not None and self.follows == "heading":
             raise broken("is only for a camera that is fixed to the hull", at=("pan_tilt",))
         return self
+
+    def resized(self, width: int, height: int) -> CameraMount:
+        """Return this mount for a picture of another size with the same field of view across the width."""
+        other: dict[str, Any] = {"width": width, "height": height}
+        if None not in (lens := [getattr(self, key) for key in INTRINSICS]):
+            scaled = lens_model.resized(*lens, size=(self.width, self.height), to=(width, height))
+            other |= {**dict(zip(INTRINSICS, scaled, strict=True)), "field_of_view_deg": _across_deg(scaled[0], width)}
+        return self.model_copy(update=other)
+
+
+def _across_deg(fx: float, width: int) -> float:
+    """Return the angle across a width in pixels, before distortion."""
+    return 2.0 * math.degrees(math.atan(0.5 * width / fx))
 
 
 class LampSpot(Model):

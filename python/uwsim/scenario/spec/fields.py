@@ -179,7 +179,8 @@ def _check_name(name: str) -> str:
     return name
 
 
-def _check_file(value: object, info: ValidationInfo) -> Path:
+def asset_at(value: object, info: ValidationInfo) -> Path:
+    """Return the file that a field names, see AssetFile. Raises an error of validation."""
     if not isinstance(value, str | Path):
         raise broken("must be the path of a file")
     folder = (info.context or {}).get("folder", Path())
@@ -191,7 +192,7 @@ def _check_file(value: object, info: ValidationInfo) -> Path:
 
 Name = Annotated[str, AfterValidator(_check_name), WithJsonSchema({"type": "string", "pattern": f"^{NAME.pattern}$"})]
 
-AssetFile = Annotated[Path, BeforeValidator(_check_file, json_schema_input_type=str)]
+AssetFile = Annotated[Path, BeforeValidator(asset_at, json_schema_input_type=str)]
 """An existing file: relative to the YAML file that names it (in Python: to the working folder), or else packaged."""
 
 # Rays are traced in float32, which resolves a millimetre within 10 km.

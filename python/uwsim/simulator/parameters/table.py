@@ -7,7 +7,7 @@ from typing import get_args
 from uwsim.base.axes import AXES
 from uwsim.scenario.spec.actuator import FinMount, ThrusterMount, ThrusterType
 from uwsim.scenario.spec.battery import BatterySetup, BatteryType
-from uwsim.scenario.spec.camera import CameraMount, Lamps
+from uwsim.scenario.spec.camera import INTRINSICS, CameraMount, Lamps
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
 from uwsim.scenario.spec.optics import WaterCoefficients
@@ -98,7 +98,10 @@ FIXED: dict[type[Model], frozenset[str]] = {
     SensorMount: frozenset({"kind", "grade", "position_m", "yaw_pitch_roll_deg", "noise_std", "parameters"}),
     SonarSetup: frozenset({"tilt_deg", "multipath", "water_column"}),
     CameraMount: frozenset(
-        ["position_m", "yaw_pitch_roll_deg", "width", "height", "distortion", "port", "follows", "pan_tilt"]
+        [
+            *("position_m", "yaw_pitch_roll_deg", "width", "height", *INTRINSICS, "calibration", "distortion", "port"),
+            *("follows", "pan_tilt"),
+        ]
     ),
     Lamps: frozenset({"spots"}),
     ImagingMount: frozenset({"kind", "position_m", "yaw_pitch_roll_deg", "figures"}),
@@ -159,6 +162,8 @@ def is_absent(model: Model, field: str) -> bool:
     """Return whether a field does not apply to a model because the model specifies its alternative."""
     if field in ("max_force_n", "max_torque_nm", "battery") or field.endswith("_matrix"):
         return getattr(model, field) is None
+    if isinstance(model, CameraMount) and field == "field_of_view_deg":
+        return model.fx is not None
     matrix = field + "_matrix"
     return matrix in type(model).model_fields and getattr(model, matrix) is not None
 
