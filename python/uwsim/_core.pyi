@@ -2772,7 +2772,7 @@ class FlatPort:
 
 class Lens:
     """
-    Distortion as in OpenCV and CameraInfo (plumb_bob), in pixels; lens.h contains the equations.
+    Distortion as in OpenCV and CameraInfo, in pixels; lens.h contains the equations.
     """
     def __init__(
         self,
@@ -2782,13 +2782,12 @@ class Lens:
         fy: typing.SupportsFloat | typing.SupportsIndex,
         cx: typing.SupportsFloat | typing.SupportsIndex,
         cy: typing.SupportsFloat | typing.SupportsIndex,
-        distortion: typing.Annotated[
-            collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(5)"
-        ] = [0.0, 0.0, 0.0, 0.0, 0.0],
+        distortion: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [0.0, 0.0, 0.0, 0.0, 0.0],
         port: FlatPort | None = None,
     ) -> None:
         """
-        distortion: k1, k2, p1, p2, k3
+        distortion: k1, k2, p1, p2, k3 (plumb_bob), these and k4, k5, k6 (rational_polynomial), or k1, k2, k3,
+        k4 (equidistant)
         """
 
 class Camera:
@@ -2816,6 +2815,11 @@ class Camera:
         """
         Return X/Z and Y/Z of the ray through each pixel's centre, in the optical frame, (height, width, 2)
         float32.
+        """
+    @property
+    def folded_pixels(self) -> int:
+        """
+        The number of pixels that no ray meets, because the distortion folds the image over.
         """
     @property
     def name(self) -> str: ...

@@ -1,7 +1,6 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +16,7 @@
 #include "bindings/core/gil.h"
 #include "uwsim/camera/camera.h"
 #include "uwsim/camera/lamp.h"
+#include "uwsim/core/check.h"
 
 namespace uwsim::bindings {
 namespace {
@@ -37,22 +37,34 @@ py::array_t<float> ray_offsets_of(const Camera& camera) {
   return by_pixel(camera.lens(), rays.offset_x_m, rays.offset_y_m);
 }
 
+Lens lens_of(Lens lens, const std::vector<double>& d, const std::optional<FlatPort>& port) {
+  require(d.size() == 4 || d.size() == 5 || d.size() == 8, "camera.distortion.size", d.size(), "must be 4, 5 or 8");
+  lens.is_equidistant = d.size() == 4;
+  if (lens.is_equidistant) {
+    lens.k1 = d[0], lens.k2 = d[1], lens.k3 = d[2], lens.k4 = d[3];
+  } else {
+    lens.k1 = d[0], lens.k2 = d[1], lens.p1 = d[2], lens.p2 = d[3], lens.k3 = d[4];
+    if (d.size() == 8) lens.k4 = d[5], lens.k5 = d[6], lens.k6 = d[7];
+  }
+  lens.port = port;
+  return lens;
+}
+
 void bind_lens(py::module_& m) {
   py::class_<FlatPort>(m, "FlatPort", "A flat window between the lens, in air, and the water.")
       .def(py::init([](double distance_m, double thickness_m, double refractive_index) {
              return FlatPort{distance_m, thickness_m, refractive_index};
            }),
            py::arg("distance_m"), py::arg("thickness_m"), py::arg("refractive_index"));
-  py::class_<Lens>(m, "Lens",
-                   "Distortion as in OpenCV and CameraInfo (plumb_bob), in pixels; lens.h contains the equations.")
+  py::class_<Lens>(m, "Lens", "Distortion as in OpenCV and CameraInfo, in pixels; lens.h contains the equations.")
       .def(py::init([](int width, int height, double fx, double fy, double cx, double cy,
-                       const std::array<double, 5>& distortion, const std::optional<FlatPort>& port) {
-             const auto& [k1, k2, p1, p2, k3] = distortion;
-             return Lens{width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3, port};
+                       const std::vector<double>& distortion, const std::optional<FlatPort>& port) {
+             return lens_of(Lens{width, height, fx, fy, cx, cy}, distortion, port);
            }),
            py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"), py::arg("cx"), py::arg("cy"),
-           py::arg("distortion") = std::array<double, 5>{}, py::arg("port") = py::none(),
-           "distortion: k1, k2, p1, p2, k3");
+           py::arg("distortion") = std::vector<double>(5), py::arg("port") = py::none(),
+           "distortion: k1, k2, p1, p2, k3 (plumb_bob), these and k4, k5, k6 (rational_polynomial), or k1, k2, k3,\n"
+           "k4 (equidistant)");
   py::class_<Camera, std::shared_ptr<Camera>>(m, "Camera",
                                               "A camera: lens and image sensor. Raises ValueError naming the field.")
       .def(py::init([](std::string name, const Lens& lens, double exposure, double full_well, double read_noise,
@@ -67,6 +79,9 @@ void bind_lens(py::module_& m) {
            py::arg("vignetting") = ImageSensor{}.vignetting, py::arg("wobble_rad") = py::none(),
            py::arg("shutter_s") = 0.0, py::arg("readout_s") = 0.0)
       .def_property_readonly("name", &Camera::name)
+      .def_property_readonly(
+          "folded_pixels", [](const Camera& camera) { return camera.rays(true, false).folded; },
+          "The number of pixels that no ray meets, because the distortion folds the image over.")
       .def("ray_table", &ray_table_of, py::arg("distort") = true, py::arg("in_water") = true,
            "Return X/Z and Y/Z of the ray through each pixel's centre, in the optical frame, (height, width, 2)\n"
            "float32.")

@@ -26,6 +26,9 @@ Camera::Camera(std::string name, const Lens& lens, const ImageSensor& sensor)
           "must be in [0, 10] s");
   undistorted_ = ray_table(lens_, false);
   distorted_ = ray_table(lens_, true);
+  require(2 * distorted_.folded <= distorted_.x.size(), "camera.distortion", distorted_.folded,
+          "is the number of pixels that no ray meets, more than half: the distortion folds the image over; make it "
+          "smaller");
   if (lens_.port) refracted_ = ray_table(lens_, true, true);
 }
 

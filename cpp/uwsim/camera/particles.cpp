@@ -86,7 +86,7 @@ void add_generation(const Generation& generation, const CameraScene& scene, cons
     const Eigen::Vector3d seen = optical_from_world * at;
     if (seen.z() < kNearest_m || at.norm() > kReach_m || at.z() + eye.z() > view.surface_z) continue;
     const Eigen::Vector2d ray(seen.x() / seen.z(), seen.y() / seen.z());
-    if (ray.norm() > 3) continue;
+    if (ray.norm() > (lens.is_equidistant ? kWidestRay : 3) || (distort && !shows(lens, ray))) continue;
     const std::optional<Eigen::Vector2d> image =
         view.has_offsets ? project_through_port(lens, seen, distort) : project(lens, ray, distort);
     if (!image) continue;

@@ -61,7 +61,7 @@ TEST(FlatPort, APointIsProjectedToThePixelWhoseRayMeetsIt) {
   const FlatPort port{0.05, 0.01, 1.52};
   const Lens lens = lens_behind(port);
   for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(400, 300), Eigen::Vector2d(0, 0), Eigen::Vector2d(723, 41)}) {
-    const Eigen::Vector2d slope = unproject(lens, pixel);
+    const Eigen::Vector2d slope = *unproject(lens, pixel);
     for (const double z : {0.0601, 0.3, 20.0}) {
       EXPECT_LT((*project_through_port(lens, traced(port, slope, z), true) - pixel).norm(), 1e-8) << z;
     }

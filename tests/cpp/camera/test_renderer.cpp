@@ -167,7 +167,7 @@ Picture under_a_plate(double side_m, const Camera& camera, const Optics& optics,
 /// The fraction of sunlight, weighted by its scattering towards the camera, that passes the plate and reaches the water
 /// along a pixel's ray; sampled independently of the renderer.
 double lit_share(const Eigen::Vector2d& pixel, double side_m, const Camera& camera, const Optics& optics) {
-  const Eigen::Vector2d ray = unproject(camera.lens(), pixel, false);
+  const Eigen::Vector2d ray = *unproject(camera.lens(), pixel, false);
   const Pose pose = from({0, 0, -7}, 0.45).world_from_camera;
   const Eigen::Vector3d direction = pose.direction(Eigen::Vector3d(1, -ray.x(), -ray.y()).normalized());
   const Eigen::Vector3d sun = daylight_below(daylight(optics.sun), optics.water.refractive_index).to_sun_world;
@@ -369,7 +369,7 @@ TEST_F(Renderer, RefusesImpossiblePlacesAndParameters) {
     lens.width = side;
     EXPECT_THROW(Camera("bad", lens, {}), InvalidValue) << side;
   }
-  Lens folded;
+  Lens folded;  // 85 % of its pixels are beyond the fold
   folded.k1 = -2;
   EXPECT_THROW(Camera("bad", folded, {}), InvalidValue);
 }

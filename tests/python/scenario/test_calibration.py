@@ -21,8 +21,15 @@ from uwsim.scenario.read.calibration import CalibrationWarning, read_calibration
 
 POOL = Path(__file__).parents[3] / "assets" / "scenarios" / "pool.yaml"
 WIDTH, HEIGHT = 320, 240
-LENS = {"fx": 210.5, "fy": 214.0, "cx": 151.25, "cy": 127.5, "distortion": (-0.21, 0.06, 0.002, -0.0015, -0.008)}
+D = (-0.21, 0.06, 0.002, -0.0015, -0.008)
+LENS = {"fx": 210.5, "fy": 214.0, "cx": 151.25, "cy": 127.5, "distortion_model": "plumb_bob", "distortion": D}
+MODELS = {
+    "plumb_bob": D,
+    "rational_polynomial": (0.93, 0.166, -2e-4, 1e-4, 0.003, 1.33, 0.436, 0.028),
+    "equidistant": (-0.0292, 0.0208, -0.0319, 0.0166),
+}
 K = np.array([[210.5, 0.0, 151.25], [0.0, 214.0, 127.5], [0.0, 0.0, 1.0]])
+PIXELS = np.stack(np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT)), axis=2).astype(float)
 ROS = """
 image_width: 320
 image_height: 240
@@ -55,15 +62,7 @@ def by_opencv(rays: Any, k: Any, d: Any) -> Any:
     return project(*args)[0].reshape(-1, 2)
 
 
-@pytest.mark.parametrize(
-    "d",
-    [
-        LENS["distortion"],
-        (0.93, 0.166, -2e-4, 1e-4, 0.003, 1.33, 0.436, 0.028),
-        (-0.0292, 0.0208, -0.0319, 0.0166),
-    ],
-    ids=["plumb_bob", "rational_polynomial", "equidistant"],
-)
+@pytest.mark.parametrize("d", MODELS.values(), ids=MODELS)
 def test_pixels_are_those_of_opencv(d: Any) -> None:
     rays = np.stack(np.meshgrid(np.linspace(-1.4, 1.4, 41), np.linspace(-1.0, 1.0, 31)), axis=2).reshape(-1, 2)
     ours = np.column_stack(lens_model.project(K, d, *rays.T))
@@ -79,12 +78,21 @@ def test_a_fold_is_where_rays_turn_back() -> None:
     assert not lens_model.shows((-0.2, 0, 0, 0, 0), np.array([1.4]), np.array([0.0])).any()
 
 
+@pytest.mark.parametrize("model", MODELS)
+def test_opencv_projects_the_rays_onto_their_pixels(tmp_path: Path, model: str) -> None:
+    lens = {**LENS, "distortion_model": model, "distortion": MODELS[model]}
+    camera = station_camera(tmp_path, stated(width=WIDTH, height=HEIGHT, **lens))
+    assert (camera.info.distortion_model, *camera.info.d) == (model, *MODELS[model])
+    seen = by_opencv(camera.ray_table().astype(float).reshape(-1, 2), K, MODELS[model])
+    np.testing.assert_allclose(seen, PIXELS.reshape(-1, 2), atol=1e-3)
+    write_calibration(tmp_path / "front.yaml", camera.info)
+    assert read_calibration(tmp_path / "front.yaml") == {"width": WIDTH, "height": HEIGHT, **lens}
+
+
 def test_calibrate_camera_finds_the_stated_calibration(tmp_path: Path) -> None:
     camera = station_camera(tmp_path, stated(width=WIDTH, height=HEIGHT, **LENS))
     np.testing.assert_array_equal(camera.info.k, K)
-    rays = camera.ray_table().astype(float)
-    pixels = np.stack(np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT)), axis=2).astype(float)
-    np.testing.assert_allclose(by_opencv(rays.reshape(-1, 2), K, LENS["distortion"]), pixels.reshape(-1, 2), atol=1e-3)
+    rays, pixels = camera.ray_table().astype(float), PIXELS
     boards, seen = [], []
     for turn in ((0.5, 0.0, 0.1), (-0.4, 0.3, 0.0), (0.1, -0.5, 0.3), (0.3, 0.4, -0.2), (-0.2, -0.3, 0.7)):
         rotation, place = cv2.Rodrigues(np.array(turn))[0], np.array([0.02, -0.01, 1.0])
@@ -183,6 +191,10 @@ def test_a_model_is_what_its_coefficients_are() -> None:
         ("calibration: ost.yaml, field_of_view_deg: 80", "field_of_view_deg = 80.*beside fx, fy, cx, cy"),
         ("calibration: ost.yaml, fx: 300", r"fx = 300: must be that of calibration, 210.5, or left out"),
         ("calibration: other.yaml", "no such file"),
+        (
+            "distortion_model: equidistant, distortion: [0, 0, 0, 0, 0]",
+            "must be k1, k2, k3, k4, as distortion_model is",
+        ),
     ],
 )
 def test_a_camera_has_one_lens(tmp_path: Path, mount: str, message: str) -> None:
@@ -191,11 +203,15 @@ def test_a_camera_has_one_lens(tmp_path: Path, mount: str, message: str) -> None
         station_camera(tmp_path, mount)
 
 
-def test_a_fold_within_the_picture_is_named_with_the_largest_angle(tmp_path: Path) -> None:
+def test_a_fold_within_the_picture_is_named_and_the_picture_continues(tmp_path: Path) -> None:
     lens = {"fx": 210, "fy": 210, "cx": 160, "cy": 120, "distortion": (-0.2, 0, 0, 0, -0.05)}
     camera = station_camera(tmp_path, stated(width=WIDTH, height=HEIGHT, **lens))
-    with pytest.raises(ValueError, match=r"folds the picture over 4\d\.\d deg from the axis, 1\d\d pixels from"):
-        camera.capture()
+    with pytest.warns(
+        CalibrationWarning, match=r"over 4\d\.\d deg from the axis, 1\d\d pixels from .* % of its pixels"
+    ):
+        rays = camera.ray_table()
+    assert (np.diff(np.diagonal(rays[:, 40:280, 0]).astype(float)) > 0.0).all()
+    assert camera.capture(geometry_only=True).depth_m.shape == (HEIGHT, WIDTH)
 
 
 def test_a_calibrated_scenario_is_written_and_packed(tmp_path: Path) -> None:

@@ -51,6 +51,11 @@ class Studio:
         self._try_variations()
         self.camera = self._chosen_camera()
         self.effects = spec.effects_on
+        if self.info.distortion_model == "rational_polynomial" and spec.writes("rgb"):
+            raise ValueError(
+                f"camera '{spec.camera}': distortion_model = rational_polynomial: transforms.json has no such lens: "
+                "leave out the effect `distortion`"
+            )
         self.rays = self.camera.ray_table(distort="distortion" in self.effects)
         self._slant = np.sqrt(np.float32(1.0) + (self.rays**2).sum(axis=-1))  # distance at a depth of 1
         self.sonar = self._chosen_sonar() if spec.writes("sonar") else None
@@ -89,9 +94,9 @@ class Studio:
 
     @property
     def info(self) -> CameraInfo:
-        """The camera intrinsics for its pictures; d is 0 without the `distortion` effect."""
+        """The camera intrinsics for its pictures; without the `distortion` effect, those of a plumb_bob with d = 0."""
         info = self.camera.info
-        return info if "distortion" in self.effects else replace(info, d=np.zeros(5))
+        return info if "distortion" in self.effects else replace(info, distortion_model="plumb_bob", d=np.zeros(5))
 
     @property
     def label_range_m(self) -> float:

@@ -21,7 +21,7 @@ MOUNT_FROM_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.
 
 @dataclass(frozen=True, eq=False)
 class CameraInfo:
-    """Intrinsics as in sensor_msgs/CameraInfo, in pixels: d (5,) is k1 k2 p1 p2 k3; k (3, 3), r (3, 3), p (3, 4).
+    """Intrinsics as in sensor_msgs/CameraInfo, in pixels: k (3, 3), r (3, 3), p (3, 4); d: see base.lens_model.
 
     frame: the name of the optical frame (x right, y down, z ahead).
     """

@@ -31,18 +31,23 @@ class Lens:
     @cached_property
     def info(self) -> CameraInfo:
         """The intrinsics. Those of a flat port are fitted, because no lens without a port matches exactly."""
-        k, d = intrinsic_matrix(self.mount), np.array(self.mount.distortion)
+        k, d, model = intrinsic_matrix(self.mount), np.array(self.mount.distortion), self.mount.distortion_model
         if self.mount.port is not None:
-            k, d = _calibrated(k, self.core.ray_table())
+            k, d, model = *_calibrated(k, self.core.ray_table()), "plumb_bob"
         p = np.hstack([k, np.zeros((3, 1))])
-        return CameraInfo(f"{self.name}_optical", self.mount.width, self.mount.height, "plumb_bob", d, k, np.eye(3), p)
+        return CameraInfo(f"{self.name}_optical", self.mount.width, self.mount.height, model, d, k, np.eye(3), p)
 
     @cached_property
     def rectified(self) -> Lens:
         """An ideal pinhole camera with the projection matrix of `info`: no distortion, no port."""
         (fx, _, cx, _), (_, fy, cy, _), _ = self.info.p.tolist()
         angle_rad = 2.0 * np.arctan(0.5 * self.mount.width / fx)
-        pinhole = {"field_of_view_deg": float(np.degrees(angle_rad)), "distortion": (0.0,) * 5, "port": None}
+        pinhole = {
+            "field_of_view_deg": float(np.degrees(angle_rad)),
+            "port": None,
+            "distortion_model": "plumb_bob",
+            "distortion": (0.0,) * 5,
+        }
         if self.mount.fx is not None:
             pinhole |= {"fx": fx, "fy": fy, "cx": cx, "cy": cy}
         return Lens(self.name, self.mount.model_copy(update=pinhole))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,6 +12,7 @@ from uwsim import _core
 from uwsim.base import lens_model
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg
 from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.read.calibration import CalibrationWarning
 from uwsim.scenario.spec.camera import CameraMount, Lamps
 from uwsim.scenario.spec.vehicle import VehicleModel
 
@@ -34,7 +36,10 @@ def intrinsic_matrix(mount: CameraMount) -> Floats:
 
 
 def core_camera(name: str, mount: CameraMount) -> _core.Camera:
-    """Return the core's camera, including its ray table. Raises ValueError, also if the picture folds over."""
+    """Return the core's camera, including its ray table. Raises ValueError.
+
+    A distortion that folds a part of the picture over issues a CalibrationWarning; more than half of it is refused.
+    """
     k = intrinsic_matrix(mount)
     lens = _core.Lens(
         mount.width,
@@ -47,7 +52,7 @@ def core_camera(name: str, mount: CameraMount) -> _core.Camera:
         port=None if mount.port is None else _core.FlatPort(**mount.port.model_dump()),
     )
     try:
-        return _core.Camera(
+        camera = _core.Camera(
             name,
             lens,
             exposure=mount.exposure,
@@ -59,21 +64,25 @@ def core_camera(name: str, mount: CameraMount) -> _core.Camera:
             readout_s=1e-3 * mount.readout_ms,
         )
     except ValueError as error:
-        raise ValueError(f"camera '{name}': {_fold(mount, k) or error}") from None
+        raise ValueError(
+            f"camera '{name}': {error}{'; it folds' + _fold(mount, k) if 'folds' in str(error) else ''}"
+        ) from None
+    if camera.folded_pixels:
+        share = 100.0 * camera.folded_pixels / (mount.width * mount.height)
+        text = (
+            f"camera '{name}': distortion folds the picture over{_fold(mount, k)}; {share:.2g} % of its pixels continue"
+        )
+        warnings.warn(
+            f"{text} outwards without distortion, which no calibration describes", CalibrationWarning, stacklevel=2
+        )
+    return camera
 
 
 def _fold(mount: CameraMount, k: Floats) -> str:
-    """Return where the distortion folds the picture over, or "" if it does not."""
+    """Return where the distortion folds the picture over, as part of a message."""
     angle_rad, bent = lens_model.largest_angle(mount.distortion)
-    across = max(k[0, 2], mount.width - 1 - k[0, 2]) / k[0, 0]
-    corner = np.hypot(across, max(k[1, 2], mount.height - 1 - k[1, 2]) / k[1, 1])
-    if corner <= bent:
-        return ""
-    return (
-        f"distortion = {list(mount.distortion)}: folds the picture over {np.degrees(angle_rad):.1f} deg from the axis, "
-        f"{bent * k[0, 0]:.0f} pixels from the principal point, while its corners are up to "
-        f"{corner * k[0, 0]:.0f} pixels away: make the distortion or the picture smaller"
-    )
+    at_pixels, middle = bent * k[0, 0], f"({k[0, 2]:.0f}, {k[1, 2]:.0f})"
+    return f" {np.degrees(angle_rad):.1f} deg from the axis, {at_pixels:.0f} pixels from its principal point, {middle}"
 
 
 def chase_camera(model: VehicleModel) -> CameraMount:

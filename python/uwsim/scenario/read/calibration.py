@@ -26,12 +26,11 @@ class CalibrationWarning(UserWarning):
 
 
 def read_calibration(path: str | Path) -> dict[str, Any]:
-    """Return a file's calibration as fields of a CameraMount: width, height, fx, fy, cx, cy, distortion.
+    """Return a file's calibration as fields of a CameraMount: width, height, fx, fy, cx, cy and distortion.
 
     The file is by ROS's camera_calibration (camera_matrix, distortion_model, distortion_coefficients) or OpenCV's
     FileStorage (the same, or K and D, in which the size may be missing). Rectification and projection matrices are not
-    read: they describe a use of the pictures, not the lens. Raises ScenarioError with the file's name and line, also
-    for a lens that cameras do not have.
+    read: they describe a use of the pictures, not the lens. Raises ScenarioError with the file's name and line.
     """
     document = _document(Path(path))
     try:
@@ -122,10 +121,8 @@ def _fields(document: YamlDocument) -> dict[str, Any]:
         )
     given = str(values.get("distortion_model") or ("equidistant" if values.get("fisheye_model") else ""))
     model, distortion = lens_model.coefficients(given, _numbers(document, COEFFICIENTS))
-    if model != "plumb_bob":
-        raise ValueError(f"distortion_model = {model}: cameras have plumb_bob: k1, k2, p1, p2, k3")
     found: dict[str, Any] = {"fx": matrix[0], "fy": matrix[4], "cx": matrix[2], "cy": matrix[5]}
-    found["distortion"] = distortion
+    found |= {"distortion_model": model, "distortion": distortion}
     size = [values[key] for names in (WIDTH, HEIGHT) if (key := _key(values, names)) is not None]
     if not size:
         return found

@@ -12,7 +12,18 @@ from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.base import lens_model
 from uwsim.scenario.read.calibration import calibrated_fields
-from uwsim.scenario.spec.fields import AssetFile, Degrees, InRange, Model, Name, Point3, YawPitchRoll, asset_at, broken
+from uwsim.scenario.spec.fields import (
+    AssetFile,
+    Degrees,
+    InRange,
+    Model,
+    Name,
+    OneOf,
+    Point3,
+    YawPitchRoll,
+    asset_at,
+    broken,
+)
 
 LARGEST_SIDE = 8192
 FIELD_DEG = 1, 170
@@ -22,7 +33,7 @@ FORWARD: tuple[float, float, float] = (0.0, 0.0, 0.0)
 Pixels = Annotated[int, InRange(1, LARGEST_SIDE, "pixels")]
 FocalLength = Annotated[float, InRange(1, 1e6, "pixels")]
 Principal = Annotated[float, InRange(-1e5, 1e5, "pixels")]
-Coefficient = Annotated[float, InRange(-100, 100)]
+Coefficient = Annotated[float, InRange(-1e4, 1e4)]
 Share = Annotated[float, InRange(0, 1)]
 Colour = tuple[Share, Share, Share]
 
@@ -67,8 +78,9 @@ class CameraMount(Model):
     pixels and a principal point in the middle. fx, fy, cx, cy: instead of it, the focal lengths and the principal point
     of a calibration; pixel centres have whole coordinates, as in OpenCV. calibration: instead of these, width, height
     and distortion, a YAML file of ROS's camera_calibration or of OpenCV's FileStorage; a width or height beside it
-    scales the picture.
-    distortion: k1, k2, p1, p2, k3 of the Brown-Conrady model, as in OpenCV. port: a flat window, at which rays from the
+    scales the picture. distortion_model: plumb_bob (Brown and Conrady), rational_polynomial, or equidistant, a fisheye
+    (Kannala and Brandt). distortion: its coefficients as in OpenCV: k1, k2, p1, p2, k3; these and k4, k5, k6; or k1,
+    k2, k3, k4. port: a flat window, at which rays from the
     water are refracted: field of view and distortion are then those of the lens in air. Without it they hold in water
     as in air, as behind a dome, or after a calibration under water. exposure: a factor on the automatic or
     fixed exposure. full_well, read_noise: numbers of electrons at base gain. vignetting: fraction of the cos^4 law.
@@ -90,7 +102,8 @@ class CameraMount(Model):
     cx: Principal | None = None
     cy: Principal | None = None
     calibration: AssetFile | None = None
-    distortion: tuple[Coefficient, Coefficient, Coefficient, Coefficient, Coefficient] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    distortion_model: Annotated[str, OneOf(tuple(lens_model.COEFFICIENTS))] = "plumb_bob"
+    distortion: Annotated[tuple[Coefficient, ...], Field(min_length=4, max_length=8)] = (0.0, 0.0, 0.0, 0.0, 0.0)
     port: FlatPort | None = None
     exposure: Annotated[float, InRange(0.001, 1000)] = 1.0
     full_well: Annotated[float, InRange(1, 1e9, "electrons")] = 8000.0
@@ -113,6 +126,16 @@ class CameraMount(Model):
             if key in data and np.any(np.asarray(data[key]) != np.asarray(value)):
                 raise broken(f"must be that of calibration, {value}, or left out", at=(key,), value=data[key])
         return {**data, **found}
+
+    @model_validator(mode="after")
+    def _has_the_coefficients_of_its_model(self) -> CameraMount:
+        names = lens_model.COEFFICIENTS[self.distortion_model]
+        if "distortion" not in self.model_fields_set:
+            self.__dict__["distortion"] = (0.0,) * len(names)
+        if len(self.distortion) != len(names):
+            rule = f"must be {', '.join(names)}, as distortion_model is {self.distortion_model}"
+            raise broken(rule, at=("distortion",), value=list(self.distortion))
+        return self
 
     @model_validator(mode="after")
     def _has_one_lens(self) -> CameraMount:

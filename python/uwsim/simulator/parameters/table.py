@@ -99,7 +99,17 @@ FIXED: dict[type[Model], frozenset[str]] = {
     SonarSetup: frozenset({"tilt_deg", "multipath", "water_column"}),
     CameraMount: frozenset(
         [
-            *("position_m", "yaw_pitch_roll_deg", "width", "height", *INTRINSICS, "calibration", "distortion", "port"),
+            *(
+                "position_m",
+                "yaw_pitch_roll_deg",
+                "width",
+                "height",
+                *INTRINSICS,
+                "calibration",
+                "distortion_model",
+                "distortion",
+                "port",
+            ),
             *("follows", "pan_tilt"),
         ]
     ),

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base import lens_model
+
 OPTICAL_FROM_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 """In OpenGL's camera frame, x points right, y up, z back; in the optical frame, x points right, y down, z ahead."""
 
@@ -17,14 +19,15 @@ def transforms(
 ) -> dict[str, Any]:
     """Return the contents of transforms.json.
 
-    k: (3, 3), d: (5,): intrinsics as in CameraInfo, for the pictures as written. size: width, height. frames: mappings
+    k: (3, 3), d: intrinsics as in CameraInfo, for the pictures as written, of a plumb_bob or an equidistant lens.
+    size: width, height. frames: mappings
     with world_from_optical (4, 4), file, split and optionally depth_file. Pixel centres have half-integer coordinates
     in transforms.json, but integer coordinates here.
     """
     width, height = size
     listed = list(frames)
     content: dict[str, Any] = {
-        "camera_model": "OPENCV",
+        "camera_model": "OPENCV_FISHEYE" if len(d) == 4 else "OPENCV",
         "w": width,
         "h": height,
         "fl_x": k[0, 0],
@@ -32,7 +35,7 @@ def transforms(
         "cx": k[0, 2] + 0.5,
         "cy": k[1, 2] + 0.5,
         "camera_angle_x": 2.0 * float(np.arctan(0.5 * width / k[0, 0])),
-        **dict(zip(("k1", "k2", "p1", "p2", "k3"), d.tolist(), strict=True)),
+        **dict(zip(lens_model.COEFFICIENTS["equidistant" if len(d) == 4 else "plumb_bob"], d.tolist(), strict=True)),
         "frames": [_frame(frame) for frame in listed],
     }
     for split in ("train", "val"):

@@ -34,6 +34,8 @@ def require_calibrated(name: str, camera: Camera) -> None:
         raise ValueError(
             f"camera {name}: follows the vehicle's {mount.follows} from outside: it is no part of a sequence"
         )
+    if mount.distortion_model != "plumb_bob":
+        raise ValueError(f"camera {name}: distortion_model = {mount.distortion_model}: must be plumb_bob, as radtan is")
     if mount.distortion[4] != 0.0:
         raise ValueError(f"camera {name}: distortion k3 = {mount.distortion[4]:g}: must be 0, as radtan has none")
     if mount.port is not None:

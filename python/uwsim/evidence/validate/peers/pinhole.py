@@ -15,6 +15,8 @@ LENSES = {
     "barrel": (-0.22, 0.06, 0.0, 0.0, -0.008),
     "pincushion": (0.12, 0.02, 0.0, 0.0, 0.001),
     "decentred": (-0.15, 0.03, 0.002, -0.0015, 0.0),
+    "rational": (0.93, 0.166, -2e-4, 1e-4, 0.003, 1.33, 0.436, 0.028),
+    "fisheye": (-0.0292, 0.0208, -0.0319, 0.0166),
 }
 
 
@@ -28,7 +30,9 @@ def checks() -> list[Check]:
         camera = _core.Camera("peer", _core.Lens(WIDTH, HEIGHT, fx, fy, cx, cy, distortion))
         rays = camera.ray_table().astype(np.float64).reshape(-1, 2)
         points = np.column_stack([rays, np.ones(len(rays))])
-        pixels = cv2.projectPoints(points, np.zeros(3), np.zeros(3), matrix, np.array(distortion))[0].reshape(-1, 2)
+        project = cv2.fisheye.projectPoints if len(distortion) == 4 else cv2.projectPoints
+        none, d = np.zeros(3), np.array(distortion)
+        pixels = project(points[:, None], none, none, matrix, d)[0].reshape(-1, 2)
         off = np.hypot(pixels[:, 0] - u.ravel(), pixels[:, 1] - v.ravel())
         found.append(along(group("pinhole"), f"{name}: pixels", np.zeros(len(off)), off, 1.0, 1e-3, "pixels"))
     return found
