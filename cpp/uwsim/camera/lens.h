@@ -36,7 +36,7 @@ struct Lens {
   int width = 640, height = 360;
   double fx = 400, fy = 400, cx = 319.5, cy = 179.5;  ///< [pixels]
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
-  std::optional<FlatPort> port;
+  std::optional<FlatPort> port = std::nullopt;
   double k4 = 0, k5 = 0, k6 = 0;
   bool is_equidistant = false;
 
