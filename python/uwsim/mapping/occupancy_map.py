@@ -16,6 +16,7 @@ from uwsim.base.sealed import Sealed
 from uwsim.mapping.files.formats import MAP_FORMATS
 from uwsim.mapping.map_options import InstructionSet, MapEngine, OnOutside, map_options
 from uwsim.mapping.occupancy_model import OccupancyModel, probability
+from uwsim.mapping.other_trees import as_octree
 from uwsim.mapping.query_results import (
     Cubes,
     MapChanges,
@@ -95,13 +96,15 @@ class OccupancyMap(Sealed):
         """Return the map in a .bt or .ot file; the format is recognised by the file's first line, not by its name.
 
         Raises OSError if the file cannot be read; ValueError if it is not a valid map, or if it may need more than half
-        of this machine's memory and there is no memory_limit_mb. A .bt only distinguishes occupied from free: its
+        of this machine's memory and there is no memory_limit_mb. Of a ColorOcTree or OcTreeStamped, the occupancy is
+        read, with a warning. A .bt only distinguishes occupied from free: its
         voxels get the clamping limits as probabilities.
         """
         occupancy_map = cls.__new__(cls)
         model = OccupancyModel(hit, miss, clamping)
         options = map_options(engine, model, "best", on_outside, memory_limit_mb, spill_dir)
-        occupancy_map._map = _core.OccupancyMap.read(os.fspath(path), _origin(origin_world_m), options)
+        with as_octree(path) as plain:
+            occupancy_map._map = _core.OccupancyMap.read(plain, _origin(origin_world_m), options)
         return occupancy_map
 
     @property
