@@ -16,7 +16,8 @@ from command_line import uwsim as command
 from uwsim.evidence.robots import shapes
 from uwsim.evidence.robots.robot import Lump, Robot
 from uwsim.evidence.robots.sdf import read_sdf
-from uwsim.evidence.robots.stonefish import formula, read_stonefish
+from uwsim.evidence.robots.stonefish import read_stonefish
+from uwsim.evidence.robots.stonefish_text import formula
 from uwsim.evidence.robots.urdf import read_urdf
 from uwsim.evidence.robots.written import write_found
 from uwsim.evidence.robots.xml_file import HERE, Pose, read_xml, turned, yaw_pitch_roll_deg
@@ -294,9 +295,12 @@ def test_files_of_a_ros_package_are_found_beside_a_stonefish_scenario(tmp_path: 
     (tmp_path / "rovs" / "scenarios" / "top.scn").write_text(top)
     (found,) = read_stonefish(tmp_path / "rovs" / "scenarios" / "top.scn").robots
     assert found.volume_m3 == pytest.approx(0.1)
-    (tmp_path / "top.scn").write_text(top.replace("rovs", "lost"))
-    with pytest.raises(ValueError, match=r"\$\(find lost\): has no value here"):
-        read_stonefish(tmp_path / "top.scn")
+    lost = tmp_path / "rovs" / "lost.scn"
+    lost.write_text(top.replace("find rovs", "find lost"))
+    (found,) = read_stonefish(lost).robots  # the rest of the path is in a folder above
+    lost.write_text(top.replace("robot.scn", "none.scn"))
+    with pytest.raises(ValueError, match=r"none\.scn': is in no folder above .*: --data FOLDER names"):
+        read_stonefish(lost)
 
 
 @pytest.mark.parametrize("kind, model", [("CougUV", "remus100"), ("SurfaceVessel", "otter")])
@@ -390,8 +394,8 @@ BOMB = '<!DOCTYPE a [<!ENTITY a "aaaa">]><sdf/>'
         ("a.urdf", URDF.replace('<parent link="base"/>', '<parent link="tail"/>'), "circle"),
         ("a.urdf", URDF.replace("Basic", "Odd"), "must be Basic, Bessa or LinearInterp"),
         ("a.scn", SCN + "<a/>", "must be XML"),
-        ("a.scn", SCN.replace('name="foam" density', 'name="wood" density'), "material 'foam'"),
-        ("a.scn", SCN.replace("${600/60*2*pi}", "$(arg most)"), "$(arg most): has no value here"),
+        ("a.scn", SCN.replace("thruster", "lamp").replace("static", "floor"), "has no <robot> that a thruster moves"),
+        ("a.scn", SCN.replace("${600/60*2*pi}", "$(arg most)"), "arguments without a value: give --arg most=VALUE"),
         ("a.json", "[]", "must be an object with a list of agents"),
         ("a.json", json.dumps({"agents": [{"agent_type": "Turtle"}]}), "'Turtle': must be one of HoveringAUV"),
         (

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from uwsim.evidence.robots.robot import Found, Robot, plain_name
 from uwsim.evidence.robots.xml_file import Element, Floats, Pose, yaw_pitch_roll_deg
+from uwsim.scenario.spec.imaging_kind import imaging_kind
 
 Errors = dict[str, dict[str, Any]]
 RATES_HZ = (0.1, 1000.0)
@@ -50,6 +52,26 @@ def put_camera(robot: Robot, name: str, at: Pose, field_of_view_deg: float, size
         "height": size[1],
         "field_of_view_deg": field_of_view_deg,
     }
+
+
+def put_imaging(
+    robot: Robot, found: Found, path: str, name: str, kind: str, at: Pose, stated: Mapping[str, float]
+) -> None:
+    """Add an imaging sonar that looks along the x of its pose, with z up. stated: its parameters, by their keys."""
+    sonar: dict[str, Any] = {
+        "kind": kind,
+        "position_m": at.position_m.tolist(),
+        "yaw_pitch_roll_deg": [round(angle, 4) for angle in yaw_pitch_roll_deg(at.turn)],
+    }
+    for key, value in stated.items():
+        limits = imaging_kind(kind).parameters[key.removesuffix("_deg") + "_rad" if key.endswith("_deg") else key]
+        low, high = np.degrees([limits.low, limits.high]) if key.endswith("_deg") else (limits.low, limits.high)
+        if low <= value <= high:
+            sonar[key] = int(value) if float(value).is_integer() else float(value)
+        else:
+            found.left_out(f"{path}: {key} = {value:g}: must be {low:g} to {high:g}")
+    found.assumed(f"{path}: what it does not state are the parameters of `{kind}`")
+    robot.imaging_sonars[plain_name(name, robot.imaging_sonars)] = sonar
 
 
 def from_optical(turn: Floats) -> Floats:

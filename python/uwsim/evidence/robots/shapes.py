@@ -47,6 +47,15 @@ def sphere(radius_m: float) -> Mesh:
     return _exact(trimesh.creation.icosphere(BALL, radius_m), 4.0 / 3.0 * np.pi * radius_m**3)
 
 
+def torus(major_m: float, minor_m: float) -> Mesh:
+    """Return a ring about y, of a circle of radius minor_m, with the exact volume."""
+    from uwsim.base.whole_trimesh import trimesh
+
+    solid = trimesh.creation.torus(major_m, minor_m, major_sections=ROUND, minor_sections=ROUND // 2)
+    solid.vertices = solid.vertices[:, [1, 2, 0]]
+    return _exact(solid, 2.0 * np.pi**2 * major_m * minor_m**2)
+
+
 def capsule(radius_m: float, length_m: float) -> Mesh:
     """Return a cylinder of a length with half spheres at its ends, along z about its centre, with the exact volume."""
     from uwsim.base.whole_trimesh import trimesh
@@ -66,9 +75,10 @@ def ellipsoid(radii_m: Floats) -> Mesh:
 
 def from_file(path: Path, scale: Floats) -> Mesh:
     """Return a mesh file's vertices, scaled by axis. Raises ValueError or OSError."""
-    vertices, triangles = load_mesh(path)
+    largest = float(np.abs(scale).max()) or 1.0
+    vertices, triangles = load_mesh(path, largest)
     faces = np.asarray(triangles, np.int64)
-    return np.asarray(vertices) * scale, faces if np.prod(scale) > 0.0 else faces[:, ::-1]
+    return np.asarray(vertices) * (scale / largest), faces if np.prod(scale) > 0.0 else faces[:, ::-1]
 
 
 def closed(mesh: Mesh, name: str) -> Mesh:

@@ -7,32 +7,60 @@ are estimated here, too, from the parts that displace water; where the file stat
 
 from __future__ import annotations
 
-import ast
-import math
-import operator
-import re
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from uwsim.evidence.robots import shapes
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, Thruster, plain_name
-from uwsim.evidence.robots.sensors import from_optical, put_camera, put_sensor
-from uwsim.evidence.robots.stonefish_body import FLIP, WetPart, body_lump, drag_about, wet_part
+from uwsim.evidence.robots.sensors import from_optical, put_camera, put_imaging, put_sensor
+from uwsim.evidence.robots.stonefish_body import FLIP, WetPart, body_lump, drag_about, lump_alone, wet_part
+from uwsim.evidence.robots.stonefish_text import Texts, file_named
 from uwsim.evidence.robots.xml_file import HERE, Element, Floats, Pose, read_xml
 
-DENSITY_KG_M3 = 1031.0
+DENSITY_KG_M3 = 1000.0
 """Stonefish's water, if the file does not state another."""
 ENU_FROM_NED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 FLU_FROM_FRD = np.diag([1.0, -1.0, -1.0])
-SENSORS = {"imu": "imu", "pressure": "pressure", "dvl": "dvl", "compass": "compass", "odometry": "velocity"}
-ARGUMENT = re.compile(r"\$\((\w+)\s*([^)]*)\)")
-FORMULA = re.compile(r"\$\{([^}]*)\}")
-OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
+SENSORS = {
+    "imu": "imu", "pressure": "pressure", "dvl": "dvl", "compass": "compass", "odometry": "velocity", "gps": "gps",
+    "ins": "ins",
+}  # fmt: skip
+PROPULSION = ("thruster", "simple_thruster", "push")
+FREE_N = 100.0
+"""Assumed: the bound of a thrust that Stonefish does not bound."""
+WET = ("submerged", "floating")
+YES, NO = ("true", "True", "TRUE", "1"), ("false", "False", "FALSE", "0")
+FASTEST_M_S = 5.0
 FILES_MAX = 50
 POINTS = 41
+NOISE = {
+    "imu": {
+        "angle": "orientation",
+        "angular_velocity": "angular_velocity",
+        "linear_acceleration": "linear_acceleration",
+    },
+    "pressure": {"pressure": "pressure"},
+    "compass": {"heading": "heading"},
+    "gps": {"ned_position": "horizontal"},
+    "odometry": {"velocity": "linear_velocity", "angular_velocity": "angular_velocity"},
+}
+"""The channels of sensors by Stonefish's names of their noise."""
+SONARS = {
+    "fls": ("forward_looking", {
+        "beams": ("specs", "beams"), "range_bins": ("specs", "bins"), "range_max_m": ("settings", "range_max"),
+        "field_of_view_deg": ("specs", "horizontal_fov"), "vertical_width_deg": ("specs", "vertical_fov"),
+    }),
+    "sss": ("side_scan", {
+        "range_bins": ("specs", "bins"), "range_max_m": ("settings", "range_max"),
+        "along_width_deg": ("specs", "horizontal_beam_width"), "vertical_width_deg": ("specs", "vertical_beam_width"),
+        "depression_deg": ("specs", "vertical_tilt"),
+    }),
+}  # fmt: skip
+"""Kinds of imaging sonars, and their parameters by element and attribute."""
 
 
 def read_stonefish(path: Path, found: Found | None = None) -> Found:
@@ -40,117 +68,104 @@ def read_stonefish(path: Path, found: Found | None = None) -> Found:
 
     Raises ValueError or OSError.
     """
-    reader = _Reader(found or Found(plain_name(path.stem)))
-    reader.read(path, {})
-    if not (reader.robots or reader.found.obstacles):
-        raise ValueError(f"'{path}': has no <robot> and no <static> object")
-    for robot, folder in reader.robots:
-        reader.robot(robot, folder)
+    reader = _Reader(found or Found(plain_name(path.stem)), path)
+    root = reader.read(path, {})
+    reader.texts.require_all()
+    for document in reader.documents:
+        reader.world(document)
+    reader.require_water()
+    for document in reader.documents:
+        for robot in document.all("robot"):
+            with reader.found.vehicle(robot):
+                reader.robot(robot)
     for document in reader.documents:
         reader.found.note_unused(document)
+    reader.found.require_any(root, "has no <robot> that a thruster moves, and no <static> object")
     return reader.found
 
 
-def formula(text: str) -> float:
-    """Return the value of a formula of numbers, `pi`, + - * / and parentheses. Raises ValueError."""
-
-    def value(node: ast.expr) -> float:
-        if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
-            return float(node.value)
-        if isinstance(node, ast.Name) and node.id == "pi":
-            return math.pi
-        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-            return -value(node.operand)
-        if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS:
-            return float(OPERATORS[type(node.op)](value(node.left), value(node.right)))
-        raise ValueError
-
-    try:
-        return value(ast.parse(text.strip(), mode="eval").body)
-    except (ValueError, SyntaxError, ZeroDivisionError, RecursionError, MemoryError):
-        raise ValueError(f"formula {text[:60]!r}: must consist of numbers, pi, + - * / and parentheses") from None
-
-
-def _package(name: str, path: Path) -> Path | None:
-    """Return the folder of a ROS package: one around a file, or beside one of those."""
-    for folder in path.resolve().parents:
-        if folder.name == name:
-            return folder
-        if (folder / name).is_dir():
-            return folder / name
-    return None
-
-
 class _Reader:
-    def __init__(self, found: Found) -> None:
+    def __init__(self, found: Found, top: Path) -> None:
         self.found = found
-        found.density_kg_m3 = DENSITY_KG_M3
+        self.top = top
+        self.texts = Texts(found.given.arguments)
         self.materials: dict[str, float] = {}
-        self.robots: list[tuple[Element, Path]] = []
         self.documents: list[Element] = []
-        self.files = 0
 
     @property
     def _density(self) -> float:
         return DENSITY_KG_M3 if self.found.density_kg_m3 is None else self.found.density_kg_m3
 
-    def read(self, path: Path, arguments: dict[str, str]) -> None:
-        """Read a file and those that it includes."""
-        self.files += 1
-        if self.files > FILES_MAX:
+    def read(self, path: Path, arguments: dict[str, str]) -> Element:
+        """Read a file and those that it includes. Returns its root."""
+        if len(self.documents) >= FILES_MAX:
             raise ValueError(f"'{path}': more than {FILES_MAX} files include each other")
-
-        def expand(text: str) -> str:
-            def argument(match: re.Match[str]) -> str:
-                if match[1] == "find" and (folder := _package(match[2].strip(), path)) is not None:
-                    return str(folder)
-                if match[1] != "arg" or match[2].strip() not in arguments:
-                    raise ValueError(f"'{path}': {match[0]}: has no value here: replace it")
-                return arguments[match[2].strip()]
-
-            return FORMULA.sub(lambda match: repr(formula(match[1])), ARGUMENT.sub(argument, text))
-
-        root = read_xml(path, expand)
+        own = {
+            arg.needed("name"): arg.attribute("value") or arg.attribute("default") or ""
+            for arg in read_xml(path).all("arg")
+        }
+        own = {name: self.found.given.arguments.get(name, value) for name, value in own.items()} | arguments
+        root = read_xml(path, lambda text: self.texts.expanded(text, path, own))
         if root.tag != "scenario":
             raise root.error("must be <scenario>")
+        list(root.all("arg"))  # are used
         self.documents.append(root)
-        self._ocean(root)
-        for material in (each for group in root.all("materials") for each in group.all("material")):
-            self.materials[material.needed("name")] = material.number(None, None, "density")
         for include in root.all("include"):
-            given = {arg.needed("name"): arg.needed("value") for arg in include.all("arg")}
-            self.read(path.parent / include.needed("file"), given)
+            arguments = {arg.needed("name"): arg.needed("value") for arg in include.all("arg")}
+            if "$(arg" in (name := include.needed("file")) or "$(param" in name:
+                continue  # is missing
+            with self.found.vehicle(include):  # there may be one in it
+                self.read(self._file(name, include), arguments)
+        return root
+
+    def _file(self, name: str, element: Element) -> Path:
+        return file_named(name, (element.file, self.top), self.found.given.data)
+
+    def world(self, root: Element) -> None:
+        """Read the water, the materials and the fixed objects of a document."""
+        ocean = root.find("environment/ocean")
+        if ocean is not None and self.found.density_kg_m3 is not None:
+            self.found.dropped(ocean, ": Stonefish has the first file's water")
+        elif ocean is not None:
+            with self.found.beside(ocean):
+                self._ocean(ocean)
+        for material in (each for group in root.all("materials") for each in group.all("material")):
+            with self.found.beside(material):
+                self.materials.setdefault(material.needed("name"), material.number(None, None, "density"))
+        for static in root.all("static"):
+            with self.found.beside(static):
+                self._static(static)
         for element in root.all("*"):
-            if element.tag == "static":
-                self._static(element, path.parent)
-            elif element.tag == "robot":
-                self.robots.append((element, path.parent))
-            elif element.tag in ("dynamic", "animated", "light", "comm", "cable", "actuator", "sensor", "contact"):
+            if element.tag in ("dynamic", "animated", "light", "comm", "cable", "glue", "sensor", "contact"):
                 self.found.dropped(element)
 
-    def _ocean(self, root: Element) -> None:
-        ocean = root.find("environment/ocean")
-        if ocean is None:
-            return
-        self.found.density_kg_m3 = ocean.number("water", DENSITY_KG_M3, "density")
+    def _ocean(self, ocean: Element) -> None:
+        density = ocean.numbers("water", 1, "density")
+        self.found.density_kg_m3 = None if density is None else float(density[0])
         for current in ocean.all("current"):
-            velocity = current.numbers("velocity", 3, "xyz")
-            if current.attribute("type") == "uniform" and velocity is not None:
-                self.found.current_m_s = ENU_FROM_NED @ velocity
-            else:
-                self.found.dropped(current, f", of type {current.attribute('type')}")
-        if ocean.number("waves", 0.0, "height") > 0.0:
-            self.found.left_out(f"{ocean.path}/waves")
+            with self.found.beside(current):
+                velocity = current.numbers("velocity", 3, "xyz")
+                if current.attribute("type") != "uniform" or velocity is None:
+                    raise current.error(f"type {current.attribute('type')}: must be uniform, with a velocity")
+                if (fast := float(np.linalg.norm(velocity))) > FASTEST_M_S:
+                    raise current.error(f"{fast:g} m/s: must be at most {FASTEST_M_S:g} m/s")
+                before = np.zeros(3) if self.found.current_m_s is None else self.found.current_m_s
+                self.found.current_m_s = before + ENU_FROM_NED @ velocity
+        if (height := ocean.number("waves", 0.0, "height")) > 0.0:
+            self.found.left_out(f"{ocean.path}/waves, {height:g} m high")
 
-    def _static(self, static: Element, folder: Path) -> None:
+    def require_water(self) -> None:
+        """Assume the density of the water where no file states it."""
+        if self.found.density_kg_m3 is None:
+            self.found.assumed(f"water of {DENSITY_KG_M3:g} kg/m3, as Stonefish has it without a density")
+            self.found.density_kg_m3 = DENSITY_KG_M3
+
+    def _static(self, static: Element) -> None:
         kind = static.needed("type")
         if kind == "plane":
             self.found.bed_z_m = -float(static.origin("world_transform").position_m[2])
             return
-        if kind not in ("box", "cylinder", "sphere", "model"):
-            self.found.dropped(static, f", of type {kind}")
-            return
-        mesh, _ = self._solid(static, folder)
+        mesh, _ = self._solid(static)
         vertices, triangles = shapes.placed(mesh, static.origin("world_transform"))
         name = plain_name(static.name, [item["name"] for item in self.found.obstacles])
         self.found.meshes[name] = (vertices @ ENU_FROM_NED.T, triangles)  # NED to ENU turns, and does not mirror
@@ -158,41 +173,36 @@ class _Reader:
             {"kind": "mesh", "name": name, "file": f"{name}.ply", "position_m": [0.0, 0.0, 0.0]}
         )
 
-    def _solid(self, part: Element, folder: Path) -> tuple[Mesh, float]:
-        """Return a part's surface in its own frame, and the thickness of its wall, 0 for a solid [m]."""
+    def _solid(self, part: Element, is_closed: bool = False) -> tuple[Mesh, float]:
+        """Return a part's surface in its own frame, and the thickness of its wall, 0 for a solid [m].
+
+        is_closed: whether the mesh of a solid must be closed; its winding may be mixed.
+        """
         kind = part.needed("type")
         physical = part.find("physical") if kind == "model" else part
         if physical is None:
             raise part.error("has no <physical>")
-        size = physical.find("dimensions")
         wall = physical.number("thickness", 0.0, "value") or physical.number("dimensions", 0.0, "thickness")
+        wall = max(wall, 0.0)
         if kind == "model":
             file = physical.find("mesh")
             if file is None:
                 raise physical.error("has no <mesh>")
-            scale = np.full(3, file.number(None, 1.0, "scale"))
-            name = file.needed("filename")
-            beside = [here / name for here in (folder, folder.parent / "data")]  # as in packages of stonefish_ros
-            mesh = shapes.from_file(next((each for each in beside if each.is_file()), beside[0]), scale)
-        elif size is None:
-            raise part.error("has no <dimensions>")
-        elif kind == "box":
-            sides = size.numbers(None, 3, "xyz")
-            if sides is None or not shapes.are_sizes(*sides):
-                raise size.error("xyz must be three positive numbers [m]")
-            mesh = shapes.box(sides)
-        elif kind in ("cylinder", "sphere"):
-            radius = size.number(None, None, "radius")
-            length = 1.0 if kind == "sphere" else size.number(None, None, "height")
-            if not shapes.are_sizes(radius, length):
-                raise size.error("radius and height must be positive [m]")
-            mesh = shapes.sphere(radius) if kind == "sphere" else shapes.cylinder(radius, length)
+            path = self._file(file.needed("filename"), file)
+            mesh = shapes.from_file(path, np.full(3, file.number(None, 1.0, "scale")))
+            mesh = shapes.closed(mesh, str(path)) if is_closed and wall == 0.0 else mesh
         else:
-            raise part.error(f"type {kind}: must be box, cylinder, sphere, model or compound")
+            mesh = _primitive(part, kind)
         return shapes.placed(mesh, physical.origin()), wall
 
-    def robot(self, element: Element, folder: Path) -> None:
-        """Read a robot: its links as one rigid body, its thrusters and sensors."""
+    def robot(self, element: Element) -> None:
+        """Read a robot: its links as one rigid body, its thrusters and sensors. Raises ValueError."""
+        actuators = list(element.all("actuator"))
+        if not any(each.attribute("type") in PROPULSION for each in actuators):
+            self.found.dropped(element, ": no thruster moves it")
+            return
+        if element.attribute("fixed") in YES:
+            self.found.left_out(f"{element.path}: fixed: its base is free here")
         place = element.origin("world_transform")
         turn = ENU_FROM_NED @ place.turn @ FLU_FROM_FRD
         others = [robot.name for robot in self.found.robots]
@@ -201,11 +211,37 @@ class _Reader:
         if base is None:
             raise element.error("has no <base_link>")
         poses = self._poses(element, base)
+        for actuator in actuators:
+            if actuator.attribute("type") in PROPULSION:
+                with self.found.beside(actuator):
+                    robot.thrusters.append(self._thruster(actuator, poses, robot))
+            else:
+                self.found.dropped(actuator, f", of type {actuator.attribute('type')}")
+        if not robot.thrusters:
+            raise element.error("none of its thrusters can be used, so nothing could move it: see what was left out")
+        self._bodies(robot, [base, *element.all("link")], poses)
+        if not robot.solids:
+            raise element.error("no part of it that can be used displaces water: see what was left out")
+        for sensor in element.all("sensor"):
+            with self.found.beside(sensor):
+                self._sensor(robot, sensor, poses)
+        for tag in ("comm", "light"):
+            for other in element.all(tag):
+                self.found.dropped(other)
+        self.found.robots.append(robot)
+
+    def _bodies(self, robot: Robot, links: list[Element], poses: dict[str, Pose]) -> None:
+        """Add mass, volume and drag of all links."""
         wet: list[tuple[Element, WetPart, bool]] = []
-        for link in [base, *element.all("link")]:
+        for link in links:
+            if (pose := poses.get(link.name)) is None:
+                self.found.dropped(link, ": no joint connects it with the base link")
+                continue
+            is_wet = (link.attribute("physics") or "submerged") in WET
             for part, at in self._parts(link):
-                if (put := self._put(robot, part, folder, poses[link.needed("name")].then(at))) is not None:
-                    wet.append((part, *put))
+                with self.found.beside(part):
+                    if (put := self._put(robot, part, FLIP.then(pose.then(at)), is_wet)) is not None:
+                        wet.append((part, *put))
         if any(part.find("hydrodynamics") is not None for part, _, _ in wet):
             robot.drag = partial(drag_about, [each for _, each, _ in wet], self._density)
             for part in (part for part, _, is_stated in wet if not is_stated):
@@ -215,65 +251,59 @@ class _Reader:
             robot.volume_m3 = sum(volume for volume, _ in volumes)
             weighted = sum((volume * centre for volume, centre in volumes), start=np.zeros(3))
             robot.centre_of_buoyancy_m = weighted / robot.volume_m3
-        for actuator in element.all("actuator"):
-            if actuator.needed("type") in ("thruster", "simple_thruster"):
-                robot.thrusters.append(self._thruster(actuator, poses, robot))
-            else:
-                self.found.dropped(actuator, f", of type {actuator.needed('type')}")
-        for sensor in element.all("sensor"):
-            self._sensor(robot, sensor, poses)
-        for tag in ("comm", "light"):
-            for other in element.all(tag):
-                self.found.dropped(other)
-        self.found.robots.append(robot)
 
     def _poses(self, robot: Element, base: Element) -> dict[str, Pose]:
-        """Return the pose of each link in the base link's frame, with joints at zero."""
-        poses, joints = {base.needed("name"): HERE}, list(robot.all("joint"))
+        """Return the pose of each link that joints connect, in the base link's frame, with joints at zero."""
+        poses, joints = {base.name: HERE}, list(robot.all("joint"))
         for _ in range(len(joints)):
             for joint in joints:
-                parent, child = joint.find("parent"), joint.find("child")
-                if parent is None or child is None:
-                    raise joint.error("must have a parent and a child")
-                if parent.needed("name") in poses and child.needed("name") not in poses:
-                    poses[child.needed("name")] = poses[parent.needed("name")].then(joint.origin())
+                parent, child = (joint.find(each) for each in ("parent", "child"))
+                if parent is not None and child is not None and parent.name in poses and child.name not in poses:
+                    poses[child.name] = poses[parent.name].then(joint.origin())
         for joint in joints:
             if joint.attribute("type") != "fixed":
                 self.found.left_out(f"{joint.path}: it moves; here it is fixed at zero")
-        for link in robot.all("link"):
-            if link.needed("name") not in poses:
-                raise link.error("no joint connects it with the base link")
         return poses
 
     def _parts(self, link: Element) -> Iterator[tuple[Element, Pose]]:
-        if link.needed("type") != "compound":
+        if link.attribute("type") != "compound":
             yield link, HERE
             return
         for part in link.all("*"):
             if part.tag in ("external_part", "internal_part"):
                 yield part, part.origin("compound_transform")
 
-    def _put(self, robot: Robot, part: Element, folder: Path, at: Pose) -> tuple[WetPart, bool] | None:
+    def _put(self, robot: Robot, part: Element, to_body: Pose, link_is_wet: bool) -> tuple[WetPart, bool] | None:
         """Add a part's mass and, if it is buoyant, its volume. Return what the water drags at; see `wet_part`."""
-        mesh, wall = self._solid(part, folder)
-        if part.attribute("type") == "model" and wall == 0.0:  # its winding may be mixed
-            mesh = shapes.closed(mesh, part.path)
-        material = part.find("material")
-        name = None if material is None else material.needed("name")
-        if name not in self.materials and part.find("mass") is None:
-            raise part.error(f"material {name!r} is not one of {', '.join(self.materials) or 'none'}")
-        own = body_lump(part, mesh, wall, self.materials.get(name or ""))
-        to_body = FLIP.then(at)
+        density = self._part_density(part)
+        try:
+            mesh, wall = self._solid(part, is_closed=True)
+        except (ValueError, OSError) as error:
+            robot.lumps.append(lump_alone(part, to_body, error))
+            rule = str(error).removeprefix(f"'{part.file}': ")
+            self.found.assumed(f"{part.path}: {robot.lumps[-1].mass_kg:g} kg that displace nothing: {rule}")
+            return None
+        own = body_lump(part, mesh, wall, density)
         robot.lumps.append(
             Lump(own.mass_kg, to_body.points(own.centre_m), to_body.turn @ own.inertia_kg_m2 @ to_body.turn.T)
         )
-        if part.attribute("buoyant") != "false" and wall > 0.0:
+        is_wet = link_is_wet and (part.attribute("physics") or "submerged") in WET
+        if is_wet and part.attribute("buoyant") not in NO and wall > 0.0:
             volume = shapes.area_m2(mesh) * wall
             self.found.left_out(f"{part.path}: the volume of its wall, {volume:.3g} m3")
-        elif part.attribute("buoyant") != "false":
+        elif is_wet and part.attribute("buoyant") not in NO:
             robot.solids.append(shapes.placed(mesh, to_body))
-        is_wet = part.tag != "internal_part" and (part.attribute("physics") or "submerged") in ("submerged", "floating")
-        return wet_part(part, mesh, own, to_body) if is_wet else None
+        return wet_part(part, mesh, own, to_body) if is_wet and part.tag != "internal_part" else None
+
+    def _part_density(self, part: Element) -> float:
+        """Return the density of a part's material; of one that is unknown, that of the first, as in Stonefish."""
+        material = part.find("material")
+        name = "" if material is None else material.attribute("name") or ""
+        if name in self.materials:
+            return self.materials[name]
+        first, density = next(iter(self.materials.items()), ("water", self._density))
+        self.found.assumed(f"material {name!r}, which no file has, is {first!r}, of {density:g} kg/m3")
+        return density
 
     def _mount(self, part: Element, poses: dict[str, Pose]) -> Pose:
         link = part.find("link")
@@ -284,52 +314,83 @@ class _Reader:
         return Pose(FLU_FROM_FRD @ pose.position_m, FLU_FROM_FRD @ pose.turn)
 
     def _thruster(self, actuator: Element, poses: dict[str, Pose], robot: Robot) -> Thruster:
-        at = self._mount(actuator, poses)
+        at, kind = self._mount(actuator, poses), actuator.needed("type")
         propeller, specs = actuator.find("propeller"), actuator.find("specs")
-        if propeller is None or specs is None:
-            raise actuator.error("must have <propeller> and <specs>")
-        right = propeller.attribute("right") != "false"
-        diameter = propeller.number(None, 0.2, "diameter")
+        right = propeller is None or propeller.attribute("right") not in NO
+        diameter = 0.2 if propeller is None else propeller.number(None, 0.2, "diameter")
         commands = np.linspace(-1.0, 1.0, POINTS)
         model = actuator.find("thrust_model")
         coefficient, advance, torque, lag = None, None, 0.0, 0.0
-        if simple := actuator.needed("type") == "simple_thruster":
-            low, high = specs.number(None, None, "lower_thrust_limit"), specs.number(None, None, "upper_thrust_limit")
+        if kind != "thruster":
+            inverted = specs is not None and specs.attribute("inverted") in YES
+            low, high = self._limits(actuator, specs, "thrust_limit" if kind == "simple_thruster" else "limit")
             thrust = np.where(commands < 0.0, -low * commands, high * commands)
-            inverted = specs.attribute("inverted") == "true"
-        elif model is None:  # Stonefish 1.2 and before
-            inverted = specs.attribute("inverted") == "true"
+        elif specs is None:
+            raise actuator.error("has no <specs>")
+        elif model is None:  # Stonefish 1.3 and before
+            inverted = specs.attribute("inverted") in YES
             coefficient, advance = specs.number(None, None, "thrust_coeff"), 1.0
+            back = specs.number(None, coefficient, "thrust_coeff_backward")
             torque = diameter * specs.number(None, 0.0, "torque_coeff") / coefficient
-            revolutions = commands * specs.number(None, None, "max_rpm") / 60.0
-            thrust = self._density * coefficient * diameter**4 * revolutions * np.abs(revolutions)
+            speeds = commands * specs.number(None, None, "max_rpm") / 60.0
+            thrust = self._density * diameter**4 * speeds * np.abs(speeds) * np.where(speeds < 0.0, back, coefficient)
         else:
-            inverted = specs.attribute("inverted_setpoint") == "true"
-            most = specs.number(None, None, "max_setpoint")
-            thrust = self._thrust(model, commands * most, diameter)
+            inverted = specs.attribute("inverted_setpoint") in YES
+            speeds, lag = self._speeds(actuator, commands * abs(specs.number(None, None, "max_setpoint")))
+            thrust = self._thrust(model, speeds, diameter)
             if model.needed("type") == "fluid_dynamics":
                 coefficient, advance = model.number("thrust_coeff", None, "forward"), 1.0
                 torque = diameter * model.number("torque_coeff", 0.0, "value") / coefficient
-            lag = self._lag(actuator)
+        if not np.isfinite([*thrust, torque]).all():
+            raise actuator.error("its thrust is not finite")
         # A left-handed screw turns the thrust round; in the model of fluid dynamics it also runs ahead the other way.
-        by_blades = not simple and (model is None or model.needed("type") == "fluid_dynamics")
-        backward, mirrored = inverted != (not right), inverted != (not right and by_blades)
+        by_blades = kind == "thruster" and (model is None or model.needed("type") == "fluid_dynamics")
+        turned = not right and kind != "push"
+        backward, mirrored = inverted != turned, inverted != (turned and by_blades)
         name = plain_name(actuator.name, [each.name for each in robot.thrusters])
         pairs = [(float(x), float(y)) for x, y in zip(commands, -thrust[::-1] if mirrored else thrust, strict=True)]
         axis = at.turn[:, 0] * (-1.0 if backward else 1.0)
         clockwise = right != backward
         return Thruster(name, at.position_m, axis, pairs, lag, diameter, coefficient, clockwise, advance, torque)
 
-    def _lag(self, actuator: Element) -> float:
+    def _limits(self, actuator: Element, specs: Element | None, what: str) -> tuple[float, float]:
+        low, high = (None if specs is None else specs.numbers(None, 1, f"{side}_{what}") for side in ("lower", "upper"))
+        if low is not None and high is not None and low[0] < high[0]:
+            return float(low[0]), float(high[0])
+        self.found.assumed(f"{actuator.path}: at most {FREE_N:g} N either way, since it states no limits")
+        return -FREE_N, FREE_N
+
+    def _speeds(self, actuator: Element, setpoints: Floats) -> tuple[Floats, float]:
+        """Return the speeds at which a rotor settles [rad/s], and the time constant with which it gets there [s].
+
+        Yoerger: dw/dt = beta u - alpha w |w|. Bessa: J dw/dt = k_t / R u - k_v1 w - k_v2 w |w|. Both have a time
+        constant for small changes only, which is that at full speed. Stonefish bounds w to twice the largest setpoint.
+        """
         rotor = actuator.find("rotor_dynamics")
-        kind = "zero_order" if rotor is None else rotor.needed("type")
-        if rotor is not None and kind == "first_order":
-            return rotor.number("time_constant", None, "value")
+        kind = "zero_order" if rotor is None else rotor.attribute("type")
+        if rotor is None or kind == "zero_order":
+            return setpoints, 0.0
+        if kind == "first_order":
+            return setpoints, rotor.number("time_constant", None, "value")
         if kind in ("yoerger", "bessa"):
-            raise actuator.error(f"rotor_dynamics of type {kind}: its setpoint is not a speed: must be another type")
-        if kind != "zero_order":
-            self.found.left_out(f"{actuator.path}/rotor_dynamics, of type {kind}: thrust follows at once")
-        return 0.0
+            keys = ("alpha", "beta") if kind == "yoerger" else ("jmsp", "kv1", "kv2", "kt", "rm")
+            given = {key: rotor.number(key, None, "value") for key in keys}
+            if any(value < 0.0 or (value == 0.0 and key != "kv1") for key, value in given.items()):
+                raise rotor.error(f"{', '.join(keys)}: must be positive")
+            square = given["alpha"] if kind == "yoerger" else given["kv2"]
+            pull = np.abs(setpoints) * (given["beta"] if kind == "yoerger" else given["kt"] / given["rm"])
+            linear, inertia = given.get("kv1", 0.0), given.get("jmsp", 1.0)
+            speeds = (np.sqrt(linear**2 + 4.0 * square * pull) - linear) / (2.0 * square)
+            speeds = np.minimum(speeds, 2.0 * setpoints.max())
+            lag = inertia / (linear + 2.0 * square * float(speeds.max()))
+            self.found.assumed(f"{rotor.path}: {kind}: a lag of {lag:.3g} s, that of small changes at full speed")
+            return np.sign(setpoints) * speeds, lag
+        inertia, gain = rotor.number("rotor_inertia", 0.0, "value"), rotor.number("kp", 0.0, "value")
+        lag = inertia / gain if kind == "mechanical_pi" and inertia > 0.0 and gain > 0.0 else 0.0
+        self.found.left_out(
+            f"{rotor.path}, of type {kind}: {f'a lag of {lag:.3g} s' if lag else 'thrust follows at once'}"
+        )
+        return setpoints, lag
 
     def _thrust(self, model: Element, speeds: Floats, diameter: float) -> Floats:
         """Return the thrust of propeller speeds [rad/s]."""
@@ -351,26 +412,64 @@ class _Reader:
         raise model.error(f"type {kind}: must be quadratic, deadband, linear_interpolation or fluid_dynamics")
 
     def _sensor(self, robot: Robot, sensor: Element, poses: dict[str, Pose]) -> None:
-        kind, rate = sensor.needed("type"), sensor.number(None, 10.0, "rate")
+        kind, specs = sensor.needed("type"), sensor.find("specs")
+        if (rate := sensor.number(None, 0.0, "rate")) <= 0.0 and kind in SENSORS:
+            self.found.assumed("sensors without a rate: 10 Hz; Stonefish's measure at every step")
         if kind == "camera":
-            at, specs = self._mount(sensor, poses), sensor.find("specs")
+            at = self._mount(sensor, poses)
             if specs is None:
                 raise sensor.error("has no <specs>")
             size = int(specs.number(None, None, "resolution_x")), int(specs.number(None, None, "resolution_y"))
             pose = Pose(at.position_m, from_optical(at.turn))
             put_camera(robot, sensor.name, pose, specs.number(None, None, "horizontal_fov"), size)
-        elif kind in ("multibeam", "multibeam2d"):
+        elif kind in ("multibeam", "multibeam1d", "multibeam2d"):
             robot.sonar = self._mount(sensor, poses).position_m.tolist()
             self.found.assumed(f"{sensor.path}: its place is the multibeam's mount")
-        elif kind == "fls":
+        elif kind in SONARS:
             at = self._mount(sensor, poses)
-            robot.imaging_sonars[plain_name(sensor.name, robot.imaging_sonars)] = {
-                "kind": "forward_looking",
-                "position_m": at.position_m.tolist(),
-            }
-            self.found.assumed(f"{sensor.path}: it looks ahead, with the parameters of `forward_looking`")
+            name, keys = SONARS[kind]
+            stated = {key: value.item() for key, (tag, of) in keys.items()
+                      if (value := sensor.numbers(tag, 1, of)) is not None}  # fmt: skip
+            ahead = Pose(at.position_m, from_optical(at.turn) if kind == "fls" else np.eye(3))
+            put_imaging(robot, self.found, sensor.path, sensor.name, name, ahead, stated)
         elif kind in SENSORS:
             at = Pose(self._mount(sensor, poses).position_m, np.eye(3))
-            put_sensor(robot, self.found, sensor.path, sensor.name, SENSORS[kind], at, rate)
+            put_sensor(robot, self.found, sensor.path, sensor.name, SENSORS[kind], at, rate, _errors(sensor, kind))
         else:
             self.found.dropped(sensor, f", of type {kind}")
+
+
+def _primitive(part: Element, kind: str) -> Mesh:
+    size = part.find("dimensions")
+    if kind not in ("box", "cylinder", "sphere", "torus"):
+        raise part.error(f"type {kind}: must be box, cylinder, sphere, torus or model")
+    if size is None:
+        raise part.error("has no <dimensions>")
+    if kind == "box":
+        sides = size.numbers(None, 3, "xyz")
+        if sides is None or not shapes.are_sizes(*sides):
+            raise size.error("xyz must be three positive numbers [m]")
+        return shapes.box(sides)
+    keys = {"cylinder": ("radius", "height"), "sphere": ("radius",), "torus": ("major_radius", "minor_radius")}[kind]
+    radius, *other = (size.number(None, None, key) for key in keys)
+    if not shapes.are_sizes(radius, *other):
+        raise size.error(f"{' and '.join(keys)} must be positive [m]")
+    if kind == "sphere":
+        return shapes.sphere(radius)
+    return shapes.cylinder(radius, other[0]) if kind == "cylinder" else shapes.torus(radius, other[0])
+
+
+def _errors(sensor: Element, kind: str) -> dict[str, Any]:
+    """Return the white noise that a sensor states, the largest of its axes, and the range of a DVL."""
+    if kind == "dvl":
+        keys = {"beam_slant_deg": ("specs", "beam_angle"), "range_min_m": ("range", "altitude_min"),
+                "range_max_m": ("range", "altitude_max")}  # fmt: skip
+        return {
+            key: value.item() for key, (tag, of) in keys.items() if (value := sensor.numbers(tag, 1, of)) is not None
+        }
+    channels = {}
+    for key, channel in NOISE.get(kind, {}).items():
+        noise = sensor.numbers("noise", None, key)
+        if noise is not None and (std := float(np.abs(noise).max())) > 0.0:
+            channels[channel] = {"std": std}
+    return {"channels": channels} if channels else {}

@@ -63,6 +63,17 @@ def body_lump(part: Element, mesh: Mesh, wall_m: float, density_kg_m3: float | N
     return Lump(mass_kg, centre.position_m, centre.turn @ np.diag(moments) @ centre.turn.T)
 
 
+def lump_alone(part: Element, to_body: Pose, error: Exception) -> Lump:
+    """Return, in the body's frame, the mass and inertia that a part without a usable shape states. Raises error."""
+    mass = part.numbers("mass", 1, "value")
+    if mass is None or not mass[0] > 0.0:
+        raise error
+    moments = part.numbers("inertia", 3, "xyz")
+    at = to_body.then(part.origin("cg") if part.find("cg") else (part.find("physical") or part).origin())
+    moments = np.zeros(3) if moments is None or (moments < 0.0).any() else moments
+    return Lump(float(mass[0]), at.position_m, at.turn @ np.diag(moments) @ at.turn.T)
+
+
 def own_axes(part: Element, own: Lump) -> Floats:
     """Return the axes about which Stonefish takes the moments of a part: its origin's, or of a mesh its principal ones.
 
