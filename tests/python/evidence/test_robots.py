@@ -318,6 +318,30 @@ def test_a_holoocean_agent_becomes_the_vehicle_that_resembles_it(tmp_path: Path)
     assert "left out: world 'PierHarbor'" in printed and "sensor LidarSensor" in printed
 
 
+def test_cameras_and_sonars_of_holoocean_are_the_vehicle_s_and_an_unknown_agent_is_left_out(tmp_path: Path) -> None:
+    camera = {"CaptureWidth": 320, "CaptureHeight": 200, "FOVAngle": 70, "ISO": 200}
+    sonar = {"Azimuth": 90, "Elevation": 12, "RangeMin": 1, "RangeMax": 41, "RangeRes": 0.1, "AzimuthBins": 96}
+    sensors = [
+        {"sensor_type": "RGBCamera", "sensor_name": "eye", "location": [0.3, 0, 0], "configuration": camera},
+        {"sensor_type": "ImagingSonar", "rotation": [0, 30, 0], "configuration": sonar},
+        {"sensor_type": "SidescanSonar", "socket": "SonarSocket"},
+        {"sensor_type": "SinglebeamSonar", "configuration": {"OpeningAngle": -3}},
+    ]
+    agents = [{"agent_type": "BlueROV2", "location": [0, 0, -3], "sensors": sensors}, {"agent_type": "Turtle"}]
+    sim, printed = made(tmp_path, "dive.json", json.dumps({"agents": agents}))
+    (vehicle,) = sim.scenario.vehicles
+    eye, ahead, aside = (
+        vehicle.model.cameras["eye"],
+        *(vehicle.model.imaging_sonars[f"{each}Sonar"] for each in ("Imaging", "Sidescan")),
+    )
+    assert (eye.width, eye.height, eye.field_of_view_deg, eye.position_m) == (320, 200, 70.0, (0.3, 0.0, 0.0))
+    assert (ahead.figures["range_bins"], ahead.figures["beams"], ahead.figures["range_max_m"]) == (400, 96, 41)
+    assert ahead.yaw_pitch_roll_deg == pytest.approx((0.0, 30.0, 0.0))
+    assert aside.figures["along_width_rad"] == pytest.approx(np.radians(0.25))
+    for word in ("ISO = 200", "RangeMin = 1", "'SonarSocket' is at the vehicle's origin", "-3: must be", "'Turtle'"):
+        assert word in printed
+
+
 @pytest.mark.parametrize("angles", [(0.3, -0.7, 2.1), (0.0, np.pi / 2, 0.4), (3.0, 1.2, -3.1)])
 def test_angles_and_rotations_are_inverse(angles: tuple[float, float, float]) -> None:
     yaw, pitch, roll = np.radians(yaw_pitch_roll_deg(turned(*angles)))

@@ -26,9 +26,14 @@ DENSITY_KG_M3 = 1000.0
 ENU_FROM_NED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 FLU_FROM_FRD = np.diag([1.0, -1.0, -1.0])
 SENSORS = {
-    "imu": "imu", "pressure": "pressure", "dvl": "dvl", "compass": "compass", "odometry": "velocity", "gps": "gps",
+    "imu": "imu",
+    "pressure": "pressure",
+    "dvl": "dvl",
+    "compass": "compass",
+    "odometry": "velocity",
+    "gps": "gps",
     "ins": "ins",
-}  # fmt: skip
+}
 PROPULSION = ("thruster", "simple_thruster", "push")
 FREE_N = 100.0
 """Assumed: the bound of a thrust that Stonefish does not bound."""
@@ -50,16 +55,27 @@ NOISE = {
 }
 """The channels of sensors by Stonefish's names of their noise."""
 SONARS = {
-    "fls": ("forward_looking", {
-        "beams": ("specs", "beams"), "range_bins": ("specs", "bins"), "range_max_m": ("settings", "range_max"),
-        "field_of_view_deg": ("specs", "horizontal_fov"), "vertical_width_deg": ("specs", "vertical_fov"),
-    }),
-    "sss": ("side_scan", {
-        "range_bins": ("specs", "bins"), "range_max_m": ("settings", "range_max"),
-        "along_width_deg": ("specs", "horizontal_beam_width"), "vertical_width_deg": ("specs", "vertical_beam_width"),
-        "depression_deg": ("specs", "vertical_tilt"),
-    }),
-}  # fmt: skip
+    "fls": (
+        "forward_looking",
+        {
+            "beams": ("specs", "beams"),
+            "range_bins": ("specs", "bins"),
+            "range_max_m": ("settings", "range_max"),
+            "field_of_view_deg": ("specs", "horizontal_fov"),
+            "vertical_width_deg": ("specs", "vertical_fov"),
+        },
+    ),
+    "sss": (
+        "side_scan",
+        {
+            "range_bins": ("specs", "bins"),
+            "range_max_m": ("settings", "range_max"),
+            "along_width_deg": ("specs", "horizontal_beam_width"),
+            "vertical_width_deg": ("specs", "vertical_beam_width"),
+            "depression_deg": ("specs", "vertical_tilt"),
+        },
+    ),
+}
 """Kinds of imaging sonars, and their parameters by element and attribute."""
 
 
@@ -140,8 +156,9 @@ class _Reader:
                 self.found.dropped(element)
 
     def _ocean(self, ocean: Element) -> None:
-        density = ocean.numbers("water", 1, "density")
-        self.found.density_kg_m3 = None if density is None else float(density[0])
+        if (density := ocean.numbers("water", 1, "density")) is not None:
+            self.found.density_kg_m3 = float(density[0])
+        self.require_water()
         for current in ocean.all("current"):
             with self.found.beside(current):
                 velocity = current.numbers("velocity", 3, "xyz")
@@ -428,8 +445,11 @@ class _Reader:
         elif kind in SONARS:
             at = self._mount(sensor, poses)
             name, keys = SONARS[kind]
-            stated = {key: value.item() for key, (tag, of) in keys.items()
-                      if (value := sensor.numbers(tag, 1, of)) is not None}  # fmt: skip
+            stated = {
+                key: value.item()
+                for key, (tag, of) in keys.items()
+                if (value := sensor.numbers(tag, 1, of)) is not None
+            }
             ahead = Pose(at.position_m, from_optical(at.turn) if kind == "fls" else np.eye(3))
             put_imaging(robot, self.found, sensor.path, sensor.name, name, ahead, stated)
         elif kind in SENSORS:
@@ -462,8 +482,11 @@ def _primitive(part: Element, kind: str) -> Mesh:
 def _errors(sensor: Element, kind: str) -> dict[str, Any]:
     """Return the white noise that a sensor states, the largest of its axes, and the range of a DVL."""
     if kind == "dvl":
-        keys = {"beam_slant_deg": ("specs", "beam_angle"), "range_min_m": ("range", "altitude_min"),
-                "range_max_m": ("range", "altitude_max")}  # fmt: skip
+        keys = {
+            "beam_slant_deg": ("specs", "beam_angle"),
+            "range_min_m": ("range", "altitude_min"),
+            "range_max_m": ("range", "altitude_max"),
+        }
         return {
             key: value.item() for key, (tag, of) in keys.items() if (value := sensor.numbers(tag, 1, of)) is not None
         }

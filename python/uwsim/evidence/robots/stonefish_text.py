@@ -22,11 +22,25 @@ LEVELS: tuple[dict[str, Callable[[float, float], float]], ...] = (
     {"^": math.pow},  # from the left
 )
 FUNCTIONS: dict[str, Callable[[float], float]] = {
-    "abs": abs, "acos": math.acos, "asin": math.asin, "atan": math.atan, "ceil": math.ceil, "cos": math.cos,
-    "cosh": math.cosh, "exp": math.exp, "fac": lambda n: math.gamma(math.floor(n) + 1.0), "floor": math.floor,
-    "ln": math.log, "log": math.log10, "log10": math.log10, "sin": math.sin, "sinh": math.sinh, "sqrt": math.sqrt,
-    "tan": math.tan, "tanh": math.tanh,
-}  # fmt: skip
+    "abs": abs,
+    "acos": math.acos,
+    "asin": math.asin,
+    "atan": math.atan,
+    "ceil": math.ceil,
+    "cos": math.cos,
+    "cosh": math.cosh,
+    "exp": math.exp,
+    "fac": lambda n: math.gamma(math.floor(n) + 1.0),
+    "floor": math.floor,
+    "ln": math.log,
+    "log": math.log10,
+    "log10": math.log10,
+    "sin": math.sin,
+    "sinh": math.sinh,
+    "sqrt": math.sqrt,
+    "tan": math.tan,
+    "tanh": math.tanh,
+}
 FUNCTIONS_OF_TWO: dict[str, Callable[[float, float], float]] = {
     "atan2": math.atan2,
     "pow": math.pow,

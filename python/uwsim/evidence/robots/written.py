@@ -65,6 +65,11 @@ def write_found(found: Found, out: Path) -> Path:
             robot.place = robot.place.then(Pose(origin, np.eye(3)))
             contents[f"{robot.name}.ply"] = _ply(hull)
             contents[f"{robot.name}.yaml"] = yaml_text(values).encode()
+        elif robot.cameras or robot.imaging_sonars:
+            entry["model"] = f"{robot.name}.yaml"
+            parts = {"cameras": robot.cameras, "imaging_sonars": robot.imaging_sonars}
+            values = {"builds_on": robot.model, "name": robot.name} | {key: part for key, part in parts.items() if part}
+            contents[f"{robot.name}.yaml"] = yaml_text(values).encode()
         entry["start"] = _start(robot, found)
         if robot.sonar is not None:
             entry["sonar"] = {"model": 2, "tilt_deg": 30}
