@@ -120,6 +120,29 @@ def test_an_unknown_material_is_the_first_and_a_dry_part_displaces_nothing(tmp_p
         read(tmp_path / "a.scn", SCN.replace('type="box" buoyant="true"', 'type="box" physics="surface"'))
 
 
+@pytest.mark.parametrize("mass_kg, volume_m3", [(1500.0, 1.5), (500.0, 0.5), (700.0, 0.5), (1300.0, 1.5)])
+def test_a_mesh_wound_both_ways_displaces_what_balances_its_mass(
+    mass_kg: float, volume_m3: float, tmp_path: Path
+) -> None:
+    """A cube of 1 m3, and a slab of 0.5 m3 that winds inward: Stonefish counts 0.5 m3."""
+    (outer, faces), (inner, _) = shapes.box(np.ones(3)), shapes.box(np.array([0.5, 1.0, 1.0]))
+    points, turned = (
+        np.concatenate([outer, inner + np.array([3.0, 0.0, 0.0])]),
+        np.concatenate([faces, faces[:, ::-1] + len(outer)]),
+    )
+    lines = [f"v {x} {y} {z}" for x, y, z in points] + [f"f {a} {b} {c}" for a, b, c in turned + 1]
+    (tmp_path / "a.obj").write_text("\n".join([*lines, ""]))
+    mesh = 'type="model" buoyant="true"><physical><mesh filename="a.obj"/></physical>'
+    text = SCN.replace(
+        'type="box" buoyant="true"><dimensions xyz="1 0.5 0.2"/>', f'{mesh}<mass value="{mass_kg - 8}"/>'
+    )
+    found = read(tmp_path / "a.scn", text.replace('<water density="1020"/>', ""))
+    assert found.robots[0].volume_m3 == pytest.approx(volume_m3)
+    assert any(
+        f"displaces {volume_m3:g} m3, nearer to its mass than {2.0 - volume_m3:g} m3" in note for note in found.notes
+    )
+
+
 def test_water_is_the_first_file_s_and_its_currents_add_up(tmp_path: Path) -> None:
     (tmp_path / "a.scn").write_text(SCN)
     current = '<current type="uniform"><velocity xyz="{} 0 0"/></current>'

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from uwsim.evidence.robots import shapes
+from uwsim.evidence.robots.links import summed_volume
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, Thruster, plain_name
 from uwsim.evidence.robots.sensors import from_optical, put_camera, put_imaging, put_sensor
 from uwsim.evidence.robots.stonefish_body import FLIP, WetPart, body_lump, drag_about, lump_alone, wet_part
@@ -41,6 +42,8 @@ WET = ("submerged", "floating")
 YES, NO = ("true", "True", "TRUE", "1"), ("false", "False", "FALSE", "0")
 FASTEST_M_S = 5.0
 FILES_MAX = 50
+WOUND = 0.01
+"""Volumes of a closed mesh and of the one that a file has differ by less, in parts of it, if it is wound one way."""
 POINTS = 41
 NOISE = {
     "imu": {
@@ -107,6 +110,7 @@ class _Reader:
         self.texts = Texts(found.given.arguments)
         self.materials: dict[str, float] = {}
         self.documents: list[Element] = []
+        self.given: list[Mesh] = []
 
     @property
     def _density(self) -> float:
@@ -182,7 +186,7 @@ class _Reader:
         if kind == "plane":
             self.found.bed_z_m = -float(static.origin("world_transform").position_m[2])
             return
-        mesh, _ = self._solid(static)
+        mesh, _, _ = self._solid(static)
         vertices, triangles = shapes.placed(mesh, static.origin("world_transform"))
         name = plain_name(static.name, [item["name"] for item in self.found.obstacles])
         self.found.meshes[name] = (vertices @ ENU_FROM_NED.T, triangles)  # NED to ENU turns, and does not mirror
@@ -190,27 +194,23 @@ class _Reader:
             {"kind": "mesh", "name": name, "file": f"{name}.ply", "position_m": [0.0, 0.0, 0.0]}
         )
 
-    def _solid(self, part: Element, is_closed: bool = False) -> tuple[Mesh, float]:
-        """Return a part's surface in its own frame, and the thickness of its wall, 0 for a solid [m].
-
-        is_closed: whether the mesh of a solid must be closed; its winding may be mixed.
-        """
+    def _solid(self, part: Element) -> tuple[Mesh, float, str]:
+        """Return a part's surface in its own frame, the thickness of its wall, 0 for a solid [m], and its file."""
         kind = part.needed("type")
         physical = part.find("physical") if kind == "model" else part
         if physical is None:
             raise part.error("has no <physical>")
         wall = physical.number("thickness", 0.0, "value") or physical.number("dimensions", 0.0, "thickness")
-        wall = max(wall, 0.0)
+        path: Path | str = ""
         if kind == "model":
             file = physical.find("mesh")
             if file is None:
                 raise physical.error("has no <mesh>")
             path = self._file(file.needed("filename"), file)
             mesh = shapes.from_file(path, np.full(3, file.number(None, 1.0, "scale")))
-            mesh = shapes.closed(mesh, str(path)) if is_closed and wall == 0.0 else mesh
         else:
             mesh = _primitive(part, kind)
-        return shapes.placed(mesh, physical.origin()), wall
+        return shapes.placed(mesh, physical.origin()), max(wall, 0.0), str(path)
 
     def robot(self, element: Element) -> None:
         """Read a robot: its links as one rigid body, its thrusters and sensors. Raises ValueError."""
@@ -250,6 +250,7 @@ class _Reader:
     def _bodies(self, robot: Robot, links: list[Element], poses: dict[str, Pose]) -> None:
         """Add mass, volume and drag of all links."""
         wet: list[tuple[Element, WetPart, bool]] = []
+        self.given = []
         for link in links:
             if (pose := poses.get(link.name)) is None:
                 self.found.dropped(link, ": no joint connects it with the base link")
@@ -263,11 +264,25 @@ class _Reader:
             robot.drag = partial(drag_about, [each for _, each, _ in wet], self._density)
             for part in (part for part, _, is_stated in wet if not is_stated):
                 self.found.assumed(f"{part.path}: drag that it does not state is Stonefish's own for its shape")
-        volumes = [shapes.volume_and_centre(solid) for solid in robot.solids]
-        if volumes:
-            robot.volume_m3 = sum(volume for volume, _ in volumes)
-            weighted = sum((volume * centre for volume, centre in volumes), start=np.zeros(3))
-            robot.centre_of_buoyancy_m = weighted / robot.volume_m3
+        if robot.solids:
+            self._displace(robot)
+
+    def _displace(self, robot: Robot) -> None:
+        """Set the displaced volume: that of the closed meshes, or Stonefish's, if it is nearer to the mass.
+
+        To Stonefish, what winds inward displaces a negative volume, and its files are ballasted for that.
+        """
+        volume, centre = summed_volume(robot.solids)
+        signed, signed_centre = summed_volume(self.given)
+        neutral = sum(lump.mass_kg for lump in robot.lumps) / self._density
+        if abs(signed - volume) > WOUND * volume:
+            if signed > 0.0 and abs(signed - neutral) < abs(volume - neutral):
+                volume, centre, signed = signed, signed_centre, volume
+            self.found.assumed(
+                f"vehicle '{robot.name}': displaces {volume:.4g} m3, nearer to its mass than {signed:.4g} m3: its "
+                "meshes wind both ways, and to Stonefish what winds inward displaces a negative volume"
+            )
+        robot.volume_m3, robot.centre_of_buoyancy_m = volume, centre
 
     def _poses(self, robot: Element, base: Element) -> dict[str, Pose]:
         """Return the pose of each link that joints connect, in the base link's frame, with joints at zero."""
@@ -294,7 +309,8 @@ class _Reader:
         """Add a part's mass and, if it is buoyant, its volume. Return what the water drags at; see `wet_part`."""
         density = self._part_density(part)
         try:
-            mesh, wall = self._solid(part, is_closed=True)
+            given, wall, file = self._solid(part)
+            mesh = shapes.closed(given, file) if file and wall == 0.0 else given  # its winding may be mixed
         except (ValueError, OSError) as error:
             robot.lumps.append(lump_alone(part, to_body, error))
             rule = str(error).removeprefix(f"'{part.file}': ")
@@ -310,6 +326,7 @@ class _Reader:
             self.found.left_out(f"{part.path}: the volume of its wall, {volume:.3g} m3")
         elif is_wet and part.attribute("buoyant") not in NO:
             robot.solids.append(shapes.placed(mesh, to_body))
+            self.given.append(shapes.placed(given, to_body))
         return wet_part(part, mesh, own, to_body) if is_wet and part.tag != "internal_part" else None
 
     def _part_density(self, part: Element) -> float:
