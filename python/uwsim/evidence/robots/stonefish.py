@@ -8,7 +8,7 @@ are estimated here, too, from the parts that displace water; where the file stat
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -111,6 +111,7 @@ class _Reader:
         self.materials: dict[str, float] = {}
         self.documents: list[Element] = []
         self.given: list[Mesh] = []
+        self._closed = cache(lambda path, scale: shapes.closed(shapes.from_file(path, np.full(3, scale)), str(path)))
 
     @property
     def _density(self) -> float:
@@ -186,7 +187,7 @@ class _Reader:
         if kind == "plane":
             self.found.bed_z_m = -float(static.origin("world_transform").position_m[2])
             return
-        mesh, _, _ = self._solid(static)
+        mesh, _, _ = self._solid(static, is_body=False)
         vertices, triangles = shapes.placed(mesh, static.origin("world_transform"))
         name = plain_name(static.name, [item["name"] for item in self.found.obstacles])
         self.found.meshes[name] = (vertices @ ENU_FROM_NED.T, triangles)  # NED to ENU turns, and does not mirror
@@ -194,23 +195,27 @@ class _Reader:
             {"kind": "mesh", "name": name, "file": f"{name}.ply", "position_m": [0.0, 0.0, 0.0]}
         )
 
-    def _solid(self, part: Element) -> tuple[Mesh, float, str]:
-        """Return a part's surface in its own frame, the thickness of its wall, 0 for a solid [m], and its file."""
+    def _solid(self, part: Element, is_body: bool = True) -> tuple[Mesh, Mesh, float]:
+        """Return a part's surface in its own frame, the same closed, and the thickness of its wall, 0 for a solid [m].
+
+        A body's mesh without a wall is closed, since its winding may be mixed.
+        """
         kind = part.needed("type")
         physical = part.find("physical") if kind == "model" else part
         if physical is None:
             raise part.error("has no <physical>")
         wall = physical.number("thickness", 0.0, "value") or physical.number("dimensions", 0.0, "thickness")
-        path: Path | str = ""
         if kind == "model":
             file = physical.find("mesh")
             if file is None:
                 raise physical.error("has no <mesh>")
-            path = self._file(file.needed("filename"), file)
-            mesh = shapes.from_file(path, np.full(3, file.number(None, 1.0, "scale")))
+            path, scale = self._file(file.needed("filename"), file), file.number(None, 1.0, "scale")
+            given = shapes.from_file(path, np.full(3, scale))
+            closed = self._closed(path, scale) if is_body and wall <= 0.0 else given
         else:
-            mesh = _primitive(part, kind)
-        return shapes.placed(mesh, physical.origin()), max(wall, 0.0), str(path)
+            given = closed = _primitive(part, kind)
+        at = physical.origin()
+        return shapes.placed(given, at), shapes.placed(closed, at), max(wall, 0.0)
 
     def robot(self, element: Element) -> None:
         """Read a robot: its links as one rigid body, its thrusters and sensors. Raises ValueError."""
@@ -309,8 +314,7 @@ class _Reader:
         """Add a part's mass and, if it is buoyant, its volume. Return what the water drags at; see `wet_part`."""
         density = self._part_density(part)
         try:
-            given, wall, file = self._solid(part)
-            mesh = shapes.closed(given, file) if file and wall == 0.0 else given  # its winding may be mixed
+            given, mesh, wall = self._solid(part)
         except (ValueError, OSError) as error:
             robot.lumps.append(lump_alone(part, to_body, error))
             rule = str(error).removeprefix(f"'{part.file}': ")
