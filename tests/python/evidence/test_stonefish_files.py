@@ -182,6 +182,16 @@ def test_a_thruster_has_the_speed_at_which_its_rotor_settles(
     assert thruster.time_constant_s == pytest.approx(-1.0 / slope, rel=1e-3)
 
 
+def test_a_table_of_thrust_keeps_its_points_where_the_largest_setpoint_is_far_beyond(tmp_path: Path) -> None:
+    table = '<thrust_model type="linear_interpolation"><input value="-7 0 3 9"/><output value="-5 0 1 8"/>'
+    text = SCN.replace(THRUST, table).replace("${600/60*2*pi}", "800")
+    (thruster,) = read(tmp_path / "a.scn", text).robots[0].thrusters
+    commands, thrust_n = np.array(thruster.thrust_n).T
+    np.testing.assert_allclose(
+        np.interp(np.array([-7.0, 3.0, 6.0, 9.0]) / 800.0, commands, thrust_n), [-5.0, 1.0, 4.5, 8.0]
+    )
+
+
 def test_sonars_and_sensors_have_the_figures_that_are_stated(tmp_path: Path) -> None:
     place = '<link name="Body"/><origin xyz="0.5 0 0" rpy="1.5707963267948966 0 1.5707963267948966"/></sensor>'
     sensors = f"""<sensor name="fls" type="fls"><specs beams="128" bins="300" horizontal_fov="90" vertical_fov="500"/>

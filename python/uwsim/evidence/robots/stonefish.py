@@ -374,7 +374,10 @@ class _Reader:
             thrust = self._density * diameter**4 * speeds * np.abs(speeds) * np.where(speeds < 0.0, back, coefficient)
         else:
             inverted = specs.attribute("inverted_setpoint") in YES
-            speeds, lag = self._speeds(actuator, commands * abs(specs.number(None, None, "max_setpoint")))
+            most = abs(specs.number(None, None, "max_setpoint"))
+            if (knots := model.numbers("input", None, "value")) is not None and most > 0.0:
+                commands = np.unique(np.round([*commands, *np.clip([*knots, *-knots], -most, most) / most], 9))
+            speeds, lag = self._speeds(actuator, commands * most)
             thrust = self._thrust(model, speeds, diameter)
             if model.needed("type") == "fluid_dynamics":
                 coefficient, advance = model.number("thrust_coeff", None, "forward"), 1.0
