@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from uwsim.evidence.robots.robot import Found, Robot
+from uwsim.evidence.robots.robot import Found, Given, Robot
 from uwsim.evidence.robots.sdf import read_sdf
 from uwsim.evidence.robots.stonefish import read_stonefish
 from uwsim.evidence.robots.urdf import read_urdf
@@ -142,6 +142,21 @@ def test_a_thruster_without_a_bound_is_a_question(tmp_path: Path) -> None:
     (tmp_path / "thruster_manager.yaml").write_text("thruster_manager:\n  max_thrust: much\n")
     much = found_urdf(tmp_path, "").notes
     assert any("max_thrust = 'much': must be a positive number [N]" in note for note in much)
+
+
+def test_a_bound_is_the_user_s_or_the_checkout_s_for_this_vehicle(tmp_path: Path) -> None:
+    here, other = tmp_path / "sled_description", tmp_path / "sled_control" / "config"
+    for folder in (here, other, tmp_path / ".git", tmp_path / "another"):
+        folder.mkdir(parents=True)
+    manager = "/**:\n  ros__parameters:\n    thruster_manager: {tf_prefix: SLED, max_thrust: 20}\n"
+    (other / "thruster_manager.yaml").write_text(manager.replace("SLED", "sled"))
+    (tmp_path / "another" / "thruster_manager.yaml").write_text(manager.replace("SLED", "another"))
+    assert bounds_n(urdf(here, "")) == pytest.approx((-20.0, 20.0))
+    found = Found("", Given({"max_thrust": "45"}))
+    read_urdf(here / "sled.urdf", found)
+    assert bounds_n(found.robots[0]) == pytest.approx((-45.0, 45.0))
+    (other / "thruster_manager.yaml").write_text(manager)
+    assert not urdf(here, "").thrusters
 
 
 def test_a_bound_of_thrust_bounds_the_thrust_and_one_clamp_counts_for_both(tmp_path: Path) -> None:

@@ -24,6 +24,8 @@ POINTS = 41
 MANAGER = "thruster_manager.yaml"
 """UUV Simulator's file with max_thrust [N], which its manager allows each thruster of a vehicle."""
 MANAGER_FOLDERS = (".", "config", "../config")
+MOST = "max_thrust"
+"""The key in that file, and the argument by which a user states it."""
 INPUT_MAX = 1e9
 
 
@@ -122,7 +124,7 @@ def _matrix(model: Element, key: str, sign: float, found: Found) -> Floats:
     return np.asarray(matrix)
 
 
-def _limits(plugin: Element, conversion: Element, found: Found) -> tuple[float, float]:
+def _limits(plugin: Element, conversion: Element, robot: Robot, found: Found) -> tuple[float, float]:
     """Return the lowest and highest input of a thruster. Raises ValueError for one without a bound."""
     low, high = plugin.number("clampMin", -np.inf), plugin.number("clampMax", np.inf)
     if low == high:
@@ -141,31 +143,58 @@ def _limits(plugin: Element, conversion: Element, found: Found) -> tuple[float, 
         return float(samples.min()), float(samples.max())
     thrust_n = plugin.number("thrustMin", -np.inf), plugin.number("thrustMax", np.inf)
     if not np.isfinite(thrust_n).all():
-        manager, most_n = _manager_thrust_n(plugin.file)
+        manager, most_n = _most_thrust_n(plugin.file, robot, found.given.arguments.get(MOST))
         if manager is None:
             raise plugin.error(
                 f"the thrust at joint '{plugin.text('jointName')}' has no bound: must have clampMin and clampMax, or "
-                f"thrustMin and thrustMax [N], or beside the file a {MANAGER} with max_thrust [N]"
+                f"thrustMin and thrustMax [N]: state it by --arg {MOST}=VALUE, or in the checkout by a {MANAGER} with "
+                f"{MOST} [N] and tf_prefix '{robot.name}'"
             )
-        found.assumed(f"{plugin.path}: at most {most_n:g} N either way, as max_thrust in {manager} allows")
+        found.assumed(f"{plugin.path}: at most {most_n:g} N either way, as {MOST} in {manager} allows")
         thrust_n = -most_n, most_n
     gain = plugin.number("gain", 1.0)
     low, high = (_input_of(plugin, conversion, each, gain) for each in thrust_n)
     return low, high
 
 
-def _manager_thrust_n(file: Path) -> tuple[Path | None, float]:
-    """Return UUV Simulator's file beside a description, if there is one, and the most thrust that it allows [N]."""
+def _most_thrust_n(file: Path, robot: Robot, given: str | None) -> tuple[str | None, float]:
+    """Return where the most thrust of a description's thrusters is stated, if anywhere, and how much it is [N].
+
+    given: by the user. Else that of UUV Simulator's file beside the description, or in its checkout for its name.
+    """
+    if given is not None:
+        return f"--arg {MOST}", _positive_n(f"--arg {MOST}", given)
     for folder in MANAGER_FOLDERS:
         path = file.resolve().parent / folder / MANAGER
         if path.is_file():
-            values = read_yaml(path).values
-            inner = values.get("thruster_manager", values)
-            most_n = inner.get("max_thrust") if isinstance(inner, dict) else None
-            if isinstance(most_n, bool) or not isinstance(most_n, int | float) or not 0.0 < most_n < np.inf:
-                raise ValueError(f"'{path}': max_thrust = {most_n!r}: must be a positive number [N]")
-            return path, float(most_n)
+            return str(path), _positive_n(f"'{path}': {MOST}", _managed(path).get(MOST))
+    checkout = next((folder for folder in file.resolve().parents if (folder / ".git").exists()), None)
+    for path in [] if checkout is None else sorted(checkout.rglob(MANAGER)):
+        try:
+            values = _managed(path)
+        except ValueError:  # such as a template
+            continue
+        if str(values.get("tf_prefix")).strip("/") == robot.name:
+            return str(path), _positive_n(f"'{path}': {MOST}", values.get(MOST))
     return None, 0.0
+
+
+def _managed(path: Path) -> dict[str, Any]:
+    """Return the parameters in a file of UUV Simulator's manager, for ROS 1 or ROS 2."""
+    values: Any = read_yaml(path).values
+    while isinstance(values, dict) and MOST not in values and len(values) == 1:
+        (values,) = values.values()
+    return values if isinstance(values, dict) else {}
+
+
+def _positive_n(what: str, value: object) -> float:
+    try:
+        number = np.nan if isinstance(value, bool) else float(str(value))
+    except ValueError:
+        number = np.nan
+    if not 0.0 < number < np.inf:
+        raise ValueError(f"{what} = {value!r}: must be a positive number [N]")
+    return number
 
 
 def _input_of(plugin: Element, conversion: Element, thrust_n: float, gain: float) -> float:
@@ -199,7 +228,7 @@ def uuv_thruster(plugin: Element, links: Links, to_base: Pose, robot: Robot, fou
     conversion = plugin.find("conversion")
     if conversion is None:
         raise plugin.error("has no conversion")
-    low, high = _limits(plugin, conversion, found)
+    low, high = _limits(plugin, conversion, robot, found)
     most = max(abs(low), abs(high)) * plugin.number("gain", 1.0)
     inputs = np.linspace(-1.0, 1.0, POINTS) * most
     inputs_kept = np.clip(inputs, low * plugin.number("gain", 1.0), high * plugin.number("gain", 1.0))
