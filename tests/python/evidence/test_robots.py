@@ -118,18 +118,20 @@ def test_an_sdf_rudder_has_the_source_s_lift(axis: int, tmp_path: Path) -> None:
     assert wrench.torque_body_nm[0] == pytest.approx(-0.25 * axis * lift_n, rel=0.01)
 
 
-@pytest.mark.parametrize("kind", ["TwoLines", "Quadratic"])
+@pytest.mark.parametrize("kind", ["TwoLines", "Steep", "Quadratic"])
 def test_a_urdf_fin_has_the_source_s_lift(kind: str, tmp_path: Path) -> None:
     """UUV Simulator's LiftDragModel: rho u^2 A cla alpha / 2, or a constant times u^2 alpha."""
     coefficients = {
         "TwoLines": "<area>0.05</area><fluid_density>1000</fluid_density><a0>0</a0><alpha_stall>0.3</alpha_stall>"
         "<cla>4</cla><cla_stall>-1</cla_stall><cda>0.1</cda><cda_stall>1</cda_stall>",
+        "Steep": "<area>0.0125</area><fluid_density>1000</fluid_density><a0>0</a0><alpha_stall>0.3</alpha_stall>"
+        "<cla>16</cla><cla_stall>-1</cla_stall><cda>0.1</cda><cda_stall>1</cda_stall>",  # no thin fin is beyond 2 pi
         "Quadratic": "<lift_constant>100</lift_constant><drag_constant>1</drag_constant>",
     }[kind]
     fin = f"""<link name="fin0"/><joint name="fin0_joint" type="revolute"><origin xyz="-0.5 0 0.2"/>
       <axis xyz="0 0 1"/><parent link="base"/><child link="fin0"/><limit lower="-0.4" upper="0.4"/></joint>
       <gazebo><plugin name="f" filename="libuuv_fin_ros_plugin.so"><link_name>fin0</link_name>
-      <liftdrag><type>{kind}</type>{coefficients}</liftdrag></plugin></gazebo></robot>"""
+      <liftdrag><type>{kind.replace("Steep", "TwoLines")}</type>{coefficients}</liftdrag></plugin></gazebo></robot>"""
     sim, _ = made(tmp_path, "sled.urdf", URDF.replace("</robot>", fin))
     (rov,) = sim.vehicles.values()
     rov.set_fins({"fin0": 0.08})
