@@ -168,6 +168,25 @@ def test_a_bound_of_thrust_bounds_the_thrust_and_one_clamp_counts_for_both(tmp_p
     assert bounds_n(urdf(tmp_path, swapped)) == bounds_n(urdf(tmp_path, CLAMPS))
 
 
+def test_hydrodynamics_of_other_links_are_carried_to_the_base_and_summed(tmp_path: Path) -> None:
+    """Drag along an axis turns with the link; of two links, volumes and drag add up about the centre between them."""
+    shell = """<link name="shell"/><joint name="shell_joint" type="fixed">
+      <origin xyz="0.5 0 0" rpy="0 0 1.57079632679"/>
+      <parent link="base"/><child link="shell"/></joint></robot>"""
+    text = (DATA / "sled.urdf").read_text().replace("</robot>", shell)
+    (tmp_path / "sled.urdf").write_text(text.replace('<link name="base"><volume>', '<link name="shell"><volume>'))
+    one = read_urdf(tmp_path / "sled.urdf").robots[0]
+    np.testing.assert_allclose(one.centre_of_buoyancy_m, [0.5, 0.0, 0.1], atol=1e-9)
+    np.testing.assert_allclose(np.diagonal(one.linear)[:3], [40.0, 30.0, 50.0], atol=1e-6)
+    np.testing.assert_allclose(one.linear[5, 5], 20.0 + 30.0 * 0.5**2, atol=1e-6)
+    link = text[text.index('<link name="base"><volume>') : text.index("</link></plugin>") + len("</link>")]
+    (tmp_path / "sled.urdf").write_text(text.replace(link, link + link.replace('"base"', '"shell"')))
+    two = read_urdf(tmp_path / "sled.urdf").robots[0]
+    assert two.volume_m3 == 0.4
+    np.testing.assert_allclose(two.centre_of_buoyancy_m, [0.25, 0.0, 0.1], atol=1e-9)
+    np.testing.assert_allclose(np.diagonal(two.linear)[:3], [70.0, 70.0, 100.0], atol=1e-6)
+
+
 def test_a_mesh_that_winds_inward_displaces_what_it_encloses(tmp_path: Path) -> None:
     """It was dropped in silence, as a shape that only stands in for one."""
     write_box(tmp_path / "keel.obj", set(range(6)))

@@ -13,7 +13,7 @@ import numpy as np
 
 from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.evidence.robots import shapes
-from uwsim.evidence.robots.links import Links
+from uwsim.evidence.robots.links import Links, carried
 from uwsim.evidence.robots.robot import Found, Robot, Thruster, plain_name
 from uwsim.evidence.robots.sensors import Errors
 from uwsim.evidence.robots.xml_file import Element, Floats, Pose
@@ -39,31 +39,51 @@ def is_uuv_thruster(file: str) -> bool:
     return "uuv_thruster" in file or "thruster_ros" in file
 
 
-def put_uuv_object(robot: Robot, found: Found, plugin: Element, base: str) -> None:
-    """Read the hydrodynamics of a vehicle. Raises ValueError for those of a link other than the base."""
+def put_uuv_object(robot: Robot, found: Found, plugin: Element, links: Links, base: str) -> None:
+    """Read the hydrodynamics of a vehicle: the sum over its links, of which those beside the base are carried to it."""
     if plugin.find("fluid_density"):
         found.density_kg_m3 = plugin.number("fluid_density")
     elif found.density_kg_m3 is None:
         found.density_kg_m3 = DENSITY_KG_M3
-    for link in plugin.all("link"):
-        if link.needed("name") != base:
-            raise link.error(f"must be the base link, '{base}'")
-        _hydrodynamics(robot, found, link)
+    elements, volumes, centres, models = list(plugin.all("link")), [], [], []
+    for link in elements:
+        with found.beside(link):
+            name = link.needed("name")
+            there = links.poses[base].inverse().then(links.pose(name, link))
+            lump = robot.whole() if len(elements) == 1 else links.lumps.get(name)
+            volume_m3 = _volume_m3(link, 0.0 if lump is None else lump.mass_kg, found)
+            centre = link.numbers("center_of_buoyancy", 3)
+            model = _matrices(robot, found, link)
+            if name != base:
+                found.assumed(f"{link.path}: it is fixed to the base link, '{base}'")
+            volumes.append(volume_m3)
+            centres.append(there.points(np.zeros((1, 3)) if centre is None else centre[None])[0])
+            models.append([] if model is None else [carried(matrix, there) for matrix in model])
+    if volume := sum(volumes):
+        robot.volume_m3 = volume
+        robot.centre_of_buoyancy_m = np.average(centres, axis=0, weights=volumes)
+    elif centres:
+        robot.volume_m3, robot.centre_of_buoyancy_m = None, centres[0]
+    if stated := [model for model in models if model]:
+        robot.added_mass, robot.linear, robot.quadratic = (
+            sum(each, np.zeros((6, 6))) for each in zip(*stated, strict=True)
+        )
 
 
-def _hydrodynamics(robot: Robot, found: Found, link: Element) -> None:
-    """Read UUV Simulator's <link>: volume, centre of buoyancy and Fossen's matrices."""
-    whole = robot.whole()
+def _volume_m3(link: Element, mass_kg: float, found: Found) -> float:
+    """Return the volume that a link displaces, 0 for one that is not positive."""
     if link.text("neutrally_buoyant") in ("1", "true"):
         assert found.density_kg_m3 is not None
-        robot.volume_m3 = whole.mass_kg / found.density_kg_m3
-    else:
-        volume_m3 = link.number("volume")
-        robot.volume_m3 = volume_m3 if volume_m3 > 0.0 else None
-        if robot.volume_m3 is None:
-            found.left_out(f"{link.path}: volume = {volume_m3:g} m3: must be positive: that of the shapes is taken")
-    centre = link.numbers("center_of_buoyancy", 3)
-    robot.centre_of_buoyancy_m = np.zeros(3) if centre is None else centre
+        return mass_kg / found.density_kg_m3
+    volume_m3 = link.number("volume")
+    if volume_m3 > 0.0:
+        return volume_m3
+    found.left_out(f"{link.path}: volume = {volume_m3:g} m3: must be positive: that of the shapes is taken")
+    return 0.0
+
+
+def _matrices(robot: Robot, found: Found, link: Element) -> tuple[Floats, Floats, Floats] | None:
+    """Return Fossen's matrices of a <link>: added mass, linear and quadratic damping, magnitudes, at its origin."""
     sides = [link.number(f"box/{side}", 0.0) for side in ("length", "width", "height")]
     if not robot.solids and all(side > 0.0 for side in sides):
         robot.solids = [shapes.box(np.array(sides))]
@@ -74,17 +94,19 @@ def _hydrodynamics(robot: Robot, found: Found, link: Element) -> None:
         found.left_out(f"{link.path}: hydrodynamic model {kind}: only fossen is read")
         if model is not None:
             model.use_all()
-        return
+        return None
     if any(model.number(key, 0.0) != 0.0 for key in ("offset_added_mass", "offset_linear_damping")):
         found.left_out(f"{model.path}: its offsets")
     forward = model.numbers("linear_damping_forward_speed")
     if forward is not None and forward.any():
         found.left_out(f"{model.path}: linear_damping_forward_speed")
     scale = model.number("scaling_damping", 1.0)
-    robot.added_mass = _matrix(model, "added_mass", 1.0, found) * model.number("scaling_added_mass", 1.0)
-    robot.added_mass = 0.5 * (robot.added_mass + robot.added_mass.T)
-    robot.linear = _matrix(model, "linear_damping", -scale, found)
-    robot.quadratic = _matrix(model, "quadratic_damping", -scale, found)
+    added = _matrix(model, "added_mass", 1.0, found) * model.number("scaling_added_mass", 1.0)
+    return (
+        0.5 * (added + added.T),
+        _matrix(model, "linear_damping", -scale, found),
+        _matrix(model, "quadratic_damping", -scale, found),
+    )
 
 
 def uuv_errors(plugin: Element, kind: str) -> Errors:
