@@ -168,6 +168,25 @@ def test_a_bound_of_thrust_bounds_the_thrust_and_one_clamp_counts_for_both(tmp_p
     assert bounds_n(urdf(tmp_path, swapped)) == bounds_n(urdf(tmp_path, CLAMPS))
 
 
+def test_a_table_of_pulse_widths_is_read_about_its_middle(tmp_path: Path) -> None:
+    table = """<conversion><type>LinearInterp</type><inputValues>0 1099 1100 1480 1520 1900 1901</inputValues>
+      <outputValues>0 0 -20 0 0 30 0</outputValues></conversion>"""
+    text = (DATA / "sled.urdf").read_text().replace(CLAMPS, "")
+    basic = text[text.index("<conversion>") : text.index("</conversion>") + len("</conversion>")]
+    (tmp_path / "sled.urdf").write_text(text.replace(basic, table))
+    robot = read_urdf(tmp_path / "sled.urdf").robots[0]
+    assert bounds_n(robot) == pytest.approx((-20.0, 30.0))
+    assert dict(robot.thrusters[0].thrust_n)[0.0] == 0.0  # at 1500
+
+
+def test_an_inertia_that_no_body_has_is_the_nearest_that_one_has(tmp_path: Path) -> None:
+    text = (DATA / "sled.urdf").read_text().replace('izz="50"', 'izz="80"')
+    (tmp_path / "sled.urdf").write_text(text)
+    found = read_urdf(tmp_path / "sled.urdf")
+    x, y, z = load(write_found(found, tmp_path / "out")).vehicles[0].model.inertia_kg_m2
+    assert z == pytest.approx(x + y) and any("which no rigid body has" in note for note in found.notes)
+
+
 def test_hydrodynamics_of_other_links_are_carried_to_the_base_and_summed(tmp_path: Path) -> None:
     """Drag along an axis turns with the link; of two links, volumes and drag add up about the centre between them."""
     shell = """<link name="shell"/><joint name="shell_joint" type="fixed">

@@ -250,11 +250,15 @@ def uuv_thruster(plugin: Element, links: Links, to_base: Pose, robot: Robot, fou
     conversion = plugin.find("conversion")
     if conversion is None:
         raise plugin.error("has no conversion")
-    low, high = _limits(plugin, conversion, robot, found)
-    most = max(abs(low), abs(high)) * plugin.number("gain", 1.0)
-    inputs = np.linspace(-1.0, 1.0, POINTS) * most
-    inputs_kept = np.clip(inputs, low * plugin.number("gain", 1.0), high * plugin.number("gain", 1.0))
-    thrust = _converted(conversion, inputs_kept) * plugin.number("thrust_efficiency", 1.0)
+    commands = np.linspace(-1.0, 1.0, POINTS)
+    if (width := _pulse_widths(conversion)) is not None:
+        found.assumed(f"{plugin.path}: its input is a pulse width, from {width[0]:g} by {width[1]:g} to {width[2]:g}")
+        inputs = np.interp(commands, [-1.0, 0.0, 1.0], width)
+    else:
+        gain = plugin.number("gain", 1.0)
+        low, high = (gain * each for each in _limits(plugin, conversion, robot, found))
+        inputs = np.clip(commands * max(abs(low), abs(high)), low, high)
+    thrust = _converted(conversion, inputs) * plugin.number("thrust_efficiency", 1.0)
     thrust = np.clip(thrust, plugin.number("thrustMin", -np.inf), plugin.number("thrustMax", np.inf))
     dynamics = plugin.find("dynamics")
     kind = None if dynamics is None else dynamics.text("type")
@@ -262,8 +266,24 @@ def uuv_thruster(plugin: Element, links: Links, to_base: Pose, robot: Robot, fou
         raise dynamics.error(f"type {kind}: must be ZeroOrder or FirstOrder")
     lag = dynamics.number("timeConstant") if dynamics is not None and kind == "FirstOrder" else 0.0
     name = plain_name(f"thruster_{plugin.text('thrusterID') or len(robot.thrusters)}", [])
-    pairs = [(float(x / most), float(y)) for x, y in zip(inputs, thrust, strict=True)]
+    pairs = [(float(x), float(y)) for x, y in zip(commands, thrust, strict=True)]
     return Thruster(name, at.position_m, to_base.turn @ joint.axis, pairs, lag, 0.2, None, clockwise=True)
+
+
+def _pulse_widths(conversion: Element) -> tuple[float, float, float] | None:
+    """Return the inputs of full thrust astern, of none and of full thrust ahead, of a table whose input is a pulse.
+
+    Such a one has no negative input, and both directions of thrust about a middle; others have None.
+    """
+    inputs, outputs = conversion.numbers("inputValues"), conversion.numbers("outputValues")
+    if inputs is None or outputs is None or len(inputs) != len(outputs) or inputs.min() < 0.0:
+        return None
+    back, ahead = sorted((int(outputs.argmin()), int(outputs.argmax())))
+    still = inputs[back:ahead][outputs[back:ahead] == 0.0]
+    if outputs.min() * outputs.max() >= 0.0 or not len(still):
+        return None
+    ends = (back, ahead) if outputs[back] < 0.0 else (ahead, back)
+    return float(inputs[ends[0]]), float(0.5 * (still[0] + still[-1])), float(inputs[ends[1]])
 
 
 def _converted(conversion: Element, x: Floats) -> Floats:

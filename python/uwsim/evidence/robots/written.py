@@ -180,7 +180,7 @@ def _vehicle(robot: Robot, found: Found) -> tuple[Mesh, dict[str, Any], Floats]:
     products = float(np.abs(whole.inertia_kg_m2 - np.diag(moments)).max())
     if products > PRODUCTS * moments.min():
         found.left_out(f"vehicle '{robot.name}': its products of inertia, {products:.3g} kg m2 at most")
-    values["inertia_kg_m2"] = _row(moments)
+    values["inertia_kg_m2"] = _possible(robot.name, _row(moments), found)
     values["compressibility_1_pa"] = 0.0
     if not robot.thrusters:
         raise ValueError(f"vehicle '{robot.name}': has no thrusters, so nothing could move it")
@@ -218,6 +218,18 @@ def _outfit(robot: Robot, found: Found, vertices: Floats) -> None:
     if lacks["an altimeter"]:
         name = plain_name("altitude", robot.sensors)
         robot.sensors[name] = ALTIMETER | {"position_m": [0.0, 0.0, float(low[2])], "range_max_m": ALTIMETER_M}
+
+
+def _possible(name: str, moments: list[float], found: Found) -> list[float]:
+    """Return moments of inertia of which the largest does not exceed the sum of the others, as for any rigid body."""
+    most, rest = max(moments), sum(moments) - max(moments)
+    if most <= rest:
+        return moments
+    found.assumed(
+        f"vehicle '{name}': moments of inertia {', '.join(f'{value:.4g}' for value in moments)} kg m2, which no rigid "
+        f"body has: the largest is {rest:.4g}, the sum of the others"
+    )
+    return [float(np.round(rest, 9)) if value == most else value for value in moments]
 
 
 def _hull(robot: Robot, found: Found) -> tuple[Mesh, Floats]:
