@@ -168,6 +168,16 @@ def test_a_bound_of_thrust_bounds_the_thrust_and_one_clamp_counts_for_both(tmp_p
     assert bounds_n(urdf(tmp_path, swapped)) == bounds_n(urdf(tmp_path, CLAMPS))
 
 
+def test_damping_by_the_speed_ahead_is_quadratic_ahead(tmp_path: Path) -> None:
+    """UUV Simulator's forces are -u D v; those of u alone are the vehicle's, the others are named."""
+    text = (DATA / "sled.urdf").read_text()
+    forward = "<linear_damping_forward_speed>-8 -162 -108 -13 -20 -32</linear_damping_forward_speed><linear_damping>"
+    (tmp_path / "sled.urdf").write_text(text.replace("<linear_damping>", forward))
+    found = read_urdf(tmp_path / "sled.urdf")
+    np.testing.assert_array_equal(np.diagonal(found.robots[0].quadratic)[:3], [158.0, 250.0, 300.0])
+    assert any("162, 108, 13, 20, 32 on their own" in note for note in found.notes)
+
+
 def test_a_table_of_pulse_widths_is_read_about_its_middle(tmp_path: Path) -> None:
     table = """<conversion><type>LinearInterp</type><inputValues>0 1099 1100 1480 1520 1900 1901</inputValues>
       <outputValues>0 0 -20 0 0 30 0</outputValues></conversion>"""

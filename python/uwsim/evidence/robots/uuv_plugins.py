@@ -27,6 +27,8 @@ MANAGER_FOLDERS = (".", "config", "../config")
 MOST = "max_thrust"
 """The key in that file, and the argument by which a user states it."""
 INPUT_MAX = 1e9
+FORWARD = "linear_damping_forward_speed"
+"""Damping times the speed ahead; on that axis, it is quadratic."""
 
 
 def is_uuv_object(file: str) -> bool:
@@ -97,16 +99,15 @@ def _matrices(robot: Robot, found: Found, link: Element) -> tuple[Floats, Floats
         return None
     if any(model.number(key, 0.0) != 0.0 for key in ("offset_added_mass", "offset_linear_damping")):
         found.left_out(f"{model.path}: its offsets")
-    forward = model.numbers("linear_damping_forward_speed")
-    if forward is not None and forward.any():
-        found.left_out(f"{model.path}: linear_damping_forward_speed")
     scale = model.number("scaling_damping", 1.0)
     added = _matrix(model, "added_mass", 1.0, found) * model.number("scaling_added_mass", 1.0)
-    return (
-        0.5 * (added + added.T),
-        _matrix(model, "linear_damping", -scale, found),
-        _matrix(model, "quadratic_damping", -scale, found),
-    )
+    quadratic = _matrix(model, "quadratic_damping", -scale, found)
+    forward = _matrix(model, FORWARD, -1.0, found)
+    quadratic[:, 0] += forward[:, 0]  # times the speed ahead, once more
+    if forward[:, 1:].any():
+        others = ", ".join(f"{value:g}" for value in np.diagonal(forward)[1:])
+        found.left_out(f"{model.path}: {FORWARD}: the speed ahead times that on another axis: {others} on their own")
+    return 0.5 * (added + added.T), _matrix(model, "linear_damping", -scale, found), quadratic
 
 
 def uuv_errors(plugin: Element, kind: str) -> Errors:
