@@ -18,7 +18,7 @@ from uwsim.evidence.robots.robot import Lump, Robot
 from uwsim.evidence.robots.sdf import read_sdf
 from uwsim.evidence.robots.stonefish import formula, read_stonefish
 from uwsim.evidence.robots.urdf import read_urdf
-from uwsim.evidence.robots.written import write_found
+from uwsim.evidence.robots.written import _ply, write_found
 from uwsim.evidence.robots.xml_file import HERE, Pose, read_xml, turned, yaw_pitch_roll_deg
 from uwsim.evidence.scenario_check import check_part
 from uwsim.evidence.vehicle.figures import VehicleFigures
@@ -175,6 +175,32 @@ def test_a_world_without_a_vehicle_gets_one_over_its_objects(tmp_path: Path) -> 
     found = read_sdf(tmp_path / "high.world")
     write_found(found, tmp_path / "high")
     np.testing.assert_allclose(found.robots[0].place.position_m, [14.0, 0.0, -2.0])  # beside it
+
+
+def test_a_world_has_its_checkout_s_models_its_plane_as_the_bed_and_water_without_them(tmp_path: Path) -> None:
+    model = tmp_path / "models" / "deep" / "wreck_v2"
+    for folder in (model, tmp_path / ".git", tmp_path / "sim" / "launch" / "worlds"):
+        folder.mkdir(parents=True)
+    (model / "model.config").write_text(
+        '<model><sdf version="1.4">old.sdf</sdf><sdf version="1.9">new.sdf</sdf></model>'
+    )
+    (model / "new.sdf").write_text("""<sdf version="1.9"><model name="wreck"><static>1</static><link name="l">
+      <collision name="c"><geometry><mesh><uri>hull.ply</uri></mesh></geometry></collision></link></model></sdf>""")
+    (model / "hull.ply").write_bytes(_ply(shapes.box(np.ones(3))))
+    world = """<sdf version="1.9"><world name="bay"><model name="floor"><static>1</static><pose>0 0 -40 0 0 0</pose>
+      <link name="l"><collision name="c"><geometry><plane><normal>0 0 1</normal></plane></geometry></collision></link>
+      </model><include><uri>model://wreck_v2</uri><pose>4 0 -9 0 0 0</pose></include></world></sdf>"""
+    path = tmp_path / "sim" / "launch" / "worlds" / "bay.world"
+    path.write_text(world)
+    sim = uwsim.Simulator(write_found(read_sdf(path), tmp_path / "out"))
+    assert sim.scene.distance_m(np.array([[4.0, 0.0, -8.0]])) == pytest.approx([0.5], abs=1e-6)
+    assert sim.scenario.terrain.bed_depth_m == 40.0
+    path.write_text(world.replace("wreck_v2", "absent").replace("-40", "3"))
+    found = read_sdf(path)
+    assert uwsim.Simulator(write_found(found, tmp_path / "bare")).vehicles
+    assert {"absent", "at 3 m", "nothing fixed"} <= {
+        word for word in ("absent", "at 3 m", "nothing fixed") if any(word in note for note in found.notes)
+    }
 
 
 def test_poses_of_an_sdf_are_relative_to_what_comes_later_and_prefixes_need_no_declaration(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 
 from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.evidence.robots import shapes
+from uwsim.evidence.robots.checkout import checkout_of
 from uwsim.evidence.robots.links import Links, carried
 from uwsim.evidence.robots.robot import Found, Robot, Thruster, plain_name
 from uwsim.evidence.robots.sensors import Errors
@@ -191,7 +192,7 @@ def _most_thrust_n(file: Path, robot: Robot, given: str | None) -> tuple[str | N
         path = file.resolve().parent / folder / MANAGER
         if path.is_file():
             return str(path), _positive_n(f"'{path}': {MOST}", _managed(path).get(MOST))
-    checkout = next((folder for folder in file.resolve().parents if (folder / ".git").exists()), None)
+    checkout = checkout_of(file)
     for path in [] if checkout is None else sorted(checkout.rglob(MANAGER)):
         try:
             values = _managed(path)

@@ -81,12 +81,12 @@ def write_found(found: Found, out: Path) -> Path:
 
 def _guest(found: Found) -> Robot:
     """Return a packaged vehicle for a world without one: over the middle of its objects, or beside them in x."""
-    if not found.meshes:
-        raise ValueError(f"'{found.name}': has neither a vehicle nor a fixed object")
-    low, high = _extent(found)
-    at = np.array([*(low + high)[:2] / 2.0, -GUEST_DEPTH_M])
-    if high[2] > at[2] - GUEST_ROOM_M:
-        at[0] = high[0] + GUEST_ROOM_M
+    at = np.array([0.0, 0.0, max(-GUEST_DEPTH_M, 0.5 * (-np.inf if found.bed_z_m is None else found.bed_z_m))])
+    if found.meshes:
+        low, high = _extent(found)
+        at[:2] = (low + high)[:2] / 2.0
+        if high[2] > at[2] - GUEST_ROOM_M:
+            at[0] = high[0] + GUEST_ROOM_M
     found.assumed(f"no vehicle is in it: '{GUEST}' starts at ({', '.join(f'{value:.4g}' for value in at)}) m")
     return Robot(GUEST, Pose(at, np.eye(3)), model=GUEST)
 
