@@ -177,6 +177,24 @@ def test_a_world_without_a_vehicle_gets_one_over_its_objects(tmp_path: Path) -> 
     np.testing.assert_allclose(found.robots[0].place.position_m, [14.0, 0.0, -2.0])  # beside it
 
 
+def test_a_world_s_guest_starts_in_its_basin_and_its_current_is_uuv_simulator_s(tmp_path: Path) -> None:
+    """Walls about a floor: the middle is clear; with a raft over it, the nearest place beside the raft."""
+    box = """<model name="NAME"><static>1</static><pose>AT 0 0 0</pose><link name="l"><collision name="c"><geometry>
+      <box><size>SIZE</size></box></geometry></collision></link></model>"""
+    parts = [("floor", "0 0 -12", "60 20 1"), ("west", "-30 0 -6", "1 20 14"), ("east", "30 0 -6", "1 20 14")]
+    models = "".join(box.replace("NAME", a).replace("AT", b).replace("SIZE", c) for a, b, c in parts)
+    flow = """<plugin name="flow" filename="libuuv_underwater_current_ros_plugin.so"><constant_current><velocity>
+      <mean>0.5</mean></velocity><horizontal_angle><mean>1.5707963</mean></horizontal_angle></constant_current></plugin>"""
+    raft = box.replace("NAME", "raft").replace("AT", "0 0 0").replace("SIZE", "8 30 1")
+    for more, at_m in (("", (0.0, 0.0, -2.0)), (raft, (6.1, 0.0, -2.0))):
+        path = tmp_path / "basin.world"
+        path.write_text(f'<sdf version="1.9"><world name="basin">{models}{more}{flow}</world></sdf>')
+        found = read_sdf(path)
+        sim = uwsim.Simulator(write_found(found, tmp_path / f"out{len(more)}"))
+        np.testing.assert_allclose(found.robots[0].place.position_m, at_m, atol=1e-9)
+        np.testing.assert_allclose(sim.scenario.water.current_world_m_s, [0.0, 0.5, 0.0], atol=1e-6)
+
+
 def test_a_world_has_its_checkout_s_models_its_plane_as_the_bed_and_water_without_them(tmp_path: Path) -> None:
     model = tmp_path / "models" / "deep" / "wreck_v2"
     for folder in (model, tmp_path / ".git", tmp_path / "sim" / "launch" / "worlds"):

@@ -18,6 +18,7 @@ from uwsim.evidence.robots.links import Frames, Joint, Links, inertia, summed_vo
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, plain_name
 from uwsim.evidence.robots.sensors import put_gz_sensor
 from uwsim.evidence.robots.systems import moves, put_plugins
+from uwsim.evidence.robots.uuv_plugins import uuv_current_m_s
 from uwsim.evidence.robots.xml_file import HERE, Element, Floats, Pose, read_xml
 
 DENSITY_KG_M3 = 1000.0
@@ -71,6 +72,9 @@ class _Reader:
             if "buoyancy" in (plugin.attribute("filename") or "").lower():
                 default = plugin.number("graded_buoyancy/default_density", DENSITY_KG_M3)
                 self.found.density_kg_m3 = plugin.number("uniform_fluid_density", default)
+            if (current := plugin.find("constant_current")) is not None:
+                with self.found.beside(plugin):
+                    self.found.current_m_s = uuv_current_m_s(current)
         for model in world.all("model"):
             with self.found.beside(model):
                 self.model(model, model.pose(), static=model.text("static") in ("1", "true"))

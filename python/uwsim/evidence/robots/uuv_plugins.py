@@ -73,6 +73,15 @@ def put_uuv_object(robot: Robot, found: Found, plugin: Element, links: Links, ba
         )
 
 
+def uuv_current_m_s(current: Element) -> Floats:
+    """Return the mean velocity of UUV Simulator's <constant_current> in the world, from its speed and two angles."""
+    speed, ahead, up = (
+        current.number(f"{key}/mean", 0.0) for key in ("velocity", "horizontal_angle", "vertical_angle")
+    )
+    current.use_all()
+    return speed * np.array([np.cos(ahead) * np.cos(up), np.sin(ahead) * np.cos(up), np.sin(up)])
+
+
 def _volume_m3(link: Element, mass_kg: float, found: Found) -> float:
     """Return the volume that a link displaces, 0 for one that is not positive."""
     if link.text("neutrally_buoyant") in ("1", "true"):

@@ -26,6 +26,8 @@ ROOM_M, BED_MIN_M, BED_SPACING_M = 60.0, 20.0, 2.0
 """Assumed: the flat bed reaches this far around what was found, and is at least this deep."""
 GUEST, GUEST_DEPTH_M, GUEST_ROOM_M = "bluerov2_heavy", 2.0, 2.0
 """The vehicle of a world without one, where it starts, and how far from objects."""
+PLACES = 21
+"""Odd: places tried for it along x and along y, with the middle among them."""
 PRODUCTS = 0.01
 """Products of inertia beyond this share of the smallest moment are noted, since they are left out."""
 BEYOND = 1.1
@@ -80,15 +82,28 @@ def write_found(found: Found, out: Path) -> Path:
 
 
 def _guest(found: Found) -> Robot:
-    """Return a packaged vehicle for a world without one: over the middle of its objects, or beside them in x."""
-    at = np.array([0.0, 0.0, max(-GUEST_DEPTH_M, 0.5 * (-np.inf if found.bed_z_m is None else found.bed_z_m))])
-    if found.meshes:
-        low, high = _extent(found)
-        at[:2] = (low + high)[:2] / 2.0
-        if high[2] > at[2] - GUEST_ROOM_M:
-            at[0] = high[0] + GUEST_ROOM_M
+    """Return a packaged vehicle for a world without one, at its clear place."""
+    at = _clear_place(found, max(-GUEST_DEPTH_M, 0.5 * (-np.inf if found.bed_z_m is None else found.bed_z_m)))
     found.assumed(f"no vehicle is in it: '{GUEST}' starts at ({', '.join(f'{value:.4g}' for value in at)}) m")
     return Robot(GUEST, Pose(at, np.eye(3)), model=GUEST)
+
+
+def _clear_place(found: Found, height_m: float) -> Floats:
+    """Return the place nearest to the middle with nothing beside, above or close below it, else one beside all objects.
+
+    A triangle counts for all of its box, so that a place is never within a solid.
+    """
+    if not found.meshes:
+        return np.array([0.0, 0.0, height_m])
+    (low, high), corners = _extent(found), np.concatenate([vertices[each] for vertices, each in found.meshes.values()])
+    corners = corners[corners[:, :, 2].max(axis=1) > height_m - GUEST_ROOM_M]
+    least, most = corners.min(axis=1)[:, :2] - GUEST_ROOM_M, corners.max(axis=1)[:, :2] + GUEST_ROOM_M
+    middle = (low + high)[:2] / 2.0
+    grid = np.stack(np.meshgrid(*np.linspace(low[:2], high[:2], PLACES).T), axis=-1).reshape(-1, 2)
+    for place in grid[np.argsort(np.linalg.norm(grid - middle, axis=1), kind="stable")]:
+        if not ((least < place) & (place < most)).all(axis=1).any():
+            return np.array([*place, height_m])
+    return np.array([high[0] + GUEST_ROOM_M, middle[1], height_m])
 
 
 def _extent(found: Found) -> tuple[Floats, Floats]:
