@@ -29,7 +29,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/guides/published-robots.md"
 MARKS = "<!-- tables -->\n", "<!-- end -->"
 EXPANDER = ROOT / "python/uwsim/evidence/robots/xacro_process.py"
-LIMIT_S, AXES = 150.0, {"surge": 0, "sway": 1, "heave": 2, "yaw": 5}
+LIMIT_S, AXES = 400.0, {"surge": 0, "sway": 1, "heave": 2, "yaw": 5}
 LEAST = np.array([0.2, 0.2, 0.2, 0.03, 0.03, 0.03])
 """A thruster with a smaller part along an axis, or a smaller lever about it [m], is not used on it."""
 GZ_N = 1000.0
@@ -99,6 +99,7 @@ class Trial:
     path: str
     arguments: list[str]
     refusal: str = ""
+    outcome: str = ""
     counts: tuple[int, ...] = (0, 0)
     ratios: dict[str, float] = field(default_factory=dict)
 
@@ -106,7 +107,7 @@ class Trial:
         """Return a line of the table."""
         name = " ".join(f"`{each}`" for each in ("/".join(Path(self.path).parts[-2:]), *self.arguments))
         ratios = ", ".join(f"{axis} {ratio:.3f}" for axis, ratio in self.ratios.items())
-        outcome = self.refusal.replace("|", "\\|") or "yes"
+        outcome = self.refusal.replace("|", "\\|") or self.outcome
         return f"| {name} | {self.repository} | {outcome} | {self.counts[0]}, {self.counts[1]} | {ratios or '-'} |"
 
 
@@ -117,9 +118,13 @@ def trials(table: str) -> list[Trial]:
 
 
 def run(command: list[str], checkouts: Path) -> subprocess.CompletedProcess[str]:
-    """Run Python where the packages of UUV Simulator are found, as in a ROS workspace with them."""
-    packages = {str(each.parent.parent) for each in checkouts.glob("uuvsimulator+*/**/package.xml")}
-    environment = os.environ | {"ROS_PACKAGE_PATH": os.pathsep.join(sorted(packages))}
+    """Run Python where the packages and models of UUV Simulator are found, as in a ROS workspace with them."""
+    marks = {"ROS_PACKAGE_PATH": "package.xml", "GAZEBO_MODEL_PATH": "model.config"}
+    found = {
+        key: {str(each.parents[1]) for each in checkouts.glob(f"uuvsimulator+*/**/{mark}")}
+        for key, mark in marks.items()
+    }
+    environment = os.environ | {key: os.pathsep.join(sorted(folders)) for key, folders in found.items()}
     command = [sys.executable, *command]
     return subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, env=environment, cwd=ROOT)
 
@@ -135,6 +140,7 @@ def convert(trial: Trial, checkouts: Path, out: Path) -> None:
         return
     lines = (done.stdout + done.stderr).splitlines() or [f"exit code {done.returncode}"]
     trial.counts = tuple(sum(line.startswith(word) for line in lines) for word in ("left out:", "assumed:"))
+    trial.outcome = "water only" if any("nothing fixed" in line for line in lines) else "yes"
     if done.returncode != 0:
         trial.refusal = lines[-1].replace(f"{source}", Path(trial.path).name).removeprefix("uwsim: error: ")[:200]
 
