@@ -1,7 +1,7 @@
 """Convert robots and worlds that others published, and fly the robots: `python -m tools.robots_trial CHECKOUTS`.
 
 CHECKOUTS: a folder with a checkout of each repository below, named OWNER+NAME. Each conversion runs in a process of its
-own, with a limit of time. A robot that converts flies in deep water of the density in which it hovers: with all
+own, with a limit of time. A robot that converts flies in deep water, with weights that let it hover: with all
 thrusters that push along an axis at full thrust, and the other motions held, its speed in the end is compared with the
 one at which the file's own drag equals the file's own thrust. That one is computed here from the text of the file,
 without uwsim's importers. --write puts the tables into the guide.
@@ -303,17 +303,16 @@ def flown(vehicle: Path, starts: dict[str, float]) -> dict[str, float]:
     from uwsim.evidence.scenario_check import check_part
     from uwsim.evidence.validate.flights import deep_scenario
     from uwsim.evidence.vehicle.linear_motion import mass_matrix
+    from uwsim.scenario.spec.vehicle import Trim
     from uwsim.simulator.simulator import Simulator
 
     check = check_part(vehicle, "vehicle")
-    if check.simulator is None or check.vehicle is None:
+    if check.simulator is None:
         raise ValueError(f"{vehicle}: {check.mistakes}")
     model = check.simulator.scenario.vehicles[0].model
-    mass_kg = float(model.mass_kg or np.nan)
-    hovering = 1000.0 * mass_kg / (mass_kg + check.vehicle.net_buoyancy_n / 9.80665)  # of fresh water
-    water = float(np.clip(hovering, 900.0, 1100.0))
-    sim = Simulator(deep_scenario(model, density_kg_m3=water))
-    mass = mass_matrix(model, model.trim, water)
+    neutral = Trim(net_buoyancy_n=0.0)
+    sim = Simulator(deep_scenario(model, trim=neutral))
+    mass = mass_matrix(model, neutral, 1000.0)
     found = {}
     for axis, start in starts.items():
         k, commands = AXES[axis], {}
