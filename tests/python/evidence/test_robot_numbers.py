@@ -178,6 +178,27 @@ def test_damping_by_the_speed_ahead_is_quadratic_ahead(tmp_path: Path) -> None:
     assert any("162, 108, 13, 20, 32 on their own" in note for note in found.notes)
 
 
+def test_dynamics_of_other_kinds_leave_the_thruster(tmp_path: Path) -> None:
+    text = (DATA / "sled.urdf").read_text().replace("<type>FirstOrder", "<type>Yoerger")
+    (tmp_path / "sled.urdf").write_text(text)
+    found = read_urdf(tmp_path / "sled.urdf")
+    (thruster,) = found.robots[0].thrusters
+    assert thruster.time_constant_s == 0.0 and any("type Yoerger" in note for note in found.notes)
+
+
+def test_parts_without_a_silhouette_are_refused_in_words(tmp_path: Path) -> None:
+    """As of a description whose only collision shapes are the pads of a gripper."""
+    pads = "".join(
+        f'<collision><origin xyz="{x} 0 {x}"/><geometry><box size="1e-3 1e-3 1e-3"/></geometry></collision>'
+        for x in (0, 9)
+    )
+    text = (DATA / "sled.urdf").read_text().replace("libuuv_underwater_object_ros_plugin.so", "other.so")
+    a, b = text.index("<collision>"), text.index("</collision>") + len("</collision>")
+    (tmp_path / "sled.urdf").write_text(text[:a] + pads + text[b:])
+    with pytest.raises(ValueError, match="has no silhouette"):
+        write_found(read_urdf(tmp_path / "sled.urdf"), tmp_path / "out")
+
+
 def test_a_table_of_pulse_widths_is_read_about_its_middle(tmp_path: Path) -> None:
     table = """<conversion><type>LinearInterp</type><inputValues>0 1099 1100 1480 1520 1900 1901</inputValues>
       <outputValues>0 0 -20 0 0 30 0</outputValues></conversion>"""

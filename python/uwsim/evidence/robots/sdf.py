@@ -54,7 +54,8 @@ def read_sdf(path: Path, found: Found | None = None) -> Found:
     for document in [root, *reader.included]:
         reader.found.note_unused(document)
     if world is not None and not (reader.found.refusals or reader.found.robots or reader.found.obstacles):
-        reader.found.assumed("nothing fixed of this world is here: it is its water over a flat bed")
+        if reader.found.bed_z_m is None:
+            reader.found.assumed("nothing fixed of this world is here: it is its water over a flat bed")
         return reader.found
     reader.found.require_any(
         root, "has no model with a thruster (gz-sim-thruster-system), and no fixed model that is here"

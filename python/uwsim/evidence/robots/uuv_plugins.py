@@ -274,7 +274,8 @@ def uuv_thruster(plugin: Element, links: Links, to_base: Pose, robot: Robot, fou
     dynamics = plugin.find("dynamics")
     kind = None if dynamics is None else dynamics.text("type")
     if dynamics is not None and kind not in ("ZeroOrder", "FirstOrder"):
-        raise dynamics.error(f"type {kind}: must be ZeroOrder or FirstOrder")
+        found.assumed(f"{dynamics.path}: type {kind} is neither ZeroOrder nor FirstOrder: its thrust does not lag")
+        dynamics.use_all()
     lag = dynamics.number("timeConstant") if dynamics is not None and kind == "FirstOrder" else 0.0
     name = plain_name(f"thruster_{plugin.text('thrusterID') or len(robot.thrusters)}", [])
     pairs = [(float(x), float(y)) for x, y in zip(commands, thrust, strict=True)]
