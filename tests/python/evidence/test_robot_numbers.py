@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from uwsim.evidence.robots.robot import Found, Robot
+from uwsim.evidence.robots.robot import Found, Given, Robot
 from uwsim.evidence.robots.sdf import read_sdf
 from uwsim.evidence.robots.stonefish import read_stonefish
 from uwsim.evidence.robots.urdf import read_urdf
@@ -144,6 +144,21 @@ def test_a_thruster_without_a_bound_is_a_question(tmp_path: Path) -> None:
     assert any("max_thrust = 'much': must be a positive number [N]" in note for note in much)
 
 
+def test_a_bound_is_the_user_s_or_the_checkout_s_for_this_vehicle(tmp_path: Path) -> None:
+    here, other = tmp_path / "sled_description", tmp_path / "sled_control" / "config"
+    for folder in (here, other, tmp_path / ".git", tmp_path / "another"):
+        folder.mkdir(parents=True)
+    manager = "/**:\n  ros__parameters:\n    thruster_manager: {tf_prefix: SLED, max_thrust: 20}\n"
+    (other / "thruster_manager.yaml").write_text(manager.replace("SLED", "sled"))
+    (tmp_path / "another" / "thruster_manager.yaml").write_text(manager.replace("SLED", "another"))
+    assert bounds_n(urdf(here, "")) == pytest.approx((-20.0, 20.0))
+    found = Found("", Given({"max_thrust": "45"}))
+    read_urdf(here / "sled.urdf", found)
+    assert bounds_n(found.robots[0]) == pytest.approx((-45.0, 45.0))
+    (other / "thruster_manager.yaml").write_text(manager)
+    assert not urdf(here, "").thrusters
+
+
 def test_a_bound_of_thrust_bounds_the_thrust_and_one_clamp_counts_for_both(tmp_path: Path) -> None:
     robot = urdf(tmp_path, "<thrustMin>-20</thrustMin><thrustMax>30</thrustMax>")
     assert bounds_n(robot) == pytest.approx((-20.0, 30.0))
@@ -151,6 +166,75 @@ def test_a_bound_of_thrust_bounds_the_thrust_and_one_clamp_counts_for_both(tmp_p
     assert bounds_n(urdf(tmp_path, "<clampMax>50</clampMax>")) == pytest.approx((-25.0, 25.0))
     swapped = "<clampMin>200</clampMin><clampMax>-100</clampMax>"
     assert bounds_n(urdf(tmp_path, swapped)) == bounds_n(urdf(tmp_path, CLAMPS))
+
+
+def test_damping_by_the_speed_ahead_is_quadratic_ahead(tmp_path: Path) -> None:
+    """UUV Simulator's forces are -u D v; those of u alone are the vehicle's, the others are named."""
+    text = (DATA / "sled.urdf").read_text()
+    forward = "<linear_damping_forward_speed>-8 -162 -108 -13 -20 -32</linear_damping_forward_speed><linear_damping>"
+    (tmp_path / "sled.urdf").write_text(text.replace("<linear_damping>", forward))
+    found = read_urdf(tmp_path / "sled.urdf")
+    np.testing.assert_array_equal(np.diagonal(found.robots[0].quadratic)[:3], [158.0, 250.0, 300.0])
+    assert any("162, 108, 13, 20, 32 on their own" in note for note in found.notes)
+
+
+def test_dynamics_of_other_kinds_leave_the_thruster(tmp_path: Path) -> None:
+    text = (DATA / "sled.urdf").read_text().replace("<type>FirstOrder", "<type>Yoerger")
+    (tmp_path / "sled.urdf").write_text(text)
+    found = read_urdf(tmp_path / "sled.urdf")
+    (thruster,) = found.robots[0].thrusters
+    assert thruster.time_constant_s == 0.0 and any("type Yoerger" in note for note in found.notes)
+
+
+def test_parts_without_a_silhouette_are_refused_in_words(tmp_path: Path) -> None:
+    """As of a description whose only collision shapes are the pads of a gripper."""
+    pads = "".join(
+        f'<collision><origin xyz="{x} 0 {x}"/><geometry><box size="1e-3 1e-3 1e-3"/></geometry></collision>'
+        for x in (0, 9)
+    )
+    text = (DATA / "sled.urdf").read_text().replace("libuuv_underwater_object_ros_plugin.so", "other.so")
+    a, b = text.index("<collision>"), text.index("</collision>") + len("</collision>")
+    (tmp_path / "sled.urdf").write_text(text[:a] + pads + text[b:])
+    with pytest.raises(ValueError, match="has no silhouette"):
+        write_found(read_urdf(tmp_path / "sled.urdf"), tmp_path / "out")
+
+
+def test_a_table_of_pulse_widths_is_read_about_its_middle(tmp_path: Path) -> None:
+    table = """<conversion><type>LinearInterp</type><inputValues>0 1099 1100 1480 1520 1900 1901</inputValues>
+      <outputValues>0 0 -20 0 0 30 0</outputValues></conversion>"""
+    text = (DATA / "sled.urdf").read_text().replace(CLAMPS, "")
+    basic = text[text.index("<conversion>") : text.index("</conversion>") + len("</conversion>")]
+    (tmp_path / "sled.urdf").write_text(text.replace(basic, table))
+    robot = read_urdf(tmp_path / "sled.urdf").robots[0]
+    assert bounds_n(robot) == pytest.approx((-20.0, 30.0))
+    assert dict(robot.thrusters[0].thrust_n)[0.0] == 0.0  # at 1500
+
+
+def test_an_inertia_that_no_body_has_is_the_nearest_that_one_has(tmp_path: Path) -> None:
+    text = (DATA / "sled.urdf").read_text().replace('izz="50"', 'izz="80"')
+    (tmp_path / "sled.urdf").write_text(text)
+    found = read_urdf(tmp_path / "sled.urdf")
+    x, y, z = load(write_found(found, tmp_path / "out")).vehicles[0].model.inertia_kg_m2
+    assert z == pytest.approx(x + y) and any("which no rigid body has" in note for note in found.notes)
+
+
+def test_hydrodynamics_of_other_links_are_carried_to_the_base_and_summed(tmp_path: Path) -> None:
+    """Drag along an axis turns with the link; of two links, volumes and drag add up about the centre between them."""
+    shell = """<link name="shell"/><joint name="shell_joint" type="fixed">
+      <origin xyz="0.5 0 0" rpy="0 0 1.57079632679"/>
+      <parent link="base"/><child link="shell"/></joint></robot>"""
+    text = (DATA / "sled.urdf").read_text().replace("</robot>", shell)
+    (tmp_path / "sled.urdf").write_text(text.replace('<link name="base"><volume>', '<link name="shell"><volume>'))
+    one = read_urdf(tmp_path / "sled.urdf").robots[0]
+    np.testing.assert_allclose(one.centre_of_buoyancy_m, [0.5, 0.0, 0.1], atol=1e-9)
+    np.testing.assert_allclose(np.diagonal(one.linear)[:3], [40.0, 30.0, 50.0], atol=1e-6)
+    np.testing.assert_allclose(one.linear[5, 5], 20.0 + 30.0 * 0.5**2, atol=1e-6)
+    link = text[text.index('<link name="base"><volume>') : text.index("</link></plugin>") + len("</link>")]
+    (tmp_path / "sled.urdf").write_text(text.replace(link, link + link.replace('"base"', '"shell"')))
+    two = read_urdf(tmp_path / "sled.urdf").robots[0]
+    assert two.volume_m3 == 0.4
+    np.testing.assert_allclose(two.centre_of_buoyancy_m, [0.25, 0.0, 0.1], atol=1e-9)
+    np.testing.assert_allclose(np.diagonal(two.linear)[:3], [70.0, 70.0, 100.0], atol=1e-6)
 
 
 def test_a_mesh_that_winds_inward_displaces_what_it_encloses(tmp_path: Path) -> None:

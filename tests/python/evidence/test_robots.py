@@ -19,7 +19,7 @@ from uwsim.evidence.robots.sdf import read_sdf
 from uwsim.evidence.robots.stonefish import read_stonefish
 from uwsim.evidence.robots.stonefish_text import formula
 from uwsim.evidence.robots.urdf import read_urdf
-from uwsim.evidence.robots.written import write_found
+from uwsim.evidence.robots.written import _ply, write_found
 from uwsim.evidence.robots.xml_file import HERE, Pose, read_xml, turned, yaw_pitch_roll_deg
 from uwsim.evidence.scenario_check import check_part
 from uwsim.evidence.vehicle.figures import VehicleFigures
@@ -119,18 +119,20 @@ def test_an_sdf_rudder_has_the_source_s_lift(axis: int, tmp_path: Path) -> None:
     assert wrench.torque_body_nm[0] == pytest.approx(-0.25 * axis * lift_n, rel=0.01)
 
 
-@pytest.mark.parametrize("kind", ["TwoLines", "Quadratic"])
+@pytest.mark.parametrize("kind", ["TwoLines", "Steep", "Quadratic"])
 def test_a_urdf_fin_has_the_source_s_lift(kind: str, tmp_path: Path) -> None:
     """UUV Simulator's LiftDragModel: rho u^2 A cla alpha / 2, or a constant times u^2 alpha."""
     coefficients = {
         "TwoLines": "<area>0.05</area><fluid_density>1000</fluid_density><a0>0</a0><alpha_stall>0.3</alpha_stall>"
         "<cla>4</cla><cla_stall>-1</cla_stall><cda>0.1</cda><cda_stall>1</cda_stall>",
+        "Steep": "<area>0.0125</area><fluid_density>1000</fluid_density><a0>0</a0><alpha_stall>0.3</alpha_stall>"
+        "<cla>16</cla><cla_stall>-1</cla_stall><cda>0.1</cda><cda_stall>1</cda_stall>",  # no thin fin is beyond 2 pi
         "Quadratic": "<lift_constant>100</lift_constant><drag_constant>1</drag_constant>",
     }[kind]
     fin = f"""<link name="fin0"/><joint name="fin0_joint" type="revolute"><origin xyz="-0.5 0 0.2"/>
       <axis xyz="0 0 1"/><parent link="base"/><child link="fin0"/><limit lower="-0.4" upper="0.4"/></joint>
       <gazebo><plugin name="f" filename="libuuv_fin_ros_plugin.so"><link_name>fin0</link_name>
-      <liftdrag><type>{kind}</type>{coefficients}</liftdrag></plugin></gazebo></robot>"""
+      <liftdrag><type>{kind.replace("Steep", "TwoLines")}</type>{coefficients}</liftdrag></plugin></gazebo></robot>"""
     sim, _ = made(tmp_path, "sled.urdf", URDF.replace("</robot>", fin))
     (rov,) = sim.vehicles.values()
     rov.set_fins({"fin0": 0.08})
@@ -174,6 +176,50 @@ def test_a_world_without_a_vehicle_gets_one_over_its_objects(tmp_path: Path) -> 
     found = read_sdf(tmp_path / "high.world")
     write_found(found, tmp_path / "high")
     np.testing.assert_allclose(found.robots[0].place.position_m, [14.0, 0.0, -2.0])  # beside it
+
+
+def test_a_world_s_guest_starts_in_its_basin_and_its_current_is_uuv_simulator_s(tmp_path: Path) -> None:
+    """Walls about a floor: the middle is clear; with a raft over it, the nearest place beside the raft."""
+    box = """<model name="NAME"><static>1</static><pose>AT 0 0 0</pose><link name="l"><collision name="c"><geometry>
+      <box><size>SIZE</size></box></geometry></collision></link></model>"""
+    parts = [("floor", "0 0 -12", "60 20 1"), ("west", "-30 0 -6", "1 20 14"), ("east", "30 0 -6", "1 20 14")]
+    models = "".join(box.replace("NAME", a).replace("AT", b).replace("SIZE", c) for a, b, c in parts)
+    flow = """<plugin name="flow" filename="libuuv_underwater_current_ros_plugin.so"><constant_current><velocity>
+      <mean>0.5</mean></velocity><horizontal_angle><mean>1.5707963</mean></horizontal_angle></constant_current></plugin>"""
+    raft = box.replace("NAME", "raft").replace("AT", "0 0 0").replace("SIZE", "8 30 1")
+    for more, at_m in (("", (0.0, 0.0, -2.0)), (raft, (6.1, 0.0, -2.0))):
+        path = tmp_path / "basin.world"
+        path.write_text(f'<sdf version="1.9"><world name="basin">{models}{more}{flow}</world></sdf>')
+        found = read_sdf(path)
+        sim = uwsim.Simulator(write_found(found, tmp_path / f"out{len(more)}"))
+        np.testing.assert_allclose(found.robots[0].place.position_m, at_m, atol=1e-9)
+        np.testing.assert_allclose(sim.scenario.water.current_world_m_s, [0.0, 0.5, 0.0], atol=1e-6)
+
+
+def test_a_world_has_its_checkout_s_models_its_plane_as_the_bed_and_water_without_them(tmp_path: Path) -> None:
+    model = tmp_path / "models" / "deep" / "wreck_v2"
+    for folder in (model, tmp_path / ".git", tmp_path / "sim" / "launch" / "worlds"):
+        folder.mkdir(parents=True)
+    (model / "model.config").write_text(
+        '<model><sdf version="1.4">old.sdf</sdf><sdf version="1.9">new.sdf</sdf></model>'
+    )
+    (model / "new.sdf").write_text("""<sdf version="1.9"><model name="wreck"><static>1</static><link name="l">
+      <collision name="c"><geometry><mesh><uri>hull.ply</uri></mesh></geometry></collision></link></model></sdf>""")
+    (model / "hull.ply").write_bytes(_ply(shapes.box(np.ones(3))))
+    world = """<sdf version="1.9"><world name="bay"><model name="floor"><static>1</static><pose>0 0 -40 0 0 0</pose>
+      <link name="l"><collision name="c"><geometry><plane><normal>0 0 1</normal></plane></geometry></collision></link>
+      </model><include><uri>model://wreck_v2</uri><pose>4 0 -9 0 0 0</pose></include></world></sdf>"""
+    path = tmp_path / "sim" / "launch" / "worlds" / "bay.world"
+    path.write_text(world)
+    sim = uwsim.Simulator(write_found(read_sdf(path), tmp_path / "out"))
+    assert sim.scene.distance_m(np.array([[4.0, 0.0, -8.0]])) == pytest.approx([0.5], abs=1e-6)
+    assert sim.scenario.terrain.bed_depth_m == 40.0
+    path.write_text(world.replace("wreck_v2", "absent").replace("-40", "3"))
+    found = read_sdf(path)
+    assert uwsim.Simulator(write_found(found, tmp_path / "bare")).vehicles
+    assert {"absent", "at 3 m", "nothing fixed"} <= {
+        word for word in ("absent", "at 3 m", "nothing fixed") if any(word in note for note in found.notes)
+    }
 
 
 def test_poses_of_an_sdf_are_relative_to_what_comes_later_and_prefixes_need_no_declaration(tmp_path: Path) -> None:

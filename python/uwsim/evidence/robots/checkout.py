@@ -21,6 +21,11 @@ FILES_MAX, BYTES_MAX = 20_000, 2_000_000
 """Files of a folder that are looked at, and bytes of each."""
 
 
+def checkout_of(file: Path) -> Path | None:
+    """Return the checkout in which a file is, if it is in one."""
+    return next((folder for folder in file.resolve().parents if (folder / ".git").exists()), None)
+
+
 def is_checkout(path: Path) -> bool:
     """Return whether a path is a folder with a description in it."""
     return path.is_dir() and next(_files(path, DESCRIPTIONS), None) is not None

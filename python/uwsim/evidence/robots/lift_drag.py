@@ -85,8 +85,15 @@ def _put(
     """Add a fin; return whether uwsim has such a surface. stated: the element with its coefficients."""
     link = plugin.text("link_name") or ""
     pose = to_base.then(links.pose(link, plugin))
-    if not (0.0 < lift.slope < 2.0 * math.pi and lift.density_area_kg_m > 0.0):
-        raise stated.error(f"slope of lift {lift.slope:g}: must be in (0, 2 pi), area and density positive")
+    if not (lift.slope > 0.0 and lift.density_area_kg_m > 0.0):
+        raise stated.error(f"slope of lift {lift.slope:g}: must be positive, as area and density")
+    if lift.slope >= 2.0 * math.pi:
+        larger = lift.slope / QUADRATIC_SLOPE
+        found.assumed(
+            f"{stated.path}: slope of lift {lift.slope:g}: no fin has one of 2 pi: one of aspect ratio 2 and an area "
+            f"{larger:.3g} times as large, which has the same lift"
+        )
+        lift = lift._replace(slope=QUADRATIC_SLOPE, density_area_kg_m=lift.density_area_kg_m * larger)
     span = pose.turn @ np.cross(lift.forward, lift.upward)
     if not np.linalg.norm(span) > 1e-3:
         raise plugin.error("forward and upward must be two directions")

@@ -118,6 +118,23 @@ def inertia(element: Element | None, number: Callable[[Element, str], float]) ->
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
+def carried(matrix: Floats, there: Pose) -> Floats:
+    """Return a 6 x 6 matrix of a link, between velocities and forces at its origin, at the frame in which its pose is.
+
+    J^T M J, where J takes velocities of that frame to those of the link (Fossen 2011, eq. 2.33 and 7.24).
+    """
+    x, y, z = there.position_m
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn = there.turn.T
+    to_link = np.block([[turn, -turn @ across], [np.zeros((3, 3)), turn]])
+    return np.asarray(to_link.T @ matrix @ to_link)
+
+
+def is_same(pose: Pose) -> bool:
+    """Return whether a frame is that in which its pose is."""
+    return not pose.position_m.any() and bool((pose.turn == np.eye(3)).all())
+
+
 def summed_volume(solids: list[Mesh]) -> tuple[float, Floats]:
     """Return the sum of the volumes, in which overlaps count twice, and the centre by volume."""
     each = [volume_and_centre(solid) for solid in solids]

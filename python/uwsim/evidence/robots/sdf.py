@@ -7,20 +7,27 @@ along the joint's axis; hydrodynamic forces act at the link's origin; buoyancy a
 from __future__ import annotations
 
 import os
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from uwsim.evidence.robots import shapes
+from uwsim.evidence.robots.checkout import checkout_of
 from uwsim.evidence.robots.links import Frames, Joint, Links, inertia, summed_volume
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, plain_name
 from uwsim.evidence.robots.sensors import put_gz_sensor
 from uwsim.evidence.robots.systems import moves, put_plugins
+from uwsim.evidence.robots.uuv_plugins import uuv_current_m_s
 from uwsim.evidence.robots.xml_file import HERE, Element, Floats, Pose, read_xml
 
 DENSITY_KG_M3 = 1000.0
 """gz-sim's default of Buoyancy."""
 RESOURCE_PATHS = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH")
+MARKS = ("package.xml", "model.sdf", "model.config")
+"""Files that make a folder a ROS package or a model."""
+LEVEL, BED_M = 0.999, -0.5
+"""A plane is a bed if it is level and below this height."""
 LEVELS, ALONE_M = 8, 2.0
 """Models within models, at most; depth of a model without a world."""
 
@@ -46,6 +53,10 @@ def read_sdf(path: Path, found: Found | None = None) -> Found:
         reader.found.assumed(f"a model without a world starts {ALONE_M:g} m below its place")
     for document in [root, *reader.included]:
         reader.found.note_unused(document)
+    if world is not None and not (reader.found.refusals or reader.found.robots or reader.found.obstacles):
+        if reader.found.bed_z_m is None:
+            reader.found.assumed("nothing fixed of this world is here: it is its water over a flat bed")
+        return reader.found
     reader.found.require_any(
         root, "has no model with a thruster (gz-sim-thruster-system), and no fixed model that is here"
     )
@@ -62,6 +73,9 @@ class _Reader:
             if "buoyancy" in (plugin.attribute("filename") or "").lower():
                 default = plugin.number("graded_buoyancy/default_density", DENSITY_KG_M3)
                 self.found.density_kg_m3 = plugin.number("uniform_fluid_density", default)
+            if (current := plugin.find("constant_current")) is not None:
+                with self.found.beside(plugin):
+                    self.found.current_m_s = uuv_current_m_s(current)
         for model in world.all("model"):
             with self.found.beside(model):
                 self.model(model, model.pose(), static=model.text("static") in ("1", "true"))
@@ -82,11 +96,11 @@ class _Reader:
     def _included(self, include: Element) -> Element | None:
         """Return the model that an <include> names, or None, with a note, if there is none here."""
         uri = include.text("uri") or ""
-        folder = self._resolved(uri)
+        folder = self._resolved(uri, include.file)
         if folder is None:
-            self.found.dropped(include, f" {uri}: not in {', '.join(RESOURCE_PATHS[:1])} or beside the file")
+            self.found.dropped(include, f" {uri}: not beside the file, in its checkout or in {RESOURCE_PATHS[0]}")
             return None
-        file = folder / "model.sdf" if folder.is_dir() else folder
+        file = folder / _named_in(folder) if folder.is_dir() else folder
         if not file.is_file():
             self.found.dropped(include, f" {uri}: '{folder}' has no model.sdf")
             return None
@@ -98,17 +112,28 @@ class _Reader:
             self.included.append(document)
         return model
 
-    def _resolved(self, uri: str) -> Path | None:
-        """Return the file or folder of an address, if it is on this machine."""
-        name = uri.removeprefix("model://").removeprefix("file://")
-        if "://" in name:
+    def _resolved(self, uri: str, near: Path) -> Path | None:
+        """Return the file or folder of an address in a file, if it is on this machine."""
+        scheme, _, name = uri.rpartition("://")
+        name = name.strip("/") if scheme else name
+        if scheme not in ("", "file", "model", "models", "package"):
             return None
         listed = [folder for key in RESOURCE_PATHS for folder in os.environ.get(key, "").split(os.pathsep) if folder]
         here = self.path.resolve().parent
-        for folder in [here, here.parent, here / "models", here.parent / "models", *map(Path, listed)]:
+        beside = [near.resolve().parent, here, here.parent, here / "models", here.parent / "models"]
+        for folder in [*beside, *map(Path, listed)]:
             if (folder / name).exists():
                 return folder / name
-        return None
+        first, _, rest = name.partition("/")
+        model = self._models.get(first)
+        return model / rest if model is not None and (model / rest).exists() else None
+
+    @cached_property
+    def _models(self) -> dict[str, Path]:
+        """The folders of models and of ROS packages in the file's checkout, by name."""
+        checkout = checkout_of(self.path)
+        found = [] if checkout is None else [each for name in MARKS for each in sorted(checkout.rglob(name))]
+        return {mark.parent.name: mark.parent for mark in found}
 
     def model(self, model: Element, pose: Pose, *, static: bool, include: Element | None = None) -> None:
         """Read a model at a pose in the world. include: what names it, whose plugins are added to its own."""
@@ -213,9 +238,9 @@ class _Reader:
                 raise shape.error("its radii must be three positive numbers [m]")
             return shapes.ellipsoid(radii)
         if shape.tag == "mesh":
-            file = self._resolved(shape.text("uri") or "")
+            file = self._resolved(shape.text("uri") or "", shape.file)
             if file is None or not file.is_file():
-                rule = f"{shape.text('uri')!r}: not in {RESOURCE_PATHS[0]} or beside the file"
+                rule = f"{shape.text('uri')!r}: not in {RESOURCE_PATHS[0]}, beside the file or in its checkout"
                 links.missing.append(str(shape.error(rule)))
                 return None
             scale = shape.numbers("scale", 3)
@@ -223,7 +248,8 @@ class _Reader:
                 mesh = shapes.from_file(file, np.ones(3) if scale is None else scale)
                 return shapes.closed(mesh, shape.path) if links.is_vehicle else mesh
             return None
-        self.found.left_out(f"{shape.path}: shapes of this kind")
+        if shape.tag != "plane" or links.is_vehicle:
+            self.found.left_out(f"{shape.path}: shapes of this kind")
         return None
 
     def _obstacles(self, model: Element, pose: Pose, static: bool) -> None:
@@ -233,6 +259,10 @@ class _Reader:
         links = self._links(model, HERE, heavy=False)
         for missing in links.missing:
             self.found.left_out(missing)
+        for link in model.all("link"):
+            for collision in link.all("collision"):
+                if (plane := collision.find("geometry/plane")) is not None:
+                    self._plane(plane, pose.then(links.poses[link.needed("name")]).then(collision.pose()))
         for key, solids in links.solids.items():
             for solid in solids:
                 name = plain_name(model.name, [item["name"] for item in self.found.obstacles])
@@ -241,7 +271,27 @@ class _Reader:
                     {"kind": "mesh", "name": name, "file": f"{name}.ply", "position_m": [0.0, 0.0, 0.0]}
                 )
 
+    def _plane(self, plane: Element, at: Pose) -> None:
+        """Read a level plane under water as the bed, the deepest of several."""
+        normal, height_m = plane.numbers("normal", 3), float(at.position_m[2])
+        up = at.turn @ (np.array([0.0, 0.0, 1.0]) if normal is None else normal / np.linalg.norm(normal))
+        if not up[2] > LEVEL or height_m > BED_M:
+            self.found.left_out(f"{plane.path}: at {height_m:g} m, it is no bed under water")
+            return
+        self.found.bed_z_m = height_m if self.found.bed_z_m is None else min(height_m, self.found.bed_z_m)
+
     def _buoyancy(self, robot: Robot) -> None:
         if not robot.solids:
             raise ValueError(f"'{self.path}': model '{robot.name}' has no collision shapes, which Buoyancy needs")
         robot.volume_m3, robot.centre_of_buoyancy_m = summed_volume(robot.solids)
+
+
+def _named_in(folder: Path) -> str:
+    """Return the description's name in a model's folder: that for the latest version, as model.config states."""
+    if (folder / "model.config").is_file() and not (folder / "model.sdf").is_file():
+        versions = [
+            (each.attribute("version") or "", each.text()) for each in read_xml(folder / "model.config").all("sdf")
+        ]
+        if versions:
+            return max(versions)[1] or "model.sdf"
+    return "model.sdf"

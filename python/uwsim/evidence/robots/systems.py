@@ -12,11 +12,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from uwsim.evidence.robots.lift_drag import is_lift_drag, put_surface, put_uuv_fin
-from uwsim.evidence.robots.links import Links
+from uwsim.evidence.robots.links import Links, carried, is_same
 from uwsim.evidence.robots.robot import Found, Robot, Thruster, plain_name
 from uwsim.evidence.robots.sensors import put_sensor
 from uwsim.evidence.robots.uuv_plugins import is_uuv_object, is_uuv_thruster, put_uuv_object, uuv_errors, uuv_thruster
-from uwsim.evidence.robots.xml_file import Element, Floats, Pose
+from uwsim.evidence.robots.xml_file import Element, Floats
 
 ROWS, COLUMNS = "xyzkmn", "UVWPQR"
 THRUST_N, DIAMETER_M = 1000.0, 0.02
@@ -74,7 +74,7 @@ class _Reader:
     def read(self, plugin: Element) -> None:
         file = _file(plugin)
         readers: list[tuple[bool, Callable[[Element], None]]] = [
-            (is_uuv_object(file), lambda each: put_uuv_object(self.robot, self.found, each, self.base)),
+            (is_uuv_object(file), lambda each: put_uuv_object(self.robot, self.found, each, self.links, self.base)),
             ("hydrodynamics" in file, self._hydrodynamics),
             (is_lift_drag(file), self._surface),
             (is_uuv_thruster(file), self._uuv_thruster),
@@ -122,7 +122,7 @@ class _Reader:
             return
         if link != self.base:
             self.found.assumed(f"{plugin.path}: link '{link}' is fixed to the base link, '{self.base}'")
-            if quadratic.any() and not _is_same(there):
+            if quadratic.any() and not is_same(there):
                 self.found.assumed(f"{plugin.path}: its quadratic drag is carried to the base link as a matrix")
             added, linear, quadratic = (carried(matrix, there) for matrix in (added, linear, quadratic))
         for key, matrix in (("added_mass", added), ("linear", linear), ("quadratic", quadratic)):
@@ -226,22 +226,6 @@ class _Reader:
         """Note gz-sim's topic of commands, which a bridge to ROS 2 has mapped."""
         space = plugin.text("namespace")
         self.found.noted(f"topic: {what} is commanded by {f'/model/{space}/' if space else ''}{topic} in gz-sim")
-
-
-def carried(matrix: Floats, there: Pose) -> Floats:
-    """Return a 6 x 6 matrix of a link, between velocities and forces at its origin, at the frame in which its pose is.
-
-    J^T M J, where J takes velocities of that frame to those of the link (Fossen 2011, eq. 2.33 and 7.24).
-    """
-    x, y, z = there.position_m
-    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    turn = there.turn.T
-    to_link = np.block([[turn, -turn @ across], [np.zeros((3, 3)), turn]])
-    return np.asarray(to_link.T @ matrix @ to_link)
-
-
-def _is_same(pose: Pose) -> bool:
-    return not pose.position_m.any() and bool((pose.turn == np.eye(3)).all())
 
 
 def _autopilot_limits(plugin: Element) -> Iterator[tuple[str, tuple[float, float]]]:

@@ -18,6 +18,7 @@ from uwsim.evidence.robots.links import Joint, Links, inertia
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, plain_name
 from uwsim.evidence.robots.sensors import put_gz_sensor
 from uwsim.evidence.robots.systems import DENSITY_KG_M3, put_plugins
+from uwsim.evidence.robots.uuv_plugins import MOST
 from uwsim.evidence.robots.xacro_process import package_folder
 from uwsim.evidence.robots.xml_file import HERE, Element, Pose, read_xml
 from uwsim.scenario.read.limited import run_limited
@@ -64,7 +65,7 @@ def _document(path: Path, found: Found) -> Element:
     """Return the root of a file, after xacro's macros if it has any."""
     root = read_xml(path)
     if XACRO not in path.read_bytes():
-        if found.given.arguments:
+        if found.given.arguments.keys() - {MOST}:
             found.left_out("--arg: the file has no macros, which could take a value")
         return root
     need_extra("xacro", "robots", f"'{path}': xacro")

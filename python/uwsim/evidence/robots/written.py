@@ -26,6 +26,8 @@ ROOM_M, BED_MIN_M, BED_SPACING_M = 60.0, 20.0, 2.0
 """Assumed: the flat bed reaches this far around what was found, and is at least this deep."""
 GUEST, GUEST_DEPTH_M, GUEST_ROOM_M = "bluerov2_heavy", 2.0, 2.0
 """The vehicle of a world without one, where it starts, and how far from objects."""
+PLACES = 21
+"""Odd: places tried for it along x and along y, with the middle among them."""
 PRODUCTS = 0.01
 """Products of inertia beyond this share of the smallest moment are noted, since they are left out."""
 BEYOND = 1.1
@@ -85,15 +87,28 @@ def write_found(found: Found, out: Path) -> Path:
 
 
 def _guest(found: Found) -> Robot:
-    """Return a packaged vehicle for a world without one: over the middle of its objects, or beside them in x."""
-    if not found.meshes:
-        raise ValueError(f"'{found.name}': has neither a vehicle nor a fixed object")
-    low, high = _extent(found)
-    at = np.array([*(low + high)[:2] / 2.0, -GUEST_DEPTH_M])
-    if high[2] > at[2] - GUEST_ROOM_M:
-        at[0] = high[0] + GUEST_ROOM_M
+    """Return a packaged vehicle for a world without one, at its clear place."""
+    at = _clear_place(found, max(-GUEST_DEPTH_M, 0.5 * (-np.inf if found.bed_z_m is None else found.bed_z_m)))
     found.assumed(f"no vehicle is in it: '{GUEST}' starts at ({', '.join(f'{value:.4g}' for value in at)}) m")
     return Robot(GUEST, Pose(at, np.eye(3)), model=GUEST)
+
+
+def _clear_place(found: Found, height_m: float) -> Floats:
+    """Return the place nearest to the middle with nothing beside, above or close below it, else one beside all objects.
+
+    A triangle counts for all of its box, so that a place is never within a solid.
+    """
+    if not found.meshes:
+        return np.array([0.0, 0.0, height_m])
+    (low, high), corners = _extent(found), np.concatenate([vertices[each] for vertices, each in found.meshes.values()])
+    corners = corners[corners[:, :, 2].max(axis=1) > height_m - GUEST_ROOM_M]
+    least, most = corners.min(axis=1)[:, :2] - GUEST_ROOM_M, corners.max(axis=1)[:, :2] + GUEST_ROOM_M
+    middle = (low + high)[:2] / 2.0
+    grid = np.stack(np.meshgrid(*np.linspace(low[:2], high[:2], PLACES).T), axis=-1).reshape(-1, 2)
+    for place in grid[np.argsort(np.linalg.norm(grid - middle, axis=1), kind="stable")]:
+        if not ((least < place) & (place < most)).all(axis=1).any():
+            return np.array([*place, height_m])
+    return np.array([high[0] + GUEST_ROOM_M, middle[1], height_m])
 
 
 def _extent(found: Found) -> tuple[Floats, Floats]:
@@ -185,7 +200,7 @@ def _vehicle(robot: Robot, found: Found) -> tuple[Mesh, dict[str, Any], Floats]:
     products = float(np.abs(whole.inertia_kg_m2 - np.diag(moments)).max())
     if products > PRODUCTS * moments.min():
         found.left_out(f"vehicle '{robot.name}': its products of inertia, {products:.3g} kg m2 at most")
-    values["inertia_kg_m2"] = _row(moments)
+    values["inertia_kg_m2"] = _possible(robot.name, _row(moments), found)
     values["compressibility_1_pa"] = 0.0
     if not robot.thrusters:
         raise ValueError(f"vehicle '{robot.name}': has no thrusters, so nothing could move it")
@@ -223,6 +238,18 @@ def _outfit(robot: Robot, found: Found, vertices: Floats) -> None:
     if lacks["an altimeter"]:
         name = plain_name("altitude", robot.sensors)
         robot.sensors[name] = ALTIMETER | {"position_m": [0.0, 0.0, float(low[2])], "range_max_m": ALTIMETER_M}
+
+
+def _possible(name: str, moments: list[float], found: Found) -> list[float]:
+    """Return moments of inertia of which the largest does not exceed the sum of the others, as for any rigid body."""
+    most, rest = max(moments), sum(moments) - max(moments)
+    if most <= rest:
+        return moments
+    found.assumed(
+        f"vehicle '{name}': moments of inertia {', '.join(f'{value:.4g}' for value in moments)} kg m2, which no rigid "
+        f"body has: the largest is {rest:.4g}, the sum of the others"
+    )
+    return [float(np.round(rest, 9)) if value == most else value for value in moments]
 
 
 def _hull(robot: Robot, found: Found) -> tuple[Mesh, Floats]:

@@ -83,11 +83,13 @@ def hull_drag(vertices_m: Floats, triangles: NDArray[np.integer], density_kg_m3:
     ch. VI), with the friction line 0.075 / (log10 Re - 2)^2 (ITTC 1957); d is the diameter of a disc as large as the
     frontal area. bluff: ACROSS times the silhouette; for turning, strips of the silhouettes in the flow of the rotation
     (the cross-flow principle, Hoerner 1965, ch. III), which overestimates the drag of a hull that is round about the
-    axis.
+    axis. Raises ValueError for a hull without a silhouette.
     """
     _, crossed = _corners_and_crossed(vertices_m, triangles)
     doubled_m2 = np.linalg.norm(crossed, axis=1)
     shape = [_Silhouette(vertices_m, triangles, axis) for axis in range(3)]
+    if not all(side.area_m2 > 0.0 for side in shape):
+        raise ValueError("its hull has no silhouette: its parts are too small for how far apart they are")
     length_m, diameter_m = float(np.ptp(vertices_m[:, 0])), float(np.sqrt(4.0 / np.pi * shape[0].area_m2))
     friction = 0.075 / (np.log10(max(speed_m_s, 1e-2) * length_m / VISCOSITY_M2_S) - 2.0) ** 2
     slender = diameter_m / length_m
