@@ -58,11 +58,11 @@ def mesh_file(model: VehicleModel) -> Mesh:
     """Return the model's own mesh file, which viewers on this machine can open."""
     factor, shift_m = hull_placement(model)
     turn = quaternions.about_z(QUARTER_TURNS[model.mesh_forward or "x"] * 0.5 * math.pi)
-    turn = quaternions.product(turn, _turn_up(model.mesh, model.mesh_up))
+    turn = quaternions.product(turn, turn_up(model.mesh, model.mesh_up))
     return Mesh(model.mesh.resolve().as_uri(), factor * model.mesh_scale, shift_m, turn)
 
 
-def _turn_up(file: Path, up: str | None) -> NDArray[np.float64]:
+def turn_up(file: Path, up: str | None) -> NDArray[np.float64]:
     """Return the turn that maps a file's upward axis to z, as TURNS_UP does. Axes that a file declares are not read."""
     up = up or ("y" if file.suffix.lower() in Y_UP_SUFFIXES else "z")
     about = quaternions.about_x if up[-1] == "y" else quaternions.about_y
@@ -164,7 +164,7 @@ def _add_shape(element: Element, shape: ObstacleModel) -> None:
         added = SubElement(element, part)
         geometry = SubElement(added, "geometry")
         if isinstance(shape, MeshObstacle):
-            _add_origin(added, shape.position_m, quaternions.product(turn, _turn_up(shape.file, shape.up)))
+            _add_origin(added, shape.position_m, quaternions.product(turn, turn_up(shape.file, shape.up)))
             scale = _numbers([shape.scale] * 3)
             SubElement(geometry, "mesh", filename=shape.file.resolve().as_uri(), scale=scale)
             continue
