@@ -40,16 +40,20 @@ TRIMMED_KG_M3 = (500.0, 2000.0)
 """Mean densities of vehicles trimmed to float; others are asked about, since lengths are then off by 1.26 or more."""
 DECLARED = (".glb", ".gltf", ".fbx", ".dae", ".step", ".stp")
 """Formats that declare their unit."""
+LARGE_M = 5.0
+"""Length from which a declared unit is asked about, too: few vehicles are longer (assumed)."""
 MANY = 5000
 """Triangles from which the long steps are announced."""
 FRAME = 0.6
-"""Share of its convex hull below which a hull counts as a frame of plates and tubes."""
-CLOSED_SPREAD = (
-    "panels, within 2 % of ideal flow; a published AUV's are 1.0 to 1.1, about the axes 1.5 to 1.9 times its mesh's"
+"""Share of its convex hull below which a hull is one of plates, tubes or fins."""
+CLOSED_SPREAD = "panels, within 2 % of ideal flow about this mesh"
+FRAME_SPREAD = (
+    "panels; it fills only {:.2g} of its convex hull: for five such, those published are 0.27 to 2.1 times theirs, "
+    "6.3 times for roll with fins"
 )
-FRAME_SPREAD = "panels in ideal flow; it is a frame: those published of three ROVs are 0.27 to 2.1 times their meshes'"
-"""Measured with this code on the meshes of ECA A9; and of RexROV (Berg 2012), BlueROV2 (Wu 2018) and BlueROV2 Heavy
-(von Benzon et al. 2022), whose published values are those of identification and of strip theory."""
+"""Measured on the meshes of RexROV (Berg 2012: 0.33 to 2.07 times, heave 0.53, pitch 0.33), BlueROV2 (Wu 2018: 0.27 to
+2.07), BlueROV2 Heavy (von Benzon et al. 2022: 0.74 to 1.47), ECA A9 (of its published model: 0.97 to 1.88) and the
+packaged REMUS 100 (Prestero 2001: 0.88 to 1.26, and 6.31 for roll)."""
 THIN = 0.1
 """Share of its convex hull below which a hull may be a shell that was meant to be a solid (assumed)."""
 NEGLIGIBLE, COUPLED = 1e-3, 0.999
@@ -86,7 +90,9 @@ def drafted(
     """
     from uwsim.base.whole_trimesh import trimesh
 
-    vertices, triangles = load_mesh(mesh, up=up)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the check of the draft issues them again
+        vertices, triangles = load_mesh(mesh, up=up)
     across = np.ptp(vertices[triangles].reshape(-1, 3), axis=0)
     doubts = list(_tall(across, up or own_up(mesh)))
     if forward is None and across[1] > LONG_ALONG_Y * across[0]:
@@ -101,8 +107,9 @@ def drafted(
 
     def closed(scale: float) -> trimesh.Trimesh:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RepairWarning)  # the check of the draft issues it again
-            return trimesh.Trimesh(*closed_mesh(*load_mesh(mesh, scale, up, forward), name=str(mesh)), process=False)
+            warnings.simplefilter("ignore", RepairWarning)  # as above
+            scaled = turned_to_x(vertices * scale, forward)
+            return trimesh.Trimesh(*closed_mesh(scaled, triangles, name=str(mesh)), process=False)
 
     longest = float(across.max())
     if length_m is not None:
@@ -115,7 +122,7 @@ def drafted(
     else:
         scale, why = _unit_of_length(mesh, longest)
     solid = closed(scale)
-    triangles, size_m, volume_m3 = solid.faces, np.ptp(solid.vertices, axis=0), float(solid.volume)
+    faces, size_m, volume_m3 = solid.faces, np.ptp(solid.vertices, axis=0), float(solid.volume)
     if mass_kg is None and unit is None and length_m is None:
         doubts += _other_units(mesh, longest, scale, volume_m3)
     elif mass_kg is not None and not TRIMMED_KG_M3[0] <= (density := mass_kg / volume_m3) <= TRIMMED_KG_M3[1]:
@@ -139,16 +146,17 @@ def drafted(
             f"it encloses {share:.2g} of its convex hull: where it is a shell, only its sheet displaces water, and the "
             "draft is one of a very light vehicle; make it solid (in Blender: a Remesh modifier)"
         )
-    if len(triangles) > COARSE:
+    if len(faces) > COARSE:
         simpler = f"by a thousandth of its size, or until {GIVEN_MAX} remain"
-        notes.append(f"its {len(triangles)} triangles are simplified for the added mass, {simpler}")
-    if len(triangles) > MANY:
+        notes.append(f"its {len(faces)} triangles are simplified for the added mass, {simpler}")
+    if len(faces) > MANY:
         progress(f"mesh '{mesh}': its added mass is computed by panels")
-    added, remedy = added_mass_by_steps(hull_m, triangles, FRESH_KG_M3)
+    added, remedy = added_mass_by_steps(hull_m, faces, FRESH_KG_M3)
     if remedy:
         doubts.append(f"added mass: {remedy}")
-    how = f"{remedy or (FRAME_SPREAD if share < FRAME else CLOSED_SPREAD)}; encloses {share:.2g} of its convex hull"
-    body = _body(hull_m, triangles, volume_m3, np.diagonal(solid.moment_inertia), mass_kg, added)
+    spread = FRAME_SPREAD.format(share) if share < FRAME else CLOSED_SPREAD
+    how = f"{spread}; {remedy}" if remedy else spread
+    body = _body(hull_m, faces, volume_m3, np.diagonal(solid.moment_inertia), mass_kg, added)
     placed = _mesh_lines(mesh, scale, why, up, forward)
     text = "\n".join(_lines(mesh, placed, body, how, proposed_thrusters(body, axes), mass_kg))
     of_mesh = f"mesh '{mesh}': "
@@ -186,7 +194,11 @@ def _unit_of_length(mesh: Path, longest: float) -> tuple[float, str]:
 def _other_units(mesh: Path, longest: float, scale: float, volume_m3: float) -> Iterator[str]:
     """Yield a question about a mesh whose format declares no unit, and which other units would fit."""
     units = likely_units(longest)[1:]
-    if mesh.suffix.lower() in DECLARED or not units:
+    if mesh.suffix.lower() in DECLARED:
+        units = []
+        if longest * scale <= LARGE_M:
+            return
+    elif not units:
         return
     fits = [(METRES[unit], f"in {unit}") for unit in units]
     each = [
