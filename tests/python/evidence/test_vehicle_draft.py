@@ -22,6 +22,7 @@ from uwsim.evidence.vehicle.draft import drafted, written
 from uwsim.scenario import VehicleModel, load_vehicle
 from uwsim.scenario.build.potential_flow import added_mass_of_ellipsoid
 from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.read.mesh_file import Forward, Up
 from vehicle_files import box_mesh, scenario_file
 
 LENGTH_M, RADIUS_M = 1.3, 0.15
@@ -44,7 +45,7 @@ def torpedo(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def mine(torpedo: Path) -> Path:
     ran = uwsim("vehicle", torpedo.name, "--draft", cwd=torpedo.parent)
     assert ran.returncode == 0, ran.stderr
-    assert "taken as millimetres" in ran.stderr and "(600, 300, -200) in the file" in ran.stderr
+    assert "its scale is 0.001, millimetres, guessed" in ran.stderr and "(600, 300, -200) in the file" in ran.stderr
     assert ran.stderr.count("filled holes") == 1
     path = torpedo.with_name("mine.yaml")
     path.write_text(ran.stdout)
@@ -55,10 +56,10 @@ def mine(torpedo: Path) -> Path:
 def panels_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """Use the added mass of an ellipsoid, since panels take seconds."""
 
-    def of_ellipsoid(hull_m: NDArray[np.float64], _triangles: object, density_kg_m3: float) -> NDArray[np.float64]:
-        return np.diag(added_mass_of_ellipsoid(np.ptp(hull_m, axis=0) / 2, density_kg_m3))
+    def of_ellipsoid(hull_m: NDArray[np.float64], _: object, density_kg_m3: float) -> tuple[NDArray[np.float64], str]:
+        return np.diag(added_mass_of_ellipsoid(np.ptp(hull_m, axis=0) / 2, density_kg_m3)), ""
 
-    monkeypatch.setattr("uwsim.evidence.vehicle.draft.added_mass_of_mesh", of_ellipsoid)
+    monkeypatch.setattr("uwsim.evidence.vehicle.draft.added_mass_by_steps", of_ellipsoid)
 
 
 def tilt_deg(sim: Simulator) -> float:
@@ -103,8 +104,9 @@ def test_a_thin_shell_is_named(tmp_path: Path, panels_left_out: None, wall_m: fl
     )
     inside.invert()
     trimesh.util.concatenate([outside, inside]).export(tmp_path / "hull.stl")
-    notes = drafted(tmp_path / "hull.stl", ["surge", "yaw"]).notes
-    assert any("of its convex hull: where it is a shell" in note for note in notes) == warned
+    made = drafted(tmp_path / "hull.stl", ["surge", "yaw"])
+    assert any("of its convex hull: where it is a shell" in doubt for doubt in made.doubts) == warned
+    assert ("it fills only" in made.text) == warned
 
 
 def test_a_hull_along_y_is_drafted_with_its_bow_there(tmp_path: Path, panels_left_out: None) -> None:
@@ -117,6 +119,45 @@ def test_a_hull_along_y_is_drafted_with_its_bow_there(tmp_path: Path, panels_lef
     assert turned.pop("mesh_forward") == "y"
     assert turned == as_given
     assert "mesh_forward" not in yaml.safe_load(drafted(tmp_path / "hull.stl", ["yaw"], forward="x").text)
+
+
+@pytest.mark.parametrize(("up", "forward"), [("-x", "x"), ("x", "-x"), ("y", "-y"), ("-y", "y")])
+def test_a_hull_on_its_tail_is_asked_about_and_laid_down(
+    tmp_path: Path, panels_left_out: None, up: Up, forward: Forward
+) -> None:
+    """The same file results as for the hull that lies; by either of the axes across, its bow is found or given."""
+    (hull := trimesh.creation.box((1.2, 0.3, 0.3))).export(tmp_path / "hull.stl")
+    lying = yaml.safe_load(drafted(tmp_path / "hull.stl", ["surge", "yaw"]).text)
+    hull.apply_transform(trimesh.transformations.rotation_matrix(-np.pi / 2, [0, 1, 0])).export(tmp_path / "hull.stl")
+    asked = (
+        "4 times as high as long: where it stands on its tail, name the file's axis that points up, --up x or --up y"
+    )
+    assert any(asked in doubt for doubt in drafted(tmp_path / "hull.stl", ["surge", "yaw"]).doubts)
+    laid = drafted(tmp_path / "hull.stl", ["surge", "yaw"], forward=forward, up=up)
+    assert not any("as high as long" in doubt for doubt in laid.doubts)
+    values = yaml.safe_load(laid.text)
+    assert (values.pop("mesh_up"), values.pop("mesh_forward", "x")) == (up, forward)
+    assert values == lying
+
+
+def test_a_guess_of_the_scale_is_asked_about(tmp_path: Path, panels_left_out: None) -> None:
+    mesh = box_mesh(tmp_path / "hull.obj", scale=100.0)
+    longest = float(np.ptp(trimesh.load(mesh).vertices, axis=0).max())
+    (doubt,) = drafted(mesh, ["surge"]).doubts
+    assert f"{longest * 0.0254:.3g} m long" in doubt and "in inches: state --unit, --length-m or --mass-kg" in doubt
+    stated = drafted(mesh, ["surge"], length_m=2.0)
+    assert stated.doubts == () and yaml.safe_load(stated.text)["mesh_scale"] == pytest.approx(2.0 / longest, rel=1e-5)
+    stated.text.index("of the length of 2 m, as given")
+    volume = float(trimesh.load(mesh).volume) * 1e-6
+    assert drafted(mesh, ["surge"], mass_kg=1100.0 * volume, unit="centimetres").doubts == ()
+    (doubt,) = drafted(mesh, ["surge"], mass_kg=8000.0 * volume, unit="centimetres").doubts
+    assert f"neutral if it were {2.0 * longest * 0.01:.3g} m long" in doubt  # twice as long holds eight times the mass
+
+
+def test_a_hull_of_14_m_loads(tmp_path: Path, panels_left_out: None) -> None:
+    trimesh.creation.box((14.0, 14.0, 1.5)).export(tmp_path / "gate.glb")
+    (tmp_path / "gate.yaml").write_text(drafted(tmp_path / "gate.glb", ["surge", "yaw"], up="z").text)
+    assert max(load_vehicle(tmp_path / "gate.yaml").quadratic_damping or ()) > 1e6
 
 
 def test_a_draft_rests_level_and_keeps_its_depth(mine: Path, tmp_path: Path) -> None:
@@ -201,6 +242,9 @@ def test_the_unit_follows_from_the_mass_or_is_given(tmp_path: Path, panels_left_
         (("--draft", "--axes", "surge,jaw"), "--axes = 'jaw'"),
         (("--draft", "--unit", "km"), "--unit = 'km'"),
         (("--draft", "--json"), "leave out --out and --json"),
+        (("--draft", "--up", "w"), "--up = 'w': must be one of x, -x, y, -y, z, -z"),
+        (("--draft", "--unit", "mm", "--length-m", "2"), "--unit and --length-m both state the scale"),
+        (("--up", "x"), "--up has no effect without --draft"),
         (("--axes", "surge"), "--axes has no effect without --draft"),
     ],
 )

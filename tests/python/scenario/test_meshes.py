@@ -9,7 +9,11 @@ import pytest
 import trimesh
 
 from step_file import step_box
+from uwsim.base import quaternions
+from uwsim.channels.families.description import turn_up
 from uwsim.scenario import RepairWarning, ScenarioError, closed_mesh, load_mesh
+from uwsim.scenario.read import mesh_union
+from uwsim.scenario.read.mesh_file import TURNS_UP, Up
 
 LOW, HIGH = np.array([9.0, 18.0, 27.0]), np.array([10.0, 20.0, 30.0])  # in metres, z up
 
@@ -156,6 +160,16 @@ def test_scale_and_up_override_the_defaults_of_a_format(tmp_path: Path) -> None:
     vertices, _ = load_mesh(path, scale=0.001, up="y")  # the file's (x, y, z) becomes (x, -z, y)
     np.testing.assert_allclose(vertices.min(axis=0), [0.009, -0.030, 0.018])
     np.testing.assert_allclose(load_mesh(write(tmp_path, "glb"), up="z")[0].min(axis=0), [9, 27, -20], atol=1e-5)
+
+
+@pytest.mark.parametrize("up", TURNS_UP)
+def test_any_axis_may_point_up(up: Up, tmp_path: Path) -> None:
+    """It becomes z, by a rotation, which viewers are given as the same quaternion."""
+    turn = np.array(TURNS_UP[up])
+    assert np.linalg.det(turn) == 1
+    vertices, _ = load_mesh(path := write(tmp_path, "obj"), up=up)
+    np.testing.assert_allclose(vertices[:, 2], solid().vertices[:, "xyz".index(up[-1])] * (-1 if up[0] == "-" else 1))
+    np.testing.assert_allclose(quaternions.matrix(turn_up(path, up)), turn, atol=1e-15)
 
 
 def test_comments_may_be_in_any_encoding(tmp_path: Path) -> None:
@@ -320,6 +334,43 @@ def test_a_part_that_crosses_itself_is_wrapped_to_within_its_grid() -> None:
     assert found.is_watertight
     assert 0.5 * ball.volume < found.volume < 1.1 * ball.volume
     assert np.abs(found.bounds - ball.bounds).max() < 2 / 48
+
+
+def test_a_small_part_that_crosses_itself_becomes_its_convex_hull() -> None:
+    ball = trimesh.creation.icosphere(2, radius=0.02)
+    spikes = ball.vertices.copy()
+    spikes[::7] *= -0.98
+    spikes[:, 0] += 2.0
+    open_box = trimesh.creation.box((2, 2, 2))
+    hull = trimesh.util.concatenate([trimesh.Trimesh(open_box.vertices, open_box.faces[2:], process=False)])
+    hull = trimesh.util.concatenate([hull, trimesh.Trimesh(spikes, ball.faces, process=False)])
+    with pytest.warns(RepairWarning, match="replaced 1 small parts that cross themselves by their convex hulls"):
+        found = volume(*closed_mesh(hull.vertices, hull.faces))
+    assert found - 8.0 == pytest.approx(ball.volume, rel=0.05)
+
+
+def test_a_mesh_that_was_closed_before_is_closed_no_more_but_warned_about(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("UWSIM_CACHE", str(tmp_path))
+    box = solid()
+    for name in ("one", "two"):
+        with pytest.warns(RepairWarning, match=f"mesh '{name}': repaired: filled holes with 1 triangles"):
+            found = closed_mesh(box.vertices, box.faces[1:], name=name)
+        assert volume(*found) == pytest.approx(6.0)
+        monkeypatch.setattr("uwsim.scenario.read.mesh_repair._repair", None)
+
+
+@pytest.mark.parametrize("at_once", [7, mesh_union.MAX_PAIRS])
+def test_crossings_are_those_of_all_pairs(at_once: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mesh_union, "MAX_PAIRS", at_once)
+    rng = np.random.default_rng(3)
+    vertices, faces = rng.normal(size=(40, 3)) * [1.0, 0.3, 0.1], rng.permutation(40)[:39].reshape(-1, 3)
+    faces = np.vstack([faces, [[39, *faces[0][:2]]]])
+    edges = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    apart = [(edge, face) for edge in edges for face in faces if not set(edge) & set(face)]
+    pierced = mesh_union._pierces(vertices[[e for e, _ in apart]], vertices[[f for _, f in apart]])
+    assert mesh_union.crossings(vertices, faces) == pierced.sum() > 5
 
 
 def test_parts_that_overlap_are_united_with_a_warning() -> None:

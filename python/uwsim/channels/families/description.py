@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from uwsim.base import quaternions
 from uwsim.channels.channel import Channel, Delivery
@@ -30,7 +31,7 @@ from uwsim.scenario.obstacles.box import Box
 from uwsim.scenario.obstacles.cylinder import Cylinder
 from uwsim.scenario.obstacles.mesh import MeshObstacle
 from uwsim.scenario.obstacles.sphere import Sphere
-from uwsim.scenario.read.mesh_file import is_y_up
+from uwsim.scenario.read.mesh_file import Y_UP_SUFFIXES
 from uwsim.scenario.spec.arm import Link
 from uwsim.scenario.spec.obstacle import LEVEL, ObstacleModel
 from uwsim.scenario.spec.vehicle import VehicleModel
@@ -57,9 +58,16 @@ def mesh_file(model: VehicleModel) -> Mesh:
     """Return the model's own mesh file, which viewers on this machine can open."""
     factor, shift_m = hull_placement(model)
     turn = quaternions.about_z(QUARTER_TURNS[model.mesh_forward or "x"] * 0.5 * math.pi)
-    if is_y_up(model.mesh, model.mesh_up):
-        turn = quaternions.product(turn, quaternions.about_x(0.5 * math.pi))
+    turn = quaternions.product(turn, turn_up(model.mesh, model.mesh_up))
     return Mesh(model.mesh.resolve().as_uri(), factor * model.mesh_scale, shift_m, turn)
+
+
+def turn_up(file: Path, up: str | None) -> NDArray[np.float64]:
+    """Return the turn that maps a file's upward axis to z, as TURNS_UP does. Axes that a file declares are not read."""
+    up = up or ("y" if file.suffix.lower() in Y_UP_SUFFIXES else "z")
+    about = quaternions.about_x if up[-1] == "y" else quaternions.about_y
+    quarters = {"y": 1, "-y": -1, "x": -1, "-x": 1}.get(up, 0)
+    return quaternions.about_x(math.pi) if up == "-z" else about(0.5 * math.pi * quarters)
 
 
 def urdf(scenario: Scenario, source: Source, mesh: Mesh | None = None) -> str:
@@ -156,8 +164,7 @@ def _add_shape(element: Element, shape: ObstacleModel) -> None:
         added = SubElement(element, part)
         geometry = SubElement(added, "geometry")
         if isinstance(shape, MeshObstacle):
-            own = quaternions.about_x(0.5 * math.pi) if is_y_up(shape.file, shape.up) else build.IDENTITY_XYZW
-            _add_origin(added, shape.position_m, quaternions.product(turn, own))
+            _add_origin(added, shape.position_m, quaternions.product(turn, turn_up(shape.file, shape.up)))
             scale = _numbers([shape.scale] * 3)
             SubElement(geometry, "mesh", filename=shape.file.resolve().as_uri(), scale=scale)
             continue

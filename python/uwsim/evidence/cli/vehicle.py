@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 DRIVEN = "surge,heave,yaw"
 BOWS: tuple[Literal["x", "-x", "y", "-y"], ...] = ("x", "-x", "y", "-y")
+UPS: tuple[Literal["x", "-x", "y", "-y", "z", "-z"], ...] = (*BOWS, "z", "-z")
 SHORT = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
 
 
@@ -29,7 +30,8 @@ def vehicle(
     file: Annotated[
         str,
         typer.Argument(
-            help="A vehicle's YAML file, or the name of a packaged one; with --draft, a mesh: STL, OBJ, PLY, glTF.",
+            help="A vehicle's YAML file, or the name of a packaged one; with --draft, a mesh: STL, OBJ, PLY, glTF, "
+            "Collada (.dae), FBX or STEP.",
             autocompletion=vehicles,
         ),
     ],
@@ -58,6 +60,19 @@ def vehicle(
     forward: Annotated[
         str | None, typer.Option(help=f"Direction of the mesh's bow: {', '.join(BOWS)}. Default: x, or y if longer.")
     ] = None,
+    up: Annotated[
+        str | None,
+        typer.Option(
+            help=f"The mesh's axis that points up: {', '.join(UPS)}. Default: y for glTF, as declared for Collada and "
+            "FBX, else z."
+        ),
+    ] = None,
+    length_m: Annotated[
+        float | None,
+        typer.Option(
+            help="The length [m] of the mesh's longest side, instead of its unit.", callback=within(0.01, 500, "m")
+        ),
+    ] = None,
 ) -> None:
     """Report how a vehicle floats, moves and sees.
 
@@ -77,11 +92,14 @@ def vehicle(
     if draft:
         if out is not None or as_json:
             raise UsageError("--draft prints a vehicle's file, not a report: leave out --out and --json")
-        _print_draft(Path(file), axes or DRIVEN, mass_kg, unit, forward)
+        if unit is not None and length_m is not None:
+            raise UsageError("--unit and --length-m both state the scale: leave out one")
+        _print_draft(Path(file), axes or DRIVEN, mass_kg, unit, forward, up, length_m)
         return
-    for option, value in (("--axes", axes), ("--mass-kg", mass_kg), ("--unit", unit), ("--forward", forward)):
+    only = {"axes": axes, "mass-kg": mass_kg, "unit": unit, "forward": forward, "up": up, "length-m": length_m}
+    for option, value in only.items():
         if value is not None:
-            raise UsageError(f"{option} has no effect without --draft")
+            raise UsageError(f"--{option} has no effect without --draft")
     from uwsim.evidence.scenario_check import check_part
     from uwsim.evidence.vehicle.report import vehicle_report
     from uwsim.evidence.vehicle.text import report_lines
@@ -124,8 +142,16 @@ def _draw_wet(path: Path, sim: Simulator) -> None:
     typer.echo(f"{path}: {len(at.wet):,} triangles under water, {at.wet.area_m2:.3g} m2, {how}")
 
 
-def _print_draft(mesh: Path, axes: str, mass_kg: float | None, unit: str | None, forward: str | None) -> None:
-    """Print the draft, after it has been built once; notes and warnings go to stderr."""
+def _print_draft(
+    mesh: Path,
+    axes: str,
+    mass_kg: float | None,
+    unit: str | None,
+    forward: str | None,
+    up: str | None,
+    length_m: float | None,
+) -> None:
+    """Print the draft, after it has been built once; progress, notes and warnings go to stderr."""
     chosen = tuple(axis.strip() for axis in axes.split(","))
     if wrong := [axis for axis in chosen if axis not in AXES]:
         raise UsageError(f"--axes = '{wrong[0]}': must be of {', '.join(AXES)}")
@@ -133,10 +159,15 @@ def _print_draft(mesh: Path, axes: str, mass_kg: float | None, unit: str | None,
         raise UsageError(f"--unit = '{unit}': must be one of {', '.join(SHORT)}")
     if forward is not None and forward not in BOWS:
         raise UsageError(f"--forward = '{forward}': must be one of {', '.join(BOWS)}")
+    if up is not None and up not in UPS:
+        raise UsageError(f"--up = '{up}': must be one of {', '.join(UPS)}")
     from uwsim.evidence.scenario_check import check_part
     from uwsim.evidence.vehicle.draft import drafted
 
-    made = drafted(mesh, chosen, mass_kg, unit and SHORT[unit], forward)
+    def progress(line: str) -> None:
+        typer.echo(f"uwsim: {line}", err=True)
+
+    made = drafted(mesh, chosen, mass_kg, unit and SHORT[unit], forward, up, length_m, progress)
     with TemporaryDirectory() as folder:
         (path := Path(folder) / "draft.yaml").write_text(made.text, encoding="utf-8")
         check = check_part(path, "vehicle")
@@ -145,7 +176,7 @@ def _print_draft(mesh: Path, axes: str, mass_kg: float | None, unit: str | None,
     if check.mistakes:
         raise typer.Exit(FAILED)
     for note in made.notes:
-        typer.echo(f"uwsim: {note}", err=True)
-    for warning in dict.fromkeys(check.warnings):
+        progress(note)
+    for warning in dict.fromkeys((*made.doubts, *check.warnings)):
         typer.echo(f"uwsim: warning: {warning}", err=True)
     typer.echo(made.text, nl=False)

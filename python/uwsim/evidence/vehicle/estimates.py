@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.evidence.vehicle.mounts import hull_scene
-from uwsim.scenario.build.potential_flow import added_mass_of_ellipsoid, added_mass_of_mesh
+from uwsim.scenario.build.potential_flow import added_mass_by_steps, added_mass_of_ellipsoid
 
 Floats = NDArray[np.float64]
 VISCOSITY_M2_S = 1.139e-6
@@ -55,9 +56,12 @@ def estimates(
     streamlined = np.full(6, np.nan)
     drag = hull_drag(vertices_m, triangles, density_kg_m3, speed_m_s)
     streamlined[0] = drag.streamlined
+    by_panels, remedy = added_mass_by_steps(vertices_m, triangles, density_kg_m3)
+    if remedy:
+        warnings.warn(f"added mass: {remedy}", stacklevel=2)
     return Estimates(
         added_mass_of_ellipsoid(axes_m, density_kg_m3),
-        np.diagonal(added_mass_of_mesh(vertices_m, triangles, density_kg_m3)).copy(),
+        np.diagonal(by_panels).copy(),
         streamlined,
         drag.bluff,
         speed_m_s,

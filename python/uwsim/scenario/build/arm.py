@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg
-from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.read.mesh_repair import closed_mesh
 from uwsim.scenario.spec.arm import Hinge, Link, Slide, links_in_order
@@ -55,10 +54,7 @@ def link_mesh(link: Link) -> tuple[Vertices, Triangles]:
     """
     assert link.shape is not None
     own = link.shape.solid(cast("Bed", None))  # shapes of these kinds do not stand on a bed
-    vertices, triangles = cached_arrays(
-        lambda: closed_mesh(own.vertices, own.triangles, name=link.shape.name if link.shape else ""), "hull",
-        own.vertices, own.triangles,
-    )  # fmt: skip
+    vertices, triangles = closed_mesh(own.vertices, own.triangles, name=link.shape.name)
     return np.ascontiguousarray(vertices, np.float64), np.asarray(triangles, np.uint32)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Literal, NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from uwsim.scenario.build.scale import question_of_factor, require_plausible_density, require_plausible_volume
 from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.mesh_file import Forward, load_mesh
+from uwsim.scenario.read.mesh_file import Forward, Up, load_mesh
 from uwsim.scenario.read.mesh_repair import closed_mesh
 from uwsim.scenario.spec.fields import Point3
 from uwsim.scenario.spec.vehicle import VehicleModel
@@ -96,7 +96,7 @@ def _placed_hull(
     path: Path,
     version: tuple[int, int] | None,
     scale: float,
-    up: Literal["y", "z"] | None,
+    up: Up | None,
     forward: Forward,
     volume_m3: float | None,
     centre_of_buoyancy_m: Point3 | None,
@@ -127,14 +127,13 @@ def hull_radius_m(model: VehicleModel) -> float:
 
 @lru_cache(maxsize=16)
 def _closed_hull(
-    path: Path, version: tuple[int, int] | None, scale: float, up: Literal["y", "z"] | None, forward: Forward
+    path: Path, version: tuple[int, int] | None, scale: float, up: Up | None, forward: Forward
 ) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
     """Read the mesh and close it. version: see _placed_hull."""
-    mesh = load_mesh(path, scale, up, forward)
-    vertices, triangles = cached_arrays(lambda: closed_mesh(*mesh, name=str(path)), "hull", *mesh)
+    vertices, triangles = closed_mesh(*load_mesh(path, scale, up, forward), name=str(path))
     vertices.flags.writeable = False
     triangles.flags.writeable = False
-    return cast("NDArray[np.float64]", vertices), cast("NDArray[np.uint32]", triangles)
+    return vertices, triangles
 
 
 def _solid(vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32]) -> _Solid:

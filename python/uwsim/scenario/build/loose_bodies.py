@@ -133,9 +133,7 @@ def _placed(obstacle: ObstacleModel, terrain: Bed) -> _Shape:
     angles_deg = getattr(afloat, "yaw_pitch_roll_deg", LEVEL)
     level = {"yaw_pitch_roll_deg": LEVEL} if "yaw_pitch_roll_deg" in type(afloat).model_fields else {}
     own = afloat.model_copy(update={"position_m": LEVEL, **level}).solid(terrain)
-    vertices, triangles = cached_arrays(
-        lambda: closed_mesh(own.vertices, own.triangles, name=obstacle.name), "hull", own.vertices, own.triangles
-    )
+    vertices, triangles = closed_mesh(own.vertices, own.triangles, name=obstacle.name)
     solid = _core.solid_properties(vertices, triangles)
     turn = of_yaw_pitch_roll_deg(angles_deg)
     position = np.asarray(afloat.position_m) + turned(turn, solid.centroid_m)  # type: ignore[attr-defined]

@@ -2,8 +2,9 @@
 
 Each connected part is made a solid: its winding is made consistent, each hole is capped by a fan around the middle of
 its rim, and it is turned outward. A part that intersects itself in many places is wrapped: its capped surface is
-thickened by a cell, filled, and thinned again, on a grid of WRAP_CELLS cells along its longest side. The union of these
-solids is the hull.
+thickened by a cell, filled, and thinned again, on a grid of WRAP_CELLS cells along its longest side, or along SHORT of
+the whole mesh's if it is shorter; its convex hull replaces a part of less than FEW_CELLS. The union of these solids is
+the hull.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
 
     from uwsim.base.whole_trimesh import trimesh
 
-WRAP_CELLS = 48
+WRAP_CELLS, FEW_CELLS = 48, 8
+SHORT = 0.25
 SHEET = 1e-4
 """Volume of a capped part, as a fraction of its area to the power of 3/2, below which it is an open sheet."""
 FEW_CROSSINGS = 0.01
@@ -39,14 +41,23 @@ def closed(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, list[str]]:
     if not parts:
         raise ValueError("encloses no volume")
     solids = [_solid(part) for part in parts]
-    wrapped = [k for k, solid in enumerate(solids) if solid is None]
-    for k in wrapped:
-        solids[k] = _wrapped(parts[k])
+    wrapped, small, least_m = [], 0, SHORT * float(mesh.extents.max())
+    for k, part in enumerate(parts):
+        if solids[k] is not None:
+            continue
+        cell_m = max(longest_m := float(part.extents.max()), least_m) / WRAP_CELLS
+        if longest_m < FEW_CELLS * cell_m:
+            solids[k] = manifold3d.Manifold.hull_points(np.array(part.vertices))
+            small += 1
+        else:
+            solids[k] = wrap(part, cell_m)
+            wrapped.append(cell_m)
     out = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add).to_mesh64()
     vertices, faces = np.array(out.vert_properties[:, :3]), np.array(out.tri_verts, np.int64)
     if wrapped:
-        cell_m = max(float(parts[k].extents.max()) for k in wrapped) / WRAP_CELLS
-        done.append(f"wrapped {len(wrapped)} parts that cross themselves, to within {cell_m:.2g} m")
+        done.append(f"wrapped {len(wrapped)} parts that cross themselves, to within {max(wrapped):.2g} m")
+    if small:
+        done.append(f"replaced {small} small parts that cross themselves by their convex hulls")
     if len(parts) > 1:
         done.append(f"united {len(parts)} parts")
     found = trimesh.Trimesh(vertices, faces, process=False)
@@ -132,7 +143,7 @@ def _simple_cycles(onward: dict[int, list[int]]) -> list[list[int]]:
     return cycles
 
 
-def _wrapped(part: trimesh.Trimesh) -> manifold3d.Manifold:
+def wrap(part: trimesh.Trimesh, cell_m: float) -> manifold3d.Manifold:
     """Return the space that cannot be reached from outside through gaps of less than two cells, as a solid."""
     import manifold3d
     from scipy.ndimage import distance_transform_edt, label
@@ -141,7 +152,6 @@ def _wrapped(part: trimesh.Trimesh) -> manifold3d.Manifold:
     from uwsim.base.whole_trimesh import trimesh
 
     low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
-    cell_m = float((high - low).max()) / WRAP_CELLS
     low, high = low - 4 * cell_m, high + 4 * cell_m
     shape = np.ceil((high - low) / cell_m).astype(int) + 1
     points = np.stack(np.meshgrid(*(np.arange(n) for n in shape), indexing="ij"), axis=-1) * cell_m + low

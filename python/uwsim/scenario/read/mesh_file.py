@@ -19,6 +19,7 @@ from uwsim.scenario.read.mesh_counts import TEXT_SUFFIXES, require_whole, requir
 Vertices = NDArray[np.float64]
 Triangles = NDArray[np.uint32]
 Forward = Literal["x", "-x", "y", "-y"]
+Up = Literal["x", "-x", "y", "-y", "z", "-z"]
 
 MAX_BYTES = 500_000_000
 MAX_TRIANGLES = 5_000_000
@@ -28,12 +29,19 @@ Y_UP_SUFFIXES = (".glb", ".gltf")
 CACHED_SUFFIXES = (".obj", ".stl", ".ply", ".off", ".glb")
 """Formats that contain the whole mesh in one file, so its bytes can be a cache key; but see `_is_whole`."""
 
-Z_UP_FROM_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-"""Rotates the file's y to z and keeps x; the file's z, towards the viewer, becomes -y."""
+TURNS_UP: dict[Up, list[list[float]]] = {
+    "x": [[0, 0, -1], [0, 1, 0], [1, 0, 0]],
+    "-x": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
+    "y": [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
+    "-y": [[1, 0, 0], [0, 0, 1], [0, -1, 0]],
+    "z": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    "-z": [[1, 0, 0], [0, -1, 0], [0, 0, -1]],
+}
+"""Rotations about x or y that map an axis to z. With y up, as in glTF, z points towards the viewer, and becomes -y."""
 
 
 def load_mesh(
-    path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None = None, forward: Forward = "x"
+    path: str | Path, scale: float = 1.0, up: Up | None = None, forward: Forward = "x"
 ) -> tuple[Vertices, Triangles]:
     """Return all triangles of a file, with node transforms applied.
 
@@ -43,7 +51,8 @@ def load_mesh(
     scale: metres per unit of the file; for FBX an additional factor.
 
     up: the file's axis that becomes z. The default is y for glTF, as its specification requires, the declared axis for
-    FBX and Collada, and z for all others; Blender's OBJ export with its default axes therefore needs up="y".
+    FBX and Collada, and z for all others; Blender's OBJ export with its default axes therefore needs up="y". For FBX
+    and Collada, the axes are those after the conversion to y up.
 
     forward: the direction, seen with z up, that becomes x.
     """
@@ -73,7 +82,7 @@ def turned_to_x(points: Vertices, forward: Forward) -> Vertices:
     return np.column_stack([*{"-x": (-x, -y), "y": (y, -x), "-y": (-y, x)}[forward], z])
 
 
-def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes = b"") -> tuple[Vertices, Triangles]:
+def _load(path: Path, scale: float, up: Up | None, content: bytes = b"") -> tuple[Vertices, Triangles]:
     """Read a mesh. content: the bytes of the file, for CACHED_SUFFIXES. Raises ScenarioError."""
     suffix = path.suffix.lower()
     try:
@@ -81,10 +90,8 @@ def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes
             vertices, triangles = _read_with_trimesh(path, suffix, content)
             if suffix in TEXT_SUFFIXES:
                 require_whole(f"mesh '{path}'", suffix, content or path.read_bytes(), len(triangles))
-            y_up = is_y_up(path, None)
         else:
             vertices, triangles = joined(read_by_assimp(path))
-            y_up = suffix not in STEP_SUFFIXES  # assimp converts all files that declare their axes to y up
     except ScenarioError:
         raise
     except MemoryError:
@@ -94,14 +101,15 @@ def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes
     except Exception as error:  # readers raise errors of any type for malformed files
         raise ScenarioError(f"mesh '{path}': not a readable {suffix[1:] or 'mesh'} file: {_reason(error)}") from None
     _require_sound(path, vertices, triangles, scale)
-    if up == "y" or (up is None and y_up):
-        vertices = vertices @ Z_UP_FROM_Y_UP.T
+    if (up := up or own_up(path)) != "z":
+        vertices = vertices @ np.array(TURNS_UP[up], np.float64).T
     return np.ascontiguousarray(vertices * scale), np.ascontiguousarray(triangles, np.uint32)
 
 
-def is_y_up(path: Path, up: Literal["y", "z"] | None) -> bool:
-    """Return whether a file's y axis points up. up: as for `load_mesh`. Axes that a file declares are not read."""
-    return up == "y" or (up is None and path.suffix.lower() in Y_UP_SUFFIXES)
+def own_up(path: Path) -> Literal["y", "z"]:
+    """Return the axis that points up in a file as it is read: assimp converts all axes that are declared to y up."""
+    suffix = path.suffix.lower()
+    return "y" if suffix in Y_UP_SUFFIXES or suffix not in (*TRIMESH_SUFFIXES, *STEP_SUFFIXES) else "z"
 
 
 def _require_readable(path: Path) -> None:

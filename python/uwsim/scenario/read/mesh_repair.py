@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.errors import RepairWarning, ScenarioError
 from uwsim.scenario.read.mesh_closing import closed
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
@@ -23,35 +24,45 @@ def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh
     In the result, every edge is shared by two triangles that traverse it in opposite directions, and the volume is
     positive. Overlapping closed parts are united. A surface that is open, or still intersects itself, is closed part by
     part, see mesh_closing. Merging vertices that STL duplicates is
-    silent; any other repair issues a RepairWarning.
+    silent; any other repair issues a RepairWarning. The result is kept on disk, with its warning.
     """
-    from uwsim.base.whole_trimesh import trimesh
-
     if not len(triangles):
         raise ScenarioError(f"mesh '{name}': has no triangles")
+    points_m, faces, note = cached_arrays(lambda: _closed(vertices_m, triangles, name), "closed", vertices_m, triangles)
+    if len(note):
+        warnings.warn(f"mesh '{name}': {note.tobytes().decode()}", RepairWarning, stacklevel=2)
+    return cast(Vertices, points_m), cast(Triangles, faces)
+
+
+def _closed(vertices_m: Vertices, triangles: NDArray[Any], name: str) -> tuple[Vertices, Triangles, NDArray[np.uint8]]:
+    """Return the closed mesh, and the text that describes the repairs. Raises ScenarioError."""
+    from uwsim.base.whole_trimesh import trimesh
+
     mesh = trimesh.Trimesh(vertices_m, np.asarray(triangles, np.int64), process=False)
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
     mesh.update_faces(mesh.nondegenerate_faces() & mesh.unique_faces())
     mesh.remove_unreferenced_vertices()
     given = mesh.copy()
     repairs = _repair(mesh)
+    note = ""
     if not _is_closed(mesh):
         defects = _defects(given)
         try:
             mesh, done = closed(given)
         except ValueError as error:
             raise ScenarioError(f"mesh '{name}': is not closed ({defects}) and {error}") from None
-        warnings.warn(f"mesh '{name}': was not closed ({defects}): {', '.join(done)}", RepairWarning, stacklevel=2)
-        return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.uint32)
-    if mesh.volume <= 0.0:
-        raise ScenarioError(f"mesh '{name}': encloses no volume")
-    try:
-        mesh = _without_overlaps(mesh, repairs)
-    except ValueError as error:
-        raise ScenarioError(f"mesh '{name}': {', '.join(repairs)} and {error}") from None
-    if repairs:
-        warnings.warn(f"mesh '{name}': repaired: {', '.join(repairs)}", RepairWarning, stacklevel=2)
-    return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.uint32)
+        note = f"was not closed ({defects}): {', '.join(done)}"
+    else:
+        if mesh.volume <= 0.0:
+            raise ScenarioError(f"mesh '{name}': encloses no volume")
+        try:
+            mesh = _without_overlaps(mesh, repairs)
+        except ValueError as error:
+            raise ScenarioError(f"mesh '{name}': {', '.join(repairs)} and {error}") from None
+        if repairs:
+            note = f"repaired: {', '.join(repairs)}"
+    points_m, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.uint32)
+    return points_m, faces, np.frombuffer(note.encode(), np.uint8)
 
 
 def _without_overlaps(mesh: trimesh.Trimesh, repairs: list[str]) -> trimesh.Trimesh:
@@ -83,7 +94,7 @@ def _repair(mesh: trimesh.Trimesh) -> list[str]:
         trimesh.repair.fill_holes(mesh, use_fan=True)
         if len(mesh.faces) > before:
             repairs.append(f"filled holes with {len(mesh.faces) - before} triangles")
-    if not mesh.is_winding_consistent:
+    if mesh.is_watertight and not mesh.is_winding_consistent:  # otherwise each part is closed alone
         trimesh.repair.fix_winding(mesh)  # type: ignore[no-untyped-call]
         repairs.append("made the winding consistent")
     if _is_closed(mesh) and _turn_outward(mesh):

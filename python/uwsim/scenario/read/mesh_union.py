@@ -16,7 +16,7 @@ Faces = NDArray[Any]
 
 MIN_OVERLAP = 1e-6  # fraction of the volume; parts that overlap by less are not united
 TOUCH_TOLERANCE = 1e-9  # fraction of an edge or triangle; a crossing this close to its end or rim is only a touch
-MAX_PAIRS = 2_000_000  # edge-triangle pairs tested at once
+MAX_PAIRS = 400_000  # pairs of an edge and a box tested at once
 
 
 def united(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, int] | None:
@@ -63,41 +63,43 @@ def crossings(vertices: Vertices, faces: Faces) -> int:
     edges = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
     ends, corners = vertices[edges], vertices[faces]
     edge_low, edge_high = ends.min(axis=1), ends.max(axis=1)
-    face_low, face_high = corners.min(axis=1), corners.max(axis=1)
-    order = np.argsort(face_low[:, 0])
-    faces, corners, face_low, face_high = faces[order], corners[order], face_low[order], face_high[order]
-    # Candidates by extent along x: triangles that begin before the edge ends, except those that must end before it
-    # begins, since none is wider than `widest`.
-    widest = float(np.max(face_high[:, 0] - face_low[:, 0]))
-    first = np.searchsorted(face_low[:, 0], edge_low[:, 0] - widest)
-    last = np.searchsorted(face_low[:, 0], edge_high[:, 0], side="right")
+    order, levels = _tree(corners.min(axis=1), corners.max(axis=1))
+    faces, corners = faces[order], corners[order]
     found = 0
-    start = 0
-    sums = np.concatenate([[0], np.cumsum(last - first)])
-    while start < len(edges):
-        end = max(start + 1, int(np.searchsorted(sums, sums[start] + MAX_PAIRS, side="right")) - 1)
-        counts = (last - first)[start:end]
-        edge = np.repeat(np.arange(start, end), counts)
-        face = (
-            np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts) + np.repeat(first[start:end], counts)
-        )
-        near = ((face_low[face] < edge_high[edge]) & (edge_low[edge] < face_high[face])).all(axis=1)
-        near |= _flat_boxes_meet(face_low[face], face_high[face], edge_low[edge], edge_high[edge])
-        edge, face = edge[near], face[near]
-        disjoint = (edges[edge][:, :, None] != faces[face][:, None, :]).all(axis=(1, 2))
-        edge, face = edge[disjoint], face[disjoint]
-        found += int(_pierces(ends[edge], corners[face]).sum())
-        start = end
+    pending = [(0, np.arange(len(edges)), np.zeros(len(edges), np.int64))]
+    while pending:
+        level, edge, node = pending.pop()
+        if len(edge) > MAX_PAIRS:
+            half = len(edge) // 2
+            pending += [(level, edge[:half], node[:half]), (level, edge[half:], node[half:])]
+            continue
+        low, high = levels[level]
+        near = ((low[node] <= edge_high[edge]) & (edge_low[edge] <= high[node])).all(axis=1)
+        edge, node = edge[near], node[near]
+        if level + 1 < len(levels):
+            pending.append((level + 1, np.repeat(edge, 2), (2 * node[:, None] + [0, 1]).ravel()))
+            continue
+        disjoint = (edges[edge][:, :, None] != faces[node][:, None, :]).all(axis=(1, 2))
+        found += int(_pierces(ends[edge[disjoint]], corners[node[disjoint]]).sum())
     return found
 
 
-def _flat_boxes_meet(
-    face_low: Vertices, face_high: Vertices, edge_low: Vertices, edge_high: Vertices
-) -> NDArray[np.bool_]:
-    """Return a mask of box pairs that touch along an axis on which one is flat, where open intervals cannot overlap."""
-    meet = ((face_low <= edge_high) & (edge_low <= face_high)).all(axis=1)
-    flat = ((face_low == face_high) | (edge_low == edge_high)).any(axis=1)
-    return np.asarray(meet & flat, np.bool_)
+def _tree(low: Vertices, high: Vertices) -> tuple[NDArray[np.int64], list[tuple[Vertices, Vertices]]]:
+    """Return an order of boxes (n, 3) along a Morton curve, and the binary tree of boxes over it, from its root.
+
+    The boxes of level k, (2**k, 3) each, are around pairs of those of the next; the last are those given, and empty.
+    """
+    middle = low + high
+    cell = (1023 * (middle - middle.min(axis=0)) / max(float(np.ptp(middle, axis=0).max()), 1e-300)).astype(np.int64)
+    code = sum((cell[:, axis] >> bit & 1) << 3 * bit + axis for bit in range(10) for axis in range(3))
+    order = np.argsort(code, kind="stable")
+    leaves = 1 << (len(order) - 1).bit_length()
+    levels = [(np.full((leaves, 3), np.inf), np.full((leaves, 3), -np.inf))]
+    levels[0][0][: len(order)], levels[0][1][: len(order)] = low[order], high[order]
+    while len(levels[-1][0]) > 1:
+        low, high = levels[-1]
+        levels.append((np.minimum(low[::2], low[1::2]), np.maximum(high[::2], high[1::2])))
+    return order, levels[::-1]
 
 
 def _pierces(ends: Vertices, corners: Vertices) -> NDArray[np.bool_]:

@@ -53,13 +53,13 @@ VehicleName = Annotated[str, AssetName("vehicles")]
 Force = Annotated[float, InRange(0, 1e6, "N")]
 Torque = Annotated[float, InRange(0, 1e6, "N m")]
 AlongMass = Annotated[float, InRange(0, 1e6, "kg")]
-AboutMass = Annotated[float, InRange(0, 1e6, "kg m2")]
+AboutMass = Annotated[float, InRange(0, 1e9, "kg m2")]
 AlongLinear = Annotated[float, InRange(0, 1e6, "N s/m")]
-AboutLinear = Annotated[float, InRange(0, 1e6, "N m s/rad")]
+AboutLinear = Annotated[float, InRange(0, 1e9, "N m s/rad")]
 AlongQuadratic = Annotated[float, InRange(0, 1e6, "N s2/m2")]
-AboutQuadratic = Annotated[float, InRange(0, 1e6, "N m s2/rad2")]
-Inertia = Annotated[float, InRange(1e-6, 1e6, "kg m2")]
-Entry = Annotated[float, InRange(-1e6, 1e6)]
+AboutQuadratic = Annotated[float, InRange(0, 1e9, "N m s2/rad2")]
+Inertia = Annotated[float, InRange(1e-6, 1e9, "kg m2")]
+Entry = Annotated[float, InRange(-1e9, 1e9)]
 Row = tuple[Entry, Entry, Entry, Entry, Entry, Entry]
 Matrix = tuple[Row, Row, Row, Row, Row, Row]
 
@@ -130,7 +130,7 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     description: str = ""
     mesh: AssetFile
     mesh_scale: Factor = 1.0
-    mesh_up: Literal["y", "z"] | None = None
+    mesh_up: Literal["x", "-x", "y", "-y", "z", "-z"] | None = None
     mesh_forward: Literal["x", "-x", "y", "-y"] | None = None
     collision: Literal["hull", "box", "pieces"] = "hull"
     collision_pieces: AssetFile | None = None
