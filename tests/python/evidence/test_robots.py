@@ -456,7 +456,7 @@ BOMB = '<!DOCTYPE a [<!ENTITY a "aaaa">]><sdf/>'
         ("a.sdf", BOMB, "declares entities"),
         ("a.sdf", "<sdf>" + "<model>" * 200 + "</model>" * 200 + "</sdf>", "deep: must be at most 100"),
         ("a.sdf", "<sdf/>", "has no model with a thruster"),
-        ("a.txt", "<sdf/>", "must be the checkout of a Unity project"),
+        ("a.docx", "<sdf/>", "must be the checkout of a Unity project"),
         ("a.sdf", WORLD.replace("<mass>99", "<mass>nan"), "link 'base'/inertial/mass: 'nan': must be 1 finite number"),
         ("a.sdf", WORLD.replace("<mass>99", "<mass>-99"), "mass"),
         ("a.sdf", WORLD.replace("<mass>99", "<mass>999999"), "': as converted: vehicles[0].model: vehicle 'glider'"),
