@@ -17,6 +17,7 @@ from uwsim.base.texts.yaml_edit import with_values
 from uwsim.evidence.identification import MotionLog, identify
 from uwsim.evidence.identification.calibrated_file import write_calibrated
 from uwsim.evidence.identification.unknowns import unknowns
+from uwsim.evidence.scenario_check import check_part
 from uwsim.evidence.validate.flights import deep_scenario
 from uwsim.evidence.vehicle.draft import drafted, written
 from uwsim.scenario import VehicleModel, load_vehicle
@@ -257,3 +258,20 @@ def test_a_file_that_is_no_mesh_is_one_line(tmp_path: Path) -> None:
     (tmp_path / "hull.stl").write_text("no mesh")
     ran = uwsim("vehicle", tmp_path / "hull.stl", "--draft")
     assert ran.returncode == 1 and "not a readable stl file" in error_line(ran) and ran.stdout == ""
+
+
+@pytest.mark.usefixtures("panels_left_out")
+@pytest.mark.parametrize("size_m, sway", [((2.6, 1.5, 1.6), True), ((1.3, 0.3, 0.3), False)])
+def test_a_hull_whose_side_slip_lasts_is_given_sway(
+    size_m: tuple[float, float, float], sway: bool, tmp_path: Path
+) -> None:
+    """The estimate is that of a flight: `uwsim vehicle` of the same draft without sway."""
+    mesh = box_mesh(tmp_path / "hull.obj", size_m)
+    made = drafted(mesh, unit="metres")
+    (note,) = [note for note in made.notes if "its thrusters drive" in note]
+    assert ("surge, sway, heave, yaw" in note) == sway
+    (tmp_path / "mine.yaml").write_text(drafted(mesh, ["surge", "heave", "yaw"], unit="metres").text)
+    check = check_part(tmp_path / "mine.yaml", "vehicle")
+    assert check.vehicle is not None and check.vehicle.slip is not None
+    stated = float(note.split("halves in ")[1].split(" s")[0])
+    assert check.vehicle.slip.time_s == pytest.approx(stated, rel=0.1, abs=0.2)

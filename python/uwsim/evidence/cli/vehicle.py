@@ -19,7 +19,6 @@ from uwsim.cli.values import vehicles
 if TYPE_CHECKING:
     from uwsim.simulator.simulator import Simulator
 
-DRIVEN = "surge,heave,yaw"
 BOWS: tuple[Literal["x", "-x", "y", "-y"], ...] = ("x", "-x", "y", "-y")
 UPS: tuple[Literal["x", "-x", "y", "-y", "z", "-z"], ...] = (*BOWS, "z", "-z")
 SHORT = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
@@ -49,7 +48,10 @@ def vehicle(
     ] = None,
     draft: Annotated[bool, typer.Option("--draft", help="Print a vehicle's YAML file, estimated from a mesh.")] = False,
     axes: Annotated[
-        str | None, typer.Option(help=f"Axes that the draft's thrusters drive, of {','.join(AXES)}. Default: {DRIVEN}.")
+        str | None,
+        typer.Option(
+            help=f"Axes that the draft's thrusters drive, of {','.join(AXES)}. Default: surge,heave,yaw; blunt: sway."
+        ),
     ] = None,
     mass_kg: Annotated[
         float | None, typer.Option(help="The draft's mass [kg]. Default: neutral.", callback=within(0.01, 1e6, "kg"))
@@ -94,7 +96,7 @@ def vehicle(
             raise UsageError("--draft prints a vehicle's file, not a report: leave out --out and --json")
         if unit is not None and length_m is not None:
             raise UsageError("--unit and --length-m both state the scale: leave out one")
-        _print_draft(Path(file), axes or DRIVEN, mass_kg, unit, forward, up, length_m)
+        _print_draft(Path(file), axes, mass_kg, unit, forward, up, length_m)
         return
     only = {"axes": axes, "mass-kg": mass_kg, "unit": unit, "forward": forward, "up": up, "length-m": length_m}
     for option, value in only.items():
@@ -144,7 +146,7 @@ def _draw_wet(path: Path, sim: Simulator) -> None:
 
 def _print_draft(
     mesh: Path,
-    axes: str,
+    axes: str | None,
     mass_kg: float | None,
     unit: str | None,
     forward: str | None,
@@ -152,8 +154,8 @@ def _print_draft(
     length_m: float | None,
 ) -> None:
     """Print the draft, after it has been built once; progress, notes and warnings go to stderr."""
-    chosen = tuple(axis.strip() for axis in axes.split(","))
-    if wrong := [axis for axis in chosen if axis not in AXES]:
+    chosen = None if axes is None else tuple(axis.strip() for axis in axes.split(","))
+    if wrong := [axis for axis in chosen or () if axis not in AXES]:
         raise UsageError(f"--axes = '{wrong[0]}': must be of {', '.join(AXES)}")
     if unit is not None and unit not in SHORT:
         raise UsageError(f"--unit = '{unit}': must be one of {', '.join(SHORT)}")

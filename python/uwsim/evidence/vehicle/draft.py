@@ -16,6 +16,8 @@ from uwsim import _core
 from uwsim.base.axes import AXES
 from uwsim.evidence.vehicle.draft_actuators import ACCELERATION_M_S2, Body, Thrust, proposed_fins, proposed_thrusters
 from uwsim.evidence.vehicle.estimates import hull_drag
+from uwsim.evidence.vehicle.text import SLIP_SHORT_S
+from uwsim.evidence.vehicle.trials import SLIP_M_S
 from uwsim.scenario.build.potential_flow import COARSE, GIVEN_MAX, added_mass_by_steps
 from uwsim.scenario.build.scale import METRES, likely_units, size_text
 from uwsim.scenario.read.errors import RepairWarning, ScenarioError
@@ -24,6 +26,7 @@ from uwsim.scenario.read.mesh_repair import closed_mesh
 from uwsim.scenario.spec.vehicle import DENSITIES_KG_M3
 
 Floats = NDArray[np.float64]
+DRIVEN = ("surge", "heave", "yaw")
 FRESH_KG_M3 = 1000.0
 LEVER = 0.1
 """Assumed depth of the centre of mass below the centre of buoyancy, relative to the hull's height."""
@@ -73,7 +76,7 @@ class Draft:
 
 def drafted(
     mesh: Path,
-    axes: Collection[str],
+    axes: Collection[str] | None = None,
     mass_kg: float | None = None,
     unit: str | None = None,
     forward: Forward | None = None,
@@ -83,10 +86,11 @@ def drafted(
 ) -> Draft:
     """Return the draft of a vehicle with the hull of a mesh, whose thrusters drive `axes`.
 
-    mass_kg: by default neutral. unit: of METRES; by default it is guessed from the mass or the length. length_m: of the
-    longest side, instead. up: as for `load_mesh`. forward: the direction of the bow, with z up; by default x, or y for
-    a hull that is LONG_ALONG_Y. progress: called with a line before each long step on a mesh of MANY triangles. The
-    body's origin is the centroid of the hull. Raises ScenarioError.
+    axes: by default DRIVEN, and sway for a blunt hull, whose side slip after a turn lasts. mass_kg: by default neutral.
+    unit: of METRES; by default it is guessed from the mass or the length. length_m: of the longest side, instead. up:
+    as for `load_mesh`. forward: the direction of the bow, with z up; by default x, or y for a hull that is LONG_ALONG_Y.
+    progress: called with a line before each long step on a mesh of MANY triangles. The body's origin is the centroid of
+    the hull. Raises ScenarioError.
     """
     from uwsim.base.whole_trimesh import trimesh
 
@@ -157,10 +161,22 @@ def drafted(
     spread = FRAME_SPREAD.format(share) if share < FRAME else CLOSED_SPREAD
     how = f"{spread}; {remedy}" if remedy else spread
     body = _body(hull_m, faces, volume_m3, np.diagonal(solid.moment_inertia), mass_kg, added)
+    if axes is None:
+        half_s = slip_half_s(body)
+        axes = (*DRIVEN, "sway") if half_s > SLIP_SHORT_S else DRIVEN
+        slips = f"a side slip of {SLIP_M_S:g} m/s halves in {half_s:.1f} s"
+        notes.append(f"its thrusters drive {', '.join(axis for axis in AXES if axis in axes)}, since {slips}; --axes")
     placed = _mesh_lines(mesh, scale, why, up, forward)
     text = "\n".join(_lines(mesh, placed, body, how, proposed_thrusters(body, axes), mass_kg))
     of_mesh = f"mesh '{mesh}': "
     return Draft(text + "\n", tuple(of_mesh + note for note in notes), tuple(of_mesh + doubt for doubt in doubts))
+
+
+def slip_half_s(body: Body) -> float:
+    """Return the time in which a side slip of SLIP_M_S falls to half, m dv/dt = -(a + b v) v with both drags."""
+    mass_kg, b = body.mass_kg + float(body.added[1, 1]), float(body.quadratic[1])
+    a, v = SLOW_M_S * b, SLIP_M_S
+    return float(mass_kg / a * np.log((2.0 * a + b * v) / (a + b * v)))
 
 
 def _tall(across: Floats, up: Up) -> Iterator[str]:
