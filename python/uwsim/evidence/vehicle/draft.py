@@ -87,10 +87,10 @@ def drafted(
     """Return the draft of a vehicle with the hull of a mesh, whose thrusters drive `axes`.
 
     axes: by default DRIVEN, and sway for a blunt hull, whose side slip after a turn lasts. mass_kg: by default neutral.
-    unit: of METRES; by default it is guessed from the mass or the length. length_m: of the longest side, instead. up:
-    as for `load_mesh`. forward: the direction of the bow, with z up; by default x, or y for a hull that is LONG_ALONG_Y.
-    progress: called with a line before each long step on a mesh of MANY triangles. The body's origin is the centroid of
-    the hull. Raises ScenarioError.
+    unit: of METRES; by default it is guessed from the mass or the length. length_m: of the longest side, instead.
+    up: as for `load_mesh`. forward: the direction of the bow, with z up; by default x, or y for a hull that is
+    LONG_ALONG_Y. progress: called with a line before each long step on a mesh of MANY triangles. The body's origin is
+    the centroid of the hull. Raises ScenarioError.
     """
     from uwsim.base.whole_trimesh import trimesh
 
