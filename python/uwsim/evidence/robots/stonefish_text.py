@@ -21,25 +21,12 @@ LEVELS: tuple[dict[str, Callable[[float, float], float]], ...] = (
     {"*": lambda a, b: a * b, "/": lambda a, b: a / b, "%": math.fmod},
     {"^": math.pow},  # from the left
 )
-FUNCTIONS: dict[str, Callable[[float], float]] = {
+OF_MATH = "acos asin atan ceil cos cosh exp floor log10 sin sinh sqrt tan tanh"
+FUNCTIONS: dict[str, Callable[[float], float]] = {name: getattr(math, name) for name in OF_MATH.split()} | {
     "abs": abs,
-    "acos": math.acos,
-    "asin": math.asin,
-    "atan": math.atan,
-    "ceil": math.ceil,
-    "cos": math.cos,
-    "cosh": math.cosh,
-    "exp": math.exp,
-    "fac": lambda n: math.gamma(math.floor(n) + 1.0),
-    "floor": math.floor,
     "ln": math.log,
     "log": math.log10,
-    "log10": math.log10,
-    "sin": math.sin,
-    "sinh": math.sinh,
-    "sqrt": math.sqrt,
-    "tan": math.tan,
-    "tanh": math.tanh,
+    "fac": lambda n: math.gamma(math.floor(n) + 1.0),
 }
 FUNCTIONS_OF_TWO: dict[str, Callable[[float, float], float]] = {
     "atan2": math.atan2,
