@@ -47,7 +47,7 @@ struct Lens {
 inline constexpr int kLargestSide = 8192;
 inline constexpr double kWidestRay = 57;  ///< the largest r of an equidistant lens, at 89 degrees to the axis
 
-/// Whether the lens shows a ray (x, y) where `project` has it: the distortion does not fold the image over there.
+/// True if the lens shows a ray (x, y) where `project` has it: the distortion does not fold the image over there.
 bool shows(const Lens& lens, const Eigen::Vector2d& ray);
 /// Maps undistorted (x, y) to a pixel.
 Eigen::Vector2d project(const Lens& lens, const Eigen::Vector2d& ray, bool distort = true);

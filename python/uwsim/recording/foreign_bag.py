@@ -224,7 +224,7 @@ POINTS_OF: dict[str, Callable[[Any], NDArray[np.float32] | None]] = {
     "sensor_msgs/msg/PointCloud2": _cloud,
     "sensor_msgs/msg/LaserScan": _scan,
 }
-"""What is read of a message, by its type."""
+"""Readers of points, by the type of message."""
 
 
 def _time_ns(stamp: Any) -> int:

@@ -15,7 +15,7 @@ MARKS = {
     ".sdf": rb"thruster|buoyancy-engine",
     ".scn": rb"<robot|<include",
 }
-"""What the text of a description holds that may be a whole robot, by suffix."""
+"""Text in a description that may be a whole robot, by suffix."""
 SKIPPED = ("build", "install", "log", "node_modules")
 FILES_MAX, BYTES_MAX = 20_000, 2_000_000
 """Files of a folder that are looked at, and bytes of each."""

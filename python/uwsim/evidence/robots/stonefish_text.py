@@ -98,7 +98,7 @@ def formula(text: str) -> float:
 
 
 class Texts:
-    """What stands for the arguments, packages and formulas of a scenario and of the files that it includes.
+    """The values of the arguments, packages and formulas of a scenario and of the files that it includes.
 
     given: the arguments that a user states, by name. missing: those without a value, with the file that needs each.
     """

@@ -29,7 +29,7 @@ DENSITY_KG_M3, GRAVITY_M_S2 = 1000.0, 9.80665
 SENSORS = {"dvl": "dvl", "imu": "imu", "subsea_pressure": "pressure", "magnetometer": "compass"}
 """Kinds of sensors by words in the names of UUV Simulator's plugins."""
 LIKE = {"odometry-publisher": "odometry", "pose-publisher": "poses", "joint-state-publisher": "states of joints"}
-"""What others publish by a plugin, and uwsim without one."""
+"""Data that others publish by a plugin, and uwsim without one."""
 
 
 def put_plugins(robot: Robot, found: Found, plugins: Iterable[Element], links: Links, base: str) -> None:
