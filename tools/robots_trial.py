@@ -32,8 +32,8 @@ EXPANDER = ROOT / "python/uwsim/evidence/robots/xacro_process.py"
 LIMIT_S, AXES = 400.0, {"surge": 0, "sway": 1, "heave": 2, "yaw": 5}
 LEAST = np.array([0.2, 0.2, 0.2, 0.03, 0.03, 0.03])
 """A thruster with a smaller part along an axis, or a smaller lever about it [m], is not used on it."""
-GZ_N = 1000.0
-"""gz-sim's own bound of thrust."""
+GZ_N, DEPTH_M = 1000.0, -20.0
+"""gz-sim's own bound of thrust; the height of a flight, where water is hardly compressed."""
 
 ROBOTS = """
 uuvsimulator/uuv_simulator uuv_descriptions/robots/rexrov_default.xacro
@@ -324,7 +324,7 @@ def flown(vehicle: Path, starts: dict[str, float]) -> dict[str, float]:
         for second in range(300):
             for _ in range(round(1.0 / sim.scenario.step_s)):
                 held = speed * np.eye(6)[k]
-                sim.rov.place((0.0, 0.0, -100.0), velocity_body=held)
+                sim.rov.place((0.0, 0.0, DEPTH_M), velocity_body=held)
                 sim.rov.set_thrusters(commands)
                 sim.step()
                 moved = np.concatenate([sim.rov.velocity.linear_body_m_s, sim.rov.velocity.angular_body_rad_s])

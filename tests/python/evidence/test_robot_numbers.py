@@ -199,6 +199,14 @@ def test_parts_without_a_silhouette_are_refused_in_words(tmp_path: Path) -> None
         write_found(read_urdf(tmp_path / "sled.urdf"), tmp_path / "out")
 
 
+def test_a_link_that_no_joint_holds_is_left_out(tmp_path: Path) -> None:
+    loose = '<link name="buoy"><inertial><mass value="9"/></inertial></link></robot>'
+    (tmp_path / "sled.urdf").write_text((DATA / "sled.urdf").read_text().replace("</robot>", loose))
+    found = read_urdf(tmp_path / "sled.urdf")
+    assert found.robots[0].whole().mass_kg == 202.0
+    assert any("link 'buoy': no joint holds it" in note for note in found.notes)
+
+
 def test_a_table_of_pulse_widths_is_read_about_its_middle(tmp_path: Path) -> None:
     table = """<conversion><type>LinearInterp</type><inputValues>0 1099 1100 1480 1520 1900 1901</inputValues>
       <outputValues>0 0 -20 0 0 30 0</outputValues></conversion>"""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from uwsim.evidence.robots.robot import Lump, Mesh, Robot
+from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot
 from uwsim.evidence.robots.shapes import placed, volume_and_centre
 from uwsim.evidence.robots.xml_file import HERE, Element, Floats, Pose
 
@@ -62,13 +62,29 @@ class Links:
             raise of.error(f"there is no joint '{name}' among {', '.join(self.joints) or 'none'}")
         return self.joints[name]
 
-    def base(self) -> str:
-        """Return the link that is no joint's child. Raises ValueError unless there is exactly one."""
+    def base(self, found: Found) -> str:
+        """Return the link that is no joint's child, of the heaviest tree of links: others are left out.
+
+        Raises ValueError if there is none.
+        """
         children = {joint.child for joint in self.joints.values()}
-        roots = [name for name in self.poses if name not in children]
-        if len(roots) != 1:
-            raise self.element.error(f"must have one link that is no joint's child, not {', '.join(roots) or 'none'}")
-        return roots[0]
+        trees = {root: {root} for root in self.poses if root not in children}
+        if not trees:
+            raise self.element.error("must have a link that is no joint's child")
+        for tree in trees.values():
+            while new := {each.child for each in self.joints.values() if each.parent in tree} - tree:
+                tree |= new
+        masses = {
+            root: sum(self.lumps[each].mass_kg for each in tree if each in self.lumps) for root, tree in trees.items()
+        }
+        base = max(masses, key=lambda root: masses[root])
+        for root, tree in trees.items():
+            if root != base:
+                found.left_out(f"{self.element.path}/link '{root}': no joint holds it and those on it to '{base}'")
+                for name in tree - trees[base]:
+                    for parts in (self.lumps, self.solids):
+                        parts.pop(name, None)
+        return base
 
     def put_into(self, robot: Robot, base: str) -> None:
         """Add all masses and solids, in the frame of the base link."""

@@ -150,7 +150,7 @@ class _Reader:
         links = self._links(model, HERE)
         for missing in links.missing:
             self.found.left_out(missing)
-        base = links.base()
+        base = links.base(self.found)
         robot = Robot(name, pose.then(links.poses[base]))
         self.found.robots.append(robot)
         links.put_into(robot, base)

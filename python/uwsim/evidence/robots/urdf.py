@@ -39,7 +39,7 @@ def read_urdf(path: Path, found: Found | None = None) -> Found:
         raise root.error("must be <robot>")
     found.name = plain_name(root.name)
     links = _links(root, path, found)
-    base = links.base()
+    base = links.base(found)
     robot = Robot(plain_name(root.name), Pose(np.array([0.0, 0.0, -2.0]), np.eye(3)))
     found.assumed("the vehicle starts at 2 m of depth")
     to_base = links.poses[base].inverse()
