@@ -342,10 +342,15 @@ def tables(robots: list[Trial], worlds: list[Trial]) -> str:
     converted = [each for each in robots if not each.refusal]
     moved = [np.abs(np.array([*each.ratios.values()]) - 1.0).max() for each in converted if each.ratios]
     head = "| file | repository | converts | left out, assumed | speed flown / computed |\n|---|---|---|---|---|"
-    count = f"{len(converted)} of {len(robots)} robots convert. Of the {len(moved)} whose files state drag, "
+    bounded = sum("max_thrust" in " ".join(each.arguments) for each in converted)
+    count = (
+        f"{len(converted)} of {len(robots)} robots convert, {bounded} of them with a bound of thrust as an argument. "
+    )
+    count += f"Of the {len(moved)} whose files state drag, "
     lines = [f"{count}{sum(each <= 0.02 for each in moved)} move within 2 % of the speeds that it gives:", "", head]
     lines += [each.row() for each in robots]
-    lines += ["", f"{sum(not each.refusal for each in worlds)} of {len(worlds)} worlds convert:", "", head]
+    whole, bare = (sum(not each.refusal and each.outcome == kind for each in worlds) for kind in ("yes", "water only"))
+    lines += ["", f"{whole + bare} of {len(worlds)} worlds convert, {bare} of them as water only:", "", head]
     return "\n".join(lines + [each.row() for each in worlds]) + "\n"
 
 
