@@ -27,8 +27,6 @@ OTHERS: dict[str, set[str]] = {
     "coming-from": {  # names from the other simulators
         "AcousticBeaconSensor",
         "OpticalModemSensor",
-        "ProfilingSonar",
-        "SidescanSonar",
         "stonefish_simulator",
         "uuv_sensor_ros_plugins",
         "uuv_thruster_manager",
