@@ -49,6 +49,13 @@ def test_packages_are_found_by_their_manifests(workspace: Path, tmp_path: Path) 
     assert package_folder("parts", workspace) == tmp_path / "ws" / "common" / "pieces"
     assert package_folder("sled_description", workspace) == workspace.parents[1]
     assert package_folder("absent", workspace) is None
+    far = tmp_path / "other" / "deep" / "far"
+    far.mkdir(parents=True)
+    (far / "package.xml").write_text(PACKAGE.format("far"))
+    for checkout in ("ws", "other"):
+        (tmp_path / checkout / ".git").mkdir()
+    package_folder.cache_clear()
+    assert package_folder("far", workspace) == far, "of another checkout of the same workspace"
 
 
 def test_macros_are_expanded_with_the_arguments_given(workspace: Path) -> None:

@@ -28,13 +28,15 @@ def package_folder(name: str, near: Path) -> Path | None:
             return folder
         if (folder / name).is_dir():
             return folder / name
+    beside = False  # whether a folder holds the checkout, and others: a workspace
     for folder in above:
         for level in range(1, WITHIN + 1):
             for manifest in folder.glob("*/" * level + MANIFEST):
                 if manifest.parent.name == name or _named(manifest.parent) == name:
                     return manifest.parent
-        if (folder / ".git").exists():  # not in the folders of others' work
+        if beside:
             break
+        beside = (folder / ".git").exists()
     for key, below in SEARCHED.items():
         for text in os.environ.get(key, "").split(os.pathsep):
             if text and (folder := Path(text) / below / name).is_dir():
