@@ -56,6 +56,7 @@ export const COMMANDS = {
   inject_fault: ['kind'],
   end_fault: ['name'],
   hold: ['heading', 'depth', 'altitude', 'position', 'speed'],
+  hold_at: ['heading_rad', 'z_world_m'],
   set_winch: ['rate_m_s', 'tension_n'],
   set_joints: ['positions', 'speeds', 'torques'],
   start_navigation: ['use'],
