@@ -158,3 +158,20 @@ def test_a_checkout_is_enough_and_a_survey_s_outfit_is_added_on_demand(workspace
     assert fitted.returncode == 0, fitted.stderr
     sim = uwsim.Simulator(tmp_path / "b" / "sled_water.yaml")
     assert not missing_for_lanes(sim.rov).keys() & {SONAR, ALTIMETER}
+
+
+def test_a_checkout_s_calibration_is_that_of_the_camera_of_its_name(tmp_path: Path) -> None:
+    camera = """<gazebo reference="base"><sensor name="eye" type="camera"><camera><horizontal_fov>1.0</horizontal_fov>
+      <image><width>320</width><height>240</height></image></camera></sensor></gazebo></robot>"""
+    (tmp_path / "ws" / "config").mkdir(parents=True)
+    (tmp_path / "ws" / "sled.urdf").write_text((DATA / "sled.urdf").read_text().replace("</robot>", camera))
+    matrix = "camera_matrix: {rows: 3, cols: 3, data: [500.0, 0.0, 310.0, 0.0, 510.0, 250.0, 0.0, 0.0, 1.0]}"
+    text = f"""image_width: 640\nimage_height: 480\n{matrix}\ndistortion_model: plumb_bob
+distortion_coefficients: {{rows: 1, cols: 5, data: [-0.1, 0.01, 0.0, 0.0, 0.0]}}\n"""
+    for name in ("eye", "other"):
+        (tmp_path / "ws" / "config" / f"{name}.yaml").write_text(text)
+    done = command("scenario", "from", tmp_path / "ws", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "read: camera 'eye': its calibration" in done.stdout and "other.yaml': no camera has its name" in done.stdout
+    mount = uwsim.Simulator(tmp_path / "out" / "sled_water.yaml").scenario.vehicles[0].model.cameras["eye"]
+    assert (mount.width, mount.fx, mount.cy, mount.distortion[0]) == (640, 500.0, 250.0, -0.1)

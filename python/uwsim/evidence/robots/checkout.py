@@ -16,6 +16,7 @@ MARKS = {
     ".scn": rb"<robot|<include",
 }
 """Text in a description that may be a whole robot, by suffix."""
+CALIBRATION = b"camera_matrix"
 SKIPPED = ("build", "install", "log", "node_modules")
 FILES_MAX, BYTES_MAX = 20_000, 2_000_000
 """Files of a folder that are looked at, and bytes of each."""
@@ -49,6 +50,11 @@ def descriptions(folder: Path) -> list[Path]:
             str(file),
         ),
     )
+
+
+def calibrations(folder: Path) -> tuple[Path, ...]:
+    """Return the calibrations of cameras in a folder, by ROS or OpenCV."""
+    return tuple(file for file in _files(folder, (".yaml", ".yml")) if CALIBRATION in file.read_bytes()[:BYTES_MAX])
 
 
 def _may_be_robot(file: Path) -> bool:

@@ -121,12 +121,13 @@ class Given:
     """Values that a user states beside a file.
 
     arguments: of xacro and of Stonefish, by name. data: the folder to which Stonefish's paths are relative. outfit: a
-    use for which each vehicle gets what it lacks, `survey`: a multibeam and an altimeter.
+    use for which each vehicle gets what it lacks, `survey`: a multibeam and an altimeter. calibrations: of cameras.
     """
 
     arguments: Mapping[str, str] = field(default_factory=dict)
     data: Path | None = None
     outfit: str | None = None
+    calibrations: tuple[Path, ...] = ()
 
 
 @dataclass

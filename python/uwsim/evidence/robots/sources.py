@@ -7,7 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from uwsim.evidence.robots.checkout import descriptions, is_checkout
+from uwsim.evidence.robots.checkout import calibrations, descriptions, is_checkout
 from uwsim.evidence.robots.robot import Found, Given, plain_name
 from uwsim.evidence.scenario_source import Made, NotMadeError, ScenarioSource
 
@@ -52,10 +52,11 @@ def _from_checkout(folder: Path, out: Path | None, given: Mapping[str, Any]) -> 
     """Make the scenario of the likeliest description that is a vehicle, and name the others."""
     files = descriptions(folder)
     refused: list[str] = []
+    given = {**given, "calibrations": calibrations(folder)}
     for file in files[:TRIED]:
         source = next(each for each in (SDF, URDF, STONEFISH) if each.accepts(file))
         try:
-            made = source.make(file, out, {key: given[key] for key in given.keys() & {*source.options}})
+            made = source.make(file, out, {key: given[key] for key in given.keys() & {*source.options, "calibrations"}})
         except (ValueError, OSError) as error:
             refused.append(f"refused: {error}")
             continue

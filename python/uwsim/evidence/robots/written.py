@@ -20,6 +20,7 @@ from uwsim.evidence.robots.xml_file import Floats, Pose, yaw_pitch_roll_deg
 from uwsim.evidence.scenario_check.remedy import ALTITUDE as ALTIMETER
 from uwsim.evidence.vehicle.draft import drafted
 from uwsim.scenario.dump import yaml_text
+from uwsim.scenario.read.calibration import read_calibration
 from uwsim.simulator.simulator import Simulator
 
 ROOM_M, BED_MIN_M, BED_SPACING_M = 60.0, 20.0, 2.0
@@ -211,6 +212,7 @@ def _vehicle(robot: Robot, found: Found) -> tuple[Mesh, dict[str, Any], Floats]:
         own = {each.name: _fin(each, origin, found.density_kg_m3) for each in robot.fins}
         values["fins"] = values.get("fins", {}) | own
     _outfit(robot, found, hull[0] + origin)
+    _calibrate(robot, found)
     for key in ("sensors", "cameras", "imaging_sonars"):
         if parts := getattr(robot, key):
             values[key] = {name: _moved(part, origin) for name, part in parts.items()}
@@ -250,6 +252,27 @@ def _possible(name: str, moments: list[float], found: Found) -> list[float]:
         f"body has: the largest is {rest:.4g}, the sum of the others"
     )
     return [float(np.round(rest, 9)) if value == most else value for value in moments]
+
+
+def _calibrate(robot: Robot, found: Found) -> None:
+    """Give cameras the calibrations that are named as they are; a single file is that of a single camera."""
+    files = found.given.calibrations
+    for file in files:
+        names = {plain_name(file.stem), file.stem.split(".")[0]}
+        own = [name for name in robot.cameras if name in names]
+        if len(files) == len(robot.cameras) == 1:
+            own = list(robot.cameras)
+        if not own:
+            found.left_out(f"calibration '{file}': no camera has its name; a camera's key calibration takes it")
+            continue
+        try:
+            fields = read_calibration(file)
+        except ValueError as error:
+            found.left_out(f"calibration of camera '{own[0]}': {error}")
+            continue
+        kept = {key: value for key, value in robot.cameras[own[0]].items() if key != "field_of_view_deg"}
+        robot.cameras[own[0]] = {**kept, **fields}
+        found.noted(f"read: camera '{own[0]}': its calibration, '{file}'")
 
 
 def _hull(robot: Robot, found: Found) -> tuple[Mesh, Floats]:
