@@ -49,6 +49,11 @@ export class EditorScene extends Stage {
     this.setLarge(true);
   }
 
+  // Whether every part can be pointed at: none is still under way from the server.
+  get isWhole() {
+    return Boolean(this.#solids?.isWhole);
+  }
+
   // The place at which a part is added, if none is marked in sight: on the bed, in the middle of the picture.
   get middle() {
     if (!this.controls) return [0, 0];
@@ -121,6 +126,7 @@ export class EditorScene extends Stage {
     this.camera.near = Math.min(0.5, 0.05 * away);
     this.camera.updateProjectionMatrix();
     this.#solids.scale(this.camera, this.canvas.clientHeight);
+    this.canvas.ariaBusy = `${!this.isWhole}`;
   }
 
   noted() {

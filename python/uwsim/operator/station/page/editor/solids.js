@@ -91,6 +91,12 @@ export class PartSolids {
     this.show();
   }
 
+  // Whether each obstacle is shown as it is now, and can be pointed at.
+  get isWhole() {
+    const obstacles = this.#parts.list.filter(({ section }) => section === 'obstacles');
+    return obstacles.every((part, k) => this.#solids[k]?.key === keyOf(part));
+  }
+
   // Nodes of the obstacles' solids, each with the index of its part.
   *nodes() {
     for (const [k, solid] of this.#solids.entries()) if (solid) yield /** @type {[number, any]} */ ([k, solid.node]);
