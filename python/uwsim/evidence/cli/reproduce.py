@@ -19,6 +19,10 @@ def reproduce(
     """Reproduce the paper's figures with uwsim.
 
     Writes fig01.png to fig12.png, the values behind them (figures.json), and index.html.
+
+    The paper: Akash Chaudhary, Rajat Mishra, Bharath Kalyan and Mandar Chitre, "Development of an Underwater Simulator
+    using Unity3D and Robot Operating System", OCEANS 2021 MTS/IEEE, 2021. Its project and nodes, for which we thank
+    them: https://github.com/org-arl/UWRoboticsSimulator
     """
     from uwsim.evidence.reproduce import reproduce_paper
 
