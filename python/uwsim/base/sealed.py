@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 from uwsim.base.did_you_mean import did_you_mean
@@ -20,6 +20,8 @@ class Sealed:
     _fixed_when: ClassVar[str] = "the simulator is made"
     _changed_by: ClassVar[Mapping[str, str]] = {}
     """The method that changes each attribute, such as {"effort": "set_effort()"}."""
+    _meant: ClassVar[Mapping[str, str]] = {}
+    """What is there for a name that others use, such as {"save": "save_state()"}."""
     _declared: ClassVar[frozenset[str]] = frozenset()
     _assignable: ClassVar[frozenset[str]] = frozenset()
 
@@ -49,12 +51,17 @@ class Sealed:
         attribute = f"{owner.__name__}.{name}"
         known = owner._known()
         if name not in known:
-            return f"{attribute}: unknown attribute{did_you_mean(name, known)}"
+            return f"{attribute}: unknown attribute{owner._hint(name, known)}"
         if name in owner._changed_by:
             return f"{attribute}: cannot be assigned; use {owner._changed_by[name]}"
         if callable(getattr(owner, name, None)):
             return f"{attribute}: cannot be assigned; it is a method: call it"
         return f"{attribute}: cannot be assigned; it is fixed when {owner._fixed_when}"
+
+    @classmethod
+    def _hint(cls, name: str, known: Iterable[str], written: Mapping[str, str] | None = None) -> str:
+        meant = cls._meant.get(name.lower())
+        return f"; did you mean {meant}?" if meant else did_you_mean(name, known, written)
 
     @classmethod
     def _known(cls) -> set[str]:
@@ -77,7 +84,7 @@ class UnknownAttributeError(AttributeError):
         parts = {each: held for each, held in vars(self._owner).items() if isinstance(held, Named)}
         items = {item: f"{part}['{item}']" for part, held in reversed(parts.items()) for item in held}
         written = {item: path for item, path in items.items() if item not in known}
-        hint = did_you_mean(self._name, {*known, *written}, written)
+        hint = self._owner._hint(self._name, {*known, *written}, written)
         return f"{type(self._owner).__name__}.{self._name}: unknown attribute{hint}"
 
 

@@ -93,6 +93,17 @@ class Simulator(SimulatorProperties):
             "world": "the scenario",
         }
     )
+    _meant = MappingProxyType(
+        {
+            "save": "save_state()",
+            "load": "restore_state()",
+            "restore": "restore_state()",
+            "state": "save_state(), or rov.pose and rov.velocity",
+            "run": "advance()",
+            "position": "rov.pose.position_world_m",
+            "close": "del sim: there is nothing to close",
+        }
+    )
 
     def __init__(
         self,

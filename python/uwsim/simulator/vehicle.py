@@ -66,6 +66,16 @@ class Vehicle(CommandedVehicle):
             "all_stopped": "all_stop()",
         }
     )
+    _meant = (
+        dict.fromkeys(("position", "location", "xyz"), "pose.position_world_m")
+        | dict.fromkeys(("orientation", "attitude", "quaternion", "roll", "pitch"), "pose.orientation_xyzw")
+        | dict.fromkeys(("yaw", "heading"), "pose.yaw_rad")
+        | {
+            "state": "pose, velocity or telemetry()",
+            "depth": "telemetry().depth_m",
+            "speed": "velocity.linear_body_m_s",
+        }
+    )
 
     def __init__(
         self,

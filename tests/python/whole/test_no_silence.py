@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -80,7 +81,14 @@ def test_maps_controllers_and_missions_refuse_such_assignments_too(sim, make, na
 
 @pytest.mark.parametrize(
     ("name", "meant"),
-    [("imuu", "sensors['imu']"), ("front", "cameras['front']"), ("sonr", "'sonar'"), ("efort", "'effort'")],
+    [
+        ("imuu", "sensors['imu']"),
+        ("front", "cameras['front']"),
+        ("sonr", "'sonar'"),
+        ("efort", "'effort'"),
+        ("position", "pose.position_world_m"),
+        ("roll", "pose.orientation_xyzw"),
+    ],
 )
 def test_an_unknown_attribute_is_refused_with_the_part_or_attribute_of_that_name(
     sim: Simulator, name: str, meant: str
@@ -90,6 +98,14 @@ def test_an_unknown_attribute_is_refused_with_the_part_or_attribute_of_that_name
     assert str(refused.value) == f"Vehicle.{name}: unknown attribute; did you mean {meant}?"
     assert str(pickle.loads(pickle.dumps(refused.value))) == str(refused.value)
     assert not hasattr(sim.rov, name)
+
+
+def test_each_name_that_others_use_leads_to_something_that_is_there(sim: Simulator) -> None:
+    for owner in (sim, sim.rov):
+        for name, meant in type(owner)._meant.items():
+            assert not hasattr(owner, name)
+            for path in re.findall(r"[a-z]+[_.(][\w.()]*", meant):
+                assert eval(f"owner.{path.removesuffix('()')}", {"owner": owner}) is not None
 
 
 def test_new_gains_take_effect(sim: Simulator) -> None:
