@@ -3,6 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
+#include <cstddef>
+#include <numbers>
+#include <unsupported/Eigen/FFT>
+#include <utility>
 
 #include "uwsim/camera/parallel_rows.h"
 #include "uwsim/camera/ripples.h"
@@ -12,6 +17,7 @@ namespace uwsim {
 namespace {
 
 constexpr double kSunRadius_rad = 0.00465;
+constexpr double kNothingLeft = 16;  // exp(-16) of a pattern is not seen
 constexpr int kCells = Ripples::kCells;
 constexpr int kLevels = camera::kCausticLevels;
 constexpr int kWrap = Ripples::kWrap;
@@ -75,26 +81,70 @@ struct Landings {
   }
 };
 
-/// One pass of the filter (w, 1 - 2 w, w) along each axis, with wrap-around at the tile's edges.
-void blur(Grid& light, float w) {
-  Grid other(light.size());
-  const auto mixed = [w](float before, float here, float after) { return (1 - 2 * w) * here + w * (before + after); };
-  for (int y = 0; y < kCells; ++y) {
-    const float* row = light.data() + y * kCells;
-    float* out = other.data() + y * kCells;
-    for (int x = 1; x < kWrap; ++x) out[x] = mixed(row[x - 1], row[x], row[x + 1]);
-    out[0] = mixed(row[kWrap], row[0], row[1]);
-    out[kWrap] = mixed(row[kWrap - 1], row[kWrap], row[0]);
+using Complex = std::complex<float>;
+
+/// The share of each wave of a tile that is left, for the waves (x, y) with x and y from 0 to half of kCells.
+struct WavesLeft {
+  static constexpr int kSide = kCells / 2 + 1;
+  std::array<float, static_cast<std::size_t>(kSide* kSide)> share;
+
+  WavesLeft(double short_slope, const FocusWater& water, double depth_m) {
+    // A disc of radius r has the variance r^2 / 4 along each axis. The least variance smooths away the lattice of rays.
+    const double sun = 0.5 * kSunRadius_rad, ruffled = (1 - 1 / water.refractive_index) * short_slope;
+    const double variance = std::max((sun * sun + ruffled * ruffled) * depth_m * depth_m, 0.15 * kCell_m * kCell_m);
+    constexpr double kFirst_per_m = 2 * std::numbers::pi / Ripples::kTile_m;
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x <= y; ++x) {
+        const double k = kFirst_per_m * std::sqrt(x * x + y * y), spread = 0.5 * variance * k * k;
+        at(x, y) = at(y, x) =
+            spread > kNothingLeft ? 0 : static_cast<float>(std::exp(-spread) * pattern_left(water, k, depth_m));
+      }
+    }
   }
-  for (int y = 0; y < kCells; ++y) {
-    const float* before = other.data() + ((y - 1) & kWrap) * kCells;
-    const float* here = other.data() + y * kCells;
-    const float* after = other.data() + ((y + 1) & kWrap) * kCells;
-    for (int x = 0; x < kCells; ++x) light[y * kCells + x] = mixed(before[x], here[x], after[x]);
+
+  float& at(int x, int y) { return share[static_cast<std::size_t>(y * kSide + x)]; }
+  float of(int x, int y) const {
+    return share[static_cast<std::size_t>(std::min(y, kCells - y) * kSide + std::min(x, kCells - x))];
+  }
+};
+
+void transform(std::vector<Complex>& tile, bool inverse) {
+  Eigen::FFT<float> fft;
+  std::vector<Complex> line(kCells), changed(kCells);
+  for (const auto& [step, between] : {std::pair(1, kCells), std::pair(kCells, 1)}) {
+    for (int k = 0; k < kCells; ++k) {
+      Complex* const first = tile.data() + static_cast<std::ptrdiff_t>(k) * between;
+      for (int j = 0; j < kCells; ++j) line[static_cast<std::size_t>(j)] = first[static_cast<std::ptrdiff_t>(j) * step];
+      inverse ? fft.inv(changed, line) : fft.fwd(changed, line);
+      for (int j = 0; j < kCells; ++j) {
+        first[static_cast<std::ptrdiff_t>(j) * step] = changed[static_cast<std::size_t>(j)];
+      }
+    }
   }
 }
 
-Grid caustic_level(const RaySlopes& rays, double depth_m, double bend) {
+/// Spreads the light of two tiles, each of which repeats: together, as the real and the imaginary part of one.
+void spread(Grid& one, const WavesLeft& of_one, Grid& two, const WavesLeft& of_two) {
+  std::vector<Complex> both(one.size());
+  for (std::size_t k = 0; k < both.size(); ++k) both[k] = {one[k], two[k]};
+  transform(both, false);
+  std::vector<Complex> left(both.size());
+  for (int y = 0; y < kCells; ++y) {
+    for (int x = 0; x < kCells; ++x) {
+      const auto at = static_cast<std::size_t>(y * kCells + x);
+      const Complex here = both[at];
+      const Complex there =
+          std::conj(both[static_cast<std::size_t>(((kCells - y) & kWrap) * kCells + ((kCells - x) & kWrap))]);
+      left[at] = 0.5f * of_one.of(x, y) * (here + there) + 0.5f * of_two.of(x, y) * (here - there);
+    }
+  }
+  transform(left, true);
+  for (std::size_t k = 0; k < left.size(); ++k) {
+    one[k] = std::max(left[k].real(), 0.0f), two[k] = std::max(left[k].imag(), 0.0f);
+  }
+}
+
+Grid focused(const RaySlopes& rays, double bend, double depth_m) {
   const auto reach = static_cast<float>(depth_m * bend / kCell_m);
   ImageBuffer<Shares> sums;
   sums.assign(kCells * kCells, Shares{});
@@ -116,24 +166,33 @@ Grid caustic_level(const RaySlopes& rays, double depth_m, double bend) {
       light[y * kCells + x] = here[x][0] + here[left][1] + below[x][2] + below[left][3];
     }
   }
-  // A disc of radius r has the variance r^2 / 4 along each axis; one pass of the filter adds 2 w cells^2.
-  const double sigma = 0.5 * kSunRadius_rad * depth_m / kCell_m;
-  double variance = std::max(sigma * sigma, 0.15);  // the minimum smooths away the lattice of rays
-  for (; variance > 0; variance -= 0.5) blur(light, static_cast<float>(0.5 * std::min(variance, 0.5)));
   return light;
 }
 
 }  // namespace
 
-std::vector<float> caustics_under(const std::vector<float>& slopes, double refractive_index, int first_level,
-                                  int threads) {
+double pattern_left(const FocusWater& water, double wave_number_per_m, double path_m) {
+  const double x = water.scattering_rad * wave_number_per_m * path_m;
+  const double kept = x > 1e-6 ? -std::expm1(-x) / x : 1 - 0.5 * x;
+  return std::exp(-water.scattering_per_m * path_m * (1 - kept));
+}
+
+std::vector<float> caustics_under(const std::vector<float>& slopes, double short_slope, const FocusWater& water,
+                                  int first_level, int threads) {
   RaySlopes rays;
   for_rows(kRays, threads, [&](int row, int) { fill_ray_slopes(slopes, row, rays); });
   std::vector<float> caustics(static_cast<std::size_t>(kCells) * kCells * kLevels);
-  for_rows(kLevels - first_level, threads, [&](int above, int) {
-    const int level = first_level + above;
-    const Grid light = caustic_level(rays, kFirstCausticLevel_m * std::exp2(level), 1 - 1 / refractive_index);
-    for (std::size_t k = 0; k < light.size(); ++k) caustics[k * kLevels + level] = light[k];
+  const auto depth_m = [](int level) { return kFirstCausticLevel_m * std::exp2(level); };
+  static_assert(kLevels % 2 == 0);  // each level has the same partner, and so the same rounding
+  for_rows(kLevels / 2 - first_level / 2, threads, [&](int pair, int) {
+    const int upper = 2 * (first_level / 2 + pair), lower = upper + 1;
+    const double bend = 1 - 1 / water.refractive_index;
+    Grid one = focused(rays, bend, depth_m(upper)), two = focused(rays, bend, depth_m(lower));
+    spread(one, WavesLeft(short_slope, water, depth_m(upper)), two, WavesLeft(short_slope, water, depth_m(lower)));
+    for (std::size_t k = 0; k < one.size(); ++k) {
+      caustics[k * kLevels + lower] = two[k];
+      caustics[k * kLevels + upper] = one[k];
+    }
   });
   return caustics;
 }

@@ -13,6 +13,9 @@ namespace {
 // Fraction of scattering that removes light from the sun's beam; the rest is scattered forward within about 15 degrees
 // and still casts shadows. Assumed; of the order of Petzold's 1972 measurements.
 constexpr double kScatteredAway = 0.2;
+// Mean angle of that forward scattering: Petzold's phase functions fall as about theta^-1.5, of which a third of 15
+// degrees is the mean.
+constexpr double kForward_rad = 0.087;
 constexpr double kSunlight_lx = 1e5;  // illuminance that corresponds to irradiance 1 in daylight.h
 
 void assign(float (&to)[3], const Eigen::Vector3d& from) {
@@ -56,6 +59,10 @@ struct PatternPlace {
 
 }  // namespace
 
+FocusWater focus_water(const Optics& optics) {
+  return {optics.water.refractive_index, (1 - kScatteredAway) * optics.water.scattering(1), kForward_rad};
+}
+
 PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const Optics& optics,
                            const PictureRequest& request)
     : anchor_world_m(request.world_from_camera.position_m) {
@@ -77,10 +84,11 @@ PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const
     view.waves = waves_.emplace(scene.world().water, anchor_world_m, request.time_s, request.threads).nodes();
   }
   set_light(optics, request);
+  set_swell(scene.world().water, focus_water(optics));
   const bool has_ripples =
       !request.geometry_only && optics.wind_m_s > 0 && (view.has_surface || on.has(Effect::kCaustics));
   if (has_ripples) {
-    ripples_ = scene.ripples(optics.wind_m_s, optics.wind_towards_rad, request.time_s, optics.water.refractive_index,
+    ripples_ = scene.ripples(optics.wind_m_s, optics.wind_towards_rad, request.time_s, focus_water(optics),
                              first_caustic_level(request), request.threads);
     view.slopes = ripples_->slopes.data();
     view.caustics = ripples_->caustics.data();
@@ -224,6 +232,21 @@ void PreparedView::set_light(const Optics& optics, const PictureRequest& request
   assign(view.beam, above.beam);
   assign(view.sky, above.sky);
   assign(view.to_sun, above.to_sun_world);
+}
+
+/// The waves' curvature, as far as they focus light: its standard deviation, and the wave number that has most of it.
+void PreparedView::set_swell(const Water& water, const FocusWater& focus) {
+  view.focus_b = static_cast<float>(focus.scattering_per_m);
+  view.focus_rad = static_cast<float>(focus.scattering_rad);
+  if (!water.waves) return;
+  double fourth = 0, sixth = 0;
+  for (const WaveComponent& wave : water.waves->components()) {
+    const double k = wave_number_rad_m(wave.angular_frequency_rad_s, water.waves->depth_m(), water.gravity_m_s2);
+    const double slope = k * wave.amplitude_m;
+    fourth += 0.5 * slope * slope * k * k, sixth += 0.5 * slope * slope * k * k * k * k;
+  }
+  view.swell_curvature = static_cast<float>(std::sqrt(fourth));
+  view.swell_per_m = fourth > 0 ? static_cast<float>(std::sqrt(sixth / fourth)) : 0;
 }
 
 void PreparedView::set_lamps(const PictureRequest& request) {

@@ -62,7 +62,8 @@ class Rendering {
     if (!request_.geometry_only && on(Effect::kShafts) && view_.camera_in_water && view_.has_backscatter &&
         view_.beam_level[1] > 0) {
       shafts_ = cast_shafts(view_, tracer_, kernels_, request_, costs_);
-      view_.shafts = shafts_.data();
+      view_.shafts = shafts_.light.data();
+      view_.shaft_reach = shafts_.reach_m.data();
       view_.shaft_width = (view_.width + kBlockSide - 1) / kBlockSide;
     }
     // Parts of an exposure see the lamps from different places, and coarse pictures have no smooth blocks.
@@ -194,7 +195,8 @@ class Rendering {
       kernels_.add_glow(view_, left, top, block);
       timer.add(kLampLight);
     }
-    if (scatters_ && first) block.veil = block.radiance, block.first_reach = block.reach;
+    if (first) block.first_reach = block.reach;
+    if (scatters_ && first) block.veil = block.radiance;
     kernels_.add_sky(view_, block);
     timer.add(kWater);
     if (any(block.lit)) {
@@ -298,7 +300,7 @@ class Rendering {
   bool scatters_ = false;
   DirectLight direct_;
   camera::RadiancePlanes radiance_{};
-  std::vector<float> shafts_;
+  ShaftImage shafts_;
   std::optional<LampGlow> glow_;
   std::vector<Particle> particles_;
   // One per part of a row of blocks, so that their sum does not depend on the number of threads

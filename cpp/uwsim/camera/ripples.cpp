@@ -42,7 +42,8 @@ Ripples::Ripples(double wind_m_s, double wind_towards_rad, std::uint64_t seed) {
       variance += 0.5 * slope * slope;
     }
   }
-  const double scale = wind_m_s > 0 ? std::sqrt(0.5 * (0.003 + 0.00512 * wind_m_s) / variance) : 0;
+  const double half = wind_m_s > 0 ? 0.5 * (0.003 + 0.00512 * wind_m_s) : 0, scale = std::sqrt(half / variance);
+  short_slope_ = std::sqrt(0.5 * half);
   for (Wave& wave : waves_) wave.slope_x *= scale, wave.slope_y *= scale;
 }
 
@@ -97,11 +98,11 @@ void Ripples::fill_slopes(double time_s, int threads, std::vector<float>& slopes
   });
 }
 
-Ripples::Snapshot Ripples::at(double time_s, double refractive_index, int first_level, int threads) const {
+Ripples::Snapshot Ripples::at(double time_s, const FocusWater& water, int first_level, int threads) const {
   Snapshot snapshot;
   snapshot.first_level = first_level;
   fill_slopes(time_s, threads, snapshot.slopes);
-  snapshot.caustics = caustics_under(snapshot.slopes, refractive_index, first_level, threads);
+  snapshot.caustics = caustics_under(snapshot.slopes, short_slope_, water, first_level, threads);
   return snapshot;
 }
 

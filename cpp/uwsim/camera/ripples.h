@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "uwsim/camera/caustics.h"
 #include "uwsim/camera/kernels/view.h"
 
 namespace uwsim {
@@ -11,8 +12,8 @@ namespace uwsim {
 /// repeats every kTile_m, drawn from a seed; each wave propagates by omega^2 = g k + (0.074 N/m / rho) k^3. Slope
 /// variance is equal in each octave of wave number (the saturated range, Phillips 1958), with cos^2 spreading about the
 /// wind and lengths from kTile_m down to 0.32 m. The slopes' variance is half of 0.003 + 0.00512 U (Cox and Munk 1954,
-/// J. Opt. Soc. Am. 44:838, for a wind of U m/s at 12.5 m, up to 14 m/s): half, because shorter waves are omitted (this
-/// factor is assumed).
+/// J. Opt. Soc. Am. 44:838, for a wind of U m/s at 12.5 m, up to 14 m/s): half, because shorter waves, which have the
+/// other half, only spread the light that these focus (this factor is assumed).
 class Ripples {
  public:
   static constexpr int kCells = camera::kRippleCells;
@@ -28,7 +29,7 @@ class Ripples {
     std::vector<float> caustics;  ///< see caustics.h
     int first_level;              ///< the first level of the caustics that was computed
   };
-  Snapshot at(double time_s, double refractive_index, int first_level, int threads) const;
+  Snapshot at(double time_s, const FocusWater& water, int first_level, int threads) const;
 
  private:
   static constexpr int kMostWaves = 20;  // largest number of waves per tile along an axis
@@ -39,6 +40,7 @@ class Ripples {
   void fill_slopes(double time_s, int threads, std::vector<float>& slopes) const;
 
   std::vector<Wave> waves_;  // i >= 0, sorted by i
+  double short_slope_ = 0;   // standard deviation along each axis of the slopes of shorter waves
 };
 
 static_assert(static_cast<float>(Ripples::kTile_m) == camera::kRippleTile_m);

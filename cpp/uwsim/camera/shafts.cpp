@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "uwsim/camera/block_mask.h"
 #include "uwsim/camera/parallel_rows.h"
@@ -16,6 +17,7 @@ using camera::kBlockSide;
 constexpr int kSamples = 8;
 constexpr int kShare = 2;  // groups of 2 x 2 values share shadow rays and the end of the ray
 constexpr int kGroup = kShare * kBlockSide;
+constexpr float kSharpness = 8;  // as kShaftSharpness of kernels/shafts.h
 
 class ShaftCaster {
  public:
@@ -27,7 +29,8 @@ class ShaftCaster {
         request_(request),
         columns_((view.width + kBlockSide - 1) / kBlockSide),
         rows_((view.height + kBlockSide - 1) / kBlockSide),
-        light_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 1.0f) {}
+        light_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 1.0f),
+        reach_m_(light_.size(), 0.0f) {}
 
   /// A strip is half of two rows of blocks of values.
   int strips() const { return 2 * ((rows_ + kGroup - 1) / kGroup); }
@@ -47,26 +50,27 @@ class ShaftCaster {
     }
   }
 
-  std::vector<float> smoothed() const {
-    std::vector<float> across(light_.size()), out(light_.size());
-    const auto row_of = [this](auto& values, int y) { return values.data() + std::clamp(y, 0, rows_ - 1) * columns_; };
-    const auto mean = [](float before, float here, float after) {
-      return 0.25f * before + 0.5f * here + 0.25f * after;
-    };
+  /// The light, each value mixed with those of its neighbours whose rays end about as far away.
+  ShaftImage smoothed() && {
+    std::vector<float> out(light_.size());
+    constexpr std::array<float, 3> kShare{0.25f, 0.5f, 0.25f};
     for (int y = 0; y < rows_; ++y) {
-      const float* const from = row_of(light_, y);
-      float* const to = row_of(across, y);
-      const int last = columns_ - 1;
-      to[0] = mean(from[0], from[0], from[std::min(1, last)]);
-      for (int x = 1; x < last; ++x) to[x] = mean(from[x - 1], from[x], from[x + 1]);
-      if (last > 0) to[last] = mean(from[last - 1], from[last], from[last]);
+      for (int x = 0; x < columns_; ++x) {
+        const int here = y * columns_ + x;
+        const float own_m = reach_m_[here], per_m = kSharpness / std::max(own_m, 0.1f);
+        float sum = 0, whole = 0;
+        for (int v = std::max(y - 1, 0); v <= std::min(y + 1, rows_ - 1); ++v) {
+          for (int u = std::max(x - 1, 0); u <= std::min(x + 1, columns_ - 1); ++u) {
+            const int there = v * columns_ + u;
+            const float apart = (reach_m_[there] - own_m) * per_m;
+            const float weight = kShare[v - y + 1] * kShare[u - x + 1] / (1 + apart * apart * apart * apart);
+            sum += weight * light_[there], whole += weight;
+          }
+        }
+        out[here] = sum / whole;
+      }
     }
-    for (int y = 0; y < rows_; ++y) {
-      const float *before = row_of(across, y - 1), *here = row_of(across, y), *after = row_of(across, y + 1);
-      float* const to = row_of(out, y);
-      for (int x = 0; x < columns_; ++x) to[x] = mean(before[x], here[x], after[x]);
-    }
-    return out;
+    return {std::move(out), std::move(reach_m_)};
   }
 
  private:
@@ -129,9 +133,11 @@ class ShaftCaster {
     }
     for (int lane = 0; lane < kBlockPixels; ++lane) {
       const int i = left + lane % kBlockSide, j = top + lane / kBlockSide;
-      if (i >= columns_ || j >= rows_ || !(whole[static_cast<std::size_t>(lane)] > 0)) continue;
-      light_[static_cast<std::size_t>(j * columns_ + i)] =
-          lit[static_cast<std::size_t>(lane)] / whole[static_cast<std::size_t>(lane)];
+      if (i >= columns_ || j >= rows_) continue;
+      const auto at = static_cast<std::size_t>(j * columns_ + i);
+      reach_m_[at] = std::min(block.reach.at[lane], 3 / view_.c[1]);
+      if (!(whole[static_cast<std::size_t>(lane)] > 0)) continue;
+      light_[at] = lit[static_cast<std::size_t>(lane)] / whole[static_cast<std::size_t>(lane)];
     }
   }
 
@@ -140,17 +146,17 @@ class ShaftCaster {
   const camera::Kernels& kernels_;
   const PictureRequest& request_;
   int columns_, rows_;
-  std::vector<float> light_;
+  std::vector<float> light_, reach_m_;
 };
 
 }  // namespace
 
-std::vector<float> cast_shafts(const camera::View& view, const Tracer& tracer, const camera::Kernels& kernels,
-                               const PictureRequest& request, std::vector<RenderCost>& costs) {
+ShaftImage cast_shafts(const camera::View& view, const Tracer& tracer, const camera::Kernels& kernels,
+                       const PictureRequest& request, std::vector<RenderCost>& costs) {
   ShaftCaster caster(view, tracer, kernels, request);
   for_rows(caster.strips(), static_cast<int>(costs.size()),
            [&](int strip, int worker) { caster.cast(strip, costs[static_cast<std::size_t>(worker)]); });
-  return caster.smoothed();
+  return std::move(caster).smoothed();
 }
 
 }  // namespace uwsim

@@ -10,10 +10,14 @@
 namespace uwsim {
 
 /// Shafts of sunlight, one value for each block of 4 x 4 pixels: the sunlight along the ray through the block's middle,
-/// relative to its mean; 0 in full shadow, above 1 where ripples focus it. Sampled at eight points per ray, then
-/// smoothed over neighbouring blocks. Groups of 2 x 2 blocks share their casts: the end of the ray, and the shadows at
+/// relative to its mean; 0 in full shadow, above 1 where ripples focus it; and how far along that ray it counts.
+struct ShaftImage {
+  std::vector<float> light, reach_m;
+};
+
+/// Sampled at eight points per ray, then smoothed over neighbouring blocks whose rays end about as far away. Groups of 2 x 2 blocks share their casts: the end of the ray, and the shadows at
 /// its sample points.
-std::vector<float> cast_shafts(const camera::View& view, const Tracer& tracer, const camera::Kernels& kernels,
+ShaftImage cast_shafts(const camera::View& view, const Tracer& tracer, const camera::Kernels& kernels,
                                const PictureRequest& request, std::vector<RenderCost>& costs);
 
 }  // namespace uwsim

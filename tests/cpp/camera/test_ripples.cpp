@@ -2,26 +2,62 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+#include <vector>
+
 #include "uwsim/camera/caustics.h"
 
 namespace uwsim {
 namespace {
 
+/// The mean of a level, and its coefficient of variation.
+std::pair<double, double> mean_and_cv(const Ripples::Snapshot& snapshot, int level) {
+  double sum = 0, square = 0;
+  for (std::size_t k = static_cast<std::size_t>(level); k < snapshot.caustics.size(); k += camera::kCausticLevels) {
+    sum += snapshot.caustics[k], square += snapshot.caustics[k] * snapshot.caustics[k];
+  }
+  const double cells = Ripples::kCells * Ripples::kCells, mean = sum / cells;
+  return {mean, std::sqrt(std::max(square / cells - mean * mean, 0.0)) / mean};
+}
+
 TEST(Ripples, CausticsConserveLightAndSlopesHaveTheVarianceOfCoxAndMunk) {
   const Ripples ripples(5, 0.3, 11);
-  const Ripples::Snapshot snapshot = ripples.at(3.7, 1.333, 0, 2);
+  const Ripples::Snapshot snapshot = ripples.at(3.7, FocusWater{}, 0, 2);
   for (int level = 0; level < camera::kCausticLevels; ++level) {
-    double sum = 0, square = 0;
-    for (std::size_t k = static_cast<std::size_t>(level); k < snapshot.caustics.size(); k += camera::kCausticLevels) {
-      sum += snapshot.caustics[k], square += snapshot.caustics[k] * snapshot.caustics[k];
-    }
-    const double cells = Ripples::kCells * Ripples::kCells;
-    EXPECT_NEAR(sum / cells, 1, 1e-4) << level;
-    EXPECT_GT(square / cells, 1.005) << level;  // the light is uneven
+    EXPECT_NEAR(mean_and_cv(snapshot, level).first, 1, 1e-4) << level;
   }
   double variance = 0;
   for (const float slope : snapshot.slopes) variance += slope * slope;
   EXPECT_NEAR(variance / (Ripples::kCells * Ripples::kCells), 0.5 * (0.003 + 0.00512 * 5), 0.15 * 0.0143);
+}
+
+// Waves focus light at depths of some times their length; below, it evens out, the sooner the more the water scatters.
+TEST(Ripples, FocusedLightFadesWithDepthAndScattering) {
+  const Ripples ripples(5, 0.3, 11);
+  std::vector<double> clearer(camera::kCausticLevels, 10.0);
+  for (const double b : {0.0, 0.05, 0.3}) {
+    const Ripples::Snapshot snapshot = ripples.at(3.7, {1.333, b, 0.087}, 0, 2);
+    std::vector<double> cv;
+    for (int level = 0; level < camera::kCausticLevels; ++level) cv.push_back(mean_and_cv(snapshot, level).second);
+    const auto most = std::ranges::max_element(cv);
+    if (b > 0) {
+      EXPECT_TRUE(std::ranges::is_sorted(most, cv.end(), std::greater())) << b;
+      EXPECT_LE(most - cv.begin(), 3) << b;                // at most 4 m deep
+      EXPECT_GT(*most, (b > 0.1 ? 7 : 1.4) * cv[5]) << b;  // at 16 m
+    }
+    for (int level = 0; level < camera::kCausticLevels; ++level) EXPECT_LT(cv[level], clearer[level]) << b << level;
+    clearer = cv;
+  }
+}
+
+TEST(Ripples, APatternIsLeftAsWellsHasIt) {
+  const FocusWater water{1.333, 0.2, 0.1};
+  EXPECT_NEAR(pattern_left(water, 1e-9, 10), 1, 1e-8);              // even light is not changed
+  EXPECT_NEAR(pattern_left(water, 1e6, 10), std::exp(-2.0), 1e-5);  // of fine patterns, what is not scattered
+  EXPECT_NEAR(pattern_left(water, 2, 10), std::exp(-2 * (1 - (1 - std::exp(-2.0)) / 2)), 1e-12);
 }
 
 }  // namespace

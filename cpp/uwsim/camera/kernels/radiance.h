@@ -33,7 +33,7 @@ void write_radiance(const View& view, int left, int top, const Block& block, con
                     BlockFloats& root_luminance) {
   Vector light = load(block.radiance);
   const Vector beam = load(block.sun_backscatter);
-  light = light + (view.shaft_width > 0 ? beam * shaft_at(view, left, top) : beam);
+  light = light + (view.shaft_width > 0 ? beam * shaft_at(view, left, top, load(block.first_reach.at)) : beam);
   BlockVectors rows;
   store(rows, light);
   write_plane(view, left, top, rows.x.at, planes.red);

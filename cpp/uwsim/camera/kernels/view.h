@@ -5,7 +5,7 @@
 /// The constants of one picture: camera, terrain, water, light, lamps. Units and axes are as in block.h.
 namespace uwsim::camera {
 
-inline constexpr int kRippleCells = 128, kCausticLevels = 6;
+inline constexpr int kRippleCells = 128, kCausticLevels = 8;
 inline constexpr float kRippleTile_m = 6.4f, kFirstCausticLevel_m = 0.5f;
 inline constexpr double kTextureRepeat_m = 256;             // an integer number of ripple tiles: 40
 inline constexpr float kPatch_per_m = 0.7f;                 ///< number of large patches of materials per metre
@@ -88,9 +88,11 @@ struct View {
   float upwelling[3];                   ///< fraction of downwelling light that returns
   float beam_level[3], total_level[3];  ///< irradiance on a level surface just below the water's surface
   float to_sun_in_water[3];
-  float beam[3], sky[3], to_sun[3];  ///< in air
-  const float *caustics, *slopes;    ///< from Ripples::Snapshot; null if there are no ripples
-  float bend;                        ///< 1 - 1 / refractive_index
+  float beam[3], sky[3], to_sun[3];    ///< in air
+  const float *caustics, *slopes;      ///< from Ripples::Snapshot; null if there are no ripples
+  float bend;                          ///< 1 - 1 / refractive_index
+  float focus_b, focus_rad;            ///< scattering [1/m] that spreads focused light, and its mean angle
+  float swell_curvature, swell_per_m;  ///< of the waves: standard deviation [1/m], and its wave number
   WaveNodes waves;
 
   const Material* materials;
@@ -101,8 +103,8 @@ struct View {
   int lamp_count;
   const SpotLight* lamps;
   LampGlow glow;
-  int shaft_width;  ///< number of blocks in a row of the shafts' image; 0 for no shafts
-  const float* shafts;
+  int shaft_width;                    ///< number of blocks in a row of the shafts' image; 0 for no shafts
+  const float *shafts, *shaft_reach;  ///< the light along each block's ray, and how far along it counts [m]
 };
 
 }  // namespace uwsim::camera
