@@ -44,7 +44,7 @@ class ShaftCaster {
       cast_shared(left, top, shadows, cost, timer);
       for (int part = 0; part < kShare * kShare; ++part) {
         const int x = part % kShare * kBlockSide, y = part / kShare * kBlockSide;
-        if (left + x < columns_ && top + y < rows_) sample(left + x, top + y, x, y, shadows);
+        if (left + x < columns_ && top + y < rows_) sample(left + x, top + y, x, y, shadows, cost);
       }
       timer.add(kWater);
     }
@@ -74,9 +74,11 @@ class ShaftCaster {
   }
 
  private:
-  /// Data shared by a group of values: the ends of rays, and which of their sample points are in shadow.
+  /// Data shared by a group of values: the ends of rays, unless these are at different distances, and which of their
+  /// sample points are in shadow.
   struct Shadows {
     camera::BlockFloats distance;
+    bool is_even;  // the rays end about as far away
     std::array<camera::BlockMask, kSamples> blocked;
   };
 
@@ -96,6 +98,8 @@ class ShaftCaster {
     cost.shaft_rays += count(block.active);
     tracer_.locate_hits(view_, kernels_, hits, block);
     shadows.distance = block.distance;
+    const auto [least, most] = std::ranges::minmax(block.distance.at);
+    shadows.is_even = most <= least * (1 + 1 / kSharpness);  // also where all are infinite
     shadows.blocked = {};
     if (request_.effects.has(Effect::kShadows)) {
       kernels_.apply_water(view_, block);
@@ -110,7 +114,7 @@ class ShaftCaster {
   }
 
   /// Computes the block of values at (left, top), which is at (x, y) in its group.
-  void sample(int left, int top, int x, int y, const Shadows& shadows) {
+  void sample(int left, int top, int x, int y, const Shadows& shadows, RenderCost& cost) {
     Block block;
     std::array<std::size_t, kBlockPixels> shared;
     start_rays(left, top, kBlockSide / 2, kBlockSide, block);
@@ -118,6 +122,12 @@ class ShaftCaster {
       const int column = (x + lane % kBlockSide) / kShare, row = (y + lane / kBlockSide) / kShare;
       shared[static_cast<std::size_t>(lane)] = static_cast<std::size_t>(row * kBlockSide + column);
       block.distance.at[lane] = shadows.distance.at[row * kBlockSide + column];
+    }
+    if (!shadows.is_even) {
+      HitPacket hits;
+      tracer_.cast(block, Tracer::everywhere(), hits, RayOrder::kCoherent);
+      cost.shaft_rays += count(block.active);
+      tracer_.locate_hits(view_, kernels_, hits, block);
     }
     kernels_.apply_water(view_, block);
     std::array<float, kBlockPixels> lit{}, whole{};

@@ -15,9 +15,9 @@ struct ShaftImage {
   std::vector<float> light, reach_m;
 };
 
-/// Sampled at eight points per ray, then smoothed over neighbouring blocks whose rays end about as far away. Groups of 2 x 2 blocks share their casts: the end of the ray, and the shadows at
-/// its sample points.
+/// Sampled at eight points per ray, then smoothed over neighbouring blocks whose rays end about as far away. Groups of
+/// 2 x 2 blocks share the shadows at their sample points, and the ends of their rays where these are alike.
 ShaftImage cast_shafts(const camera::View& view, const Tracer& tracer, const camera::Kernels& kernels,
-                               const PictureRequest& request, std::vector<RenderCost>& costs);
+                       const PictureRequest& request, std::vector<RenderCost>& costs);
 
 }  // namespace uwsim

@@ -245,6 +245,34 @@ TEST_F(Renderer, DeepPicturesNeedOnlyDeepCaustics) {
   }
 }
 
+// Water beside a near pillar is as bright as it would be without it: values of shafts, which are coarse, belong to rays
+// of about the same length.
+TEST_F(Renderer, ShaftsDoNotLeakAroundNearSolids) {
+  World with_pillar = hilly_lake();
+  with_pillar.add_solid("pillar", box_mesh({-2.5, 0.1, -4}, {0.2, 0.3, 6}));
+  const CameraScene other(with_pillar, std::make_shared<RayScene>(with_pillar), 7);
+  PictureRequest request = from({-4, 0, -3}, -0.3);
+  request.lamps.clear();
+  for (const Effect effect : {Effect::kShadows, Effect::kParticles, Effect::kNoise, Effect::kForwardScatter}) {
+    request.effects.set(effect, false);
+  }
+  optics.wind_m_s = 8;
+  const Picture without = render(scene, *camera, optics, request), with = render(other, *camera, optics, request);
+  request.effects.set(Effect::kShafts, false);
+  const Picture even = render(scene, *camera, optics, request);
+  int compared = 0;
+  double error = 0, contrast = 0;
+  for (std::size_t k = 0; k < with.depth_m.size(); ++k) {
+    if (with.depth_m[k] != without.depth_m[k]) continue;
+    const std::size_t g = 3 * k + 1;
+    ++compared;
+    error = std::max(error, std::abs(double{with.radiance[g]} / without.radiance[g] - 1));
+    contrast = std::max(contrast, std::abs(double{without.radiance[g]} / even.radiance[g] - 1));
+  }
+  EXPECT_GT(compared, 3000);
+  EXPECT_LT(error, 0.2 * contrast);
+}
+
 /// The cosine similarity of two pictures of particles: 1 for the same particles, about 0 for others.
 double likeness(const std::vector<float>& a, const std::vector<float>& b) {
   const Eigen::Map<const Eigen::VectorXf> first(a.data(), static_cast<Eigen::Index>(a.size()));
