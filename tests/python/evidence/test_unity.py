@@ -101,9 +101,10 @@ def test_meshes_are_where_unity_shows_them(project: Path) -> None:
     for piece in (turned, left):  # outward in a right-handed frame
         a, b, c = (piece.vertices * (-1.0, 1.0, 1.0))[piece.triangles].transpose(1, 0, 2)
         assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0 == pytest.approx(1.0)
-    assert sorted(scene.dropped) == [
-        "Away: inactive", "Dark: its renderer is off", "Lost: its file is not in the checkout"
-    ]  # fmt: skip
+    lost = "left out: Lost: its file is not in the checkout"
+    assert sorted(scene.left_out) == ["left out: Away: inactive", "left out: Dark: its renderer is off", lost]
+    scene.drop(("Found", "Later"), "its file is not in the checkout")
+    assert lost.replace("Lost", "Lost and 1 more") in scene.left_out
 
 
 def test_the_identifier_of_a_mesh_is_unity_s() -> None:
@@ -192,7 +193,7 @@ def test_names_are_a_scenario_s_and_links_out_of_the_checkout_are_not_followed(p
     (project / "Assets/Pair.fbx").rename(tmp_path / "Pair.fbx")
     (project / "Assets/Pair.fbx").symlink_to(tmp_path / "Pair.fbx")
     made = scenario_from(Project(project), project / "Assets/LawnTest.unity", tmp_path / "lake")
-    assert any("Pair: its file is not in the checkout" in note for note in made.notes)
+    assert any("more: its file is not in the checkout" in note for note in made.notes)
     assert [one.name for one in load(made.path).obstacles] == ["obstacle_0"]
 
 

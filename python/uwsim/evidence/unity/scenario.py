@@ -44,9 +44,7 @@ def scenario_from(project: Project, scene: Path, out: Path, *, terrain: str = TE
     and survey are those of the packaged scenario `paper`. Raises ValueError or OSError.
     """
     read = read_scene(project, scene)
-    notes = [
-        f"left out: {reason}" + (f" ({count} times)" if count > 1 else "") for reason, count in read.dropped.items()
-    ]
+    notes = read.left_out
     groups: dict[str, list[Piece]] = {}
     for piece in read.pieces:
         groups.setdefault(piece.body[0] if piece.body else piece.path[0], []).append(piece)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ LEFT_HANDED = np.diag([-1.0, 1.0, 1.0, 1.0])
 """Unity mirrors the x of a file's points and transforms, since its frames are left-handed (y up, z forward)."""
 BUILT_IN = {10202: "cube", 10206: "cylinder", 10207: "sphere", 10209: "plane"}
 MAX_PREFABS, MAX_DEPTH = 10_000, 20
+OFF = ("inactive", "its renderer is off")
 TRANSFORMS = ("Transform", "RectTransform")
 FIELDS = {"m_LocalPosition": "xyz", "m_LocalRotation": "xyzw", "m_LocalScale": "xyz"}
 
@@ -41,11 +41,28 @@ class Piece:
 
 @dataclass
 class Scene:
-    """The pieces of a scene. prefabs: instances so far. dropped: how many objects were left out, by reason."""
+    """The pieces of a scene. prefabs: instances so far. dropped: the objects that were left out, by reason."""
 
     pieces: list[Piece] = field(default_factory=list)
     prefabs: int = 0
-    dropped: Counter[str] = field(default_factory=Counter)
+    dropped: dict[str, list[str]] = field(default_factory=dict)
+
+    def drop(self, path: Iterable[str], reason: str) -> None:
+        """Note an object that is left out."""
+        self.dropped.setdefault(reason, []).append("/".join(path))
+
+    @property
+    def left_out(self) -> list[str]:
+        """A line for each object that was left out, and one for each file that several of them lack."""
+        return [
+            f"left out: {name}{more}: {reason}"
+            for reason, names in self.dropped.items()
+            for name, more in (
+                [(each, "") for each in names]
+                if reason in OFF or len(names) == 1
+                else [(names[0], f" and {len(names) - 1} more")]
+            )
+        ]
 
 
 def read_scene(project: Project, path: Path) -> Scene:
@@ -101,7 +118,7 @@ class _File:
         name = str(changes.get((owner, "m_Name"), known.values["m_Name"] if known else "?"))
         path = (*path, name)
         if known is not None and not int(changes.get((owner, "m_IsActive"), known.values["m_IsActive"])):
-            self._scene.dropped[f"{'/'.join(path)}: inactive"] += 1
+            self._scene.drop(path, OFF[0])
             return
         parts = {part.kind: part.values for part in self._parts.get(owner, [])}
         world = world @ _local(transform, identifier, changes)
@@ -110,7 +127,7 @@ class _File:
             if int(parts.get("MeshRenderer", {}).get("m_Enabled", 0)):
                 self._mesh(parts["MeshFilter"]["m_Mesh"], world, path, body)
             else:
-                self._scene.dropped[f"{'/'.join(path)}: its renderer is off"] += 1
+                self._scene.drop(path, OFF[1])
         for child in transform["m_Children"]:
             below = self._documents.get(child["fileID"])
             if below is not None and not below.stripped:
@@ -130,7 +147,7 @@ class _File:
         for mesh in found:
             self._add(mesh, world @ LEFT_HANDED, path, body)
         if models and not found:
-            self._scene.dropped[f"{'/'.join(path)}: has no mesh {number} in {file and self._project.named(file)}"] += 1
+            self._scene.drop(path, f"has no mesh {number} in {file and self._project.named(file)}")
 
     def _model(self, file: Path | None, path: tuple[str, ...]) -> list[NodeMesh]:
         """Return the meshes of a model file; none, and the reason among the dropped, if it cannot be read."""
@@ -145,7 +162,7 @@ class _File:
             except ValueError as error:
                 reason = f"{self._project.named(file)}: {error}"
         if reason:
-            self._scene.dropped[f"{'/'.join(path)}: {reason}"] += 1
+            self._scene.drop(path, reason)
             return []
         return self._models[file]  # type: ignore[index]  # there is one without a reason
 
@@ -164,7 +181,7 @@ class _File:
             _File(self._project, file, self._scene, self._models, self._depth + 1).read(world, path, body, changes)
             return
         if any(key == "m_IsActive" and not int(value) for (_, key), value in changes.items()):
-            self._scene.dropped[f"{'/'.join((*path, name))}: inactive"] += 1
+            self._scene.drop((*path, name), OFF[0])
             return
         models = self._model(file, (*path, name))
         root = next((target for target, key in changes if key == "m_RootOrder"), 0)
