@@ -14,6 +14,7 @@ from uwsim.instruments.sample_stream import SampleStream
 from uwsim.instruments.sonars.soundings import sound_speed_profile
 from uwsim.mapping.files.dvl_ensemble import DvlEnsemble, DvlHead, DvlWriter, WaterCells
 from uwsim.mapping.files.swath import EPOCH_NS
+from uwsim.scenario.build.water import require_temperature
 from uwsim.simulator.simulator import Simulator
 
 DVL, ADCP = "dvl", "adcp"
@@ -37,6 +38,7 @@ class RawDvl:
                 f"--raw {path}: holds a Doppler log: '{sim.rov.name}' must have a sensor of kind {DVL} or {ADCP}"
             )
         self._sensors = [first[kind] for kind in (DVL, ADCP) if kind in first]  # the first gives the pings
+        require_temperature(sim.parameters.scenario.water, f"--raw {path}")
         self._water = sound_speed_profile(sim.world.water)
         self._streams: list[SampleStream] = []
         self._cells: list[tuple[int, Array]] = []  # times and readings that no ping has yet

@@ -35,6 +35,7 @@ from uwsim.scenario.build.simulation import simulation_spec
 from uwsim.scenario.build.station import carrier_index, dock_position, exit_position, fixed_station_m
 from uwsim.scenario.build.tether import add_tethers
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
+from uwsim.scenario.build.water import temperature_is_known
 from uwsim.scenario.build.world import beyond_terrain, fill_with_water, scenario_water
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint, warn_of_other_build
 from uwsim.scenario.read.collected import Collected
@@ -216,6 +217,7 @@ class Simulator(SimulatorProperties):
             navigate=lambda rov, start: new_navigator(rov, start, self.world.water, fixed_station_m(self.scenario)),
             control=control,
             beyond_terrain=lambda *place_m: beyond_terrain(self._world, self.scenario, *place_m),
+            temperature_is_known=lambda: temperature_is_known(self.parameters.scenario.water),
             tether=self.tethers.get(entry.name),
             joints=sensed(entry.model.arm or {}, entry.name, self.step_s, lambda: self.seed),
         )

@@ -97,6 +97,7 @@ class Vehicle(CommandedVehicle):
         navigate: Callable[[Vehicle, Start], Navigator],
         control: ControlSettings,
         beyond_terrain: Callable[[float, float, float], str | None],
+        temperature_is_known: Callable[[], bool],
         tether: Tether | None = None,
         joints: Sensed | None = None,
     ) -> None:
@@ -105,6 +106,7 @@ class Vehicle(CommandedVehicle):
         self.name = spec.name
         self.control = control
         self._beyond_terrain = beyond_terrain
+        self._temperature_is_known = temperature_is_known
         self.tether = tether
         self.arm = Arm(simulation, index, spec.arm, self.set_joints, joints) if spec.arm else None
         sensors: dict[str, Sensor[Any]] = {
@@ -325,9 +327,20 @@ class Vehicle(CommandedVehicle):
         return self._simulation.battery(self._index)
 
     def telemetry(self) -> _core.Telemetry:
-        """The panel described in the seed paper: speed, depth, pressure, temperature, distances, battery, warnings."""
+        """The panel described in the seed paper: speed, depth, pressure, temperature, distances, battery, warnings.
+
+        The temperature is NaN if the scenario's water has a profile of sound speed alone.
+        """
         version = self._simulation.version
         last = self._last_panel
         if last is None or last[0] != version:
-            self.__dict__["_last_panel"] = last = version, self._simulation.telemetry(self._index)
+            self.__dict__["_last_panel"] = last = version, self._panel()
         return last[1]
+
+    def _panel(self) -> _core.Telemetry:
+        panel = self._simulation.telemetry(self._index)
+        if self._temperature_is_known():
+            return panel
+        without = _core.Telemetry.__new__(_core.Telemetry)
+        without.__setstate__({**panel.to_dict(), "temperature_deg_c": math.nan})
+        return without

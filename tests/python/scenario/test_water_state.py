@@ -89,7 +89,7 @@ def test_a_cast_whose_density_contradicts_its_salinity_is_refused(tmp_path: Path
         "depth_m,temperature_deg_c,salinity_psu,density_kg_m3\n0,15,35,1026\n10,14,35,1000\n"
     )
     got = refusal({"profile": {"kind": "table", "file": "cast.csv"}}, folder=tmp_path)
-    assert "cast.csv': levels[1].density_kg_m3 = 1000 kg/m3: must be within 5 kg/m3 of" in got
+    assert "cast.csv': line 3: density_kg_m3 = 1000 kg/m3: must be within 5 kg/m3 of" in got
 
 
 def test_rounded_densities_and_those_measured_in_place_agree() -> None:

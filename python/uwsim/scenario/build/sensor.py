@@ -40,6 +40,12 @@ def sensor_spec(name: str, sensor: SensorMount, earth: Earth | None = None) -> _
     )
 
 
+def measures_temperature(sensor: SensorMount) -> bool:
+    """Return whether a sensor, or the source of one in Python, measures the water's temperature."""
+    kind = sensor_kind(sensor.kind)
+    return (kind.source if isinstance(kind, DerivedKind) else sensor.kind) in ("temperature", "ctd")
+
+
 def _noise_spec(noise: Noise) -> _core.NoiseSpec:
     low, high = noise.limits or (-math.inf, math.inf)
     return _core.NoiseSpec(

@@ -20,9 +20,9 @@ from uwsim.scenario.build.craft import craft
 from uwsim.scenario.build.gravity import gravity_m_s2
 from uwsim.scenario.build.labels import backscatter_by_label
 from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
-from uwsim.scenario.build.sensor import sensor_spec
+from uwsim.scenario.build.sensor import measures_temperature, sensor_spec
 from uwsim.scenario.build.start_pose import start_pose
-from uwsim.scenario.build.water import surface_density_kg_m3
+from uwsim.scenario.build.water import require_temperature, surface_density_kg_m3
 from uwsim.scenario.build.wind import windage
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.scenario import Scenario
@@ -59,6 +59,9 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     spec.docked = vehicle.start is None
     spec.windage = windage(model, density_kg_m3)
     spec.wrenches = [applied_wrench(wrench, scenario.step_s) for wrench in vehicle.wrenches]
+    for name, sensor in model.sensors.items():
+        if measures_temperature(sensor):
+            require_temperature(scenario.water, f"sensor '{name}'", at=("sensors", name))
     spec.sensors = [sensor_spec(name, sensor, scenario.earth) for name, sensor in model.sensors.items()]
     if model.arm is not None:
         spec.arm = link_specs(model.arm)

@@ -29,3 +29,7 @@ class ScenarioError(ValueError):
 
 class RepairWarning(UserWarning):
     """Issued when a file was repaired before use. The message describes the repair in one line."""
+
+
+class CastWarning(UserWarning):
+    """Issued where a cast is not used as a whole, or lacks what is assumed instead. The message is one line."""

@@ -23,6 +23,8 @@ Salinity = Annotated[float, InRange(0, SALTIEST_PSU, "psu")]
 Density = Annotated[float, InRange(900, 1100, "kg/m3")]
 SoundSpeed = Annotated[float, InRange(1300, 1900, "m/s")]
 Depth = Annotated[float, InRange(0, DEEPEST_M, "m")]
+ASSUMED_DEG_C = 10.0
+"""The temperature for which density, absorption of sound and compression are computed where it is unknown."""
 BottomDepth = Annotated[float, InRange(0.1, DEEPEST_M, "m")]
 MetresPerSecond = Annotated[float, InRange(-5, 5, "m/s")]
 Velocity = tuple[MetresPerSecond, MetresPerSecond, MetresPerSecond]
@@ -194,12 +196,13 @@ CurrentSpecs = Annotated[
 class WaterLevel(Model):
     """The properties of the water at a depth.
 
-    depth_m, temperature_deg_c: depth and temperature of the level. salinity_psu, density_kg_m3: must agree with each
-    other. sound_speed_m_s: speed of sound, at all levels or none; by default derived from the other properties.
+    depth_m: depth of the level. temperature_deg_c: its temperature, at all levels or none; only a level with a speed of
+    sound may be without. salinity_psu, density_kg_m3: must agree with each other. sound_speed_m_s: speed of sound, at
+    all levels or none; by default derived from the other properties.
     """
 
     depth_m: Depth
-    temperature_deg_c: Celsius
+    temperature_deg_c: Celsius | None = None
     salinity_psu: Salinity | None = None
     density_kg_m3: Density | None = None
     sound_speed_m_s: SoundSpeed | None = None
@@ -207,18 +210,30 @@ class WaterLevel(Model):
     def state(self, *, in_place: bool = False) -> WaterState:
         """Return density and salinity. in_place: whether the density was measured at the depth of this level."""
         depth_m = self.depth_m if in_place else 0.0
-        return WaterState(self.density_kg_m3, self.salinity_psu, (self.temperature_deg_c,), depth_m)
+        warm = ASSUMED_DEG_C if self.temperature_deg_c is None else self.temperature_deg_c
+        return WaterState(self.density_kg_m3, self.salinity_psu, (warm,), depth_m)
+
+    @model_validator(mode="after")
+    def _has_temperature_or_sound(self) -> WaterLevel:
+        if self.temperature_deg_c is None and self.sound_speed_m_s is None:
+            raise broken("must be given, or sound_speed_m_s", at=("temperature_deg_c",))
+        return self
 
 
 class TableProfile(Model):
     """A profile of the water that is linear between levels, which are listed here or in a file.
 
-    levels: from the surface down. file: instead, a CSV file whose columns are the levels' keys.
+    levels: from the surface down. file: instead, a cast: a CSV file whose columns are the levels' keys, or a file of an
+    instrument (uwsim.scenario.read.cast_file). temperature_deg_c, salinity_psu: those of the water, if the levels do
+    not have them. Without any temperature, that of the water is unknown: what measures it is refused, and density,
+    absorption of sound and compression are those of 10 deg C. By default, salinity is 0, or derived from density.
     """
 
     kind: Literal["table"]
     levels: Annotated[tuple[WaterLevel, ...], Field(min_length=1, max_length=10_000)] | None = None
     file: AssetFile | None = None
+    temperature_deg_c: Celsius | None = None
+    salinity_psu: Salinity | None = None
 
     @model_validator(mode="after")
     def _is_one_table(self) -> TableProfile:
@@ -227,9 +242,20 @@ class TableProfile(Model):
         if self.levels is not None:
             _check_depths_rise(self.levels)
             for index, level in enumerate(self.levels):
-                if (level.sound_speed_m_s is None) != (self.levels[0].sound_speed_m_s is None):
-                    raise broken("must be given at all levels or at none", at=("levels", index, "sound_speed_m_s"))
+                for key in ("temperature_deg_c", "sound_speed_m_s"):
+                    if (getattr(level, key) is None) != (getattr(self.levels[0], key) is None):
+                        raise broken("must be given at all levels or at none", at=("levels", index, key))
+            self.completed(self.levels)
         return self
+
+    def completed(self, levels: tuple[WaterLevel, ...]) -> tuple[WaterLevel, ...]:
+        """Return levels with the temperature and salinity that are given for all. Raises an error of validation."""
+        given = {"temperature_deg_c": self.temperature_deg_c, "salinity_psu": self.salinity_psu}
+        given = {key: value for key, value in given.items() if value is not None}
+        for key in given:
+            if any(getattr(level, key) is not None for level in levels):
+                raise broken("must not be given: the levels have it", at=(key,), value=given[key])
+        return tuple(level.model_copy(update=given) for level in levels) if given else levels
 
 
 class LinearEnd(Model):
@@ -353,7 +379,7 @@ class Water(Model):
         elif isinstance(self.profile, FieldProfile):
             return  # the file is read later
         elif self.profile is not None:
-            for index, level in enumerate(self.profile.levels or ()):
+            for index, level in enumerate(self.profile.completed(self.profile.levels or ())):
                 yield ("profile", "levels", index), level.state(in_place=not self.compressible)
         else:
             yield (), self.state()

@@ -17,6 +17,8 @@ def idle(model: Model, field: str) -> str:
     """Return the reason why a field has no effect, or an empty string if it has one."""
     if isinstance(model, Water):
         return _of_water(model, field)
+    if isinstance(model, TableProfile) and any(getattr(level, field, None) is not None for level in model.levels or ()):
+        return "the levels have it"
     if isinstance(model, Optics) and field == "jerlov" and model.coefficients is not None:
         return "optics.coefficients are given"
     if isinstance(model, VehicleModel) and field == "ballast_position_m" and model.ballast_kg == 0:

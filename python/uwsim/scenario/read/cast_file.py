@@ -1,0 +1,387 @@
+"""Casts, the measured columns of water that survey and oceanography have: files of sound speed, temperature, salinity.
+
+A file is recognised by its content: CARIS (.svp), Kongsberg (.asvp), Sea-Bird (.cnv, as text), Argo (NetCDF), the
+Valeport probes that do not name their columns, and any table whose columns have names: those of AML, Valeport, Digibar,
+CastAway, SAIV, Idronaut, ELAC, or a CSV. Rows of two numbers without names are depth and speed of sound. Columns are
+separated by commas, semicolons, tabs or spaces; decimals may have commas where these do not separate.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.cut_short import warn_if_cut_short
+from uwsim.base.texts.text_file import read_limited
+from uwsim.scenario.read.cast_quantity import LATITUDE_DEG, PRESSURE, depth_at_m, quantity_of, unit_of
+from uwsim.scenario.read.hdf5_file import SIGNATURE
+from uwsim.scenario.read.netcdf_file import CLASSIC, read_netcdf
+
+Floats = NDArray[np.float64]
+
+
+class Range(Protocol):
+    """The lowest and the highest value, and their unit."""
+
+    low: float
+    high: float
+    unit: str
+
+
+Limits = Mapping[str, Range]
+"""By the keys of a profile's levels."""
+MOST_BYTES, MOST_LEVELS = 1 << 27, 10_000
+NUMBER = re.compile(r"[-+]?(\d+[.,]?\d*|[.,]\d+)([eE][-+]?\d+)?")
+COMMENT = ("#", "%", "*", "!")
+WIDTH = 11
+"""Characters of a column in a .cnv, where columns may touch."""
+VALEPORT = {
+    "MiniSVP": "pressure,temperature,sound velocity",
+    "RapidSVT": "pressure,temperature,sound velocity",
+    "RapidSV": "pressure,sound velocity",
+    "MiniCTD": "pressure,temperature,conductivity",
+}
+BAD_QC = (b"3", b"4", b"9")
+"""Argo's flags (Argo user's manual, table 2): probably bad, bad, missing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cast:
+    """A cast from the surface down. columns: by the keys of a profile's levels. lines: of the file, one for each level.
+
+    lines: empty for a file that is no text. notes: what was left out or assumed.
+    """
+
+    columns: Mapping[str, Floats]
+    lines: Sequence[int]
+    notes: Sequence[str]
+
+
+class _Table(NamedTuple):
+    """labels: names of columns. units: of the columns, where a line below the names has them. rows: line and cells."""
+
+    labels: Sequence[str]
+    units: Sequence[str]
+    rows: Sequence[tuple[int, Sequence[str]]]
+    notes: Sequence[str] = ()
+    bad: float = math.nan
+
+
+def read_cast(path: Path, name: str = "", limits: Limits | None = None) -> Cast:
+    """Read a cast. name: the file's name, for messages. Raises ValueError with name, line and rule.
+
+    limits: what every value below the surface must be in.
+    """
+    name = name or str(path)
+    data = read_limited(path, name, MOST_BYTES)
+    if data.startswith((CLASSIC, SIGNATURE)):
+        columns, notes = _argo(path, name)
+        return _levels(name, columns, [], notes, limits or {})
+    lines = _lines(data, name)
+    warn_if_cut_short(name, data)
+    table = next(filter(None, (reader(name, lines) for reader in READERS)), None)
+    if table is None:
+        raise ValueError(
+            f"{name}: not a cast: no line names its columns, depth or pressure and sound speed or temperature, and its "
+            "rows are not two numbers, depth and sound speed: give it a line such as depth_m,sound_speed_m_s above them"
+        )
+    return _levels(name, *_numbers(name, table), limits or {})
+
+
+def _lines(data: bytes, name: str) -> list[str]:
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        text = data.decode("utf-16", "replace")
+    else:
+        try:
+            text = data.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            text = data.decode("latin-1")
+    if "\0" in text:
+        raise ValueError(f"{name}: a binary file, expected a cast as text or NetCDF")
+    return io.StringIO(text, newline=None).read().split("\n")
+
+
+def _split(line: str) -> list[str]:
+    """Return a line's cells, separated by what it has: tabs, semicolons, commas or spaces."""
+    for separator in "\t;":
+        if separator in line:
+            return [cell.strip().strip('"') for cell in line.split(separator)]
+    words = line.split()
+    if "," in line and not (len(words) > 1 and all(NUMBER.fullmatch(word) for word in words)):
+        return [cell.strip().strip('"') for cell in line.split(",")]
+    return words
+
+
+def _named_cells(line: str) -> list[str]:
+    """Return the cells of a line if they name the columns of a cast, else none."""
+    text = line.lstrip("#%*! ").removeprefix("Columns=")
+    cells = _split(text if "\t" in text or "," in text or ";" in text else re.sub(r"\s+([\[(])", r"\1", text))
+    keys = {found[0] for cell in cells if (found := quantity_of(cell))}
+    is_cast = keys & {"depth_m", PRESSURE} and keys & {"temperature_deg_c", "sound_speed_m_s"}
+    return cells if is_cast else []
+
+
+def _is_data(cells: Sequence[str]) -> bool:
+    return sum(bool(NUMBER.fullmatch(cell)) for cell in cells) >= 2
+
+
+def _sea_bird(name: str, lines: list[str]) -> _Table | None:
+    end = next((k for k, line in enumerate(lines) if line.startswith("*END*")), None)
+    if end is None or not lines[0].startswith("*"):
+        return None
+    labels, bad = [], math.nan
+    for k, line in enumerate(lines[:end]):
+        if found := re.match(r"# name \d+ = ([^:]*):(.*)", line):
+            units = re.search(r"\[([^\]]*)\]", found[2])
+            labels.append(f"{found[1]} [{units[1] if units else ''}]")
+        elif found := re.match(r"# bad_flag = (\S+)", line):
+            bad = _number(found[1], f"{name}:{k + 1}: bad_flag")
+        elif line.startswith("# file_type = binary"):
+            raise ValueError(f"{name}:{k + 1}: a .cnv whose values are binary: must be text (Sea-Bird's ASCII Out)")
+    rows = []
+    for k, line in enumerate(lines[end + 1 :], end + 2):
+        cells = line.split()
+        if len(cells) != len(labels):
+            cells = [line[at : at + WIDTH].strip() for at in range(0, WIDTH * len(labels), WIDTH)]
+        if line.strip() and (rows or _is_data(line.split())):
+            rows.append((k, cells))
+    is_flagged = bool(labels) and labels[-1].startswith("flag")
+    good = [row for row in rows if not (is_flagged and _is_bad(row[1][-1], bad))]
+    left = len(rows) - len(good)
+    return _Table(labels, (), good, [f"{left} samples that are flagged as bad are left out"] if left else [], bad)
+
+
+def _is_bad(cell: str, bad: float) -> bool:
+    return bool(NUMBER.fullmatch(cell)) and float(cell.replace(",", ".")) == bad
+
+
+def _sections(name: str, lines: list[str]) -> _Table | None:
+    """Read CARIS and Kongsberg, whose rows are depth and speed of sound."""
+    is_caris = lines[0].upper().startswith("[SVP_VERSION_")
+    if not is_caris and not re.match(r"\(\s*SoundVelocity", lines[0], re.IGNORECASE):
+        return None
+    head = re.compile(r"Section\b" if is_caris else r"\(")
+    starts = [k for k, line in enumerate(lines) if head.match(line.strip())]
+    if not starts:
+        raise ValueError(f"{name}: has no line 'Section ...', below which the values are")
+    stop = starts[1] if len(starts) > 1 else len(lines)
+    rows = [(k + 1, lines[k].split()) for k in range(starts[0] + 1, stop) if lines[k].strip()]
+    notes = [f"the first of its {len(starts)} casts is used"] if len(starts) > 1 else []
+    stated = re.search(r"(\d+)\s*\)\s*$", lines[0])
+    if not is_caris and stated and int(stated[1]) != len(rows):
+        notes.append(f"its first line states {int(stated[1])} levels, but it has {len(rows)}")
+    return _Table(("depth", "sound speed"), (), rows, notes)
+
+
+def _valeport(name: str, lines: list[str]) -> _Table | None:
+    """Read the text of Valeport's probes that do not name their columns."""
+    head = "\n".join(lines[:40])
+    kind = re.search(rf"^({'|'.join(VALEPORT)}): ", head, re.MULTILINE)
+    unit = re.search(r"^Pressure units: (\S+)", head, re.MULTILINE)
+    if not kind or not unit:
+        return None
+    labels = VALEPORT[kind[1]].split(",")
+    labels[0] = "depth" if unit[1] == "m" else f"pressure [{unit[1]}]"
+    begin = head.count("\n", 0, unit.start()) + 1
+    return _Table(labels, (), [(k + 1, _split(lines[k])) for k in range(begin, len(lines)) if lines[k].strip()])
+
+
+def _columns(name: str, lines: list[str]) -> _Table | None:
+    """Read a table whose columns are named above its rows."""
+    labels: list[str] = []
+    units: list[str] = []
+    rows: list[tuple[int, Sequence[str]]] = []
+    for k, line in enumerate(lines, 1):
+        if not line.strip():
+            continue
+        if rows:
+            if line.lstrip().startswith("["):
+                break
+            if not line.lstrip().startswith(COMMENT):
+                rows.append((k, _split(line)))
+        elif named := _named_cells(line):
+            labels, units = named, []
+        elif labels and _is_data(cells := _split(line)) and len(cells) > 1:
+            rows.append((k, cells))
+        elif labels and not units:
+            text = line.lstrip("#%*!").removeprefix("Units=").strip("\r\n")
+            found = _split(text)
+            units = found if len(found) == len(labels) else []
+    return _Table(labels, units, rows) if rows else None
+
+
+def _pairs(name: str, lines: list[str]) -> _Table | None:
+    """Read rows of two numbers below a header of any kind: depth and speed of sound."""
+    full = [(k, cells) for k, line in enumerate(lines, 1) if (cells := [c for c in _split(line) if c])]
+    first = next((k for k, (_, cells) in enumerate(full) if len(cells) == 2 and _is_data(cells)), None)
+    if first is None:
+        return None
+    speed = float(full[first][1][1].replace(",", "."))
+    if not 1300.0 <= speed <= 1900.0:
+        return None
+    notes = ("its columns are not named, and taken to be depth and speed of sound",)
+    return _Table(("depth", "sound speed"), (), full[first:], notes)
+
+
+READERS: tuple[Callable[[str, list[str]], _Table | None], ...] = (_sea_bird, _sections, _valeport, _columns, _pairs)
+"""Each returns a table, or None for a file of another kind."""
+
+
+def _number(text: str, place: str) -> float:
+    """Return the number in a cell, or NaN for an empty one or NaN. Raises ValueError with its place."""
+    if NUMBER.fullmatch(text):
+        return float(text.replace(",", "."))
+    if not text or text.lower() in ("nan", "-nan", "na", "n/a", "null"):
+        return math.nan
+    raise ValueError(f"{place} = '{text:.30}': must be a number")
+
+
+def _numbers(name: str, table: _Table) -> tuple[dict[str, Floats], list[int], list[str]]:
+    """Return the columns that a profile has, their lines, and notes. Raises ValueError."""
+    used: dict[str, tuple[int, float, float]] = {}
+    unused = []
+    for at, label in enumerate(table.labels):
+        found = quantity_of(label)
+        if found is None or found[0] in used:
+            unused += [plain] if (plain := label.split(" [")[0].strip()) else []
+            continue
+        key, unit = found
+        try:
+            factor, offset = unit_of(key, unit if unit is not None else table.units[at] if table.units else "")
+        except ValueError as error:
+            raise ValueError(f"{name}: column '{label:.40}': {error}") from None
+        used[key] = at, factor, offset
+    notes = [*table.notes]
+    if unused:
+        notes.append(f"columns that are not used: {', '.join(unused)}")
+    columns: dict[str, list[float]] = {key: [] for key in used}
+    lines = []
+    most, least = len(table.labels), max((at for at, _, _ in used.values()), default=0) + 1
+    for line, row in table.rows:
+        cells = list(row)
+        while len(cells) > most and not cells[-1]:
+            cells.pop()
+        if not least <= len(cells) <= most:
+            raise ValueError(f"{name}:{line}: {len(cells)} values: must be {most}, one for each column")
+        lines.append(line)
+        for key, (at, factor, offset) in used.items():
+            value = _number(cells[at], f"{name}:{line}: {table.labels[at].split(' [')[0].strip()}")
+            columns[key].append(math.nan if value == table.bad else factor * value + offset)
+    return {key: np.array(values, np.float64) for key, values in columns.items()}, lines, notes
+
+
+def _argo(path: Path, name: str) -> tuple[dict[str, Floats], list[str]]:
+    """Read the first profile of an Argo float: adjusted values where it has them, without those flagged as bad."""
+    names = {"PRES": PRESSURE, "TEMP": "temperature_deg_c", "PSAL": "salinity_psu"}
+    wanted = {f"{key}{end}" for key in names for end in ("", "_QC", "_ADJUSTED", "_ADJUSTED_QC")}
+    try:
+        held = read_netcdf(path, f"cast '{name}'", lambda key, _: key in wanted | {"DATA_MODE", "LATITUDE"})
+    except ImportError:
+        raise
+    except Exception as error:  # damaged files raise anything in both readers
+        raise ValueError(f"{name}: not a readable NetCDF: {' '.join(str(error).split())}") from None
+    if not {"PRES", "TEMP"} <= held.keys():
+        raise ValueError(f"{name}: not an Argo profile: must have the variables PRES and TEMP")
+    mode = bytes(np.ravel(held["DATA_MODE"].values)[:1].tobytes()) if "DATA_MODE" in held else b"R"
+    columns, notes = {}, []
+    for short, key in names.items():
+        used = f"{short}_ADJUSTED" if mode in (b"A", b"D") and f"{short}_ADJUSTED" in held else short
+        if used not in held:
+            continue
+        values = np.atleast_2d(np.array(held[used].values))
+        if values.ndim != 2 or values.dtype.kind not in "iuf" or not values.size:
+            raise ValueError(f"{name}: {used} has the shape {held[used].values.shape}: must be profiles by levels")
+        found = values[0].astype(np.float64)
+        found[found == held[used].attributes.get("_FillValue", 99999.0)] = math.nan
+        if (flags := held.get(f"{used}_QC")) is not None and np.size(flags.values) == values.size:
+            flag = np.reshape(np.array(flags.values, "S1"), values.shape)[0]
+            found[np.isin(flag, BAD_QC)] = math.nan
+        columns[key] = found
+        if short == "PRES" and len(values) > 1:
+            notes.append(f"the first of its {len(values)} profiles is used")
+    if len({len(each) for each in columns.values()}) > 1:
+        raise ValueError(f"{name}: PRES, TEMP and PSAL must have the same number of levels")
+    latitude = held["LATITUDE"].values if "LATITUDE" in held else np.array([LATITUDE_DEG])
+    columns["depth_m"] = depth_at_m(columns.pop(PRESSURE), _latitude(latitude))
+    notes.append("adjusted values are used" if mode in (b"A", b"D") else "values are those in real time, not adjusted")
+    return columns, notes
+
+
+def _latitude(values: Any) -> float:
+    first = float(np.ravel(values)[0]) if np.size(values) and np.asarray(values).dtype.kind in "iuf" else math.nan
+    return first if abs(first) <= 90.0 else LATITUDE_DEG
+
+
+def _levels(name: str, columns: dict[str, Floats], lines: list[int], notes: list[str], limits: Limits) -> Cast:
+    """Return the way down of a cast, or up if it has no other, each sample deeper than those before."""
+    pressure = columns.pop(PRESSURE, None)
+    if "depth_m" not in columns:
+        assert pressure is not None
+        columns["depth_m"] = depth_at_m(pressure)
+        notes.append(f"depths follow from pressure, as of sea water in latitude {LATITUDE_DEG:g}")
+    for key in ("temperature_deg_c", "salinity_psu", "sound_speed_m_s"):
+        values = columns.get(key)
+        if values is None:
+            continue
+        empty = np.isnan(values) | ((values == 0.0) if key == "sound_speed_m_s" or not np.any(values) else False)
+        columns[key] = np.where(empty, np.nan, values)
+        if empty.all():
+            del columns[key]
+            notes.append(f"{key} has no values, or only zeros")
+    if columns.keys() <= {"depth_m", "salinity_psu", "density_kg_m3"}:
+        raise ValueError(f"{name}: has neither sound speed nor temperature")
+    depth = columns["depth_m"]
+    kept = np.arange(len(depth))
+    kept = _without(kept, ~np.isnan(np.sum(list(columns.values()), axis=0)), "without a value", notes)
+    kept = _without(kept, depth[kept] >= 0.0, "above the surface", notes)
+    if not len(kept):
+        raise ValueError(f"{name}: has no sample with all values below the surface")
+    _require_in(name, columns, lines, kept, limits)
+    deepest = int(np.argmax(depth[kept]))
+    begin = deepest - int(np.argmin(depth[kept[: deepest + 1]][::-1]))
+    ways = {"down": _deeper(kept[begin : deepest + 1], depth), "up": _deeper(kept[deepest:][::-1], depth)}
+    way = "up" if len(ways["up"]) > 4 * len(ways["down"]) else "down"
+    chosen = ways[way]
+    if left := len(kept) - len(chosen):
+        notes.append(f"the way {way} is used, without {left} samples before, after, or not deeper than one before")
+    if (step := math.ceil(len(chosen) / MOST_LEVELS)) > 1:
+        notes.append(f"one of {step} samples is used, since a profile has at most {MOST_LEVELS} levels")
+        chosen = chosen[::step]
+    return Cast(
+        {key: values[chosen] for key, values in columns.items()}, [lines[k] for k in chosen] if lines else [], notes
+    )
+
+
+def _deeper(kept: NDArray[np.intp], depth: Floats) -> NDArray[np.intp]:
+    """Return the samples that are deeper than all before."""
+    return kept[np.concatenate([[True], depth[kept][1:] > np.maximum.accumulate(depth[kept])[:-1]])]
+
+
+def _require_in(
+    name: str, columns: dict[str, Floats], lines: list[int], kept: NDArray[np.intp], limits: Limits
+) -> None:
+    """Raise ValueError that names the first value outside its limits."""
+    for key, limit in limits.items():
+        low, high, unit = limit.low, limit.high, limit.unit
+        values = columns[key][kept] if key in columns else np.zeros(0)
+        wrong = np.flatnonzero(~((values >= low) & (values <= high)))
+        if len(wrong):
+            at = f"{name}:{lines[kept[wrong[0]]]}" if lines else f"{name}, sample {kept[wrong[0]] + 1}"
+            others = f", as for {len(wrong) - 1} others" if len(wrong) > 1 else ""
+            raise ValueError(
+                f"{at}: {key} = {values[wrong[0]]:.7g} {unit}: must be in [{low:g}, {high:g}] {unit}{others}"
+            )
+
+
+def _without(kept: NDArray[np.intp], good: NDArray[np.bool_], what: str, notes: list[str]) -> NDArray[np.intp]:
+    if left := int(np.count_nonzero(~good)):
+        notes.append(f"{left} samples {what} are left out")
+    return kept[good]
