@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import rasterio
 from affine import Affine
-from rasterio.warp import transform
+from pyproj import Geod, Transformer
 
 from uwsim.evidence.cli.scenario_from import scenario_from
 from uwsim.scenario import ScenarioError, build_world, load
@@ -21,7 +21,7 @@ BED = (-20.0 - 0.05 * EAST + 0.03 * SOUTH).astype(np.float32)
 def chart(path: Path, heights=BED, crs="EPSG:32610", at=(500_000.0, 4_000_000.0), cell=2.0, unit=None, **more) -> Path:
     """Write a GeoTIFF of square cells whose north-west corner is at a place."""
     with rasterio.open(path, "w", driver="GTiff", width=N, height=N, count=1, dtype=heights.dtype, crs=crs,
-                       transform=Affine(cell, 0, at[0], 0, -cell, at[1]), **more) as file:  # fmt: skip
+                       **{"transform": Affine(cell, 0, at[0], 0, -cell, at[1])} | more) as file:  # fmt: skip
         file.write(heights, 1)
         if unit is not None:
             file.units = (unit,)
@@ -36,32 +36,53 @@ def middle_m(path: Path, **options) -> float:
 
 PLACES = {
     "EPSG:32610": (-122.9, 36.1),
+    "EPSG:32631": (0.01, 0.01),  # UTM at the edge of its zone: 0.098 % long
     "EPSG:3857": (-122.0, 36.7),  # Web Mercator: 25 % long here
     "EPSG:3395": (20.0, 60.0),  # Mercator on the ellipsoid: twice as long
     "EPSG:6933": (5.0, 60.0),  # cylindrical and of equal area: long to the east, short to the north
     "EPSG:3035": (-30.0, 60.0),  # azimuthal and of equal area, 40 degrees from its middle: turned, too
-    "EPSG:2226": (-122.0, 38.5),  # feet
+    "EPSG:2226": (-122.0, 38.5),  # conic and conformal, in feet
+    "EPSG:3995": (25.0, 78.0),  # polar stereographic, north
+    "EPSG:3031": (-60.0, -65.0),  # polar stereographic, south
+    "EPSG:2154": (3.0, 42.5),  # conic and conformal, outside its parallels: 0.15 % long
+    "EPSG:5070": (-80.0, 32.0),  # conic and of equal area (Albers)
+    "EPSG:27700": (-5.0, 50.0),  # transverse Mercator, on Airy's ellipsoid
+    "EPSG:2056": (8.5, 47.4),  # oblique Mercator: Switzerland's
+    "EPSG:28992": (4.0, 52.0),  # oblique stereographic: RD New
+    "EPSG:4326": (5.0, 43.0),
 }
 
 
+@pytest.mark.parametrize("turned_deg", [0.0, 30.0])
 @pytest.mark.parametrize("crs", PLACES)
-def test_200_m_of_the_world_are_200_m_on_earth_and_the_bed_is_the_chart_s_there(crs: str, tmp_path: Path) -> None:
-    (x,), (y,) = transform("EPSG:4326", crs, [PLACES[crs][0]], [PLACES[crs][1]])
-    cell = 20.0 if crs == "EPSG:2226" else 8.0
-    at = x - cell * N / 2, y + cell * N / 2
-    path = chart(tmp_path / "a.tif", crs=crs, at=at, cell=cell, unit="m")
-    made = scenario_from_chart(path, tmp_path / "a.yaml", size_m=250.0)
-    scenario = load(made.path)
+def test_200_m_of_the_world_are_200_m_on_the_ellipsoid_and_the_bed_is_the_chart_s_there(
+    crs: str, turned_deg: float, tmp_path: Path
+) -> None:
+    of_degrees = Transformer.from_crs("EPSG:4326", crs, always_xy=True)
+    x, y = of_degrees.transform(*PLACES[crs])
+    cell = {"EPSG:2226": 20.0, "EPSG:4326": 1e-4}.get(crs, 8.0)
+    pixels = Affine.translation(x, y) * Affine.rotation(turned_deg) * Affine.scale(cell, -cell)
+    pixels *= Affine.translation(-N / 2, -N / 2)
+    path = chart(tmp_path / "a.tif", crs=crs, transform=pixels, unit="m")
+    scenario = load(scenario_from_chart(path, tmp_path / "a.yaml", size_m=250.0).path)
+    world = georeference(scenario)
+    np.testing.assert_allclose(world.degrees(np.zeros(2)), PLACES[crs][::-1], rtol=0, atol=1e-6)
     places = np.array([[-100.0, 0.0], [100.0, 0.0], [0.0, -100.0], [0.0, 100.0]])
-    latitude, longitude = georeference(scenario).degrees(places).T
-    about = f"+proj=aeqd +lon_0={PLACES[crs][0]} +lat_0={PLACES[crs][1]} +datum=WGS84"  # true distances from there
-    east, north = (np.asarray(each) for each in transform("EPSG:4326", about, longitude, latitude))
-    for a, b in ((0, 1), (2, 3)):
-        assert np.hypot(east[b] - east[a], north[b] - north[a]) == pytest.approx(200.0, rel=3e-3)
-    file_x, file_y = (np.asarray(each) for each in transform("EPSG:4326", crs, longitude, latitude))
-    column, row = (file_x - at[0]) / cell - 0.5, (at[1] - file_y) / cell - 0.5
+    latitude, longitude = world.degrees(places).T
+    _, _, far_m = Geod(ellps="WGS84").inv(longitude[::2], latitude[::2], longitude[1::2], latitude[1::2])
+    np.testing.assert_allclose(far_m, 200.0, rtol=1e-3)
+    column, row = ~pixels * np.array(of_degrees.transform(longitude, latitude))
     found = build_world(scenario).height_at(places)
-    np.testing.assert_allclose(found, -20.0 - 0.05 * column + 0.03 * row, atol=2e-3)
+    np.testing.assert_allclose(found, -20.0 - 0.05 * (column - 0.5) + 0.03 * (row - 0.5), atol=2e-3)
+
+
+NAMES = ["A B.TIF", "Meeresböden ü.tif", "a.b.c.tiff", "..tif", "-x.tif", "'q\" #.Tif", "数.tif"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_chart_may_have_any_name(name: str, tmp_path: Path) -> None:
+    made = scenario_from_chart(chart(tmp_path / name), tmp_path / "own.yaml", size_m=100.0)
+    assert build_world(load(made.path)).height_at(np.zeros((1, 2)))[0] == pytest.approx(-21.2, abs=0.1)
 
 
 @pytest.mark.parametrize("unit, metres", [("US survey foot", 1200 / 3937), ("ft", 0.3048), ("fathoms", 1.8288),

@@ -16,7 +16,7 @@ from uwsim.scenario.read.errors import ScenarioError
 
 FloatGrid = NDArray[np.float64]
 Coordinates = TypeVar("Coordinates", float, FloatGrid)
-TRUE_TO_SCALE = 3e-3
+TRUE_TO_SCALE = 1e-3
 """A projection whose scale is within this share of 1, as those of surveys are, has metres that count as real ones."""
 
 
