@@ -370,6 +370,8 @@ READERS = {
     "image": Reader(_image, ("PIL",)),
     "current_npz": Reader(fields.current(".npz"), ("numpy.lib", "zipfile")),
     "current_csv": Reader(fields.current(".csv"), ("csv",), has_end=_without_end),
+    "cast": Reader(fields.cast, has_end=_without_end),
+    "argo": Reader(fields.cast, ("scipy.io",), has_end=_without_end),
     "ocean_csv": Reader(fields.ocean, ("csv",), has_end=_without_end),
     "ocean_netcdf": Reader(fields.ocean, ("scipy.io",), has_end=_without_end),
     "capytaine": Reader(radiation.table(".nc"), ("scipy.io",)),

@@ -380,6 +380,8 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "image": _image,
     "current_npz": _npz,
     "current_csv": lambda: [CSV],
+    "cast": fields.casts,
+    "argo": fields.argo,
     "ocean_csv": fields.ocean_csv,
     "ocean_netcdf": fields.ocean_netcdf,
     "capytaine": radiation.capytaine,

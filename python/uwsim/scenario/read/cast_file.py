@@ -311,7 +311,8 @@ def _argo(path: Path, name: str) -> tuple[dict[str, Floats], list[str]]:
         raise ValueError(f"{name}: PRES, TEMP and PSAL must have the same number of levels")
     latitude = held["LATITUDE"].values if "LATITUDE" in held else np.array([LATITUDE_DEG])
     columns["depth_m"] = depth_at_m(columns.pop(PRESSURE), _latitude(latitude))
-    notes.append("adjusted values are used" if mode in (b"A", b"D") else "values are those in real time, not adjusted")
+    if mode not in (b"A", b"D"):
+        notes.append("values are those in real time, not adjusted")
     return columns, notes
 
 
@@ -324,7 +325,8 @@ def _levels(name: str, columns: dict[str, Floats], lines: list[int], notes: list
     """Return the way down of a cast, or up if it has no other, each sample deeper than those before."""
     pressure = columns.pop(PRESSURE, None)
     if "depth_m" not in columns:
-        assert pressure is not None
+        if pressure is None:
+            raise ValueError(f"{name}: has neither depth nor pressure")
         columns["depth_m"] = depth_at_m(pressure)
         notes.append(f"depths follow from pressure, as of sea water in latitude {LATITUDE_DEG:g}")
     for key in ("temperature_deg_c", "salinity_psu", "sound_speed_m_s"):
