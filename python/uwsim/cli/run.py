@@ -1,4 +1,4 @@
-"""`uwsim run`: fly a mission from a Python file, or resume one."""
+"""`uwsim run`: fly a mission from a file, or resume one."""
 
 from __future__ import annotations
 
@@ -32,7 +32,10 @@ def run(
     mission: Annotated[
         Path | None,
         typer.Argument(
-            help="A Python file with `def mission(vehicle): yield ...`.", show_default=False, callback=readable
+            help="A Python file with `def mission(vehicle): yield ...`, or a file of the field: a QGroundControl plan, "
+            "QGC WPL 110 (.waypoints), GeoJSON or KML.",
+            show_default=False,
+            callback=readable,
         ),
     ] = None,
     scenario: Annotated[

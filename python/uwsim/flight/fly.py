@@ -117,6 +117,7 @@ def fly(
     }  # fmt: skip
     sim = _simulator(scenario, of_simulator, screen)
     names = tuple(vehicles) or (tuple(sim.vehicles) if found.flies_all else (sim.rov.name,))
+    found = found.bound(sim, names)
     plan, left_out = found.planned(sim)
     _require_able(sim, found, names, estimate, map, outlier_filter)
     request = FlightRequest(
@@ -209,11 +210,12 @@ def _resumed(saved: SavedFlight, threads: int | None, report: str) -> Setup:
     mission = found_mission(request.mission, request.function, request.arguments)
     sim = request.new_simulator(threads)
     sim.scene.prepare()
+    names = request.vehicles or (sim.rov.name,)
+    mission = mission.bound(sim, names)
     plan, left_out = mission.planned(sim)
     mapping = None
     if saved.occupancy is not None:
         mapping = _map_setup(sim, request, saved.occupancy, saved.reference, report)
-    names = request.vehicles or (sim.rov.name,)
     states = {} if saved.mission is None else saved.mission.attachments
     has_map = mapping is not None
     departure = Departure(sim, names, mission.make is not None, has_map, request, request.carried, saved=states)

@@ -31,7 +31,10 @@ def load_mission(path: str | Path, function: str = FUNCTION) -> MissionFunction:
     if not file.is_file():
         raise MissionError(f"mission '{path}': no such file")
     if file.suffix != ".py":
-        raise MissionError(f"mission '{path}': must be a Python file, *.py")
+        raise MissionError(
+            f"mission '{path}': must be a Python file, *.py, or a file of the field: a QGroundControl plan, "
+            "QGC WPL 110, GeoJSON, KML"
+        )
     module = _module(file)
     if not callable(found := getattr(module, function, None)):
         known = [name for name, value in vars(module).items() if callable(value) and not name.startswith("_")]

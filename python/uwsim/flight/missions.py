@@ -7,11 +7,12 @@ import inspect
 import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
 from uwsim.base.did_you_mean import did_you_mean
+from uwsim.flight.field_flight import FieldFlight
 from uwsim.flight.flyable_lanes import (
     LEAST_SHARE,
     SurveyAreaWarning,
@@ -22,6 +23,7 @@ from uwsim.flight.flyable_lanes import (
 )
 from uwsim.flight.mission_file import FUNCTION, load_mission, mission_name, with_arguments
 from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission, ResumableMission, StoppedError
+from uwsim.missions.field import is_mission_file
 from uwsim.missions.mission import R_co, SteppedMission
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.run import MissionFunction, first_parameter, made, steps_of
@@ -67,7 +69,7 @@ class FlownMission:
 
     title: its name in reports. steps: its function or class; None for a planned mission. make: creates a planned
     mission. file: the file that contains it, if any. name: the name under which a resumed flight imports a mission that
-    is not in a file.
+    is not in a file. field: a flight by a file of the field, which has steps once it is bound.
     """
 
     title: str
@@ -75,6 +77,11 @@ class FlownMission:
     make: MakeMission | None = None
     file: Path | None = None
     name: str | None = None
+    field: FieldFlight | None = None
+
+    def bound(self, sim: Simulator, names: tuple[str, ...]) -> FlownMission:
+        """Return the mission with the steps that depend on the simulator, if any. Raises MissionError."""
+        return self if self.field is None else replace(self, steps=self.field.bound(sim, names))
 
     @property
     def flies_all(self) -> bool:
@@ -118,14 +125,18 @@ def found_mission(
 
     mission: a generator function, or a class with `steps`, that takes one vehicle or `vehicles`; a class or other
     callable that takes (vehicle, clock, plan), see uwsim.missions.Mission; the `package.module:name` of one of these;
-    the path of a Python file, whose `function` is flown; or None for the adaptive lawn-mower over the scenario's
-    survey. arguments: values for the other parameters of a function or of a class with `steps`.
+    the path of a Python file, whose `function` is flown, or of a file of the field (uwsim.missions.field); or None for
+    the adaptive lawn-mower over the scenario's survey. arguments: values for the other parameters of a function or of a
+    class with `steps`, or the settings of a flight by a file of the field.
     """
     if mission is None:
         return FlownMission(SURVEY, make=AdaptiveLawnMower)
     if isinstance(mission, str) and not Path(mission).exists() and ":" not in mission and not mission.endswith(".py"):
-        raise ValueError(f"mission '{mission}': must be MODULE:NAME, such as my_missions:Spiral, or a Python file")
+        raise ValueError(f"mission '{mission}': must be MODULE:NAME, such as my_missions:Spiral, or a file")
     if isinstance(mission, str | Path) and not _is_name(mission):
+        if is_mission_file(Path(mission)):
+            field = FieldFlight.of(Path(mission), arguments or {})
+            return FlownMission(Path(mission).name, file=Path(mission), field=field)
         steps = with_arguments(load_mission(mission, function), arguments or {})
         return FlownMission(Path(mission).name, steps=steps, file=Path(mission))
     found = imported(str(mission)) if isinstance(mission, str | Path) else mission

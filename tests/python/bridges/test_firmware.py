@@ -20,7 +20,8 @@ from uwsim.bridges.firmware import firmware as module
 from uwsim.bridges.firmware import link
 from uwsim.bridges.firmware.firmware import Firmware, FirmwareError, Serials
 from uwsim.bridges.firmware.flight import checked_address, firmware_flying
-from uwsim.bridges.mavlink.earth import HOME, NED_FROM_ENU, Home
+from uwsim.bridges.mavlink.earth import HOME, NED_FROM_ENU
+from uwsim.mapping.files.georeference import Home
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.read.validated import validated
 from waiting import until

@@ -9,12 +9,13 @@ import pytest
 
 from uwsim import Simulator
 from uwsim.bridges.actions import actions_of
-from uwsim.bridges.mavlink.earth import Home, euler_rad, ned_from_frd
+from uwsim.bridges.mavlink.earth import euler_rad, ned_from_frd
 from uwsim.bridges.mavlink.endpoint import Endpoint
 from uwsim.bridges.mavlink.modes import HOLDS_OF, mode_of
 from uwsim.channels.served import served_table
 from uwsim.live import LiveSimulator
 from uwsim.live.command_log import replay
+from uwsim.mapping.files.georeference import Home
 from uwsim.simulator.helm import Source
 from waiting import until
 

@@ -13,12 +13,13 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from uwsim import Simulator
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.earth import Home
-from uwsim.bridges.mavlink.plan import MissionPlan, RefusedItemError, checked
+from uwsim.bridges.mavlink.plan import MissionPlan
 from uwsim.bridges.mavlink.state import read
 from uwsim.bridges.mavlink.telemetry import KINDS, Figures
 from uwsim.channels import Table
+from uwsim.mapping.files.georeference import Home
 from uwsim.missions import OwnVehicle, drive
+from uwsim.missions.items import RefusedItemError, checked
 
 HOME = Home(33.810313, -118.393867)
 NAN = math.nan

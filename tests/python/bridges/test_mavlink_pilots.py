@@ -14,11 +14,11 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 from mavlink_station import ALT_HOLD, DONE, GUIDED, MANUAL, Station
 from uwsim.bridges.actions import goal
 from uwsim.bridges.mavlink import MavlinkVehicle
-from uwsim.bridges.mavlink.earth import Home
 from uwsim.bridges.mavlink.modes import AUTO, STABILIZE, SURFACE
 from uwsim.bridges.mavlink.settings import Settings
 from uwsim.bridges.mavlink.stations import DISARM, NOTHING, WARN, Stations
 from uwsim.live import LiveSimulator
+from uwsim.mapping.files.georeference import Home
 from waiting import until
 
 HOME = Home(33.810313, -118.393867)

@@ -24,9 +24,9 @@ from mavsdk.plugins.offboard import Offboard, OffboardError, VelocityBodyYawspee
 from mavsdk.plugins.telemetry import Telemetry
 
 from mavlink_station import DONE, GUIDED, MANUAL, lagoon, served
-from uwsim.bridges.mavlink.earth import Home
 from uwsim.bridges.mavlink.modes import AUTO
 from uwsim.live import LiveSimulator
+from uwsim.mapping.files.georeference import Home
 from waiting import until
 
 HOME = Home(33.810313, -118.393867)

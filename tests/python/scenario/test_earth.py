@@ -11,8 +11,7 @@ from rasterio.crs import CRS
 from rasterio.transform import from_origin
 
 from uwsim import ScenarioError
-from uwsim.bridges.mavlink.earth import Home
-from uwsim.mapping.files.georeference import Georeference
+from uwsim.mapping.files.georeference import Georeference, Home
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.georeference import georeference
 from uwsim.scenario.read.validated import validated

@@ -16,7 +16,7 @@ from typing import BinaryIO, NamedTuple, Self
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.folder_lock import alone_in
 from uwsim.base.own_files import mark, require_own
-from uwsim.bridges.mavlink.earth import Home
+from uwsim.mapping.files.georeference import Home
 
 PATIENCE_S = 1.0  # for a firmware that is asked to end
 OUTPUT, PARAMETERS = "ardusub.txt", "uwsim.parm"

@@ -14,7 +14,8 @@ import numpy as np
 from uwsim.bridges.ardusub.ardusub import PORTS_APART, ArduSub
 from uwsim.bridges.firmware.firmware import NAVIGATION, RC_PORT, SIMULATED, Firmware, FirmwareError, Serials
 from uwsim.bridges.firmware.link import FirmwareLink
-from uwsim.bridges.mavlink.earth import FRD, Home, place_of
+from uwsim.bridges.mavlink.earth import FRD, place_of
+from uwsim.mapping.files.georeference import Home
 
 STATION = "127.0.0.1:14550"
 START_S, LOOK_S = 15.0, 0.05

@@ -15,8 +15,8 @@ from uwsim.base.agenda import NEVER, Rank, next_tick
 from uwsim.bridges.ardusub.ardusub import ArduSub
 from uwsim.bridges.ardusub.auxiliary import CENTRE_US
 from uwsim.bridges.firmware.kept_parameters import KeptParameters
-from uwsim.bridges.mavlink.earth import Home
 from uwsim.bridges.mavlink.telemetry import odometry
+from uwsim.mapping.files.georeference import Home
 
 PERIOD_NS, SECOND_NS = 50_000_000, 1_000_000_000
 LOCAL_FRD, VISUAL_ODOMETRY, REAL32 = 20, 197, 9  # MAV_FRAME, MAV_COMP_ID_VISUAL_INERTIAL_ODOMETRY, MAV_PARAM_TYPE

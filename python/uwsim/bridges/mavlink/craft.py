@@ -14,10 +14,11 @@ import numpy as np
 from uwsim.base.commands import command_named
 from uwsim.bridges.actions import Action
 from uwsim.bridges.mavlink.component import SendText
-from uwsim.bridges.mavlink.earth import Place, Vector
+from uwsim.bridges.mavlink.earth import Vector
 from uwsim.bridges.mavlink.state import State
 from uwsim.channels.authority.steering import log_error
 from uwsim.live import LiveSimulator
+from uwsim.mapping.files.georeference import Place
 
 COMMAND_S = 5.0
 LOOK_S = 0.005  # time between looks at the network while a command takes effect

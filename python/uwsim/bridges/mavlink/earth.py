@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.mapping.files.georeference import metres_per_degree
+from uwsim.mapping.files.georeference import Home, Place
 
 if TYPE_CHECKING:
     from uwsim.scenario import Scenario
@@ -25,33 +24,6 @@ def ned_from_frd(xyzw: Vector) -> list[float]:
     """Return the quaternion w, x, y, z from axes forward, right, down to NED, given that of the body (FLU) in ENU."""
     x, y, z, w = (math.sqrt(0.5) * xyzw).tolist()
     return [w + z, x + y, x - y, w - z]
-
-
-class Place(Protocol):
-    """The world's location on Earth; see uwsim.mapping.files.georeference.Georeference."""
-
-    def degrees(self, position_world_m: Vector, /) -> Iterable[float]:
-        """Return the latitude and longitude [deg] of a position (3,)."""
-
-    def world_m(self, lat_deg: float, lon_deg: float, altitude_m: float, /) -> Vector:
-        """Return the position (3,) of a geographic location."""
-
-
-class Home(NamedTuple):
-    """A location [deg] of the origin of a world that has none on Earth. The water surface there has altitude 0."""
-
-    lat_deg: float
-    lon_deg: float
-
-    def degrees(self, position_world_m: Vector) -> tuple[float, float]:
-        """Return the latitude and longitude [deg] of a position (3,)."""
-        north, east = metres_per_degree(self.lat_deg)
-        return self.lat_deg + position_world_m[1] / north, self.lon_deg + position_world_m[0] / east
-
-    def world_m(self, lat_deg: float, lon_deg: float, altitude_m: float) -> Vector:
-        """Return the position (3,) of a geographic location."""
-        north, east = metres_per_degree(self.lat_deg)
-        return np.array([(lon_deg - self.lon_deg) * east, (lat_deg - self.lat_deg) * north, altitude_m])
 
 
 HOME = Home(33.810313, -118.393867)

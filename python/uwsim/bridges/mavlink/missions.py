@@ -10,8 +10,8 @@ from typing import Any
 
 from uwsim.bridges.mavlink.component import SendText
 from uwsim.bridges.mavlink.endpoint import Peer
-from uwsim.bridges.mavlink.plan import ITEMS_MAX, RefusedItemError
 from uwsim.bridges.mavlink.telemetry import EXTENDED_STATUS, Kind
+from uwsim.missions.items import ITEMS_MAX, RefusedItemError
 
 AGAIN_S = 1.0  # interval at which a missing item is requested again
 GIVE_UP_S = 15.0  # time without an item after which an upload ends

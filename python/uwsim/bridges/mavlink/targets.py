@@ -17,8 +17,8 @@ from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU, Vector, euler_rad
 from uwsim.bridges.mavlink.endpoint import Peer
 from uwsim.bridges.mavlink.flight import Flight
 from uwsim.bridges.mavlink.modes import GUIDED, HOLDS_OF
-from uwsim.bridges.mavlink.plan import FAR_M
 from uwsim.bridges.mavlink.state import State
+from uwsim.missions.items import FAR_M
 from uwsim.missions.moves import SPEED_MAX_M_S
 
 LOCAL, LOCAL_OFFSET, BODY, BODY_OFFSET, BODY_FRD = 1, 7, 8, 9, 12  # MAV_FRAME

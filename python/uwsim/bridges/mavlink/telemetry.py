@@ -10,8 +10,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU, Place, Vector, euler_rad, ned_from_frd
+from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU, Vector, euler_rad, ned_from_frd
 from uwsim.bridges.mavlink.state import CONTROLS, POSITION, PREARM, State
+from uwsim.mapping.files.georeference import Place
 
 UNKNOWN_U16, UNKNOWN_I16 = 0xFFFF, 0x7FFF
 ULTRASOUND, DOWN = 1, 25  # MAV_DISTANCE_SENSOR, MAV_SENSOR_ORIENTATION

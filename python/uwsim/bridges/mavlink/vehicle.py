@@ -29,14 +29,13 @@ from uwsim.bridges.mavlink.component import (
     Given,
 )
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.earth import HOME, Place
+from uwsim.bridges.mavlink.earth import HOME
 from uwsim.bridges.mavlink.endpoint import Endpoint, Peer, Wire
 from uwsim.bridges.mavlink.flight import Flight
 from uwsim.bridges.mavlink.gimbal import DEVICE, Gimbal
 from uwsim.bridges.mavlink.missions import MissionStore
 from uwsim.bridges.mavlink.modes import MANUAL
 from uwsim.bridges.mavlink.parameters import ParameterServer
-from uwsim.bridges.mavlink.plan import checked
 from uwsim.bridges.mavlink.servos import Servos
 from uwsim.bridges.mavlink.settings import Settings
 from uwsim.bridges.mavlink.state import State, read
@@ -51,6 +50,8 @@ from uwsim.channels import Channel, Service
 from uwsim.channels.channel import ended_by
 from uwsim.channels.delivery.feed import Readings
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
+from uwsim.mapping.files.georeference import Place
+from uwsim.missions.items import checked
 
 AUTOPILOT = 1
 HEARTBEAT_S = 1.0

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -88,3 +89,37 @@ class Georeference:
         north, east = ahead - here
         radii = (1.0 - SQUARED_ECCENTRICITY * math.sin(here[0]) ** 2) / (1.0 - SQUARED_ECCENTRICITY)
         return math.atan2(east * math.cos(here[0]) * radii, north)
+
+
+class Place(Protocol):
+    """The world's location on Earth."""
+
+    def degrees(self, position_world_m: NDArray[np.float64], /) -> Iterable[float]:
+        """Return the latitude and longitude [deg] of a position (3,)."""
+
+    def world_m(self, lat_deg: float, lon_deg: float, altitude_m: float, /) -> NDArray[np.float64]:
+        """Return the position (3,) of a geographic location."""
+
+
+class Home(NamedTuple):
+    """A location [deg] of a point, by default the origin, of a world that has none on Earth.
+
+    The water surface there has altitude 0.
+    """
+
+    lat_deg: float
+    lon_deg: float
+    x_m: float = 0.0
+    y_m: float = 0.0
+
+    def degrees(self, position_world_m: NDArray[np.float64]) -> tuple[float, float]:
+        """Return the latitude and longitude [deg] of a position (3,)."""
+        north, east = metres_per_degree(self.lat_deg)
+        x, y = float(position_world_m[0]) - self.x_m, float(position_world_m[1]) - self.y_m
+        return self.lat_deg + y / north, self.lon_deg + x / east
+
+    def world_m(self, lat_deg: float, lon_deg: float, altitude_m: float) -> NDArray[np.float64]:
+        """Return the position (3,) of a geographic location."""
+        north, east = metres_per_degree(self.lat_deg)
+        x, y = (lon_deg - self.lon_deg) * east, (lat_deg - self.lat_deg) * north
+        return np.array([self.x_m + x, self.y_m + y, altitude_m])

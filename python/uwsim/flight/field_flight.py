@@ -1,0 +1,212 @@
+"""A flight by a file of the field: its items are checked against the vehicle and its world before it begins."""
+
+from __future__ import annotations
+
+import warnings
+from collections import defaultdict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from uwsim.base.did_you_mean import did_you_mean
+from uwsim.flight.mission_file import MissionError
+from uwsim.mapping.files.georeference import Home, Place
+from uwsim.missions.field import FieldMission, Item, read_mission_file
+from uwsim.missions.field.mission import sentence
+from uwsim.missions.items import (
+    CHANGE_SPEED,
+    FAR_M,
+    HEIGHT_MAX_M,
+    KINDS,
+    LEFT_OUT,
+    NOT_EXECUTED,
+    PASSED,
+    SPEED_M_S,
+    Pilot,
+    RefusedItemError,
+    Vector,
+    checked,
+    fly_items,
+)
+from uwsim.missions.moves import SPEED_MAX_M_S, reached_m
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.run import MissionFunction
+from uwsim.missions.steps import Steps
+from uwsim.scenario.georeference import georeference
+from uwsim.simulator.simulator import Simulator
+
+SERVO = 183
+NAMES = {22: "take-off", 84: "VTOL take-off", 85: "VTOL landing", 189: "start of a landing", 205: "mount"}
+"""Kinds of items that are not flown and have a common name, by MAV_CMD."""
+
+
+class FieldNote(UserWarning):
+    """Issued for what is in a file of the field and not flown, or flown in another way."""
+
+
+@dataclass(frozen=True)
+class FieldSettings:
+    """What a user gives to a flight by a file, as `uwsim run FILE --set NAME=VALUE`.
+
+    altitude_m: height of all waypoints above the bed, in place of the file's altitudes. depth_m: depth, likewise.
+    speed_m_s: in place of the file's speeds. first_at_m: the place (x, y) in the world of the file's first point, in
+    place of where it is on Earth.
+    """
+
+    altitude_m: float | None = None
+    depth_m: float | None = None
+    speed_m_s: float | None = None
+    first_at_m: tuple[float, float] | None = None
+
+    @classmethod
+    def of(cls, arguments: Mapping[str, Any]) -> FieldSettings:
+        """Return the settings given by name. Raises MissionError."""
+        known = [each.name for each in fields(cls)]
+        for name in arguments:
+            if name not in known:
+                rule = f"must be one of {', '.join(known)}"
+                raise MissionError(f"mission argument '{name}': {rule}{did_you_mean(name, known)}")
+        bounds = {"altitude_m": (HEIGHT_MAX_M, "m"), "depth_m": (FAR_M, "m"), "speed_m_s": (SPEED_MAX_M_S, "m/s")}
+        for name, (high, unit) in bounds.items():
+            value = arguments.get(name)
+            if value is not None and not (_is_number(value) and 0 < value <= high):
+                raise MissionError(f"mission argument {name} = {value!r:.40} {unit}: must be in (0, {high:g}]")
+        if None not in (arguments.get("altitude_m"), arguments.get("depth_m")):
+            raise MissionError("mission arguments altitude_m and depth_m: must not both be given")
+        at = arguments.get("first_at_m")
+        if at is not None:
+            if not (isinstance(at, list | tuple) and len(at) == 2 and all(map(_is_number, at))):
+                raise MissionError(f"mission argument first_at_m = {at!r:.40} m: must be two numbers, as [10, -5]")
+            arguments = {**arguments, "first_at_m": (float(at[0]), float(at[1]))}
+        return cls(**arguments)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= FAR_M
+
+
+@dataclass
+class _Ground:
+    """A vehicle and its place; see uwsim.missions.items.Ground."""
+
+    home: Place
+    vehicle: Any
+    launch_world_m: Vector
+    send_text: Callable[[str], object]
+
+
+class _NoOutputs:
+    """In place of outputs: a flight by a file sets none."""
+
+    def refusal(self, output: float, pulse_us: float) -> tuple[int, str] | None:
+        """Refuse nothing, since items with outputs are left out."""
+        return None
+
+    def set(self, output: int, pulse_us: float) -> None:
+        """Raise NotImplementedError."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class FieldFlight:
+    """The flight by a file."""
+
+    file: Path
+    mission: FieldMission
+    settings: FieldSettings
+
+    @classmethod
+    def of(cls, file: Path, arguments: Mapping[str, Any]) -> FieldFlight:
+        """Read a file. Raises ValueError or OSError."""
+        return cls(file, read_mission_file(file), FieldSettings.of(arguments))
+
+    def bound(self, sim: Simulator, names: tuple[str, ...]) -> MissionFunction:
+        """Return the mission of these vehicles, and warn of all that is not flown.
+
+        Raises MissionError for an item that they cannot fly.
+        """
+        grounds, flown, notes = {}, {}, dict.fromkeys(self.mission.notes)
+        for name in names:
+            vehicle = sim.vehicles[name]
+            launch = np.asarray(vehicle.pose.position_world_m) * np.array([1.0, 1.0, 0.0])
+            items = self._items(notes)
+            home = self._place(sim, launch, items, notes)
+            grounds[name] = ground = _Ground(home, vehicle, launch, lambda text: notes.setdefault(text))
+            for item in items:
+                try:
+                    checked(item, ground, _NoOutputs())
+                except RefusedItemError as error:
+                    raise MissionError(f"{self.file}: {error}{self._hint(error)}") from None
+            flown[name] = items
+        for note in notes:
+            warnings.warn(f"{self.file}: {note}", FieldNote, stacklevel=2)
+        speed_m_s = self.settings.speed_m_s or SPEED_M_S
+
+        def mission(vehicle: OwnVehicle) -> Steps[int]:
+            for note in notes:
+                vehicle.log("note", text=note)
+            if not vehicle.released:
+                vehicle.undock()
+            pilot = Pilot(vehicle, grounds[vehicle.name], _NoOutputs(), reached_m(vehicle), speed_m_s)
+            items = flown[vehicle.name]
+            yield from fly_items(
+                pilot, items, 1, lambda number: None, lambda number: vehicle.log("item_reached", number=number)
+            )
+            return len(items)
+
+        return mission
+
+    def _items(self, notes: dict[str, None]) -> list[Item]:
+        """Return the items to fly; note those that are left out, by kind, and the heights and speeds replaced."""
+        given, left_out, items = self.settings, defaultdict[str, list[int]](list), []
+        for item in self.mission.items:
+            kind = KINDS.get(item.command)
+            if kind is None or item.command in (*NOT_EXECUTED, SERVO):
+                name = kind.name if kind else NAMES.get(item.command, "unknown")
+                left_out[f"{name} ({item.command})"].append(item.seq)
+                item = replace(item, command=LEFT_OUT)
+            elif item.command == CHANGE_SPEED and (given.speed_m_s is not None or item.param2 <= 0):
+                why = "replaced by speed_m_s" if given.speed_m_s is not None else "no change"
+                left_out[f"speed of {item.param2:g} m/s, {why}"].append(item.seq)
+                item = replace(item, command=LEFT_OUT)
+            elif item.command in PASSED and given.altitude_m is not None:
+                item = replace(item, frame=10, z=given.altitude_m)
+            elif kind.is_placed and given.depth_m is not None:
+                item = replace(item, frame=3, z=-given.depth_m)
+            items.append(item)
+        for what, numbers in left_out.items():
+            notes.setdefault(sentence(what, numbers, "left out"))
+        if given.altitude_m is not None:
+            notes.setdefault(
+                f"all waypoints are flown {given.altitude_m:g} m above the bed, not at the file's altitudes"
+            )
+        if given.depth_m is not None:
+            notes.setdefault(f"all items are flown {given.depth_m:g} m deep, not as high as in the file")
+        return items
+
+    def _place(self, sim: Simulator, launch: Vector, items: list[Item], notes: dict[str, None]) -> Place:
+        """Return where the world is on Earth; for a world that is nowhere, the first point is at the vehicle."""
+        place, at = georeference(sim.scenario), self.settings.first_at_m
+        if place.crs is not None and at is None:
+            return place
+        first = next((item for item in items if KINDS[item.command].is_placed and (item.x or item.y)), None)
+        if first is None:
+            return Home(*(self.mission.home or (0.0, 0.0)))
+        x, y = (float(launch[0]), float(launch[1])) if at is None else at
+        if at is None:
+            notes.setdefault(
+                f"scenario '{sim.scenario.name}' is not on Earth: item {first.seq}, the first point, is assumed at the "
+                f"vehicle's start, ({x:.1f}, {y:.1f}) m east and north of the origin; first_at_m places it elsewhere"
+            )
+        return Home(1e-7 * first.x, 1e-7 * first.y, x, y)
+
+    def _hint(self, error: RefusedItemError) -> str:
+        text = str(error)
+        if "above the surface" in text or "above the bed" in text:
+            return "; --set altitude_m=3 flies all waypoints 3 m above the bed instead, --set depth_m=3 at that depth"
+        if "above the terrain" in text:
+            return "; --set first_at_m=[X,Y] places the file's first point elsewhere in the world"
+        return ""

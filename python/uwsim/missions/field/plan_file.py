@@ -1,0 +1,111 @@
+"""The .plan files of QGroundControl (https://docs.qgroundcontrol.com/master/en/qgc-dev-guide/file_formats/plan.html).
+
+Of surveys and corridors, the items are taken into which QGroundControl has expanded them, or else the points of their
+transects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from uwsim.missions.field.mission import (
+    ITEMS_MAX,
+    FieldFileError,
+    FieldMission,
+    Item,
+    finite,
+    lat_lon,
+    number,
+    sentence,
+    waypoint,
+    whole,
+)
+from uwsim.missions.items import JUMP, LEFT_OUT
+
+TRANSECTS = ("survey", "CorridorScan")
+FRAME_OF_DISTANCE = {1: 3, 2: 0, 3: 10, 4: 10}
+"""MAV_FRAME by QGroundControl's mode of altitude: above home, above sea, and twice above the terrain."""
+
+
+def read(document: dict[str, Any]) -> FieldMission:
+    """Return the mission. Raises FieldFileError."""
+    if document.get("fileType") != "Plan":
+        raise FieldFileError(f"fileType = {document.get('fileType')!r:.40}: must be 'Plan'")
+    mission = _of(document, "mission", dict)
+    home = mission.get("plannedHomePosition")
+    items: list[Item] = []
+    notes: list[str] = []
+    numbers: dict[int, int] = {}
+    for k, entry in enumerate(_of(mission, "items", list), 1):
+        where = f"mission.items[{k - 1}]"
+        if not isinstance(entry, dict):
+            raise FieldFileError(f"{where} = {entry!r:.40}: must be an object")
+        try:
+            for item, own in _expanded(entry, len(items) + 1, notes):
+                items.append(item)
+                if own is not None:
+                    numbers[own] = item.seq
+        except FieldFileError as error:
+            raise FieldFileError(f"{where}: {error}") from None
+        if len(items) > ITEMS_MAX:
+            raise FieldFileError(f"has more than {ITEMS_MAX} items")
+    for n, item in enumerate(items):
+        if item.command == JUMP:  # to a doJumpId
+            if int(item.param1) not in numbers:
+                raise FieldFileError(f"item {item.seq}: jumps to doJumpId {item.param1:g}, which no item has")
+            items[n] = replace(item, param1=float(numbers[int(item.param1)]))
+    return FieldMission(
+        tuple(items), home=None if home is None else lat_lon(home, "mission.plannedHomePosition"), notes=tuple(notes)
+    )
+
+
+def _of(document: dict[str, Any], key: str, kind: type) -> Any:
+    """Return a member of an object. Raises FieldFileError if it is missing or of another type."""
+    found = document.get(key)
+    if not isinstance(found, kind):
+        raise FieldFileError(f"{key} = {found!r:.40}: must be {'an object' if kind is dict else 'a list'}")
+    return found
+
+
+def _expanded(entry: dict[str, Any], seq: int, notes: list[str]) -> Iterator[tuple[Item, int | None]]:
+    """Yield the items of an entry, each with its doJumpId."""
+    if entry.get("type") == "SimpleItem":
+        yield _simple(entry, seq), _jump_id(entry)
+        return
+    kind = entry.get("complexItemType")
+    transects = entry.get("TransectStyleComplexItem")
+    if entry.get("type") != "ComplexItem" or kind not in TRANSECTS or not isinstance(transects, dict):
+        what = f"{entry.get('type')} {kind or ''}".strip()[:60]
+        notes.append(sentence(what, [seq], "left out"))
+        yield Item(seq, 2, LEFT_OUT), _jump_id(entry)
+        return
+    if transects.get("Items"):
+        for n, each in enumerate(_of(transects, "Items", list)):
+            if not isinstance(each, dict):
+                raise FieldFileError(f"Items[{n}] = {each!r:.40}: must be an object")
+            yield _simple(each, seq + n), _jump_id(each)
+        return
+    points = _of(transects, "VisualTransectPoints", list)
+    calc = _of(transects, "CameraCalc", dict)
+    frame = FRAME_OF_DISTANCE.get(calc.get("DistanceMode", 1), 3)
+    z = number(calc.get("DistanceToSurface"), "CameraCalc.DistanceToSurface", -1e6, 1e6, "m")
+    notes.append(sentence(str(kind), [seq], "the file has no expanded items: flown along its transects' points"))
+    for n, point in enumerate(points):
+        yield waypoint(seq + n, lat_lon(point, f"VisualTransectPoints[{n}]"), z, frame), None
+
+
+def _jump_id(entry: dict[str, Any]) -> int | None:
+    return entry["doJumpId"] if isinstance(entry.get("doJumpId"), int) else None
+
+
+def _simple(entry: dict[str, Any], seq: int) -> Item:
+    params = entry.get("params")
+    if not isinstance(params, list) or len(params) != 7:
+        raise FieldFileError(f"params = {params!r:.40}: must be a list of 7 numbers")
+    frame, command = whole(entry.get("frame"), "frame", 0, 255), whole(entry.get("command"), "command", 0, 65535)
+    values = [finite(value) for value in params]
+    x, y = (0.0, 0.0) if frame == 2 else lat_lon(values[4:6], "position")
+    p1, p2, p3, p4, _, _, z = values
+    return Item(seq, frame, command, p1, p2, p3, p4, round(1e7 * x), round(1e7 * y), z)

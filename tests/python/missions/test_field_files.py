@@ -1,0 +1,113 @@
+"""Files of the field: what is read, what is refused, and that a flight by one is as long as the file."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from uwsim.flight.field_flight import FieldNote
+from uwsim.flight.fly import fly
+from uwsim.flight.lanes_flown import lanes_flown
+from uwsim.flight.mission_file import MissionError
+from uwsim.mapping.files.georeference import Home
+from uwsim.missions.field import FieldFileError, read_mission_file
+
+BAY = Home(54.4, 10.2)
+ROUTE = [(0.0, 0.0), (0.0, 5.0), (4.0, 5.0)]  # metres east and north of the first point: 9 m
+
+
+def degrees(at: tuple[float, float]) -> list[float]:
+    return [float(value) for value in BAY.degrees(np.array(at))]
+
+
+def simple(command: int, *values: float | None, at: tuple[float, float] = (0.0, 0.0), z: float = 0.0, own: int = 0):
+    place = degrees(at) if command in (16, 22) else [0, 0]
+    params = [*values, *[None] * (4 - len(values)), *place, z]
+    return {"type": "SimpleItem", "command": command, "frame": 3, "params": params, "doJumpId": own}
+
+
+def survey(items: list[Any], points: list[Any]) -> dict[str, Any]:
+    calc = {"DistanceToSurface": -2, "DistanceMode": 1}
+    inner = {"Items": items, "VisualTransectPoints": points, "CameraCalc": calc}
+    return {"type": "ComplexItem", "complexItemType": "survey", "TransectStyleComplexItem": inner}
+
+
+def plan(*items: Any) -> str:
+    return json.dumps({"fileType": "Plan", "mission": {"plannedHomePosition": [54.4, 10.2, 0], "items": list(items)}})
+
+
+TRANSECTS = [simple(16, at=at, z=-2.0) for at in ROUTE]
+TRIGGER = simple(206, 25.0)
+WPL = "QGC WPL 110\r\n0\t1\t0\t16\t0\t0\t0\t0\t54.4\t10.2\t0\t1\r\n" + "".join(
+    f"{k}\t0\t3\t16\t0\t0\t0\t0\t{degrees(at)[0]:.9f}\t{degrees(at)[1]:.9f}\t-2\t1\r\n" for k, at in enumerate(ROUTE, 1)
+)
+FILES = {
+    "simple.plan": plan(simple(22, at=(0, 0), z=10.0), *TRANSECTS),
+    "survey.plan": plan(survey([TRANSECTS[0], TRIGGER, *TRANSECTS[1:]], [])),
+    "points.plan": plan(survey([], [degrees(at) for at in ROUTE])),
+    "route.waypoints": WPL,
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_file_is_flown_as_long_as_it_is_and_what_is_not_flown_is_a_line(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text(FILES[name])
+    with pytest.warns(FieldNote) as notes:
+        flown = fly(tmp_path / name, "pool", arguments={"speed_m_s": 0.7})
+    assert flown.ended_because == "the mission is over" or not flown.ended_early
+    legs = lanes_flown(flown.events)
+    assert legs is not None and legs.planned_m == pytest.approx(9.0, rel=0.01) and legs.flown_m > 0.95 * 9.0
+    track = np.array([legs.each[k]["planned_m"] for k in range(legs.lanes)])
+    np.testing.assert_allclose(track, [5.0, 4.0], rtol=0.01)
+    lines = " ".join(str(note.message) for note in notes)
+    assert "item 1, the first point, is assumed at the vehicle's start" in lines or name == "simple.plan"
+    assert ("take-off (22): left out" in lines) == (name == "simple.plan")
+    assert ("transects' points" in lines) == (name == "points.plan")
+
+
+def test_altitudes_of_an_aircraft_are_refused_with_the_way_to_fly_them_under_water(tmp_path: Path) -> None:
+    path = tmp_path / "air.plan"
+    path.write_text(plan(*[simple(16, at=at, z=50.0) for at in ROUTE]))
+    with pytest.raises(MissionError, match=r"air.plan: mission item 1: altitude = 50 m: .*--set altitude_m=3"):
+        fly(path, "pool")
+    with pytest.warns(FieldNote, match="1.5 m above the bed"):
+        flown = fly(path, "pool", arguments={"altitude_m": 1.5, "first_at_m": [2.0, -3.0]})
+    track = flown.samples["rov"].path_world_m
+    assert track[-1] == pytest.approx([6.0, 2.0, -3.5], abs=0.6)
+    with pytest.raises(MissionError, match=r"altitude_m = -1 m: must be in \(0, 1000\]"):
+        fly(path, "pool", arguments={"altitude_m": -1})
+    with pytest.raises(MissionError, match=r"must be above the terrain.*first_at_m"):
+        fly(path, "pool", arguments={"altitude_m": 1.5, "first_at_m": [200, 0]})
+
+
+def test_a_jump_of_a_plan_leads_to_the_item_with_its_own_number(tmp_path: Path) -> None:
+    path = tmp_path / "jump.plan"
+    path.write_text(plan(*[simple(16, at=at, z=-2.0, own=7 + k) for k, at in enumerate(ROUTE)], simple(177, 8, 2)))
+    assert read_mission_file(path).items[-1].param1 == 2
+    path.write_text(plan(simple(177, 3, 2)))
+    with pytest.raises(FieldFileError, match="jumps to doJumpId 3, which no item has"):
+        read_mission_file(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("QGC WPL 999\n", "line 1: version '999': must be 110 or 120"),
+        ("QGC WPL 110\n0 1 0 16 0 0 0 0 54 10 0\n", "line 2: has 11 columns: must have 12"),
+        ("QGC WPL 110\n0 1 0 16 0 0 0 0 91 10 0 1\n", "line 2: position: latitude = 91.0 deg: must be in [-90, 90]"),
+        ("QGC WPL 110\n0 1 0 16 0 0 0 x 54 10 0 1\n", "line 2: parameter = 'x': must be a number"),
+        ("QGC WPL 110\n", "has nothing to fly"),
+        ('{"fileType": "Mission"}', "fileType = 'Mission': must be 'Plan'"),
+        ('{"fileType": "Plan", "mission": {"items": [3]}}', "mission.items[0] = 3: must be an object"),
+        (plan({"type": "SimpleItem", "params": [1]}), "mission.items[0]: params = [1]: must be a list of 7 numbers"),
+        ('{"fileType": ', "not JSON"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_refused_with_the_place(text: str, words: str, tmp_path: Path) -> None:
+    (tmp_path / "m.txt").write_text(text)
+    with pytest.raises(FieldFileError) as caught:
+        read_mission_file(tmp_path / "m.txt")
+    assert str(caught.value).startswith(str(tmp_path / "m.txt")) and words in str(caught.value)
+    assert "\n" not in str(caught.value)
