@@ -2,15 +2,43 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from uwsim.base.options import Options, option, refuse
 from uwsim.cli.flights import FlightOptions, MapOptions, Out, ScenarioOfFlight, exit_as, given
 from uwsim.cli.groups import under
 from uwsim.cli.options import SimulatorOptions
 from uwsim.flight.attachment import Attachments
+
+ENTRIES = ("north", "north-east", "east", "south-east", "south", "south-west", "west", "north-west")
+
+
+@dataclass(frozen=True)
+class LaneOptions(Options):
+    """The options of a survey's lanes, in place of the scenario's."""
+
+    area: Path | None = option(
+        None,
+        "Survey the area of this file, a polygon in GeoJSON or KML or the survey of a QGroundControl plan, in place of "
+        "the scenario's.",
+        metavar="FILE",
+    )
+    heading_deg: float | None = option(
+        None, "Direction of the lanes, clockwise from north [deg].", bounds=(0, 360, "deg")
+    )
+    entry: str | None = option(None, "Side or corner of the area where the lanes begin.", choices=ENTRIES)
+    cross_lines: int | None = option(
+        None, "Number of lanes across all others, which are flown after them.", bounds=(0, 50, "")
+    )
+    overlap: float | None = option(
+        None,
+        "Overlap of neighbouring swaths on a flat bed [%], which decides the lanes' distance.",
+        bounds=(0, 95, "%"),
+    )
 
 
 @under("Fly")
@@ -25,6 +53,7 @@ def survey(
             "Default: a lawn-mower."
         ),
     ] = None,
+    lanes: LaneOptions,
     simulator: SimulatorOptions,
     maps: MapOptions,
     flight: FlightOptions,
@@ -36,6 +65,8 @@ def survey(
     to the same map as an uninterrupted run.
     """
     flight.require_fit(maps, attachments)
+    if flight.resume:
+        refuse("has no effect with --resume, which flies the lanes that were begun", **lanes.given())
     asked = given(mission=mission) | simulator.arguments | maps.arguments | flight.arguments
     if flight.resume:
         from uwsim.flight.survey import resume_survey
@@ -44,6 +75,10 @@ def survey(
         return
     from uwsim.scenario.world_ahead import make_world_ahead
 
+    if lanes.arguments:
+        from uwsim.flight.survey_area import survey_changes
+
+        asked["survey"] = survey_changes(scenario or "lake", **lanes.arguments)
     make_world_ahead(scenario or "lake")
     from uwsim.flight.survey import run_survey
 

@@ -14,7 +14,7 @@ import numpy as np
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.flight.mission_file import MissionError
 from uwsim.mapping.files.georeference import Home, Place
-from uwsim.missions.field import FieldMission, Item, read_mission_file
+from uwsim.missions.field import Area, FieldMission, Item, read_mission_file
 from uwsim.missions.field.mission import sentence
 from uwsim.missions.items import (
     CHANGE_SPEED,
@@ -31,7 +31,10 @@ from uwsim.missions.items import (
     checked,
     fly_items,
 )
+from uwsim.missions.lawn_mower_needs import missing_for_lanes
+from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.missions.moves import SPEED_MAX_M_S, reached_m
+from uwsim.missions.mow import mow
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.run import MissionFunction
 from uwsim.missions.steps import Steps
@@ -39,6 +42,7 @@ from uwsim.scenario.georeference import georeference
 from uwsim.simulator.simulator import Simulator
 
 SERVO = 183
+PLACES = "; --set first_at_m=[X,Y] places the file's first point elsewhere in the world"
 NAMES = {22: "take-off", 84: "VTOL take-off", 85: "VTOL landing", 189: "start of a landing", 205: "mount"}
 """Kinds of items that are not flown and have a common name, by MAV_CMD."""
 
@@ -52,13 +56,15 @@ class FieldSettings:
     """What a user gives to a flight by a file, as `uwsim run FILE --set NAME=VALUE`.
 
     altitude_m: height of all waypoints above the bed, in place of the file's altitudes. depth_m: depth, likewise.
-    speed_m_s: in place of the file's speeds. first_at_m: the place (x, y) in the world of the file's first point, in
-    place of where it is on Earth.
+    speed_m_s: in place of the file's speeds. spacing_m: distance between the lanes over an area, in place of the
+    file's. first_at_m: the place (x, y) in the world of the file's first point, or of the middle of its first area if
+    it has no point, in place of where it is on Earth.
     """
 
     altitude_m: float | None = None
     depth_m: float | None = None
     speed_m_s: float | None = None
+    spacing_m: float | None = None
     first_at_m: tuple[float, float] | None = None
 
     @classmethod
@@ -69,7 +75,12 @@ class FieldSettings:
             if name not in known:
                 rule = f"must be one of {', '.join(known)}"
                 raise MissionError(f"mission argument '{name}': {rule}{did_you_mean(name, known)}")
-        bounds = {"altitude_m": (HEIGHT_MAX_M, "m"), "depth_m": (FAR_M, "m"), "speed_m_s": (SPEED_MAX_M_S, "m/s")}
+        bounds = {
+            "altitude_m": (HEIGHT_MAX_M, "m"),
+            "depth_m": (FAR_M, "m"),
+            "spacing_m": (HEIGHT_MAX_M, "m"),
+            "speed_m_s": (SPEED_MAX_M_S, "m/s"),
+        }
         for name, (high, unit) in bounds.items():
             value = arguments.get(name)
             if value is not None and not (_is_number(value) and 0 < value <= high):
@@ -128,7 +139,7 @@ class FieldFlight:
 
         Raises MissionError for an item that they cannot fly.
         """
-        grounds, flown, notes = {}, {}, dict.fromkeys(self.mission.notes)
+        grounds, flown, plans, notes = {}, {}, {}, dict.fromkeys(self.mission.notes)
         for name in names:
             vehicle = sim.vehicles[name]
             launch = np.asarray(vehicle.pose.position_world_m) * np.array([1.0, 1.0, 0.0])
@@ -141,6 +152,7 @@ class FieldFlight:
                 except RefusedItemError as error:
                     raise MissionError(f"{self.file}: {error}{self._hint(error)}") from None
             flown[name] = items
+            plans[name] = [self._plan(area, ground) for area in self.mission.areas if not area.in_items]
         for note in notes:
             warnings.warn(f"{self.file}: {note}", FieldNote, stacklevel=2)
         speed_m_s = self.settings.speed_m_s or SPEED_M_S
@@ -155,9 +167,30 @@ class FieldFlight:
             yield from fly_items(
                 pilot, items, 1, lambda number: None, lambda number: vehicle.log("item_reached", number=number)
             )
+            for plan in plans[vehicle.name]:
+                yield from mow(vehicle, plan)
             return len(items)
 
         return mission
+
+    def _plan(self, area: Area, ground: _Ground) -> LawnMowerPlan:
+        """Return the plan of an area's lanes. Raises MissionError."""
+        given, where = self.settings, f"{self.file}: {area.name}"
+        altitude_m, spacing_m = given.altitude_m or area.altitude_m, given.spacing_m or area.spacing_m
+        for name, value in (("altitude_m", altitude_m), ("spacing_m", spacing_m)):
+            if not value:
+                raise MissionError(f"{where}: has no {name.removesuffix('_m')}: --set {name}=3 gives it")
+        corners = [ground.home.world_m(*corner, 0.0)[:2].tolist() for corner in area.corners]
+        for x, y in corners:
+            if (edge := ground.vehicle.beyond_terrain(x, y)) is not None:
+                raise MissionError(
+                    f"{where}: corner at ({x:.1f}, {y:.1f}) m: must be above the terrain, {edge}{PLACES}"
+                )
+        if missing := missing_for_lanes(ground.vehicle, altitude_m or 0.0):
+            raise MissionError(f"{where}: the vehicle cannot fly lanes: {'; '.join(missing.values())}")
+        return LawnMowerPlan(
+            corners, altitude_m or 0.0, spacing_m or 0.0, given.speed_m_s or SPEED_M_S, heading_deg=area.heading_deg
+        )
 
     def _items(self, notes: dict[str, None]) -> list[Item]:
         """Return the items to fly; note those that are left out, by kind, and the heights and speeds replaced."""
@@ -193,20 +226,22 @@ class FieldFlight:
         if place.crs is not None and at is None:
             return place
         first = next((item for item in items if KINDS[item.command].is_placed and (item.x or item.y)), None)
-        if first is None:
+        if first is None and not self.mission.areas:
             return Home(*(self.mission.home or (0.0, 0.0)))
+        middle = (1e-7 * first.x, 1e-7 * first.y) if first else np.mean(self.mission.areas[0].corners, axis=0).tolist()
         x, y = (float(launch[0]), float(launch[1])) if at is None else at
         if at is None:
+            what = f"item {first.seq}, the first point," if first else f"the middle of {self.mission.areas[0].name}"
             notes.setdefault(
-                f"scenario '{sim.scenario.name}' is not on Earth: item {first.seq}, the first point, is assumed at the "
+                f"scenario '{sim.scenario.name}' is not on Earth: {what} is assumed at the "
                 f"vehicle's start, ({x:.1f}, {y:.1f}) m east and north of the origin; first_at_m places it elsewhere"
             )
-        return Home(1e-7 * first.x, 1e-7 * first.y, x, y)
+        return Home(*middle, x, y)
 
     def _hint(self, error: RefusedItemError) -> str:
         text = str(error)
         if "above the surface" in text or "above the bed" in text:
             return "; --set altitude_m=3 flies all waypoints 3 m above the bed instead, --set depth_m=3 at that depth"
         if "above the terrain" in text:
-            return "; --set first_at_m=[X,Y] places the file's first point elsewhere in the world"
+            return PLACES
         return ""

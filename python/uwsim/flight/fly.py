@@ -23,6 +23,7 @@ from uwsim.flight.request import ESTIMATES, OF_SIMULATOR, EstimateKind, FlightRe
 from uwsim.flight.results import require_report
 from uwsim.flight.saved_flight import SavedFlight
 from uwsim.flight.setup import Setup
+from uwsim.flight.survey_area import with_survey
 from uwsim.flight.terminal import Silent
 from uwsim.flight.vehicle_chain import default_voxel_m, filters_outliers, require_sonar, survey_area_m
 from uwsim.mapping import MapEngine, OccupancyMap
@@ -58,6 +59,7 @@ def fly(
     vehicle_model: str | Path | None = None,
     mission_time_s: float | None = None,
     link: str | Path | None = None,
+    survey: Mapping[str, Any] | None = None,
     carried: tuple[str, ...] | None = None,
     time_limit_s: float | None = None,
     threads: int | None = None,
@@ -80,10 +82,11 @@ def fly(
     estimate: source of the poses that the mission and the map use: "truth", or "filter" (Vehicle.estimate).
     mission_time_s: battery life. time_limit_s: limit in simulated time; by default the battery life. link: a modem, by
     name or file, that replaces the scenario's; the map built ashore from the pings that arrive is written to
-    map_ashore.bt. carried: name endings of the channels that vehicles send over the link; by default all that the link
-    can carry. sample_sensors: whether the record's samples include the readings of all sensors. autosave_s: wall time
-    between saves, from which `resume` can continue; 0 disables saving. screen: displays the flight; by default nothing
-    is displayed. With a Terminal, Ctrl-C ends the flight and keeps its results.
+    map_ashore.bt. survey: values that replace those of the scenario's survey, by key. carried: name endings of the
+    channels that vehicles send over the link; by default all that the link can carry. sample_sensors: whether the
+    record's samples include the readings of all sensors. autosave_s: wall time between saves, from which `resume` can
+    continue; 0 disables saving. screen: displays the flight; by default nothing is displayed. With a Terminal, Ctrl-C
+    ends the flight and keeps its results.
 
     attachments: options of what takes part in the flight, named as the flags of `uwsim run`: record (path of a new
     recording), record_topic; raw (path of a new file with each mapped ping of the first vehicle), offsets, uncertainty;
@@ -105,6 +108,11 @@ def fly(
     if isinstance(scenario, Mapping):
         scenario = load(scenario)
     _require_consistent(estimate, report, map, of_map, close_loops, time_limit_s)
+    begun_with = scenario
+    if survey and not isinstance(scenario, Simulator):
+        scenario = with_survey(scenario, survey)
+    elif survey:
+        raise ValueError("survey: has no effect on an existing simulator")
     screen = screen or Silent()
     saving = autosave or _autosave(0.0 if close_loops else autosave_s, screen)
     options = Attachments(**attachments)
@@ -125,7 +133,8 @@ def fly(
         function=function,
         mission_digest=None if found.file is None else file_digest(found.file),
         arguments=dict(arguments or {}),
-        scenario=str(resolved_path(scenario)) if isinstance(scenario, str | Path) else "",
+        scenario=str(resolved_path(begun_with)) if isinstance(begun_with, str | Path) else "",
+        survey=dict(survey or {}),
         **{name: resolved_path(of_simulator[name]) for name in OF_SIMULATOR} | {"seed": sim.seed},
         carried=carried,
         vehicles=names,
@@ -143,7 +152,7 @@ def fly(
     if found.file is None:
         request = replace(request, mission=found.name)
     taking_part = attached(options, Departure(sim, names, found.make is not None, map, request, carried))
-    can_be_saved = isinstance(scenario, str | Path) and not close_loops and (mission is None or request.mission)
+    can_be_saved = isinstance(begun_with, str | Path) and not close_loops and (mission is None or request.mission)
     setup = Setup(
         sim=sim, mission=found, names=names, estimate=estimate, close_loops=close_loops, time_limit_s=time_limit_s,
         plan=plan, lanes_left_out=left_out, attachments=taking_part, sample_sensors=sample_sensors,

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.missions.lanes import Lane, lawn_mower_lanes
+from uwsim.missions.lanes import Lane
 from uwsim.missions.lawn_mower import PASSABLE_Z_M
 from uwsim.missions.lawn_mower_needs import missing_for_lanes
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
@@ -76,6 +76,9 @@ def survey_plan(survey: Survey) -> LawnMowerPlan:
         line_spacing_m=survey.line_spacing_m,
         speed_m_s=survey.speed_m_s,
         tilt_deg=survey.tilt_deg,
+        heading_deg=survey.heading_deg,
+        cross_lines=survey.cross_lines,
+        entry=survey.entry,
     )
 
 
@@ -101,7 +104,7 @@ def flyable_plan(
     start_m, _ = start_pose(
         sim.scenario, sim.scenario.vehicles[0]
     )  # not the current pose, so that a resumed flight has the same plan
-    lanes = lawn_mower_lanes(plan.area_m, plan.line_spacing_m, plan.reach_m, np.array(start_m[:2]))
+    lanes = plan.lanes_near(np.array(start_m[:2]))
     found = flyable_lanes(sim, lanes, least_share)
     return (plan, None) if found.left_out is None else (replace(plan, lanes=found.lanes), found.left_out)
 

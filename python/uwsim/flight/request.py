@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from pydantic import ConfigDict
 
+from uwsim.flight.survey_area import with_survey
 from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.simulator.simulator import Simulator
 
@@ -26,11 +27,11 @@ class FlightRequest:
 
     mission: the path of its file, or `module:name`; if None, the scenario's survey. mission_digest: digest of the file.
     vehicles: by default the scenario's first, or all if the mission takes `vehicles`. vehicle_model: replaces the first
-    vehicle's. link: a modem that replaces the
-    scenario's. carried: name endings of the channels that vehicles send over the link. time_limit_s: limit in simulated
-    time; by default the battery life. voxel_m, engine, verify_map, outlier_filter, map_growth: options of the map, if
-    one is built. sample_sensors: whether `samples` include the sensors' readings. attachments: options of what takes
-    part in the flight, by name.
+    vehicle's. link: a modem that replaces the scenario's. survey: values that replace those of the scenario's survey.
+    carried: name endings of the channels that vehicles send over the link. time_limit_s: limit in simulated time; by
+    default the battery life. voxel_m, engine, verify_map, outlier_filter, map_growth: options of the map, if one is
+    built. sample_sensors: whether `samples` include the sensors' readings. attachments: options of what takes part in
+    the flight, by name.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
@@ -46,6 +47,7 @@ class FlightRequest:
     vehicle_model: str | None = None
     mission_time_s: float | None = None
     link: str | None = None
+    survey: dict[str, Any] = field(default_factory=dict)
     carried: tuple[str, ...] | None = None
     vehicles: tuple[str, ...] = ()
     estimate: EstimateKind = "truth"
@@ -61,7 +63,8 @@ class FlightRequest:
 
     def new_simulator(self, threads: int | None = None) -> Simulator:
         """Return a new simulator for the flight. Raises ScenarioError or ValueError if the request is invalid."""
-        return Simulator(self.scenario, threads=threads, **{name: getattr(self, name) for name in OF_SIMULATOR})
+        scenario = with_survey(self.scenario, self.survey) if self.survey else self.scenario
+        return Simulator(scenario, threads=threads, **{name: getattr(self, name) for name in OF_SIMULATOR})
 
     def new_reference(self) -> OccupancyMap | None:
         """Return an empty stock OctoMap for verification if requested, else None."""

@@ -16,6 +16,7 @@ from uwsim.flight.pinging import SURVEYED, MapSetup, TakePing
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import EstimateKind
 from uwsim.flight.setup import Setup
+from uwsim.flight.survey_area import with_survey
 from uwsim.flight.terminal import Silent, Terminal
 from uwsim.flight.vehicle_chain import filters_outliers
 from uwsim.mapping import OccupancyMap
@@ -41,7 +42,9 @@ def run_survey(
     or ValueError for an error in the scenario or the arguments, OSError if `out` cannot be written. The map is written
     even if the mission fails.
     """
-    required_survey(load(scenario))  # before building the world
+    required_survey(
+        with_survey(scenario, options["survey"]) if options.get("survey") else load(scenario)
+    )  # before building the world
     return fly(
         mission,
         scenario,

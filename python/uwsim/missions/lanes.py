@@ -54,22 +54,41 @@ class Lane:
 
 
 def lawn_mower_lanes(
-    area_m: Sequence[Sequence[float]] | Point, spacing_m: float, run_out_m: float, near_m: Point
+    area_m: Sequence[Sequence[float]] | Point,
+    spacing_m: float,
+    run_out_m: float,
+    near_m: Point,
+    *,
+    heading_deg: float | None = None,
+    cross_lines: int = 0,
 ) -> list[Lane]:
     """Cover a simple polygon with parallel lanes, flown back and forth from the corner nearest to near_m.
 
     Where the polygon is concave, a line across it is split into several lanes; the lanes are then grouped into cells,
     which are flown one after the other. The lanes run parallel to the polygon's longest edge, at most spacing_m apart
     and at most spacing_m / 2 from its sides, and extend run_out_m beyond it at both ends, so that a forward-looking
-    sonar sees the polygon's rim. Raises ValueError if no lane fits.
+    sonar sees the polygon's rim. heading_deg: their direction or its opposite, clockwise from y, in place of the
+    longest edge's. cross_lines: the number of lanes across all others, evenly spaced, that are flown after them. Raises
+    ValueError if no lane fits.
     """
     area = np.asarray(area_m, np.float64)
-    edges = np.roll(area, -1, axis=0) - area
-    along = max(edges, key=np.linalg.norm)
-    along = along / np.linalg.norm(along)
+    if heading_deg is None:
+        along = max(np.roll(area, -1, axis=0) - area, key=np.linalg.norm)
+        along = along / np.linalg.norm(along)
+    else:
+        along = np.array([math.sin(math.radians(heading_deg)), math.cos(math.radians(heading_deg))])
+    across = np.array([-along[1], along[0]])
+    width_m = float(np.ptp(area @ across))
+    lanes = ordered(_cells(area, along, max(1, math.ceil(width_m / spacing_m)), run_out_m), near_m)
+    if not cross_lines:
+        return lanes
+    return lanes + ordered(_cells(area, across, cross_lines, run_out_m), lanes[-1].end_m)
+
+
+def _cells(area: Point, along: Point, count: int, run_out_m: float) -> list[list[Lane]]:
+    """Return a number of evenly spaced lanes along a direction, in cells. Raises ValueError if no lane fits."""
     across = np.array([-along[1], along[0]])
     low, high = (area @ across).min(), (area @ across).max()
-    count = max(1, int(np.ceil((high - low) / spacing_m)))
     offsets = low + (np.arange(count) + 0.5) * (high - low) / count
     sweeps = [(offset, spans(area @ along, area @ across, offset)) for offset in offsets.tolist()]
     cells = [
@@ -81,7 +100,7 @@ def lawn_mower_lanes(
     ]
     if not cells:
         raise ValueError(f"survey.area_m = {area.tolist()} m: no lane fits into it")
-    return ordered(cells, near_m)
+    return cells
 
 
 def spans(along: Point, across: Point, offset: float) -> list[Span]:

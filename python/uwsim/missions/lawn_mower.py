@@ -27,7 +27,7 @@ from uwsim.base.sealed import Sealed
 from uwsim.missions.heights import HIGHEST_Z_M
 from uwsim.missions.lane_curves import LaneCurves, is_under_way, slips
 from uwsim.missions.lane_lengths import LANE_FLOWN, LANES_FLOWN, LEAST_FLOWN, lane_values, not_flown_because
-from uwsim.missions.lanes import Lane, lawn_mower_lanes
+from uwsim.missions.lanes import Lane
 from uwsim.missions.lawn_mower_needs import missing_for_lanes
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan, SlowPlanWarning
 from uwsim.missions.lawn_mower_state import LaneEnd, LegName, LegStart, MowerState, SavedMission
@@ -194,9 +194,7 @@ class AdaptiveLawnMower(Sealed):
     def _plan_lanes(self) -> None:
         plan, near_m = self.plan, np.array(self.state.lanes_near_m)
         given = plan.lanes
-        self._lanes = (
-            lawn_mower_lanes(plan.area_m, plan.line_spacing_m, plan.reach_m, near_m) if given is None else list(given)
-        )
+        self._lanes = plan.lanes_near(near_m) if given is None else list(given)
         self._length_before_m = [0.0, *accumulate(lane.length_m for lane in self._lanes)]
 
     def _look_farther_ahead(self) -> None:
@@ -311,8 +309,11 @@ class AdaptiveLawnMower(Sealed):
         return "tilt"
 
     def _nearest_on_lane(self, start: LegStart) -> NDArray[np.float64]:
-        """Return the point on the lane nearest to the position where the leg began."""
-        lane = self.lanes[self.state.lane]
+        """Return the point on the lane nearest to the position where the leg began; of a cross line, its start."""
+        number = self.state.lane
+        lane = self.lanes[number]
+        if number and abs(float(lane.direction @ self.lanes[number - 1].direction)) < 0.5:
+            return lane.start_m
         along_m = _clip(lane.locate(np.array(start.position_world_m))[0], 0.0, lane.length_m)
         return lane.start_m + along_m * lane.direction
 

@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 from xml.etree import ElementTree
-from xml.parsers import expat
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.texts.xml_text import xml_root
+
 Floats = NDArray[np.float64]
-BYTES_MAX, DEPTH_MAX = 20_000_000, 100
+BYTES_MAX = 20_000_000
 
 
 class Pose(NamedTuple):
@@ -201,31 +202,7 @@ def read_xml(path: Path, expand: Callable[[str], str] | None = None, content: by
             content = file.read(BYTES_MAX + 1)
     if len(content) > BYTES_MAX:
         raise ValueError(f"'{path}': has {max(path.stat().st_size, len(content))} bytes: must have at most {BYTES_MAX}")
-    builder, parser, depth = ElementTree.TreeBuilder(), expat.ParserCreate(), 0
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth
-        depth += 1
-        if depth > DEPTH_MAX:
-            raise ValueError(f"'{path}': has elements {depth} deep: must be at most {DEPTH_MAX}")
-        builder.start(tag, attributes)
-
-    def end(tag: str) -> None:
-        nonlocal depth
-        depth -= 1
-        builder.end(tag)
-
-    def refuse(*_: Any) -> None:
-        raise ValueError(f"'{path}': declares entities: must have none")
-
-    parser.StartElementHandler, parser.EndElementHandler, parser.EntityDeclHandler = start, end, refuse
-    parser.CharacterDataHandler = builder.data
-    parser.buffer_text = True
-    try:
-        parser.Parse(content, True)
-    except expat.ExpatError as error:
-        raise ValueError(f"'{path}': must be XML: {error}") from None
-    root = builder.close()
+    root = xml_root(content, f"'{path}'")
     if expand is not None:
         for node in root.iter():
             for key, value in node.attrib.items():

@@ -37,6 +37,7 @@ class Area(NamedTuple):
     """An area to survey. corners: latitude, longitude [deg] in order around it. The other values are the file's own.
 
     heading_deg: of the lanes, clockwise from north. spacing_m: distance between them. altitude_m: above the bed.
+    in_items: whether the items fly it already.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Area(NamedTuple):
     heading_deg: float | None = None
     spacing_m: float | None = None
     altitude_m: float | None = None
+    in_items: bool = False
 
 
 @dataclass(frozen=True)

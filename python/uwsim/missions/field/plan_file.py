@@ -12,12 +12,14 @@ from typing import Any
 
 from uwsim.missions.field.mission import (
     ITEMS_MAX,
+    Area,
     FieldFileError,
     FieldMission,
     Item,
     finite,
     lat_lon,
     number,
+    ring,
     sentence,
     waypoint,
     whole,
@@ -38,12 +40,13 @@ def read(document: dict[str, Any]) -> FieldMission:
     items: list[Item] = []
     notes: list[str] = []
     numbers: dict[int, int] = {}
+    areas: list[Area] = []
     for k, entry in enumerate(_of(mission, "items", list), 1):
         where = f"mission.items[{k - 1}]"
         if not isinstance(entry, dict):
             raise FieldFileError(f"{where} = {entry!r:.40}: must be an object")
         try:
-            for item, own in _expanded(entry, len(items) + 1, notes):
+            for item, own in _expanded(entry, len(items) + 1, notes, areas):
                 items.append(item)
                 if own is not None:
                     numbers[own] = item.seq
@@ -56,9 +59,8 @@ def read(document: dict[str, Any]) -> FieldMission:
             if int(item.param1) not in numbers:
                 raise FieldFileError(f"item {item.seq}: jumps to doJumpId {item.param1:g}, which no item has")
             items[n] = replace(item, param1=float(numbers[int(item.param1)]))
-    return FieldMission(
-        tuple(items), home=None if home is None else lat_lon(home, "mission.plannedHomePosition"), notes=tuple(notes)
-    )
+    place = None if home is None else lat_lon(home, "mission.plannedHomePosition")
+    return FieldMission(tuple(items), tuple(areas), place, tuple(notes))
 
 
 def _of(document: dict[str, Any], key: str, kind: type) -> Any:
@@ -69,7 +71,9 @@ def _of(document: dict[str, Any], key: str, kind: type) -> Any:
     return found
 
 
-def _expanded(entry: dict[str, Any], seq: int, notes: list[str]) -> Iterator[tuple[Item, int | None]]:
+def _expanded(
+    entry: dict[str, Any], seq: int, notes: list[str], areas: list[Area]
+) -> Iterator[tuple[Item, int | None]]:
     """Yield the items of an entry, each with its doJumpId."""
     if entry.get("type") == "SimpleItem":
         yield _simple(entry, seq), _jump_id(entry)
@@ -80,6 +84,13 @@ def _expanded(entry: dict[str, Any], seq: int, notes: list[str]) -> Iterator[tup
         what = f"{entry.get('type')} {kind or ''}".strip()[:60]
         notes.append(sentence(what, [seq], "left out"))
         yield Item(seq, 2, LEFT_OUT), _jump_id(entry)
+        return
+    has_transects = bool(transects.get("Items") or transects.get("VisualTransectPoints"))
+    if kind == "survey" and ("polygon" in entry or not has_transects):
+        areas.append(_area(entry, transects.get("CameraCalc"), f"survey {len(areas) + 1}", has_transects))
+    if not has_transects:
+        if kind != "survey":
+            notes.append(sentence(str(kind), [seq], "has no transects: left out"))
         return
     if transects.get("Items"):
         for n, each in enumerate(_of(transects, "Items", list)):
@@ -94,6 +105,19 @@ def _expanded(entry: dict[str, Any], seq: int, notes: list[str]) -> Iterator[tup
     notes.append(sentence(str(kind), [seq], "the file has no expanded items: flown along its transects' points"))
     for n, point in enumerate(points):
         yield waypoint(seq + n, lat_lon(point, f"VisualTransectPoints[{n}]"), z, frame), None
+
+
+def _area(entry: dict[str, Any], calc: Any, name: str, in_items: bool) -> Area:
+    """Return the area of a survey, with the direction and the distance of its transects."""
+    calc = calc if isinstance(calc, dict) else {}
+    angle, spacing = entry.get("angle"), calc.get("AdjustedFootprintSide")
+    return Area(
+        name,
+        ring(_of(entry, "polygon", list), "polygon"),
+        None if angle is None else number(angle, "angle", -360, 360, "deg") % 360,
+        number(spacing, "CameraCalc.AdjustedFootprintSide", 0, 1e6, "m") if spacing else None,
+        in_items=in_items,
+    )
 
 
 def _jump_id(entry: dict[str, Any]) -> int | None:

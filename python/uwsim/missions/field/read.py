@@ -9,7 +9,7 @@ from uwsim.base.texts.json_text import json_object
 from uwsim.base.texts.text_file import decoded, read_limited
 from uwsim.missions.field.mission import FieldFileError, FieldMission
 
-FORMATS = "a QGroundControl plan, or QGC WPL 110"
+FORMATS = "a QGroundControl plan, QGC WPL 110, GeoJSON or KML"
 BYTES_MAX = 20_000_000
 HEAD_BYTES = 512
 BOM = b"\xef\xbb\xbf"
@@ -45,10 +45,19 @@ def _reader_of(head: bytes) -> Callable[[str, str], FieldMission] | None:
         from uwsim.missions.field.waypoints_file import read
 
         return lambda text, name: read(text.lstrip())
+    if start.startswith(b"<"):
+        return _kml if b"kml" in head else None
     return _json if start.startswith(b"{") else None
 
 
 def _json(text: str, name: str) -> FieldMission:
-    from uwsim.missions.field.plan_file import read
+    from uwsim.missions.field import geojson_file, plan_file
 
-    return read(json_object(text, name))
+    document = json_object(text, name)
+    return geojson_file.read(document) if document.get("type") in geojson_file.TYPES else plan_file.read(document)
+
+
+def _kml(text: str, name: str) -> FieldMission:
+    from uwsim.missions.field.kml_file import read
+
+    return read(text, name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
@@ -12,17 +12,22 @@ from uwsim.scenario.spec.polygon import area, crossing_edges, narrowest_width
 MIN_WIDTH_VOXELS, MIN_AREA_VOXELS = 2, 10
 """A smaller survey area would hardly be visible on the map."""
 
+Entry = Literal["north", "north-east", "east", "south-east", "south", "south-west", "west", "north-west"]
+
 
 class Survey(Model):
     """The scenario's survey.
 
     area_m: corners (x, y) of the polygon to cover, in order around it. altitude_m: height above the bed.
     line_spacing_m: distance between the lawn-mower's lanes. speed_m_s: speed along the lanes. tilt_deg: tilt of the
-    sonar, positive nose down. voxel_m: edge of the map's voxels. ping_rate_hz: maximum ping rate of the sonar.
-    outlier_filter: whether ranging.reject_uncertain and reject_outliers are used; by default, they are if the sonar is
-    in physics mode. max_uncertainty_m: the limit of reject_uncertain, at 95 % confidence; by default half a voxel, so
-    that most of the remaining echoes fall into the right voxels. Uncertainties are only known in physics mode, so all
-    multibeams of the scenario must then be in it. Both settings apply to every map, live ones too.
+    sonar, positive nose down. heading_deg: direction of the lanes, or its opposite, clockwise from the y axis; by
+    default, that of the area's longest edge. entry: the side or corner of the area where they begin; by default, near
+    the vehicle's start. cross_lines: the number of lanes, evenly spaced, that cross all others at right angles and are
+    flown after them. voxel_m: edge of the map's voxels. ping_rate_hz: maximum ping rate of the sonar. outlier_filter:
+    whether ranging.reject_uncertain and reject_outliers are used; by default, they are if the sonar is in physics mode.
+    max_uncertainty_m: the limit of reject_uncertain, at 95 % confidence; by default half a voxel, so that most of the
+    remaining echoes fall into the right voxels. Uncertainties are only known in physics mode, so all multibeams of the
+    scenario must then be in it. Both settings apply to every map, live ones too.
     """
 
     area_m: Annotated[tuple[Point2, ...], Field(min_length=3, max_length=100)]
@@ -30,6 +35,9 @@ class Survey(Model):
     line_spacing_m: Annotated[float, InRange(0.5, 500, "m")]
     speed_m_s: Annotated[float, InRange(0.05, 5, "m/s")]
     tilt_deg: NoseDown = 30.0
+    heading_deg: Annotated[float, InRange(0, 360, "deg")] | None = None
+    entry: Entry | None = None
+    cross_lines: Annotated[int, InRange(0, 50)] = 0
     ping_rate_hz: Annotated[float, InRange(0.1, 50, "Hz")] = 10.0
     voxel_m: Annotated[float, InRange(0.02, 10, "m")] = 0.5
     outlier_filter: bool | None = None
