@@ -25,6 +25,7 @@ from uwsim.missions.items import (
     NOT_EXECUTED,
     PASSED,
     SPEED_M_S,
+    TRIGGERS,
     Pilot,
     RefusedItemError,
     Vector,
@@ -36,12 +37,13 @@ from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.missions.moves import SPEED_MAX_M_S, reached_m
 from uwsim.missions.mow import mow
 from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.pictures import PictureFolder
 from uwsim.missions.run import MissionFunction
 from uwsim.missions.steps import Steps
 from uwsim.scenario.georeference import georeference
 from uwsim.simulator.simulator import Simulator
 
-SERVO = 183
+SERVO, PICTURES = 183, "pictures"
 PLACES = "; --set first_at_m=[X,Y] places the file's first point elsewhere in the world"
 NAMES = {22: "take-off", 84: "VTOL take-off", 85: "VTOL landing", 189: "start of a landing", 205: "mount"}
 """Kinds of items that are not flown and have a common name, by MAV_CMD."""
@@ -107,6 +109,7 @@ class _Ground:
     vehicle: Any
     launch_world_m: Vector
     send_text: Callable[[str], object]
+    pictures: Callable[[OwnVehicle, int], object] | None = None
 
 
 class _NoOutputs:
@@ -134,18 +137,23 @@ class FieldFlight:
         """Read a file. Raises ValueError or OSError."""
         return cls(file, read_mission_file(file), FieldSettings.of(arguments))
 
-    def bound(self, sim: Simulator, names: tuple[str, ...]) -> MissionFunction:
+    def bound(self, sim: Simulator, names: tuple[str, ...], out: Path | None) -> MissionFunction:
         """Return the mission of these vehicles, and warn of all that is not flown.
 
+        out: the folder of the flight's results, with those of its pictures, if there is one.
         Raises MissionError for an item that they cannot fly.
         """
         grounds, flown, plans, notes = {}, {}, {}, dict.fromkeys(self.mission.notes)
         for name in names:
             vehicle = sim.vehicles[name]
             launch = np.asarray(vehicle.pose.position_world_m) * np.array([1.0, 1.0, 0.0])
-            items = self._items(notes)
+            has_pictures = out is not None and bool(vehicle.cameras)
+            items = self._items(notes, has_pictures=has_pictures)
             home = self._place(sim, launch, items, notes)
             grounds[name] = ground = _Ground(home, vehicle, launch, lambda text: notes.setdefault(text))
+            if out is not None and has_pictures:
+                folder = out / PICTURES if len(names) == 1 else out / PICTURES / name
+                ground.pictures = PictureFolder(folder, home).take
             for item in items:
                 try:
                     checked(item, ground, _NoOutputs())
@@ -192,13 +200,15 @@ class FieldFlight:
             corners, altitude_m or 0.0, spacing_m or 0.0, given.speed_m_s or SPEED_M_S, heading_deg=area.heading_deg
         )
 
-    def _items(self, notes: dict[str, None]) -> list[Item]:
+    def _items(self, notes: dict[str, None], *, has_pictures: bool) -> list[Item]:
         """Return the items to fly; note those that are left out, by kind, and the heights and speeds replaced."""
         given, left_out, items = self.settings, defaultdict[str, list[int]](list), []
         for item in self.mission.items:
             kind = KINDS.get(item.command)
-            if kind is None or item.command in (*NOT_EXECUTED, SERVO):
+            if kind is None or item.command in (*NOT_EXECUTED, SERVO, *([] if has_pictures else TRIGGERS)):
                 name = kind.name if kind else NAMES.get(item.command, "unknown")
+                if item.command in TRIGGERS:
+                    name += ", for which there is no camera or no folder"
                 left_out[f"{name} ({item.command})"].append(item.seq)
                 item = replace(item, command=LEFT_OUT)
             elif item.command == CHANGE_SPEED and (given.speed_m_s is not None or item.param2 <= 0):

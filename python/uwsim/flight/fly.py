@@ -125,7 +125,7 @@ def fly(
     }  # fmt: skip
     sim = _simulator(scenario, of_simulator, screen)
     names = tuple(vehicles) or (tuple(sim.vehicles) if found.flies_all else (sim.rov.name,))
-    found = found.bound(sim, names)
+    found = found.bound(sim, names, None if out is None else Path(out))
     plan, left_out = found.planned(sim)
     _require_able(sim, found, names, estimate, map, outlier_filter)
     request = FlightRequest(
@@ -204,7 +204,7 @@ def resume(
             saved.request.require_same(arguments)
             saved.request.require_same_file()
             warn_of_other_build("the saved flight", saved.build)
-            setup = _resumed(saved, threads, report)
+            setup = _resumed(saved, threads, report, checkpoint.out)
         setup.out, setup.autosave, setup.screen = results_folder(checkpoint.out, setup.names), saving, screen
         checkpoint.remove_leftovers()
         return Flight(setup).run()
@@ -214,13 +214,13 @@ def _autosave(interval_s: float, screen: Silent) -> FlightAutosave:
     return FlightAutosave(interval_s, screen.message, handles_signals=screen.handles_signals)
 
 
-def _resumed(saved: SavedFlight, threads: int | None, report: str) -> Setup:
+def _resumed(saved: SavedFlight, threads: int | None, report: str, out: Path) -> Setup:
     request = saved.request
     mission = found_mission(request.mission, request.function, request.arguments)
     sim = request.new_simulator(threads)
     sim.scene.prepare()
     names = request.vehicles or (sim.rov.name,)
-    mission = mission.bound(sim, names)
+    mission = mission.bound(sim, names, out)
     plan, left_out = mission.planned(sim)
     mapping = None
     if saved.occupancy is not None:

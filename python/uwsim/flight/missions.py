@@ -79,9 +79,9 @@ class FlownMission:
     name: str | None = None
     field: FieldFlight | None = None
 
-    def bound(self, sim: Simulator, names: tuple[str, ...]) -> FlownMission:
+    def bound(self, sim: Simulator, names: tuple[str, ...], out: Path | None) -> FlownMission:
         """Return the mission with the steps that depend on the simulator, if any. Raises MissionError."""
-        return self if self.field is None else replace(self, steps=self.field.bound(sim, names))
+        return self if self.field is None else replace(self, steps=self.field.bound(sim, names, out))
 
     @property
     def flies_all(self) -> bool:

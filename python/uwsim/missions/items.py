@@ -38,10 +38,11 @@ CHANGE_SPEED, JUMP, RETURN, LEFT_OUT = 178, 177, 20, -1
 """LEFT_OUT: in place of an item of a file that is not flown, so that the numbers of the others stand."""
 WAYPOINT, PASSED = 16, (16, 17, 19, 82)
 """The items between which straight legs are flown."""
+TRIGGERS = (203, 206, 2000, 2001)
+"""Items that take pictures, where there is a folder for them; elsewhere they are accepted likewise."""
 NOT_EXECUTED: Mapping[int, str] = {
     195: "region of interest", 196: "region of interest", 197: "region of interest", 201: "region of interest",
-    203: "camera trigger", 206: "camera trigger by distance", 530: "camera mode", 2000: "camera trigger",
-    2001: "end of camera triggers", 2500: "video", 2501: "end of video",
+    530: "camera mode", 2500: "video", 2501: "end of video",
 }  # fmt: skip
 """Items that are accepted, so that a survey with them is flown, and have no effect; a text names each."""
 
@@ -70,6 +71,10 @@ class Ground(Protocol):
         """The home position, at the surface."""
 
     @property
+    def pictures(self) -> Callable[[OwnVehicle, int], object] | None:
+        """Takes a picture for an item, by number; None where there is no camera or no place for pictures."""
+
+    @property
     def send_text(self) -> Callable[[str], object]:
         """Takes a sentence about an item that is flown in another way."""
 
@@ -89,7 +94,9 @@ class Pilot:
     """Flies the items of one mission. within_m: the distance at which a waypoint counts as reached.
 
     speed_m_s: of the next leg. passed: the last waypoint, where a leg begins. number: of the present item. legs: the
-    planned length [m] of each leg between two waypoints that was begun, and how it ended.
+    planned length [m] of each leg between two waypoints that was begun, and how it ended. every_m, every_s: intervals
+    between pictures, 0 for none. shots: how many more are taken by time, -1 for no end. shot_at: time and place of the
+    last picture.
     """
 
     vehicle: OwnVehicle
@@ -99,6 +106,10 @@ class Pilot:
     speed_m_s: float = SPEED_M_S
     passed: Vector | None = None
     number: int = 0
+    every_m: float = 0.0
+    every_s: float = 0.0
+    shots: int = 0
+    shot_at: tuple[float, Vector] | None = None
     legs: list[tuple[float, LaneEnd]] = field(default_factory=list)
 
     def place(self, item: Any) -> Vector:
@@ -147,6 +158,28 @@ class Pilot:
         """Hold a position, by default the present one."""
         if duration_s > 0:
             yield from hold(self.vehicle, duration_s, position_world_m=point)
+
+    def shoot(self) -> None:
+        """Take a picture, if there is a place for it."""
+        self.shot_at = self.vehicle.time_s, np.array(self.vehicle.pose.position_world_m)
+        if self.craft.pictures is not None:
+            self.craft.pictures(self.vehicle, self.number)
+
+    def watched(self, steps: Steps[None]) -> Steps[None]:
+        """Fly steps, and meanwhile take the pictures that are due by distance or time."""
+        try:
+            for pause in steps:
+                yield pause
+                time_s, here = self.vehicle.time_s, self.vehicle.pose.position_world_m
+                if self.shot_at is None:
+                    continue
+                if self.every_m and math.dist(here, self.shot_at[1]) >= self.every_m:
+                    self.shoot()
+                elif self.every_s and self.shots and time_s - self.shot_at[0] >= self.every_s - 1e-6:
+                    self.shots -= self.shots > 0
+                    self.shoot()
+        finally:
+            steps.close()
 
     def surface(self) -> Steps[None]:
         """Rise where the vehicle is."""
@@ -235,6 +268,33 @@ def _set_servo(pilot: Pilot, item: Any) -> Steps[None]:
     yield from ()
 
 
+def _picture(pilot: Pilot, item: Any) -> Steps[None]:
+    if item.x != 0:  # the shoot command, param5
+        pilot.shoot()
+    yield from ()
+
+
+def _by_distance(pilot: Pilot, item: Any) -> Steps[None]:
+    """Take a picture at each distance from the last one, 0 for none; param3: the first one at once."""
+    pilot.every_m, pilot.every_s = item.param1, 0.0
+    pilot.shot_at = pilot.vehicle.time_s, np.array(pilot.vehicle.pose.position_world_m)
+    if item.param1 and item.param3:
+        pilot.shoot()
+    yield from ()
+
+
+def _by_time(pilot: Pilot, item: Any) -> Steps[None]:
+    """Take pictures, the first one at once; param2: the interval, param3: how many, 0 for no end."""
+    pilot.every_m, pilot.every_s, pilot.shots = 0.0, item.param2, int(item.param3) - 1
+    pilot.shoot()
+    yield from ()
+
+
+def _no_more(pilot: Pilot, item: Any) -> Steps[None]:
+    pilot.every_m = pilot.every_s = 0.0
+    yield from ()
+
+
 Limits = tuple[str, float, float, str]
 """A parameter's meaning, its least and greatest value, and its unit."""
 
@@ -270,6 +330,13 @@ KINDS: Mapping[int, ItemKind] = {
     CHANGE_SPEED: ItemKind(
         "speed", _change_speed, False, {1: ("type", 0, 1, ""), 2: ("speed", 0.01, SPEED_MAX_M_S, "m/s")}
     ),
+    203: ItemKind("camera trigger", _picture, False, {}),
+    206: ItemKind("camera trigger by distance", _by_distance, False, {1: ("distance", 0.0, FAR_M, "m")}),
+    2000: ItemKind(
+        "camera trigger by time", _by_time, False,
+        {2: ("interval", 0.0, TIME_MAX_S, "s"), 3: ("pictures", 0.0, TIME_MAX_S, "")},
+    ),
+    2001: ItemKind("end of camera triggers", _no_more, False, {}),
     183: ItemKind("servo", _set_servo, False, {}),
     **{number: ItemKind(name, _skip, False, {}) for number, name in NOT_EXECUTED.items()},
 }  # fmt: skip
@@ -298,7 +365,7 @@ def checked(item: Any, craft: Ground, servos: Outputs) -> Any:
         raise RefusedItemError(item, INVALID_PARAMETER + 2, reason)
     if item.command == JUMP and not 1 <= item.param1 <= ITEMS_MAX:
         raise RefusedItemError(item, INVALID_PARAMETER, f"jump to item {item.param1:g}: must be 1 or more")
-    if item.command in NOT_EXECUTED:
+    if item.command in NOT_EXECUTED or (item.command in TRIGGERS and craft.pictures is None):
         craft.send_text(f"mission item {item.seq}: {kind.name}: has no effect")
     if item.command == 82:
         craft.send_text(f"mission item {item.seq}: spline: is flown straight")
@@ -353,7 +420,7 @@ def fly_items(
         for number, item in course(items, first):
             pilot.number, left = item.seq, items[number - 1 :]
             begun(item.seq)
-            yield from KINDS[item.command].fly(pilot, item)
+            yield from pilot.watched(KINDS[item.command].fly(pilot, item))
             reached(item.seq)
         left = ()
     finally:

@@ -1,6 +1,7 @@
 """A mission's items: each is flown as uploaded, or refused with its number and MAVLink's result."""
 
 import math
+from collections import deque
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -13,13 +14,16 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from uwsim import Simulator
 from uwsim.bridges.mavlink.craft import Craft
+from uwsim.bridges.mavlink.missions import MissionStore
 from uwsim.bridges.mavlink.plan import MissionPlan
 from uwsim.bridges.mavlink.state import read
 from uwsim.bridges.mavlink.telemetry import KINDS, Figures
+from uwsim.bridges.mavlink.vehicle import MavlinkVehicle
 from uwsim.channels import Table
 from uwsim.mapping.files.georeference import Home
 from uwsim.missions import OwnVehicle, drive
 from uwsim.missions.items import RefusedItemError, checked
+from uwsim.missions.pictures import PictureFolder
 
 HOME = Home(33.810313, -118.393867)
 NAN = math.nan
@@ -50,7 +54,7 @@ class Servos(NamedTuple):
 
 def craft_of(sim: Simulator) -> Any:
     launch = sim.rov.pose.position_world_m * [1, 1, 0]
-    return SimpleNamespace(home=HOME, vehicle=sim.rov, launch_world_m=launch, send_text=TEXTS.append)
+    return SimpleNamespace(home=HOME, vehicle=sim.rov, launch_world_m=launch, send_text=TEXTS.append, pictures=None)
 
 
 @pytest.fixture(scope="module")
@@ -145,6 +149,55 @@ def test_a_waypoint_above_the_bed_is_there_and_triggers_and_jumps_end_no_survey(
     assert (flown.points[on][-1, 2] - bed_m[on][-1]) == pytest.approx(1.5, abs=0.2)
     far = flown.points[:, 0] > x + 3.5
     assert np.count_nonzero(np.diff(far.astype(int)) == 1) == 3, "there and twice more"
+
+
+def test_a_picture_is_a_file_and_a_message_with_its_place(sim: Simulator, tmp_path: Path) -> None:
+    owner: Any = SimpleNamespace(
+        _craft=SimpleNamespace(output=[]), _autopilot=SimpleNamespace(mav=dialect.MAVLink(None))
+    )
+    MavlinkVehicle._picture_taker(owner, PictureFolder(tmp_path, HOME))(OwnVehicle(sim.rov, sim), 4)
+    (message,) = owner._craft.output
+    assert message.pack(dialect.MAVLink(None)) and (tmp_path / message.file_url).stat().st_size > 1000
+    at = HOME.world_m(1e-7 * message.lat, 1e-7 * message.lon, 1e-3 * message.alt)
+    np.testing.assert_allclose(at, sim.rov.pose.position_world_m, atol=0.02)
+    assert (message.image_index, message.capture_result) == (0, 1)
+
+
+def test_fences_and_rally_points_are_kept_beside_the_mission_and_given_back() -> None:
+    sent: list[Any] = []
+    texts: list[str] = []
+    store = MissionStore(
+        dialect.MAVLink(None), lambda m, peer: sent.append(m), lambda text, *_: texts.append(text), deque(), lambda i: i
+    )
+    peer: Any = object()
+
+    def given(message: Any) -> Any:
+        message._header.srcSystem, message._header.srcComponent = 255, 190
+        return message
+
+    corners = [(5001, 3, 541000000, 101000000), (5001, 3, 541000000, 101100000), (5001, 3, 541100000, 101000000)]
+    fence = [
+        dialect.MAVLink_mission_item_int_message(1, 1, k, 0, command, 0, 1, count, 0, 0, 0, x, y, 0.0, 1)
+        for k, (command, count, x, y) in enumerate(corners)
+    ]
+    store.on_mission_count(peer, given(dialect.MAVLink_mission_count_message(1, 1, 3, 1)))
+    for each in fence:
+        assert (sent[-1].seq, sent[-1].mission_type) == (each.seq, 1)
+        store.on_mission_item_int(peer, given(each))
+    assert (sent[-1].type, sent[-1].mission_type) == (dialect.MAV_MISSION_ACCEPTED, 1)
+    assert texts == ["geofence: 3 items are kept, and have no effect"] and store.items == []
+    store.on_mission_request_list(peer, given(dialect.MAVLink_mission_request_list_message(1, 1, 1)))
+    assert sent[-1].count == 3
+    for k, each in enumerate(fence):
+        store.on_mission_request_int(peer, given(dialect.MAVLink_mission_request_int_message(1, 1, k, 1)))
+        assert (sent[-1].command, sent[-1].x, sent[-1].y, sent[-1].mission_type) == (each.command, each.x, each.y, 1)
+    store.on_mission_count(peer, given(dialect.MAVLink_mission_count_message(1, 1, 1, 2)))
+    wrong = dialect.MAVLink_mission_item_int_message(1, 1, 0, 0, 5001, 0, 1, 3, 0, 0, 0, 1, 1, 0.0, 2)
+    store.on_mission_item_int(peer, given(wrong))
+    assert sent[-1].type == dialect.MAV_MISSION_UNSUPPORTED and "rally points: command 5001" in texts[-1]
+    store.on_mission_clear_all(peer, given(dialect.MAVLink_mission_clear_all_message(1, 1, 255)))
+    store.on_mission_request_list(peer, given(dialect.MAVLink_mission_request_list_message(1, 1, 1)))
+    assert sent[-1].count == 0
 
 
 def test_land_and_return_end_at_the_surface(sim: Simulator) -> None:

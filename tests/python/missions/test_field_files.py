@@ -1,6 +1,8 @@
 """Files of the field: what is read, what is refused, and that a flight by one is as long as the file."""
 
+import csv
 import json
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -111,3 +113,23 @@ def test_a_file_that_cannot_be_read_is_refused_with_the_place(text: str, words: 
         read_mission_file(tmp_path / "m.txt")
     assert str(caught.value).startswith(str(tmp_path / "m.txt")) and words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_triggers_take_pictures_with_their_places_by_distance_and_by_time(tmp_path: Path) -> None:
+    """By distance, one for each 2 m of 9 m and the first; by time, three at once, after 1 s and 2 s."""
+    path, out = tmp_path / "triggers.plan", tmp_path / "out"
+    by_time = simple(2000, 0, 1.0, 3.0)
+    path.write_text(plan(TRANSECTS[0], simple(206, 2.0, 0, 1), *TRANSECTS[1:], by_time, simple(93, 4.0), TRIGGER))
+    flown = fly(path, "pool", out, arguments={"first_at_m": [-4.0, -3.0]}, report="none")
+    rows = list(csv.DictReader((out / "pictures" / "pictures.csv").open()))
+    assert [row["file"] for row in rows] == sorted(each.name for each in (out / "pictures").glob("*.png"))
+    by_item = {item: [row for row in rows if row["item"] == str(item)] for item in (2, 3, 4, 5, 6)}
+    far = [Home(54.4, 10.2).world_m(float(row["latitude_deg"]), float(row["longitude_deg"]), 0) for row in rows]
+    count = sum(len(by_item[item]) for item in (2, 3, 4))
+    assert count in (5, 6) and len(by_item[5]) + len(by_item[6]) == 3
+    gaps = [float(np.linalg.norm(b - a)) for a, b in pairwise(far[:5])]
+    assert gaps == pytest.approx([2.0] * 4, abs=0.25)
+    times = [float(row["time_s"]) for row in by_item[5] + by_item[6]]
+    assert np.diff(times) == pytest.approx([1.0, 1.0], abs=0.11)
+    assert all(abs(float(row["depth_m"]) - 2.0) < 0.5 for row in rows)
+    assert sum(event.name == "picture" for event in flown.events) == len(rows)

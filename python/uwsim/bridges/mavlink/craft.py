@@ -19,6 +19,7 @@ from uwsim.bridges.mavlink.state import State
 from uwsim.channels.authority.steering import log_error
 from uwsim.live import LiveSimulator
 from uwsim.mapping.files.georeference import Place
+from uwsim.missions import OwnVehicle
 
 COMMAND_S = 5.0
 LOOK_S = 0.005  # time between looks at the network while a command takes effect
@@ -33,7 +34,8 @@ class Craft:
     functions that return them when they are sent, queued by any thread. state: the latest reading. meanwhile: called
     while a command takes effect, to handle what is more urgent. interruptions: how many stops and disarms there were;
     each ends the command that waits. launch_world_m: the home position, at the surface. is_flying: whether it flies by
-    itself. gain: of the sticks. channels_us: the pulses of the RC channels, by number.
+    itself. gain: of the sticks. channels_us: the pulses of the RC channels, by number. pictures: takes a
+    picture for an item of a mission, if there is a folder for them.
     """
 
     live: LiveSimulator
@@ -48,6 +50,7 @@ class Craft:
     launch_world_m: Vector = field(default_factory=lambda: np.zeros(3))
     is_flying: bool = False
     gain: float = 0.5
+    pictures: Callable[[OwnVehicle, int], object] | None = None
     channels_us: dict[int, int] = field(default_factory=dict)
 
     @property

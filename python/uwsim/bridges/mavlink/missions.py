@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,7 +15,10 @@ from uwsim.missions.items import ITEMS_MAX, RefusedItemError
 
 AGAIN_S = 1.0  # interval at which a missing item is requested again
 GIVE_UP_S = 15.0  # time without an item after which an upload ends
-MISSION = 0  # MAV_MISSION_TYPE; fences and rally points are other types
+MISSION, FENCE, RALLY, ALL = 0, 1, 2, 255  # MAV_MISSION_TYPE
+COMMANDS: Mapping[int, Sequence[int]] = {FENCE: range(5000, 5005), RALLY: (5100,)}
+NAMES: Mapping[int, str] = {FENCE: "geofence", RALLY: "rally points"}
+"""MAV_CMD of items of fences and rally points, and what they are called."""
 ACCEPTED, UNSUPPORTED, NO_SPACE, INVALID, INVALID_SEQUENCE, DENIED, CANCELLED = 0, 3, 4, 5, 13, 14, 15
 """MAV_MISSION_RESULT."""
 NO_MISSION, NOT_STARTED, ACTIVE, PAUSED, COMPLETE = range(1, 6)  # MISSION_STATE
@@ -24,8 +27,12 @@ CURRENT_HZ = 1
 
 @dataclass
 class _Upload:
-    """An upload in progress. asker: the station's system and component. heard_s, asked_s: wall-clock times."""
+    """An upload in progress. kind: a MAV_MISSION_TYPE. asker: the station's system and component.
 
+    heard_s, asked_s: wall-clock times.
+    """
+
+    kind: int
     peer: Peer
     asker: tuple[int, int]
     count: int
@@ -38,8 +45,8 @@ class MissionStore:
     """Exchanges the mission with ground stations, and reports the progress of its flight.
 
     A missing item is requested again every second, and an upload ends after 15 s without an item. Fences and rally
-    points, which MAVLink treats as other types of missions, are empty and cannot be uploaded. Must be used on one
-    thread, except for `begin` and `reached`, which a flight calls.
+    points, which MAVLink treats as other types of missions, are kept and given back, and have no effect, which a text
+    states. Must be used on one thread, except for `begin` and `reached`, which a flight calls.
 
     mav: encodes messages. output: queue for the messages of a flight's thread. check: returns an item that can be
     flown; raises RefusedItemError. items: of the last complete upload. current: the number of the item that is flown
@@ -51,6 +58,7 @@ class MissionStore:
     ) -> None:
         self.mav, self._send, self._send_text, self._output, self._check = mav, send, send_text, output, check
         self.items: list[Any] = []
+        self._kept: dict[int, list[Any]] = {FENCE: [], RALLY: []}
         self.current, self.state = 0, NO_MISSION
         self._upload: _Upload | None = None
         self._ended: _Upload | None = None  # the last upload, whose acknowledgement may have been lost
@@ -101,13 +109,17 @@ class MissionStore:
             self._send_text(
                 f"mission upload: item {len(upload.items)} did not arrive within {GIVE_UP_S:g} s: cancelled"
             )
-            self._acknowledge(upload.peer, upload.asker, CANCELLED)
+            self._acknowledge(upload.peer, upload.asker, CANCELLED, upload.kind)
         else:
             self._request_item(upload)
 
+    def _of(self, kind: int) -> list[Any]:
+        """Return the items of a type, none of an unknown one."""
+        return self.items if kind == MISSION else self._kept.get(kind, [])
+
     def on_mission_request_list(self, peer: Peer, message: Any) -> None:
         """Report the number of items."""
-        count = len(self.items) if message.mission_type == MISSION else 0
+        count = len(self._of(message.mission_type))
         self._send(self.mav.mission_count_encode(*_from(message), count, message.mission_type), peer)
 
     def on_mission_request_int(self, peer: Peer, message: Any) -> None:
@@ -115,42 +127,46 @@ class MissionStore:
         item = self._item(peer, message)
         if item is not None:
             place = item.x, item.y, item.z
-            self._send(self.mav.mission_item_int_encode(*_from(message), *_plain(item), *place), peer)
+            self._send(
+                self.mav.mission_item_int_encode(*_from(message), *_plain(item), *place, message.mission_type), peer
+            )
 
     def on_mission_request(self, peer: Peer, message: Any) -> None:
         """Send an item with its position in degrees."""
         item = self._item(peer, message)
         if item is not None:
-            place = 1e-7 * item.x, 1e-7 * item.y, item.z
+            place = 1e-7 * item.x, 1e-7 * item.y, item.z, message.mission_type
             self._send(self.mav.mission_item_encode(*_from(message), *_plain(item), *place), peer)
 
     def _item(self, peer: Peer, message: Any) -> Any:
-        if message.mission_type == MISSION and 0 <= message.seq < len(self.items):
-            return self.items[message.seq]
+        items = self._of(message.mission_type)
+        if 0 <= message.seq < len(items):
+            return items[message.seq]
         self._acknowledge(peer, _from(message), INVALID_SEQUENCE, message.mission_type)
         return None
 
     def on_mission_count(self, peer: Peer, message: Any) -> None:
         """Begin an upload."""
-        if message.mission_type != MISSION:
-            self._acknowledge(peer, _from(message), UNSUPPORTED, message.mission_type)
-        elif self.state == ACTIVE:
+        kind = message.mission_type
+        if kind not in (MISSION, *COMMANDS):
+            self._acknowledge(peer, _from(message), UNSUPPORTED, kind)
+        elif kind == MISSION and self.state == ACTIVE:
             self._send_text("mission upload: refused while the mission is flown: change the mode first")
             self._acknowledge(peer, _from(message), DENIED)
         elif message.count == 0:
             self.on_mission_clear_all(peer, message)
         elif message.count > ITEMS_MAX:
-            self._acknowledge(peer, _from(message), NO_SPACE)
+            self._acknowledge(peer, _from(message), NO_SPACE, kind)
         elif self._upload is not None and self._upload.peer != peer:
             self._send_text("mission upload: refused while another ground station uploads")
-            self._acknowledge(peer, _from(message), DENIED)
+            self._acknowledge(peer, _from(message), DENIED, kind)
         else:
-            self._upload = _Upload(peer, _from(message), message.count, time.monotonic())
+            self._upload = _Upload(kind, peer, _from(message), message.count, time.monotonic())
             self._request_item(self._upload)
 
     def _request_item(self, upload: _Upload) -> None:
         upload.asked_s = time.monotonic()
-        self._send(self.mav.mission_request_int_encode(*upload.asker, len(upload.items)), upload.peer)
+        self._send(self.mav.mission_request_int_encode(*upload.asker, len(upload.items), upload.kind), upload.peer)
 
     def on_mission_item(self, peer: Peer, message: Any) -> None:
         """Accept an item with its position in degrees."""
@@ -166,11 +182,13 @@ class MissionStore:
         """Accept the next item of an upload; after the last item, acknowledge the upload."""
         upload, ended = self._upload, self._ended
         if upload is None and ended is not None and ended.peer == peer and message.seq == ended.count - 1:
-            self._acknowledge(peer, ended.asker, ACCEPTED)  # again
+            self._acknowledge(peer, ended.asker, ACCEPTED, ended.kind)  # again
         if upload is None or peer != upload.peer or message.seq != len(upload.items):
             return
+        if message.mission_type != upload.kind:
+            return
         try:
-            upload.items.append(self._check(message))
+            upload.items.append(self._check(message) if upload.kind == MISSION else self._shape(message))
         except RefusedItemError as error:
             self._send_text(str(error))
             self._refuse(peer, error.result)
@@ -179,22 +197,37 @@ class MissionStore:
         if len(upload.items) < upload.count:
             self._request_item(upload)
             return
-        self._replace(upload.items)
+        if upload.kind == MISSION:
+            self._replace(upload.items)
+        else:
+            self._kept[upload.kind] = upload.items
+            self._send_text(f"{NAMES[upload.kind]}: {len(upload.items)} items are kept, and have no effect")
         self._upload, self._ended = None, upload
-        self._acknowledge(peer, upload.asker, ACCEPTED)
+        self._acknowledge(peer, upload.asker, ACCEPTED, upload.kind)
+
+    def _shape(self, item: Any) -> Any:
+        """Return an item of a fence or of rally points. Raises RefusedItemError."""
+        known = COMMANDS[item.mission_type]
+        if item.command not in known:
+            rule = f"must be one of {', '.join(map(str, known))}"
+            raise RefusedItemError(item, UNSUPPORTED, f"{NAMES[item.mission_type]}: command {item.command}: {rule}")
+        return item
 
     def _refuse(self, peer: Peer, result: int) -> None:
         """End this peer's upload."""
         upload = self._upload
         if upload is not None and upload.peer == peer:
             self._upload = None
-            self._acknowledge(peer, upload.asker, result)
+            self._acknowledge(peer, upload.asker, result, upload.kind)
 
     def on_mission_clear_all(self, peer: Peer, message: Any) -> None:
-        """Delete the mission, unless it is flown."""
-        if message.mission_type == MISSION:
+        """Delete the items of one type, or of all; a mission not while it is flown."""
+        for kind in self._kept:
+            if message.mission_type in (kind, ALL):
+                self._kept[kind] = []
+        if message.mission_type in (MISSION, ALL):
             if self.state == ACTIVE:
-                self._acknowledge(peer, _from(message), DENIED)
+                self._acknowledge(peer, _from(message), DENIED, message.mission_type)
                 return
             self._replace([])
         self._acknowledge(peer, _from(message), ACCEPTED, message.mission_type)

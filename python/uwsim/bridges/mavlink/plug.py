@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 from uwsim.base.options import Options, option
 from uwsim.bridges.doors.door import EVERYONE, OWN, Door
@@ -20,6 +21,9 @@ class MavlinkOptions(Options):
     mavlink: str | None = option(
         None,
         "Speak MAVLink as ArduSub does: udpout, udpin or tcp, with [:HOST]:PORT; see docs/connections/ardupilot.md.",
+    )
+    mavlink_pictures: Path | None = option(
+        None, "Folder for the pictures that the triggers of missions take, and for pictures.csv.", metavar="FOLDER"
     )
 
 
@@ -42,6 +46,7 @@ class MavlinkPlug(BridgePlug[MavlinkOptions]):
         super().__init__(options)
         from uwsim.bridges.mavlink import Endpoint
 
+        self._pictures = options.mavlink_pictures
         self._endpoint = Endpoint.parse(options.mavlink or "")
 
     @contextmanager
@@ -60,6 +65,7 @@ class MavlinkPlug(BridgePlug[MavlinkOptions]):
             action=context.flights.get(live.simulator.rov.name),
             feed=context.feed,
             home=place_of(live.simulator.scenario),
+            pictures=self._pictures,
             video=None if video is None else video.bridge,
         ) as vehicle:
             yield Opened(f"MAVLink at {vehicle.endpoint}", vehicle)

@@ -7,9 +7,11 @@ import math
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from uwsim.base.axes import AXES
 from uwsim.base.extras import need_extra
@@ -29,7 +31,7 @@ from uwsim.bridges.mavlink.component import (
     Given,
 )
 from uwsim.bridges.mavlink.craft import Craft
-from uwsim.bridges.mavlink.earth import HOME
+from uwsim.bridges.mavlink.earth import HOME, ned_from_frd
 from uwsim.bridges.mavlink.endpoint import Endpoint, Peer, Wire
 from uwsim.bridges.mavlink.flight import Flight
 from uwsim.bridges.mavlink.gimbal import DEVICE, Gimbal
@@ -51,7 +53,9 @@ from uwsim.channels.channel import ended_by
 from uwsim.channels.delivery.feed import Readings
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
 from uwsim.mapping.files.georeference import Place
+from uwsim.missions import OwnVehicle
 from uwsim.missions.items import checked
+from uwsim.missions.pictures import PictureFolder
 
 AUTOPILOT = 1
 HEARTBEAT_S = 1.0
@@ -76,8 +80,9 @@ class MavlinkVehicle(Bridge):
     while the station's pilot has the controls, and are logged and recorded.
 
     action: the vehicle's action `fly_path`, which flies GUIDED targets and missions, or None if it has none. home: the
-    world's location on Earth, if it has one. video: the stream of one of its cameras, to be announced to ground
-    stations. Raises OSError if the socket cannot be opened, and MissingExtraError without pymavlink.
+    world's location on Earth, if it has one. pictures: the folder of those that missions take, if any. video: the
+    stream of one of its cameras, to be announced to ground stations. Raises OSError if the socket cannot be opened, and
+    MissingExtraError without pymavlink.
     """
 
     peer = "a MAVLink ground station"
@@ -92,6 +97,7 @@ class MavlinkVehicle(Bridge):
         action: Action | None,
         feed: Readings | None = None,
         home: Place | None = None,
+        pictures: Path | None = None,
         video: VideoStream | None = None,
     ) -> None:
         need_extra("pymavlink", "mavlink", "--mavlink")
@@ -101,6 +107,8 @@ class MavlinkVehicle(Bridge):
         self._live, self._action, self._dialect = live, action, ardupilotmega
         self.vehicle = next(iter(live.vehicles)) if action is None else action.source.name
         self._craft = craft = Craft(live, self.vehicle, action, home or HOME, self.send_text)
+        if pictures is not None and craft.vehicle.cameras:
+            craft.pictures = self._picture_taker(PictureFolder(pictures, craft.home))
         self._wire = Wire(endpoint, self._parser)
         self.endpoint = self._wire.endpoint
         self._rare = RareLog(logging.getLogger("uwsim.mavlink"))
@@ -135,6 +143,32 @@ class MavlinkVehicle(Bridge):
 
     def _component(self, number: int) -> Component:
         return Component(self._dialect, self._wire, number)
+
+    def _picture_taker(self, folder: PictureFolder) -> Callable[[OwnVehicle, int], None]:
+        """Return a function that takes a picture into a folder, and reports it as CAMERA_IMAGE_CAPTURED."""
+
+        def take(vehicle: OwnVehicle, item: int) -> None:
+            index, values = folder.take(vehicle, item)
+            xyzw = Rotation.from_matrix(vehicle.pose.world_from_body[:3, :3]).as_quat()
+            lat, lon = (round(1e7 * values[f"{name}_deg"]) for name in ("latitude", "longitude"))
+            up_mm, boot_ms = round(-1e3 * values["depth_m"]), round(1e3 * values["time_s"]) % 2**32
+            self._craft.output.append(
+                self._autopilot.mav.camera_image_captured_encode(
+                    boot_ms,
+                    0,
+                    1,
+                    lat,
+                    lon,
+                    up_mm,
+                    up_mm,
+                    ned_from_frd(xyzw),
+                    index,
+                    1,
+                    values["file"].encode(),
+                )
+            )
+
+        return take
 
     def _efforts(self) -> Any:
         """Return a function that applies stick efforts through a channel that ends them; None without an action."""

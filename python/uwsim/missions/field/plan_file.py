@@ -26,8 +26,10 @@ from uwsim.missions.field.mission import (
 )
 from uwsim.missions.items import JUMP, LEFT_OUT
 
+SHAPES = {"geoFence": ("polygons", "circles"), "rallyPoints": ("points",)}
 TRANSECTS = ("survey", "CorridorScan")
 FRAME_OF_DISTANCE = {1: 3, 2: 0, 3: 10, 4: 10}
+
 """MAV_FRAME by QGroundControl's mode of altitude: above home, above sea, and twice above the terrain."""
 
 
@@ -59,6 +61,15 @@ def read(document: dict[str, Any]) -> FieldMission:
             if int(item.param1) not in numbers:
                 raise FieldFileError(f"item {item.seq}: jumps to doJumpId {item.param1:g}, which no item has")
             items[n] = replace(item, param1=float(numbers[int(item.param1)]))
+    for key, shapes in SHAPES.items():
+        found = document.get(key)
+        count = (
+            sum(len(each) for name in shapes if isinstance(each := found.get(name), list))
+            if isinstance(found, dict)
+            else 0
+        )
+        if count:
+            notes.append(f"{key}: {count} {' and '.join(shapes)}: left out, no fence is enforced")
     place = None if home is None else lat_lon(home, "mission.plannedHomePosition")
     return FieldMission(tuple(items), tuple(areas), place, tuple(notes))
 
@@ -130,6 +141,9 @@ def _simple(entry: dict[str, Any], seq: int) -> Item:
         raise FieldFileError(f"params = {params!r:.40}: must be a list of 7 numbers")
     frame, command = whole(entry.get("frame"), "frame", 0, 255), whole(entry.get("command"), "command", 0, 65535)
     values = [finite(value) for value in params]
-    x, y = (0.0, 0.0) if frame == 2 else lat_lon(values[4:6], "position")
+    if frame == 2:  # no position: other parameters
+        x, y = (1e-7 * value for value in values[4:6])
+    else:
+        x, y = lat_lon(values[4:6], "position")
     p1, p2, p3, p4, _, _, z = values
     return Item(seq, frame, command, p1, p2, p3, p4, round(1e7 * x), round(1e7 * y), z)
