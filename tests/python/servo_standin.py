@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any, Self
 
-from uwsim.bridges.ardusub.servo_frames import FRAMES
+from uwsim.recording.real_flights.frames import FRAMES
 
 NEUTRAL, SPAN = 1500, 400
 REPEAT_S = 0.2  # ArduSub: 1 s

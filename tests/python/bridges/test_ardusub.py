@@ -12,12 +12,12 @@ import pytest
 from servo_standin import NEUTRAL, Standin, mixed, packet
 from uwsim import Simulator
 from uwsim.bridges.ardusub.ardusub import ArduSub, SilentAutopilotError, prepared
-from uwsim.bridges.ardusub.servo_frames import frame_of, servo_motors
 from uwsim.live import LiveSimulator
 from uwsim.live.command_log import replay as replay_log
 from uwsim.recording import Recorder, Recording
 from uwsim.recording.joined_frames import JoinedFrames
 from uwsim.recording.messages import Recorded
+from uwsim.recording.real_flights.frames import frame_of, servo_motors
 from uwsim.recording.replay import replay
 from uwsim.scenario import Scenario, load, load_vehicle
 from uwsim.simulator.lockstep import FRAME_BYTES

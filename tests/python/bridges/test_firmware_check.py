@@ -1,7 +1,6 @@
 """`uwsim ardusub-check`: a log beside the model that made it, tables of flights, and what is refused."""
 
 import math
-import struct
 from collections.abc import Iterator
 from pathlib import Path
 from types import MappingProxyType
@@ -11,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from flight_logs import binary_log
 from servo_standin import mixed
 from uwsim import Simulator
 from uwsim.base.options import WithoutEffectError
@@ -34,30 +34,12 @@ FORMATS = {
     "XKF1": ("QBffff", ["TimeUS", "C", "VN", "VE", "VD", "PD"]),
     "ARM": ("QB", ["TimeUS", "ArmState"]),
 }
-WIDTHS = {"B": "B", "H": "H", "Q": "Q", "f": "f", "n": "4s", "N": "16s", "Z": "64s"}
 SECONDS = 6.0
 
 
 @pytest.fixture(scope="module")
 def scenario() -> Scenario:
     return prepared(load("lagoon"), "bluerov2_tank")
-
-
-def binary_log(rows: list[tuple[str, list[Any]]]) -> bytes:
-    """A dataflash log: each message is 0xA3, 0x95, its type, and its fields; FMT messages describe the types."""
-    types = {name: 128 + k for k, name in enumerate(FORMATS)}
-
-    def packed(name: str, values: list[Any]) -> bytes:
-        layout = "<" + "".join(WIDTHS[letter] for letter in FORMATS[name][0])
-        return bytes((0xA3, 0x95, types[name])) + struct.pack(layout, *values)
-
-    def described(name: str) -> bytes:
-        letters, columns = FORMATS[name]
-        length = 3 + struct.calcsize("<" + "".join(WIDTHS[letter] for letter in letters))
-        texts = [name.encode(), letters.encode(), ",".join(columns).encode()]
-        return packed("FMT", [types[name], length, *texts])
-
-    return b"".join([*map(described, FORMATS), *(packed(name, values) for name, values in rows)])
 
 
 def test_a_log_of_the_model_is_what_the_model_does(scenario: Scenario, tmp_path: Path) -> None:
@@ -79,7 +61,7 @@ def test_a_log_of_the_model_is_what_the_model_does(scenario: Scenario, tmp_path:
         sim.lockstep.play(sim, vehicle="rov", frame="vectored", from_tick=sim.tick, frames=frames.tobytes() * steps)
         sim.step(steps)
     path = tmp_path / "flight.bin"
-    path.write_bytes(binary_log(rows))
+    path.write_bytes(binary_log(FORMATS, rows))
     log = read_servo_log(path)
     assert log.outputs_us[5, :7].tolist() == [*pwm, 0] and log.depth_m[0] == DEPTH_M
     found = compared(log, scenario, 2.0)
@@ -94,7 +76,7 @@ def test_a_log_of_the_model_is_what_the_model_does(scenario: Scenario, tmp_path:
 
 def test_a_log_that_lacks_something_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "short.bin"
-    path.write_bytes(binary_log([("ARM", [0, 1]), ("ATT", [0, 0, 0, 0])]))
+    path.write_bytes(binary_log(FORMATS, [("ARM", [0, 1]), ("ATT", [0, 0, 0, 0])]))
     with pytest.raises(ValueError, match=r"short\.bin: has no RCOU, IMU, XKF1"):
         read_servo_log(path)
 
@@ -116,7 +98,7 @@ def test_a_log_without_a_flight_is_refused(tmp_path: Path, armed: int, last_s: f
     for us in (0, round(1e6 * last_s)):
         rows += [("RCOU", [us, *[1500] * 14]), ("ATT", [us, 0, 0, 0]), ("IMU", [us, 0, 0, 0, 0]),
                  ("XKF1", [us, 0, 0, 0, 0, 0])]  # fmt: skip
-    path.write_bytes(binary_log(rows))
+    path.write_bytes(binary_log(FORMATS, rows))
     with pytest.raises(ValueError, match=rf"damaged\.bin: .*{message}"):
         read_servo_log(path)
 

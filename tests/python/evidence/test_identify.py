@@ -15,14 +15,16 @@ from uwsim.cli.program import app
 from uwsim.evidence import identification
 from uwsim.evidence.identification import MotionLog, identify, read_log
 from uwsim.evidence.identification.calibrated_file import calibrated_text
-from uwsim.evidence.identification.command_times import sampled, segment_of
+from uwsim.evidence.identification.command_times import segment_of
 from uwsim.evidence.identification.flown import OUTPUTS, Flown, parts_of
 from uwsim.evidence.identification.motion_log import read_mapping
 from uwsim.evidence.identification.solution import Identified, Value
-from uwsim.evidence.identification.unknowns import DELAY, SPREADS, completed, parameters_at, unknowns
+from uwsim.evidence.identification.unknowns import DELAY, SPREADS, parameters_at, unknowns
 from uwsim.evidence.validate.flights import deep_scenario
 from uwsim.evidence.validate.identification import covered, true_log
 from uwsim.recording import Recorder
+from uwsim.recording.real_flights.deep_water import completed
+from uwsim.recording.real_flights.motion import sampled
 from uwsim.scenario import VehicleModel, load_vehicle
 from uwsim.scenario.read.assets import assets_folder
 

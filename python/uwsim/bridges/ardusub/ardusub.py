@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.base.commands.table import SERVO_FRAMES
 from uwsim.bridges.ardusub.auxiliary import Auxiliary
-from uwsim.bridges.ardusub.servo_frames import frame_of, servo_motors, thrusters_of, unpacked
+from uwsim.bridges.ardusub.servo_frames import thrusters_of, unpacked
 from uwsim.bridges.ardusub.servo_steps import LIVE_PATIENCE_S, ServoSteps
 from uwsim.bridges.doors.admission import warn_beyond_loopback
 from uwsim.bridges.rare_log import RareLog
 from uwsim.live import LiveSimulator
+from uwsim.recording.real_flights.frames import frame_of, servo_motors
 from uwsim.scenario import Scenario
 from uwsim.simulator.helm import Clock, Lease, Source, Timeout
 from uwsim.simulator.lockstep import FRAME_BYTES

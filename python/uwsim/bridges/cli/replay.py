@@ -7,19 +7,27 @@ from typing import Annotated
 
 import typer
 
-from uwsim.base.options import need
+from uwsim.base.options import need, refuse
 from uwsim.bridges.requested import PlayedBridges
 from uwsim.cli.access import Access
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE
 from uwsim.cli.groups import under
 from uwsim.cli.options import AsJson, Threads, print_json
+from uwsim.recording.cli.real_flight import LogColumns, LogOutputs
 
 
 @under("Record")
 def replay(
     *,
-    recording: Annotated[Path, typer.Argument(help="A recording, FILE.mcap.", metavar="FILE.mcap", callback=readable)],
+    recording: Annotated[
+        Path,
+        typer.Argument(
+            help="A recording, FILE.mcap; with --beside a log of others: .BIN, .tlog, a ROS bag, a table.",
+            metavar="FILE",
+            callback=readable,
+        ),
+    ],
     from_s: Annotated[
         float, typer.Option("--from", help="Simulated time to begin at [s].", callback=within(0, 1e9, "s"))
     ] = 0.0,
@@ -45,6 +53,18 @@ def replay(
     wait: Annotated[
         bool, typer.Option("--wait", help="With --as-topics: begin when the first client connects.")
     ] = False,
+    beside: Annotated[
+        str | None,
+        typer.Option(help="Fly the model of this vehicle, a name or a YAML file, beside the log of a real flight."),
+    ] = None,
+    columns: LogColumns = None,
+    outputs: LogOutputs = None,
+    density: Annotated[
+        float | None,
+        typer.Option(
+            help="With --beside: density of the water [kg/m3]. Default: 1000.", callback=within(900, 1100, "kg/m3")
+        ),
+    ] = None,
     bridges: PlayedBridges,
     access: Access,
     threads: Threads = None,
@@ -56,6 +76,10 @@ def replay(
     difference and exits with 1, also for a damaged file; exits with 4 if everything is equal up to the point where the
     recording was cut off. With --as-topics nothing is simulated: the messages are played back to clients of rosbridge,
     ROS 2, ROS 1 and Foxglove.
+
+    With --beside, the file is the log of a real flight. Prints what the log has, lacks and leaves to assumptions, then
+    flies the vehicle's model beside it, with the log's commands: from the log's motion at many times, for 1, 2, 5, 10
+    and 30 s, at whose end the model's error is measured. Means have 95 % intervals.
     """
     from uwsim.bridges.cli.serve import parsed_speed
     from uwsim.recording.pacer import Pacer
@@ -63,6 +87,13 @@ def replay(
 
     if not 0.0 <= from_s <= (from_s if until_s is None else until_s):  # also false for NaN
         raise ValueError(f"--from {from_s:g} s, --until {until_s} s: must be 0 or more, and in this order")
+    if beside is not None:
+        refuse("without effect with --beside", as_topics=as_topics, speed=speed, port=port, host=host, wait=wait)
+        refuse("without effect with --beside", **{"from": from_s or None, "until": until_s})
+        refuse("without effect with --beside", **dict.fromkeys(bridges.names, True), **access.given())
+        _fly_beside(recording, beside, columns, outputs, density, threads, as_json=as_json)
+        return
+    need("--beside", columns=columns, outputs=outputs, density=density)
     if as_topics:
         need("a replay without --as-topics", threads=threads, json=as_json or None)
     else:
@@ -114,3 +145,35 @@ def replay(
         )
     if not opened.complete:
         raise typer.Exit(INCOMPLETE)
+
+
+def _fly_beside(
+    path: Path,
+    vehicle: str,
+    columns: str | None,
+    outputs: str | None,
+    density: float | None,
+    threads: int | None,
+    *,
+    as_json: bool,
+) -> None:
+    from uwsim.recording.real_flights.beside import fly_beside
+    from uwsim.recording.real_flights.motion import motion_of
+    from uwsim.recording.real_flights.read import read_flight
+    from uwsim.scenario import load_vehicle
+
+    model = load_vehicle(vehicle)
+    log = read_flight(path, columns)
+    notes = log.notes()
+    if not as_json:
+        typer.echo("\n".join(notes))
+    motion, more = motion_of(log, model, outputs)
+    flown = fly_beside(motion, model, density_kg_m3=1000.0 if density is None else density, threads=threads)
+    if as_json:
+        print_json({"notes": [*notes, *more, *flown.notes], "horizons": flown.plain()})
+        return
+    typer.echo("\n".join([*more, *flown.notes]))
+    rows = flown.rows()
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    for row in rows:
+        typer.echo("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from uwsim.bridges.ardusub.servo_frames import frame_of, thrusters_of
+from uwsim.bridges.ardusub.servo_frames import thrusters_of
 from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU
+from uwsim.recording.real_flights.frames import frame_of
 from uwsim.scenario import Scenario
 from uwsim.scenario.read.validated import validated
 from uwsim.simulator.lockstep import FRAME_BYTES

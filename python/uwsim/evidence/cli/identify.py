@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from uwsim.base.options import need
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.groups import under
 from uwsim.cli.options import AsJson, Threads, print_json
+from uwsim.recording.cli.real_flight import LogColumns, LogOutputs
 
 
 @under("Check")
@@ -17,7 +20,7 @@ def identify(
     log: Annotated[
         Path,
         typer.Argument(
-            help="A recording, an MCAP file, a ROS bag (.bag or a folder) or a table (.csv).",
+            help="A recording, an MCAP file, a ROS bag, a log of an autopilot (.BIN, .tlog) or a table.",
             metavar="LOG",
             callback=readable,
         ),
@@ -31,6 +34,8 @@ def identify(
             callback=readable,
         ),
     ] = None,
+    columns: LogColumns = None,
+    outputs: LogOutputs = None,
     out: Annotated[
         Path,
         typer.Option(
@@ -67,7 +72,7 @@ def identify(
     from uwsim.evidence.identification import identify as identified
     from uwsim.evidence.identification import read_log
     from uwsim.evidence.identification.calibrated_file import write_calibrated
-    from uwsim.evidence.identification.motion_log import read_mapping
+    from uwsim.evidence.identification.motion_log import read_flown, read_mapping
     from uwsim.evidence.identification.report import table, undetermined_lines, write_report
     from uwsim.scenario import load_vehicle
     from uwsim.scenario.read.assets import YAML_SUFFIXES
@@ -75,15 +80,24 @@ def identify(
     is_file = out.suffix.lower() in YAML_SUFFIXES
     if is_file:
         require_own(out)
+    model = load_vehicle(vehicle)
+    if mapping is not None:
+        need("identification without --map", columns=columns, outputs=outputs)
+        motion, notes = read_log(log, read_mapping(mapping), name), list[str]()
+    else:
+        motion, notes = read_flown(log, model, name, columns, outputs)
+    for line in notes:
+        typer.echo(line, err=as_json)
     found = identified(
-        read_log(log, None if mapping is None else read_mapping(mapping), name),
-        load_vehicle(vehicle),
+        motion,
+        model,
         spreads=_spreads(spread or []),
         known=tuple(known or ()),
         segment_s=segment,
         density_kg_m3=density,
         threads=threads,
     )
+    found = replace(found, premises=(*found.premises, *(line for line in notes if not line.startswith("known"))))
     if is_file:
         write_calibrated(found, log.name, out)
     written = [out] if is_file else write_report(found, log.name, out)

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.recording.real_flights.deep_water import STEP_S
+
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-STEP_S = 0.005
 REACH_S = 2.0  # changes this far outside a segment may still take effect in it: delays and shifts are shorter
 MOST_SHIFTS = 40
 """Number of changes in a segment whose times may shift, the largest first; a shift of a small change has no effect."""
@@ -24,8 +25,9 @@ MOST_SHIFTS = 40
 class Segment:
     """The changes of the efforts near one segment of a log.
 
-    first: the efforts (6,) before them. ticks (c,): their times, in steps of STEP_S after the segment's start.
-    changes (c, 6): the differences. shifting: indices (m,) of those whose times may shift. sd_s (m,): by how much.
+    first: the efforts (6,) before them, or as many commands of thrusters. ticks (c,): their times, in steps of STEP_S
+    after the segment's start. changes (c, 6): the differences. shifting: indices (m,) of those whose times may shift.
+    sd_s (m,): by how much.
     """
 
     first: Array
@@ -51,7 +53,7 @@ class Segment:
     def _held(self, ticks: Array, count: int) -> Array:
         low = np.floor(ticks)
         share = (ticks - low)[:, None]
-        total = np.zeros((count + 1, 6))
+        total = np.zeros((count + 1, self.changes.shape[1]))
         np.add.at(total, np.clip(low, 0, count).astype(int), (1.0 - share) * self.changes)
         np.add.at(total, np.clip(low + 1, 0, count).astype(int), share * self.changes)
         return np.asarray(self.first + np.cumsum(total, axis=0)[:count])
@@ -60,7 +62,7 @@ class Segment:
 def segment_of(times_s: Array, efforts: Array, sd_s: Array, start_s: float, end_s: float) -> Segment:
     """Return the changes near a segment from the times (n,), efforts (n, 6) and deviations (n,) of a log's commands."""
     near = slice(*np.searchsorted(times_s, (start_s - REACH_S, end_s + REACH_S)))
-    first = efforts[near.start - 1] if near.start else np.zeros(6)
+    first = efforts[near.start - 1] if near.start else np.zeros(efforts.shape[1])
     changes = np.diff(np.vstack([first, efforts[near]]), axis=0)
     kept = np.flatnonzero(changes.any(axis=1))
     changes, times, sd = changes[kept], times_s[near][kept], sd_s[near][kept]
@@ -69,11 +71,3 @@ def segment_of(times_s: Array, efforts: Array, sd_s: Array, start_s: float, end_
     may = np.flatnonzero((sd > 0) & (times > start_s - 4 * sd) & (times < end_s + 4 * sd))
     shifting = np.sort(may[np.argsort(-np.abs(changes[may]).sum(axis=1), kind="stable")][:MOST_SHIFTS])
     return Segment(first, ticks, changes, shifting, sd[shifting])
-
-
-def sampled(times_s: Array, efforts: Array) -> tuple[Array, Array, Array]:
-    """Return times (m,), efforts (m, 6) and deviations (m,) of the changes in efforts that were sampled at times_s."""
-    kept = np.flatnonzero(np.diff(efforts, axis=0).any(axis=1)) + 1
-    gap_s = times_s[kept] - times_s[kept - 1]
-    times = np.concatenate([times_s[:1], times_s[kept] - 0.5 * gap_s])
-    return times, efforts[[0, *kept]], np.concatenate([[0.0], gap_s / np.sqrt(12.0)])

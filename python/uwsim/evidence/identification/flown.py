@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import tempfile
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 from shutil import rmtree
-from typing import Any
 from weakref import finalize
 
 import numpy as np
@@ -16,15 +14,13 @@ from scipy.spatial.transform import Rotation
 
 from uwsim.batch import Batch
 from uwsim.evidence.identification import command_times
-from uwsim.evidence.identification.command_times import STEP_S
-from uwsim.evidence.identification.motion_log import MotionLog
-from uwsim.evidence.identification.unknowns import DELAY, Unknown, completed, parameters_at
-from uwsim.scenario import Scenario, VehicleModel
+from uwsim.evidence.identification.unknowns import DELAY, Unknown, parameters_at
+from uwsim.recording.real_flights.deep_water import DEPTH_M, STEP_S, in_deep_water
+from uwsim.recording.real_flights.motion import MotionLog, command
+from uwsim.scenario import VehicleModel
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-VEHICLE = "vehicle"
-DEPTH_M, BED_M = 400.0, 1000.0
 START_SPREADS = np.repeat((0.5, 0.2, 0.5, 0.5), 3)  # of a segment's initial state [m, rad, m/s, rad/s]
 OUTPUTS = 12
 DIFFERENCE = 1e-2
@@ -34,11 +30,6 @@ A propeller's loss by inflow is as the root of its thrust, whose derivative is i
 much smaller differences, one step near there would pass for information on the thrust's lag.
 """
 MOST_ROWS, MOST_UNKNOWNS = 400_000, 3000  # which take 2 GB, and a minute for each solution
-BOX = (
-    (1, 2, 4), (1, 4, 3), (5, 8, 6), (5, 7, 8), (1, 6, 2), (1, 5, 6),
-    (3, 4, 8), (3, 8, 7), (1, 3, 7), (1, 7, 5), (2, 6, 8), (2, 8, 4),
-)  # fmt: skip
-"""The triangles of a box, outward, with its corners in binary order."""
 
 
 @dataclass(frozen=True)
@@ -112,17 +103,7 @@ class Flown:
         self._last: tuple[Array, list[Block]] = (np.empty(0), [])
         folder = Path(tempfile.mkdtemp(prefix="uwsim-"))
         finalize(self, rmtree, folder, ignore_errors=True)  # members reread the hull when its centre changes
-        bare = _bare(model, density_kg_m3, folder)
-        scenario = Scenario.model_validate(
-            {
-                "name": "identification",
-                "step_s": STEP_S,
-                "water": {"density_kg_m3": density_kg_m3},
-                "terrain": {"source": "noise", "size_m": [1000, 1000], "spacing_m": 100, "bed_depth_m": BED_M},
-                "station": {"position_m": [0, 0, 0]},
-                "vehicles": [{"name": VEHICLE, "model": bare, "start": {"position_m": [0, 0, -DEPTH_M]}}],
-            }
-        )
+        scenario = in_deep_water(model, density_kg_m3, folder)
         self._batch = Batch(scenario, n=self._members, threads=threads)
         self._begin = [self._measured_start(part.rows[0]) for part in self._parts]
 
@@ -181,6 +162,7 @@ class Flown:
             variant[1 + self._delay] = 1
         first = 1 + len(self.found) + OUTPUTS
         variant[first : first + part.shifts] = 2 + np.arange(part.shifts)
+        log = self._log
         changed = np.flatnonzero((np.diff(efforts, axis=0) != 0).any(axis=(1, 2))) + 1
         states = np.zeros((len(part.ticks), self._members, 13))
         sample = 0
@@ -191,7 +173,8 @@ class Flown:
                 states[sample] = np.hstack([motion.position_world_m, motion.orientation_xyzw, motion.velocity_body])
                 sample += 1
             if end is not None:
-                self._batch.step(int(end - begin), efforts[begin, variant])
+                command(self._batch, log.thrusters, efforts[begin, variant])
+                self._batch.step(int(end - begin))
         at, share = self._compared(part.rows, states[part.low]), part.share[:, None, None]
         return at if (part.low == part.high).all() else at + share * (self._compared(part.rows, states[part.high]) - at)
 
@@ -205,11 +188,10 @@ class Flown:
         return np.concatenate([position, off, states[..., 7:] - log.velocity_body[rows][:, None]], axis=-1)
 
     def _measured_start(self, row: np.intp) -> Array:
-        """Return the measured state (13,) in a row; 0 for velocities that were not measured."""
+        """Return the measured state (13,) in a row; 0 for coordinates and velocities that were not measured."""
         log = self._log
         position_m = log.position_m[row] + self._origin_m
-        if not np.isfinite(position_m).all():
-            position_m = np.array([0.0, 0.0, -DEPTH_M])
+        position_m = np.where(np.isfinite(position_m), position_m, (0.0, 0.0, -DEPTH_M))
         return np.concatenate([position_m, log.orientation_xyzw[row], np.nan_to_num(log.velocity_body[row])])
 
     def _placed(self, segment: int, start: Array) -> Array:
@@ -247,27 +229,7 @@ def parts_of(log: MotionLog, unknowns: int, segment_s: float, most: int | None) 
     return parts
 
 
-def _bare(model: VehicleModel, density_kg_m3: float, folder: Path) -> VehicleModel:
-    """Return the vehicle without instruments, and with a box of its volume for its hull.
-
-    Deep under water, only the volume of a hull and its centre matter.
-    """
-    update: dict[str, Any] = {"sensors": {}, "sonar": None, "imaging_sonars": {}, "cameras": {}, "trim": None}
-    completed_model, _ = completed(model, density_kg_m3)
-    volume_m3, centre_m = completed_model.volume_m3, completed_model.centre_of_buoyancy_m
-    assert volume_m3 is not None and centre_m is not None
-    side_m = volume_m3 ** (1 / 3)
-    corners = [
-        [c + side_m * (bit - 0.5) for c, bit in zip(centre_m, bits, strict=True)] for bits in product((0, 1), repeat=3)
-    ]
-    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in corners] + [f"f {a} {b} {c}" for a, b, c in BOX]
-    path = folder / "box.obj"
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    update |= {"mesh": path, "mesh_scale": 1.0, "mesh_up": None, "mesh_forward": None}
-    update |= {"collision": "hull", "collision_pieces": None}
-    return completed_model.model_copy(update=update)
-
-
 def _first(position_m: Array) -> Array:
-    known = np.isfinite(position_m).all(axis=1)
-    return np.asarray(position_m[np.argmax(known)] if known.any() else np.zeros(3), np.float64)
+    """Return the first known value of each coordinate, 0 if none is known."""
+    known = np.isfinite(position_m)
+    return np.where(known.any(axis=0), position_m[np.argmax(known, axis=0), [0, 1, 2]], 0.0)

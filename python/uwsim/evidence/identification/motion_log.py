@@ -7,7 +7,7 @@ as `/odom:pose.pose.position.x` or `/telemetry:efforts[0]`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -15,10 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from uwsim.base.short_repr import ShortRepr
 from uwsim.base.texts.csv_table import read_csv
-from uwsim.evidence.identification.command_times import sampled
 from uwsim.evidence.identification.message_log import COMMANDS, MessageLog
+from uwsim.recording.foreign_bag import foreign_bag
+from uwsim.recording.real_flights.motion import MotionLog, motion_of, sampled
+from uwsim.recording.real_flights.read import read_flight
+from uwsim.scenario import VehicleModel
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.spec.fields import InRange, Model, broken
@@ -61,25 +63,6 @@ class Mapping(Model):
         return self
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class MotionLog(ShortRepr):
-    """A vehicle's commands and motion.
-
-    times_s (n,), increasing; position_m (n, 3), orientation_xyzw (n, 4), velocity_body (n, 6): NaN where not
-    measured; effort_times_s (m,), efforts (m, 6): each held until the next. noise: see Mapping.
-    effort_sds_s (m,): standard deviations of the commands' times, 0 if these are exact; see command_times.sampled().
-    """
-
-    times_s: Array
-    position_m: Array
-    orientation_xyzw: Array
-    velocity_body: Array
-    effort_times_s: Array
-    efforts: Array
-    noise: dict[str, float]
-    effort_sds_s: Array | float = 0.0
-
-
 def read_mapping(path: Path) -> Mapping:
     """Read a mapping file. Raises ValueError with all mistakes, each with its line."""
     document = read_yaml(path, str(path))
@@ -94,12 +77,27 @@ def read_log(path: str | Path, mapping: Mapping | None = None, vehicle: str = ""
     path = Path(path)
     if path.suffix.lower() == ".csv":
         if mapping is None or mapping.time_s is None:
-            raise ValueError(f"{path}: a table needs a mapping file (--map) with time_s")
+            raise ValueError(f"{path}: a table needs a mapping file (--map) with time_s, or --columns")
         return _checked(path, _from_series(mapping, _table(path, mapping), is_sampled=True))
     messages = MessageLog(path)
     if mapping is None:
         mapping = own_mapping(messages, vehicle)
     return _checked(path, _from_series(mapping, messages.series, is_sampled=False))
+
+
+def read_flown(
+    path: Path, model: VehicleModel, vehicle: str = "", columns: str | None = None, outputs: str | None = None
+) -> tuple[MotionLog, list[str]]:
+    """Read a log without a mapping file; return it and lines about what is known, missing and assumed.
+
+    vehicle: prefix of its topics in a recording of uwsim. columns, outputs: see real_flights.columns and
+    real_flights.motion. Raises OSError, and ValueError with the file and the rule.
+    """
+    if columns is None and path.suffix == ".mcap" and foreign_bag(path) is None:
+        return read_log(path, None, vehicle), []
+    flight = read_flight(path, columns)
+    motion, notes = motion_of(flight, model, outputs)
+    return motion, [*flight.notes(), *notes]
 
 
 Series = Callable[[str], tuple[Array, Array]]

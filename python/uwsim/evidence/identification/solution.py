@@ -22,9 +22,10 @@ from scipy.optimize import least_squares
 from scipy.stats import norm
 
 from uwsim.base.short_repr import ShortRepr
-from uwsim.evidence.identification.flown import OUTPUTS, VEHICLE, Block, Flown
-from uwsim.evidence.identification.motion_log import MotionLog
-from uwsim.evidence.identification.unknowns import Place, Unknown, completed, numbers_at, unknowns
+from uwsim.evidence.identification.flown import OUTPUTS, Block, Flown
+from uwsim.evidence.identification.unknowns import Place, Unknown, numbers_at, unknowns
+from uwsim.recording.real_flights.deep_water import VEHICLE, completed
+from uwsim.recording.real_flights.motion import MotionLog
 from uwsim.scenario import VehicleModel
 from uwsim.scenario.spec.fields import Model
 

@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.axes import AXES
-from uwsim.scenario.build.hull import rigid_body
 from uwsim.scenario.spec.vehicle import VehicleModel
 
 Array = NDArray[np.float64]
@@ -84,21 +83,6 @@ class Unknown:
     def at(self, z: float) -> float:
         """Return the value that lies z prior standard deviations from the file's value."""
         return self.value * float(np.exp(self.spread * z)) if self.positive else self.value + self.spread * z
-
-
-def completed(model: VehicleModel, density_kg_m3: float) -> tuple[VehicleModel, tuple[str, ...]]:
-    """Return a vehicle that states its volume, centre of buoyancy and inertia, and the keys that were added.
-
-    What its file does not state is that of its hull, in water of this density.
-    """
-    body = rigid_body(model, density_kg_m3)
-    own = {
-        "volume_m3": body.volume_m3,
-        "centre_of_buoyancy_m": tuple(map(float, body.centre_of_buoyancy_m)),
-        "inertia_kg_m2": tuple(map(float, body.inertia_kg_m2)),
-    }
-    added = {key: value for key, value in own.items() if getattr(model, key) is None}
-    return model.model_copy(update=added), tuple(added)
 
 
 def unknowns(

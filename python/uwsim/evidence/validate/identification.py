@@ -16,10 +16,11 @@ from scipy.spatial.transform import Rotation
 
 from uwsim.batch import Batch
 from uwsim.evidence.identification import Identified, MotionLog, identify
-from uwsim.evidence.identification.command_times import STEP_S, sampled
 from uwsim.evidence.identification.unknowns import DELAY, parameters_at, unknowns
 from uwsim.evidence.validate.check import Check, within
 from uwsim.evidence.validate.flights import START_M, deep_scenario
+from uwsim.recording.real_flights.deep_water import STEP_S
+from uwsim.recording.real_flights.motion import sampled
 from uwsim.scenario import VehicleModel, load_vehicle
 
 Array = NDArray[np.float64]

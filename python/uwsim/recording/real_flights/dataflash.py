@@ -1,0 +1,60 @@
+"""Dataflash logs of ArduPilot (.BIN), read by pymavlink."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections import defaultdict
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+
+from uwsim.base.extras import need_extra
+from uwsim.recording.real_flights.autopilot import DATAFLASH, fields_of, flight_of
+from uwsim.recording.real_flights.flight_log import MOST_BYTES, MOST_ROWS, FlightLog
+
+MAGIC = b"\xa3\x95"
+KIND = "a dataflash log (.BIN)"
+EVENTS_MAX = 500
+
+
+def is_dataflash(path: Path, head: bytes) -> bool:
+    """Return whether a file begins as a dataflash log."""
+    return head.startswith(MAGIC)
+
+
+def read_dataflash(path: Path) -> FlightLog:
+    """Read a dataflash log. Raises OSError, or ValueError for a damaged or a large one."""
+    need_extra("pymavlink", "mavlink", f"{path}: {KIND}")
+    from pymavlink.DFReader import DFReader_binary
+
+    if (size := path.stat().st_size) > MOST_BYTES:
+        raise ValueError(f"{path}: {size} bytes: must be at most {MOST_BYTES}: cut the log")
+    fields = fields_of(DATAFLASH)
+    rows: dict[str, list[list[float]]] = defaultdict(list)
+    barometers: dict[int, list[list[float]]] = defaultdict(list)
+    parameters: dict[str, float] = {}
+    events: list[tuple[float, str]] = []
+    try:
+        with contextlib.redirect_stderr(io.StringIO()), closing(DFReader_binary(str(path))) as log:
+            while (message := log.recv_match(type=[*fields, "PARM", "MSG"])) is not None:
+                name, time_s = message.get_type(), 1e-6 * float(getattr(message, "TimeUS", np.nan))
+                if name == "PARM":
+                    parameters[str(message.Name)] = float(message.Value)
+                elif name == "MSG":
+                    if len(events) < EVENTS_MAX and np.isfinite(time_s):
+                        events.append((time_s, str(message.Message)))
+                elif name == "BARO" or not (getattr(message, "I", 0) or getattr(message, "C", 0)):  # the first of each
+                    table = barometers[int(getattr(message, "I", 0))] if name == "BARO" else rows[name]
+                    if len(table) >= MOST_ROWS:
+                        raise ValueError(f"{path}: more than {MOST_ROWS} rows of {name}: cut the log")
+                    table.append([time_s, *(float(getattr(message, each, np.nan)) for each in fields[name])])
+    except (OSError, ValueError):
+        raise
+    except Exception as error:  # the library raises errors of many types for a damaged file
+        raise ValueError(f"{path}: {KIND}: is damaged: {type(error).__name__}: {error!s:.100}") from None
+    if barometers:
+        rows["BARO"] = barometers[max(barometers)]
+    tables = {name: np.array(table, np.float64) for name, table in rows.items()}
+    return flight_of(path, KIND, DATAFLASH, {k: (t[:, 0], t[:, 1:]) for k, t in tables.items()}, parameters, events)
