@@ -22,7 +22,7 @@ from waiting import until
 pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from mavlink_station import ALT_HOLD, MANUAL, Station
+from mavlink_station import ALT_HOLD, DENIED, DONE, FAILED, MANUAL, Station
 from uwsim.bridges.mavlink import MavlinkVehicle
 
 
@@ -82,6 +82,11 @@ def test_sticks_move_it_once_it_is_armed_and_its_modes_are_holds(live: LiveSimul
     assert {name for name, target in live.rov.holds.targets.items() if target} == set(HOLDS_OF[ALT_HOLD])
     assert station.mode(7) == dialect.MAV_RESULT_FAILED
     assert "mode 7: must be one of" in station.receive("STATUSTEXT").text
+    custom = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+    for base, mode, result in ((custom, MANUAL, DONE), (custom, 7, FAILED), (0, ALT_HOLD, DENIED)):
+        station.mav.set_mode_send(1, base, mode)  # which ArduPilot acknowledges, too
+        ack = station.receive("COMMAND_ACK", lambda ack: ack.command == dialect.MAVLINK_MSG_ID_SET_MODE)
+        assert ack.result == result
 
 
 def test_an_item_that_cannot_be_flown_is_refused_with_the_reason(station: Station) -> None:
@@ -90,7 +95,7 @@ def test_an_item_that_cannot_be_flown_is_refused_with_the_reason(station: Statio
         station.receive("MISSION_REQUEST_INT", lambda request, seq=seq: request.seq == seq)
         station.mav.mission_item_int_send(1, 1, seq, 3, 16, 0, 1, 0, 0, 0, 0, 0, 0, altitude)
     assert station.receive("MISSION_ACK").type == dialect.MAV_MISSION_INVALID_PARAM7
-    assert "mission item 1: altitude = 5 m" in station.receive("STATUSTEXT").text
+    assert "mission item 1: altitude 5 m" in station.receive("STATUSTEXT").text
 
 
 def test_parameters_are_listed_read_and_set(live: LiveSimulator, station: Station) -> None:
@@ -113,6 +118,32 @@ def test_parameters_are_listed_read_and_set(live: LiveSimulator, station: Statio
     mav.param_set_send(1, 1, b"WPNAV_RADIUS", 10.0, 9)
     mav.param_set_send(1, 1, b"MASS_KG", 13.5, 9)
     station.receive("PARAM_VALUE", lambda value: value.param_value == 13.5)
+
+
+def test_an_unknown_parameter_is_answered(station: Station) -> None:
+    ask, unknown = station.mav, dialect.MAV_PARAM_ERROR_DOES_NOT_EXIST
+    for send, name, index in (
+        (lambda: ask.param_request_read_send(1, 1, b"NO_SUCH", -1), "NO_SUCH", -1),
+        (lambda: ask.param_request_read_send(1, 1, b"", 30_000), "", 30_000),
+        (lambda: ask.param_request_read_send(1, 1, b"", -2), "", -2),
+        (lambda: ask.param_set_send(1, 1, b"SIXTEEN_LETTERS_", 1.0, 9), "SIXTEEN_LETTERS_", -1),
+    ):
+        send()
+        error = station.receive("PARAM_ERROR")
+        assert (error.target_system, error.param_id, error.param_index, error.error) == (255, name, index, unknown)
+
+
+@pytest.mark.parametrize("length", [49, 50, 51, 100, 300])
+def test_a_long_text_ends_where_stations_expect_it(vehicle: MavlinkVehicle, station: Station, length: int) -> None:
+    """MAVLink: any null character is taken to mean this was the last chunk; the number 0 that there is only one."""
+    station.receive("HEARTBEAT")  # which it gets once it is known
+    vehicle.send_text("depth = " + "é" * (length - 6))
+    parts = [station.receive("STATUSTEXT", lambda text: text.text.startswith("depth ?"))]
+    while parts[0].id and len(parts[-1].text) == 50:
+        parts.append(station.receive("STATUSTEXT", lambda text: text.id == parts[0].id))
+    assert [part.chunk_seq for part in parts] == [*range(len(parts))]
+    whole = "".join(part.text for part in parts)
+    assert whole == ("depth " + "?" * (length - 6) if length <= 200 else "depth " + "?" * 191 + "...")
 
 
 def test_the_stations_pilot_comes_first(vehicle: MavlinkVehicle, station: Station) -> None:

@@ -21,7 +21,7 @@ NUMBER = (math.nan, math.inf, -math.inf)
 WHOLE = (math.nan, *NO_NUMBER, 0.5)
 SWITCH = (*WHOLE, 2, -1, 0.4999, 1.0000001)
 READ: dict[int, tuple[tuple[float, ...], dict[int, tuple[float, ...]]]] = {
-    176: ((1, MANUAL), {1: (*WHOLE, -1, 256), 2: WHOLE}),
+    176: ((1, MANUAL), {1: (*WHOLE, -1, 0, 254, 256), 2: WHOLE}),
     TERMINATE: ((1,), {1: SWITCH}),
     192: ((-1, 1, 0, math.nan, 338103130, -1183938670, -3), {1: (*NO_NUMBER, -0.5, 11), 2: WHOLE,
                                                             4: (math.inf, -math.inf), 7: (*NUMBER,)}),

@@ -50,7 +50,7 @@ def test_an_axis_that_is_not_given_is_at_rest_and_a_fault_of_the_sticks_is_repor
     for _ in range(5):
         station.mav.manual_control_send(1, 2000, 0, 500, 0, 0)
     (text,) = (text for text in texts_of_a_second(station) if "MANUAL_CONTROL" in text)
-    assert "'x': 2000" in text and "or 32767 for none" in text
+    assert "MANUAL_CONTROL: x 2000: must be in" in text and "or 32767 for none" in text
 
 
 def test_a_lost_hold_is_told_once_in_words(live: LiveSimulator, station: Station) -> None:
@@ -231,7 +231,7 @@ def test_targets_of_depth_and_heading_alone_are_those_of_the_holds(live: LiveSim
 
     until(is_there)
     station.mav.set_position_target_global_int_send(0, 1, 1, 5, 0xDFB, 0, 0, 1.5, *[0.0] * 8)
-    station.receive("STATUSTEXT", lambda text: "alt = 1.5 m" in text.text)
+    station.receive("STATUSTEXT", lambda text: "alt 1.5 m" in text.text)
 
 
 def latest(station: Station, kind: str) -> Any:

@@ -11,7 +11,9 @@ from uwsim.bridges.mavlink.endpoint import Peer, Wire
 
 SYSTEM = 1
 DONE, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4  # MAV_RESULT
-REQUEST_MESSAGE = 512  # MAV_CMD
+REQUEST_MESSAGE, DO_SET_MODE = 512, 176  # MAV_CMD
+SET_MODE = 11
+"""The ID of the message, under which ArduPilot acknowledges it (GCS_Common.cpp, handle_set_mode), though no command."""
 COUNTED_PEERS_MAX = 100
 
 CRITICAL_TEXT, WARNING_TEXT, NOTICE_TEXT, INFO_TEXT = 2, 4, 5, 6  # MAV_SEVERITY
@@ -138,14 +140,20 @@ class Commands:
         values = (*(getattr(message, f"param{k}") for k in range(1, 5)), message.x, message.y, message.z)
         self._obey(peer, Given(message.command, values, _sender(message), frame=message.frame))
 
-    def _obey(self, peer: Peer, given: Given) -> None:
+    def on_set_mode(self, peer: Peer, message: Any) -> None:
+        """Change the mode as the command DO_SET_MODE, which succeeds this message, and acknowledge it."""
+        values = (message.base_mode, message.custom_mode, *[0.0] * 5)
+        self._obey(peer, Given(DO_SET_MODE, values, _sender(message)), SET_MODE)
+
+    def _obey(self, peer: Peer, given: Given, acknowledged: int | None = None) -> None:
+        """Execute a command, and acknowledge it, by default under its own number."""
         obey = self._obeys.get(given.number)
         try:
             result = UNSUPPORTED if obey is None else obey(given)
         except (ValueError, RuntimeError) as error:
             self._send_text(str(error))
             result = DENIED if isinstance(error, DeniedError) else FAILED
-        ack = self._component.mav.command_ack_encode(given.number, result, 0, 0, *given.sender)
+        ack = self._component.mav.command_ack_encode(acknowledged or given.number, result, 0, 0, *given.sender)
         self._component.send(ack, peer)
         for message in given.replies:
             self._component.send(message, peer)

@@ -16,7 +16,18 @@ from uwsim.bridges.mavlink.component import DONE, INFO_TEXT, Given, Obey
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.endpoint import Peer
 from uwsim.bridges.mavlink.missions import COMPLETE, PAUSED, MissionStore
-from uwsim.bridges.mavlink.modes import ALT_HOLD, AUTO, GUIDED, HOLDS_OF, MANUAL, NAMES, POSHOLD, SURFACE, mode_of
+from uwsim.bridges.mavlink.modes import (
+    ALT_HOLD,
+    AUTO,
+    CUSTOM_MODE,
+    GUIDED,
+    HOLDS_OF,
+    MANUAL,
+    NAMES,
+    POSHOLD,
+    SURFACE,
+    mode_of,
+)
 from uwsim.bridges.mavlink.plan import Ascent, MissionPlan
 from uwsim.bridges.mavlink.servos import Servos
 from uwsim.bridges.mavlink.stations import DISARM, HOLD_DEPTH, Sender, Stations
@@ -63,7 +74,8 @@ class Flight:
         return self.is_armed and self._flies == MANUAL
 
     def _on_mode(self, given: Given) -> int:
-        given.integer(1, 0, 255)  # MAV_MODE_FLAG
+        if not given.integer(1, 0, 255) & CUSTOM_MODE:  # as ArduPilot (GCS_Common.cpp, _set_mode_common)
+            raise given.denied(1, f"with the flag of a custom mode ({CUSTOM_MODE})")
         self.set_mode(given.integer(2, 0, 2**32 - 1))
         return DONE
 
@@ -156,10 +168,6 @@ class Flight:
         """Raise ValueError unless the vehicle is armed."""
         if not self.is_armed:
             raise ValueError(f"{what}: the vehicle is not armed")
-
-    def on_set_mode(self, peer: Peer, message: Any) -> None:
-        """Change the mode."""
-        self.set_mode(message.custom_mode)
 
     def set_mode(self, mode: int) -> None:
         """Change the mode. Raises ValueError."""

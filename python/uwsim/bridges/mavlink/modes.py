@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+CUSTOM_MODE = 1  # MAV_MODE_FLAG
 MANUAL, STABILIZE, ALT_HOLD, AUTO, GUIDED, SURFACE, POSHOLD, SURFTRAK = 19, 0, 2, 3, 4, 9, 16, 21
 HOLDS_OF: Mapping[int, tuple[str, ...]] = {
     MANUAL: (),

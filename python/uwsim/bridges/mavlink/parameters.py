@@ -11,10 +11,12 @@ from typing import Any
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.endpoint import Peer
 from uwsim.bridges.mavlink.settings import Settings
+from uwsim.bridges.mavlink.stations import sender_of
 
 ID_CHARACTERS = 16
 AT_ONCE = 20
 INT32, REAL32 = 6, 9  # MAV_PARAM_TYPE
+DOES_NOT_EXIST = 1  # MAV_PARAM_ERROR
 
 OWN_NAMES = {"WPNAV_RADIUS": ("xy_goal_tolerance", 100.0)}
 """ArduSub's names of the vehicle's parameters, each with the factor to its unit: [cm]."""
@@ -99,11 +101,19 @@ class ParameterServer:
         name = message.param_id if index < 0 else next(iter(list(self.ids)[index : index + 1]), "")
         if name in self.ids:
             self._send(self._value(name), peer)
+        else:
+            self._send_unknown(peer, message, name, index)
+
+    def _send_unknown(self, peer: Peer, message: Any, name: str, index: int = -1) -> None:
+        """Send PARAM_ERROR, as ArduPilot does since 4.7 (GCS_Param.cpp, send_param_error); clients stop to wait."""
+        sender = sender_of(message)
+        self._send(self._mav.param_error_encode(*sender, name.encode(), index, DOES_NOT_EXIST), peer)
 
     def on_param_set(self, peer: Peer, message: Any) -> None:
         """Set a parameter, and send its value: the old value if the new one is refused. Raises ValueError."""
         name = message.param_id
         if name not in self.ids:
+            self._send_unknown(peer, message, name)
             raise ValueError(f"parameter '{name}': unknown")
         try:
             value = as_value(message.param_value, self._present(name))

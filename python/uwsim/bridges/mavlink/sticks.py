@@ -93,8 +93,9 @@ class Sticks:
         names = "xyzr" + "s" * (message.enabled_extensions & 1) + "t" * (message.enabled_extensions >> 1 & 1)
         axes = {name: getattr(message, name) for name in names}
         axes |= {name: NEUTRAL_THROTTLE if name == "z" else 0 for name in axes if axes[name] == INVALID}
-        if any(not -FULL <= value <= FULL for value in axes.values()):
-            self._refuse(f"MANUAL_CONTROL: {axes}: must be in [{-FULL}, {FULL}], or {INVALID} for none")
+        if any(abs(value) > FULL for value in axes.values()):
+            wrong = ", ".join(f"{name} = {value}" for name, value in axes.items() if abs(value) > FULL)
+            self._refuse(f"MANUAL_CONTROL: {wrong}: must be in [{-FULL}, {FULL}], or {INVALID} for none")
             return
         self._refused = ""
         heave = (axes["z"] - NEUTRAL_THROTTLE) / NEUTRAL_THROTTLE * self._settings["JS_THR_GAIN"]

@@ -24,6 +24,7 @@ from uwsim.bridges.mavlink.component import (
     DONE,
     FAILED,
     NOTICE_TEXT,
+    SET_MODE,
     SYSTEM,
     WARNING_TEXT,
     Commands,
@@ -36,7 +37,7 @@ from uwsim.bridges.mavlink.endpoint import Endpoint, Peer, Wire
 from uwsim.bridges.mavlink.flight import Flight
 from uwsim.bridges.mavlink.gimbal import DEVICE, Gimbal
 from uwsim.bridges.mavlink.missions import MissionStore
-from uwsim.bridges.mavlink.modes import MANUAL
+from uwsim.bridges.mavlink.modes import CUSTOM_MODE, MANUAL
 from uwsim.bridges.mavlink.parameters import ParameterServer
 from uwsim.bridges.mavlink.servos import Servos
 from uwsim.bridges.mavlink.settings import Settings
@@ -63,7 +64,7 @@ WAIT_S = 0.02
 SLICE_S = 0.02  # time for messages that are not urgent, after which the network is looked at again
 DEPTH_MAX = 4
 SUBMARINE, ARDUPILOT = 12, 3  # MAV_TYPE, MAV_AUTOPILOT
-ARMED, MANUAL_INPUT, STABILIZED, CUSTOM_MODE = 128, 64, 16, 1  # MAV_MODE_FLAG
+ARMED, MANUAL_INPUT, STABILIZED = 128, 64, 16  # MAV_MODE_FLAG
 STANDBY, ACTIVE, CRITICAL = 3, 4, 5  # MAV_STATE
 CAPABILITIES = 1 << 1 | 1 << 2 | 1 << 3 | 1 << 7 | 1 << 8 | 1 << 13 | 1 << 17
 """MAV_PROTOCOL_CAPABILITY: float parameters, integer missions and commands, targets (2), MAVLink 2, C casts."""
@@ -239,11 +240,16 @@ class MavlinkVehicle(Bridge):
         self._craft.output.append(state)
 
     def send_text(self, text: str, severity: int = WARNING_TEXT, /) -> None:
-        """Send a text, from any thread, in messages of up to 50 bytes."""
-        data = text.encode()[:TEXT_MAX]
+        """Send a text, from any thread, in messages of up to 50 bytes.
+
+        Of several, the last ends with a zero byte, by which stations know it (MAVLink, STATUSTEXT.chunk_seq). Pilots
+        read values without a sign of equality.
+        """
+        plain = text.replace(" = ", " ").encode("ascii", "replace")
+        data = plain if len(plain) <= TEXT_MAX else plain[: TEXT_MAX - 3] + b"..."
         self._texts = self._texts % 0xFFFF + 1
         number = self._texts if len(data) > TEXT_BYTES else 0
-        for k, start in enumerate(range(0, len(data), TEXT_BYTES)):
+        for k, start in enumerate(range(0, len(data) + bool(number), TEXT_BYTES)):
             part = data[start : start + TEXT_BYTES]
             self._craft.output.append(self._autopilot.mav.statustext_encode(severity, part, number, k))
 
@@ -298,9 +304,10 @@ class MavlinkVehicle(Bridge):
         """Report a message that is not handled."""
         kind = message.get_type()
         self._rare.warning(f"{kind}: not handled: stopped meanwhile, or too many messages of one station wait")
-        if kind in ("COMMAND_LONG", "COMMAND_INT"):
-            sender = message.get_srcSystem(), message.get_srcComponent()
-            self._autopilot.send(self._autopilot.mav.command_ack_encode(message.command, FAILED, 0, 0, *sender), peer)
+        if kind in ("COMMAND_LONG", "COMMAND_INT", "SET_MODE"):
+            number = SET_MODE if kind == "SET_MODE" else message.command
+            ack = self._autopilot.mav.command_ack_encode(number, FAILED, 0, 0, *sender_of(message))
+            self._autopilot.send(ack, peer)
 
     def _parser(self) -> Any:
         parser = self._dialect.MAVLink(None)
