@@ -14,6 +14,7 @@ from typer.core import TyperCommand, TyperGroup
 from uwsim.base.sockets import blaming, is_offered, load, load_all, registered
 from uwsim.cli.flags import expanded
 from uwsim.cli.options import SETTINGS
+from uwsim.cli.scenario_word import with_both_spellings
 from uwsim.cli.signals import exit_interrupted
 
 SOCKET = "uwsim.cli"
@@ -107,7 +108,7 @@ def _command(name: str, found: Any) -> Any:
         program.command(name)(expanded(found))
     else:
         raise TypeError(f"{type(found).__name__}: must be a function or a typer.Typer")
-    made = typer.main.get_group(program).commands[name]
+    made = with_both_spellings(typer.main.get_group(program).commands[name])
     made.invoke = partial(_invoked, name, made.invoke)  # type: ignore[method-assign]
     return made
 
