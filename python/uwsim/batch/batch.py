@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -19,7 +18,7 @@ from uwsim.batch.commands import named
 from uwsim.batch.instruments import InstrumentedBatch
 from uwsim.batch.members import Member, Members
 from uwsim.batch.programs import Programs
-from uwsim.scenario import Scenario, build_world, load
+from uwsim.scenario import AnyScenario, Scenario, build_world, load
 from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.spec.fault import FaultModel
 from uwsim.simulator.simulator import Simulator
@@ -33,11 +32,10 @@ class Batch(InstrumentedBatch):
     Member k is bit-identical to Simulator(scenario, seed=seeds[k]) with parameters[k] set, for any number of threads.
     The members share the terrain, the obstacles and the acceleration structures for rays and contacts.
 
-    scenario: the name of a packaged scenario, the path of a YAML file, or a Scenario. seeds: n whole numbers; defaults
-    to the scenario's seed and the numbers that follow it. parameters: values keyed by the names in
-    Simulator.parameters, as one mapping per member or a single mapping for all. faults: n lists of faults, or one list
-    for all, in the scenario's format, which replace the scenario's faults. threads: number of threads; defaults to one
-    per core.
+    scenario: as for Simulator. seeds: n whole numbers; defaults to the scenario's seed and the numbers that follow it.
+    parameters: values keyed by the names in Simulator.parameters, as one mapping per member or a single mapping for
+    all. faults: n lists of faults, or one list for all, in the scenario's format, which replace the scenario's faults.
+    threads: number of threads; defaults to one per core.
 
     Calls release the GIL and use all threads. `observe`, `read` and `ping` return arrays that belong to the batch and
     are overwritten by the next such call, so copy those that you keep. Only one thread at a time may use a batch.
@@ -53,7 +51,7 @@ class Batch(InstrumentedBatch):
 
     def __init__(
         self,
-        scenario: str | Path | Scenario = "lake",
+        scenario: AnyScenario = "lake",
         *,
         n: int,
         seeds: Sequence[int] | NDArray[np.integer[Any]] | None = None,

@@ -32,7 +32,7 @@ from uwsim.flight.samples import Samples
 from uwsim.flight.seen_bed import CELL_M, SeenBed
 from uwsim.flight.summary import vehicle_values
 from uwsim.missions.run import MissionFunction
-from uwsim.scenario import Scenario, load
+from uwsim.scenario import AnyScenario, Scenario, load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.scoring.score_json import write_json
 from uwsim.simulator.simulator import Simulator
@@ -103,7 +103,7 @@ class _Flown:
 
 def compare(
     missions: Mapping[str, MissionFunction | Path | None],
-    scenario: str | Path | Scenario | Callable[[int], Scenario] = "cove",
+    scenario: AnyScenario | Callable[[int], Scenario] = "cove",
     out: str | Path = "compare",
     *,
     seeds: Iterable[int] = (0, 1, 2),

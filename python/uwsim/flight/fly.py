@@ -28,7 +28,7 @@ from uwsim.flight.terminal import Silent
 from uwsim.flight.vehicle_chain import default_voxel_m, filters_outliers, require_sonar, survey_area_m
 from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.missions.mission import R_co
-from uwsim.scenario import Scenario, Survey, load
+from uwsim.scenario import AnyScenario, Scenario, Survey, load
 from uwsim.scenario.fingerprint import warn_of_other_build
 from uwsim.scenario.read.validated import validated
 from uwsim.scoring.surface_ahead import SurfaceAhead
@@ -37,7 +37,7 @@ from uwsim.simulator.simulator import Simulator
 
 def fly(
     mission: AnyMission[R_co],
-    scenario: str | Path | Scenario | Simulator | Mapping[str, Any] = "lake",
+    scenario: AnyScenario | Simulator = "lake",
     out: str | Path | None = None,
     *,
     function: str = FUNCTION,

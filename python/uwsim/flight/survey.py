@@ -20,12 +20,12 @@ from uwsim.flight.survey_area import with_survey
 from uwsim.flight.terminal import Silent, Terminal
 from uwsim.flight.vehicle_chain import filters_outliers
 from uwsim.mapping import OccupancyMap
-from uwsim.scenario import load
+from uwsim.scenario import AnyScenario, load
 from uwsim.simulator.simulator import Simulator
 
 
 def run_survey(
-    scenario: str | Path = "lake",
+    scenario: AnyScenario = "lake",
     out: str | Path = "out",
     *,
     mission: AnyMission = None,

@@ -25,7 +25,6 @@ from uwsim.learning.task import AnyScenario, Flags, Floats, Task, Verdict
 from uwsim.learning.view import View
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.build.arm import link_specs
-from uwsim.scenario.read.validated import validated
 
 SEED_MAX = 2**63
 
@@ -222,7 +221,7 @@ class Episodes:
 def task_scenario(kind: type[Task], scenario: AnyScenario | None) -> Scenario:
     """Return the scenario that replaces the task's own, or the task's own if none is given."""
     chosen = kind.scenario if scenario is None else scenario
-    return validated(Scenario, dict(chosen)) if isinstance(chosen, Mapping) else load(chosen)
+    return load(chosen)
 
 
 def require_driven(task: Task) -> None:

@@ -6,7 +6,6 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,12 +17,11 @@ from uwsim.base.short_repr import ShortRepr
 from uwsim.batch import Batch
 from uwsim.learning.arrays import rows
 from uwsim.learning.motion import Motion
-from uwsim.scenario import Scenario
+from uwsim.scenario import AnyScenario
 from uwsim.scenario.read.assets import assets_folder
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-AnyScenario = str | Path | Scenario | Mapping[str, Any]
 PACKAGED = assets_folder() / "learning"
 """The folder with the scenarios of the packaged tasks."""
 

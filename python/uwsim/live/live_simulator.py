@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
@@ -22,7 +21,7 @@ from uwsim.live.requests import Request
 from uwsim.live.step_loop import StepLoop
 from uwsim.live.subscription import Subscription
 from uwsim.live.vehicle import LiveVehicle
-from uwsim.scenario import Scenario
+from uwsim.scenario import AnyScenario
 from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")
@@ -60,7 +59,7 @@ class LiveSimulator:
     """
 
     def __init__(
-        self, simulator: Simulator | str | Path | Scenario = "lake", *, speed: Speed = 1.0, paused: bool = False
+        self, simulator: Simulator | AnyScenario = "lake", *, speed: Speed = 1.0, paused: bool = False
     ) -> None:
         self.simulator = simulator if isinstance(simulator, Simulator) else Simulator(simulator)
         self.simulator.scene.prepare()  # otherwise the first ray would make the clock late

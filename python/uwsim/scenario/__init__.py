@@ -5,7 +5,7 @@ from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull
 from uwsim.scenario.build.start_pose import start_pose
 from uwsim.scenario.build.terrain import Terrain, build_terrain
 from uwsim.scenario.build.world import build_world
-from uwsim.scenario.load import load, packaged_scenarios
+from uwsim.scenario.load import AnyScenario, load, packaged_scenarios
 from uwsim.scenario.read.errors import RepairWarning, ScenarioError
 from uwsim.scenario.read.mesh_file import load_mesh
 from uwsim.scenario.read.mesh_repair import closed_mesh
@@ -15,6 +15,7 @@ from uwsim.scenario.spec.vehicle import VehicleModel, load_vehicle
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 __all__ = [
+    "AnyScenario",
     "ControlSettings",
     "RepairWarning",
     "RigidBody",

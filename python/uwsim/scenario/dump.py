@@ -30,6 +30,12 @@ def plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
 
+def text_values(model: Model) -> dict[str, Any]:
+    """Return a model as plain values in which paths are text, as JSON and YAML hold them."""
+    found: dict[str, Any] = _with_text_for_paths(plain(model))
+    return found
+
+
 def write_scenario(path: Path, scenario: Scenario) -> None:
     """Write a scenario as a single YAML file, self-contained except for meshes and rasters. Raises OSError."""
     write_model(path, scenario)

@@ -14,8 +14,11 @@ from uwsim.scenario.read.validated import validated
 from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.spec.scenario import Scenario
 
+AnyScenario = str | Path | Scenario | Mapping[str, Any]
+"""A packaged name, the path of a YAML file, a Scenario, or such a file's content: the doors of Python take each."""
 
-def load(source: str | Path | Scenario | Mapping[str, Any]) -> Scenario:
+
+def load(source: AnyScenario) -> Scenario:
     """Return a scenario from a packaged name ("lake"), the path of a YAML file, such a file's content, or a Scenario.
 
     Files named in it are looked up relative to it, or to the working folder, then among the packaged assets; vehicle

@@ -25,7 +25,7 @@ from uwsim.instruments.sample_stream import Deliveries
 from uwsim.instruments.sonars.imaging import Acoustics
 from uwsim.instruments.sonars.mounted import imaging_models, imaging_sonars
 from uwsim.mapping.ping_to_map import PingToMap
-from uwsim.scenario import Scenario, VehicleEntry, VehicleModel, build_world, load
+from uwsim.scenario import AnyScenario, Scenario, VehicleEntry, VehicleModel, build_world, load
 from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.build.hull import hull_radius_m
 from uwsim.scenario.build.loose_bodies import object_specs
@@ -108,7 +108,7 @@ class Simulator(SimulatorProperties):
 
     def __init__(
         self,
-        scenario: str | Path | Scenario | Mapping[str, Any] = "lake",
+        scenario: AnyScenario = "lake",
         *,
         seed: int | None = None,
         sonar_model: int | str | Path | None = None,

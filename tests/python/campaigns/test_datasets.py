@@ -282,6 +282,34 @@ def test_empty_frames_show_nothing_and_crowded_ones_at_least_what_they_would_oth
     assert all(count in (0, many) for count, many in zip(mixed, crowded, strict=True)) and 0 < sum(mixed) < sum(crowded)
 
 
+MEADOW = {
+    "name": "meadow",
+    "terrain": {"source": "noise", "size_m": [30, 30], "spacing_m": 1, "bed_depth_m": 6},
+    "cover": [
+        {"kind": "seagrass", "name": "grass", "density_per_m2": 6, "size_m": [0.1, 0.2], "seed": 1},
+        {"kind": "starfish", "name": "star", "density_per_m2": 0.2, "size_m": [0.15, 0.3], "seed": 2},
+    ],
+    "life": [{"kind": "school", "name": "herring", "count": 80, "size_m": [0.2, 0.3], "position_m": [0, 0, -3]}],
+    "vehicles": [{"name": "rov", "model": "rov"}],
+}
+
+
+@pytest.mark.parametrize(("look_at", "named"), [("starfish", "star"), ("fish", "herring"), ("herring", "herring")])
+def test_a_covered_world_has_pictures_with_and_without_a_class(look_at: str, named: str, tmp_path: Path) -> None:
+    """The world is given by its content; starfish are few, grass is everywhere."""
+    options = {"size": (160, 120), "write": ("boxes",), "look_at": look_at, "distance_m": (0.8, 2.0), "workers": 0}
+    for share, least in ((0.0, 1), (1.0, 0)):
+        out = tmp_path / f"{share}"
+        uwsim.make_dataset(MEADOW, out, 3, empty_share=share, min_pixels=1, val_share=0.0, **options)
+        lines = [json.loads(line) for line in (out / "frames.jsonl").read_text().splitlines()]
+        things = json.loads((out / "annotations/instances_train.json").read_text())["annotations"]
+        seen = [{thing["name"] for thing in things if thing["image_id"] == k} for k in range(3)]
+        assert all((named in names) == bool(least) for names in seen), seen
+        assert [line["empty"] for line in lines] == [not least] * 3
+        assert {line["target"] for line in lines} == ({named} if least else {"terrain"})
+    assert "grass" in set.union(*seen)
+
+
 def test_each_frame_depends_on_its_number_alone(aquarium: Path) -> None:
     spec = DatasetSpec(scenario=str(aquarium), n=4, size=(16, 12), write=("depth",))
     one, other = Studio(spec, 1), Studio(spec, 2)

@@ -118,6 +118,7 @@ def _add_picture(studio: Studio, frame: Frame, record: dict[str, Any], files: di
     record["world_from_optical"] = frame.world_from_optical.tolist()
     label_range = studio.label_range_m
     record["label_range_m"] = float(label_range) if np.isfinite(label_range) else None
+    record["empty"] = not studio.looked_at(studio.annotations(frame, 1))
     if spec.writes("boxes", "yolo"):
         things = studio.annotations(frame, spec.min_pixels)
         if spec.writes("boxes"):

@@ -17,6 +17,8 @@ from uwsim.campaigns.datasets.tables import write_tables
 from uwsim.campaigns.datasets.track import Track, read_track, track_of
 from uwsim.campaigns.workers import Campaign, Ledger
 from uwsim.flight.folder import made_folder
+from uwsim.scenario import AnyScenario, load
+from uwsim.scenario.dump import text_values
 from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.scenario.read.validated import validated
 
@@ -38,7 +40,7 @@ class Dataset:
 
     def __repr__(self) -> str:
         rate = f", {self.frames_per_s:.1f} frames/s" if self.made else ""
-        return f"<Dataset '{self.out}': {self.finished:,} of {self.spec.n:,} frames of {self.spec.scenario}{rate}>"
+        return f"<Dataset '{self.out}': {self.finished:,} of {self.spec.n:,} frames of {self.spec.scenario_name}{rate}>"
 
     @property
     def interrupted(self) -> bool:
@@ -52,7 +54,7 @@ class Dataset:
 
 
 def make_dataset(
-    scenario: str | Path,
+    scenario: AnyScenario,
     out: str | Path,
     n: int,
     *,
@@ -64,17 +66,21 @@ def make_dataset(
 
         uwsim.make_dataset("lake", "data", 1000, size=(320, 240), look_at=("gate", "pipeline"), workers=2)
 
-    Poses are random, or evenly spaced along a track: either `along`, a file (see datasets.track.read_track), or the
-    track of `mission`, a file that is flown first. workers: number of processes on this machine (default: one per
-    core); 0 renders in this process. scheduler: the address of a Dask cluster to use instead; its workers must see
-    `out` under the same path. resume: render the frames that are missing in `out`, which must have been begun with the
-    same options, scenario and build. options: these, the others of uwsim.campaigns.workers.Campaign, and the fields of
-    datasets.spec.DatasetSpec.
+    scenario: as for Simulator: also a Scenario, or a scenario's content. Poses are random, or evenly spaced along a
+    track: either `along`, a file (see datasets.track.read_track), or the track of `mission`, a file that is flown
+    first. workers: number of processes on this machine (default: one per core); 0 renders in this process. scheduler:
+    the address of a Dask cluster to use instead; its workers must see `out` under the same path. resume: render the
+    frames that are missing in `out`, which must have been begun with the same options, scenario and build. options:
+    these, the others of uwsim.campaigns.workers.Campaign, and the fields of datasets.spec.DatasetSpec.
 
     A program that calls this must do so under `if __name__ == "__main__":`, unless workers=0, since the workers import
     the program. Raises ValueError before anything is written, or if no pose is possible for a frame; also OSError.
     """
-    source = str(Path(scenario).resolve()) if Path(scenario).is_file() else str(scenario)
+    source: str | dict[str, Any]
+    if isinstance(scenario, str | Path):
+        source = str(Path(scenario).resolve()) if Path(scenario).is_file() else str(scenario)
+    else:
+        source = text_values(load(scenario))
     campaign, fields = Campaign.of(options)
     spec = validated(DatasetSpec, {"scenario": source, "n": n, **fields})
     require_effects(spec)

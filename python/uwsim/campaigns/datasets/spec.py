@@ -33,23 +33,24 @@ class DatasetSpec(Model):
     Text is read as on the command line. From Python, vary may also be a dictionary of texts, tuples (low, high), lists
     of values, or dictionaries as in a sweep's file.
 
-    scenario: the name of a packaged scenario, or a file. n: number of frames. seed: seed of all random draws, which
-    replaces the scenario's. vehicle: name of the vehicle; by default the first. camera: a camera of the vehicle or the
-    station, such as down; of a --sequence also several, comma-separated. size: pixels, WxH; by default the camera's
-    own. effects: those of the picture, on, off, or joined by +, as for Camera.capture. without: effects to omit, such
-    as wobble; of a --sequence, instruments, such as multibeam. write: outputs, comma-separated: rgb, depth, normals,
-    instances, classes, parts, boxes, yolo, arrays, sonar, multibeam. pictures: format of rgb, png or jpg. sonar: the
-    forward-looking sonar; by default the first. look_at: names or classes of targets, comma-separated, such as
-    gate,pipeline; by default everything. distance_m: distance to the target [m], LOW..HIGH; by default up to 0.6 of the
-    water's visibility. clearance_m: free space around hull and camera. pitch_max_deg: largest pitch of the vehicle, up
-    and down. roll_max_deg: largest roll of the vehicle, to either side. empty_share: share of the frames without any
-    object in the picture. crowded_share: share of the frames with many, which are of the pose that shows the most
+    scenario: the name of a packaged scenario, a file, or such a file's content. n: number of frames. seed: seed of all
+    random draws, which replaces the scenario's. vehicle: name of the vehicle; by default the first. camera: a camera of
+    the vehicle or the station, such as down; of a --sequence also several, comma-separated. size: pixels, WxH; by
+    default the camera's own. effects: those of the picture, on, off, or joined by +, as for Camera.capture. without:
+    effects to omit, such as wobble; of a --sequence, instruments, such as multibeam. write: outputs, comma-separated:
+    rgb, depth, normals, instances, classes, parts, boxes, yolo, arrays, sonar, multibeam. pictures: format of rgb, png
+    or jpg. sonar: the forward-looking sonar; by default the first. look_at: names or classes of targets, also of cover
+    and fish, comma-separated, such as gate,pipeline; by default all obstacles, vehicles and the terrain. distance_m:
+    distance to the target [m], LOW..HIGH; by default up to 0.6 of the water's visibility. clearance_m: free space
+    around hull and camera. pitch_max_deg: largest pitch of the vehicle, up and down. roll_max_deg: largest roll of the
+    vehicle, to either side. empty_share: share of the frames without any object in the picture or, with look_at,
+    without any of its targets. crowded_share: share of the frames with many, which are of the pose that shows the most
     objects of 16. label_range_m: objects farther away have no labels; by default the water's visibility. min_pixels:
     smaller objects have no box. val_share: share of the frames for validation. vary: a parameter drawn for each frame,
     NAME=LOW..HIGH or NAME=A,B,C, such as optics.jerlov=II,3C; may be repeated.
     """
 
-    scenario: str
+    scenario: str | dict[str, Any]
     n: Annotated[int, InRange(1, MAX_FRAMES)] = 100
     seed: Annotated[int, InRange(0, 2**63 - 1)] | None = None
     vehicle: str | None = None
@@ -111,6 +112,11 @@ class DatasetSpec(Model):
             if variation.steps is not None:
                 raise broken("is for the grid of a sweep; here values are drawn at random", at=("vary", name, "steps"))
         return self
+
+    @property
+    def scenario_name(self) -> str:
+        """The scenario as messages name it."""
+        return self.scenario if isinstance(self.scenario, str) else str(self.scenario["name"])
 
     @property
     def effects_on(self) -> tuple[str, ...]:

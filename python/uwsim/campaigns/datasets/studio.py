@@ -125,6 +125,7 @@ class Studio:
             bare = self._targets((TERRAIN,)) if spec.empty_share else None
             self._drawing = self._targets(spec.look_at), bare, self._eye()
         targets, bare, eye = self._drawing
+        targets.swim(1e-9 * self.time_ns(number))
         nearest = NEAREST_M + spec.clearance_m
         seen = SEEN_WELL * self.label_range_m
         limits = Limits(
@@ -147,14 +148,20 @@ class Studio:
         )
 
     def _emptiest(self, number: int, drawn: Iterable[Viewpoint]) -> Viewpoint:
-        """Return the first viewpoint from which no pixel shows an object. Raises ValueError if there is none."""
-        found = next((each for each in drawn if not self._objects(number, each, least_pixels=1)), None)
+        """Return the first viewpoint from which no pixel shows what is looked at. Raises ValueError without one."""
+        found = next((each for each in drawn if not self.looked_at(self._objects(number, each, least_pixels=1))), None)
         if found is None:
+            what = ", ".join(self.spec.look_at or ["an object"])
             raise ValueError(
-                f"empty_share: an object was in each of {EMPTY_TRIES} pictures of the terrain; change camera "
-                "or distance_m"
+                f"empty_share: {what} was in each of {EMPTY_TRIES} pictures of the terrain; change camera, distance_m "
+                "or look_at"
             )
         return found
+
+    def looked_at(self, things: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        """Return the annotations of what the dataset looks at; all of them if it does not state that."""
+        names = {*(self.spec.look_at or ())} - {TERRAIN}
+        return [each for each in things if not names or {each["name"], self.class_names[each["category_id"]]} & names]
 
     def _objects(self, number: int, viewpoint: Viewpoint, least_pixels: int) -> list[dict[str, Any]]:
         """Return the annotations of the picture that a viewpoint would give."""
@@ -231,7 +238,7 @@ class Studio:
 def _kept(spec_json: str, threads: int | None, digest: str) -> Studio:
     studio = Studio(DatasetSpec.model_validate_json(spec_json), threads)
     if scenario_fingerprint(studio.sim.scenario) != digest:
-        raise ValueError(f"scenario '{studio.spec.scenario}': has changed since the dataset was started")
+        raise ValueError(f"scenario '{studio.spec.scenario_name}': has changed since the dataset was started")
     return studio
 
 

@@ -31,7 +31,7 @@ class Targets:
 
         classes: the class of each surface, by name. look_at: names and classes of surfaces. Raises ValueError for an
         unknown name or if nothing is left. parts: those of obstacles, which are targets only if look_at has their kind;
-        likewise the pieces of cover, by the name or the class of their layer.
+        likewise the pieces of cover, by the name or the class of their layer, and the fish of a school.
         """
         self._world = sim.world
         surfaces = {**_solids(sim), **_vehicles(sim, carrier)}
@@ -43,8 +43,11 @@ class Targets:
         classes = {**{kind: kind for kind in wanted_parts}, **classes}
         layers = [layer.name for layer in sim.scenario.cover]
         surfaces |= _tops(sim, [name for name in layers if {name, classes[name]} & set(look_at or ())])
-        known = {*(part.kind for _, part in parts), *layers, *surfaces}
-        known |= {classes[name] for name in (*surfaces, *layers)}
+        schools = {one.name: k for k, one in enumerate(sim.scenario.life or ())}
+        self._schools = {name: k for name, k in schools.items() if {name, classes[name]} & set(look_at or ())}
+        surfaces |= dict.fromkeys(self._schools, np.empty((0, 3, 3)))
+        known = {*(part.kind for _, part in parts), *layers, *schools, *surfaces}
+        known |= {classes[name] for name in (*surfaces, *layers, *schools)}
         for name in look_at or ():
             if name not in known:
                 hint = did_you_mean(name, known)
@@ -55,6 +58,12 @@ class Targets:
         self.names = wanted
         self._corners_m = {name: surfaces[name] for name in wanted}
         self._heaps = {name: np.cumsum(_areas_m2(surfaces[name])) for name in wanted}
+
+    def swim(self, time_s: float) -> None:
+        """Move the fish to where they are at a time."""
+        for name, school in self._schools.items():
+            corners = self._world.school_at(school, time_s)[0][:, None] + PLACE_M * np.eye(3)
+            self._corners_m[name], self._heaps[name] = corners, np.cumsum(_areas_m2(corners))
 
     def draw(self, count: int, random: np.random.Generator) -> tuple[NDArray[np.intp], Floats]:
         """Return `count` random points (count, 3), and for each the index of its surface in `names`."""

@@ -35,7 +35,7 @@ from uwsim.flight.record import FlightRecord
 from uwsim.flight.terminal import Silent
 from uwsim.live import Subscription
 from uwsim.recording.bag_sink import BagSink
-from uwsim.scenario import Scenario, load
+from uwsim.scenario import AnyScenario, load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.simulator.simulator import Simulator
 
@@ -64,7 +64,7 @@ class Sequence:
 
 
 def make_sequence(
-    scenario: str | Path | Scenario,
+    scenario: AnyScenario,
     mission: str | Path | AnyMission,
     out: str | Path,
     *,
