@@ -351,6 +351,7 @@ READERS = {
     "gsf": Reader(surveys.reader(".gsf"), ("GSFU",), has_end=_without_end),
     "kmall": Reader(surveys.reader(".kmall"), has_end=_without_end),
     "xtf": Reader(surveys.read_side_scan, ("pyxtf",), has_end=_without_end),
+    "xtf_soundings": Reader(surveys.reader(".xtf"), ("pyxtf",), has_end=_without_end),
     "xyz": Reader(_cloud(".xyz"), has_end=_without_end),
     "stl": Reader(_mesh(".stl"), ("trimesh.exchange",), _has_one_solid),
     "scan_graph": Reader(_scan_graph),

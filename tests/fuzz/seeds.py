@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from tests.fuzz import bridge_seeds, charts, fields, radiation
 from tests.fuzz.readers import CDR_TYPES, simulator_to_restore
-from tests.fuzz.surveys import side_scan, survey
+from tests.fuzz.surveys import side_scan, survey, xtf_soundings
 
 ASC = b"ncols 4\nnrows 3\nxllcorner 1000\nyllcorner 2000\ncellsize 5\nNODATA_value -9999\n" + b"-1 -2 -3 -4\n" * 3
 CSV = b"x_m,y_m,z_m,u_m_s,v_m_s,w_m_s\n0,0,-9,0.1,0,0\n5,0,-9,0.2,0,0\n0,5,-9,0.1,0,0\n5,5,-9,0.3,0,0\n"
@@ -366,6 +366,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "gsf": lambda: [survey(".gsf")],
     "kmall": lambda: [survey(".kmall")],
     "xtf": lambda: [side_scan()],
+    "xtf_soundings": lambda: [xtf_soundings()],
     "state": _state,
     "depth_string": _depth_string,
     "fbx": lambda: [FBX],

@@ -52,6 +52,28 @@ def survey(suffix: str) -> bytes:
         return path.read_bytes()
 
 
+def xtf_soundings() -> bytes:
+    """Return a small XTF file: a ping of beams by angle, one of processed soundings, and one of a vendor's."""
+    import pyxtf
+
+    header = pyxtf.XTFFileHeader()
+    header.NavUnits, header.NumberOfBathymetryChannels = 3, 1
+    header.ChanInfo[0].TypeOfChannel, header.ChanInfo[0].OffsetRoll = 3, 2.0
+    beams = [pyxtf.XTFQPSMBEEntry(Id=k, TwoWayTravelTime=0.02, BeamAngle=30.0 * k - 30.0) for k in range(3)]
+    soundings = [pyxtf.XTFBeamXYZA(dPosOffsetTrX=1.0, dPosOffsetTrY=k, fDepth=9.0, dTime=0.01) for k in range(3)]
+    records = [header.to_bytes()]
+    for number, (kind, content) in enumerate([(28, beams), (17, soundings), (61, [b"raw"])]):
+        ping = pyxtf.XTFPingHeader()
+        ping.HeaderType, ping.NumChansToFollow, ping.PingNumber = kind, len(content), number
+        ping.Year, ping.Month, ping.Day, ping.Second = 2024, 5, 17, number
+        ping.SensorYcoordinate, ping.SensorXcoordinate, ping.SensorDepth = 43.1, 5.9, 2.0
+        ping.SoundVelocity, ping.SensorHeading, ping.SensorPitch, ping.SensorRoll = 740.0, 90.0, 3.0, 4.0
+        data = b"".join(bytes(each) for each in content)
+        ping.NumBytesThisRecord = len(bytes(ping)) + len(data)
+        records.append(bytes(ping) + data)
+    return b"".join(records)
+
+
 def read_side_scan(data: bytes, folder: Path) -> Any:
     """Read a side-scan survey: the levels of its lines."""
     from uwsim.mapping.files.xtf_read import read_xtf

@@ -63,7 +63,7 @@ def convert(
     source: Annotated[
         Path,
         typer.Argument(
-            help=f"A map ({', '.join(MAPS)}), a cloud ({', '.join(CLOUDS)}) or a survey (.gsf, .kmall).",
+            help=f"A map ({', '.join(MAPS)}), a cloud ({', '.join(CLOUDS)}) or a survey (.gsf, .kmall, .xtf).",
             callback=readable,
         ),
     ],

@@ -26,7 +26,8 @@ def build(
         list[Path],
         typer.Option(
             "--from",
-            help="A survey (.gsf, .kmall), a cloud (.ply, .pcd, .las, .xyz) or scans of OctoMap (.graph); repeatable.",
+            help="A survey (.gsf, .kmall, .xtf), a cloud (.ply, .pcd, .las, .xyz) or scans of OctoMap (.graph); "
+            "repeatable.",
             callback=readable,
         ),
     ],

@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.options import need
-from uwsim.base.sockets import registered
 from uwsim.mapping.depth_grid import depth_grid
 from uwsim.mapping.files import write_cloud
 from uwsim.mapping.files.formats import CLOUD_FORMATS, GRID_FORMATS, MAP_FORMATS, Origin, placed_clouds
 from uwsim.mapping.files.georeference import Georeference, utm_zone
 from uwsim.mapping.files.map_files import ZERO, open_map, open_points
-from uwsim.mapping.files.swath import GROUP as SURVEY_FILES
+from uwsim.mapping.files.swath import format_of
 from uwsim.mapping.survey_soundings import read_soundings
 from uwsim.scenario import load
 from uwsim.scenario.georeference import georeference
@@ -78,7 +77,7 @@ def convert(
 
 
 def _is_survey(source: Path) -> bool:
-    return source.suffix.lower().removeprefix(".") in registered(SURVEY_FILES)
+    return source.suffix.lower() not in (*MAP_FORMATS, *CLOUD_FORMATS) and format_of(source) is not None
 
 
 def _in_utm(points_m: NDArray[np.float64], place: Georeference) -> tuple[NDArray[np.float64], Georeference]:

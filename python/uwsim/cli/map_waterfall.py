@@ -19,9 +19,9 @@ def waterfall(
     ] = False,
 ) -> None:
     """Draw a survey file's side scan, port on the left."""
-    from uwsim.mapping.files.swath import survey_format
+    from uwsim.mapping.files.swath import survey_of
 
-    read = survey_format(source, "waterfall").read_side_scan
+    read = survey_of(source, "waterfall").read_side_scan
     if read is None:
         raise ValueError(f"waterfall {source}: this format holds no side scan")
     figure = require_png(out or source.with_suffix(".png"))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.mapping.files.georeference import Georeference, metres_about
-from uwsim.mapping.files.swath import Swath, survey_format
+from uwsim.mapping.files.swath import Swath, survey_of
 from uwsim.mapping.ping_to_map import traced_beams
 
 
@@ -41,7 +41,7 @@ def open_surveys(paths: Sequence[Path], option: str) -> list[SurveySource]:
     """Open survey files. Raises OSError, or ValueError that names the file, for one without pings of a multibeam."""
     surveys = []
     for path in paths:
-        read = survey_format(path, option).read
+        read = survey_of(path, option).read
         if read is None:
             raise ValueError(f"{option} {path}: holds no pings of a multibeam")
         head, swaths = read(path)

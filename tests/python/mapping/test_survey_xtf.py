@@ -5,12 +5,16 @@ import warnings
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
+from tests.fuzz.surveys import survey
 
 from command_line import uwsim as uwsim_command
 from flown_survey import LATITUDE, LONGITUDE, POOL
 from uwsim.flight.raw_options import RawOptions
 from uwsim.flight.survey import run_survey
+from uwsim.mapping.files.swath import format_of
 from uwsim.mapping.files.xtf_read import read_xtf
+from uwsim.mapping.survey_soundings import read_soundings
 
 pyxtf = pytest.importorskip("pyxtf", reason="needs pyxtf")
 
@@ -188,3 +192,83 @@ def test_a_waterfall_is_drawn(straight, tmp_path):
     assert refused.returncode == 1
     built = uwsim_command("map", "build", "m.bt", "--from", str(straight.raw), cwd=tmp_path)
     assert "holds no pings of a multibeam" in built.stderr
+
+
+def written(path, units=3, others=()):
+    """Write a file from the format's tables: a flat bed at 20 m below a sensor at 2 m, heading 90, roll 4, pitch 3 deg.
+
+    The beams look 0, 30 and -45 deg across about a head that is mounted with 2 deg of roll. The third record is the
+    same swath as processed soundings, the fourth is a vendor's.
+    """
+    header = pyxtf.XTFFileHeader()
+    header.NavUnits, header.NumberOfBathymetryChannels = units, 1
+    header.ChanInfo[0].TypeOfChannel, header.ChanInfo[0].OffsetRoll = 3, 2.0
+    records = [header.to_bytes()]
+    across, tilt = np.radians([0.0, 30.0, -45.0]), np.radians([0.0, 1.0, -2.0])
+    aim = np.column_stack([np.sin(tilt), np.cos(tilt) * np.sin(across), np.cos(tilt) * np.cos(across)])
+    turn = Rotation.from_euler("ZYX", [90.0, 3.0, 4.0], degrees=True) * Rotation.from_euler("X", 2.0, degrees=True)
+    rays = turn.apply(aim)  # north, east, down
+    rays *= (18.0 / rays[:, 2])[:, None]
+    times = 2.0 * np.linalg.norm(rays, axis=1) / 1480.0
+    beams = [pyxtf.XTFQPSMBEEntry(Id=k, TwoWayTravelTime=t, BeamAngle=a, TiltAngle=b)
+             for k, (t, a, b) in enumerate(zip(times, np.degrees(across), np.degrees(tilt), strict=True))]  # fmt: skip
+    soundings = [pyxtf.XTFBeamXYZA(dPosOffsetTrX=n, dPosOffsetTrY=e, fDepth=d + 2.0, dTime=t)
+                 for (n, e, d), t in zip(rays, times, strict=True)]  # fmt: skip
+    for number, (kind, content) in enumerate([(28, beams), (17, [*soundings, pyxtf.XTFBeamXYZA()]), *others]):
+        ping = pyxtf.XTFPingHeader()
+        ping.HeaderType, ping.NumChansToFollow, ping.PingNumber = kind, len(content), number
+        ping.Year, ping.Month, ping.Day, ping.Second = 2024, 5, 17, number
+        ping.SensorYcoordinate, ping.SensorXcoordinate, ping.SensorDepth = LATITUDE, LONGITUDE, 2.0
+        ping.SoundVelocity, ping.SensorHeading, ping.SensorPitch, ping.SensorRoll = 740.0, 90.0, 3.0, 4.0
+        data = b"".join(bytes(each) for each in content)
+        ping.NumBytesThisRecord = len(bytes(ping)) + len(data)
+        records.append(bytes(ping) + data)
+    path.write_bytes(b"".join(records))
+    return rays[:, [1, 0, 2]] * (1.0, 1.0, -1.0) - (0.0, 0.0, 2.0)  # east, north, up
+
+
+def test_soundings_lie_where_the_formats_tables_put_them(tmp_path, caplog):
+    expected = written(tmp_path / "line.xtf.mb", others=[(61, [b"vendor"] * 3), (61, [b"vendor"]), (3, [])])
+    found = read_soundings(tmp_path / "line.xtf.mb", "--from")
+    np.testing.assert_allclose(found.points_m[:3], expected, atol=1e-4)
+    np.testing.assert_allclose(found.points_m[3:], expected, atol=1e-4)
+    assert "not read: 2 of type 61 (reson_7125)" in caplog.text
+    _, packets = pyxtf.xtf_read(str(tmp_path / "line.xtf.mb"), [pyxtf.XTFHeaderType.bathy_xyza])
+    (stated,) = packets[pyxtf.XTFHeaderType.bathy_xyza]
+    np.testing.assert_allclose(-found.points_m[3:, 2], [each.fDepth for each in stated.data[:3]], atol=1e-4)
+
+
+def test_a_map_and_a_cloud_are_made_of_them(tmp_path):
+    written(tmp_path / "line.xtf")
+    built = uwsim_command("map", "build", str(tmp_path / "m.bt"), "--from", str(tmp_path / "line.xtf"))
+    assert built.returncode == 0 and "2 pings, 6 soundings" in built.stdout, built.stderr
+    made = uwsim_command("map", "convert", str(tmp_path / "line.xtf"), str(tmp_path / "c.xyz"))
+    assert made.returncode == 0 and "6 points" in made.stdout, made.stderr
+
+
+@pytest.mark.parametrize(
+    ("broken", "rule"),
+    [
+        ({"units": 0}, "positions must be degrees"),
+        ({"others": [(17, [pyxtf.XTFBeamXYZA(fDepth=5e4)])]}, "fDepth must be within 12000 m"),
+        ({"others": [(28, [pyxtf.XTFQPSMBEEntry(BeamAngle=1e9)])]}, "BeamAngle must be within 360 deg"),
+    ],
+)
+def test_what_cannot_be_is_refused_at_its_offset(tmp_path, broken, rule):
+    written(tmp_path / "line.xtf", **broken)
+    with pytest.raises(ValueError, match=rf"line\.xtf': at byte \d+: .*{rule}"):
+        read_soundings(tmp_path / "line.xtf", "--from")
+
+
+def test_a_survey_is_known_by_its_content(straight, tmp_path):
+    for suffix in (".gsf", ".kmall", ".pd0"):
+        (tmp_path / f"line{suffix}.mb").write_bytes(survey(suffix) if suffix != ".pd0" else b"\x7f\x7f" + bytes(9))
+        assert format_of(tmp_path / f"line{suffix}.mb") == suffix[1:]
+    (tmp_path / "line.gsf.mb121").write_bytes(survey(".gsf"))
+    built = uwsim_command("map", "build", str(tmp_path / "m.bt"), "--from", str(tmp_path / "line.gsf.mb121"))
+    assert built.returncode == 0, built.stderr
+    (tmp_path / "side.mb").write_bytes(straight.raw.read_bytes())
+    drawn = uwsim_command("map", "waterfall", str(tmp_path / "side.mb"))
+    assert drawn.returncode == 0, drawn.stderr
+    refused = uwsim_command("map", "build", str(tmp_path / "m.bt"), "--from", str(straight.raw))
+    assert refused.returncode == 1 and "holds no pings of a multibeam in records of type 17 or 28" in refused.stderr

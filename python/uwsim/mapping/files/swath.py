@@ -6,7 +6,8 @@ Axes of a level vehicle: forward, starboard, down, from the vehicle's reference 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
@@ -123,6 +124,40 @@ class SurveyFormat:
     side_scan: Callable[[Path, SideScanHead], SideScanWriter] | None = None
     dvl: Callable[[Path, DvlHead], DvlWriter] | None = None
     read_side_scan: Callable[[Path], tuple[SideScanHead, Iterator[SideScanLine]]] | None = None
+
+
+MARKS: Mapping[str, Callable[[bytes], bool]] = {
+    "gsf": lambda head: head[8:12] == b"GSF-",
+    "kmall": lambda head: re.fullmatch(rb"#[A-Z]{3}", head[4:8]) is not None,
+    "xtf": lambda head: len(head) >= HEAD and head[0] == 123,
+    "pd0": lambda head: head[:2] == b"\x7f\x7f",
+}
+"""By format, whether a file's first bytes are its own."""
+HEAD = 1024
+
+
+def format_of(path: Path) -> str | None:
+    """Return the name of a survey file's format, by its suffix, else by its first bytes; None if it is no survey.
+
+    Archives and MB-System name a file with the format in another place, such as line.gsf.mb121.
+    """
+    from uwsim.base.sockets import registered
+
+    name = path.suffix.lower().removeprefix(".")
+    if name in registered(GROUP):
+        return name
+    try:
+        with path.open("rb") as file:
+            head = file.read(HEAD)
+    except OSError:
+        return None
+    return next((each for each, marks in MARKS.items() if marks(head)), None)
+
+
+def survey_of(path: Path, option: str) -> SurveyFormat:
+    """Return the format of a file to read. Raises ValueError, which names the option, for one of no known format."""
+    name = format_of(path)
+    return survey_format(path if name is None else path.with_suffix(f".{name}"), option)
 
 
 def survey_format(path: Path, option: str) -> SurveyFormat:

@@ -2,7 +2,7 @@
 
 A sample is the amplitude of the pressure in uPa, a 4-byte float, so that a level is 20 log10 of it. As the format has
 it, port samples begin with the farthest, and starboard samples with the nearest. Times are in whole hundredths of a
-second. The reader is in xtf_read.py.
+second. The readers are in xtf_read.py and xtf_multibeam.py.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import pyxtf
 from uwsim.base.atomic_file import GrowingFile
 from uwsim.mapping.files.side_scan_line import Levels, SideScanHead, SideScanLine
 from uwsim.mapping.files.swath import SurveyFormat
+from uwsim.mapping.files.xtf_multibeam import read_xtf_multibeam
 from uwsim.mapping.files.xtf_read import read_xtf
 
 KNOT_M_S = 1852.0 / 3600.0
@@ -113,5 +114,6 @@ def _pressures(levels_db: Levels) -> Levels:
 
 
 XTF = SurveyFormat(
-    "lines of a side-scan sonar in the eXtended Triton Format", side_scan=XtfWriter, read_side_scan=read_xtf
-)
+    "lines of a side-scan sonar, or soundings, in the eXtended Triton Format", side_scan=XtfWriter,
+    read_side_scan=read_xtf, read=read_xtf_multibeam,
+)  # fmt: skip
