@@ -202,6 +202,7 @@ void PreparedView::set_terrain(const World& world) {
     view.terrain_spacing = terrain->spacing_m();
     view.heights = terrain->heights_m().data();
     view.terrain_nx = static_cast<int>(terrain->nx());
+    view.terrain_ny = static_cast<int>(terrain->ny());
   }
 }
 

@@ -43,6 +43,25 @@ UWSIM_LANES MaterialLanes material_lanes(const Material* materials, Int index) {
   return all;
 }
 
+/// The upward part of the terrain's normal as if it had no facets: from slopes at its nodes, interpolated.
+UWSIM_LANES Float terrain_upright(const View& view, Vector point) {
+  const auto per_m = static_cast<float>(1 / view.terrain_spacing);
+  const Float u = (point.x - static_cast<float>(view.terrain_x)) * per_m;
+  const Float v = (point.y - static_cast<float>(view.terrain_y)) * per_m;
+  const Float i = clamp(to_float(floor_int(u)), 1, static_cast<float>(view.terrain_nx - 3));
+  const Float j = clamp(to_float(floor_int(v)), 1, static_cast<float>(view.terrain_ny - 3));
+  const Float across = clamp(u - i, 0, 1), along = clamp(v - j, 0, 1);
+  const Int at = to_int(j) * view.terrain_nx + to_int(i);
+  const auto height = [&](int east, int north) { return gather(view.heights, at + (north * view.terrain_nx + east)); };
+  const auto slope_x = [&](int east, int north) { return height(east + 1, north) - height(east - 1, north); };
+  const auto slope_y = [&](int east, int north) { return height(east, north + 1) - height(east, north - 1); };
+  const auto between = [&](const auto& slope) {
+    return mix(mix(slope(0, 0), slope(1, 0), across), mix(slope(0, 1), slope(1, 1), across), along) * (0.5f * per_m);
+  };
+  const Float x = between(slope_x), y = between(slope_y);
+  return 1 / square_root(1 + x * x + y * y);
+}
+
 /// Sets the albedo and tilts the normal, with patches of two sizes, grain and sand ripples. Each of these fades out as
 /// its features become smaller than a pixel.
 void apply_material(const View& view, Block& block) {
@@ -55,8 +74,12 @@ void apply_material(const View& view, Block& block) {
   const Float large = value_noise(patch, 17u, Unsigned(view.patch_cell_x), Unsigned(view.patch_cell_y));
   Int material = load(block.material.at);
   const Int on_terrain = material == 0;
-  const Int on_land = on_terrain & (at.z > 0.2f + 1.5f * large),
-            steep = on_terrain & (normal.z < 0.72f + 0.16f * large);
+  const Float steepest = 0.72f + 0.16f * large;
+  Float upright = normal.z;
+  const Int unsure = on_terrain & (abs(upright - steepest) < 0.2f);
+  if (view.terrain_nx > 3 && view.terrain_ny > 3 && any(unsure))
+    upright = select(unsure, terrain_upright(view, point), upright);
+  const Int on_land = on_terrain & (at.z > 0.2f + 1.5f * large), steep = on_terrain & (upright < steepest);
   material = select(on_land, Int(view.land_material), select(steep, Int(view.steep_material), material));
   const MaterialLanes look = material_lanes(view.materials, material);
   const Float fine_near = clamp(1.5f - 1.5f * pixel_m * look.fine_per_m, 0, 1);

@@ -77,7 +77,7 @@ struct View {
   double terrain_x, terrain_y;  ///< first node relative to the camera
   double terrain_spacing, anchor_z;
   const float* heights;  ///< null if there is no terrain
-  int terrain_nx;
+  int terrain_nx, terrain_ny;
   std::uint32_t terrain_label;
 
   int has_surface, camera_in_water, has_sunlight, has_attenuation, has_backscatter, has_caustics;
