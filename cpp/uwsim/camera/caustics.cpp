@@ -6,10 +6,9 @@
 #include <complex>
 #include <cstddef>
 #include <numbers>
-#include <unsupported/Eigen/FFT>
-#include <utility>
 
 #include "uwsim/camera/parallel_rows.h"
+#include "uwsim/camera/plane_transform.h"
 #include "uwsim/camera/ripples.h"
 #include "uwsim/core/image_buffer.h"
 
@@ -108,26 +107,11 @@ struct WavesLeft {
   }
 };
 
-void transform(std::vector<Complex>& tile, bool inverse) {
-  Eigen::FFT<float> fft;
-  std::vector<Complex> line(kCells), changed(kCells);
-  for (const auto& [step, between] : {std::pair(1, kCells), std::pair(kCells, 1)}) {
-    for (int k = 0; k < kCells; ++k) {
-      Complex* const first = tile.data() + static_cast<std::ptrdiff_t>(k) * between;
-      for (int j = 0; j < kCells; ++j) line[static_cast<std::size_t>(j)] = first[static_cast<std::ptrdiff_t>(j) * step];
-      inverse ? fft.inv(changed, line) : fft.fwd(changed, line);
-      for (int j = 0; j < kCells; ++j) {
-        first[static_cast<std::ptrdiff_t>(j) * step] = changed[static_cast<std::size_t>(j)];
-      }
-    }
-  }
-}
-
 /// Spreads the light of two tiles, each of which repeats: together, as the real and the imaginary part of one.
 void spread(Grid& one, const WavesLeft& of_one, Grid& two, const WavesLeft& of_two) {
   std::vector<Complex> both(one.size());
   for (std::size_t k = 0; k < both.size(); ++k) both[k] = {one[k], two[k]};
-  transform(both, false);
+  transform_plane(both, kCells, kCells, false);
   std::vector<Complex> left(both.size());
   for (int y = 0; y < kCells; ++y) {
     for (int x = 0; x < kCells; ++x) {
@@ -138,7 +122,7 @@ void spread(Grid& one, const WavesLeft& of_one, Grid& two, const WavesLeft& of_t
       left[at] = 0.5f * of_one.of(x, y) * (here + there) + 0.5f * of_two.of(x, y) * (here - there);
     }
   }
-  transform(left, true);
+  transform_plane(left, kCells, kCells, true);
   for (std::size_t k = 0; k < left.size(); ++k) {
     one[k] = std::max(left[k].real(), 0.0f), two[k] = std::max(left[k].imag(), 0.0f);
   }

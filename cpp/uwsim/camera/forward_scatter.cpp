@@ -5,10 +5,10 @@
 #include <complex>
 #include <cstddef>
 #include <numbers>
-#include <unsupported/Eigen/FFT>
 #include <vector>
 
 #include "uwsim/camera/parallel_rows.h"
+#include "uwsim/camera/plane_transform.h"
 
 namespace uwsim {
 namespace {
@@ -47,24 +47,9 @@ class Spectrum {
   int rows() const { return rows_; }
   Complex& at(int column, int row) { return values_[static_cast<std::size_t>(row) * columns() + column]; }
 
-  void transform(bool inverse) {
-    Eigen::FFT<float> fft;
-    along_axis(fft, inverse, columns_, rows_, 1, columns_);
-    along_axis(fft, inverse, rows_, columns_, columns_, 1);
-  }
+  void transform(bool inverse) { transform_plane(values_, columns_, rows_, inverse); }
 
  private:
-  void along_axis(Eigen::FFT<float>& fft, bool inverse, int length, int lines, int step, int between) {
-    std::vector<Complex> line(static_cast<std::size_t>(length)), changed(line.size());
-    for (int k = 0; k < lines; ++k) {
-      Complex* const first = values_.data() + static_cast<std::ptrdiff_t>(k) * between;
-      for (int j = 0; j < length; ++j) line[static_cast<std::size_t>(j)] = first[static_cast<std::ptrdiff_t>(j) * step];
-      inverse ? fft.inv(changed, line) : fft.fwd(changed, line);
-      for (int j = 0; j < length; ++j)
-        first[static_cast<std::ptrdiff_t>(j) * step] = changed[static_cast<std::size_t>(j)];
-    }
-  }
-
   int columns_, rows_;
   std::vector<Complex> values_;
 };

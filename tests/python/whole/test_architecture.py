@@ -35,7 +35,7 @@ MAY_INCLUDE: dict[str, set[str]] = {
 # C++: a library's include pattern, and the files that may include it.
 LIBRARIES: dict[str, tuple[str, str]] = {
     "Eigen": (r"Eigen/", r"cpp/.*"),
-    "Eigen's FFT": (r"unsupported/Eigen/FFT", r"cpp/uwsim/camera/forward_scatter\.cpp"),
+    "Eigen's FFT": (r"unsupported/Eigen/FFT", r"cpp/uwsim/camera/plane_transform\.cpp"),
     "Embree": (r"embree\d*/", r"cpp/uwsim/rays/embree\.h"),
     "Bullet": (
         r"bt\w+\.h|Bullet\w*/|LinearMath/",
