@@ -19,7 +19,7 @@ from uwsim.scenario.terrains.raster_grid import Raster
 
 MARGIN_CELLS = 1.0
 MOST_SPACINGS = 2000
-SPACINGS_PER_CELL, LEAST_SPACING_M = 4, 0.25
+SPACINGS_PER_CELL, LEAST_SPACING_M, MOST_SPACING_M = 4, 0.25, 100.0
 NAME_LENGTH = 40
 SURVEY_SHARE, SURVEY_MAX_M, ALTITUDE_M = 0.6, 100.0, 12.0
 WHOLE = 1e-9  # a share of a spacing by which an edge may fall short by rounding
@@ -54,7 +54,7 @@ def scenario_from_chart(
     x, y = raster.place_at(column, row)
     cell_m = raster.safe_cell_m((x, y))
     edge_m = min(size_m, (side - MARGIN_CELLS) * cell_m)
-    spacing_m = max(LEAST_SPACING_M, cell_m / SPACINGS_PER_CELL, edge_m / MOST_SPACINGS)
+    spacing_m = max(LEAST_SPACING_M, min(cell_m / SPACINGS_PER_CELL, MOST_SPACING_M, edge_m), edge_m / MOST_SPACINGS)
     edge_m = math.floor(edge_m / spacing_m + WHOLE) * spacing_m
     half = max(1, math.ceil(0.5 * edge_m / cell_m))
     rows, columns = raster.elevations.shape

@@ -140,3 +140,11 @@ def test_any_file_s_name_becomes_a_name_and_depths_that_are_positive_are_explain
     with pytest.raises(ValueError, match=r"its heights are all positive: if they are depths, give --positive down"):
         middle_m(chart(tmp_path / "down.tif", -BED))
     assert middle_m(chart(tmp_path / "down.tif", -BED), positive="down") == middle_m(chart(tmp_path / "up.tif"))
+
+
+@pytest.mark.parametrize(("cell", "size_m"), [(0.1, 200.0), (1 / 240, 5000.0)])
+def test_a_world_of_large_cells_is_a_part_of_their_slope(cell: float, size_m: float, tmp_path: Path) -> None:
+    path = chart(tmp_path / "world.tif", crs="EPSG:4326", at=(4.0, 3.0), cell=cell, unit="m")
+    made = scenario_from_chart(path, tmp_path / "world.yaml", size_m=size_m)
+    assert made.size_m == size_m
+    assert build_world(load(made.path)).height_at(np.zeros((1, 2)))[0] == pytest.approx(-21.2, abs=0.1)
