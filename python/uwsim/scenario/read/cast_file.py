@@ -146,7 +146,7 @@ def _sea_bird(name: str, lines: list[str]) -> _Table | None:
             bad = _number(found[1], f"{name}:{k + 1}: bad_flag")
         elif line.startswith("# file_type = binary"):
             raise ValueError(f"{name}:{k + 1}: a .cnv whose values are binary: must be text (Sea-Bird's ASCII Out)")
-    rows = []
+    rows: list[tuple[int, Sequence[str]]] = []
     for k, line in enumerate(lines[end + 1 :], end + 2):
         cells = line.split()
         if len(cells) != len(labels):
@@ -364,7 +364,8 @@ def _levels(name: str, columns: dict[str, Floats], lines: list[int], notes: list
 
 def _deeper(kept: NDArray[np.intp], depth: Floats) -> NDArray[np.intp]:
     """Return the samples that are deeper than all before."""
-    return kept[np.concatenate([[True], depth[kept][1:] > np.maximum.accumulate(depth[kept])[:-1]])]
+    deeper = np.concatenate([[True], depth[kept][1:] > np.maximum.accumulate(depth[kept])[:-1]])
+    return np.asarray(kept[deeper], np.intp)
 
 
 def _require_in(
