@@ -14,7 +14,7 @@ from uwsim.instruments.sample_stream import SampleStream
 from uwsim.instruments.sonars.soundings import sound_speed_profile
 from uwsim.mapping.files.dvl_ensemble import DvlEnsemble, DvlHead, DvlWriter, WaterCells
 from uwsim.mapping.files.swath import EPOCH_NS
-from uwsim.scenario.build.water import require_temperature
+from uwsim.scenario.build.cast import require_temperature
 from uwsim.simulator.simulator import Simulator
 
 DVL, ADCP = "dvl", "adcp"

@@ -14,6 +14,7 @@ from uwsim.scenario.build.actuator import actuators_spec
 from uwsim.scenario.build.applied_wrench import applied_wrench
 from uwsim.scenario.build.arm import link_specs
 from uwsim.scenario.build.battery import battery_spec
+from uwsim.scenario.build.cast import require_temperature
 from uwsim.scenario.build.compressibility import buoyancy_share
 from uwsim.scenario.build.control import ControlSettings, built_settings
 from uwsim.scenario.build.craft import craft
@@ -22,7 +23,7 @@ from uwsim.scenario.build.labels import backscatter_by_label
 from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
 from uwsim.scenario.build.sensor import measures_temperature, sensor_spec
 from uwsim.scenario.build.start_pose import start_pose
-from uwsim.scenario.build.water import require_temperature, surface_density_kg_m3
+from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.build.wind import windage
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.scenario import Scenario

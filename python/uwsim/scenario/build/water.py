@@ -2,57 +2,37 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
-from functools import lru_cache
-from pathlib import Path
-from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic_core import PydanticCustomError
 
 from uwsim import _core
+from uwsim.scenario.build.cast import levels_of, warn_of
 from uwsim.scenario.build.gravity import STANDARD_M_S2
 from uwsim.scenario.build.ocean import Place, ocean_current, put_masses, surface_mean
 from uwsim.scenario.build.tides import harmonic
-from uwsim.scenario.read.cast_file import read_cast
 from uwsim.scenario.read.current_grid import is_ocean, read_current_grid
-from uwsim.scenario.read.errors import CastWarning, ScenarioError
+from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.tides import Tide
 from uwsim.scenario.spec.water import (
-    ASSUMED_DEG_C,
     AirySurface,
-    Celsius,
     CurrentSpec,
-    Density,
-    Depth,
     FieldProfile,
     GustyCurrent,
     JonswapSurface,
     LayeredCurrent,
     LinearProfile,
-    Salinity,
-    SoundSpeed,
     StillSurface,
     TableProfile,
     TidalCurrent,
     TideCurrent,
     UniformCurrent,
     Water,
-    WaterLevel,
 )
 from uwsim.scenario.spec.water_state import WaterState
 
 LINEAR_LEVELS = 17  # enough for linear pieces to match EOS-80 within 0.02 kg/m3 from -2 to 40 deg C
-RANGES = {
-    "depth_m": Depth,
-    "temperature_deg_c": Celsius,
-    "salinity_psu": Salinity,
-    "density_kg_m3": Density,
-    "sound_speed_m_s": SoundSpeed,
-}
-LIMITS = {key: get_args(kind)[1] for key, kind in RANGES.items()}
 
 Floats = NDArray[np.float64]
 
@@ -154,7 +134,7 @@ def surface_density_kg_m3(water: Water) -> float:
         return water.state().density
     if isinstance(water.profile, FieldProfile):
         return _core.sea_water_density_kg_m3(*surface_mean(water.profile.file))
-    top = water.profile.surface if isinstance(water.profile, LinearProfile) else _levels(water.profile)[0][0]
+    top = water.profile.surface if isinstance(water.profile, LinearProfile) else levels_of(water.profile)[0][0]
     return top.state().density
 
 
@@ -210,8 +190,8 @@ def _tide(tide: Tide) -> Floats:
 def _profile(water: Water, spec: TableProfile | LinearProfile, bottom_depth_m: float) -> _core.WaterProfile:
     if isinstance(spec, LinearProfile):
         return _linear(spec, spec.bottom_depth_m or bottom_depth_m)
-    levels, places = _levels(spec)
-    _warn(spec, levels)
+    levels, places = levels_of(spec)
+    warn_of(spec, levels)
     states = [level.state(in_place=not water.compressible) for level in levels]
     for state, place in zip(states, places, strict=True):
         _require_agreement(state, f"profile '{spec.file}': {place}: " if spec.file else f"profile.{place}.")
@@ -225,22 +205,6 @@ def _profile(water: Water, spec: TableProfile | LinearProfile, bottom_depth_m: f
     )
 
 
-def _warn(spec: TableProfile, levels: Sequence[WaterLevel]) -> None:
-    """Warn of what a cast's reader left out, and of what is assumed of the water."""
-    notes = list(_cast(spec.file, _version(spec.file))[2]) if spec.file else []
-    lacks = [key for key in ("temperature_deg_c", "salinity_psu") if getattr(levels[0], key) is None]
-    if "salinity_psu" in lacks and (levels[0].density_kg_m3 is not None or not spec.file):
-        lacks.remove("salinity_psu")  # derived, or 0 as everywhere by default
-    assumed = {"temperature_deg_c": f"{ASSUMED_DEG_C:g} deg C", "salinity_psu": "0 psu, fresh water"}
-    notes += [
-        f"without {key}: density, absorption of sound and compression are those of {assumed[key]}; "
-        f"water.profile.{key} states another"
-        for key in lacks
-    ]
-    if notes:
-        warnings.warn(f"profile '{spec.file or 'levels'}': {'; '.join(notes)}", CastWarning, stacklevel=2)
-
-
 def _linear(spec: LinearProfile, bottom_depth_m: float) -> _core.WaterProfile:
     down = np.linspace(0.0, 1.0, LINEAR_LEVELS)
     temperature = np.interp(down, (0, 1), (spec.surface.temperature_deg_c, spec.bottom.temperature_deg_c))
@@ -251,53 +215,3 @@ def _linear(spec: LinearProfile, bottom_depth_m: float) -> _core.WaterProfile:
         return _core.WaterProfile(down[ends] * bottom_depth_m, temperature[ends], salinity[ends], density)
     density = [_core.sea_water_density_kg_m3(t, s) for t, s in zip(temperature, salinity, strict=True)]
     return _core.WaterProfile(down * bottom_depth_m, temperature, salinity, density)
-
-
-def temperature_is_known(water: Water) -> bool:
-    """Return whether the water's temperature is stated or measured: a profile may have the speed of sound alone."""
-    if not isinstance(water.profile, TableProfile):
-        return True
-    return _levels(water.profile)[0][0].temperature_deg_c is not None
-
-
-def require_temperature(water: Water, what: str, at: tuple[str | int, ...] = ()) -> None:
-    """Raise ScenarioError for what needs the water's temperature if it is unknown. at: its key path."""
-    if not temperature_is_known(water):
-        raise ScenarioError(
-            f"{what}: needs the temperature of the water, which water.profile does not have: give "
-            "water.profile.temperature_deg_c, or do without (in a vehicle's file, null removes a sensor)",
-            at=at,
-        )
-
-
-def _levels(spec: TableProfile) -> tuple[tuple[WaterLevel, ...], tuple[str, ...]]:
-    """Return the levels, and the names of their places for messages. Raises ScenarioError."""
-    if spec.levels is not None:
-        return spec.completed(spec.levels), tuple(f"levels[{index}]" for index in range(len(spec.levels)))
-    assert spec.file is not None
-    levels, places, _ = _cast(spec.file, _version(spec.file))
-    try:
-        return spec.completed(levels), places
-    except PydanticCustomError as error:
-        raise ScenarioError(f"profile '{spec.file}': {error}") from None
-
-
-def _version(path: Path) -> tuple[int, int]:
-    try:
-        state = path.stat()
-    except OSError as error:
-        raise ScenarioError(f"profile '{path}': {error.strerror}") from None
-    return state.st_mtime_ns, state.st_size
-
-
-@lru_cache(8)
-def _cast(path: Path, version: tuple[int, int]) -> tuple[tuple[WaterLevel, ...], tuple[str, ...], tuple[str, ...]]:
-    """version: identifies the state of the file, to keep the cache current."""
-    try:
-        cast = read_cast(path, f"profile '{path}'", LIMITS)
-    except ValueError as error:
-        raise error if isinstance(error, ScenarioError) else ScenarioError(str(error)) from None
-    rows = zip(*(values.tolist() for values in cast.columns.values()), strict=True)
-    levels = tuple(WaterLevel(**dict(zip(cast.columns, row, strict=True))) for row in rows)
-    places = cast.lines or range(len(levels))
-    return levels, tuple(f"{'line' if cast.lines else 'level'} {place}" for place in places), tuple(cast.notes)

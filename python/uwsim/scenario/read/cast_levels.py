@@ -52,7 +52,9 @@ def levels_of(name: str, columns: dict[str, Floats], lines: list[int], notes: li
         values = columns.get(key)
         if values is None:
             continue
-        empty = np.isnan(values) | ((values == 0.0) if key == "sound_speed_m_s" or not np.any(values) else False)
+        empty = np.isnan(values) | (
+            (values == 0.0) if key == "sound_speed_m_s" or not np.nansum(np.abs(values)) else False
+        )
         columns[key] = np.where(empty, np.nan, values)
         if empty.all():
             del columns[key]
