@@ -105,6 +105,16 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "scenario from": (["folder"], {"out": "unity"}),
     "scenario schema": (["scenario"], {}),
 }
+MORE_BASES: dict[str, list[tuple[list[str], dict[str, str]]]] = {
+    "map build": [
+        (["built.bt"], {"sources": "soundings.xtf"}),
+        (["built.bt"], {"sources": "sea.xyz", "sensor_at": "5 5 0"}),
+    ],
+    "scenario from": [
+        (["sea.xyz"], {"crs": "EPSG:32632", "cell": "1", "positive": "up", "out": "sea.yaml"}),
+    ],
+}
+"""Further lines of commands in which some options have no effect by the first one."""
 NOT_TRIED = {
     "bench": "its programs measure for minutes, and are for developers",
     "ardusub": "it needs a compiled ArduSub; test_firmware.py has its refusals",
@@ -197,31 +207,37 @@ def _parameters(callback: Any) -> Iterator[Parameter]:
 def lines() -> Iterator[Line]:
     """Yield all hostile lines, command by command."""
     for command, parameters in commands().items():
-        arguments, options = BASES[command]
-        by_name = {each.name: each for each in parameters}
-        places = [each for each in parameters if not each.option]
-        for parameter in parameters:
-            place = places.index(parameter) if parameter in places else 0
-            works = options.get(parameter.name, "") if parameter.option else "".join(arguments[place : place + 1])
-            files = file_names(parameter.kind, works, parameter.info.help or "")
-            for value in (*_values(parameter), *files):
-                given = {name: [by_name[name].option, text] for name, text in options.items()}
-                texts = list(arguments)
-                if parameter.kind is bool:
-                    if parameter.name in NEEDS_MORE:
-                        continue
-                    given[parameter.name] = [parameter.option]
-                elif parameter.option:
-                    given[parameter.name] = (
-                        [f"{parameter.option}={value}"]
-                        if parameter.count == 1
-                        else ([parameter.option, *[value] * parameter.count])
-                    )
-                else:
-                    texts[place : place + 1] = [value]
-                flags = ["--no-browser"] if command in BROWSING and parameter.name != "browser" else []
-                words = [*command.split(), *(word for words in given.values() for word in words), *flags, "--", *texts]
-                yield Line(command, parameter.name, parameter.kind, value, tuple(words))
+        for arguments, options in (BASES[command], *MORE_BASES.get(command, [])):
+            yield from _of_base(command, parameters, arguments, options)
+
+
+def _of_base(
+    command: str, parameters: list[Parameter], arguments: list[str], options: dict[str, str]
+) -> Iterator[Line]:
+    by_name = {each.name: each for each in parameters}
+    places = [each for each in parameters if not each.option]
+    for parameter in parameters:
+        place = places.index(parameter) if parameter in places else 0
+        works = options.get(parameter.name, "") if parameter.option else "".join(arguments[place : place + 1])
+        files = file_names(parameter.kind, works, parameter.info.help or "")
+        for value in (*_values(parameter), *files):
+            given = {name: [by_name[name].option, *text.split()] for name, text in options.items()}
+            texts = list(arguments)
+            if parameter.kind is bool:
+                if parameter.name in NEEDS_MORE:
+                    continue
+                given[parameter.name] = [parameter.option]
+            elif parameter.option:
+                given[parameter.name] = (
+                    [f"{parameter.option}={value}"]
+                    if parameter.count == 1
+                    else ([parameter.option, *[value] * parameter.count])
+                )
+            else:
+                texts[place : place + 1] = [value]
+            flags = ["--no-browser"] if command in BROWSING and parameter.name != "browser" else []
+            words = [*command.split(), *(word for words in given.values() for word in words), *flags, "--", *texts]
+            yield Line(command, parameter.name, parameter.kind, value, tuple(words))
 
 
 def file_names(kind: type, base: str, help_text: str) -> tuple[str, ...]:
@@ -243,7 +259,7 @@ def _values(parameter: Parameter) -> tuple[str, ...]:
 
 def prepare(folder: Path) -> None:
     """Write the files that BASES name."""
-    from fuzz.surveys import side_scan, survey
+    from fuzz.surveys import side_scan, survey, xtf_soundings
 
     from uwsim import Simulator, fly
     from uwsim.recording import Recorder
@@ -256,6 +272,9 @@ def prepare(folder: Path) -> None:
     surveyed.write(folder / "map.bt")
     (folder / "survey.gsf").write_bytes(survey(".gsf"))
     (folder / "survey.xtf").write_bytes(side_scan())
+    (folder / "soundings.xtf").write_bytes(xtf_soundings())
+    cells = [f"{500000 + x} {5000000 + y} {-8 - 0.1 * x}" for x in range(12) for y in range(12)]
+    (folder / "sea.xyz").write_text("\n".join(cells))
     sim = Simulator("pool", seed=5)
     with Recorder(sim, folder / "run.mcap", topics=["odom", "imu*", "telemetry", "sonar_ping"]):
         sim.rov.release()

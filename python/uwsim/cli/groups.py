@@ -109,7 +109,7 @@ def _command(name: str, found: Any) -> Any:
     else:
         raise TypeError(f"{type(found).__name__}: must be a function or a typer.Typer")
     made = with_both_spellings(typer.main.get_group(program).commands[name])
-    made.invoke = partial(_invoked, name, made.invoke)  # type: ignore[method-assign]
+    made.invoke = partial(_invoked, name, made.invoke)
     return made
 
 

@@ -21,9 +21,9 @@ from uwsim.learning.eye import Eye, look
 from uwsim.learning.motion import Motion, yaw_xyzw
 from uwsim.learning.options import EpisodeOptions, checked_ranges, in_sonar_mode, require_effect
 from uwsim.learning.scales import Scales
-from uwsim.learning.task import AnyScenario, Flags, Floats, Task, Verdict
+from uwsim.learning.task import Flags, Floats, Task, Verdict
 from uwsim.learning.view import View
-from uwsim.scenario import Scenario, load
+from uwsim.scenario import AnyScenario, Scenario, load
 from uwsim.scenario.build.arm import link_specs
 
 SEED_MAX = 2**63

@@ -9,8 +9,8 @@ from typing import Literal
 
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.batch.arguments import FaultList
-from uwsim.learning.task import AnyScenario, Task
-from uwsim.scenario import Scenario
+from uwsim.learning.task import Task
+from uwsim.scenario import AnyScenario, Scenario
 from uwsim.scenario.spec.fault import FaultModel, Observer
 from uwsim.simulator.parameters import Parameters
 

@@ -10,8 +10,8 @@ are the sensor's own. Other records with soundings, most of them in a vendor's o
 from __future__ import annotations
 
 import ctypes
-import logging
 import math
+import warnings
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -32,8 +32,6 @@ BATHYMETRY = 3
 """ChanInfo.TypeOfChannel."""
 LIMITS = {"offset": (40_000.0, "m"), "depth": (12_000.0, "m"), "time": (60.0, "s"), "angle": (360.0, "deg")}
 SPEEDS_M_S, USUAL_M_S = (1300.0, 1700.0), 1500.0
-
-logger = logging.getLogger(__name__)
 
 
 def read_xtf_multibeam(path: Path) -> tuple[SurveyHead, Iterator[Swath]]:
@@ -59,7 +57,7 @@ def _all(path: Path, speed_m_s: float) -> Iterator[Swath]:
     others = Counter[int]()
     yield from _swaths(path, others, speed_m_s)
     if others:
-        logger.warning("'%s': not read: %s", path, _counted(others))
+        warnings.warn(f"'{path}': not read: {_counted(others)}", stacklevel=2)
 
 
 def _counted(others: Counter[int]) -> str:
