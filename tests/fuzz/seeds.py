@@ -366,7 +366,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "gsf": lambda: [survey(".gsf")],
     "kmall": lambda: [survey(".kmall")],
     "xtf": lambda: [side_scan()],
-    "xtf_soundings": lambda: [xtf_soundings()],
+    "xtf_soundings": lambda: [xtf_soundings(), xtf_soundings(61)],
     "state": _state,
     "depth_string": _depth_string,
     "fbx": lambda: [FBX],

@@ -52,8 +52,8 @@ def survey(suffix: str) -> bytes:
         return path.read_bytes()
 
 
-def xtf_soundings() -> bytes:
-    """Return a small XTF file: a ping of beams by angle, one of processed soundings, and one of a vendor's."""
+def xtf_soundings(*kinds: int) -> bytes:
+    """Return a small XTF file: a ping of beams by angle, one of processed soundings, and vendors' of some kinds."""
     import pyxtf
 
     header = pyxtf.XTFFileHeader()
@@ -62,7 +62,7 @@ def xtf_soundings() -> bytes:
     beams = [pyxtf.XTFQPSMBEEntry(Id=k, TwoWayTravelTime=0.02, BeamAngle=30.0 * k - 30.0) for k in range(3)]
     soundings = [pyxtf.XTFBeamXYZA(dPosOffsetTrX=1.0, dPosOffsetTrY=k, fDepth=9.0, dTime=0.01) for k in range(3)]
     records = [header.to_bytes()]
-    for number, (kind, content) in enumerate([(28, beams), (17, soundings), (61, [b"raw"])]):
+    for number, (kind, content) in enumerate([(28, beams), (17, soundings), *((kind, [b"raw"]) for kind in kinds)]):
         ping = pyxtf.XTFPingHeader()
         ping.HeaderType, ping.NumChansToFollow, ping.PingNumber = kind, len(content), number
         ping.Year, ping.Month, ping.Day, ping.Second = 2024, 5, 17, number

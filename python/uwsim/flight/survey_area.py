@@ -13,12 +13,12 @@ import numpy as np
 from uwsim.flight.field_flight import FieldNote
 from uwsim.mapping.files.georeference import Home, Place
 from uwsim.missions.field import Area, FieldFileError, read_mission_file
-from uwsim.scenario import Scenario, ScenarioError, Survey, load
+from uwsim.scenario import AnyScenario, Scenario, ScenarioError, Survey, load
 from uwsim.scenario.georeference import georeference
 from uwsim.scenario.read.validated import validated
 
 
-def with_survey(scenario: str | Path | Scenario, changes: Mapping[str, Any]) -> Scenario:
+def with_survey(scenario: AnyScenario, changes: Mapping[str, Any]) -> Scenario:
     """Return a scenario with values of its survey replaced. Raises ScenarioError."""
     found = scenario if isinstance(scenario, Scenario) else load(scenario)
     given = {} if found.survey is None else dict(found.survey)
@@ -31,7 +31,7 @@ NEEDED = ("altitude_m", "line_spacing_m", "speed_m_s")
 
 
 def survey_changes(
-    scenario: str | Path | Scenario, area: Path | None = None, overlap: float | None = None, **lanes: Any
+    scenario: AnyScenario, area: Path | None = None, overlap: float | None = None, **lanes: Any
 ) -> dict[str, Any]:
     """Return the changed values of a scenario's survey, and warn of what a file has that is not flown.
 
