@@ -11,10 +11,14 @@ import pytest
 
 from uwsim.flight.field_flight import FieldNote
 from uwsim.flight.fly import fly
+from uwsim.flight.flyable_lanes import survey_plan
 from uwsim.flight.lanes_flown import lanes_flown
 from uwsim.flight.mission_file import MissionError
-from uwsim.mapping.files.georeference import Home
+from uwsim.flight.plan_export import plan_of
+from uwsim.mapping.files.georeference import HOME, Home
 from uwsim.missions.field import FieldFileError, read_mission_file
+from uwsim.missions.items import planned_legs_m
+from uwsim.scenario import load
 
 BAY = Home(54.4, 10.2)
 ROUTE = [(0.0, 0.0), (0.0, 5.0), (4.0, 5.0)]  # metres east and north of the first point: 9 m
@@ -133,3 +137,20 @@ def test_triggers_take_pictures_with_their_places_by_distance_and_by_time(tmp_pa
     assert np.diff(times) == pytest.approx([1.0, 1.0], abs=0.11)
     assert all(abs(float(row["depth_m"]) - 2.0) < 0.5 for row in rows)
     assert sum(event.name == "picture" for event in flown.events) == len(rows)
+
+
+def test_a_plan_that_is_written_is_read_alike_and_as_long_as_its_lanes(tmp_path: Path) -> None:
+    out, source = tmp_path / "out.plan", tmp_path / "in.plan"
+    document, note = plan_of("pool")
+    assert note is not None and "is not on Earth: its origin is assumed" in note
+    out.write_text(json.dumps(document))
+    items = read_mission_file(out).items
+    survey = load("pool").survey
+    assert survey is not None
+    lanes = survey_plan(survey).lanes_near(np.zeros(2))
+    legs = list(planned_legs_m(items, HOME))
+    assert legs[::2] == pytest.approx([lane.length_m for lane in lanes], abs=0.02)
+    assert {(item.frame, item.z) for item in items[1:]} == {(10, survey.altitude_m)} and items[0].param2 == 0.5
+    source.write_text(plan(*TRANSECTS, TRIGGER, simple(177, 0, 2)))
+    out.write_text(json.dumps(plan_of(str(source))[0]))
+    assert read_mission_file(out) == read_mission_file(source)

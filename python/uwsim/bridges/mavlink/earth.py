@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.mapping.files.georeference import Home, Place
+from uwsim.mapping.files.georeference import HOME as HOME
+from uwsim.mapping.files.georeference import Place
 
 if TYPE_CHECKING:
     from uwsim.scenario import Scenario
@@ -24,10 +25,6 @@ def ned_from_frd(xyzw: Vector) -> list[float]:
     """Return the quaternion w, x, y, z from axes forward, right, down to NED, given that of the body (FLU) in ENU."""
     x, y, z, w = (math.sqrt(0.5) * xyzw).tolist()
     return [w + z, x + y, x - y, w - z]
-
-
-HOME = Home(33.810313, -118.393867)
-"""The assumed origin of the world for a scenario without a georeference: a place in the sea off California."""
 
 
 def place_of(scenario: Scenario | None) -> Place:

@@ -123,3 +123,7 @@ class Home(NamedTuple):
         north, east = metres_per_degree(self.lat_deg)
         x, y = (lon_deg - self.lon_deg) * east, (lat_deg - self.lat_deg) * north
         return np.array([self.x_m + x, self.y_m + y, altitude_m])
+
+
+HOME = Home(33.810313, -118.393867)
+"""The assumed origin of the world for a scenario without a georeference: a place in the sea off California."""
