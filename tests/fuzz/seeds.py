@@ -53,6 +53,22 @@ DAE = b"""<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/CO
 </library_geometries><library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node>
 </visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>
 """
+PLAN = b"""{"fileType": "Plan", "version": 1, "mission": {"plannedHomePosition": [54.4, 10.2, 0], "items": [
+{"type": "SimpleItem", "command": 16, "frame": 3, "doJumpId": 1, "params": [0, 0, 0, null, 54.4, 10.2, -2]},
+{"type": "ComplexItem", "complexItemType": "survey", "angle": 30, "polygon": [[54.4, 10.2], [54.5, 10.2], [54.5, 10.3]],
+"TransectStyleComplexItem": {"CameraCalc": {"DistanceToSurface": 5, "DistanceMode": 1, "AdjustedFootprintSide": 4},
+"VisualTransectPoints": [[54.4, 10.2], [54.5, 10.2]]}},
+{"type": "SimpleItem", "command": 177, "frame": 2, "params": [1, 2, 0, 0, 0, 0, 0]}]},
+"geoFence": {"circles": [], "polygons": [{}], "version": 2}, "rallyPoints": {"points": []}}"""
+WPL = b"QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t54.4\t10.2\t0\t1\n1\t0\t3\t16\t0\t0\t0\t0\t54.5\t10.2\t-2\t1\n"
+GEOJSON = b"""{"type": "FeatureCollection", "features": [
+{"type": "Feature", "properties": {"heading": 30, "depth_m": 2},
+"geometry": {"type": "Polygon", "coordinates": [[[10.2, 54.4], [10.3, 54.4], [10.3, 54.5], [10.2, 54.4]]]}},
+{"type": "Feature", "geometry": {"type": "LineString", "coordinates": [[10.2, 54.4, -2], [10.3, 54.4]]}}]}"""
+KML = b"""<?xml version="1.0"?><kml><Document><Placemark><name>a</name><LineString><altitudeMode>absolute</altitudeMode>
+<coordinates>10.2,54.4,-2 10.3,54.4,-3</coordinates></LineString></Placemark><Placemark><Polygon><outerBoundaryIs>
+<LinearRing><coordinates>10.2,54.4 10.3,54.4 10.3,54.5 10.2,54.4</coordinates></LinearRing></outerBoundaryIs></Polygon>
+</Placemark></Document></kml>"""
 ROBOTS = Path(__file__).parents[1] / "python" / "data" / "robots"
 PROFILE = b"# a cast\ndepth_m,temperature_deg_c,salinity_psu\n0,18,0\n5,12.5,0.1\n20,6,0.2\n"
 SHEET = (
@@ -399,6 +415,10 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "sdf": lambda: [(ROBOTS / "glider.sdf").read_bytes()],
     "urdf": lambda: [(ROBOTS / "sled.urdf").read_bytes()],
     "stonefish": lambda: [(ROBOTS / "robot.scn").read_bytes()],
+    "plan": lambda: [PLAN],
+    "waypoints": lambda: [WPL],
+    "geojson": lambda: [GEOJSON],
+    "kml": lambda: [KML],
     "moos": bridge_seeds.moos,
     "imc": bridge_seeds.imc,
     "holoocean": lambda: [(ROBOTS / "dive.json").read_bytes()],

@@ -33,6 +33,15 @@ def sealed_flight(data: bytes) -> bytes:
     return data
 
 
+def mission_file(data: bytes, folder: Path) -> str:
+    """Read a file of the field; its format is found by its content."""
+    from uwsim.missions.field import read_mission_file
+
+    path = folder / "mission"
+    path.write_bytes(data)
+    return repr(read_mission_file(path))
+
+
 def moos(data: bytes, _: Path) -> bytes:
     """Read what a MOOSDB sends. Accepted packets are read alike after they are written."""
     from uwsim.bridges.moos.wire import PacketReader, encoded

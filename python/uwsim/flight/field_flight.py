@@ -149,6 +149,9 @@ class FieldFlight:
             launch = np.asarray(vehicle.pose.position_world_m) * np.array([1.0, 1.0, 0.0])
             has_pictures = out is not None and bool(vehicle.cameras)
             items = self._items(notes, has_pictures=has_pictures)
+            areas = [area for area in self.mission.areas if not area.in_items]
+            if not areas and all(item.command == LEFT_OUT for item in items):
+                raise MissionError(f"{self.file}: has nothing that can be flown: {'; '.join(notes)}")
             home = self._place(sim, launch, items, notes)
             grounds[name] = ground = _Ground(home, vehicle, launch, lambda text: notes.setdefault(text))
             if out is not None and has_pictures:
@@ -160,7 +163,7 @@ class FieldFlight:
                 except RefusedItemError as error:
                     raise MissionError(f"{self.file}: {error}{self._hint(error)}") from None
             flown[name] = items
-            plans[name] = [self._plan(area, ground) for area in self.mission.areas if not area.in_items]
+            plans[name] = [self._plan(area, ground) for area in areas]
         for note in notes:
             warnings.warn(f"{self.file}: {note}", FieldNote, stacklevel=2)
         speed_m_s = self.settings.speed_m_s or SPEED_M_S
@@ -238,7 +241,9 @@ class FieldFlight:
         first = next((item for item in items if KINDS[item.command].is_placed and (item.x or item.y)), None)
         if first is None and not self.mission.areas:
             return Home(*(self.mission.home or (0.0, 0.0)))
-        middle = (1e-7 * first.x, 1e-7 * first.y) if first else np.mean(self.mission.areas[0].corners, axis=0).tolist()
+        lat, lon = (
+            (1e-7 * first.x, 1e-7 * first.y) if first else np.mean(self.mission.areas[0].corners, axis=0).tolist()
+        )
         x, y = (float(launch[0]), float(launch[1])) if at is None else at
         if at is None:
             what = f"item {first.seq}, the first point," if first else f"the middle of {self.mission.areas[0].name}"
@@ -246,7 +251,7 @@ class FieldFlight:
                 f"scenario '{sim.scenario.name}' is not on Earth: {what} is assumed at the "
                 f"vehicle's start, ({x:.1f}, {y:.1f}) m east and north of the origin; first_at_m places it elsewhere"
             )
-        return Home(*middle, x, y)
+        return Home(lat, lon, x, y)
 
     def _hint(self, error: RefusedItemError) -> str:
         text = str(error)

@@ -17,9 +17,9 @@ COLUMNS = (
 
 
 class Picture(NamedTuple):
-    """A picture that was taken. index: from 0. values: its row of the table."""
+    """A picture that was taken. number: from 0. values: its row of the table."""
 
-    index: int
+    number: int
     values: dict[str, Any]
 
 

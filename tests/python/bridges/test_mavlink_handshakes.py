@@ -39,7 +39,7 @@ def test_qgroundcontrols_handshake(station: Station) -> None:
     assert interval(station, dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE, 1e6) == DONE
     version = station.request("AUTOPILOT_VERSION")
     fence_or_rally = dialect.MAV_PROTOCOL_CAPABILITY_MISSION_FENCE | dialect.MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
-    assert version.flight_sw_version >> 24 == 4 and not version.capabilities & fence_or_rally
+    assert version.flight_sw_version >> 24 == 4 and version.capabilities & fence_or_rally == fence_or_rally
     assert version.capabilities & dialect.MAV_PROTOCOL_CAPABILITY_COMMAND_INT
     for number in (435, 397, 395):  # AVAILABLE_MODES, COMPONENT_METADATA, COMPONENT_INFORMATION: it goes on without
         assert station.command(dialect.MAV_CMD_REQUEST_MESSAGE, number) == UNSUPPORTED

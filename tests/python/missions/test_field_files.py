@@ -88,6 +88,14 @@ def test_altitudes_of_an_aircraft_are_refused_with_the_way_to_fly_them_under_wat
         fly(path, "pool", arguments={"altitude_m": 1.5, "first_at_m": [200, 0]})
 
 
+def test_a_plan_of_which_nothing_can_be_flown_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.plan").write_text(
+        plan(simple(22, at=(0, 0), z=10.0), {"type": "ComplexItem", "complexItemType": "x"})
+    )
+    with pytest.raises(MissionError, match=r"nothing that can be flown: item 2: ComplexItem x: .* take-off \(22\)"):
+        fly(tmp_path / "a.plan", "pool")
+
+
 def test_a_jump_of_a_plan_leads_to_the_item_with_its_own_number(tmp_path: Path) -> None:
     path = tmp_path / "jump.plan"
     path.write_text(plan(*[simple(16, at=at, z=-2.0, own=7 + k) for k, at in enumerate(ROUTE)], simple(177, 8, 2)))

@@ -66,8 +66,9 @@ DEPTH_MAX = 4
 SUBMARINE, ARDUPILOT = 12, 3  # MAV_TYPE, MAV_AUTOPILOT
 ARMED, MANUAL_INPUT, STABILIZED = 128, 64, 16  # MAV_MODE_FLAG
 STANDBY, ACTIVE, CRITICAL = 3, 4, 5  # MAV_STATE
-CAPABILITIES = 1 << 1 | 1 << 2 | 1 << 3 | 1 << 7 | 1 << 8 | 1 << 13 | 1 << 17
-"""MAV_PROTOCOL_CAPABILITY: float parameters, integer missions and commands, targets (2), MAVLink 2, C casts."""
+CAPABILITIES = 1 << 1 | 1 << 2 | 1 << 3 | 1 << 7 | 1 << 8 | 1 << 13 | 1 << 14 | 1 << 15 | 1 << 17
+"""MAV_PROTOCOL_CAPABILITY: float parameters, integer missions and commands, targets (2), MAVLink 2, fences, rally
+points, C casts."""
 VERSION = 4 << 24 | 5 << 16 | 255
 """The version reported to ground stations: ArduSub 4.5.0."""
 TEXT_BYTES, TEXT_MAX = 50, 200
