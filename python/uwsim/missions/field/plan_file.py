@@ -111,7 +111,7 @@ def _expanded(
         return
     points = _of(transects, "VisualTransectPoints", list)
     calc = _of(transects, "CameraCalc", dict)
-    frame = FRAME_OF_DISTANCE.get(calc.get("DistanceMode", 1), 3)
+    frame = FRAME_OF_DISTANCE.get(whole(calc.get("DistanceMode", 1), "CameraCalc.DistanceMode", 0, 10), 3)
     z = number(calc.get("DistanceToSurface"), "CameraCalc.DistanceToSurface", -1e6, 1e6, "m")
     notes.append(sentence(str(kind), [seq], "the file has no expanded items: flown along its transects' points"))
     for n, point in enumerate(points):
