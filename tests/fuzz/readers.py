@@ -20,6 +20,7 @@ from tests.fuzz import charts, fields, radiation, surveys, text_readers
 REFUSED = (ValueError, OSError)
 """The errors that a reader may raise: the command line turns either into one line."""
 
+FLIGHT_COLUMNS = "t = time [s], h = heading [deg], d = depth [m], a = servo1 [us], b = servo2 [us]"
 CDR_TYPES = (
     "geometry_msgs/msg/Twist",
     "std_msgs/msg/String",
@@ -389,6 +390,10 @@ READERS = {
     "mapping": Reader(text_readers.mapping, ("ruamel",), has_end=_without_end, values=YAML_VALUES),
     "motion_csv": Reader(text_readers.motion_log(".csv"), ("csv",), has_end=_without_end),
     "motion_mcap": Reader(text_readers.motion_log(".mcap"), ("mcap", "rosbags"), has_end=_without_end),
+    "dataflash": Reader(text_readers.real_flight(".BIN"), ("pymavlink.DFReader",), has_end=_without_end),
+    "tlog": Reader(text_readers.real_flight(".tlog"), has_end=_without_end),
+    "flight_bag": Reader(text_readers.real_flight(".bag"), ("rosbags",), has_end=_without_end),
+    "flight_csv": Reader(text_readers.real_flight(".csv", FLIGHT_COLUMNS), ("csv",), has_end=_without_end),
     "sdf": Reader(text_readers.robot("sdf", "read_sdf", ".sdf"), ("xml",)),
     "urdf": Reader(text_readers.robot("urdf", "read_urdf", ".urdf"), ("xml",)),
     "stonefish": Reader(text_readers.robot("stonefish", "read_stonefish", ".scn"), ("xml",)),

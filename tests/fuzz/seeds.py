@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import struct
 import tempfile
 from collections.abc import Callable
 from dataclasses import asdict
@@ -296,6 +297,81 @@ def _motion_log() -> list[bytes]:
     return ["\n".join(["t,x,y,z,a,b,c,d,e", *rows, ""]).encode()]
 
 
+def _dataflash() -> list[bytes]:
+    """A dataflash log of attitudes, outputs, parameters and the filter, by the layout that its first messages state."""
+    formats = {
+        "FMT": ("BBnNZ", "BB4s16s64s", "Type,Length,Name,Format,Columns"),
+        "PARM": ("QNf", "Q16sf", "TimeUS,Name,Value"),
+        "ATT": ("Qfff", "Qfff", "TimeUS,Roll,Pitch,Yaw"),
+        "RCOU": ("QHHHHHHHH", "Q8H", "TimeUS,C1,C2,C3,C4,C5,C6,C7,C8"),
+        "XKF1": ("QBffffff", "QB6f", "TimeUS,C,VN,VE,VD,PN,PE,PD"),
+        "XKF4": ("QBI", "QBI", "TimeUS,C,SS"),
+        "BARO": ("QBf", "QBf", "TimeUS,I,Alt"),
+    }
+    numbers = {name: 128 + k for k, name in enumerate(formats)}
+
+    def packed(name: str, *values: Any) -> bytes:
+        return bytes((0xA3, 0x95, numbers[name])) + struct.pack("<" + formats[name][1], *values)
+
+    parts = [
+        packed(
+            "FMT", numbers[name], 3 + struct.calcsize("<" + layout), name.encode(), letters.encode(), columns.encode()
+        )
+        for name, (letters, layout, columns) in formats.items()
+    ]
+    parts.append(packed("PARM", 0, b"FRAME_CONFIG", 2.0))
+    for k in range(25):
+        us = 100_000 * k
+        parts += [
+            packed("ATT", us, 0.1 * k, -k, 10 * k),
+            packed("RCOU", us, *[1500 + 10 * k] * 8),
+            packed("XKF1", us, 0, *[0.1 * k] * 6),
+            packed("XKF4", us, 0, 831),
+            packed("BARO", us, 1, -k),
+        ]
+    return [b"".join(parts)]
+
+
+def _telemetry_log() -> list[bytes]:
+    from pymavlink.dialects.v20 import ardupilotmega as dialect
+
+    mav, parts = dialect.MAVLink(None, srcSystem=1, srcComponent=1), []
+    for k in range(25):
+        ms = 100 * k
+        for each in (
+            mav.param_value_encode(b"FRAME_CONFIG", 2.0, 9, 1, 0),
+            mav.statustext_encode(6, b"dive"),
+            mav.attitude_encode(ms, 0.1, 0.01 * k, 0.1 * k, 0, 0, 1),
+            mav.vfr_hud_encode(0, 0, 0, 0, -k, 0),
+            mav.local_position_ned_encode(ms, k, 0, k, 1, 0, 1),
+            mav.ekf_status_report_encode(831, 0, 0, 0, 0, 0),
+            mav.servo_output_raw_encode(1000 * ms, 0, *[1500 + 10 * k] * 8, *[0] * 8),
+        ):
+            parts.append(struct.pack(">Q", 1_700_000_000_000_000 + 1000 * ms) + each.pack(mav))
+    return [b"".join(parts)]
+
+
+def _flight_bag() -> list[bytes]:
+    from rosbags.rosbag1 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS1_NOETIC)
+    t, name = store.types, "std_msgs/msg/Float64MultiArray"
+    with tempfile.TemporaryDirectory() as folder:
+        with Writer(path := Path(folder) / "dive.bag") as writer:
+            connection = writer.add_connection("/thrusters", name, typestore=store)
+            layout = t["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
+            for k in range(25):
+                message = t[name](layout=layout, data=np.full(8, 0.01 * k))
+                writer.write(connection, 10**8 * (k + 1), store.serialize_ros1(message, name))
+        return [path.read_bytes()]
+
+
+def _flight_table() -> list[bytes]:
+    rows = [f"{0.1 * k:.1f},{10 * k},{0.1 * k:.1f},{1500 + 10 * k},1400" for k in range(25)]
+    return ["\n".join(["t,h,d,a,b", *rows, ""]).encode()]
+
+
 def _motion_recording() -> list[bytes]:
     from uwsim import Simulator
     from uwsim.recording import Recorder
@@ -412,6 +488,10 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "mapping": lambda: [MAPPING],
     "motion_csv": _motion_log,
     "motion_mcap": _motion_recording,
+    "dataflash": _dataflash,
+    "tlog": _telemetry_log,
+    "flight_bag": _flight_bag,
+    "flight_csv": _flight_table,
     "sdf": lambda: [(ROBOTS / "glider.sdf").read_bytes()],
     "urdf": lambda: [(ROBOTS / "sled.urdf").read_bytes()],
     "stonefish": lambda: [(ROBOTS / "robot.scn").read_bytes()],

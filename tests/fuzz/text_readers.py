@@ -111,6 +111,28 @@ def motion_log(suffix: str) -> Callable[[bytes, Path], Any]:
     return read
 
 
+def real_flight(suffix: str, columns: str | None = None) -> Callable[[bytes, Path], Any]:
+    """Return a reader of the log of a real flight, as far as the motion and commands of a vehicle."""
+
+    def read(data: bytes, folder: Path) -> list[bytes]:
+        from uwsim.recording.real_flights.motion import motion_of
+        from uwsim.recording.real_flights.read import read_flight
+        from uwsim.scenario import load_vehicle
+
+        log = read_flight(_written(folder / f"dive{suffix}", data), columns)
+        for each in log.series.values():
+            assert (np.diff(each.times_s) > 0).all() and not np.isinf(each.values).any()
+        said = [*log.notes(), *(text for _, text in log.events)]
+        with suppress(ValueError):
+            motion, notes = motion_of(log, load_vehicle("bluerov2_heavy"))
+            assert np.isfinite(motion.efforts).all() and np.abs(motion.efforts).max() <= 1.0
+            assert np.allclose(np.linalg.norm(motion.orientation_xyzw, axis=1), 1.0)
+            said += notes
+        return [line.encode(errors="replace") for line in said]
+
+    return read
+
+
 def exercise(data: bytes, folder: Path) -> str:
     """Read an exercise."""
     from uwsim.exercises.exercise import load_exercise

@@ -151,3 +151,12 @@ def test_identify_finds_the_drag_from_a_dataflash_log(tmp_path: Path) -> None:
     for axis, true in zip(("surge", "sway", "heave"), model.quadratic_damping, strict=False):
         value = found.values[f"quadratic_damping.{axis}"]
         assert value.is_determined and value.value == pytest.approx(true, rel=0.03)
+
+
+def test_a_message_without_length_is_refused_rather_than_read_for_ever(tmp_path: Path) -> None:
+    data = bytearray(dataflash(flown()))
+    at = data.index(b"\xa3\x95\x80", 89)  # the description of the second type
+    data[at + 4] = 0
+    (path := tmp_path / "dive.BIN").write_bytes(data)
+    with pytest.raises(ValueError, match="is damaged: a type of message has no length"):
+        read_flight(path)

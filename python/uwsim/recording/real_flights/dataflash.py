@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import re
 from collections import defaultdict
 from contextlib import closing
 from pathlib import Path
@@ -11,12 +12,15 @@ from pathlib import Path
 import numpy as np
 
 from uwsim.base.extras import need_extra
+from uwsim.base.texts.text_file import read_limited
 from uwsim.recording.real_flights.autopilot import DATAFLASH, fields_of, flight_of
 from uwsim.recording.real_flights.flight_log import MOST_BYTES, MOST_ROWS, FlightLog
 
 MAGIC = b"\xa3\x95"
 KIND = "a dataflash log (.BIN)"
 EVENTS_MAX = 500
+ENDLESS = re.compile(rb"\xa3\x95\x80.[\x00-\x02][A-Z0-9\x00]{4}", re.DOTALL)
+"""A description (FMT) of messages shorter than their own head, of which the library reads one again and again."""
 
 
 def is_dataflash(path: Path, head: bytes) -> bool:
@@ -29,15 +33,20 @@ def read_dataflash(path: Path) -> FlightLog:
     need_extra("pymavlink", "mavlink", f"{path}: {KIND}")
     from pymavlink.DFReader import DFReader_binary
 
-    if (size := path.stat().st_size) > MOST_BYTES:
-        raise ValueError(f"{path}: {size} bytes: must be at most {MOST_BYTES}: cut the log")
+    if ENDLESS.search(read_limited(path, str(path), MOST_BYTES)):
+        raise ValueError(f"{path}: {KIND}: is damaged: a type of message has no length")
     fields = fields_of(DATAFLASH)
     rows: dict[str, list[list[float]]] = defaultdict(list)
     barometers: dict[int, list[list[float]]] = defaultdict(list)
     parameters: dict[str, float] = {}
     events: list[tuple[float, str]] = []
+    said = io.StringIO()  # what the library prints of damaged parts
     try:
-        with contextlib.redirect_stderr(io.StringIO()), closing(DFReader_binary(str(path))) as log:
+        with (
+            contextlib.redirect_stdout(said),
+            contextlib.redirect_stderr(said),
+            closing(DFReader_binary(str(path))) as log,
+        ):
             while (message := log.recv_match(type=[*fields, "PARM", "MSG"])) is not None:
                 name, time_s = message.get_type(), 1e-6 * float(getattr(message, "TimeUS", np.nan))
                 if name == "PARM":

@@ -84,10 +84,10 @@ PARTS = ("east", "north", "up")
 
 def _absent(name: str, series: Series) -> str:
     """Return which part of a series is absent, as text to append; of outputs, most are never used."""
-    absent = np.isnan(series.values)
+    absent: NDArray[np.bool_] = np.isnan(series.values)
     if name == "outputs":
-        absent = absent.all(axis=1)[:, None]
-    always: list[bool] = absent.all(axis=0).tolist()
+        absent = np.asarray(absent.all(axis=1)).reshape(-1, 1)
+    always = [bool(column.all()) for column in absent.T]
     if name in ("position", "velocity") and any(always):
         return f", without {' and '.join(part for part, lacks in zip(PARTS, always, strict=True) if lacks)}"
     count = int(absent.any(axis=1).sum())

@@ -6,6 +6,7 @@ the packets; those of other components, and those with a wrong check sum, are le
 
 from __future__ import annotations
 
+import re
 import struct
 from collections import Counter, defaultdict
 from collections.abc import Iterator
@@ -25,6 +26,7 @@ STAMP = 8
 V1, V2 = 0xFE, 0xFD
 AROUND = {V1: 8, V2: 12}
 """Bytes of a packet around its payload, by its first byte; one of version 2 may be signed by 13 more."""
+MAGIC = re.compile(b"[\xfd\xfe]")
 SIGNED, SIGNATURE = 1, 13
 AUTOPILOT = 1  # MAV_COMP_ID
 PERIOD_S = 2**32 * 1e-6  # of time_usec where it has 32 bits
@@ -94,7 +96,10 @@ def _packets(data: bytes, wanted: dict[int, str]) -> Iterator[tuple[float, int, 
         magic = data[at + STAMP]
         stamp = struct.unpack_from(">Q", data, at)[0]
         if magic not in AROUND or not (FIRST_US <= stamp <= LAST_US or stamp < AT_REST_S * 1e6):
-            at += 1
+            found = MAGIC.search(data, at + STAMP + 1)
+            if found is None:
+                return
+            at = found.start() - STAMP
             continue
         begin = at + STAMP
         size = AROUND[magic] + data[begin + 1] + (SIGNATURE if magic == V2 and data[begin + 2] & SIGNED else 0)
