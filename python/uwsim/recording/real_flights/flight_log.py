@@ -72,8 +72,10 @@ class FlightLog(ShortRepr):
             for name, each in self.series.items()
         ]
         lacking = [name for name in QUANTITIES if name not in self.series]
-        moves = {"outputs", "thrusters", "efforts"}
-        lacking = [name for name in lacking if name not in moves or not moves & self.series.keys()]
+        moves = ("outputs", "thrusters", "efforts")
+        lacking = [name for name in lacking if name not in moves]
+        if not any(name in self.series for name in moves):
+            lacking.append("outputs of thrusters, or their commands")
         lacking = [name for name in lacking if name != "body velocity" or "velocity" not in self.series]
         lacking = [name for name in lacking if name != "velocity" or "body velocity" not in self.series]
         return [*known, *(f"missing: {name}" for name in lacking), *(f"assumed: {line}" for line in self.assumed)]
