@@ -1,0 +1,175 @@
+"""A dive's twin: the world from a chart about an area, and the vehicle's model beside the dive's log, with a report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.texts.json_text import json_value
+from uwsim.base.texts.text_file import read_limited
+from uwsim.mapping.files.georeference import WGS84, metres_per_degree
+from uwsim.recording.real_flights.beside import fly_beside
+from uwsim.recording.real_flights.flight_log import FlightLog
+from uwsim.recording.real_flights.motion import motion_of
+from uwsim.recording.real_flights.read import read_flight
+from uwsim.scenario import load, load_vehicle
+from uwsim.scenario.dump import yaml_text
+from uwsim.scenario.from_chart import scenario_from_chart
+from uwsim.scenario.georeference import georeference
+from uwsim.scenario.read.yaml_file import read_yaml
+from uwsim.scenario.terrains.elevations import chart_raster
+from uwsim.scenario.terrains.raster import RasterTerrain
+
+SCENARIO, REPORT = "site.yaml", "report.md"
+MOST_BYTES = 10_000_000
+LEAST_EDGE_M, MOST_EDGE_M = 5.0, 20_000.0
+
+
+@dataclass(frozen=True)
+class Twin:
+    """What was written. notes: lines that begin with known, missing, assumed or unknown."""
+
+    paths: tuple[Path, Path]
+    notes: tuple[str, ...]
+    table: tuple[tuple[str, ...], ...]
+
+
+def make_twin(
+    area: Path,
+    chart: Path,
+    log: Path,
+    vehicle: str,
+    out: Path,
+    *,
+    columns: str | None = None,
+    outputs: str | None = None,
+    density_kg_m3: float = 1025.0,
+    water_level_m: float = 0.0,
+    threads: int | None = None,
+) -> Twin:
+    """Write the scenario and the report into a folder. Raises OSError, or ValueError with the file and the rule."""
+    ring, model = read_ring(area), load_vehicle(vehicle)
+    flight = read_flight(log, columns)
+    out.mkdir(parents=True, exist_ok=True)
+    path, notes = _world(area, ring, chart, vehicle, out / SCENARIO, water_level_m)
+    low_m, high_m = _chart_depths(path)
+    notes += _dive(flight, low_m, high_m)
+    table: list[tuple[str, ...]] = []
+    try:
+        motion, more = motion_of(flight, model, outputs)
+        flown = fly_beside(motion, model, density_kg_m3=density_kg_m3, threads=threads)
+        notes += [*more, *flown.notes]
+        table = flown.rows()
+    except ValueError as error:
+        notes.append(f"unknown: how well the model flies: {error}")
+    notes.append("unknown: the current, of which neither chart nor log states anything; the scenario has none")
+    notes.append("unknown: the bed that the vehicle saw: the log's soundings are not read, so no map is compared")
+    write_atomically(out / REPORT, _page(area, chart, log, vehicle, notes, table).encode())
+    return Twin((path, out / REPORT), tuple(notes), tuple(table))
+
+
+def read_ring(path: Path) -> NDArray[np.float64]:
+    """Return longitude and latitude (n, 2) [deg] of the ring around a GeoJSON's first polygon. Raises ValueError."""
+    found = _polygon(json_value(read_limited(path, str(path), MOST_BYTES), str(path)))
+    try:
+        ring = np.array([[float(x) for x in corner[:2]] for corner in found[0]], np.float64)
+        is_ring = ring.ndim == 2 and ring.shape[1] == 2 and len(ring) >= 4 and bool(np.isfinite(ring).all())
+    except (TypeError, ValueError, IndexError, KeyError):
+        is_ring = False
+    if not is_ring:
+        raise ValueError(f"{path}: has no Polygon with at least 4 corners of longitude and latitude")
+    if (np.abs(ring) > [180.0, 89.0]).any():
+        worst = ring[np.argmax((np.abs(ring) > [180.0, 89.0]).any(axis=1))]
+        raise ValueError(f"{path}: {worst[0]:g}, {worst[1]:g}: must be longitude and latitude [deg], within 89 deg")
+    return ring[:-1] if (ring[0] == ring[-1]).all() else ring
+
+
+def _polygon(value: Any) -> Any:
+    """Return the coordinates of the first polygon in a collection, a feature or a geometry; None if there is none."""
+    if not isinstance(value, Mapping):
+        return None
+    if value.get("type") == "Polygon":
+        return value.get("coordinates")
+    inner = value.get("features") if value.get("type") == "FeatureCollection" else [value.get("geometry")]
+    found = (_polygon(each) for each in inner) if isinstance(inner, list) else iter(())
+    return next((each for each in found if each is not None), None)
+
+
+def _world(
+    area: Path, ring: NDArray[np.float64], chart: Path, vehicle: str, path: Path, water_level_m: float
+) -> tuple[Path, list[str]]:
+    """Write the scenario of the square about an area; return its path and notes."""
+    from rasterio.warp import transform
+
+    crs = chart_raster(
+        RasterTerrain.model_validate({"source": "raster", "file": chart.resolve(), "water_level_m": water_level_m})
+    ).crs
+    if crs is None:
+        raise ValueError(f"{chart}: states no coordinate system, so that the area cannot be placed in it")
+    middle = 0.5 * (ring.min(axis=0) + ring.max(axis=0))
+    north_m, east_m = metres_per_degree(float(middle[1]))
+    edge_m = float((np.ptp(ring, axis=0) * [east_m, north_m]).max())
+    if not LEAST_EDGE_M <= edge_m <= MOST_EDGE_M:
+        raise ValueError(f"{area}: is {edge_m:g} m wide: must be {LEAST_EDGE_M:g} to {MOST_EDGE_M:g} m")
+    (x,), (y,) = transform(WGS84, crs, [middle[0]], [middle[1]])
+    made = scenario_from_chart(chart, path, size_m=edge_m, centre=(x, y), water_level_m=water_level_m)
+    place, half_m = georeference(load(path)), 0.5 * made.size_m
+    corners = np.array([place.world_m(float(lat), float(lon), 0.0)[:2] for lon, lat in ring])
+    inside = np.clip(corners, -half_m, half_m)
+    values = dict(read_yaml(path, str(path)).values)
+    values["survey"] = {**values["survey"], "area_m": np.round(inside, 2).tolist()}
+    model = str(Path(vehicle).resolve()) if Path(vehicle).is_file() else vehicle
+    values["vehicles"] = [{**values["vehicles"][0], "model": model}]
+    write_atomically(path, yaml_text(values).encode())
+    load(path)  # what cannot be flown is refused here
+    high, low = made.depth_m
+    notes = [f"known: the bed from {chart.name}, {made.size_m:g} m square, {high:.1f} to {low:.1f} m deep"]
+    cut_m = float(np.abs(corners - inside).max())
+    if cut_m > 1.0:
+        notes.append(f"missing: the area beyond the square, by up to {cut_m:.0f} m: the chart has gaps there")
+    notes.append(f"assumed: the water's surface is at {water_level_m:g} m of the chart; the tide is unknown")
+    return path, notes
+
+
+def _chart_depths(path: Path) -> tuple[float, float]:
+    """Return the shallowest and the deepest depth of a scenario's bed [m]."""
+    heights = load(path).terrain.heights()
+    return -float(np.nanmax(heights)), -float(np.nanmin(heights))
+
+
+def _dive(flight: FlightLog, low_m: float, high_m: float) -> list[str]:
+    """Return notes about a log, and whether its depth agrees with the chart."""
+    notes = flight.notes()
+    if "depth" in flight.series:
+        deepest_m = float(np.nanmax(flight.series["depth"].values))
+        notes.append(f"known: the vehicle dived to {deepest_m:.1f} m, over a bed {low_m:.1f} to {high_m:.1f} m deep")
+        if deepest_m > high_m:
+            notes.append(f"unknown: why the vehicle was {deepest_m - high_m:.1f} m below the chart's deepest place")
+    return notes
+
+
+def _page(area: Path, chart: Path, log: Path, vehicle: str, notes: list[str], table: list[tuple[str, ...]]) -> str:
+    parts = [f"# {log.name} and its twin", "", f"Area {area.name}, chart {chart.name}, vehicle {vehicle}.", ""]
+    heads = {"known": "Measured", "assumed": "Assumed", "missing": "Missing", "unknown": "Unknown"}
+    for kind, head in heads.items():
+        lines = [line.partition(": ")[2] for line in notes if line.startswith(f"{kind}: ")]
+        parts += [f"## {head}", "", *(f"- {line}" for line in lines or ["Nothing."]), ""]
+    if table:
+        rows = [f"| {' | '.join(row)} |" for row in table]
+        parts += [
+            "## The model beside the log",
+            "",
+            "Means with 95 % intervals.",
+            "",
+            rows[0],
+            "|" + "---|" * len(table[0]),
+            *rows[1:],
+            "",
+        ]
+    return "\n".join(parts)
