@@ -96,8 +96,8 @@ def _polygon(value: Any) -> Any:
         return None
     if value.get("type") == "Polygon":
         return value.get("coordinates")
-    inner = value.get("features") if value.get("type") == "FeatureCollection" else [value.get("geometry")]
-    found = (_polygon(each) for each in inner) if isinstance(inner, list) else iter(())
+    inner: Any = value.get("features") if value.get("type") == "FeatureCollection" else [value.get("geometry")]
+    found = [_polygon(each) for each in inner] if isinstance(inner, list) else list[Any]()
     return next((each for each in found if each is not None), None)
 
 
