@@ -31,7 +31,7 @@ def twin(
     ] = 0.0,
     threads: Threads = None,
 ) -> None:
-    """Make a scenario of a dive's place, and fly the vehicle's model beside the dive's log.
+    """Make a scenario of a dive; fly its model beside the log.
 
     The world is the chart's square about the area, which the survey mows. The report states what is measured, what is
     assumed, what is missing and unknown, and the model's error by horizon.
