@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
-from uwsim.base.texts.json_text import json_value
-from uwsim.base.texts.text_file import read_limited
 from uwsim.mapping.files.georeference import WGS84, metres_per_degree
+from uwsim.missions.field.read import read_mission_file
 from uwsim.recording.real_flights.beside import fly_beside
 from uwsim.recording.real_flights.flight_log import FlightLog
 from uwsim.recording.real_flights.motion import motion_of
@@ -27,7 +24,6 @@ from uwsim.scenario.terrains.elevations import chart_raster
 from uwsim.scenario.terrains.raster import RasterTerrain
 
 SCENARIO, REPORT = "site.yaml", "report.md"
-MOST_BYTES = 10_000_000
 LEAST_EDGE_M, MOST_EDGE_M = 5.0, 20_000.0
 
 
@@ -75,30 +71,11 @@ def make_twin(
 
 
 def read_ring(path: Path) -> NDArray[np.float64]:
-    """Return longitude and latitude (n, 2) [deg] of the ring around a GeoJSON's first polygon. Raises ValueError."""
-    found = _polygon(json_value(read_limited(path, str(path), MOST_BYTES), str(path)))
-    try:
-        ring = np.array([[float(x) for x in corner[:2]] for corner in found[0]], np.float64)
-        is_ring = ring.ndim == 2 and ring.shape[1] == 2 and len(ring) >= 4 and bool(np.isfinite(ring).all())
-    except (TypeError, ValueError, IndexError, KeyError):
-        is_ring = False
-    if not is_ring:
-        raise ValueError(f"{path}: has no Polygon with at least 4 corners of longitude and latitude")
-    if (np.abs(ring) > [180.0, 89.0]).any():
-        worst = ring[np.argmax((np.abs(ring) > [180.0, 89.0]).any(axis=1))]
-        raise ValueError(f"{path}: {worst[0]:g}, {worst[1]:g}: must be longitude and latitude [deg], within 89 deg")
-    return ring[:-1] if (ring[0] == ring[-1]).all() else ring
-
-
-def _polygon(value: Any) -> Any:
-    """Return the coordinates of the first polygon in a collection, a feature or a geometry; None if there is none."""
-    if not isinstance(value, Mapping):
-        return None
-    if value.get("type") == "Polygon":
-        return value.get("coordinates")
-    inner: Any = value.get("features") if value.get("type") == "FeatureCollection" else [value.get("geometry")]
-    found = [_polygon(each) for each in inner] if isinstance(inner, list) else list[Any]()
-    return next((each for each in found if each is not None), None)
+    """Return longitude and latitude (n, 2) [deg] around the first area of a file of the field. Raises ValueError."""
+    areas = read_mission_file(path).areas
+    if not areas:
+        raise ValueError(f"{path}: has no area: must have a polygon")
+    return np.array(areas[0].corners, np.float64)[:, ::-1]
 
 
 def _world(

@@ -71,6 +71,6 @@ def test_an_area_that_is_none_is_refused(tmp_path: Path) -> None:
     (tmp_path / "site.geojson").write_text('{"type": "Point", "coordinates": [1, 2]}')
     words = ["--chart", chart(tmp_path), "--log", tmp_path / "dive.tlog", "--out", tmp_path / "twin"]
     done = command("twin", "--area", tmp_path / "site.geojson", *words)
-    assert "site.geojson: has no Polygon with at least 4 corners" in error_line(done)
+    assert "site.geojson: has no area: must have a polygon" in error_line(done)
     done = command("twin", "--area", area(tmp_path, 1.0), *words)
     assert "m wide: must be 5 to 20000 m" in error_line(done)

@@ -15,7 +15,7 @@ from uwsim.recording.cli.real_flight import LogColumns, LogOutputs
 
 @under("Check")
 def twin(
-    area: Annotated[Path, typer.Option(help="The area: a polygon in a GeoJSON file.", callback=readable)],
+    area: Annotated[Path, typer.Option(help="The area: a polygon in GeoJSON or KML, or a plan.", callback=readable)],
     chart: Annotated[Path, typer.Option(help="A chart of its bed: GeoTIFF, BAG, S-102, ...", callback=readable)],
     log: Annotated[Path, typer.Option(help="The dive: .BIN, .tlog, a ROS bag, a table.", callback=readable)],
     vehicle: Annotated[str, typer.Option(help="The vehicle: a name or a YAML file.")] = "bluerov2_heavy",
