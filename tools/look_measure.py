@@ -33,7 +33,7 @@ POSES, SIZE, PITCH_RAD = 20, 256, np.radians(45.0)
 KEYPOINTS, DEVIATION, KURTOSIS = 300, 0.02, 7.0
 """The values that `reef` and `wreck` must exceed."""
 APART_S, SPEED_M_S, NEAR_PX = 0.1, 0.5, 1.0
-"""Of two pictures whose corners are tracked: time and speed between them, and how near a corner is the same."""
+"""Between two pictures whose corners are tracked: time, speed, and how near a corner is the same."""
 Pictures = Iterator[dict[str, tuple[Frame, Frame]]]
 
 

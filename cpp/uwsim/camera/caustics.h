@@ -11,7 +11,7 @@ namespace uwsim {
 inline constexpr double kFirstCausticLevel_m = 0.5;
 static_assert(static_cast<float>(kFirstCausticLevel_m) == camera::kFirstCausticLevel_m);
 
-/// What spreads focused light in water: its scattering [1/m], and the mean angle of that.
+/// The water that spreads focused light: its scattering [1/m], and the mean angle of that.
 struct FocusWater {
   double refractive_index = 1.333, scattering_per_m = 0, scattering_rad = 0;
   auto operator<=>(const FocusWater&) const = default;

@@ -21,7 +21,7 @@ class Sealed:
     _changed_by: ClassVar[Mapping[str, str]] = {}
     """The method that changes each attribute, such as {"effort": "set_effort()"}."""
     _meant: ClassVar[Mapping[str, str]] = {}
-    """What is there for a name that others use, such as {"save": "save_state()"}."""
+    """The part that a name means which others use, such as {"save": "save_state()"}."""
     _declared: ClassVar[frozenset[str]] = frozenset()
     _assignable: ClassVar[frozenset[str]] = frozenset()
 

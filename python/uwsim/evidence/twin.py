@@ -29,7 +29,7 @@ LEAST_EDGE_M, MOST_EDGE_M = 5.0, 20_000.0
 
 @dataclass(frozen=True)
 class Twin:
-    """What was written. notes: lines that begin with known, missing, assumed or unknown."""
+    """The files that were written. notes: lines that begin with known, missing, assumed or unknown."""
 
     paths: tuple[Path, Path]
     notes: tuple[str, ...]

@@ -55,7 +55,7 @@ class FieldNote(UserWarning):
 
 @dataclass(frozen=True)
 class FieldSettings:
-    """What a user gives to a flight by a file, as `uwsim run FILE --set NAME=VALUE`.
+    """The values that a user gives to a flight by a file, as `uwsim run FILE --set NAME=VALUE`.
 
     altitude_m: height of all waypoints above the bed, in place of the file's altitudes. depth_m: depth, likewise.
     speed_m_s: in place of the file's speeds. spacing_m: distance between the lanes over an area, in place of the

@@ -1,4 +1,4 @@
-"""uwsim twin: a chart, an area and a log become a scenario that loads and a report that says what it does not know."""
+"""uwsim twin: a chart, an area and a log become a scenario that loads and a report that names what is unknown."""
 
 import json
 from pathlib import Path

@@ -75,7 +75,7 @@ def test_a_flight_that_is_written_is_read_again_and_its_model_flies_it_alike(kin
 
 @pytest.mark.parametrize("kind", ["BIN", "tlog"])
 def test_what_the_filter_does_not_know_is_absent_rather_than_0(kind: str, tmp_path: Path) -> None:
-    """Without aiding, ArduPilot's filter logs a constant place and no speed, and its status says so."""
+    """Without aiding, ArduPilot's filter logs a constant place and no speed, and its status has that."""
     options = {"status" if kind == "BIN" else "flags": 0xA7}
     log = read(kind, written(kind, tmp_path, **options))
     assert (

@@ -27,7 +27,7 @@ QUANTITIES: Mapping[str, str] = {
     "thrusters": "",
     "efforts": "",
 }
-"""What a log may hold, with its unit here: the attitude as a quaternion (n, 4) x, y, z, w; velocity in the world's
+"""The quantities of a log, with their units here: the attitude as a quaternion (n, 4) x, y, z, w; velocity in the world's
 axes; outputs as pulse widths, in the order of their numbers; thrusters and efforts as commands in [-1, 1]."""
 MOST_BYTES = 1 << 28
 MOST_ROWS = 2_000_000

@@ -49,7 +49,7 @@ export class EditorScene extends Stage {
     this.setLarge(true);
   }
 
-  // Whether every part can be pointed at: none is still under way from the server.
+  // True if every part can be pointed at: none is still under way from the server.
   get isWhole() {
     return Boolean(this.#solids?.isWhole);
   }

@@ -91,7 +91,7 @@ export class PartSolids {
     this.show();
   }
 
-  // Whether each obstacle is shown as it is now, and can be pointed at.
+  // True if each obstacle is shown as it is now, and can be pointed at.
   get isWhole() {
     const obstacles = this.#parts.list.filter(({ section }) => section === 'obstacles');
     return obstacles.every((part, k) => this.#solids[k]?.key === keyOf(part));
