@@ -1,7 +1,7 @@
 """A flight of a known model, written as the logs of others are: telemetry, dataflash, table, bag."""
 
 import struct
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -89,8 +89,13 @@ def flown(commanded: bool = True) -> Flown:
     return Flown(times_s, rows[:, :3] - [0, 0, -405.0], rows[:, 3:7], rows[:, 7:], pulses)
 
 
-def telemetry(flight: Flown, flags: int = FLAGS) -> bytes:
-    """Write it as a ground station does, by pymavlink."""
+def telemetry(
+    flight: Flown, flags: int = FLAGS, bed: Callable[[Any], tuple[float, float, float]] | None = None
+) -> bytes:
+    """Write it as a ground station does, by pymavlink.
+
+    bed: returns latitude, longitude and the bed's depth at a position; then also place and range below are written.
+    """
     from pymavlink.dialects.v20 import ardupilotmega as dialect
 
     mav = dialect.MAVLink(None, srcSystem=1, srcComponent=1)
@@ -110,6 +115,15 @@ def telemetry(flight: Flown, flags: int = FLAGS) -> bytes:
             (time_s, mav.vfr_hud_encode(0, 0, 0, 0, -position[2], 0)),
             (time_s, mav.ekf_status_report_encode(flags, 0, 0, 0, 0, 0)),
         ]
+        if bed is not None:
+            lat, lon, depth_m = bed(flight.position_m[k])
+            upright = float(Rotation.from_quat(flight.orientation_xyzw[k]).as_matrix()[2, 2])
+            range_cm = round(100.0 * (depth_m - position[2]) / upright) if upright > 0.5 else 0
+            messages += [
+                (time_s, mav.global_position_int_encode(ms, round(1e7 * lat), round(1e7 * lon), 0, 0, 0, 0, 0, 65535)),
+                (time_s, mav.distance_sensor_encode(ms, 20, 10000, range_cm, 0, 0, 25, 0)),
+                (time_s, mav.distance_sensor_encode(ms, 20, 10000, 33, 0, 1, 0, 0)),  # ahead
+            ]
     return b"".join(struct.pack(">Q", round(1e6 * (STAMP_S + time_s))) + each.pack(mav) for time_s, each in messages)
 
 

@@ -13,7 +13,7 @@ from uwsim.mapping.files.georeference import WGS84, metres_per_degree
 from uwsim.missions.field.read import read_mission_file
 from uwsim.recording.real_flights.beside import fly_beside
 from uwsim.recording.real_flights.flight_log import FlightLog
-from uwsim.recording.real_flights.motion import motion_of
+from uwsim.recording.real_flights.motion import at_times, motion_of
 from uwsim.recording.real_flights.read import read_flight
 from uwsim.scenario import load, load_vehicle
 from uwsim.scenario.dump import yaml_text
@@ -22,9 +22,11 @@ from uwsim.scenario.georeference import georeference
 from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.terrains.elevations import chart_raster
 from uwsim.scenario.terrains.raster import RasterTerrain
+from uwsim.simulator.simulator import Simulator
 
-SCENARIO, REPORT = "site.yaml", "report.md"
+SCENARIO, REPORT, SOUNDINGS = "site.yaml", "report.md", "bed.csv"
 LEAST_EDGE_M, MOST_EDGE_M = 5.0, 20_000.0
+LEAST_SOUNDINGS, LEAST_UPRIGHT = 10, 0.8
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,10 @@ def make_twin(
     except ValueError as error:
         notes.append(f"unknown: how well the model flies: {error}")
     notes.append("unknown: the current, of which neither chart nor log states anything; the scenario has none")
-    notes.append("unknown: the bed that the vehicle saw: the log's soundings are not read, so no map is compared")
+    bed, more = _bed(flight, path)
+    notes += more
+    if bed is not None:
+        write_atomically(out / SOUNDINGS, _csv(bed))
     write_atomically(out / REPORT, _page(area, chart, log, vehicle, notes, table).encode())
     return Twin((path, out / REPORT), tuple(notes), tuple(table))
 
@@ -129,6 +134,49 @@ def _dive(flight: FlightLog, low_m: float, high_m: float) -> list[str]:
         if deepest_m > high_m:
             notes.append(f"unknown: why the vehicle was {deepest_m - high_m:.1f} m below the chart's deepest place")
     return notes
+
+
+def _bed(flight: FlightLog, path: Path) -> tuple[dict[str, NDArray[np.float64]] | None, list[str]]:
+    """Return the depths of the bed that the log has along its track beside the chart's, and notes.
+
+    A range is taken along the vehicle's own vertical, up to a tilt of 37 degrees, and as a depth on the track. The
+    tide is not known.
+    """
+    series = flight.series
+    lacking = [name for name in ("place", "altitude", "depth") if name not in series]
+    if lacking:
+        return None, [f"unknown: the bed that the vehicle saw: the log has no {' and no '.join(lacking)}"]
+    times_s = series["altitude"].times_s
+    lat, lon = at_times(series["place"], times_s, 2).T
+    range_m, depth_m = series["altitude"].values[:, 0], at_times(series["depth"], times_s, 1)[:, 0]
+    if "attitude" in series:
+        x, y, z, w = at_times(series["attitude"], times_s, 4).T
+        upright = 1.0 - 2.0 * (x * x + y * y) / (x * x + y * y + z * z + w * w)  # cosine of the tilt
+        range_m = np.where(upright > LEAST_UPRIGHT, range_m * upright, np.nan)
+    kept = np.isfinite([lat, lon, range_m, depth_m]).all(axis=0)
+    scenario = load(path)
+    place = georeference(scenario)
+    points = np.array([place.world_m(float(a), float(b), 0.0)[:2] for a, b in zip(lat[kept], lon[kept], strict=True)])
+    points = points.reshape(-1, 2)
+    world = Simulator(scenario).world
+    x0, y0, x1, y1 = world.terrain_extent_m
+    inside = ((points > (x0, y0)) & (points < (x1, y1))).all(axis=1)
+    if inside.sum() < LEAST_SOUNDINGS:
+        where = f"{int(inside.sum())} of {int(kept.sum())} ranges with place and depth are over the chart's square"
+        return None, [f"unknown: the bed that the vehicle saw: {where}: at least {LEAST_SOUNDINGS} are needed"]
+    measured = (depth_m + range_m)[kept][inside]
+    charted = -world.height_at(points[inside])
+    low, middle, high = np.percentile(measured - charted, [2.5, 50.0, 97.5])
+    note = f"known: the bed along the track, from {len(measured)} ranges ({SOUNDINGS}): deeper than the chart by "
+    table = {"time_s": times_s[kept][inside], "x_m": points[inside, 0], "y_m": points[inside, 1]}
+    return table | {"measured_m": measured, "charted_m": charted}, [
+        f"{note}{middle:.2f} m (median; 95 % of them {low:.2f} to {high:.2f} m)"
+    ]
+
+
+def _csv(table: dict[str, NDArray[np.float64]]) -> bytes:
+    rows = (",".join(f"{value:.3f}" for value in row) for row in zip(*table.values(), strict=True))
+    return "\n".join([",".join(table), *rows, ""]).encode()
 
 
 def _page(area: Path, chart: Path, log: Path, vehicle: str, notes: list[str], table: list[tuple[str, ...]]) -> str:

@@ -1,5 +1,6 @@
 """uwsim twin: a chart, an area and a log become a scenario that loads and a report that names what is unknown."""
 
+import csv
 import json
 from pathlib import Path
 
@@ -64,6 +65,26 @@ def test_a_dive_becomes_a_scenario_and_a_report(tmp_path: Path) -> None:
         "| horizon [s] |",
     ):
         assert line in report, report
+
+
+def test_the_bed_along_the_track_is_compared_with_the_chart(tmp_path: Path) -> None:
+    from rasterio.warp import transform
+
+    def bed(position) -> tuple[float, float, float]:
+        (lon,), (lat,) = transform("EPSG:32632", "EPSG:4326", [EAST_M + position[0]], [NORTH_M + position[1]])
+        return lat, lon, 20.0 + 10.0 * (position[0] + 99.0) / 198.0 + 0.5  # half a metre below the chart
+
+    (tmp_path / "dive.tlog").write_bytes(telemetry(flown(), bed=bed))
+    words = ["twin", "--area", area(tmp_path), "--chart", chart(tmp_path), "--log", tmp_path / "dive.tlog"]
+    done = command(*words, "--vehicle", VEHICLE, "--out", tmp_path / "twin")
+    assert done.returncode == 0, done.stderr
+    rows = list(csv.DictReader((tmp_path / "twin" / "bed.csv").open()))
+    differences = np.array([float(row["measured_m"]) - float(row["charted_m"]) for row in rows])
+    assert len(rows) > 200  # those of an upright vehicle
+    assert float(np.median(differences)) == pytest.approx(0.5, abs=0.05)
+    assert np.ptp(differences) < 0.2
+    report = (tmp_path / "twin" / "report.md").read_text()
+    assert f"the bed along the track, from {len(rows)} ranges (bed.csv): deeper than the chart by 0.5" in report
 
 
 def test_an_area_that_is_none_is_refused(tmp_path: Path) -> None:

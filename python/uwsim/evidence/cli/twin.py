@@ -19,7 +19,7 @@ def twin(
     chart: Annotated[Path, typer.Option(help="A chart of its bed: GeoTIFF, BAG, S-102, ...", callback=readable)],
     log: Annotated[Path, typer.Option(help="The dive: .BIN, .tlog, a ROS bag, a table.", callback=readable)],
     vehicle: Annotated[str, typer.Option(help="The vehicle: a name or a YAML file.")] = "bluerov2_heavy",
-    out: Annotated[Path, typer.Option(help="A folder for site.yaml and report.md.")] = Path("twin"),
+    out: Annotated[Path, typer.Option(help="A folder for site.yaml, report.md and bed.csv.")] = Path("twin"),
     columns: LogColumns = None,
     outputs: LogOutputs = None,
     density: Annotated[

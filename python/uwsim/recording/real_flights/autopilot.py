@@ -29,6 +29,7 @@ Rows = Mapping[str, tuple[Array, Array]]
 HORIZONTAL_VELOCITY, RELATIVE, ABSOLUTE, CONSTANT = 2, 8, 16, 128
 """Bits of the filter's status (nav_filter_status; EKF_STATUS_FLAGS): which horizontal quantities it knows."""
 PULSE_US = (800.0, 2200.0)
+DOWN = 25  # MAV_SENSOR_ROTATION_PITCH_270
 
 
 class Source(NamedTuple):
@@ -57,6 +58,20 @@ def _placed(scale: float, metres: float) -> Callable[[Array], Array]:
     return make
 
 
+def _degrees(scale: float) -> Callable[[Array], Array]:
+    """Return a converter of latitude and longitude; both are 0 where there is no fix."""
+    return lambda values: np.where((values != 0).any(axis=1)[:, None], values * scale, np.nan)
+
+
+def _below(values: Array) -> Array:
+    """Return ranges [m] of a rangefinder [cm]; NaN where it looks elsewhere than down."""
+    return np.where(values[:, 1:] == DOWN, _ranges(0.01 * values[:, :1]), np.nan)
+
+
+def _ranges(values: Array) -> Array:
+    return np.where(values > 0, values, np.nan)
+
+
 def _pulses(values: Array) -> Array:
     """Return pulse widths; 0, of an output that is not used, is NaN."""
     return np.where((values >= PULSE_US[0]) & (values <= PULSE_US[1]), values, np.nan)
@@ -77,6 +92,8 @@ DATAFLASH = (
     Source("rates", "IMU", ("GyrX", "GyrY", "GyrZ"), "rad/s", body_from_frd, "the gyro has no bias"),
     Source("depth", "CTUN", ("Alt",), "m, up", _depth_of_altitude),
     Source("depth", "BARO", ("Alt",), "m, up", _depth_of_altitude, "the last barometer is the one in the water"),
+    Source("place", "POS", ("Lat", "Lng"), "deg", _degrees(1.0)),
+    Source("altitude", "RFND", ("Dist",), "m", _ranges, "the first rangefinder looks down"),
     Source("outputs", "RCOU", tuple(f"C{k}" for k in range(1, 15)), "us", _pulses),
 )
 TELEMETRY = (
@@ -89,6 +106,9 @@ TELEMETRY = (
     Source("rates", "ATTITUDE", ("rollspeed", "pitchspeed", "yawspeed"), "rad/s", body_from_frd),
     Source("depth", "VFR_HUD", ("alt",), "m, up", _depth_of_altitude),
     Source("depth", "AHRS2", ("altitude",), "m, up", _depth_of_altitude),
+    Source("place", "GLOBAL_POSITION_INT", ("lat", "lon"), "deg 1e-7", _degrees(1e-7)),
+    Source("altitude", "DISTANCE_SENSOR", ("current_distance", "orientation"), "cm", _below),
+    Source("altitude", "RANGEFINDER", ("distance",), "m", _ranges, "it looks down"),
     Source("outputs", "SERVO_OUTPUT_RAW", tuple(f"servo{k}_raw" for k in range(1, 17)), "us", _pulses),
 )
 FROM_FILTER = ("XKF1", "NKF1", "POS", "LOCAL_POSITION_NED", "GLOBAL_POSITION_INT")
@@ -122,9 +142,10 @@ def flight_of(
         at = [fields[each.message].index(name) for name in each.fields]
         with np.errstate(all="ignore"):  # a damaged log has any number
             values = each.make(table[:, at])
-        is_horizontal = each.message in FROM_FILTER and each.quantity in ("position", "velocity")
+        is_horizontal = each.message in FROM_FILTER and each.quantity in ("position", "velocity", "place")
         if is_horizontal and status is not None:
-            values = np.where(_known(each.quantity, times_s, *status)[:, None] | [False, False, True], values, np.nan)
+            is_up = np.arange(values.shape[1]) == 2
+            values = np.where(_known(each.quantity, times_s, *status)[:, None] | is_up, values, np.nan)
         shown = f"{each.fields[0]} to {each.fields[-1]}" if len(each.fields) > 3 else ", ".join(each.fields)
         series = series_of(path, times_s, values, f"{each.message}.{shown} [{each.unit}]")
         if series is None or not np.isfinite(series.values).any():

@@ -23,12 +23,15 @@ QUANTITIES: Mapping[str, str] = {
     "body velocity": "m/s",
     "rates": "rad/s",
     "depth": "m",
+    "place": "deg",
+    "altitude": "m",
     "outputs": "us",
     "thrusters": "",
     "efforts": "",
 }
-"""The quantities of a log, with their units here: the attitude as a quaternion (n, 4) x, y, z, w; velocity in the world's
-axes; outputs as pulse widths, in the order of their numbers; thrusters and efforts as commands in [-1, 1]."""
+"""The quantities of a log, with their units here: the attitude as a quaternion (n, 4) x, y, z, w; velocity in the
+world's axes; place as latitude and longitude; altitude as the range from the vehicle's underside to the bed; outputs as
+pulse widths, in the order of their numbers; thrusters and efforts as commands in [-1, 1]."""
 MOST_BYTES = 1 << 28
 MOST_ROWS = 2_000_000
 LONGEST_S = 7 * 86400.0

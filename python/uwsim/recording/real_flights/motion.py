@@ -82,14 +82,14 @@ def motion_of(log: FlightLog, model: VehicleModel, outputs: str | None = None) -
     if len(times_s) < LEAST_ROWS:
         raise ValueError(f"{log.path}: {len(times_s)} rows with an attitude: at least {LEAST_ROWS} are needed")
     quaternions = quaternions / np.linalg.norm(quaternions, axis=1)[:, None]
-    position = _at(found.get("position"), times_s, 3)
+    position = at_times(found.get("position"), times_s, 3)
     if "depth" in found:
         is_deeper = ~np.isfinite(position[:, 2])
-        position[is_deeper, 2] = -_at(found["depth"], times_s, 1)[is_deeper, 0]
-    body = _at(found.get("body velocity"), times_s, 3)
+        position[is_deeper, 2] = -at_times(found["depth"], times_s, 1)[is_deeper, 0]
+    body = at_times(found.get("body velocity"), times_s, 3)
     if "velocity" in found and "body velocity" not in found:
-        body = Rotation.from_quat(quaternions).inv().apply(_at(found["velocity"], times_s, 3))
-    velocity = np.hstack([body, _at(found.get("rates"), times_s, 3)])
+        body = Rotation.from_quat(quaternions).inv().apply(at_times(found["velocity"], times_s, 3))
+    velocity = np.hstack([body, at_times(found.get("rates"), times_s, 3)])
     begin, end = commands.times_s[0], commands.times_s[-1] + GAP_S
     within = (times_s >= begin) & (times_s <= end)
     if within.sum() < LEAST_ROWS:
@@ -122,7 +122,7 @@ def _require_motion(log: FlightLog, motion: MotionLog) -> None:
         )
 
 
-def _at(series: Series | None, times_s: Array, width: int) -> Array:
+def at_times(series: Series | None, times_s: Array, width: int) -> Array:
     """Return values (n, width) at some times, interpolated over short gaps, else NaN."""
     if series is None:
         return np.full((len(times_s), width), np.nan)
