@@ -104,6 +104,8 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "scenario check": (["pool.yaml"], {}),
     "scenario from": (["folder"], {"out": "unity"}),
     "scenario schema": (["scenario"], {}),
+    "scenario plan": (["pool.yaml"], {"out": "pool.plan"}),
+    "twin": ([], {"area": "area.geojson", "chart": "bed.tif", "log": "dive.csv", "out": "twin"}),
 }
 MORE_BASES: dict[str, list[tuple[list[str], dict[str, str]]]] = {
     "map build": [

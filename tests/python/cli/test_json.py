@@ -16,9 +16,10 @@ ELSEWHERE = {
     "runs.parquet of --out": ["sweep"],
     "dataset.json of --out": ["dataset"],
     "figures.json of --out": ["reproduce"],
+    "report.md of --out": ["twin"],
     "flights.csv of --out": ["ardusub-check"],
     "the file or the pictures that it writes": [
-        "sonar", "camera", "film", "decompose", "ros package", "scenario new", "scenario from", "map convert",
+        "sonar", "camera", "film", "decompose", "ros package", "scenario new", "scenario from", "scenario plan", "map convert",
         "map merge", "map render", "map slice", "map build", "map from", "map film", "map waterfall",
     ],
     "a server or a vehicle, until Ctrl-C": ["serve", "station", "teleop", "ardusub", "connect", "nodes", "map view"],

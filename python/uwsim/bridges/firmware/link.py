@@ -113,7 +113,7 @@ class FirmwareLink:
         self._send_pressure(ardusub)
         if tick == next_tick(tick - 1, SECOND_NS, self._step_ns):
             if not self.has_origin:
-                origin = (round(1e7 * each) for each in self._home)
+                origin = round(1e7 * self._home.lat_deg), round(1e7 * self._home.lon_deg)
                 self._send(self._mav.set_gps_global_origin_encode(self._system, *origin, 0))
             self._send_voltage(ardusub)
             self._kept.act()
