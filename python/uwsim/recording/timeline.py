@@ -30,6 +30,8 @@ EVENTS_MAX = 500
 MERGED_S = 2.0  # the values that one argument of a command takes within this time are one event
 UNSEEN = frozenset({EFFORT, SET_STREAM, "start_navigation", "link_send"})
 """Commands that are not events, because they are issued in every period or by programs."""
+FROM_LOG = "from_log"
+"""The note of a recording that was made of a log: its vehicle is placed every SAMPLE_S, which is not an event."""
 
 
 class SavedMoment(NamedTuple):
@@ -82,6 +84,7 @@ class Timeline:
         self.commands = list(recording.commands())
         self._ticks = [command.tick for command in self.commands]
         self.events: list[Happening] = []
+        self._unseen = UNSEEN | {"place"} if FROM_LOG in recording.start.notes else UNSEEN
         self._stream: CommandStream | None = None
         self.track = Track()
         self.start_tick = recording.start.tick
@@ -243,7 +246,7 @@ class Timeline:
                 channel.read(sim)
 
     def _note_command(self, command: Command) -> None:
-        if command.name in UNSEEN:
+        if command.name in self._unseen:
             return
         stream = self._stream
         is_soon = stream is not None and (command.tick - stream.first.tick) * self.step_s < MERGED_S

@@ -16,10 +16,12 @@ from flight_logs import COLUMNS, DENSITY_KG_M3, ROWS, VEHICLE, bag, dataflash, f
 from uwsim.cli.program import app
 from uwsim.evidence.identification import identify
 from uwsim.evidence.identification.motion_log import read_flown
+from uwsim.recording import Recording
 from uwsim.recording.real_flights.beside import fly_beside
 from uwsim.recording.real_flights.flight_log import FlightLog
 from uwsim.recording.real_flights.motion import motion_of
 from uwsim.recording.real_flights.read import read_flight
+from uwsim.recording.timeline import Timeline
 from uwsim.scenario import load_vehicle
 
 pytest.importorskip("pymavlink", reason="needs the extra mavlink")
@@ -160,3 +162,25 @@ def test_a_message_without_length_is_refused_rather_than_read_for_ever(tmp_path:
     (path := tmp_path / "dive.BIN").write_bytes(data)
     with pytest.raises(ValueError, match="is damaged: a type of message has no length"):
         read_flight(path)
+
+
+def test_a_log_as_a_recording_is_a_time_line_along_the_log(tmp_path: Path) -> None:
+    flight = replace(flown(), position_m=flown().position_m - [0.0, 0.0, 8.0])  # 2 to 3 m deep
+    (path := tmp_path / "dive.tlog").write_bytes(telemetry(flight))
+    words = ["replay", str(path), "--as-recording", str(out := tmp_path / "dive.mcap"), "--scenario", "pool"]
+    assert "assumed: the log's first position is that of the scenario's start" in command(*words).stdout
+    line = Timeline(Recording(out))  # repeats the run, and compares its end
+    times_s, poses = line.track.arrays()
+    assert times_s[-1] > 19.5 and not [event for event in line.events if "place" in event.text]
+    rows = np.searchsorted(flight.times_s, flight.times_s[0] + times_s - 1e-3)
+    way = flight.position_m[rows] - flight.position_m[0] + [-6.0, 0.0, flight.position_m[0, 2]]
+    assert np.linalg.norm(poses[:, :3] - way, axis=1).max() < 0.01 and np.ptp(way, axis=0).min() > 0.3
+    turned = Rotation.from_quat(flight.orientation_xyzw[rows]).inv() * Rotation.from_quat(poses[:, 3:])
+    assert turned.magnitude().max() < 0.01
+    assert "exists already" in str(CliRunner().invoke(app, words).exception)
+
+    path.write_bytes(telemetry(flight, flags=0xA7))  # the filter does not know the horizontal position
+    words[3] = str(tmp_path / "still.mcap")
+    assert "missing: horizontal position: the vehicle keeps that of the start" in command(*words).stdout
+    path.write_bytes(telemetry(replace(flight, position_m=flight.position_m - [0.0, 0.0, 8.0])))
+    assert "at 100.0 s, in 'pool': " in str(CliRunner().invoke(app, [*words[:3], f"{out}.mcap", *words[4:]]).exception)

@@ -10,7 +10,7 @@ import typer
 from uwsim.base.options import need, refuse
 from uwsim.bridges.requested import PlayedBridges
 from uwsim.cli.access import Access
-from uwsim.cli.bounds import readable, within
+from uwsim.cli.bounds import readable, within, writable
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE
 from uwsim.cli.groups import under
 from uwsim.cli.options import AsJson, Threads, print_json
@@ -23,7 +23,8 @@ def replay(
     recording: Annotated[
         Path,
         typer.Argument(
-            help="A recording, FILE.mcap; with --beside a log of others: .BIN, .tlog, a ROS bag, a table.",
+            help="A recording, FILE.mcap; with --beside or --as-recording a log of others: .BIN, .tlog, a ROS bag, a "
+            "table.",
             metavar="FILE",
             callback=readable,
         ),
@@ -57,6 +58,16 @@ def replay(
         str | None,
         typer.Option(help="Fly the model of this vehicle, a name or a YAML file, beside the log of a real flight."),
     ] = None,
+    as_recording: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write a recording, a new .mcap, of a vehicle that is placed along the log of a real flight.",
+            callback=writable,
+        ),
+    ] = None,
+    scenario: Annotated[
+        str | None, typer.Option(help="With --as-recording: where; its first vehicle is placed. Default: lake.")
+    ] = None,
     columns: LogColumns = None,
     outputs: LogOutputs = None,
     density: Annotated[
@@ -80,6 +91,9 @@ def replay(
     With --beside, the file is the log of a real flight. Prints what the log has, lacks and leaves to assumptions, then
     flies the vehicle's model beside it, with the log's commands: from the log's motion at many times, for 1, 2, 5, 10
     and 30 s, at whose end the model's error is measured. Means have 95 % intervals.
+
+    With --as-recording, the file is such a log, too. The scenario's first vehicle is placed along it five times a
+    second, and the recording opens like that of any other flight: at the station, in `film` and in `replay`.
     """
     from uwsim.bridges.cli.serve import parsed_speed
     from uwsim.recording.pacer import Pacer
@@ -87,10 +101,17 @@ def replay(
 
     if not 0.0 <= from_s <= (from_s if until_s is None else until_s):  # also false for NaN
         raise ValueError(f"--from {from_s:g} s, --until {until_s} s: must be 0 or more, and in this order")
+    if beside is not None or as_recording is not None:
+        vain = f"without effect with {'--beside' if beside is not None else '--as-recording'}"
+        refuse(vain, as_topics=as_topics, speed=speed, port=port, host=host, wait=wait)
+        refuse(vain, **{"from": from_s or None, "until": until_s})
+        refuse(vain, **dict.fromkeys(bridges.names, True), **access.given())
+    if as_recording is not None:
+        refuse("without effect with --as-recording", beside=beside, outputs=outputs, density=density)
+        _record(recording, as_recording, scenario or "lake", columns, threads, as_json=as_json)
+        return
+    need("--as-recording", scenario=scenario)
     if beside is not None:
-        refuse("without effect with --beside", as_topics=as_topics, speed=speed, port=port, host=host, wait=wait)
-        refuse("without effect with --beside", **{"from": from_s or None, "until": until_s})
-        refuse("without effect with --beside", **dict.fromkeys(bridges.names, True), **access.given())
         _fly_beside(recording, beside, columns, outputs, density, threads, as_json=as_json)
         return
     need("--beside", columns=columns, outputs=outputs, density=density)
@@ -145,6 +166,19 @@ def replay(
         )
     if not opened.complete:
         raise typer.Exit(INCOMPLETE)
+
+
+def _record(path: Path, out: Path, scenario: str, columns: str | None, threads: int | None, *, as_json: bool) -> None:
+    from uwsim.recording.real_flights.as_recording import record_log
+    from uwsim.recording.real_flights.read import read_flight
+    from uwsim.simulator.simulator import Simulator
+
+    log = read_flight(path, columns)
+    notes = log.notes() + record_log(log, Simulator(scenario, threads=threads), out)
+    if as_json:
+        print_json({"notes": notes, "recording": str(out)})
+        return
+    typer.echo("\n".join([*notes, f"{out}: written"]))
 
 
 def _fly_beside(
