@@ -13,8 +13,8 @@ from uwsim.cli.autopilots import Autopilots
 
 NEED_LIVE = {
     "imc", "imc_id", "imc_port", "imc_rate", "imc_rpm", "imc_sends", "mavlink", "mavlink_pictures", "moos",
-    "moos_control",    "moos_elevator", "moos_name", "moos_nav", "moos_rate", "moos_reports", "moos_shore", "nmea", "nmea_rate",
-    "video", "video_camera",
+    "moos_control", "moos_elevator", "moos_name", "moos_nav", "moos_rate", "moos_reports", "moos_shore", "nmea",
+    "nmea_rate", "video", "video_camera",
 }  # fmt: skip
 
 

@@ -19,8 +19,8 @@ ELSEWHERE = {
     "report.md of --out": ["twin"],
     "flights.csv of --out": ["ardusub-check"],
     "the file or the pictures that it writes": [
-        "sonar", "camera", "film", "decompose", "ros package", "scenario new", "scenario from", "scenario plan", "map convert",
-        "map merge", "map render", "map slice", "map build", "map from", "map film", "map waterfall",
+        "sonar", "camera", "film", "decompose", "ros package", "scenario new", "scenario from", "scenario plan",
+        "map convert", "map merge", "map render", "map slice", "map build", "map from", "map film", "map waterfall",
     ],
     "a server or a vehicle, until Ctrl-C": ["serve", "station", "teleop", "ardusub", "connect", "nodes", "map view"],
     "it prints nothing but JSON": ["scenario schema"],
