@@ -169,7 +169,8 @@ def _commands(log: FlightLog, model: VehicleModel, outputs: str | None) -> tuple
     if high - low <= 1.0:
         notes.append(f"assumed: pulses of {NEUTRAL_US - SPAN_US:g} to {NEUTRAL_US + SPAN_US:g} us are commands -1 to 1")
     if max(motors.values(), key=lambda each: each[0])[0] >= series.values.shape[1]:
-        raise ValueError(f"{log.path}: {series.source}: has {series.values.shape[1]} outputs: too few for {outputs or model.name}")
+        count = series.values.shape[1]
+        raise ValueError(f"{log.path}: {series.source}: has {count} outputs: too few for {outputs or model.name}")
     columns = [sign * (series.values[:, output] - NEUTRAL_US) / span_us for output, sign in motors.values()]
     values = np.clip(np.nan_to_num(np.column_stack(columns)), -1.0, 1.0)
     return Series(series.times_s, values, series.source), tuple(motors), notes

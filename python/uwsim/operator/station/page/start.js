@@ -34,6 +34,7 @@ export class StartScreen {
   #fields = new Map(); // name: { box, input, hint, wrong }
   #timer = 0;
   #checks = 0;
+  #isNew = true; // the choice, since Start reported its errors
   #preview = new Preview();
   /** @type {HTMLButtonElement} */
   edit;
@@ -236,6 +237,7 @@ export class StartScreen {
   }
 
   #later() {
+    this.#isNew = true;
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => this.#check(), CHECK_MS);
   }
@@ -248,7 +250,7 @@ export class StartScreen {
       ? { errors: this.#addressErrors() }
       : await this.station.check(this.choice).catch(() => null);
     if (!answer || count !== this.#checks) return;
-    this.#mark(answer.errors ?? {});
+    if (this.#isNew) this.#mark(answer.errors ?? {});
     const scenario = this.isElsewhere || this.savedName ? '' : this.#fields.get('scenario').input.value;
     this.#preview.show(scenario, scenario && this.station.href(`/preview/${encodeURIComponent(scenario)}.png`));
   }
@@ -279,8 +281,9 @@ export class StartScreen {
   async #submit() {
     if (!this.catalog) return;
     this.#showHints();
-    clearTimeout(this.#timer); // a check that ends later must not erase the errors reported by Start
+    clearTimeout(this.#timer); // a check that ends later, or of the same choice, must not erase the errors of Start
     this.#checks += 1;
+    this.#isNew = false;
     if (this.isElsewhere) {
       const [host, port] = ['host', 'port'].map((name) => this.#fields.get(name).input.value.trim());
       if (!this.#mark(this.#addressErrors()))
