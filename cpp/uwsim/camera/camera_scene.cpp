@@ -29,6 +29,9 @@ CameraScene::CameraScene(const World& world, std::shared_ptr<const RayScene> ray
   }
   class_names_.assign(kSurfaceClassNames.begin(), kSurfaceClassNames.end());
   textures_.resize(classes_.size());
+  smooth_meshes_.resize(classes_.size());
+  for (std::size_t k = 0; k < world_.solids().size(); ++k)
+    smooth_meshes_[kTerrain + 1 + k] = std::make_shared<const SmoothMesh>(world_.solids()[k]->mesh_world);
 }
 
 CameraScene::CameraScene(const CameraScene& like, const Water& water, std::uint64_t seed)
@@ -39,6 +42,7 @@ CameraScene::CameraScene(const CameraScene& like, const Water& water, std::uint6
       classes_(like.classes_),
       class_names_(like.class_names_),
       textures_(like.textures_),
+      smooth_meshes_(like.smooth_meshes_),
       has_textures_(like.has_textures_),
       has_gloss_(like.has_gloss_),
       has_detail_(like.has_detail_),
@@ -99,6 +103,7 @@ std::size_t CameraScene::add_vehicle(std::string name, const TriangleMesh& hull_
   materials_.push_back(appearance.material);
   classes_.push_back(static_cast<std::uint8_t>(appearance.kind));
   textures_.emplace_back();
+  smooth_meshes_.push_back(std::make_shared<const SmoothMesh>(hull_body_m));
   set_texture(textures_.size() - 1, std::move(texture));
   return vehicle_names_.size() - 1;
 }
@@ -109,6 +114,7 @@ void CameraScene::add_school(const camera::Material& material, const std::string
   classes_.push_back(class_of(surface_class));
   materials_.push_back(material);
   textures_.push_back(nullptr);
+  smooth_meshes_.push_back(nullptr);
 }
 
 RayScene CameraScene::rays_among(std::span<const Pose> poses, std::optional<std::size_t> hidden, double time_s) const {

@@ -13,6 +13,7 @@
 #include "uwsim/camera/kernels/kernels.h"
 #include "uwsim/camera/material.h"
 #include "uwsim/camera/ripples.h"
+#include "uwsim/camera/smooth_mesh.h"
 #include "uwsim/camera/texture.h"
 #include "uwsim/core/fork_safe_mutex.h"
 #include "uwsim/core/pose.h"
@@ -84,6 +85,8 @@ class CameraScene {
   static int material_of(std::uint32_t label) { return label <= kTerrain ? 0 : static_cast<int>(label) + 1; }
   const Texture* texture_of(std::uint32_t label) const { return textures_[label].get(); }
   bool has_textures() const { return has_textures_; }
+  /// The mesh of a solid or a vehicle, null for others.
+  const SmoothMesh* smooth_mesh(std::uint32_t label) const { return smooth_meshes_[label].get(); }
   bool has_gloss() const { return has_gloss_; }
 
   /// The ripples caused by a wind, at one time, with the caustics from `first_level` on. The last result is cached,
@@ -107,6 +110,7 @@ class CameraScene {
   std::vector<std::uint8_t> classes_;
   std::vector<std::string> class_names_;
   std::vector<std::shared_ptr<const Texture>> textures_;
+  std::vector<std::shared_ptr<const SmoothMesh>> smooth_meshes_;
   bool has_textures_ = false, has_gloss_ = false, has_detail_ = false;
   std::optional<double> ripples_rad_;
   std::vector<std::string> vehicle_names_;

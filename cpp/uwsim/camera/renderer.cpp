@@ -16,6 +16,7 @@
 #include "uwsim/camera/particles.h"
 #include "uwsim/camera/prepared_view.h"
 #include "uwsim/camera/shafts.h"
+#include "uwsim/camera/smoothing.h"
 #include "uwsim/camera/texturing.h"
 #include "uwsim/camera/tracer.h"
 #include "uwsim/core/check.h"
@@ -226,6 +227,7 @@ class Rendering {
 
   void set_materials(Block& block, const HitPacket& hits) const {
     for (int k = 0; k < kBlockPixels; ++k) block.material.at[k] = CameraScene::material_of(block.label[k]);
+    set_smooth_normals(scene_, tracer_, hits, block);
     set_textures(scene_, tracer_, view_, hits, block);
   }
 

@@ -3,17 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "uwsim/camera/block_lane.h"
+#include "uwsim/camera/smoothing.h"
+
 namespace uwsim {
 namespace {
 
 constexpr float kLeastSlant = 0.02f;  // sine of the angle below which a footprint becomes no longer
-constexpr float kLeastFacing =
-    0.05f;  // cosine between the eye and a surface's relief, which cannot be seen from behind
 
-Eigen::Vector3f lane(const camera::BlockVectors& all, std::size_t k) { return {all.x.at[k], all.y.at[k], all.z.at[k]}; }
-void set_lane(const Eigen::Vector3f& value, std::size_t k, camera::BlockVectors& all) {
-  all.x.at[k] = value.x(), all.y.at[k] = value.y(), all.z.at[k] = value.z();
-}
+using camera::lane, camera::set_lane;
 
 }  // namespace
 
@@ -41,10 +39,8 @@ void set_textures(const CameraScene& scene, const Tracer& tracer, const camera::
     block.has_texture.at[k] = -1;
     set_lane(sample.albedo, k, block.texture_albedo);
     if (!texture->has_relief()) continue;
-    Eigen::Vector3f seen = (facing > 0 ? -1.0f : 1.0f) * (turn * sample.normal_mesh).normalized();
-    const float away = seen.dot(direction) + kLeastFacing;
-    if (away > 0) seen = (seen - away * direction).normalized();
-    set_lane(seen, k, block.normal);
+    const Eigen::Vector3f towards_eye = (facing > 0 ? -1.0f : 1.0f) * (turn * sample.normal_mesh).normalized();
+    set_lane(seen_normal(towards_eye, direction), k, block.normal);
     if (!texture->has_gloss()) continue;
     block.is_glossy.at[k] = -1;
     block.roughness.at[k] = sample.roughness, block.metalness.at[k] = sample.metalness;

@@ -23,6 +23,10 @@ class Tracer {
                    camera::Block& block) const;
   /// See RayScene::mesh_turn.
   Eigen::Matrix3f mesh_turn(Label label, std::uint32_t piece) const { return rays_.mesh_turn(label, piece); }
+  /// A point relative to the anchor, in the frame of a solid's or a vehicle's mesh.
+  Eigen::Vector3d on_mesh(Label label, const Eigen::Vector3f& point) const {
+    return rays_.on_mesh(label, anchor_world_m_ + point.cast<double>());
+  }
   /// Marks the lanes that need a shadow ray and whose light is blocked.
   void occluded(const camera::Block& block, camera::BlockMask& blocked, RayOrder order) const;
 

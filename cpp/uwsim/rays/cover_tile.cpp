@@ -37,7 +37,7 @@ bool visit_mesh_triangle(RTCPointQueryFunctionArguments* args) {
 }  // namespace
 
 CoverShape::CoverShape(RTCDeviceTy* device, const TriangleMesh& mesh, const CoverLayer& of_layer)
-    : layer(&of_layer), triangles(mesh.triangles), tree(make_ray_tree(device, true)) {
+    : layer(&of_layer), triangles(mesh.triangles), normals(mesh), tree(make_ray_tree(device, true)) {
   for (const Eigen::Vector3d& v : mesh.vertices_m) {
     vertices.push_back(v.cast<float>());
     across = std::max(across, vertices.back().head<2>().norm());
@@ -162,6 +162,17 @@ Corners CoverTile::corners(const CoverPiece& piece, std::uint32_t triangle, std:
   }
   for (Eigen::Vector3d& corner : corners) corner += at;
   return corners;
+}
+
+SmoothPlace CoverTile::smooth(const CoverPiece& piece, std::uint32_t triangle, float u, float v,
+                              std::span<const Lean> leans) const {
+  const CoverShape& shape = shapes_[piece.mesh];
+  if (!shape.normals.bend() || (!leans.empty() && !leans[piece.mesh].upright())) return {};
+  const auto& [a, b, c] = shape.triangles[triangle];
+  SmoothPlace place = shape.normals.at(triangle, u, v, {shape.vertices[a], shape.vertices[b], shape.vertices[c]});
+  place.normal = (piece.turn * place.normal).normalized();
+  place.rise_m *= piece.size_m;
+  return place;
 }
 
 double CoverTile::distance(const Eigen::Vector3d& point_world_m, double nearest_m, std::span<const Lean> leans) const {

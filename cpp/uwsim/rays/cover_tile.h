@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "uwsim/core/built_when_used.h"
+#include "uwsim/core/corner_normals.h"
 #include "uwsim/core/fork_safe_mutex.h"
 #include "uwsim/rays/embree_tree.h"
 #include "uwsim/rays/triangle_hit.h"
@@ -24,6 +25,7 @@ struct CoverShape {
   const CoverLayer* layer;
   std::vector<Eigen::Vector3f> vertices;
   std::vector<Triangle> triangles;
+  CornerNormals normals;
   RayTree tree;
   float across = 0;         ///< the largest distance of a vertex from the z axis
   float low = 0, high = 0;  ///< bounds of their z; 0 is between
@@ -96,6 +98,9 @@ class CoverTile {
 
   /// The corners of a piece's triangle, in the world. `leans` may be empty.
   Corners corners(const CoverPiece& piece, std::uint32_t triangle, std::span<const Lean> leans) const;
+  /// The smooth surface at a place of a piece's triangle, in the world; none for flat shapes and for plants that lean.
+  SmoothPlace smooth(const CoverPiece& piece, std::uint32_t triangle, float u, float v,
+                     std::span<const Lean> leans) const;
   /// The smaller of `nearest_m` and the distance to the nearest triangle of a piece.
   double distance(const Eigen::Vector3d& point_world_m, double nearest_m, std::span<const Lean> leans) const;
 

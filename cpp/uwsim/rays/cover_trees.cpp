@@ -170,7 +170,6 @@ void CoverTrees::cast(std::span<const ExactRays> rays, const std::shared_ptr<con
 void CoverTrees::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder,
                       const std::shared_ptr<const Sway>& sway, HitPacket& hits) const {
   const InUse in_use(tiles_);
-  hits.piece.fill(0);
   Walk walk(anchor_world_m, rays, hits.distance_m);
   for (std::size_t k = 0; k < kPacketRays; ++k) walk.near_m[k] = rays.near_m[k];
   for_each_tile(walk, sway, [&](const CoverTarget& target, const std::array<std::int32_t, kPacketRays>& lanes) {
@@ -191,6 +190,9 @@ void CoverTrees::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& ra
       hits.primitive[k] = packet.hit.primID[k];
       hits.piece[k] = piece.number;
       hits.settled[k] = -1;
+      const SmoothPlace smooth = target.tile.smooth(piece, packet.hit.primID[k], hits.u[k], hits.v[k], target.leans);
+      hits.smooth_x[k] = smooth.normal.x(), hits.smooth_y[k] = smooth.normal.y(), hits.smooth_z[k] = smooth.normal.z();
+      hits.rise_m[k] = smooth.rise_m;
     }
   });
 }

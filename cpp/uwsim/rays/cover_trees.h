@@ -30,7 +30,7 @@ class CoverTrees {
   /// Replaces each hit by a hit on a piece if that is nearer. Embree finds the piece and its triangle in float; the
   /// distance and the normal are computed in double, on that triangle.
   void cast(std::span<const ExactRays> rays, const std::shared_ptr<const Sway>& sway, std::span<ExactHits> hits) const;
-  /// The same for pictures; sets the number of the piece as well.
+  /// The same for pictures; sets the number of the piece and the smooth normal as well.
   void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order,
             const std::shared_ptr<const Sway>& sway, HitPacket& hits) const;
   /// Marks the lanes that a piece blocks.

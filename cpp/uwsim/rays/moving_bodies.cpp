@@ -255,11 +255,23 @@ void MovingBodies::cast_at(const Body& body, Label label, const Eigen::Vector3d&
   }
 }
 
-Eigen::Matrix3f MovingBodies::turn_of(Label body_label) const {
+/// Null for fish.
+const MovingBodies::Body* MovingBodies::body_of(Label body_label) const {
   std::size_t body = body_label - first_label_;
   if (body >= before_schools_) body -= std::min(body, schools_.size());
-  if (body >= bodies_.size()) return Eigen::Matrix3f::Identity();
-  return bodies_[body].body_from_world.transpose().cast<float>();
+  return body < bodies_.size() ? &bodies_[body] : nullptr;
+}
+
+Eigen::Matrix3f MovingBodies::turn_of(Label body_label) const {
+  const Body* const body = body_of(body_label);
+  if (body == nullptr) return Eigen::Matrix3f::Identity();
+  return body->body_from_world.transpose().cast<float>();
+}
+
+Eigen::Vector3d MovingBodies::on_body(Label body_label, const Eigen::Vector3d& point_world_m) const {
+  const Body* const body = body_of(body_label);
+  if (body == nullptr) return point_world_m;
+  return body->body_from_world * (point_world_m - body->position_world_m);
 }
 
 void MovingBodies::occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order,

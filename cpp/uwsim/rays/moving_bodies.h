@@ -54,6 +54,8 @@ class MovingBodies {
   }
   /// The rotation of the body with a label; the identity for fish.
   Eigen::Matrix3f turn_of(Label body_label) const;
+  /// A point in the frame of the body with a label; fish have the world's.
+  Eigen::Vector3d on_body(Label body_label, const Eigen::Vector3d& point_world_m) const;
   Label school_label(std::size_t school) const {
     return static_cast<Label>(first_label_ + std::min(before_schools_, bodies_.size()) + school);
   }
@@ -100,6 +102,7 @@ class MovingBodies {
     Body placed(const Swimmer& fish) const;
   };
 
+  const Body* body_of(Label body_label) const;
   static Body prepared(const TriangleMesh& surface_body_m);
   static void cast_at(const Body& body, Label label, const ExactRays& rays, ExactHits& hits);
   static void cast_at(const Body& body, Label label, const Eigen::Vector3d& anchor_world_m, const RayPacket& rays,

@@ -34,6 +34,9 @@ struct HitPacket {
   alignas(64) std::array<std::uint32_t, kPacketRays> primitive;  ///< triangle or round shape of the labelled object
   /// The number of the piece of cover or of the fish, 0 for other surfaces
   alignas(64) std::array<std::uint32_t, kPacketRays> piece;
+  /// On cover: the unit normal, on the winding side, and the rise of the smooth surface that its facets stand for
+  /// (CornerNormals). The normal is zero on other surfaces, and where there is none.
+  alignas(64) Lanes smooth_x, smooth_y, smooth_z, rise_m;
   /// -1 if the distance was computed in double, else 0
   alignas(64) std::array<std::int32_t, kPacketRays> settled;
 };

@@ -229,11 +229,8 @@ void RayScene::cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) 
 void RayScene::cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
                     RayOrder order) const {
   fixed_->cast(anchor_world_m, rays, hits, order);
-  if (const CoverTrees* cover = fixed_->cover()) {
-    cover->cast(anchor_world_m, rays, order, sway_, hits);
-  } else {
-    hits.piece.fill(0);
-  }
+  hits.piece.fill(0), hits.smooth_x.fill(0), hits.smooth_y.fill(0), hits.smooth_z.fill(0);
+  if (const CoverTrees* cover = fixed_->cover()) cover->cast(anchor_world_m, rays, order, sway_, hits);
   if (bodies_) bodies_->cast(anchor_world_m, rays, order, hidden_, hits);
 }
 
@@ -248,6 +245,11 @@ Eigen::Matrix3f RayScene::mesh_turn(Label label, std::uint32_t piece) const {
   if (label < fixed_->surfaces.first_cover()) return Eigen::Matrix3f::Identity();
   if (label < fixed_->surfaces.labels_end()) return fixed_->cover()->turn_of(piece);
   return bodies_ ? bodies_->turn_of(label) : Eigen::Matrix3f::Identity();
+}
+
+Eigen::Vector3d RayScene::on_mesh(Label label, const Eigen::Vector3d& point_world_m) const {
+  const bool is_fixed = label < fixed_->surfaces.labels_end() || !bodies_;
+  return is_fixed ? point_world_m : bodies_->on_body(label, point_world_m);
 }
 
 const Heightfield* RayScene::terrain() const { return fixed_->surfaces.terrain().get(); }

@@ -80,6 +80,9 @@ class RayScene {
   /// How the mesh of a hit lies in the world: rotation times size, for the label and the piece of a HitPacket.
   Eigen::Matrix3f mesh_turn(Label label, std::uint32_t piece) const;
 
+  /// A point in the frame of the mesh of a body; the world's frame for other labels.
+  Eigen::Vector3d on_mesh(Label label, const Eigen::Vector3d& point_world_m) const;
+
   /// The terrain; null if there is none.
   const Heightfield* terrain() const;
   /// Whether the point lies on or below the terrain; false outside its extent.

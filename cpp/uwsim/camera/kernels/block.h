@@ -29,6 +29,7 @@ struct Block {
   BlockFloats distance;            ///< along the ray to its hit; infinity without one
   BlockFloats reach;               ///< to the end of the segment: hit, water surface or far away
   BlockVectors normal;             ///< unit, on the winding side; later towards the eye, with relief
+  BlockFloats rise;                ///< of the smooth surface that a facet stands for, above the facet
   BlockMask active, in_water;
   BlockMask lit;     ///< whether the segment ends on a surface that is to be shaded
   BlockMask onward;  ///< whether the path continues from the water's surface

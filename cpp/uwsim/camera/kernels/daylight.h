@@ -11,9 +11,10 @@ namespace {
 constexpr float kShadowReach_m = 5.0f;     // above the water; anything higher casts no shadow into it
 constexpr float kStrongestCaustic = 9.0f;  // caustic_at returns at most this
 
-/// Shadow rays start slightly off the surface, on the eye's side. The distance is infinite where nothing is hit.
+/// Shadow rays start slightly off the surface, on the eye's side: the smooth one, which the facets of a round body
+/// would otherwise darken. The distance is infinite where nothing is hit.
 UWSIM_LANES Vector shadow_start(const Block& block, Vector point, Vector normal) {
-  return point + normal * (1e-3f + 2e-5f * min(load(block.distance.at), splat(1e5f)));
+  return point + normal * (1e-3f + 2e-5f * min(load(block.distance.at), splat(1e5f)) + load(block.rise.at));
 }
 
 /// Returns true if light adds more than View::untested_share to the radiance so far, summed over the bands.

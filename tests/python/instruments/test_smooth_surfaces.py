@@ -1,0 +1,57 @@
+"""Facets of round bodies: what is seen of a mesh is the smooth surface that it stands for, and edges stay edges."""
+
+import numpy as np
+import pytest
+import trimesh
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim import _core
+from uwsim.evidence.validate.camera import Light
+
+EYE_M, AT_M = (0.0, 0.0, -4.0), (3.0, 0.0, -5.0)
+LEVEL = (0.0, 0.0, 0.0, 1.0)
+DOWN = Rotation.from_euler("Y", np.arctan2(1, 3)).as_quat()
+
+
+def seen(mesh: trimesh.Trimesh, *effects: str, turn: Rotation | None = None) -> _core.Picture:
+    """Return a picture of a solid, or of a vehicle with this attitude whose mesh is turned back by it."""
+    world = _core.World()
+    if turn is None:
+        label = world.add_solid("body", mesh.vertices + AT_M, mesh.faces)
+    scene = _core.CameraScene(world, _core.RayScene(world), 0)
+    if turn is None:
+        scene.set_appearance(label, "plain", "structure")
+        placed = {}
+    else:
+        scene.add_vehicle("body", turn.inv().apply(mesh.vertices), mesh.faces, "plain")
+        placed = {"vehicle_positions_m": [AT_M], "vehicle_orientations_xyzw": [turn.as_quat()]}
+    camera = _core.Camera("check", _core.Lens(97, 97, 120.0, 120.0, 48.0, 48.0))
+    return scene.render(camera, Light("I").optics, EYE_M, DOWN, 0.0, 0, effects, keep_radiance=True, **placed)
+
+
+def green(picture: _core.Picture) -> NDArray[np.float64]:
+    return np.asarray(picture.radiance, np.float64)[..., 1]
+
+
+@pytest.mark.parametrize("effects", [("sunlight",), ("sunlight", "shadows")])
+def test_a_ball_of_triangles_is_lit_as_the_sphere(effects: tuple[str, ...]) -> None:
+    exact, found = (green(seen(trimesh.creation.icosphere(k, 1.0), *effects)) for k in (6, 2))
+    both = (exact > 0) & (found > 0)
+    error = np.abs(found - exact)[both] / exact.max()
+    assert np.quantile(error, 0.98) < 0.03  # 0.11 with facets
+
+
+def test_a_vehicle_is_as_smooth_as_a_solid() -> None:
+    ball = trimesh.creation.icosphere(2, 1.0)
+    turned = seen(ball, "sunlight", "shadows", turn=Rotation.from_euler("ZYX", [0.7, -0.4, 1.9]))
+    solid = green(seen(ball, "sunlight", "shadows"))
+    assert np.quantile(np.abs(green(turned) - solid) / solid.max(), 0.995) < 1e-4
+
+
+def test_geometry_keeps_the_facets_and_a_box_its_edges() -> None:
+    picture = seen(trimesh.creation.icosphere(1, 1.0), "sunlight")
+    normals = np.asarray(picture.normals_world)[np.asarray(picture.labels) > 1]
+    assert len(np.unique(normals.round(5), axis=0)) < 40
+    box = green(seen(trimesh.creation.box((1, 1, 1)), "sunlight"))
+    assert len(np.unique(box[box > 0].round(3))) <= 3
