@@ -15,10 +15,19 @@ using camera::kBlockPixels;
 using camera::kBlockSide;
 
 constexpr int kSamples = 8;
-constexpr int kShare = 2;  // groups of 2 x 2 values share shadow rays and the end of the ray
-constexpr int kGroup = kShare * kBlockSide;
-constexpr float kSharpness = 8;  // as kShaftSharpness of kernels/shafts.h
+constexpr int kShare = 2;                    // values across a cell
+constexpr int kGroup = kShare * kBlockSide;  // across a group of 4 x 4 cells, whose rays are cast together
+constexpr std::array<float, 3> kNear{0.25f, 0.5f, 0.25f};       // weights of values
+constexpr std::array<float, 3> kNearCells{0.15f, 0.7f, 0.15f};  // and of cells
+constexpr float kSharpness = 8;                                 // as kShaftSharpness of kernels/shafts.h
 
+/// How alike rays are that end at two distances: 1 for the same, one half where they differ by an eighth.
+float alike(float own_m, float other_m) {
+  const float apart = (other_m - own_m) * kSharpness / std::max(own_m, 0.1f);
+  return 1 / (1 + apart * apart * apart * apart);
+}
+
+/// Values of light for each block of pixels. Groups of 2 x 2 values, or cells, share shadow rays.
 class ShaftCaster {
  public:
   ShaftCaster(const camera::View& view, const Tracer& tracer, const camera::Kernels& kernels,
@@ -29,41 +38,69 @@ class ShaftCaster {
         request_(request),
         columns_((view.width + kBlockSide - 1) / kBlockSide),
         rows_((view.height + kBlockSide - 1) / kBlockSide),
+        group_columns_((columns_ + kGroup - 1) / kGroup),
+        group_rows_((rows_ + kGroup - 1) / kGroup),
+        cell_columns_(kBlockSide * group_columns_),
+        cells_(static_cast<std::size_t>(cell_columns_) * static_cast<std::size_t>(kBlockSide * group_rows_)),
+        blurred_(cells_.size()),
+        is_even_(static_cast<std::size_t>(group_columns_) * static_cast<std::size_t>(group_rows_)),
         light_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 1.0f),
         reach_m_(light_.size(), 0.0f) {}
 
-  /// A strip is half of two rows of blocks of values.
-  int strips() const { return 2 * ((rows_ + kGroup - 1) / kGroup); }
+  /// A strip is half of a row of groups.
+  int strips() const { return 2 * group_rows_; }
 
-  void cast(int strip, RenderCost& cost) {
+  void cast_shadows(int strip, RenderCost& cost) {
     TaskTimer timer(request_.measure, cost);
-    Shadows shadows;
-    const int top = strip / 2 * kGroup, groups = (columns_ + kGroup - 1) / kGroup, half = (groups + 1) / 2;
-    const int first = strip % 2 == 0 ? 0 : half, last = strip % 2 == 0 ? half : groups;
-    for (int left = first * kGroup; left < last * kGroup; left += kGroup) {
-      cast_shared(left, top, shadows, cost, timer);
-      for (int part = 0; part < kShare * kShare; ++part) {
-        const int x = part % kShare * kBlockSide, y = part / kShare * kBlockSide;
-        if (left + x < columns_ && top + y < rows_) sample(left + x, top + y, x, y, shadows, cost);
+    for_groups(strip, [&](int column, int row) { cast_shared(column, row, cost, timer); });
+  }
+
+  /// Each cell's shadows, mixed with those of its neighbours whose rays end about as far away: eight samples of a ray
+  /// would show as many edges of each shadow.
+  void blur() {
+    const int cell_rows = kBlockSide * group_rows_;
+    for (int y = 0; y < cell_rows; ++y) {
+      for (int x = 0; x < cell_columns_; ++x) {
+        const Cell& own = cell(x, y);
+        Cell& out = blurred_[static_cast<std::size_t>(y * cell_columns_ + x)];
+        out = {own.distance_m, own.reach_m, {}};
+        float whole = 0;
+        for (int v = std::max(y - 1, 0); v <= std::min(y + 1, cell_rows - 1); ++v) {
+          for (int u = std::max(x - 1, 0); u <= std::min(x + 1, cell_columns_ - 1); ++u) {
+            const Cell& other = cell(u, v);
+            const float weight = kNearCells[v - y + 1] * kNearCells[u - x + 1] * alike(own.reach_m, other.reach_m);
+            for (std::size_t k = 0; k < kSamples; ++k) out.open[k] += weight * other.open[k];
+            whole += weight;
+          }
+        }
+        for (float& open : out.open) open /= whole;
       }
-      timer.add(kWater);
     }
+  }
+
+  void cast_light(int strip, RenderCost& cost) {
+    TaskTimer timer(request_.measure, cost);
+    for_groups(strip, [&](int column, int row) {
+      for (int part = 0; part < kShare * kShare; ++part) {
+        const int left = column * kGroup + part % kShare * kBlockSide, top = row * kGroup + part / kShare * kBlockSide;
+        const bool even = is_even_[static_cast<std::size_t>(row * group_columns_ + column)] != 0;
+        if (left < columns_ && top < rows_) sample(left, top, even, cost);
+      }
+    });
+    timer.add(kWater);
   }
 
   /// The light, each value mixed with those of its neighbours whose rays end about as far away.
   ShaftImage smoothed() && {
     std::vector<float> out(light_.size());
-    constexpr std::array<float, 3> kShare{0.25f, 0.5f, 0.25f};
     for (int y = 0; y < rows_; ++y) {
       for (int x = 0; x < columns_; ++x) {
         const int here = y * columns_ + x;
-        const float own_m = reach_m_[here], per_m = kSharpness / std::max(own_m, 0.1f);
         float sum = 0, whole = 0;
         for (int v = std::max(y - 1, 0); v <= std::min(y + 1, rows_ - 1); ++v) {
           for (int u = std::max(x - 1, 0); u <= std::min(x + 1, columns_ - 1); ++u) {
             const int there = v * columns_ + u;
-            const float apart = (reach_m_[there] - own_m) * per_m;
-            const float weight = kShare[v - y + 1] * kShare[u - x + 1] / (1 + apart * apart * apart * apart);
+            const float weight = kNear[v - y + 1] * kNear[u - x + 1] * alike(reach_m_[here], reach_m_[there]);
             sum += weight * light_[there], whole += weight;
           }
         }
@@ -74,13 +111,21 @@ class ShaftCaster {
   }
 
  private:
-  /// Data shared by a group of values: the ends of rays, unless these are at different distances, and which of their
-  /// sample points are in shadow.
-  struct Shadows {
-    camera::BlockFloats distance;
-    bool is_even;  // the rays end about as far away
-    std::array<camera::BlockMask, kSamples> blocked;
+  /// Of rays through the middle of 2 x 2 values: where they end, how far they count, and which of their sample points
+  /// the sun reaches, 0 to 1.
+  struct Cell {
+    float distance_m, reach_m;
+    std::array<float, kSamples> open;
   };
+
+  const Cell& cell(int x, int y) const { return cells_[static_cast<std::size_t>(y * cell_columns_ + x)]; }
+  float counted_m(float reach_m) const { return std::min(reach_m, 3 / view_.c[1]); }
+
+  template <typename Visit>
+  void for_groups(int strip, const Visit& visit) const {
+    const int half = (group_columns_ + 1) / 2, first = strip % 2 == 0 ? 0 : half;
+    for (int k = first; k < (strip % 2 == 0 ? half : group_columns_); ++k) visit(k, strip / 2);
+  }
 
   static float sample_share(int k) { return (static_cast<float>(k) + 0.5f) / kSamples; }
 
@@ -90,62 +135,88 @@ class ShaftCaster {
     kernels_.start_paths(view_, block);
   }
 
-  void cast_shared(int left, int top, Shadows& shadows, RenderCost& cost, TaskTimer& timer) const {
+  void cast_shared(int column, int row, RenderCost& cost, TaskTimer& timer) {
     Block block;
     HitPacket hits;
-    start_rays(left, top, kGroup / 2, kGroup, block);
+    start_rays(column * kGroup, row * kGroup, kGroup / 2, kGroup, block);
     tracer_.cast(block, Tracer::everywhere(), hits, RayOrder::kCoherent);
     cost.shaft_rays += count(block.active);
     tracer_.locate_hits(view_, kernels_, hits, block);
-    shadows.distance = block.distance;
     const auto [least, most] = std::ranges::minmax(block.distance.at);
-    shadows.is_even = most <= least * (1 + 1 / kSharpness);  // also where all are infinite
-    shadows.blocked = {};
-    if (request_.effects.has(Effect::kShadows)) {
-      kernels_.apply_water(view_, block);
-      for (int k = 0; k < kSamples; ++k) {
-        kernels_.shaft_sample_point(view_, sample_share(k), block);
-        if (!any(block.needs_shadow_ray)) continue;
-        cost.shaft_rays += count(block.needs_shadow_ray);
-        tracer_.occluded(block, shadows.blocked[static_cast<std::size_t>(k)], RayOrder::kCoherent);
-      }
+    // Also where all are infinite
+    is_even_[static_cast<std::size_t>(row * group_columns_ + column)] = most <= least * (1 + 1 / kSharpness) ? 1 : 0;
+    const camera::BlockFloats distance = block.distance;
+    kernels_.apply_water(view_, block);
+    std::array<Cell*, kBlockPixels> own;
+    for (int lane = 0; lane < kBlockPixels; ++lane) {
+      const int x = column * kBlockSide + lane % kBlockSide, y = row * kBlockSide + lane / kBlockSide;
+      own[static_cast<std::size_t>(lane)] = &cells_[static_cast<std::size_t>(y * cell_columns_ + x)];
+      *own[static_cast<std::size_t>(lane)] = {distance.at[lane], counted_m(block.reach.at[lane]), {}};
+      own[static_cast<std::size_t>(lane)]->open.fill(1);
+    }
+    for (std::size_t k = 0; request_.effects.has(Effect::kShadows) && k < kSamples; ++k) {
+      camera::BlockMask blocked{};
+      kernels_.shaft_sample_point(view_, sample_share(static_cast<int>(k)), block);
+      if (!any(block.needs_shadow_ray)) continue;
+      cost.shaft_rays += count(block.needs_shadow_ray);
+      tracer_.occluded(block, blocked, RayOrder::kCoherent);
+      for (std::size_t lane = 0; lane < kBlockPixels; ++lane) own[lane]->open[k] = blocked.at[lane] ? 0.0f : 1.0f;
     }
     timer.add(kShaftRays);
   }
 
-  /// Computes the block of values at (left, top), which is at (x, y) in its group.
-  void sample(int left, int top, int x, int y, const Shadows& shadows, RenderCost& cost) {
-    Block block;
-    std::array<std::size_t, kBlockPixels> shared;
-    start_rays(left, top, kBlockSide / 2, kBlockSide, block);
-    for (int lane = 0; lane < kBlockPixels; ++lane) {
-      const int column = (x + lane % kBlockSide) / kShare, row = (y + lane / kBlockSide) / kShare;
-      shared[static_cast<std::size_t>(lane)] = static_cast<std::size_t>(row * kBlockSide + column);
-      block.distance.at[lane] = shadows.distance.at[row * kBlockSide + column];
+  /// The shadows at a value, between the nearest four cells.
+  std::array<float, kSamples> open_at(int i, int j, float reach_m) const {
+    const int x = i / kShare, y = j / kShare, beside = i % kShare == 0 ? -1 : 1, above = j % kShare == 0 ? -1 : 1;
+    const int other_x = std::clamp(x + beside, 0, cell_columns_ - 1);
+    const int other_y = std::clamp(y + above, 0, kBlockSide * group_rows_ - 1);
+    std::array<float, kSamples> open{};
+    float whole = 0;
+    for (const auto& [column, near_x] : {std::pair(x, 0.75f), std::pair(other_x, 0.25f)}) {
+      for (const auto& [row, near_y] : {std::pair(y, 0.75f), std::pair(other_y, 0.25f)}) {
+        const Cell& each = blurred_[static_cast<std::size_t>(row * cell_columns_ + column)];
+        const float weight = near_x * near_y * (alike(reach_m, each.reach_m) + 1e-3f);
+        for (std::size_t k = 0; k < kSamples; ++k) open[k] += weight * each.open[k];
+        whole += weight;
+      }
     }
-    if (!shadows.is_even) {
+    for (float& each : open) each /= whole;
+    return open;
+  }
+
+  /// Computes the block of values at (left, top).
+  void sample(int left, int top, bool is_even, RenderCost& cost) {
+    Block block;
+    start_rays(left, top, kBlockSide / 2, kBlockSide, block);
+    for (int lane = 0; lane < kBlockPixels; ++lane)
+      block.distance.at[lane] =
+          cell((left + lane % kBlockSide) / kShare, (top + lane / kBlockSide) / kShare).distance_m;
+    if (!is_even) {
       HitPacket hits;
       tracer_.cast(block, Tracer::everywhere(), hits, RayOrder::kCoherent);
       cost.shaft_rays += count(block.active);
       tracer_.locate_hits(view_, kernels_, hits, block);
     }
     kernels_.apply_water(view_, block);
+    std::array<std::array<float, kSamples>, kBlockPixels> open;
+    for (int lane = 0; lane < kBlockPixels; ++lane)
+      open[static_cast<std::size_t>(lane)] =
+          open_at(left + lane % kBlockSide, top + lane / kBlockSide, counted_m(block.reach.at[lane]));
     std::array<float, kBlockPixels> lit{}, whole{};
-    for (int k = 0; k < kSamples; ++k) {
-      const camera::BlockMask& blocked = shadows.blocked[static_cast<std::size_t>(k)];
+    for (std::size_t k = 0; k < kSamples; ++k) {
       camera::BlockFloats weight, caustic;
-      kernels_.shaft_sample_point(view_, sample_share(k), block);
+      kernels_.shaft_sample_point(view_, sample_share(static_cast<int>(k)), block);
       kernels_.shaft_sample_light(view_, block, weight, caustic);
       for (std::size_t lane = 0; lane < kBlockPixels; ++lane) {
         whole[lane] += weight.at[lane];
-        lit[lane] += blocked.at[shared[lane]] ? 0.0f : weight.at[lane] * caustic.at[lane];
+        lit[lane] += open[lane][k] * weight.at[lane] * caustic.at[lane];
       }
     }
     for (int lane = 0; lane < kBlockPixels; ++lane) {
       const int i = left + lane % kBlockSide, j = top + lane / kBlockSide;
       if (i >= columns_ || j >= rows_) continue;
       const auto at = static_cast<std::size_t>(j * columns_ + i);
-      reach_m_[at] = std::min(block.reach.at[lane], 3 / view_.c[1]);
+      reach_m_[at] = counted_m(block.reach.at[lane]);
       if (!(whole[static_cast<std::size_t>(lane)] > 0)) continue;
       light_[at] = lit[static_cast<std::size_t>(lane)] / whole[static_cast<std::size_t>(lane)];
     }
@@ -155,7 +226,9 @@ class ShaftCaster {
   const Tracer& tracer_;
   const camera::Kernels& kernels_;
   const PictureRequest& request_;
-  int columns_, rows_;
+  int columns_, rows_, group_columns_, group_rows_, cell_columns_;
+  std::vector<Cell> cells_, blurred_;
+  std::vector<std::uint8_t> is_even_;  // of each group: its rays end about as far away
   std::vector<float> light_, reach_m_;
 };
 
@@ -164,8 +237,13 @@ class ShaftCaster {
 ShaftImage cast_shafts(const camera::View& view, const Tracer& tracer, const camera::Kernels& kernels,
                        const PictureRequest& request, std::vector<RenderCost>& costs) {
   ShaftCaster caster(view, tracer, kernels, request);
-  for_rows(caster.strips(), static_cast<int>(costs.size()),
-           [&](int strip, int worker) { caster.cast(strip, costs[static_cast<std::size_t>(worker)]); });
+  const auto for_strips = [&](auto step) {
+    for_rows(caster.strips(), static_cast<int>(costs.size()),
+             [&](int strip, int worker) { (caster.*step)(strip, costs[static_cast<std::size_t>(worker)]); });
+  };
+  for_strips(&ShaftCaster::cast_shadows);
+  caster.blur();
+  for_strips(&ShaftCaster::cast_light);
   return std::move(caster).smoothed();
 }
 

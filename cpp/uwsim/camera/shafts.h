@@ -16,7 +16,9 @@ struct ShaftImage {
 };
 
 /// Sampled at eight points per ray, then smoothed over neighbouring blocks whose rays end about as far away. Groups of
-/// 2 x 2 blocks share the shadows at their sample points, and the ends of their rays where these are alike.
+/// 2 x 2 blocks share the ends of their rays where these are alike, and shadow rays at their sample points, whose
+/// answers are smoothed in the same way and interpolated: the edges of a shadow would otherwise be as many as the
+/// points.
 ShaftImage cast_shafts(const camera::View& view, const Tracer& tracer, const camera::Kernels& kernels,
                        const PictureRequest& request, std::vector<RenderCost>& costs);
 

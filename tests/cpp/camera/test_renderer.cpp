@@ -187,7 +187,7 @@ double lit_share(const Eigen::Vector2d& pixel, double side_m, const Camera& came
 }
 
 // In this small picture of 25 x 17 blocks, the error with eight samples per ray is 0.031 on average and at most 0.083;
-// sharing shadows among four blocks increases these to 0.034 and 0.114.
+// sharing shadows among four blocks, and mixing them with their neighbours, makes these 0.035 and 0.096.
 TEST_F(Renderer, ShadowsInTheWaterLieWhereThePlateCastsThem) {
   Effects effects = Effects::none();
   for (const Effect effect : {Effect::kAttenuation, Effect::kBackscatter, Effect::kSunlight, Effect::kShadows}) {
@@ -271,6 +271,30 @@ TEST_F(Renderer, ShaftsDoNotLeakAroundNearSolids) {
   }
   EXPECT_GT(compared, 3000);
   EXPECT_LT(error, 0.2 * contrast);
+}
+
+// The edge of a shadow in the water runs through blocks of pixels and sample points without steps.
+TEST_F(Renderer, ShadowsInTheWaterHaveNoSteps) {
+  World with_roof = hilly_lake();
+  with_roof.add_solid("roof", box_mesh({1, 1, -0.6}, {3, 2, 0.2}));
+  const CameraScene roofed(with_roof, std::make_shared<RayScene>(with_roof), 7);
+  PictureRequest request = from({-4, 0, -3}, -0.3);
+  request.lamps.clear();
+  for (const Effect effect : {Effect::kCaustics, Effect::kParticles, Effect::kNoise, Effect::kForwardScatter})
+    request.effects.set(effect, false);
+  const Picture with = render(roofed, *camera, optics, request);
+  request.effects.set(Effect::kShafts, false);
+  const Picture even = render(roofed, *camera, optics, request);
+  const auto shade = [&](std::size_t k) { return double{with.radiance[3 * k + 1]} / even.radiance[3 * k + 1]; };
+  double step = 0, least = 1, most = 0;
+  for (std::size_t k = 1; k < with.depth_m.size(); ++k) {
+    if (k % static_cast<std::size_t>(with.width) == 0 || with.labels[k] != with.labels[k - 1]) continue;
+    if (std::isfinite(with.depth_m[k])) continue;
+    step = std::max(step, std::abs(shade(k) - shade(k - 1)));
+    least = std::min(least, shade(k)), most = std::max(most, shade(k));
+  }
+  EXPECT_LT(least, 0.8 * most);
+  EXPECT_LT(step, 0.05);
 }
 
 /// The cosine similarity of two pictures of particles: 1 for the same particles, about 0 for others.
