@@ -264,3 +264,23 @@ def run(out: Path | None = None) -> list[Check]:
         *lake_depths(),
         *checkerboard_corners(),
     ]
+
+
+def irradiance_variation(depth_m: float, wind_m_s: float = 5.0, jerlov: str = "IB", sun_deg: float = 50.0) -> Floats:
+    """Return the standard deviation over the mean (3,) of the daylight on a level plate, as cameras show it.
+
+    The plate is seen at twelve places and times, over some metres, in a sea without swell. No swell: only the ripples
+    of the wind focus the light.
+    """
+    light = Light(jerlov, sun_deg)
+    optics = _core.Optics(light.water, float(np.radians(sun_deg)), 0.7, wind_m_s, 0.3, 0.0, 0.0)
+    plate = box_scene((0, 0, -depth_m - 0.5), (60, 60, 1))
+    side, above_m = 96, min(2.4, 0.8 * depth_m)
+    camera = _core.Camera("check", _core.Lens(side, side, 0.5 * side, 0.5 * side, 0.5 * (side - 1), 0.5 * (side - 1)))
+    down = Rotation.from_euler("Y", 90, degrees=True).as_quat()
+    shown = [
+        plate.render(camera, optics, (0.7 * k, 0, above_m - depth_m), down, 5.0 * k, 0, ["sunlight", "caustics"],
+                     keep_radiance=True).radiance for k in range(12)
+    ]  # fmt: skip
+    seen = np.array(shown, np.float64).reshape(-1, 3)
+    return np.asarray(seen.std(axis=0) / seen.mean(axis=0), np.float64)

@@ -7,6 +7,7 @@ frozen. Nothing here writes the file.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -17,6 +18,7 @@ from rich.console import Console
 from rich.table import Table
 from scipy.spatial.transform import Rotation
 
+from uwsim.evidence.validate.camera import irradiance_variation
 from uwsim.evidence.validate.flights import START_M, deep_water
 from uwsim.evidence.validate.reality.arm_tilts import arm_at, flown_deg
 from uwsim.scenario import load_vehicle
@@ -144,6 +146,10 @@ def _arm_ahead_deg() -> NDArray[np.float64]:
     return np.asarray(flown[-1], np.float64)
 
 
+def _irradiance_variation(depth_m: float) -> float:
+    return 100.0 * float(irradiance_variation(depth_m)[2])
+
+
 COMPUTED: dict[str, Callable[[], float]] = {
     "t200_ahead_18_v": lambda: _t200(1900.0, 18.0)[0],
     "t200_astern_18_v": lambda: _t200(1100.0, 18.0)[0],
@@ -153,4 +159,5 @@ COMPUTED: dict[str, Callable[[], float]] = {
     "bluerov2_roll_period": _roll_period_s,
     "arm_ahead_pitch": lambda: float(_arm_ahead_deg()[0]),
     "arm_ahead_roll": lambda: float(_arm_ahead_deg()[1]),
+    **{f"irradiance_variation_{z}_m": partial(_irradiance_variation, z) for z in (1, 5, 10, 20)},
 }
