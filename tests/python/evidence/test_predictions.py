@@ -69,7 +69,7 @@ def test_intervals_hold_their_values_and_data_are_opened_after_the_freeze() -> N
 
 def test_printing_does_not_write_the_file_and_shows_hits_and_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     before = FILE.read_bytes()
-    entry = read_predictions()[0]
+    entry = read_predictions()[0].model_copy(update={"measured": None})
     high = entry.interval[1]
     measured = [Measured(value=value, date="2030-01-01", source="made up") for value in (high, high + 1.0)]
     shown = [entry, *(entry.model_copy(update={"measured": each}) for each in measured)]
