@@ -1,4 +1,4 @@
-"""Generate assets/meshes/bluerov2.obj and bluerov2_heavy.obj, Blue Robotics' ROV; needs numpy and manifold3d.
+"""Generate assets/meshes/bluerov2.glb and bluerov2_heavy.glb, Blue Robotics' ROV; needs manifold3d and trimesh.
 
 Metres; x forward, y left, z up; 0.457 x 0.338 x 0.254 m, heavy 0.575 m across. The hull is everything that displaces
 water (tubes, foam, thrusters, side plates and ballast), united into a closed solid. Thruster positions are those in
@@ -11,10 +11,18 @@ from pathlib import Path
 
 import numpy as np
 from manifold3d import Manifold
-from solids import Point, ball, box, hull, rod, united, write_obj
+from solids import Colour, Point, ball, box, hull, rod, united, united_by_colour, write_glb
 
 ASSETS = Path(__file__).resolve().parents[2] / "assets"
 SIDES = (-1, 1)
+BLACK, BLUE, DARK, METAL, DOME = (
+    (0.012, 0.012, 0.014),  # plates and thrusters
+    (0.0, 0.12, 0.33),  # fairings
+    (0.035, 0.037, 0.042),  # anodised tubes
+    (0.34, 0.35, 0.37),  # flanges
+    (0.13, 0.18, 0.21),  # acrylic
+)  # linear; as on photographs of the vehicle
+Parts = dict[Colour, list[Manifold]]
 LENGTH_M, HEIGHT_M = 0.457, 0.254
 LOW_M, HIGH_M = -0.127, 0.127
 
@@ -53,18 +61,19 @@ def side_panel(y: float) -> Manifold:
     return panel + box((-end + 0.02, y - 0.012, LOW_M), (end - 0.02, y + 0.012, LOW_M + 0.03))
 
 
-def tubes() -> list[Manifold]:
+def tubes() -> Parts:
     """Return the electronics tube with its dome in front, the battery below, and their cradles."""
-    return [
+    flanges = [rod((low, 0, 0.03), (low + 0.02, 0, 0.03), 0.062, 10) for low in (-0.175, 0.135)]
+    cylinders = [
         rod((-0.16, 0, 0.03), (0.15, 0, 0.03), 0.057, 10),
-        ball((0.15, 0, 0.03), 0.052, 8),
-        rod((-0.175, 0, 0.03), (-0.155, 0, 0.03), 0.062, 10),
-        rod((0.135, 0, 0.03), (0.155, 0, 0.03), 0.062, 10),
         rod((-0.13, 0, -0.072), (0.13, 0, -0.078), 0.0445, 8),
+    ]
+    cradles = [
         *(box((x - 0.009, -0.16, -0.04), (x + 0.009, 0.16, -0.022)) for x in (-0.07, 0.07)),
         *(box((x - 0.009, -0.165, LOW_M), (x + 0.009, 0.165, LOW_M + 0.02)) for x in (-0.15, 0.15)),
         *(box((x - 0.009, -0.03, -0.05), (x + 0.009, 0.03, 0.0)) for x in (-0.07, 0.07)),
     ]
+    return {METAL: flanges, DARK: cylinders, DOME: [ball((0.15, 0, 0.03), 0.052, 8)], BLACK: cradles}
 
 
 def fairing(x: float, y: float) -> Manifold:
@@ -82,10 +91,11 @@ def horizontal_thrusters() -> list[Manifold]:
     return [thruster((x, y * 0.092, 0.0), (1 if x < 0 else -1, y, 0)) for x in (0.14, -0.15) for y in SIDES]
 
 
-def frame() -> list[Manifold]:
+def frame() -> Parts:
     """Return side panels, fairings, tubes and horizontal thrusters."""
-    panels = [side_panel(y * 0.163) for y in SIDES]
-    return [*panels, *tubes(), *(fairing(x, y) for x in SIDES for y in SIDES), *horizontal_thrusters()]
+    inside = tubes()
+    black = [*(side_panel(y * 0.163) for y in SIDES), *inside.pop(BLACK), *horizontal_thrusters()]
+    return {**inside, BLUE: [fairing(x, y) for x in SIDES for y in SIDES], BLACK: black}
 
 
 def verticals() -> list[Manifold]:
@@ -94,15 +104,15 @@ def verticals() -> list[Manifold]:
     return [*parts, *(box((-0.05, y * 0.111 - 0.006, 0.052), (0.05, y * 0.111 + 0.006, 0.064)) for y in SIDES)]
 
 
-def heavy_sides() -> list[Manifold]:
+def heavy_sides() -> Parts:
     """Return two vertical thrusters per side, in a deck outside the panels, with foam between them."""
-    parts = []
+    parts: Parts = {BLACK: [], BLUE: []}
     for y in SIDES:
         inner, outer = y * 0.165, y * 0.2865
         deck = hull([(x * e, s, z) for x in SIDES for e, s in ((0.2, inner), (0.16, outer)) for z in (0.056, 0.07)])
         for x in SIDES:
             deck -= rod((x * 0.118, y * 0.215, 0.0), (x * 0.118, y * 0.215, 0.12), 0.0455, 8)
-            parts.append(thruster((x * 0.118, y * 0.215, 0.064), (0, 0, 1)))
+            parts[BLACK].append(thruster((x * 0.118, y * 0.215, 0.064), (0, 0, 1)))
         foam = hull(
             [
                 (x * e, s, z)
@@ -115,16 +125,23 @@ def heavy_sides() -> list[Manifold]:
                 )
             ]
         )
-        parts += [deck, foam]
+        parts[BLACK].append(deck)
+        parts[BLUE].append(foam)
     return parts
+
+
+def write(name: str, *parts: Parts) -> None:
+    """Write the union of parts, in their colours."""
+    by_colour = {colour: [each for some in parts for each in some.get(colour, [])] for colour in parts[0]}
+    solid, colours = united_by_colour(by_colour)
+    write_glb(solid, colours, ASSETS / "meshes" / name)
 
 
 def main() -> None:
     """Write both meshes."""
-    comment = "made by tools/assets/make_bluerov2.py; metres, x forward, z up"
-    write_obj(united([*frame(), *verticals()]), ASSETS / "meshes" / "bluerov2.obj", comment)
+    write("bluerov2.glb", frame(), {BLACK: verticals()})
     middle = box((-0.04, -0.165, 0.06), (0.04, 0.165, 0.075))
-    write_obj(united([*frame(), middle, *heavy_sides()]), ASSETS / "meshes" / "bluerov2_heavy.obj", comment)
+    write("bluerov2_heavy.glb", frame(), {BLACK: [middle]}, heavy_sides())
 
 
 if __name__ == "__main__":

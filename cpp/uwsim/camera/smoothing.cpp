@@ -32,7 +32,8 @@ void set_smooth_normals(const CameraScene& scene, const Tracer& tracer, const Hi
   for (std::size_t k = 0; k < camera::kBlockPixels; ++k) {
     block.rise.at[k] = 0;
     const std::uint32_t label = block.label[k];
-    if (label <= kTerrain || scene.texture_of(label) != nullptr) continue;
+    if (label <= kTerrain) continue;
+    if (const Texture* const texture = scene.texture_of(label); texture != nullptr && texture->has_relief()) continue;
     SmoothPlace smooth{{hits.smooth_x[k], hits.smooth_y[k], hits.smooth_z[k]}, hits.rise_m[k]};
     if (const SmoothMesh* const mesh = scene.smooth_mesh(label)) {
       if (hits.u[k] == 0 && hits.v[k] == 0) continue;  // a round shape, which has no facets

@@ -6,7 +6,7 @@
 
 namespace uwsim {
 
-/// Replaces the normals of a block's hits on round surfaces without texture by those of the smooth surface for which
+/// Replaces the normals of a block's hits on round surfaces without relief by those of the smooth surface for which
 /// their facets stand, and sets `rise` of all lanes.
 void set_smooth_normals(const CameraScene& scene, const Tracer& tracer, const HitPacket& hits, camera::Block& block);
 

@@ -21,7 +21,8 @@ class CameraRequest:
     """The camera of a picture, its pose and its light.
 
     effects: one entry per picture: "on", "off", or names joined by "+". pose: the vehicle's X,Y,Z[,YAW[,PITCH[,ROLL]]]
-    in metres and degrees, positive pitch is down; by default its start. lamps: names of the switches to turn on. at_s:
+    in metres and degrees, positive pitch is down; by default the scenario's view, of the first vehicle, or its start.
+    lamps: names of the switches to turn on. at_s:
     the simulated time. vehicle: its name; by default the first.
     """
 
@@ -68,11 +69,17 @@ def set_up(sim: Simulator, request: CameraRequest) -> Camera:
         sim.set_optics(jerlov=request.jerlov)
     if request.sun_deg is not None:
         sim.set_optics(sun_elevation_deg=request.sun_deg)
-    if request.pose is not None:
-        place_as_typed(rov, request.pose)
+    pose = _view_of(sim) if request.pose is None and rov is sim.rov else request.pose
+    if pose is not None:
+        place_as_typed(rov, pose)
     if not 0.0 <= request.at_s <= LONGEST_WAIT_S:  # also false for NaN
         raise ValueError(f"at = {request.at_s} s: must be in [0, {LONGEST_WAIT_S:g}] s")
     sim.advance(request.at_s)
-    if request.pose is not None and request.at_s:
-        place_as_typed(rov, request.pose)  # again, since the vehicle may have drifted
+    if pose is not None and request.at_s:
+        place_as_typed(rov, pose)  # again, since the vehicle may have drifted
     return cameras[request.camera]
+
+
+def _view_of(sim: Simulator) -> str | None:
+    view = sim.scenario.view
+    return None if view is None else ",".join(f"{part!r}" for part in (*view.position_m, view.yaw_deg, view.pitch_deg))

@@ -44,7 +44,7 @@ Pose = Annotated[
     str | None,
     typer.Option(
         help="Pose of the vehicle: X,Y,Z [m][,YAW[,PITCH[,ROLL]]] [deg], positive PITCH is nose down. "
-        "Default: its start pose."
+        "Default: its start pose; for the first vehicle's cameras, the scenario's view."
     ),
 ]
 VehicleName = Annotated[str | None, typer.Option("--vehicle", help="Name of the vehicle. Default: the first.")]

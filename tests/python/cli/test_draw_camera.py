@@ -72,3 +72,14 @@ def test_the_vehicle_is_where_it_was_asked_to_be_however_long_it_waits() -> None
     np.testing.assert_allclose(sim.rov.pose.position_world_m, position)
     np.testing.assert_allclose(sim.rov.pose.orientation_xyzw, turn)
     assert sim.time_s == 2.0
+
+
+def test_the_first_vehicle_is_where_the_scenario_is_seen_best_unless_a_pose_is_given() -> None:
+    with Simulator("lake") as sim:
+        docked = np.array(sim.rov.pose.position_world_m)
+        view = sim.scenario.view
+        set_up(sim, CameraRequest())
+        assert np.allclose(sim.rov.pose.position_world_m, view.position_m)
+        assert np.degrees(sim.rov.pose.yaw_rad) == pytest.approx(view.yaw_deg)
+        set_up(sim, CameraRequest(pose=",".join(str(part) for part in docked)))
+        assert np.allclose(sim.rov.pose.position_world_m, docked)

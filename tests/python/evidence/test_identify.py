@@ -161,9 +161,9 @@ def test_a_table_becomes_a_report_and_a_vehicle_file_that_differs_from_the_old_o
         "velocity_body: [v0, v1, v2, v3, v4, v5]\neffort: [e0, e1, e2, e3, e4, e5]\n"
     )
     (tmp_path / "own").mkdir()
-    old = (assets_folder() / "vehicles" / "bluerov2_wu.yaml").read_text().replace("meshes/bluerov2.obj", "hull.obj")
+    old = (assets_folder() / "vehicles" / "bluerov2_wu.yaml").read_text().replace("meshes/bluerov2.glb", "hull.glb")
     (mine := tmp_path / "own" / "mine.yaml").write_text(old.replace(", spin: clockwise}", ", gain: 1.0}"))
-    shutil.copy(assets_folder() / "meshes" / "bluerov2.obj", tmp_path / "own" / "hull.obj")
+    shutil.copy(assets_folder() / "meshes" / "bluerov2.glb", tmp_path / "own" / "hull.glb")
     kept: list[Identified] = []
     known = (*KNOWN, "added_mass", "linear_damping", "command_delay", "quadratic_damping.roll")
     words = ["identify", str(tmp_path / "log.csv"), f"--map={tmp_path / 'map.yaml'}", f"--vehicle={mine}"]
@@ -189,7 +189,7 @@ def test_a_table_becomes_a_report_and_a_vehicle_file_that_differs_from_the_old_o
     changed = {b.strip().partition(":")[0]: a for b, a in zip(before, after, strict=True) if a != b}
     gained = [line for line in before if "gain: 1.0" in line]
     assert len(gained) == 3 and set(changed) == {"mass_kg", "quadratic_damping", "mesh", "{model"}
-    assert f'mesh: "{tmp_path / "own" / "hull.obj"}"' in changed["mesh"]
+    assert f'mesh: "{tmp_path / "own" / "hull.glb"}"' in changed["mesh"]
     assert "# measured in log.csv, 95 %: surge " in changed["quadratic_damping"]
     assert "; the rest: [N s2/m2, N m s2/rad2] [Wu]" in changed["quadratic_damping"]
     new, own = load_vehicle(tmp_path / "new.yaml"), load_vehicle(mine)

@@ -31,17 +31,21 @@ class Kelp(CoverModel):
         return [unit(merged(_plant(random)), standing=True) for _ in range(4)]
 
 
+BLADE_POINTS = 13
+"""Along a blade; fewer are seen as corners from a metre away."""
+
+
 def _plant(random: np.random.Generator) -> list[Mesh]:
     """Return a stipe, which leans and winds, and blades along its upper part, each curved and wavy."""
     up = np.linspace(0, 1, 9)
     lean, phase = random.uniform(-0.12, 0.12, 2), random.uniform(0, 2 * np.pi)
     stipe = np.stack([lean[0] * up**2 + 0.02 * np.sin(5 * up + phase), lean[1] * up**2 + 0.02 * np.cos(4 * up), up], -1)
-    parts = [tube(stipe, np.linspace(0.010, 0.004, 9), 4)]
+    parts = [tube(stipe, np.linspace(0.010, 0.004, 9), 6)]
     for k, height in enumerate(np.linspace(0.12, 0.98, 22)):
         foot = np.array([np.interp(height, up, stipe[:, axis]) for axis in range(3)])
         turn = 2.4 * k + random.uniform(-0.4, 0.4)
         out = np.array([np.cos(turn), np.sin(turn), 0.0])
-        along = np.linspace(0, 1, 6)[:, None]
+        along = np.linspace(0, 1, BLADE_POINTS)[:, None]
         length, rise = random.uniform(0.12, 0.22), random.uniform(0.1, 0.6)
         blade = foot + length * (along * out + (rise * along - 0.5 * along**2) * [0, 0, 1])
         blade[:, 2] += 0.008 * np.sin(9 * along[:, 0] + turn)
@@ -50,14 +54,16 @@ def _plant(random: np.random.Generator) -> list[Mesh]:
 
 
 def _blade(line: Floats, across: Floats, random: np.random.Generator) -> list[Mesh]:
-    """Return the two halves of a blade along a line (6, 3): folded at the rib, with wavy edges, and twisted."""
-    widths = 0.05 * np.array([0.3, 0.9, 1.0, 0.9, 0.6, 0.05])[:, None]
-    twist = np.linspace(0, random.uniform(-1.2, 1.2), 6)[:, None]
+    """Return the two halves of a blade along a line (n, 3): folded at the rib, with wavy edges, and twisted."""
+    along = np.linspace(0, 1, len(line))
+    widths = 0.05 * np.interp(along, np.linspace(0, 1, 6), [0.2, 0.9, 1.0, 0.9, 0.6, 0.02])[:, None]
+    widths *= 1 + 0.08 * np.sin(40 * along + random.uniform(0, 6))[:, None]  # a frilled edge
+    twist = along[:, None] * random.uniform(-1.2, 1.2)
     level = np.cos(twist) * across + np.sin(twist) * [0, 0, 1]
     over = np.cos(twist) * [0, 0, 1] - np.sin(twist) * across
     halves = []
     for side in (-1, 1):
-        wave = 0.25 + 0.3 * np.sin(2.3 * np.arange(6)[:, None] + random.uniform(0, 2 * np.pi))
+        wave = 0.25 + 0.3 * np.sin(11.5 * along[:, None] + random.uniform(0, 2 * np.pi))
         edge = 0.5 * widths * (side * level + wave * over)
-        halves.append(ribbon(line + 0.5 * edge, edge, np.ones(6)))
+        halves.append(ribbon(line + 0.5 * edge, edge, np.ones(len(line))))
     return halves

@@ -27,6 +27,7 @@ from uwsim.scenario.spec.terrain import TerrainSpec
 from uwsim.scenario.spec.tether import BodyAnchor, Tethered
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
+from uwsim.scenario.spec.view import View
 from uwsim.scenario.spec.water import Water
 from uwsim.scenario.spec.water_target import WaterTargetSpec
 from uwsim.scenario.spec.wind import LINK_MOST_M_S, OPTICS_MOST_M_S, Wind, in_wind
@@ -65,7 +66,8 @@ class Scenario(Model):
     unless the terrain has a coordinate system. water: its surface, currents and profile. wind: over it; by default
     none. optics: optical conditions for cameras. terrain: the bed. ground: its materials. detail: `fine` lets cameras
     see the relief and patterns of fixed surfaces down to a pixel's footprint (pebbles, pits, grain), and ripples of
-    sand across the waves; no other sensor perceives them. obstacles: fixed obstacles in the water. cover: layers of
+    sand across the waves; no other sensor perceives them. view: from where stills show the scenario, and `uwsim camera`
+    looks unless it is given a pose; by default the start of the first vehicle. obstacles: fixed obstacles in the water. cover: layers of
     stones, plants and animals on the bed: stones stop bodies, plants brake them. life: fish, which instruments meet.
     water_targets: fish and bubbles, which a multibeam in physics mode receives. station: the reference for distances;
     it has the dock. vehicles: at least one. objects: loose bodies and bodies on paths. warnings: when the panel issues
@@ -89,6 +91,7 @@ class Scenario(Model):
     terrain: TerrainSpec
     ground: Ground = Ground.model_construct()
     detail: Literal["fine"] | None = None
+    view: View | None = None
     obstacles: Annotated[tuple[ObstacleSpec, ...], Field(max_length=10_000)] = ()
     cover: Cover = ()
     life: Life | None = None

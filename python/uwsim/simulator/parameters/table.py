@@ -48,6 +48,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "terrain",
             "ground",
             "detail",
+            "view",
             "obstacles",
             "cover",
             "life",
