@@ -109,6 +109,7 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "scenario schema": (["scenario"], {}),
     "scenario plan": (["pool.yaml"], {"out": "pool.plan"}),
     "twin": ([], {"area": "area.geojson", "chart": "bed.tif", "log": "dive.csv", "columns": DIVE, "out": "twin"}),
+    "range": (["vision", "pool"], {"out": "range", "seeds": "1", "frames": "3", "conditions": "sun"}),
 }
 MORE_BASES: dict[str, list[tuple[list[str], dict[str, str]]]] = {
     "map build": [

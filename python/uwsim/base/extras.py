@@ -44,6 +44,7 @@ EXTRA_OF = {
     "stable_baselines3": "rl",
     "distributed": "sweeps",
     "h5py": "seakeeping",
+    "cv2": "vision",
 }
 """The smallest extra in pyproject.toml that installs each module."""
 

@@ -17,6 +17,7 @@ ELSEWHERE = {
     "dataset.json of --out": ["dataset"],
     "figures.json of --out": ["reproduce"],
     "report.md of --out": ["twin"],
+    "vision.json of --out": ["range"],
     "flights.csv of --out": ["ardusub-check"],
     "the file or the pictures that it writes": [
         "sonar", "camera", "film", "decompose", "ros package", "scenario new", "scenario from", "scenario plan",

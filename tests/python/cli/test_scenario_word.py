@@ -11,7 +11,7 @@ from uwsim.cli.program import app
 
 FIRST = {"run": ["m.py"], "film": ["m.py"], "compare": ["frontier"], "ardusub": ["sub"], "ardusub-check": ["a", "b"],
          "connect": ["ws://host"], "map convert": ["a.bt", "b.ot"], "map score": ["a.bt"],
-         "fleet": ["--tile", "8"], "replay": ["a"], "rays": ["--from=0,0,-1", "--to=1,1,-1"]}  # fmt: skip
+         "fleet": ["--tile", "8"], "replay": ["a"], "range": ["vision"], "rays": ["--from=0,0,-1", "--to=1,1,-1"]}  # fmt: skip
 """The words before the scenario's."""
 
 

@@ -96,6 +96,7 @@ def packages(lines: list[str]) -> set[str]:
 
 
 PACKAGE_OF = {
+    "cv2": "opencv-python-headless",
     "GSFU": "gsfu",
     "PIL": "pillow",
     "zenoh": "eclipse-zenoh",
@@ -109,7 +110,6 @@ OF_OTHERS = {
     "mpl_toolkits",
     "IPython",
     "dask",
-    "cv2",
     "filterpy",
     "gsw",
     "playwright",  # takes screens if it is there; kept ones otherwise

@@ -1,0 +1,1 @@
+"""How well cameras navigate: `uwsim range vision`."""
