@@ -60,7 +60,9 @@ PLAN = b"""{"fileType": "Plan", "version": 1, "mission": {"plannedHomePosition":
 "TransectStyleComplexItem": {"CameraCalc": {"DistanceToSurface": 5, "DistanceMode": 1, "AdjustedFootprintSide": 4},
 "VisualTransectPoints": [[54.4, 10.2], [54.5, 10.2]]}},
 {"type": "SimpleItem", "command": 177, "frame": 2, "params": [1, 2, 0, 0, 0, 0, 0]}]},
-"geoFence": {"circles": [], "polygons": [{}], "version": 2}, "rallyPoints": {"points": []}}"""
+"geoFence": {"circles": [{"circle": {"center": [54.4, 10.2], "radius": 50}, "inclusion": true}],
+"polygons": [{"inclusion": false, "polygon": [[54.4, 10.2], [54.5, 10.2], [54.5, 10.3]]}], "version": 2},
+"rallyPoints": {"points": []}}"""
 WPL = b"QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t54.4\t10.2\t0\t1\n1\t0\t3\t16\t0\t0\t0\t0\t54.5\t10.2\t-2\t1\n"
 GEOJSON = b"""{"type": "FeatureCollection", "features": [
 {"type": "Feature", "properties": {"heading": 30, "depth_m": 2},

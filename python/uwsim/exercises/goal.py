@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-import numpy as np
 from pydantic import Field
 
-from uwsim.exercises.moment import Floats, Moment
+from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import InRange, Model, Name
 from uwsim.scenario.spec.kinds import Kinds
 from uwsim.simulator.simulator import Simulator
@@ -85,13 +84,3 @@ class GoalModel(Model):
 
 GOALS = Kinds("uwsim.kinds.goal", GoalModel)
 Goal = Annotated[GoalModel, GOALS]
-
-
-def inside(points: Floats, corners: Floats) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Return a mask (n,) of the points (n, 2) inside a polygon (m, 2), by the even-odd rule."""
-    x, y = points.T
-    inside = np.zeros(len(points), np.bool_)
-    for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        if y0 != y1:
-            inside ^= ((y0 > y) != (y1 > y)) & (x < (x1 - x0) * (y - y0) / (y1 - y0) + x0)
-    return inside

@@ -8,7 +8,8 @@ import numpy as np
 from pydantic import Field
 
 from uwsim.base.commands.notes import NoteCategory
-from uwsim.exercises.goal import Points, inside
+from uwsim.base.polygon import inside
+from uwsim.exercises.goal import Points
 from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import InRange, Model, Point2
 from uwsim.simulator.simulator import Simulator

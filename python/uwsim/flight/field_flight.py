@@ -14,6 +14,7 @@ import numpy as np
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.flight.mission_file import MissionError
 from uwsim.mapping.files.georeference import Home, Place
+from uwsim.missions.fence import Fence
 from uwsim.missions.field import Area, FieldMission, Item, read_mission_file
 from uwsim.missions.field.mission import sentence
 from uwsim.missions.items import (
@@ -143,7 +144,7 @@ class FieldFlight:
         out: the folder of the flight's results, with those of its pictures, if there is one.
         Raises MissionError for an item that they cannot fly.
         """
-        grounds, flown, plans, notes = {}, {}, {}, dict.fromkeys(self.mission.notes)
+        grounds, flown, plans, fences, notes = {}, {}, {}, {}, dict.fromkeys(self.mission.notes)
         for name in names:
             vehicle = sim.vehicles[name]
             launch = np.asarray(vehicle.pose.position_world_m) * np.array([1.0, 1.0, 0.0])
@@ -164,6 +165,7 @@ class FieldFlight:
                     raise MissionError(f"{self.file}: {error}{self._hint(error)}") from None
             flown[name] = items
             plans[name] = [self._plan(area, ground) for area in areas]
+            fences[name] = self._fence(vehicle, ground, items, plans[name])
         for note in notes:
             warnings.warn(f"{self.file}: {note}", FieldNote, stacklevel=2)
         speed_m_s = self.settings.speed_m_s or SPEED_M_S
@@ -175,14 +177,31 @@ class FieldFlight:
                 vehicle.undock()
             pilot = Pilot(vehicle, grounds[vehicle.name], _NoOutputs(), reached_m(vehicle), speed_m_s)
             items = flown[vehicle.name]
-            yield from fly_items(
+            fence = fences[vehicle.name]
+            steps = fly_items(
                 pilot, items, 1, lambda number: None, lambda number: vehicle.log("item_reached", number=number)
             )
+            yield from fence.kept(vehicle, steps)
             for plan in plans[vehicle.name]:
-                yield from mow(vehicle, plan)
+                yield from fence.kept(vehicle, mow(vehicle, plan))
             return len(items)
 
         return mission
+
+    def _fence(self, vehicle: Any, ground: _Ground, items: list[Item], plans: list[LawnMowerPlan]) -> Fence:
+        """Return the file's fence. Raises MissionError for a start, an item or a lane that is not within it."""
+        fence = Fence(self.mission.fence, ground.home)
+        start_m = np.asarray(vehicle.pose.position_world_m)[:2]
+        if (why := fence.breach(start_m)) is not None:
+            where = f"the start of vehicle '{vehicle.name}', ({start_m[0]:.1f}, {start_m[1]:.1f}) m,"
+            raise MissionError(f"{self.file}: {where} {why}{PLACES}")
+        if (why := fence.refusal(items, start_m)) is not None:
+            raise MissionError(f"{self.file}: {why}")
+        for lane in (lane for plan in plans for lane in plan.lanes_near(start_m)):
+            if (why := fence.breach(lane.start_m, lane.end_m)) is not None:
+                ends = " to ".join(f"({x:.1f}, {y:.1f}) m" for x, y in (lane.start_m, lane.end_m))
+                raise MissionError(f"{self.file}: a lane from {ends} {why}")
+        return fence
 
     def _plan(self, area: Area, ground: _Ground) -> LawnMowerPlan:
         """Return the plan of an area's lanes. Raises MissionError."""

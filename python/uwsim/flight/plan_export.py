@@ -10,6 +10,7 @@ import numpy as np
 
 from uwsim.flight.flyable_lanes import required_survey, survey_plan
 from uwsim.mapping.files.georeference import HOME, Place
+from uwsim.missions.fence import Zone
 from uwsim.missions.field import Item, is_mission_file, read_mission_file
 from uwsim.missions.field.mission import LatLon, waypoint
 from uwsim.missions.items import ABOVE_BED, CHANGE_SPEED, KINDS
@@ -29,7 +30,7 @@ def plan_of(source: str) -> tuple[dict[str, Any], str | None]:
         if not mission.items:
             raise ValueError(f"{source}: has an area and no route: `uwsim survey --area` flies it")
         first = next((item for item in mission.items if item.x or item.y), mission.items[0])
-        return _document(mission.items, mission.home or (1e-7 * first.x, 1e-7 * first.y)), None
+        return _document(mission.items, mission.home or (1e-7 * first.x, 1e-7 * first.y), mission.fence), None
     scenario = load(source)
     survey, found = required_survey(scenario), georeference(scenario)
     place: Place = HOME if found.crs is None else found
@@ -44,14 +45,29 @@ def plan_of(source: str) -> tuple[dict[str, Any], str | None]:
     return _document(items, (lat, lon)), note and f"{note}latitude {HOME.lat_deg:g}, longitude {HOME.lon_deg:g} deg"
 
 
-def _document(items: Iterable[Item], home: LatLon) -> dict[str, Any]:
+def _document(items: Iterable[Item], home: LatLon, fence: Iterable[Zone] = ()) -> dict[str, Any]:
     mission = {
         "version": 2, "firmwareType": ARDUPILOT, "vehicleType": SUBMARINE, "cruiseSpeed": 1, "hoverSpeed": 1,
         "plannedHomePosition": [*home, 0], "items": [_simple(item) for item in items],
     }  # fmt: skip
+    circles = [
+        {
+            "circle": {"center": [*zone.corners[0]], "radius": zone.radius_m},
+            "inclusion": zone.is_inclusion,
+            "version": 1,
+        }
+        for zone in fence
+        if zone.radius_m
+    ]
+    polygons = [
+        {"polygon": [[*corner] for corner in zone.corners], "inclusion": zone.is_inclusion, "version": 1}
+        for zone in fence
+        if not zone.radius_m
+    ]
     return {
         "fileType": "Plan", "groundStation": "QGroundControl", "version": 1, "mission": mission,
-        "geoFence": {"circles": [], "polygons": [], "version": 2}, "rallyPoints": {"points": [], "version": 2},
+        "geoFence": {"circles": circles, "polygons": polygons, "version": 2},
+        "rallyPoints": {"points": [], "version": 2},
     }  # fmt: skip
 
 

@@ -34,7 +34,7 @@ SURFACE_M = 0.2
 CHORDS = 36  # of a circle
 CONTROL_S = 0.1
 UNSUPPORTED_FRAME, UNSUPPORTED, INVALID_PARAMETER, INVALID_X, INVALID_Z = 2, 3, 6, 10, 12  # MAV_MISSION_RESULT
-CHANGE_SPEED, JUMP, RETURN, LEFT_OUT = 178, 177, 20, -1
+CHANGE_SPEED, JUMP, CIRCLE, RETURN, LEFT_OUT = 178, 177, 18, 20, -1
 """LEFT_OUT: in place of an item of a file that is not flown, so that the numbers of the others stand."""
 WAYPOINT, PASSED = 16, (16, 17, 19, 82)
 """The items between which straight legs are flown."""
@@ -312,7 +312,7 @@ SECONDS: Limits = ("hold", 0.0, TIME_MAX_S, "s")
 KINDS: Mapping[int, ItemKind] = {
     16: ItemKind("waypoint", _waypoint, True, {1: SECONDS}),
     17: ItemKind("loiter", _loiter, True, {}),
-    18: ItemKind(
+    CIRCLE: ItemKind(
         "circle", _circle, True, {1: ("turns", 0.0, TURNS_MAX, ""), 3: ("radius", -RADIUS_MAX_M, RADIUS_MAX_M, "m")}
     ),
     19: ItemKind("loiter for a time", _waypoint, True, {1: SECONDS}),
@@ -360,7 +360,7 @@ def checked(item: Any, craft: Ground, servos: Outputs) -> Any:
         if not low <= value <= high or (number in WHOLE.get(item.command, ()) and value != int(value)):
             stated = f"{meaning} = {value:g} {unit}".rstrip()
             raise RefusedItemError(item, INVALID_PARAMETER + number - 1, f"{stated}: must be in [{low:g}, {high:g}]")
-    if item.command == 18 and abs(item.param3) < RADIUS_MIN_M:
+    if item.command == CIRCLE and abs(item.param3) < RADIUS_MIN_M:
         reason = f"radius = {item.param3:g} m: must be {RADIUS_MIN_M:g} m or more"
         raise RefusedItemError(item, INVALID_PARAMETER + 2, reason)
     if item.command == JUMP and not 1 <= item.param1 <= ITEMS_MAX:

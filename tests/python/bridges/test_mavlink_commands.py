@@ -28,6 +28,7 @@ READ: dict[int, tuple[tuple[float, ...], dict[int, tuple[float, ...]]]] = {
     17: ((), {}),
     21: ((), {}),
     183: ((13, 1100), {1: (*WHOLE, 1, 14), 2: (*WHOLE, 799, 2201)}),
+    207: ((1,), {1: SWITCH}),
     224: ((0,), {1: (*WHOLE, -1)}),
     300: ((), {1: (*WHOLE, 2), 2: (*WHOLE, 7)}),
     ARM: ((0,), {1: SWITCH}),

@@ -14,8 +14,10 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from uwsim import Simulator
 from uwsim.bridges.mavlink.craft import Craft
+from uwsim.bridges.mavlink.fence import FenceKeeper
 from uwsim.bridges.mavlink.missions import MissionStore
 from uwsim.bridges.mavlink.plan import MissionPlan
+from uwsim.bridges.mavlink.settings import Settings
 from uwsim.bridges.mavlink.state import read
 from uwsim.bridges.mavlink.telemetry import KINDS, Figures
 from uwsim.bridges.mavlink.vehicle import MavlinkVehicle
@@ -163,11 +165,80 @@ def test_a_picture_is_a_file_and_a_message_with_its_place(sim: Simulator, tmp_pa
     assert (message.image_index, message.capture_result) == (0, 1)
 
 
+def keeper_of(texts: list[str]) -> FenceKeeper:
+    return FenceKeeper(
+        SimpleNamespace(home=HOME, state=None, send_text=lambda text, *_: texts.append(text)),  # type: ignore[arg-type]
+        Settings(),
+    )
+
+
+def at_m(number: int, command: int, x: float, y: float, param1: float = 0.0) -> Any:
+    return item(number, command, param1, at=(x, y, -2.0))
+
+
+SQUARE = [at_m(k, 5001, x, y, 4) for k, (x, y) in enumerate([(0, 0), (20, 0), (20, 20), (0, 20)])]
+ROCK = at_m(4, 5004, 10.0, 10.0, 2.0)
+
+
+def test_a_mission_that_leaves_the_fence_is_refused_and_so_is_auto_if_the_fence_came_later() -> None:
+    texts: list[str] = []
+    keeper = keeper_of(texts)
+    store = MissionStore(dialect.MAVLink(None), lambda *_: None, lambda t, *_: texts.append(t), deque(), id, keeper)
+    store._accept(0, [at_m(0, 16, 0, 0), at_m(1, 16, 2, 10), at_m(2, 16, 18, 10)])
+    store._accept(1, [*SQUARE, ROCK])
+    assert texts[0] == "geofence: 2 zones: missions that leave it are refused"
+    assert texts[1].startswith("mission item 2: the leg from (2.0, 10.0) to (18.0, 10.0) m enters zone 2 of the fence")
+    with pytest.raises(ValueError, match="a circle of 2 m to stay out of"):
+        store.require_within_fence()
+    with pytest.raises(ValueError, match=r"mission item 1: \(25.0, 1.0\) m leaves zone 1"):
+        store._accept(0, [at_m(0, 16, 0, 0), at_m(1, 16, 25, 1)])
+    store._accept(0, [at_m(0, 16, 0, 0), at_m(1, 16, 2, 2), at_m(2, 16, 18, 2)])
+    store.require_within_fence()
+    keeper._settings.set("FENCE_ENABLE", 0)
+    store._accept(0, [at_m(0, 16, 0, 0), at_m(1, 16, 25, 1)])
+    for wrong, words in [
+        ([SQUARE[0], ROCK], "4: the polygon before it lacks"),
+        ([at_m(0, 5003, 0, 0)], "radius = 0 m"),
+        (SQUARE[:3], "has 3 corners"),
+        ([at_m(0, 5001, 0, 0, 2)], "2 corners: must be"),
+    ]:
+        with pytest.raises(ValueError, match=words):
+            store._accept(1, wrong)
+
+
+def test_a_breach_is_reported_once_and_holds_only_if_fence_action_says_so() -> None:
+    texts: list[str] = []
+    keeper = keeper_of(texts)
+    keeper.keep(SQUARE)
+
+    def at(x: float, *, armed: bool = True) -> bool:
+        keeper._craft.state = SimpleNamespace(position_world_m=np.array([x, 5.0, -2.0]), time_s=x)  # type: ignore[assignment]
+        return keeper.watch(is_armed=armed)
+
+    assert not any(map(at, (5.0, 25.0, 26.0, 5.0))) and not at(25.0, armed=False)
+    breach = (
+        "Fence breached: the vehicle at (25.0, 5.0) m leaves zone 1 of the fence, a polygon with 4 corners to stay in"
+    )
+    assert texts == [f"{breach}: reported only", "Fence breach cleared"]
+    keeper._settings.set("FENCE_ACTION", 2)
+    assert at(25.0) and not at(26.0) and texts[-1] == f"{breach}: the vehicle is held"
+    (status,) = keeper._status(dialect.MAVLink(None))
+    assert (status.breach_status, status.breach_count, status.breach_time) == (1, 2, 25000)
+    assert status.breach_type == dialect.FENCE_BREACH_BOUNDARY
+    keeper.keep([])
+    assert not keeper._status(dialect.MAVLink(None))
+
+
 def test_fences_and_rally_points_are_kept_beside_the_mission_and_given_back() -> None:
     sent: list[Any] = []
     texts: list[str] = []
     store = MissionStore(
-        dialect.MAVLink(None), lambda m, peer: sent.append(m), lambda text, *_: texts.append(text), deque(), lambda i: i
+        dialect.MAVLink(None),
+        lambda m, peer: sent.append(m),
+        lambda text, *_: texts.append(text),
+        deque(),
+        lambda i: i,
+        keeper_of(texts),
     )
     peer: Any = object()
 
@@ -185,7 +256,7 @@ def test_fences_and_rally_points_are_kept_beside_the_mission_and_given_back() ->
         assert (sent[-1].seq, sent[-1].mission_type) == (each.seq, 1)
         store.on_mission_item_int(peer, given(each))
     assert (sent[-1].type, sent[-1].mission_type) == (dialect.MAV_MISSION_ACCEPTED, 1)
-    assert texts == ["geofence: 3 items are kept, and have no effect"] and store.items == []
+    assert texts == ["geofence: 1 zone: missions that leave it are refused"] and store.items == []
     store.on_mission_request_list(peer, given(dialect.MAVLink_mission_request_list_message(1, 1, 1)))
     assert sent[-1].count == 3
     for k, each in enumerate(fence):

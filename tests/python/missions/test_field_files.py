@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from uwsim import Simulator
 from uwsim.flight.field_flight import FieldNote
 from uwsim.flight.fly import fly
 from uwsim.flight.flyable_lanes import survey_plan
@@ -16,6 +17,8 @@ from uwsim.flight.lanes_flown import lanes_flown
 from uwsim.flight.mission_file import MissionError
 from uwsim.flight.plan_export import plan_of
 from uwsim.mapping.files.georeference import HOME, Home
+from uwsim.missions import OwnVehicle, StoppedError, goto, run
+from uwsim.missions.fence import Fence, Zone
 from uwsim.missions.field import FieldFileError, read_mission_file
 from uwsim.missions.items import planned_legs_m
 from uwsim.scenario import load
@@ -44,6 +47,19 @@ def plan(*items: Any) -> str:
     return json.dumps({"fileType": "Plan", "mission": {"plannedHomePosition": [54.4, 10.2, 0], "items": list(items)}})
 
 
+def fenced(text: str, *polygons: list[Any], circles: list[Any] | None = None) -> str:
+    """Return a plan with a fence: polygons to stay in, and circles (centre, radius, whether to stay in)."""
+    fence = {
+        "polygons": [{"inclusion": True, "polygon": [degrees(at) for at in each]} for each in polygons],
+        "circles": [
+            {"inclusion": is_in, "circle": {"center": degrees(at), "radius": radius}}
+            for at, radius, is_in in circles or []
+        ],
+    }
+    return json.dumps({**json.loads(text), "geoFence": fence})
+
+
+BOX = [(-2.0, -2.0), (6.0, -2.0), (6.0, 7.0), (-2.0, 7.0)]
 TRANSECTS = [simple(16, at=at, z=-2.0) for at in ROUTE]
 TRIGGER = simple(206, 25.0)
 WPL = "QGC WPL 110\r\n0\t1\t0\t16\t0\t0\t0\t0\t54.4\t10.2\t0\t1\r\n" + "".join(
@@ -105,6 +121,40 @@ def test_a_jump_of_a_plan_leads_to_the_item_with_its_own_number(tmp_path: Path) 
         read_mission_file(path)
 
 
+def test_a_plan_that_leaves_its_fence_is_refused_and_a_vehicle_that_does_ends(tmp_path: Path) -> None:
+    path, text = tmp_path / "fence.plan", plan(*TRANSECTS)
+    for fence, words in {
+        fenced(text, [(-2, -2), (6, -2), (6, 3), (-2, 3)]): "item 2: the leg .* leaves zone 1 .*, a polygon with 4",
+        fenced(text, BOX, [(-2, -2), (1, -2), (1, 7), (-2, 7)]): "item 3: the leg .* leaves zone 2",
+        fenced(
+            text, BOX, circles=[((2.0, 5.0), 1.0, False)]
+        ): "item 3: .* enters zone 2 .*, a circle of 1 m to stay out",
+        fenced(
+            text, BOX, circles=[((0.0, 0.0), 5.5, True)]
+        ): "item 3: .* leaves zone 2 .*, a circle of 5.5 m to stay in",
+        fenced(text, [(1, 1), (6, 1), (6, 7)]): "the start of vehicle 'rov', .* leaves zone 1",
+    }.items():
+        path.write_text(fence)
+        with pytest.raises(MissionError, match=words):
+            fly(path, "pool")
+    path.write_text(fenced(text, BOX))
+    assert not fly(path, "pool").ended_early
+    narrow = Fence([Zone(True, ((54.4, 10.2),), 3.0)], BAY)
+    with Simulator("pool") as sim:
+        sim.rov.undock()
+        events: list[Any] = []
+
+        def leaves(vehicle: OwnVehicle) -> Any:
+            yield from narrow.kept(vehicle, goto(vehicle, [4.0, 0.0, -2.0]))
+
+        sim.rov.place([0.0, 0.0, -2.0], [0, 0, 0, 1])
+        with pytest.raises(StoppedError, match=r"the vehicle at \(3.0, .*\) m leaves zone 1 of the fence"):
+            run(leaves, sim.rov, sim, hear=events.append)
+    assert [event.name for event in events] == ["fence_breached"] and events[0].values["x_m"] == pytest.approx(
+        3, abs=0.2
+    )
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -117,6 +167,14 @@ def test_a_jump_of_a_plan_leads_to_the_item_with_its_own_number(tmp_path: Path) 
         ('{"fileType": "Plan", "mission": {"items": [3]}}', "mission.items[0] = 3: must be an object"),
         (plan({"type": "SimpleItem", "params": [1]}), "mission.items[0]: params = [1]: must be a list of 7 numbers"),
         ('{"fileType": ', "not JSON"),
+        (
+            fenced(FILES["simple.plan"], [(0, 0), (1, 0)]),
+            "geoFence zone 1 of polygons: polygon: has 2 corners: must be",
+        ),
+        (
+            fenced(FILES["simple.plan"], circles=[((0, 0), -1, True)]),
+            "zone 1 of circles: radius = -1 m: must be in [0.01",
+        ),
     ],
 )
 def test_a_file_that_cannot_be_read_is_refused_with_the_place(text: str, words: str, tmp_path: Path) -> None:
@@ -159,6 +217,6 @@ def test_a_plan_that_is_written_is_read_alike_and_as_long_as_its_lanes(tmp_path:
     legs = list(planned_legs_m(items, HOME))
     assert legs[::2] == pytest.approx([lane.length_m for lane in lanes], abs=0.02)
     assert {(item.frame, item.z) for item in items[1:]} == {(10, survey.altitude_m)} and items[0].param2 == 0.5
-    source.write_text(plan(*TRANSECTS, TRIGGER, simple(177, 0, 2)))
+    source.write_text(fenced(plan(*TRANSECTS, TRIGGER, simple(177, 0, 2)), BOX, circles=[(ROUTE[0], 1.0, False)]))
     out.write_text(json.dumps(plan_of(str(source))[0]))
     assert read_mission_file(out) == read_mission_file(source)

@@ -194,6 +194,7 @@ class Flight:
     def _plan(self, mode: int) -> Plan | None:
         mission = self._mission
         if mode == AUTO:
+            mission.require_within_fence()
             return MissionPlan(
                 mission.items, mission.current, self._craft, self._servos, mission.begin, mission.reached
             )

@@ -10,8 +10,9 @@ from typing import Any
 
 from uwsim.bridges.mavlink.component import SendText
 from uwsim.bridges.mavlink.endpoint import Peer
+from uwsim.bridges.mavlink.fence import FenceKeeper
 from uwsim.bridges.mavlink.telemetry import EXTENDED_STATUS, Kind
-from uwsim.missions.items import ITEMS_MAX, RefusedItemError
+from uwsim.missions.items import INVALID_X, ITEMS_MAX, RefusedItemError
 
 AGAIN_S = 1.0  # interval at which a missing item is requested again
 GIVE_UP_S = 15.0  # time without an item after which an upload ends
@@ -45,8 +46,9 @@ class MissionStore:
     """Exchanges the mission with ground stations, and reports the progress of its flight.
 
     A missing item is requested again every second, and an upload ends after 15 s without an item. Fences and rally
-    points, which MAVLink treats as other types of missions, are kept and given back, and have no effect, which a text
-    states. Must be used on one thread, except for `begin` and `reached`, which a flight calls.
+    points, which MAVLink treats as other types of missions, are kept and given back. A mission that leaves the fence is
+    refused; rally points have no effect, which a text states. Must be used on one thread, except for `begin` and
+    `reached`, which a flight calls.
 
     mav: encodes messages. output: queue for the messages of a flight's thread. check: returns an item that can be
     flown; raises RefusedItemError. items: of the last complete upload. current: the number of the item that is flown
@@ -54,9 +56,16 @@ class MissionStore:
     """
 
     def __init__(
-        self, mav: Any, send: Callable[..., None], send_text: SendText, output: deque[Any], check: Callable[[Any], Any]
+        self,
+        mav: Any,
+        send: Callable[..., None],
+        send_text: SendText,
+        output: deque[Any],
+        check: Callable[[Any], Any],
+        fence: FenceKeeper,
     ) -> None:
         self.mav, self._send, self._send_text, self._output, self._check = mav, send, send_text, output, check
+        self._fence = fence
         self.items: list[Any] = []
         self._kept: dict[int, list[Any]] = {FENCE: [], RALLY: []}
         self.current, self.state = 0, NO_MISSION
@@ -197,13 +206,35 @@ class MissionStore:
         if len(upload.items) < upload.count:
             self._request_item(upload)
             return
-        if upload.kind == MISSION:
-            self._replace(upload.items)
-        else:
-            self._kept[upload.kind] = upload.items
-            self._send_text(f"{NAMES[upload.kind]}: {len(upload.items)} items are kept, and have no effect")
+        try:
+            self._accept(upload.kind, upload.items)
+        except ValueError as error:
+            self._send_text(str(error))
+            self._refuse(peer, INVALID_X if upload.kind == MISSION else INVALID)
+            return
         self._upload, self._ended = None, upload
         self._acknowledge(peer, upload.asker, ACCEPTED, upload.kind)
+
+    def _accept(self, kind: int, items: list[Any]) -> None:
+        """Keep the items of a whole upload. Raises ValueError for those that do not fit together, or the fence."""
+        if kind == MISSION:
+            if (why := self._fence.refusal(items[1:])) is not None:
+                raise ValueError(why)
+            self._replace(items)
+            return
+        if kind == FENCE:
+            zones = self._fence.keep(items)
+            self._send_text(f"{NAMES[kind]}: {zones} zone{'s' * (zones != 1)}: missions that leave it are refused")
+            if (why := self._fence.refusal(self.items[1:])) is not None:
+                self._send_text(f"{why}: AUTO is refused")
+        else:
+            self._send_text(f"{NAMES[kind]}: {len(items)} items are kept, and have no effect")
+        self._kept[kind] = items
+
+    def require_within_fence(self) -> None:
+        """Raise ValueError if the mission leaves the fence."""
+        if (why := self._fence.refusal(self.items[1:])) is not None:
+            raise ValueError(why)
 
     def _shape(self, item: Any) -> Any:
         """Return an item of a fence or of rally points. Raises RefusedItemError."""
@@ -225,6 +256,8 @@ class MissionStore:
         for kind in self._kept:
             if message.mission_type in (kind, ALL):
                 self._kept[kind] = []
+                if kind == FENCE:
+                    self._fence.keep([])
         if message.mission_type in (MISSION, ALL):
             if self.state == ACTIVE:
                 self._acknowledge(peer, _from(message), DENIED, message.mission_type)

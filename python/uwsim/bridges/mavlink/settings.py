@@ -27,6 +27,8 @@ SETTINGS: Mapping[str, Setting] = {
     "JS_THR_GAIN": Setting(1.0, 0.5, 4.0),
     "FS_GCS_ENABLE": Setting(1, 0, 4),  # ArduSub's is 2; many scripts send only one heartbeat, as MAVLink permits
     "FS_GCS_TIMEOUT": Setting(5.0, 0.1, 3600.0),
+    "FENCE_ENABLE": Setting(1, 0, 1),  # ArduSub's is 0; here a fence that was uploaded is meant
+    "FENCE_ACTION": Setting(0, 0, 2),  # to report is all that ArduSub does, whatever the value (fence.cpp)
 }
 
 

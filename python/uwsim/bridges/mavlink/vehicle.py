@@ -34,10 +34,11 @@ from uwsim.bridges.mavlink.component import (
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.earth import HOME, ned_from_frd
 from uwsim.bridges.mavlink.endpoint import Endpoint, Peer, Wire
+from uwsim.bridges.mavlink.fence import FenceKeeper
 from uwsim.bridges.mavlink.flight import Flight
 from uwsim.bridges.mavlink.gimbal import DEVICE, Gimbal
 from uwsim.bridges.mavlink.missions import MissionStore
-from uwsim.bridges.mavlink.modes import CUSTOM_MODE, MANUAL
+from uwsim.bridges.mavlink.modes import CUSTOM_MODE, MANUAL, POSHOLD
 from uwsim.bridges.mavlink.parameters import ParameterServer
 from uwsim.bridges.mavlink.servos import Servos
 from uwsim.bridges.mavlink.settings import Settings
@@ -122,16 +123,24 @@ class MavlinkVehicle(Bridge):
         self._stations = stations = Stations(settings, self.send_text)
         self._gimbal = Gimbal(craft, autopilot)
         servos = Servos(craft, self._gimbal)
+        self._fence = fence = FenceKeeper(craft, settings)
         self._mission = mission = MissionStore(
-            autopilot.mav, autopilot.send, self.send_text, craft.output, lambda item: checked(item, craft, servos)
+            autopilot.mav,
+            autopilot.send,
+            self.send_text,
+            craft.output,
+            lambda item: checked(item, craft, servos),
+            fence,
         )
         self._flight = flight = Flight(craft, mission, servos, stations)
-        self._streams = Streams(craft, autopilot, [*KINDS, *self._gimbal.kinds, *mission.kinds], self._read_at)
+        self._streams = Streams(
+            craft, autopilot, [*KINDS, *self._gimbal.kinds, *mission.kinds, *fence.kinds], self._read_at
+        )
         sticks = Sticks(craft, flight, self._gimbal, stations, settings, self._efforts())
         targets = Targets(craft, flight, self._velocities())
         self._parameters = ParameterServer(craft, autopilot.mav, autopilot.send, settings)
         obeys = {520: self._on_capabilities, 410: self._on_home, **flight.commands, **targets.commands,
-                 **self._streams.commands, **self._gimbal.commands, **servos.commands}  # fmt: skip
+                 **fence.commands, **self._streams.commands, **self._gimbal.commands, **servos.commands}  # fmt: skip
         answers = [self._answer, self._gimbal.answer, self._streams.answer]
         self._commands = Commands(autopilot, obeys, answers, self.send_text)
         self._owners = [self._commands, flight, targets, sticks, mission, self._parameters, self._streams,
@@ -262,6 +271,7 @@ class MavlinkVehicle(Bridge):
                 while time.monotonic() < until_s and (each := self._backlog.take()) is not None:
                     self._handle(*each)
                 self._attempt(self._flight.watch)
+                self._attempt(self._watch_fence)
             except NotRunningError:
                 self._rare.warning("the simulator does not run")
             except Exception:
@@ -309,6 +319,10 @@ class MavlinkVehicle(Bridge):
             number = SET_MODE if kind == "SET_MODE" else message.command
             ack = self._autopilot.mav.command_ack_encode(number, FAILED, 0, 0, *sender_of(message))
             self._autopilot.send(ack, peer)
+
+    def _watch_fence(self) -> None:
+        if self._fence.watch(is_armed=self._flight.is_armed):
+            self._flight.set_mode(POSHOLD)
 
     def _parser(self) -> Any:
         parser = self._dialect.MAVLink(None)

@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from uwsim.exercises.goal import GoalModel, Progress, Within, inside
+from uwsim.base.polygon import inside
+from uwsim.exercises.goal import GoalModel, Progress, Within
 from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import InRange, Point2
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from uwsim.missions.fence import Zone
 from uwsim.missions.items import WAYPOINT
 
 LatLon = tuple[float, float]
@@ -52,14 +53,15 @@ class Area(NamedTuple):
 class FieldMission:
     """A mission of the field.
 
-    items: in the order of flight, numbered from 1. areas: polygons to survey. home: the planned home position. notes: a
-    sentence for each thing in the file that is not flown, or in another way.
+    items: in the order of flight, numbered from 1. areas: polygons to survey. home: the planned home position. fence:
+    zones to stay in or out of. notes: a sentence for each thing in the file that is not flown, or in another way.
     """
 
     items: tuple[Item, ...] = ()
     areas: tuple[Area, ...] = ()
     home: LatLon | None = None
     notes: tuple[str, ...] = ()
+    fence: tuple[Zone, ...] = ()
 
 
 def number(value: Any, what: str, low: float, high: float, unit: str = "") -> float:

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+from uwsim.missions.fence import Zone
 from uwsim.missions.field.mission import (
     ITEMS_MAX,
     Area,
@@ -26,8 +27,8 @@ from uwsim.missions.field.mission import (
 )
 from uwsim.missions.items import JUMP, LEFT_OUT
 
-SHAPES = {"geoFence": ("polygons", "circles"), "rallyPoints": ("points",)}
 TRANSECTS = ("survey", "CorridorScan")
+ZONES_MAX = 100
 FRAME_OF_DISTANCE = {1: 3, 2: 0, 3: 10, 4: 10}
 
 """MAV_FRAME by QGroundControl's mode of altitude: above home, above sea, and twice above the terrain."""
@@ -61,17 +62,38 @@ def read(document: dict[str, Any]) -> FieldMission:
             if int(item.param1) not in numbers:
                 raise FieldFileError(f"item {item.seq}: jumps to doJumpId {item.param1:g}, which no item has")
             items[n] = replace(item, param1=float(numbers[int(item.param1)]))
-    for key, shapes in SHAPES.items():
-        found = document.get(key)
-        count = (
-            sum(len(each) for name in shapes if isinstance(each := found.get(name), list))
-            if isinstance(found, dict)
-            else 0
-        )
-        if count:
-            notes.append(f"{key}: {count} {' and '.join(shapes)}: left out, no fence is enforced")
+    if rally := _shapes(document, "rallyPoints", "points"):
+        notes.append(f"rallyPoints: {len(rally)} points: left out")
     place = None if home is None else lat_lon(home, "mission.plannedHomePosition")
-    return FieldMission(tuple(items), tuple(areas), place, tuple(notes))
+    return FieldMission(tuple(items), tuple(areas), place, tuple(notes), tuple(_fence(document)))
+
+
+def _shapes(document: dict[str, Any], key: str, name: str) -> list[Any]:
+    """Return a list in a part of a document that may be missing. Raises FieldFileError for one of another type."""
+    part = document.get(key)
+    return _of(part, name, list) if isinstance(part, dict) and part.get(name) is not None else []
+
+
+def _fence(document: dict[str, Any]) -> Iterator[Zone]:
+    """Yield the zones of a document's fence, polygons first. Raises FieldFileError."""
+    shapes = [("polygons", each) for each in _shapes(document, "geoFence", "polygons")]
+    shapes += [("circles", each) for each in _shapes(document, "geoFence", "circles")]
+    if len(shapes) > ZONES_MAX:
+        raise FieldFileError(f"geoFence: has {len(shapes)} zones: must have at most {ZONES_MAX}")
+    for k, (key, each) in enumerate(shapes, 1):
+        where = f"geoFence zone {k} of {key}"
+        is_in = each.get("inclusion", True) if isinstance(each, dict) else None
+        if not isinstance(is_in, bool):
+            raise FieldFileError(f"{where} = {each!r:.40}: must be an object with inclusion = true or false")
+        try:
+            if key == "polygons":
+                yield Zone(is_in, ring(_of(each, "polygon", list), "polygon"))
+                continue
+            circle = _of(each, "circle", dict)
+            radius_m = number(circle.get("radius"), "radius", 0.01, 1e5, "m")
+            yield Zone(is_in, (lat_lon(circle.get("center"), "center"),), radius_m)
+        except FieldFileError as error:
+            raise FieldFileError(f"{where}: {error}") from None
 
 
 def _of(document: dict[str, Any], key: str, kind: type) -> Any:

@@ -1,0 +1,35 @@
+"""Polygons in a plane."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Points = NDArray[np.float64]
+
+
+def inside(points: Points, corners: Points) -> NDArray[np.bool_]:
+    """Return a mask (n,) of the points (n, 2) inside a polygon (m, 2), by the even-odd rule."""
+    x, y = points.T
+    inside = np.zeros(len(points), np.bool_)
+    for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        if y0 != y1:
+            inside ^= ((y0 > y) != (y1 > y)) & (x < (x1 - x0) * (y - y0) / (y1 - y0) + x0)
+    return inside
+
+
+def is_crossed(corners: Points, start: Points, end: Points) -> bool:
+    """Return whether a line from start (2,) to end (2,) crosses a side of a polygon (m, 2).
+
+    The ends of the line lie on different sides of the polygon's side, and the ends of that on different sides of the
+    line, by the signs of cross products.
+    """
+    left, right = corners, np.roll(corners, -1, axis=0)
+    of_line = _cross(end - start, left - start) * _cross(end - start, right - start)
+    of_side = _cross(right - left, start - left) * _cross(right - left, end - left)
+    return bool(((of_line < 0) & (of_side < 0)).any())
+
+
+def _cross(a: Points, b: Points) -> Points:
+    found: Points = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return found
