@@ -59,6 +59,9 @@ PLAN = b"""{"fileType": "Plan", "version": 1, "mission": {"plannedHomePosition":
 {"type": "ComplexItem", "complexItemType": "survey", "angle": 30, "polygon": [[54.4, 10.2], [54.5, 10.2], [54.5, 10.3]],
 "TransectStyleComplexItem": {"CameraCalc": {"DistanceToSurface": 5, "DistanceMode": 1, "AdjustedFootprintSide": 4},
 "VisualTransectPoints": [[54.4, 10.2], [54.5, 10.2]]}},
+{"type": "ComplexItem", "complexItemType": "CorridorScan", "CorridorWidth": 9, "EntryPoint": 1, "polyline":
+[[54.4, 10.2], [54.5, 10.2], [54.5, 10.3]], "TransectStyleComplexItem": {"TurnAroundDistance": 2, "CameraCalc":
+{"DistanceToSurface": 5, "AdjustedFootprintSide": 4}}},
 {"type": "SimpleItem", "command": 177, "frame": 2, "params": [1, 2, 0, 0, 0, 0, 0]}]},
 "geoFence": {"circles": [{"circle": {"center": [54.4, 10.2], "radius": 50}, "inclusion": true}],
 "polygons": [{"inclusion": false, "polygon": [[54.4, 10.2], [54.5, 10.2], [54.5, 10.3]]}], "version": 2},

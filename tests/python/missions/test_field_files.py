@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -110,6 +111,44 @@ def test_a_plan_of_which_nothing_can_be_flown_is_refused(tmp_path: Path) -> None
     )
     with pytest.raises(MissionError, match=r"nothing that can be flown: item 2: ComplexItem x: .* take-off \(22\)"):
         fly(tmp_path / "a.plan", "pool")
+
+
+def corridor(line: list[Any], width_m: float, apart_m: float, entry: int = 0, beyond_m: float = 0.0) -> str:
+    calc = {"DistanceToSurface": -2, "DistanceMode": 1, "AdjustedFootprintSide": apart_m}
+    inner = {"CameraCalc": calc, "TurnAroundDistance": beyond_m}
+    whole = {"type": "ComplexItem", "complexItemType": "CorridorScan", "CorridorWidth": width_m, "EntryPoint": entry}
+    return plan({**whole, "polyline": [degrees(at) for at in line], "TransectStyleComplexItem": inner})
+
+
+def test_a_corridor_without_items_is_lanes_beside_its_line(tmp_path: Path) -> None:
+    """A line of 30 m that turns left by 90 deg after 20 m: each lane is d further, or less, from both of its legs."""
+    path, line = tmp_path / "corridor.plan", [(0.0, 0.0), (20.0, 0.0), (20.0, 10.0)]
+
+    def lanes(*values: float) -> np.ndarray:
+        path.write_text(corridor(line, *values))  # type: ignore[arg-type]
+        mission = read_mission_file(path)
+        assert "flown along lanes by its line, width and spacing" in mission.notes[0]
+        assert {(item.frame, item.z) for item in mission.items} == {(3, -2)}
+        return np.array([BAY.world_m(1e-7 * item.x, 1e-7 * item.y, 0.0)[:2] for item in mission.items]).reshape(
+            -1, 3, 2
+        )
+
+    offsets = [4.0, 0.0, -4.0]
+    expected = np.array([[(0, d), (20 - d, d), (20 - d, 10)] for d in offsets])
+    expected[1] = expected[1][::-1]
+    np.testing.assert_allclose(lanes(12.0, 4.0), expected, atol=0.03)
+    np.testing.assert_allclose(lanes(12.0, 4.0, 1), expected[::-1], atol=0.03)
+    np.testing.assert_allclose(lanes(12.0, 4.0, 2), expected[:, ::-1], atol=0.03)
+    np.testing.assert_allclose(lanes(12.0, 0.0, 0, 3.0), [[(-3, 0), (20, 0), (20, 13)]], atol=0.03)
+    for wrong, words in [
+        (corridor([(0, 0), (20, 0), (0, 0.5)], 8, 4), "polyline: turns by 179 deg at point 2: must be at most 160"),
+        (corridor(line, 1e5, 0.5), "more than 20000 points"),
+        (corridor(line[:1], 8, 4), "must have 2 to 20000 points"),
+        (corridor(line, -8, 4), "CorridorWidth = -8 m: must be in [0, 100000]"),
+    ]:
+        path.write_text(wrong)
+        with pytest.raises(FieldFileError, match=re.escape(words)):
+            read_mission_file(path)
 
 
 def test_a_jump_of_a_plan_leads_to_the_item_with_its_own_number(tmp_path: Path) -> None:

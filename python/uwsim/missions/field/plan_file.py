@@ -1,7 +1,7 @@
 """The .plan files of QGroundControl (https://docs.qgroundcontrol.com/master/en/qgc-dev-guide/file_formats/plan.html).
 
 Of surveys and corridors, the items are taken into which QGroundControl has expanded them, or else the points of their
-transects.
+transects. Without either, a survey is an area, and a corridor has lanes beside its line.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from uwsim.missions.fence import Zone
+from uwsim.missions.field.corridor import corridor_points
 from uwsim.missions.field.mission import (
     ITEMS_MAX,
     Area,
@@ -121,9 +122,7 @@ def _expanded(
     has_transects = bool(transects.get("Items") or transects.get("VisualTransectPoints"))
     if kind == "survey" and ("polygon" in entry or not has_transects):
         areas.append(_area(entry, transects.get("CameraCalc"), f"survey {len(areas) + 1}", has_transects))
-    if not has_transects:
-        if kind != "survey":
-            notes.append(sentence(str(kind), [seq], "has no transects: left out"))
+    if not has_transects and kind == "survey":
         return
     if transects.get("Items"):
         for n, each in enumerate(_of(transects, "Items", list)):
@@ -131,11 +130,15 @@ def _expanded(
                 raise FieldFileError(f"Items[{n}] = {each!r:.40}: must be an object")
             yield _simple(each, seq + n), _jump_id(each)
         return
-    points = _of(transects, "VisualTransectPoints", list)
     calc = _of(transects, "CameraCalc", dict)
+    if has_transects:
+        points, way = _of(transects, "VisualTransectPoints", list), "its transects' points"
+    else:
+        points = corridor_points(entry, calc.get("AdjustedFootprintSide"), transects.get("TurnAroundDistance"))
+        way = "lanes by its line, width and spacing"
     frame = FRAME_OF_DISTANCE.get(whole(calc.get("DistanceMode", 1), "CameraCalc.DistanceMode", 0, 10), 3)
     z = number(calc.get("DistanceToSurface"), "CameraCalc.DistanceToSurface", -1e6, 1e6, "m")
-    notes.append(sentence(str(kind), [seq], "the file has no expanded items: flown along its transects' points"))
+    notes.append(sentence(str(kind), [seq], f"the file has no expanded items: flown along {way}"))
     for n, point in enumerate(points):
         yield waypoint(seq + n, lat_lon(point, f"VisualTransectPoints[{n}]"), z, frame), None
 
