@@ -401,6 +401,7 @@ READERS = {
     "waypoints": Reader(text_readers.mission_file, has_end=_without_end),
     "geojson": Reader(text_readers.mission_file, ("json",), values=JSON),
     "kml": Reader(text_readers.mission_file, ("xml",)),
+    "kmz": Reader(text_readers.mission_file, ("xml", "zipfile")),
     "moos": Reader(text_readers.moos, has_end=_without_end),
     "imc": Reader(text_readers.imc, has_end=_without_end),
     "holoocean": Reader(text_readers.robot("holoocean", "read_holoocean", ".json"), ("json",), values=JSON),

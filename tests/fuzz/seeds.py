@@ -6,6 +6,7 @@ import io
 import json
 import struct
 import tempfile
+import zipfile
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -302,6 +303,14 @@ def _motion_log() -> list[bytes]:
     return ["\n".join(["t,x,y,z,a,b,c,d,e", *rows, ""]).encode()]
 
 
+def _kmz(method: int) -> bytes:
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", method) as archive:
+        archive.writestr("doc.kml", KML)
+        archive.writestr("images/a.png", b"")
+    return file.getvalue()
+
+
 def _dataflash() -> list[bytes]:
     """A dataflash log of attitudes, outputs, parameters and the filter, by the layout that its first messages state."""
     formats = {
@@ -504,6 +513,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "waypoints": lambda: [WPL],
     "geojson": lambda: [GEOJSON],
     "kml": lambda: [KML],
+    "kmz": lambda: [_kmz(zipfile.ZIP_STORED), _kmz(zipfile.ZIP_DEFLATED)],
     "moos": bridge_seeds.moos,
     "imc": bridge_seeds.imc,
     "holoocean": lambda: [(ROBOTS / "dive.json").read_bytes()],

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+import zipfile
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from uwsim.flight.plan_export import plan_of
 from uwsim.mapping.files.georeference import HOME, Home
 from uwsim.missions import OwnVehicle, StoppedError, goto, run
 from uwsim.missions.fence import Fence, Zone
-from uwsim.missions.field import FieldFileError, read_mission_file
+from uwsim.missions.field import FieldFileError, is_mission_file, read_mission_file
 from uwsim.missions.items import planned_legs_m
 from uwsim.scenario import load
 
@@ -149,6 +150,34 @@ def test_a_corridor_without_items_is_lanes_beside_its_line(tmp_path: Path) -> No
         path.write_text(wrong)
         with pytest.raises(FieldFileError, match=re.escape(words)):
             read_mission_file(path)
+
+
+KML = b"""<kml><Placemark><LineString><altitudeMode>absolute</altitudeMode><coordinates>10.2,54.4,-2 10.3,54.4,-3
+</coordinates></LineString></Placemark></kml>"""
+
+
+def test_a_kmz_is_its_doc_kml_and_unpacks_no_more_than_a_file_may_have(tmp_path: Path) -> None:
+    path, bare = tmp_path / "area.kmz", tmp_path / "area.kml"
+    bare.write_bytes(KML)
+
+    def read(**parts: bytes) -> Any:
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, data in parts.items():
+                archive.writestr(name.replace("_", "."), data)
+        return read_mission_file(path)
+
+    assert read(doc_kml=KML, other_kml=b"", a_png=b"x") == read(route_kml=KML) == read_mission_file(bare)
+    assert is_mission_file(path) and not is_mission_file(path.rename(tmp_path / "area.zip"))
+    for parts, words in [
+        ({"doc_kml": b" " * 20_000_001}, "doc.kml unpacks to 20000001 bytes: must be at most 20000000"),
+        ({"a_kml": KML, "b_kml": KML}, "2 .kml files: must be a KMZ with doc.kml"),
+        ({"a_png": KML}, "0 .kml files"),
+    ]:
+        with pytest.raises(FieldFileError, match=words):
+            read(**parts)
+    path.write_bytes((tmp_path / "area.zip").read_bytes()[:-30])
+    with pytest.raises(FieldFileError, match="is a damaged archive: File is not a zip file"):
+        read_mission_file(path)
 
 
 def test_a_jump_of_a_plan_leads_to_the_item_with_its_own_number(tmp_path: Path) -> None:
