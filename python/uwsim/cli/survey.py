@@ -30,6 +30,11 @@ class LaneOptions(Options):
     heading_deg: float | None = option(
         None, "Direction of the lanes, clockwise from north [deg].", bounds=(0, 360, "deg")
     )
+    altitude_m: float | None = option(None, "Height of the lanes above the bed [m].", bounds=(0.5, 500, "m"))
+    spacing_m: float | None = option(None, "Distance between the lanes [m].", bounds=(0.5, 500, "m"))
+    speed: float | None = option(
+        None, "Speed along the lanes [m/s]; 0.5 if the scenario has no survey.", bounds=(0.05, 5, "m/s")
+    )
     entry: str | None = option(None, "Side or corner of the area where the lanes begin.", choices=ENTRIES)
     cross_lines: int | None = option(
         None, "Number of lanes across all others, which are flown after them.", bounds=(0, 50, "")

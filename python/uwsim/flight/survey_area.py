@@ -13,6 +13,7 @@ import numpy as np
 from uwsim.flight.field_flight import FieldNote
 from uwsim.mapping.files.georeference import Home, Place
 from uwsim.missions.field import Area, FieldFileError, read_mission_file
+from uwsim.missions.items import SPEED_M_S
 from uwsim.scenario import AnyScenario, Scenario, ScenarioError, Survey, load
 from uwsim.scenario.georeference import georeference
 from uwsim.scenario.read.validated import validated
@@ -22,12 +23,17 @@ def with_survey(scenario: AnyScenario, changes: Mapping[str, Any]) -> Scenario:
     """Return a scenario with values of its survey replaced. Raises ScenarioError."""
     found = scenario if isinstance(scenario, Scenario) else load(scenario)
     given = {} if found.survey is None else dict(found.survey)
-    if found.survey is None and (missing := [key for key in NEEDED if key not in changes]):
-        raise ScenarioError(f"scenario '{found.name}': has no survey: --area needs {', '.join(missing)} from it")
+    if found.survey is None and (missing := [way for key, way in NEEDED.items() if key not in changes]):
+        raise ScenarioError(f"scenario '{found.name}': has no survey: needs {' and '.join(missing)}")
     return found.model_copy(update={"survey": validated(Survey, {**given, **changes})})
 
 
-NEEDED = ("altitude_m", "line_spacing_m", "speed_m_s")
+NEEDED = {
+    "area_m": "--area",
+    "altitude_m": "--altitude, or 'altitude' of the area",
+    "line_spacing_m": "--spacing, --overlap or 'spacing' of the area",
+}
+NAMES = {"spacing_m": "line_spacing_m", "speed": "speed_m_s"}
 
 
 def survey_changes(
@@ -36,16 +42,22 @@ def survey_changes(
     """Return the changed values of a scenario's survey, and warn of what a file has that is not flown.
 
     area: a file of the field with a polygon. overlap: of neighbouring swaths [%], which determines the distance
-    between lanes. lanes: heading_deg, entry and cross_lines, if not None. Raises ValueError or OSError.
+    between lanes. lanes: heading_deg, altitude_m, spacing_m, speed [m/s], entry and cross_lines, if not None, in place
+    of the file's. Raises ValueError or OSError.
     """
     found = scenario if isinstance(scenario, Scenario) else load(scenario)
-    changes = {key: value for key, value in lanes.items() if value is not None}
+    changes = {NAMES.get(key, key): value for key, value in lanes.items() if value is not None}
+    if overlap is not None and lanes.get("spacing_m") is not None:
+        raise ValueError("--overlap and --spacing: must not both be given")
+    if found.survey is None and "speed_m_s" not in changes:
+        changes["speed_m_s"] = SPEED_M_S
+        warnings.warn(f"scenario '{found.name}': has no survey: {SPEED_M_S:g} m/s is assumed", FieldNote, stacklevel=2)
     if area is not None:
         first = _area(area, found, changes)
         if first.spacing_m is not None:
-            changes["line_spacing_m"] = first.spacing_m
+            changes.setdefault("line_spacing_m", first.spacing_m)
         if first.altitude_m is not None:
-            changes["altitude_m"] = first.altitude_m
+            changes.setdefault("altitude_m", first.altitude_m)
         if first.heading_deg is not None:
             changes.setdefault("heading_deg", first.heading_deg)
     if overlap is not None:
@@ -72,7 +84,8 @@ def _area(file: Path, scenario: Scenario, changes: dict[str, Any]) -> Area:
         place = Home(float(middle[0]), float(middle[1]), float(at[0]), float(at[1]))
         notes.append(
             f"scenario '{scenario.name}' is not on Earth: the middle of {first.name} is assumed at "
-            f"({at[0]:.1f}, {at[1]:.1f}) m east and north of the origin, the middle of its survey"
+            f"({at[0]:.1f}, {at[1]:.1f}) m east and north of the origin"
+            + (", the middle of its survey" if scenario.survey is not None else "")
         )
     changes["area_m"] = [[float(v) for v in place.world_m(lat, lon, 0.0)[:2]] for lat, lon in first.corners]
     for note in notes:

@@ -18,7 +18,7 @@ from uwsim.flight.terminal import Silent
 from uwsim.mapping.files.georeference import Home
 from uwsim.missions import LawnMowerPlan
 from uwsim.missions.field import FieldFileError, read_mission_file
-from uwsim.scenario import load
+from uwsim.scenario import ScenarioError, load
 
 BAY = Home(54.4, 10.2)
 SQUARE = [(-3.0, -3.0), (3.0, -3.0), (3.0, 3.0), (-3.0, 3.0), (-3.0, -3.0)]
@@ -87,6 +87,23 @@ def test_a_survey_of_a_file_is_flown_with_its_lanes(tmp_path: Path) -> None:
     assert lanes is not None and lanes.lanes == 6 and lanes.flown_m > 0.95 * lanes.planned_m
     headings = {round(math.degrees(lane.heading_rad)) % 180 for lane in survey_lanes(changes)}
     assert headings == {60, 150}, "30 deg from north, and across"
+
+
+def test_a_scenario_without_a_survey_is_surveyed_at_an_assumed_speed_and_what_it_lacks_is_named(tmp_path: Path) -> None:
+    (tmp_path / "a.geojson").write_text(AREA)
+    (tmp_path / "a.kml").write_text(KML_AREA)
+    with pytest.warns(FieldNote, match=r"scenario 'cove': has no survey: 0.5 m/s is assumed"):
+        changes = survey_changes("cove", tmp_path / "a.geojson", spacing_m=2.0)
+    survey = with_survey("cove", changes).survey
+    assert survey is not None and (survey.speed_m_s, survey.altitude_m, survey.line_spacing_m) == (0.5, 1.5, 2.0)
+    with pytest.warns(FieldNote) as notes:
+        changes = survey_changes("cove", tmp_path / "a.geojson", speed=0.7, altitude_m=4.0, spacing_m=3.0)
+    survey = with_survey("cove", changes).survey
+    assert survey is not None and (survey.speed_m_s, survey.altitude_m, survey.line_spacing_m) == (0.7, 4.0, 3.0)
+    assert not any("m/s is assumed" in str(note.message) for note in notes)
+    words = "'cove': has no survey: needs --altitude, or 'altitude' of the area and --spacing, --overlap or"
+    with pytest.warns(FieldNote), pytest.raises(ScenarioError, match=words):
+        with_survey("cove", survey_changes("cove", tmp_path / "a.kml"))
 
 
 def survey_lanes(changes: dict[str, Any]) -> Any:
