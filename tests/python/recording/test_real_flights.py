@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from command_line import uwsim as command
 from flight_logs import COLUMNS, DENSITY_KG_M3, ROWS, VEHICLE, bag, dataflash, flown, table, telemetry
+from uwsim import Simulator
 from uwsim.cli.program import app
 from uwsim.evidence.identification import identify
 from uwsim.evidence.identification.motion_log import read_flown
@@ -183,4 +184,23 @@ def test_a_log_as_a_recording_is_a_time_line_along_the_log(tmp_path: Path) -> No
     words[3] = str(tmp_path / "still.mcap")
     assert "missing: horizontal position: the vehicle keeps that of the start" in command(*words).stdout
     path.write_bytes(telemetry(replace(flight, position_m=flight.position_m - [0.0, 0.0, 8.0])))
-    assert "at 100.0 s, in 'pool': " in str(CliRunner().invoke(app, [*words[:3], f"{out}.mcap", *words[4:]]).exception)
+    refused = str(CliRunner().invoke(app, [*words[:3], f"{out}.mcap", *words[4:]]).exception)
+    assert re.search(r"none of \d+ poses is possible: the first at 100.0 s, in 'pool': .*above the ground", refused)
+
+
+def test_poses_under_the_bed_are_left_out_and_counted_and_the_others_recorded(tmp_path: Path) -> None:
+    """Of a log whose median depth is that of the bed, half is above it."""
+    bed_m = float(Simulator("pool").world.height_at(np.array([[-6.0, 0.0]]))[0])
+    flight = flown()
+    flight = replace(flight, position_m=flight.position_m - [0.0, 0.0, np.median(flight.position_m[:, 2]) - bed_m])
+    (path := tmp_path / "dive.tlog").write_bytes(telemetry(flight))
+    words = ["replay", str(path), "--as-recording", str(out := tmp_path / "dive.mcap"), "--scenario", "pool"]
+    counts = re.search(r"left out: (\d+) of (\d+) poses, the first at .* above the ground", command(*words).stdout)
+    assert counts is not None
+    left_out, count = map(int, counts.groups())
+    times_s, poses = Timeline(Recording(out)).track.arrays()
+    rows = np.searchsorted(flight.times_s, flight.times_s[0] + times_s - 1e-3)
+    is_above = flight.position_m[rows, 2] > bed_m
+    assert 0 < left_out < count == len(poses) and abs(left_out - int((~is_above).sum())) <= 1
+    np.testing.assert_allclose(poses[is_above, 2], flight.position_m[rows, 2][is_above], atol=0.05)
+    assert poses[:, 2].min() > bed_m - 0.05

@@ -21,7 +21,8 @@ def record_log(log: FlightLog, sim: Simulator, path: Path) -> list[str]:
 
     The command `place` is issued every SAMPLE_S, with the log's pose and velocity at that time; in between, the
     vehicle moves by the scenario's physics, its thrusters at rest. Raises OSError, or ValueError for a log without
-    attitude or of more than 12 hours, and for a pose that the scenario does not have room for.
+    attitude or of more than 12 hours, or if the scenario has room for none of its poses. Where it has room for others
+    only, the vehicle stays at the last of these.
     """
     if path.suffix != ".mcap":
         raise ValueError(f"--as-recording {path}: must end in .mcap")
@@ -40,15 +41,22 @@ def record_log(log: FlightLog, sim: Simulator, path: Path) -> list[str]:
     notes.append(f"assumed: the vehicle is '{sim.rov.name}' of scenario '{sim.scenario.name}'; thrusters are at rest")
 
     def place(k: int) -> None:
-        try:
-            sim.rov.place(position[k], turns[k].as_quat(), velocity[k])
-        except ValueError as error:
-            raise ValueError(f"{log.path}: at {times_s[k]:.1f} s, in '{sim.scenario.name}': {error}") from None
+        sim.rov.place(position[k], turns[k].as_quat(), velocity[k])
 
-    begin = sim.save_state()
-    for k in range(len(ticks)):  # refuse before a long run
-        place(k)
+    begin, has_room, why = sim.save_state(), np.ones(len(ticks), np.bool_), ""
+    for k in range(len(ticks)):  # before a long run
+        try:
+            place(k)
+        except ValueError as error:
+            has_room[k] = False
+            why = why or f"the first at {times_s[k]:.1f} s, in '{sim.scenario.name}': {error}"
     sim.restore_state(begin)
+    if not has_room.any():
+        raise ValueError(f"{log.path}: none of {len(ticks)} poses is possible: {why}")
+    if left_out := int((~has_room).sum()):
+        notes.append(f"left out: {left_out} of {len(ticks)} poses, {why}; the vehicle stays where it was before")
+        position = np.column_stack([_filled(position[:, k], has_room, start_m[k]) for k in range(3)])
+        velocity[~has_room] = 0.0
     place(0)
     first = sim.tick
     with Recorder(sim, path, is_light=True, notes={FROM_LOG: {"file": log.path.name, "notes": notes}}):
