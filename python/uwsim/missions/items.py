@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from uwsim.mapping.files.georeference import Place
 from uwsim.missions.lane_lengths import LANE_FLOWN, LANES_FLOWN, LEAST_FLOWN, lane_values, not_flown_because
 from uwsim.missions.lawn_mower_state import LaneEnd
-from uwsim.missions.moves import SPEED_MAX_M_S, dive_to, follow_leg, goto, hold, turn_to
+from uwsim.missions.moves import SPEED_MAX_M_S, follow_leg, goto, hold, surface, turn_to
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
@@ -183,7 +183,7 @@ class Pilot:
 
     def surface(self) -> Steps[None]:
         """Rise where the vehicle is."""
-        yield from dive_to(self.vehicle, 0.0, within_m=SURFACE_M)
+        yield from surface(self.vehicle, within_m=SURFACE_M)
         self.passed = None
 
 

@@ -33,6 +33,8 @@ FACE_FROM_M = 1.0  # the vehicle faces the direction of travel while farther tha
 TURN_FIRST_RAD = math.radians(45.0)
 BACK_PER_S = 0.5  # speed back to a point or a line, per metre of offset
 CAPSIZED_COSINE = 0.3  # cosine of the tilt from upright below which the vehicle counts as capsized
+DRAUGHT_MAX_M, STILL_M, STILL_S = 1.0, 0.02, 5.0
+"""The greatest depth at which the origin of a vehicle floats, assumed; how little it rises then, and for how long."""
 CLIMB_M = 1.0  # limit on the height error used for steering: fast dives underway make slender vehicles pitch over
 
 
@@ -151,6 +153,25 @@ def dive_to(vehicle: Vehicle, depth_m: float, *, within_m: float = 0.2) -> Steps
         if vehicle.time_s > deadline_s:
             raise StoppedError(f"stuck {abs(left_m):.1f} m from a depth of {depth_m:g} m")
         yield from steer(vehicle, heading, _back_to(vehicle, x, y), -depth_m)
+
+
+def surface(vehicle: Vehicle, *, within_m: float = 0.2) -> Steps[None]:
+    """Rise on the spot to within_m of the mean water surface, or as high as the vehicle gets.
+
+    A hull that emerges loses buoyancy, which its thrust may not replace: it floats by its draught below the surface.
+    The rise therefore also ends, with the event `at_surface`, once the vehicle is at most 1 m deep and has not risen by
+    2 cm for 5 s.
+    """
+    vehicle = own_vehicle(vehicle)
+    highest_m, risen_s = -math.inf, vehicle.time_s
+    for pause in dive_to(vehicle, 0.0, within_m=within_m):
+        yield pause
+        z_m = float(vehicle.pose.position_world_m[2])
+        if z_m > highest_m + STILL_M:
+            highest_m, risen_s = z_m, vehicle.time_s
+        elif z_m >= -DRAUGHT_MAX_M and vehicle.time_s - risen_s >= STILL_S:
+            vehicle.log("at_surface", depth_m=round(-z_m, 2))
+            return
 
 
 def follow(

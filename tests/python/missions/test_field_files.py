@@ -156,6 +156,15 @@ KML = b"""<kml><Placemark><LineString><altitudeMode>absolute</altitudeMode><coor
 </coordinates></LineString></Placemark></kml>"""
 
 
+def test_a_return_ends_where_the_vehicle_floats(tmp_path: Path) -> None:
+    """The rov's thrust holds it no higher than 0.26 m deep, where its hull emerges."""
+    (path := tmp_path / "return.plan").write_text(plan(TRANSECTS[0], simple(20)))
+    flown = fly(path, "pool")
+    assert not flown.ended_early
+    (event,) = (event for event in flown.events if event.name == "at_surface")
+    assert 0.2 < event.values["depth_m"] < 0.35
+
+
 def test_a_kmz_is_its_doc_kml_and_unpacks_no_more_than_a_file_may_have(tmp_path: Path) -> None:
     path, bare = tmp_path / "area.kmz", tmp_path / "area.kml"
     bare.write_bytes(KML)

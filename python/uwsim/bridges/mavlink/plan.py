@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from uwsim.bridges.actions.action import NEAR, Tolerance
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.servos import Servos
-from uwsim.missions import OwnVehicle, Steps, dive_to
+from uwsim.missions import OwnVehicle, Steps
 from uwsim.missions.items import SURFACE_M, Pilot, fly_items
-from uwsim.missions.moves import reached_m
+from uwsim.missions.moves import reached_m, surface
 
 
 class MissionPlan:
@@ -50,4 +50,4 @@ class Ascent:
 
     def steps(self, vehicle: OwnVehicle, begin: Callable[[int], object], tolerance: Tolerance = NEAR) -> Steps[None]:
         """Rise on the spot."""
-        yield from dive_to(vehicle, 0.0, within_m=SURFACE_M)
+        yield from surface(vehicle, within_m=SURFACE_M)
