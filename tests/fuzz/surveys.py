@@ -26,8 +26,8 @@ def reader(suffix: str) -> Callable[[bytes, Path], Any]:
     return read
 
 
-def survey(suffix: str) -> bytes:
-    """Return a small raw survey: two swaths of five beams."""
+def survey(suffix: str, depth_m: float = 2.0) -> bytes:
+    """Return a small raw survey: two swaths of five beams. depth_m: of the vehicle, 0.1 m above the transducer."""
     from uwsim.mapping.files.swath import EPOCH_NS, SoundSpeeds, SurveyHead, Swath, survey_format
 
     angles = np.linspace(-0.9, 0.9, 5)
@@ -43,10 +43,10 @@ def survey(suffix: str) -> bytes:
         for number in range(2):
             time_s = 20.0 / 1500.0 / axes[:, 2]
             writer.add(Swath(
-                EPOCH_NS + number * 10**8, 43.1, 5.9, 2.0, 1.0, 0.01, -0.02, 1.0, 0.5, 1498.0,
+                EPOCH_NS + number * 10**8, 43.1, 5.9, depth_m, 1.0, 0.01, -0.02, 1.0, 0.5, 1498.0,
                 np.array([0.2, 0.0, 0.1]),
-                time_s, axes, 750.0 * time_s[:, None] * axes + [0.2, 0.0, 2.1], angles, -60.0 + 0 * angles, some, some,
-                unknown, np.zeros(5, bool),
+                time_s, axes, 750.0 * time_s[:, None] * axes + [0.2, 0.0, depth_m + 0.1], angles, -60.0 + 0 * angles,
+                some, some, unknown, np.zeros(5, bool),
             ))  # fmt: skip
         writer.close()
         return path.read_bytes()

@@ -219,6 +219,16 @@ def test_damaged_files_are_refused_with_the_place_and_the_rule(bent, tmp_path):
             list(read_kmall(path)[1])
 
 
+def test_what_a_file_lacks_is_a_warning_with_its_path(tmp_path):
+    late = survey(".kmall").replace(b"H=0.000;D=0.000;M=Rotation", b"H=0.000;D=0.010;M=Rotation")
+    (tmp_path / "late.kmall").write_bytes(late)
+    with pytest.warns(UserWarning, match=r"late.kmall': the delay of its attitudes, 0.010 s, is not applied"):
+        read_kmall(tmp_path / "late.kmall")
+    (tmp_path / "afloat.gsf").write_bytes(survey(".gsf", depth_m=-0.1))
+    with pytest.warns(UserWarning, match=r"afloat.gsf': states no depth of the transducer"):
+        list(read_gsf(tmp_path / "afloat.gsf")[1])
+
+
 def test_more_beams_than_a_datagram_holds_are_refused(tmp_path):
     levels = SoundSpeeds(np.array([0.0, 20.0]), np.array([1500.0, 1500.0]))
     head = SurveyHead("rov", "wide", 4e5, 1025, 50.0, np.zeros(3), np.zeros(3), levels, "")

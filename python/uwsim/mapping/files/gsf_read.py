@@ -9,9 +9,9 @@ With the attitude at the time of reception, an EM 302 survey of 20,959 soundings
 
 from __future__ import annotations
 
-import logging
 import math
 import struct
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
@@ -33,8 +33,6 @@ OPTIONAL = (
     "MeanRelAmplitude_dB", "DetectionInfo", "QualityFactor",
 )  # fmt: skip
 REQUIRED = ("TravelTime_s", "BeamAngle_deg", "Depth_m", "AcrossTrack_m")
-
-logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +137,9 @@ def _swaths(path: Path, file: Any, head: SurveyHead, attitudes: Attitudes) -> It
         _require_sound(f"'{path}': ping {number}", record, beams)
         swath = _swath(record, beams, head, attitudes)
         if number == 0 and swath.reference_depth_m + swath.transducer_m[2] == 0.0:
-            logger.warning("'%s': states no depth of the transducer: it is taken to be at the surface", path)
+            warnings.warn(
+                f"'{path}': states no depth of the transducer: it is taken to be at the surface", stacklevel=2
+            )
         yield swath
     file.closeFile()
 

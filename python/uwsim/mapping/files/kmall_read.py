@@ -7,9 +7,9 @@ transmission. Both sines are scaled from the ping's own sound speed to the profi
 
 from __future__ import annotations
 
-import logging
 import math
 import re
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,8 +27,6 @@ USED = (b"#IIP", b"#SVP", b"#SKM", b"#SPO", b"#MRZ")
 LONGEST = 1 << 26
 """Bytes of a datagram; the longest real ones, of the water column, have some megabytes."""
 LIMITS = {"time_s": 60.0, "angle_deg": 180.0, "x_m": 40_000.0, "y_m": 40_000.0, "z_m": 24_000.0}
-
-logger = logging.getLogger(__name__)
 
 
 class _Bytes:
@@ -195,7 +193,7 @@ def _attitudes(path: Path, places: list[tuple[int, int]], installed: dict[str, d
     if mount.any():
         angles = _angles(_turned(angles) @ _turned(mount[None])[0].T)
     if _numbers(sensor, "D").any():
-        logger.warning("'%s': the delay of its attitudes, %s s, is not applied", path, sensor["D"])
+        warnings.warn(f"'{path}': the delay of its attitudes, {sensor['D']} s, is not applied", stacklevel=2)
     angles[:, 2] = np.unwrap(angles[:, 2])
     return Attitudes(times, angles)
 
