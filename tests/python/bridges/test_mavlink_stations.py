@@ -25,6 +25,7 @@ from mavlink_station import (
     station_at,
 )
 from uwsim.bridges.mavlink import Endpoint, MavlinkVehicle
+from uwsim.bridges.mavlink.refusals import Refusals
 from uwsim.bridges.video.video import Target, VideoStream
 from uwsim.live import LiveSimulator
 from uwsim.simulator.helm import Source
@@ -198,9 +199,27 @@ def test_targets_are_global_local_or_offsets(live: LiveSimulator, station: Stati
     assert station.command(dialect.MAV_CMD_DO_REPOSITION, *values, as_int=True) == DONE
     station.receive("STATUSTEXT", lambda text: text.text == "Target reached")
     assert station.receive("LOCAL_POSITION_NED").x == pytest.approx(here.x, abs=0.11)
+    heard = len(station.heard)
+    for k in range(40):
+        station.mav.set_position_target_local_ned_send(0, 1, 1, 2, mask, float(k), 0, -1, *[0.0] * 8)
     for frame, words in ((2, "frame 2"), (1, "must be numbers")):
         station.mav.set_position_target_local_ned_send(0, 1, 1, frame, mask, math.nan, 0, 1, *[0.0] * 8)
         station.receive("STATUSTEXT", lambda text, words=words: words in text.text)
+    texts = [each.text for each in station.heard[heard:] if each.get_type() == "STATUSTEXT"]
+    assert 1 <= sum("frame 2" in text for text in texts) <= 4
+
+
+def test_a_reason_is_sent_once_until_a_target_is_accepted_or_10_s_have_passed() -> None:
+    now_s = 5.0
+    refusals = Refusals(lambda: now_s)
+    assert refusals.is_new("target: alt = 3 m: must be at most 0")
+    assert not refusals.is_new("target: alt = nan m: must be at most 0") and refusals.is_new("must be in mode GUIDED")
+    now_s = 14.9
+    assert not refusals.is_new("target: alt = -2.5e+03 m: must be at most 0")
+    now_s = 15.1
+    assert refusals.is_new("target: alt = 7 m: must be at most 0")
+    refusals.accepted()
+    assert refusals.is_new("target: alt = 7 m: must be at most 0")
 
 
 def counted(station: Station, kind: str, simulated_s: float) -> int:

@@ -40,6 +40,7 @@ from uwsim.bridges.mavlink.gimbal import DEVICE, Gimbal
 from uwsim.bridges.mavlink.missions import MissionStore
 from uwsim.bridges.mavlink.modes import CUSTOM_MODE, MANUAL, POSHOLD
 from uwsim.bridges.mavlink.parameters import ParameterServer
+from uwsim.bridges.mavlink.refusals import TARGETS, Refusals
 from uwsim.bridges.mavlink.servos import Servos
 from uwsim.bridges.mavlink.settings import Settings
 from uwsim.bridges.mavlink.state import State, read
@@ -116,6 +117,7 @@ class MavlinkVehicle(Bridge):
         self.endpoint = self._wire.endpoint
         self._rare = RareLog(logging.getLogger("uwsim.mavlink"))
         self._events, self._texts, self._last_text = 0, 0, ""
+        self._refusals = Refusals(lambda: 0.0 if craft.state is None else craft.state.time_s)
         self._heartbeat_s, self._shown = -math.inf, (MANUAL, False)
         self._readings: Subscription | None = None
         self._autopilot = autopilot = self._component(AUTOPILOT)
@@ -373,7 +375,14 @@ class MavlinkVehicle(Bridge):
     # In
 
     def _handle(self, peer: Peer, message: Any) -> None:
-        self._attempt(lambda: self._pass(peer, message))
+        if message.get_type() in TARGETS:
+            self._attempt(lambda: self._pass_target(peer, message), self._refusals.is_new)
+        else:
+            self._attempt(lambda: self._pass(peer, message))
+
+    def _pass_target(self, peer: Peer, message: Any) -> None:
+        self._pass(peer, message)
+        self._refusals.accepted()
 
     def _pass(self, peer: Peer, message: Any) -> None:
         """Pass a message to the part of the system that handles its type."""
@@ -392,12 +401,13 @@ class MavlinkVehicle(Bridge):
         if owner is not None and component in (0, AUTOPILOT):
             getattr(owner, name)(peer, message)
 
-    def _attempt(self, act: Callable[[], object]) -> None:
-        """Do something; report why it fails."""
+    def _attempt(self, act: Callable[[], object], is_new: Callable[[str], bool] = lambda text: True) -> None:
+        """Do something; report why it fails, to the stations if it is new."""
         try:
             act()
         except (ValueError, RuntimeError) as error:
-            self.send_text(str(error))
+            if is_new(str(error)):
+                self.send_text(str(error))
             self.refuse(str(error))
 
     def _is_for_cameras(self, message: Any) -> bool:
