@@ -79,6 +79,11 @@ def test_a_log_that_lacks_something_is_refused(tmp_path: Path) -> None:
     path.write_bytes(binary_log(FORMATS, [("ARM", [0, 1]), ("ATT", [0, 0, 0, 0])]))
     with pytest.raises(ValueError, match=r"short\.bin: has no RCOU, IMU, XKF1"):
         read_servo_log(path)
+    data = bytearray(path.read_bytes())
+    data[data.index(b"\xa3\x95\x80", 89) + 4] = 0  # the length of the second type of message
+    path.write_bytes(data)
+    with pytest.raises(ValueError, match=r"short\.bin: .* is damaged: a type of message has no length"):
+        read_servo_log(path)
 
 
 def test_a_program_is_no_log_and_is_not_started(tmp_path: Path) -> None:

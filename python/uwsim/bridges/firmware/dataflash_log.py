@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from uwsim.bridges.ardusub.servo_frames import thrusters_of
 from uwsim.bridges.mavlink.earth import FRD, NED_FROM_ENU
+from uwsim.recording.real_flights.dataflash import MAGIC, pass_messages
 from uwsim.recording.real_flights.frames import frame_of
 from uwsim.scenario import Scenario
 from uwsim.scenario.read.validated import validated
@@ -21,7 +22,6 @@ from uwsim.simulator.simulator import Simulator
 
 Array = NDArray[np.float64]
 SAMPLE_S, LEAST_S, MOST_S, DEPTH_M = 0.1, 5.0, 86400.0, 50.0
-MAGIC = b"\xa3\x95"
 OUTPUTS = 14  # of the message RCOU
 QUANTITIES: Mapping[str, str] = {
     "speed ahead": "m/s", "speed to the right": "m/s", "speed down": "m/s", "roll": "deg", "pitch": "deg",
@@ -60,8 +60,6 @@ class Compared:
 
 def read_servo_log(path: Path) -> ServoLog:
     """Read a log while its vehicle was armed. Raises OSError, or ValueError for a log that lacks something."""
-    from pymavlink.DFReader import DFReader_binary
-
     fields = {"RCOU": [f"C{n}" for n in range(1, OUTPUTS + 1)], "ATT": ["Roll", "Pitch", "Yaw"],
               "IMU": ["GyrX", "GyrY", "GyrZ"], "XKF1": ["VN", "VE", "VD", "PD"], "ARM": ["ArmState"]}  # fmt: skip
     rows: dict[str, list[list[float]]] = {name: [] for name in fields}
@@ -69,11 +67,13 @@ def read_servo_log(path: Path) -> ServoLog:
         if file.read(len(MAGIC)) != MAGIC:
             rule = "must be a dataflash log (.bin); two programs or parameter files are compared in pairs"
             raise ValueError(f"{path}: {rule}")
-    with closing(DFReader_binary(str(path))) as log:
-        while (message := log.recv_match(type=list(fields))) is not None:
-            name = message.get_type()
-            if getattr(message, "I", 0) == 0 and getattr(message, "C", 0) == 0:  # the first IMU and core
-                rows[name].append([1e-6 * message.TimeUS, *(getattr(message, each, 0) for each in fields[name])])
+
+    def take(message: Any) -> None:
+        name = message.get_type()
+        if getattr(message, "I", 0) == 0 and getattr(message, "C", 0) == 0:  # the first IMU and core
+            rows[name].append([1e-6 * message.TimeUS, *(getattr(message, each, 0) for each in fields[name])])
+
+    pass_messages(path, fields, take)
     lacking = [name for name in fields if not rows[name]]
     if lacking:
         raise ValueError(f"{path}: has no {', '.join(lacking)}: must be a dataflash log of an armed ArduSub with EKF3")

@@ -6,8 +6,10 @@ import contextlib
 import io
 import re
 from collections import defaultdict
+from collections.abc import Callable, Iterable
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -28,41 +30,50 @@ def is_dataflash(path: Path, head: bytes) -> bool:
     return head.startswith(MAGIC)
 
 
-def read_dataflash(path: Path) -> FlightLog:
-    """Read a dataflash log. Raises OSError, or ValueError for a damaged or a large one."""
+def pass_messages(path: Path, names: Iterable[str], take: Callable[[Any], object]) -> None:
+    """Call a function with each message of some types. Raises OSError, or ValueError for a damaged or a large log."""
     need_extra("pymavlink", "mavlink", f"{path}: {KIND}")
     from pymavlink.DFReader import DFReader_binary
 
     if ENDLESS.search(read_limited(path, str(path), MOST_BYTES)):
         raise ValueError(f"{path}: {KIND}: is damaged: a type of message has no length")
-    fields = fields_of(DATAFLASH)
-    rows: dict[str, list[list[float]]] = defaultdict(list)
-    barometers: dict[int, list[list[float]]] = defaultdict(list)
-    parameters: dict[str, float] = {}
-    events: list[tuple[float, str]] = []
-    said = io.StringIO()  # what the library prints of damaged parts
+    said, wanted = io.StringIO(), list(names)  # what the library prints of damaged parts
     try:
         with (
             contextlib.redirect_stdout(said),
             contextlib.redirect_stderr(said),
             closing(DFReader_binary(str(path))) as log,
         ):
-            while (message := log.recv_match(type=[*fields, "PARM", "MSG"])) is not None:
-                name, time_s = message.get_type(), 1e-6 * float(getattr(message, "TimeUS", np.nan))
-                if name == "PARM":
-                    parameters[str(message.Name)] = float(message.Value)
-                elif name == "MSG":
-                    if len(events) < EVENTS_MAX and np.isfinite(time_s):
-                        events.append((time_s, str(message.Message)))
-                elif name == "BARO" or not (getattr(message, "I", 0) or getattr(message, "C", 0)):  # the first of each
-                    table = barometers[int(getattr(message, "I", 0))] if name == "BARO" else rows[name]
-                    if len(table) >= MOST_ROWS:
-                        raise ValueError(f"{path}: more than {MOST_ROWS} rows of {name}: cut the log")
-                    table.append([time_s, *(float(getattr(message, each, np.nan)) for each in fields[name])])
+            while (message := log.recv_match(type=wanted)) is not None:
+                take(message)
     except (OSError, ValueError):
         raise
     except Exception as error:  # the library raises errors of many types for a damaged file
         raise ValueError(f"{path}: {KIND}: is damaged: {type(error).__name__}: {error!s:.100}") from None
+
+
+def read_dataflash(path: Path) -> FlightLog:
+    """Read a dataflash log. Raises OSError, or ValueError for a damaged or a large one."""
+    fields = fields_of(DATAFLASH)
+    rows: dict[str, list[list[float]]] = defaultdict(list)
+    barometers: dict[int, list[list[float]]] = defaultdict(list)
+    parameters: dict[str, float] = {}
+    events: list[tuple[float, str]] = []
+
+    def take(message: Any) -> None:
+        name, time_s = message.get_type(), 1e-6 * float(getattr(message, "TimeUS", np.nan))
+        if name == "PARM":
+            parameters[str(message.Name)] = float(message.Value)
+        elif name == "MSG":
+            if len(events) < EVENTS_MAX and np.isfinite(time_s):
+                events.append((time_s, str(message.Message)))
+        elif name == "BARO" or not (getattr(message, "I", 0) or getattr(message, "C", 0)):  # the first of each
+            table = barometers[int(getattr(message, "I", 0))] if name == "BARO" else rows[name]
+            if len(table) >= MOST_ROWS:
+                raise ValueError(f"{path}: more than {MOST_ROWS} rows of {name}: cut the log")
+            table.append([time_s, *(float(getattr(message, each, np.nan)) for each in fields[name])])
+
+    pass_messages(path, [*fields, "PARM", "MSG"], take)
     if barometers:
         rows["BARO"] = barometers[max(barometers)]
     tables = {name: np.array(table, np.float64) for name, table in rows.items()}
