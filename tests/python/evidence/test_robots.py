@@ -142,6 +142,25 @@ def test_a_urdf_fin_has_the_source_s_lift(kind: str, tmp_path: Path) -> None:
     assert rov.forces["actuators"].force_body_n[1] == pytest.approx(100.0 * 2.0**2 * 0.08, rel=0.01)
 
 
+def test_a_fin_turns_no_further_than_its_lift_grows(tmp_path: Path) -> None:
+    """C_La sin a cos a is greatest at 45 deg; a fin that turned by 90 deg would steer the other way."""
+    wide = ruddered(1, "1 0 0").replace("<lower>-0.4", "<lower>-1.5708").replace("<upper>0.5", "<upper>1.5708")
+    wide = wide.replace("<alpha_stall>0.3", "<alpha_stall>1.5708")
+    sim, printed = made(tmp_path, "world.sdf", wide)
+    assert "joint 'rudder_joint': it turns by 45 deg, at which its lift is greatest, not 90" in printed
+    (rov,) = sim.vehicles.values()
+    forces_n = []
+    for angle in np.radians([15, 30, 44.9]):
+        rov.place([0, 0, -8], [0, 0, 0, 1])
+        rov.set_fins({"rudder": angle})
+        sim.advance(1.5)
+        rov.place([0, 0, -8], [0, 0, 0, 1], [2.0, 0, 0, 0, 0, 0])
+        sim.step()
+        forces_n.append(rov.forces["actuators"].force_body_n[1])
+    assert sim.scenario.vehicles[0].model.fins["rudder"].deflection_max_deg == pytest.approx(45.0)
+    assert forces_n[0] < forces_n[1] < forces_n[2]
+
+
 def test_a_surface_that_uwsim_does_not_have_is_named(tmp_path: Path) -> None:
     sim, printed = made(tmp_path, "world.sdf", ruddered(1, "0 0 1"))
     assert "its forward direction is not the vehicle's" in printed

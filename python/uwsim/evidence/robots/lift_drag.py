@@ -18,6 +18,7 @@ from uwsim.evidence.robots.xml_file import Element, Floats, Pose
 
 AIR_KG_M3, SLOPE, STALL_RAD = 1.2041, 1.0, math.pi / 2
 """gz-sim's defaults: of air_density, cla and alpha_stall."""
+MOST_LIFT_RAD = math.pi / 4
 STALL_DEG = (1.0, 89.0)
 """Stall angles of uwsim; a surface that stalls beyond them does not."""
 STRAIGHT = 0.999
@@ -133,10 +134,18 @@ def _direction(plugin: Element, key: str, default: int) -> Floats:
 
 
 def _travel_rad(plugin: Element, joint: Joint, found: Found) -> float:
-    """Return the smaller of a joint's two limits."""
+    """Return the smaller of a joint's two limits, at most 45 deg.
+
+    The lift of uwsim's fins, C_La sin a cos a, falls beyond that angle, while that of UUV Simulator's grows with it: a
+    controller that turned a fin further would steer the other way.
+    """
     low, high = joint.limits_rad
     if not low <= 0.0 <= high:
         raise plugin.error(f"joint '{joint.name}': limits from {low:g} to {high:g} rad: must include 0")
     if abs(low + high) > 1e-3:
         found.assumed(f"joint '{joint.name}': it turns by the smaller of its limits in both directions")
-    return min(-low, high, math.pi / 2)
+    travel_rad = min(-low, high)
+    if travel_rad > MOST_LIFT_RAD + 1e-6:
+        limit_deg = math.degrees(min(travel_rad, math.pi))
+        found.assumed(f"joint '{joint.name}': it turns by 45 deg, at which its lift is greatest, not {limit_deg:.0f}")
+    return min(travel_rad, MOST_LIFT_RAD)
