@@ -13,8 +13,19 @@ from websockets.sync.server import serve
 
 from listening_sockets import free_port
 from uwsim.bridges import RosbridgeServer
+from uwsim.bridges.cli.nodes import NODES as OFFERED
 from uwsim.bridges.cli.nodes import nodes
-from uwsim.bridges.nodes.chain import INSERTED, PUBLISHED_FLOATS, SCAN, decode, to_cloud, to_scan, to_transform
+from uwsim.bridges.nodes.chain import (
+    INSERTED,
+    NODES,
+    PUBLISHED_FLOATS,
+    SCAN,
+    decode,
+    decode_state,
+    to_cloud,
+    to_scan,
+    to_transform,
+)
 from uwsim.bridges.nodes.map_builder import MapBuilder
 from uwsim.bridges.nodes.node import Node
 from uwsim.bridges.rosbridge.limits import Limits
@@ -81,7 +92,7 @@ def served(port, heard):
         yield live, listen
 
 
-def test_five_processes_make_the_map_of_one(tmp_path, programs):
+def test_six_processes_make_the_map_of_one(tmp_path, programs):
     heard, port = [], free_port()
     url, out = f"ws://127.0.0.1:{port}", tmp_path / "nodes.bt"
     with (
@@ -101,6 +112,20 @@ def test_five_processes_make_the_map_of_one(tmp_path, programs):
     assert np.ptp(flown, axis=0)[:2].min() > 3.0
     assert out.read_bytes() == (tmp_path / "chain.bt").read_bytes()
     assert len(out.read_bytes()) > 20_000
+
+
+def test_the_panels_string_becomes_its_nine_numbers():
+    message = default_message("std_msgs/msg/String")
+    message.data = "0.5a1E-05a24a101.325a0aInfinitya41.5a7a99.5a"
+    expected = [0.5, 1e-5, 24.0, 101.325, 0.0, np.inf, 41.5, 7.0, 99.5]
+    np.testing.assert_array_equal(decode_state(message).data, np.float32(expected))
+    message.data = "0.5a1"
+    with pytest.raises(ValueError, match="must be 9 numbers, each followed by the letter a"):
+        decode_state(message)
+
+
+def test_the_commands_choices_are_the_nodes():
+    assert tuple(NODES) == OFFERED
 
 
 def test_the_map_is_octomaps_own():

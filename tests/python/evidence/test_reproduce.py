@@ -13,6 +13,7 @@ from uwsim.evidence.reproduce import (
     drawn_graphs,
     movement_and_ray,
     mown_map,
+    node_map,
     paper,
     running_system,
     scenes,
@@ -26,7 +27,7 @@ from uwsim.simulator.simulator import Simulator
 
 @pytest.fixture(scope="module")
 def sim():
-    return Simulator(scenes.with_overview(load("paper")))
+    return Simulator(scenes.with_cameras(load("paper"), overview=scenes.OVERVIEW, beside=sonar.BESIDE))
 
 
 def picture(path):
@@ -45,7 +46,10 @@ def test_what_a_running_system_tells_is_the_published_tree_and_chain(tmp_path):
         ("simulator", "depthArray", "string_decoder"), ("string_decoder", "decodedDepth", "scan_publisher"),
         ("scan_publisher", "scan", "laser_to_cloud"), ("laser_to_cloud", "laserPointCloud", "octomap"),
         ("simulator", "propPos", "tf_broadcaster"), ("tf_broadcaster", "tf", "octomap"),
+        ("simulator", "stateData", "parameter_decoder"), ("key_publisher", "key", "simulator"),
     }  # fmt: skip
+    unread = {topic for publisher, topic, subscriber in edges if publisher == "simulator" and not subscriber}
+    assert unread == {"hFOV", "proximitySensor", "image/compressed", "images/compressed"}
     assert full["odom"].rate_hz == 0.0  # static transform
     assert full["base_footprint"].rate_hz == pytest.approx(50.0, rel=0.05)
 
@@ -54,11 +58,39 @@ def test_trees_and_node_maps_are_drawn_with_all_that_they_hold(tmp_path):
     links = [Link("odom", "base_footprint", 50.0), Link("base_footprint", "base_scan", 50.0)]
     figure = drawn_graphs.transform_tree(links, links, tmp_path / "tree.png")
     assert [row[2] for row in figure.rows] == 2 * ["base_footprint", "base_scan"]
-    edges = [Edge("a", "one", "b"), Edge("b", "two", "c"), Edge("a", "three", "c")]
-    places = drawn_graphs._layered([(edge.publisher, edge.subscriber) for edge in edges])
-    assert places["a"][0] < places["b"][0] < places["c"][0]
-    assert len(drawn_graphs.node_map(edges, tmp_path / "map.png").rows) == 3
-    assert picture(tmp_path / "map.png").min() < 100 < picture(tmp_path / "tree.png").max()
+    assert picture(tmp_path / "tree.png").max() > 100
+
+
+def test_on_the_node_map_no_line_crosses_the_box_of_a_name(tmp_path):
+    edges = [
+        Edge("simulator", "depthArray", "b"),
+        Edge("simulator", "modelTrigger", "c"),
+        Edge("b", "two", "c"),
+        Edge("keyboard", "key", "simulator"),
+        Edge("simulator", "hFOV", ""),
+    ]
+    vertices = node_map.layered(edges)
+    node_map.arrange(vertices)
+    columns = {vertex.name: vertex.column for vertex in vertices if vertex.name}
+    assert columns["sonar"] < columns["depthArray"] < columns["b"] < columns["two"] < columns["c"]
+    assert columns["force control"] < columns["key"] < columns["keyboard"]
+    for start in vertices:  # each line has a slot of its own in every column that it passes
+        assert all(end.column == start.column + 1 for end in start.after)
+        assert all(
+            abs(start.y - other.y) >= 0.999 for other in vertices if other is not start and other.column == start.column
+        )
+    rows = node_map.node_map(edges, tmp_path / "map.png").rows
+    assert ("simulator: sonar", "hFOV", "none") in rows and ("keyboard", "key", "simulator: force control") in rows
+    with pytest.raises(ValueError, match="loop"):
+        node_map.layered([Edge("a", "one", "b"), Edge("b", "two", "a")])
+
+
+def test_what_lies_under_water_is_seen_nearer_to_the_eye_by_the_law_of_refraction():
+    eye, point = np.array([0.0, 0.0, 10.0]), np.array([[20.0, 0.0, -15.0], [20.0, 0.0, 3.0]])
+    through, above = scenes.apparent(eye, point)
+    up, down = through[0] / np.hypot(through[0], 10.0), (20.0 - through[0]) / np.hypot(20.0 - through[0], 15.0)
+    assert up == pytest.approx(scenes.WATER_INDEX * down, rel=1e-6)
+    assert (through[2], *above) == (0.0, *point[1])
 
 
 def test_the_screens_are_our_stations_page_in_a_browser(sim, tmp_path):
@@ -97,8 +129,10 @@ def test_pictures_show_something_and_have_their_values(sim, tmp_path, make):
     assert all(len(row) == len(figure.columns) for row in figure.rows)
     json.dumps(paper._plain(figure.rows), allow_nan=False)
     if make is scenes.overview:
-        names = {row[0] for row in figure.rows}
-        assert names >= {"mountains", "station and its cage", "vehicle", "pipeline", "gate 1", "gate 4"}
+        parts = {row[0]: row[1:] for row in figure.rows}
+        assert parts.keys() >= {"mountains", "station and its cage", "vehicle", "pipeline", "gate 1", "gate 4"}
+        assert all(in_view for *_, in_view in parts.values())
+        assert all(parts[f"rocks {number}"][2] == pytest.approx(-41.0, abs=0.6) for number in (1, 2, 3))  # on the bed
 
 
 def test_one_ray_ends_at_its_first_hit_and_the_others_pass(sim, tmp_path):

@@ -14,14 +14,16 @@ from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.groups import under
 
+NODES = ("string_decoder", "scan_publisher", "laser_to_cloud", "tf_broadcaster", "parameter_decoder", "octomap")
+
 
 @under("Connect")
 def nodes(
     name: Annotated[
         str,
         typer.Argument(
-            help="string_decoder, scan_publisher, laser_to_cloud, tf_broadcaster, octomap; or all, one process each.",
-            **one_of("all", "string_decoder", "scan_publisher", "laser_to_cloud", "tf_broadcaster", "octomap"),
+            help=f"{', '.join(NODES)}; or all, one process each.",
+            **one_of("all", *NODES),
         ),
     ] = "all",
     url: Annotated[str, typer.Option(help="The rosbridge, such as that of uwsim serve --wire published.")] = (
@@ -35,13 +37,13 @@ def nodes(
     published_types: Annotated[
         bool,
         typer.Option(
-            "--published-types", help="Publish decodedDepth as the paper's misc/floatarray; ROS then needs its package."
+            "--published-types", help="Publish arrays as the paper's misc/floatarray; ROS then needs its package."
         ),
     ] = False,
 ) -> None:
     """Run the paper's mapping pipeline as nodes over rosbridge.
 
-    The nodes convert depth strings and poses into a map file. Ctrl-C stops them.
+    The nodes convert depth strings and poses into a map file, and the panel's string into numbers. Ctrl-C stops them.
 
     They reconnect whenever the connection is lost. The map is saved then, every second or less often, and at the end.
 
@@ -49,7 +51,7 @@ def nodes(
     """
     import logging
 
-    from uwsim.bridges.nodes.chain import FLOATS, NODES, PUBLISHED_FLOATS
+    from uwsim.bridges.nodes.chain import FLOATS, PUBLISHED_FLOATS
     from uwsim.bridges.nodes.processes import run_all, run_one
     from uwsim.channels.ros.message_types import Ros
     from uwsim.mapping.occupancy_map import require_map_path

@@ -1,7 +1,8 @@
-"""The five nodes of the paper's Fig. 11, each set up by a function. `mapping/ranging.py` contains the maths.
+"""The nodes of the paper's Fig. 11, each set up by a function. `mapping/ranging.py` contains the maths.
 
     depthArray -> string_decoder -> decodedDepth -> scan_publisher -> scan -> laser_to_cloud -> laserPointCloud
     propPos, scanPos -> tf_broadcaster -> tf;   laserPointCloud, tf -> octomap -> a saved .bt
+    stateData -> parameter_decoder -> rovParameters
 
 Strings carry no time stamp, so nodes stamp messages with the latest /clock, which the server sends before the topics of
 the same step. Each ping is published as one scan. (The paper's node repeated it at 50 Hz, so that each ping counted
@@ -29,6 +30,7 @@ STRING, FLOATS, POSE = "std_msgs/msg/String", "std_msgs/msg/Float32MultiArray", 
 PUBLISHED_FLOATS = "misc/msg/floatarray"  # from the paper's own ROS package, which no distribution includes
 SCAN, CLOUD, TF = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage"
 MODEL = 2  # the sonar model until modelTrigger selects a different one
+STATE_VALUES = 9  # of stateData
 INSERTED = "octomap_node/inserted"
 SAVE_S = 1.0  # minimum time between saves
 
@@ -59,6 +61,18 @@ def decode(message: Any, model: int, floats: str = FLOATS) -> Any:
     """Convert a depthArray to a decodedDepth of type `floats`. Raises ValueError."""
     decoded = default_message(floats)
     decoded.data = ranging.decode_depth_string(message.data, model)
+    return decoded
+
+
+def decode_state(message: Any, floats: str = FLOATS) -> Any:
+    """Convert a stateData to a rovParameters of type `floats`, its values in the same order. Raises ValueError."""
+    values = message.data.split("a")
+    if len(values) != STATE_VALUES + 1 or values[-1]:
+        raise ValueError(
+            f"stateData = '{message.data[:80]}': must be {STATE_VALUES} numbers, each followed by the letter a"
+        )
+    decoded = default_message(floats)
+    decoded.data = np.array([float(value) for value in values[:-1]], np.float32)
     return decoded
 
 
@@ -122,6 +136,12 @@ def tf_broadcaster(node: Node, out: Path, floats: str = FLOATS) -> None:
     node.subscribe("scanPos", POSE, partial(send, "base_footprint", "base_scan"))
 
 
+def parameter_decoder(node: Node, out: Path, floats: str = FLOATS) -> None:
+    """StateData -> rovParameters."""
+    publish = node.advertise("rovParameters", floats)
+    node.subscribe("stateData", STRING, lambda message: publish(decode_state(message, floats)))
+
+
 def octomap(node: Node, out: Path, floats: str = FLOATS) -> None:
     """laserPointCloud, tf -> a map, saved to `out` at the end and, for at most a tenth of the time, before."""
     builder, progress = MapBuilder(), node.advertise(INSERTED, "std_msgs/msg/UInt32")
@@ -149,6 +169,7 @@ def octomap(node: Node, out: Path, floats: str = FLOATS) -> None:
 
 
 NODES: dict[str, Callable[[Node, Path, str], None]] = {
-    node.__name__: node for node in (string_decoder, scan_publisher, laser_to_cloud, tf_broadcaster, octomap)
+    node.__name__: node
+    for node in (string_decoder, scan_publisher, laser_to_cloud, tf_broadcaster, parameter_decoder, octomap)
 }
-"""Functions that set up a Node, keyed by node name. Arguments: node, map file (octomap), decodedDepth's type."""
+"""Functions that set up a Node, keyed by node name. Arguments: node, map file (octomap), the type of floats."""

@@ -1,4 +1,4 @@
-"""The transform tree and the node map, drawn from a running system's data (Figs. 10 and 11)."""
+"""The transform tree, drawn from a running system's data (Fig. 10)."""
 
 from __future__ import annotations
 
@@ -8,12 +8,10 @@ from pathlib import Path
 from matplotlib.axes import Axes
 
 from uwsim.evidence.reproduce.figure import Figure
-from uwsim.evidence.reproduce.running_system import Edge, Link
+from uwsim.evidence.reproduce.running_system import Link
 from uwsim.figures.style import ACCENT, FAINT_INK, INK, new_figure, save_figure
 
 Place = tuple[float, float]
-BEND = 0.22
-ASPECT = 12.0 / 4.6  # aspect ratio (width to height) of the node map
 BOX = {"boxstyle": "round,pad=0.45", "facecolor": "#eef4f8", "edgecolor": INK, "linewidth": 0.9}
 
 
@@ -30,34 +28,6 @@ def transform_tree(published: Sequence[Link], standard: Sequence[Link], path: Pa
         10, "The transform tree", "From the topics of a running system, with the rate of each moving transform.",
         "Theirs has the first tree; ours has the standard topics' tree, too.",
         columns=("wire", "parent", "child", "rate [Hz]"), rows=rows,
-    )  # fmt: skip
-
-
-def node_map(edges: Sequence[Edge], path: Path) -> Figure:
-    """Draw Fig. 11, the node map."""
-    figure = new_figure(12.0, 4.6)
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    _bare(axes, "Nodes and topics")
-    by_pair: dict[tuple[str, str], list[str]] = {}
-    for edge in edges:
-        by_pair.setdefault((edge.publisher, edge.subscriber), []).append(edge.topic)
-    places = _layered(list(by_pair))
-    columns = sorted({x for x, _ in places.values()})
-    for (publisher, subscriber), topics in by_pair.items():
-        start, end = places[publisher], places[subscriber]
-        spanned = columns.index(end[0]) - columns.index(start[0])
-        bend = BEND * (spanned - 1) if start[1] == end[1] and spanned > 1 else 0.0  # bends around the nodes in between
-        _arrow(axes, start, end, bend, shrink=34)
-        x, y = (0.5 * (a + b) for a, b in zip(start, end, strict=True))
-        lift = 0.5 * bend * (end[0] - start[0]) * ASPECT
-        axes.text(x, y - lift + 0.02, "\n".join(sorted(topics)), fontsize=8.5, color=ACCENT, ha="center", va="bottom")
-    for name, place in places.items():
-        axes.text(*place, name, fontsize=10, color=INK, ha="center", va="center", bbox=BOX, zorder=3)
-    save_figure(figure, path)
-    return Figure(
-        11, "The node map", "The simulator and the paper's chain as five processes, from rosapi.",
-        "Theirs needs a ROS installation; ours connects the same nodes by a rosbridge alone.",
-        columns=("publisher", "topic", "subscriber"), rows=[(e.publisher, e.topic, e.subscriber) for e in edges],
     )  # fmt: skip
 
 
@@ -105,28 +75,8 @@ def _leaves(children: dict[str, list[Link]], frame: str) -> int:
     return sum(_leaves(children, link.child) for link in children.get(frame, [])) or 1
 
 
-def _layered(pairs: Sequence[tuple[str, str]]) -> dict[str, Place]:
-    """Place nodes from left to right by the longest path to them from a source; nodes with equal paths are stacked."""
-    names = list(dict.fromkeys(name for pair in pairs for name in pair))
-    level = dict.fromkeys(names, 0)
-    for _ in names:
-        for publisher, subscriber in pairs:
-            if (subscriber, publisher) not in pairs:
-                level[subscriber] = max(level[subscriber], min(level[publisher] + 1, len(names)))
-    places = {}
-    for column in range(max(level.values(), default=0) + 1):
-        inside = [name for name in names if level[name] == column]
-        for row, name in enumerate(inside):
-            x = 0.07 + 0.86 * column / max(*level.values(), 1)
-            places[name] = x, 0.5 if len(inside) == 1 else 0.75 - 0.5 * row / (len(inside) - 1)
-    return places
-
-
-def _arrow(axes: Axes, start: Place, end: Place, bend: float = 0.0, shrink: float = 16.0) -> None:
-    style = {
-        "arrowstyle": "-|>", "color": FAINT_INK, "shrinkA": shrink, "shrinkB": shrink, "linewidth": 1.0,
-        "connectionstyle": f"arc3,rad={bend}",
-    }  # fmt: skip
+def _arrow(axes: Axes, start: Place, end: Place) -> None:
+    style = {"arrowstyle": "-|>", "color": FAINT_INK, "shrinkA": 16.0, "shrinkB": 16.0, "linewidth": 1.0}
     axes.annotate("", end, start, arrowprops=style)
 
 

@@ -12,7 +12,16 @@ from typing import Any
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.folder_lock import alone_in
-from uwsim.evidence.reproduce import drawn_graphs, movement_and_ray, mown_map, running_system, scenes, screens, sonar
+from uwsim.evidence.reproduce import (
+    drawn_graphs,
+    movement_and_ray,
+    mown_map,
+    node_map,
+    running_system,
+    scenes,
+    screens,
+    sonar,
+)
 from uwsim.evidence.reproduce.figure import PAPER, Figure
 from uwsim.figures.html_page import data_uri, filled_page
 from uwsim.scenario import load
@@ -33,7 +42,8 @@ def reproduce_paper(out: Path, progress: Callable[[str], object] = lambda text: 
 
 
 def _make_all(out: Path, progress: Callable[[str], object]) -> list[Figure]:
-    sim, began_s = Simulator(scenes.with_overview(load("paper"))), time.monotonic()
+    cameras = {"overview": scenes.OVERVIEW, "beside": sonar.BESIDE}
+    sim, began_s = Simulator(scenes.with_cameras(load("paper"), **cameras)), time.monotonic()
     figures: list[Figure] = []
 
     def add(figure: Figure) -> None:
@@ -44,7 +54,7 @@ def _make_all(out: Path, progress: Callable[[str], object]) -> list[Figure]:
         trees = running_system.transforms(published), running_system.transforms(standard)
         edges = running_system.connections(published)
     add(drawn_graphs.transform_tree(*trees, out / "fig10.png"))
-    add(drawn_graphs.node_map(edges, out / "fig11.png"))
+    add(node_map.node_map(edges, out / "fig11.png"))
     add(scenes.overview(sim, out / "fig01.png"))
     add(scenes.scene(sim, out / "fig02.png"))
     add(movement_and_ray.movements(sim, out / "fig03.png"))

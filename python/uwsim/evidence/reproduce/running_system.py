@@ -24,11 +24,12 @@ NODES_PROGRAM = "from uwsim.cli import main; main()"
 PATIENCE_S = 60.0
 LISTEN_S = 4.0  # of simulated time
 SIMULATOR = "/uwsim"
+KEY_PUBLISHER = "key_publisher"
 OWN_TOPICS = {  # topics that identify clients of rosbridge, which gives them no names
     "decodedDepth": "string_decoder", "scan": "scan_publisher", "laserPointCloud": "laser_to_cloud",
-    "tf": "tf_broadcaster", INSERTED: "octomap",
+    "tf": "tf_broadcaster", INSERTED: "octomap", "rovParameters": "parameter_decoder", "key": KEY_PUBLISHER,
 }  # fmt: skip
-QUIET = ("clock", "rosout")
+QUIET = ("clock", "rosout", INSERTED)
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Edge:
-    """A topic that one node publishes and another subscribes to."""
+    """A topic that one node publishes and another subscribes to; subscriber: "" if none does."""
 
     publisher: str
     topic: str
@@ -75,13 +76,14 @@ class Client:
 
 @contextmanager
 def running(map_file: Path) -> Iterator[tuple[Client, Client]]:
-    """Run `paper` and the five nodes; yield a client of their server and one of a server with the standard topics."""
+    """Run `paper`, the nodes and a key publisher; yield a client of their server and one of the standard topics'."""
     with (
         LiveSimulator("paper", paused=True) as live,
         RosbridgeServer(live, wire="published", origin="published") as server,
         RosbridgeServer(live, wire="standard") as standard,
         connect(server.url, max_queue=None) as first,
         connect(standard.url, max_queue=None) as second,
+        connect(server.url) as keyboard,
     ):
         command = [sys.executable, "-c", NODES_PROGRAM, "nodes", "--url", server.url, "--out", str(map_file)]
         nodes = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -90,7 +92,14 @@ def running(map_file: Path) -> Iterator[tuple[Client, Client]]:
             if not nodes.stdout.readline():
                 raise OSError(f"the nodes did not start: {nodes.stderr.read().strip()}")
             live.command("undock", vehicle="rov").result()
-            live.command("set_effort", vehicle="rov", surge=0.5, heave=-0.3).result()
+            keys = Client(keyboard)
+            keys.say("advertise", topic="key", type="geometry_msgs/Pose")
+            pose = {
+                "position": {"x": 0.5, "y": 0.0, "z": -0.3},
+                "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 0.0},
+            }
+            keys.say("publish", topic="key", msg=pose)
+            keys.ask("/rosapi/nodes")  # answered when the server has the message
             yield Client(first), Client(second)
         finally:
             nodes.terminate()
@@ -118,19 +127,24 @@ def transforms(client: Client) -> list[Link]:
 
 
 def connections(client: Client) -> list[Edge]:
-    """Return the connections reported by rosapi; each client is named after the node whose topics it publishes."""
+    """Return the topics reported by rosapi; each client is named after the node whose topics it publishes."""
     details = {name: client.ask("/rosapi/node_details", node=name) for name in client.ask("/rosapi/nodes")["nodes"]}
     names = {
         node: next((OWN_TOPICS[t.strip("/")] for t in found["publishing"] if t.strip("/") in OWN_TOPICS), node)
         for node, found in details.items()
         if node != SIMULATOR
     } | {SIMULATOR: "simulator"}
-    shown = {"simulator", *NODES}
-    return [
-        Edge(names[publisher], topic.strip("/"), names[subscriber])
-        for publisher, writer in details.items()
-        for topic in writer["publishing"]
+    shown = {"simulator", KEY_PUBLISHER, *NODES}
+    reading = {
+        (topic, names[subscriber])
         for subscriber, reader in details.items()
-        if topic in reader["subscribing"] and topic.strip("/") not in QUIET
-        if names[publisher] in shown and names[subscriber] in shown and publisher != subscriber
-    ]
+        for topic in reader["subscribing"]
+        if names[subscriber] in shown
+    }
+    found = []
+    for publisher, writer in details.items():
+        for topic in writer["publishing"]:
+            if names[publisher] in shown and topic.strip("/") not in QUIET:
+                readers = [name for read, name in sorted(reading) if read == topic and name != names[publisher]]
+                found += [Edge(names[publisher], topic.strip("/"), reader) for reader in readers or [""]]
+    return found

@@ -7,18 +7,27 @@ from typing import Any
 
 import numpy as np
 from matplotlib.transforms import Bbox
+from numpy.typing import NDArray
 
 from uwsim.evidence.reproduce.figure import Figure
-from uwsim.evidence.reproduce.scenes import BEFORE_THE_GATE, place
+from uwsim.evidence.reproduce.scenes import BEFORE_THE_GATE, CLEAR, eye_of, place, project
 from uwsim.evidence.validate.sonar_instrument import half_detected_m
 from uwsim.evidence.validate.sonar_table import COVERAGE_M, DEPTH_M, FREQUENCIES_KHZ, Cell
-from uwsim.figures.sonar_fan import sonar_fan
+from uwsim.figures.sonar_fan import beam_ends_m
 from uwsim.figures.style import ACCENT, FAINT_INK, INK, label_axes, new_figure, save_figure
+from uwsim.instruments.cameras.camera import Camera
 from uwsim.instruments.sonars.depth_map import DepthMap, difference, ranges_m
 from uwsim.mapping import ranging
+from uwsim.scenario.spec.camera import CameraMount
 from uwsim.simulator.simulator import Simulator
 
-IN_THE_BASIN = (20.0, -150.0, -20.0), 10.0
+OVER_THE_BED = (42.0, -110.0, -31.5), -28.0
+BESIDE = CameraMount(
+    position_m=(51.5, 35.7, -34.4), yaw_pitch_roll_deg=(-45.0, 38.0, 0.0), width=1280, height=720, field_of_view_deg=80
+)
+"""A camera behind the vehicle over the bed, above and to port, in the frame of the station."""
+DRAWN_BEAM = 12
+HIDDEN_M = 0.15  # a point no farther behind a picture's surface is on it
 
 
 def depth_image(sim: Simulator, path: Path) -> Figure:
@@ -103,21 +112,49 @@ def _draw_table(rows: list[tuple[Any, ...]], path: Path) -> None:
 
 
 def ping(sim: Simulator, path: Path) -> Figure:
-    """Draw Fig. 9, a ping."""
-    place(sim, IN_THE_BASIN)
+    """Draw Fig. 9, the scene with the fan of one ping. The simulator must have the camera `beside`."""
+    place(sim, OVER_THE_BED)
     ping, model = sim.rov.sonar.ping(), sim.rov.sonar.model
-    sonar_fan(path, sim.world, ping, model.range_max_m)
+    camera = sim.cameras["beside"]
+    frame = camera.capture(CLEAR)
+    ends_m, echo = beam_ends_m(ping, model.range_max_m)
+    height, width = frame.rgb.shape[:2]
+    figure = new_figure(12.8, 7.2)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set_axis_off()
+    axes.imshow(frame.rgb, interpolation="antialiased")
+    for end_m in ends_m[::DRAWN_BEAM]:
+        line_m = np.linspace(ping.world_from_sonar[:3, 3], end_m, 200)
+        line = np.where(_in_front(camera, frame.depth_m, line_m)[:, None], project(camera, line_m), np.nan)
+        axes.plot(*line.T, color="white", linewidth=0.7, alpha=0.7)
+    hits_m = ends_m[echo]
+    axes.plot(*project(camera, hits_m)[_in_front(camera, frame.depth_m, hits_m)].T, ".", color=ACCENT, markersize=4)
+    axes.set_xlim(0, width)
+    axes.set_ylim(height, 0)
+    save_figure(figure, path)
     text = ranging.encode_depth_string(ping.ranges_m, model)
     scan = ranging.to_laser_scan(ranging.decode_depth_string(text, model), model, sim.time_s)
     points = ranging.to_point_cloud(scan)
     return Figure(
         9, "The forward-facing sonar",
-        "The fan of beams from the vehicle to its hits in the walled basin, from above and from the side.",
-        "Theirs is a view of the scene; ours is drawn to scale.",
+        f"The scene with the fan of one ping, its head {-np.degrees(sim.rov.sonar.elevation_rad):.0f} degrees down: "
+        f"every {DRAWN_BEAM}th of {len(echo)} beams as a line from the vehicle, and all hits on bed, pipeline and "
+        "rocks. Beams are drawn where nothing hides them.",
+        "Theirs casts its rays in Unity, ours in Embree, at the triangles that collide. The water's veil is left out.",
         values={"beams": len(ping.ranges_m), "echoes": len(points), "depth_string_characters": len(text),
                 "angle_increment_rad": float(scan.angle_increment), "range_max_m": float(scan.range_max)},
         columns=("x [m]", "y [m]", "z [m]"), rows=[tuple(map(float, point)) for point in points[::16]],
     )  # fmt: skip
+
+
+def _in_front(camera: Camera, depth_m: NDArray[np.float32], points_m: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which points (n, 3) lie in a picture with depths (height, width) and no farther than these; (n,)."""
+    ahead_m = (points_m - eye_of(camera)) @ camera.world_from_camera[:3, 0]
+    pixels = np.nan_to_num(project(camera, points_m), nan=-1.0)
+    height, width = depth_m.shape
+    column, row = np.clip(pixels.astype(int), 0, (width - 1, height - 1)).T
+    inside = np.all((pixels >= 0) & (pixels < (width, height)), axis=1)
+    return np.asarray(inside & (ahead_m < depth_m[row, column] + HIDDEN_M))
 
 
 def _plain(value: object) -> object:
