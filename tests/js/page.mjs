@@ -121,7 +121,7 @@ take({ collisions: 3, proximity_warning: true, alarms: ['water inside'] }, 3);
 take({ collisions: 3, alarms: ['water inside'] }, 4);
 assert.deepEqual(
   log.entries.map(({ time_s, text }) => `${time_s} ${text}`),
-  ['3 water inside', '2 Proximity: near the bed', '2 Collision'],
+  ['3 water inside', '2 Near the bed', '2 Collision'],
 );
 assert.equal(log.collisions, 1);
 log.acknowledge();

@@ -211,14 +211,14 @@ def test_the_tapes_labels_are_whole(page):
     fit(page, (1440, 1000))
 
 
-def test_the_proximity_lamp_follows_the_wire_and_the_obstacle_lamp_the_echoes(here, page):
+def test_the_bed_lamp_follows_the_wire_and_the_contact_lamp_the_echoes(here, page):
     def place(*position_m: float) -> None:
         live = here.station.present().live
         live.command("place", vehicle="rov", position_world_m=position_m).result()
 
     place(-2.0, 0.0, -2.5)  # 2.5 m above the bed, 4.5 m before the box
     when(page, "station.telemetry.message.proximity_warning && station.telemetry.nearest_m > 2")
-    lit = "['proximity', 'obstacle'].map((name) => document.querySelector(`#lamp-${name}`).dataset.on).join()"
+    lit = "['bed', 'contact'].map((name) => document.querySelector(`#lamp-${name}`).dataset.on).join()"
     when(page, f"{lit} === 'warn,off'")
     shows(page, "#panel", "> 10")
     row = page.locator("dl.values div", has_text="Port side").inner_text()
@@ -229,4 +229,11 @@ def test_the_proximity_lamp_follows_the_wire_and_the_obstacle_lamp_the_echoes(he
     here.station.present().live.command("set_parameter", name="warnings.proximity_m", value=0.1).result()
     when(page, f"!{limit} && {lit} === 'off,warn'")
     here.station.present().live.command("reset_parameters", name="warnings.proximity_m").result()
+    when(page, f"{lit} === 'warn,warn'")
+    page.evaluate("station.station.description.warnings.as_published = true")  # as in `paper`: one red lamp
+    when(page, f"{lit} === 'alarm,off'")
+    assert re.findall(r"\w+", page.inner_text("#lamp-bed"))[0].title() == "Proximity"
+    assert not page.is_visible("#lamp-contact")
+    page.evaluate("station.station.description.warnings.as_published = false")
+    when(page, f"{lit} === 'warn,warn'")
     place(*START_M)

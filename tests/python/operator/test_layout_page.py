@@ -43,7 +43,7 @@ def test_a_layout_is_kept_by_name_and_a_view_opens_in_a_window_of_its_own(here, 
     page.click("#layouts")
     judge(page, "layouts")
     page.click("#layouts-dialog >> text=Transit")
-    assert page.is_visible("#lamp-proximity") and page.is_visible("#all-stop") and not page.is_visible(".downloads")
+    assert page.is_visible("#lamp-bed") and page.is_visible("#all-stop") and not page.is_visible(".downloads")
     judge(page, "transit")
     page.evaluate("station.views.enlarge('chart')")
     page.click("#layouts")

@@ -33,7 +33,11 @@ def describe(running: Running) -> Values:
         "mission_time_s": scenario.mission_time_s,
         "seed": sim.seed,
         "truth_allowed": running.truth,
-        "warnings": {"range_m": scenario.warnings.range_m, "proximity_m": scenario.warnings.proximity_m},
+        "warnings": {
+            "range_m": scenario.warnings.range_m,
+            "proximity_m": scenario.warnings.proximity_m,
+            "as_published": scenario.wire == "published",
+        },
         "vehicles": [_vehicle(running, source, optional) for source in running.table.sources],
         "views": [_camera_view(running, view) for view in running.views.views.values()] + _sonar_views(running),
         "scene": "/scene/scene.json",

@@ -195,10 +195,11 @@ class ViewDescription(Message):
 
 
 class Warnings(Message):
-    """The panel's warning distances."""
+    """The panel's warning distances. as_published: whether its lamps are the published simulator's."""
 
     range_m: float
     proximity_m: float
+    as_published: bool
 
 
 class FlightEvent(Message):

@@ -5,7 +5,7 @@ import { STRINGS } from '../strings.js';
 const WORDS = STRINGS.alarms;
 
 const LONGEST = 200;
-const FLAGS = { range_warning: WORDS.range, proximity_warning: WORDS.bed };
+const FLAGS = { range_warning: WORDS.range, proximity_warning: WORDS.nearBed };
 
 export class AlarmLog {
   entries = []; // { time_s, text }, newest first

@@ -1,4 +1,4 @@
-// The three lamps of the paper's panel and one for obstacles, their sound, which is off by default, and the log of alarms.
+// The lamps of the paper's panel and one for contact, their sound, which is off by default, and the log of alarms.
 import { clockText, el, write } from '../dom.js';
 import { AlarmLog } from './alarm_log.js';
 import { STRINGS } from '../strings.js';
@@ -6,14 +6,14 @@ import { STRINGS } from '../strings.js';
 const WORDS = STRINGS.alarms;
 
 const STORED = 'uwsim.sound';
-const NEAR_M = 2; // of the nearest echo, some two lengths of a vehicle, at which the obstacle lamp lights
+const NEAR_M = 2; // of the nearest echo, some two lengths of a vehicle, at which the contact lamp lights
 /** Pitch [Hz] and length [s] of each beep, so that they can be distinguished by ear.
  * @type {Record<string, { title: string, level: string, field: string, beep: [number, number], period_ms: number }>}
  */
 const LAMPS = {
   range: { title: WORDS.range, level: 'warn', field: 'range_warning', beep: [440, 0.12], period_ms: 3000 },
-  proximity: { title: WORDS.proximity, level: 'warn', field: 'proximity_warning', beep: [590, 0.12], period_ms: 3000 },
-  obstacle: { title: WORDS.obstacle, level: 'warn', field: '', beep: [740, 0.1], period_ms: 1500 },
+  bed: { title: WORDS.bed, level: 'warn', field: 'proximity_warning', beep: [590, 0.12], period_ms: 3000 },
+  contact: { title: WORDS.contact, level: 'warn', field: '', beep: [740, 0.1], period_ms: 1500 },
   collision: { title: WORDS.collision, level: 'alarm', field: 'collision_warning', beep: [1050, 0.18], period_ms: 500 },
 };
 
@@ -26,6 +26,7 @@ export class Alarms {
   #beepedMs = {};
   #lamps = {};
   #isMuted = false;
+  #isAsPublished = false;
   log = new AlarmLog();
 
   constructor() {
@@ -33,14 +34,16 @@ export class Alarms {
       const state = el('span', { className: 'visually-hidden' }, WORDS.off);
       this.#lamps[name] = {
         state,
-        element: el(
-          'div',
-          { className: 'lamp', id: `lamp-${name}`, role: 'status' },
-          el('i', { 'aria-hidden': 'true' }),
-          el('b', {}, title),
-          state,
-        ),
+        title: el('b', {}, title),
       };
+      const { title: shown } = this.#lamps[name];
+      this.#lamps[name].element = el(
+        'div',
+        { className: 'lamp', id: `lamp-${name}`, role: 'status' },
+        el('i', { 'aria-hidden': 'true' }),
+        shown,
+        state,
+      );
     }
     this.button = el('button', { type: 'button', id: 'sound', onclick: () => this.setSound(!this.isLoud) });
     this.acknowledge = el(
@@ -84,11 +87,18 @@ export class Alarms {
     this.acknowledge.hidden = true;
   }
 
-  // The collision lamp stays on until a collision is acknowledged. The obstacle lamp follows the echoes around the
+  // The published panel has one lamp for the bed, Proximity, which is red, and none for contact.
+  setPublished(isAsPublished) {
+    this.#isAsPublished = isAsPublished;
+    write(this.#lamps.bed.title, isAsPublished ? WORDS.proximity : WORDS.bed);
+    this.#lamps.contact.element.hidden = isAsPublished;
+  }
+
+  // The collision lamp stays on until a collision is acknowledged. The contact lamp follows the echoes around the
   // vehicle and the time to contact; the others follow the fields of the wire.
   #isOn(name, message, contact, nearest_m) {
     if (name === 'collision' && this.log.collisions > 0) return true;
-    if (name === 'obstacle') return contact !== null || nearest_m < NEAR_M;
+    if (name === 'contact') return !this.#isAsPublished && (contact !== null || nearest_m < NEAR_M);
     return Boolean(message?.[LAMPS[name].field]);
   }
 
@@ -108,7 +118,7 @@ export class Alarms {
     for (const [name, { level, beep, period_ms }] of Object.entries(LAMPS)) {
       const { element, state } = this.#lamps[name];
       const isOn = this.#isOn(name, message, contact, nearest_m);
-      element.dataset.on = isOn ? level : 'off';
+      element.dataset.on = !isOn ? 'off' : this.#isAsPublished ? 'alarm' : level;
       element.classList.toggle('is-stale', isStale);
       write(state, isOn ? WORDS.on : WORDS.off);
       if (isOn && this.isLoud && !isStale) this.#beep(name, beep, period_ms);

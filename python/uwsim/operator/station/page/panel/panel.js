@@ -140,6 +140,7 @@ export class Panel {
   show() {
     const { message, isStale, lag_s, contact, nearest_m, reaches, sensors } = this.telemetry;
     this.timed.classList.toggle('is-stale', isStale);
+    this.alarms.setPublished(this.station.description?.warnings?.as_published ?? false);
     this.alarms.show(message, isStale, { time_s: this.telemetry.stamp_s, contact, nearest_m });
     if (this.station.isBlind && this.station.flew) this.alarms.warnOfSilence();
     this.allStop.show(message, isStale);

@@ -176,10 +176,11 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} fault_loss
  */
 
-/** The panel's warning distances.
+/** The panel's warning distances. as_published: whether its lamps are the published simulator's.
  * @typedef {object} Warnings
  * @property {number} range_m
  * @property {number} proximity_m
+ * @property {boolean} as_published
  */
 
 /** A sensor that looks in one direction, and the topic of its ranges.
