@@ -120,3 +120,14 @@ def test_paper_buoyant_floats_by_its_wet_triangles_and_rights_itself() -> None:
     sim.rov.set_effort(heave=-1.0)
     sim.advance(20.0)
     assert sim.rov.pose.position_world_m[2] < -3.0, "it dives by its own force"
+
+
+def test_the_cameras_of_paper_buoyant_tilt_and_those_of_the_published_project_do_not() -> None:
+    sim = Simulator("paper_buoyant")
+    for name in ("front", "down"):
+        camera = sim.rov.cameras[name]
+        before = camera.world_from_camera[:3, 0]
+        camera.aim(tilt_rad=-0.5)
+        sim.advance(2.0)
+        assert np.arccos(before @ camera.world_from_camera[:3, 0]) == pytest.approx(0.5, abs=0.1), "it bobs meanwhile"
+    assert all(camera.mount.pan_tilt is None for camera in Simulator("paper").rov.cameras.values())
