@@ -1,6 +1,7 @@
 """`uwsim scenario from`: a small Unity project of our own becomes a scenario; what is left out is named."""
 
 import shutil
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +10,14 @@ import pytest
 import uwsim
 from command_line import uwsim as command
 from fbx_file import write_blender_fbx
+from uwsim.evidence.reproduce import scenes
 from uwsim.evidence.unity.project import Project
 from uwsim.evidence.unity.scenario import scenario_from
 from uwsim.evidence.unity.scene import _number, read_scene
 from uwsim.scenario import load
+from uwsim.scenario.read.textures import triangle_means
+from uwsim.scenario.spec.camera import CameraMount
+from uwsim.simulator.simulator import Simulator
 
 pytest.importorskip("xxhash", reason="the extra unity")
 GUID = "0123456789abcdef0123456789abcdef"
@@ -169,6 +174,58 @@ def test_hills_from_blender_are_the_bed(is_instance: bool, project: Path, tmp_pa
     heights = uwsim.Simulator(made.path).world.height_at(places)
     # Blender's x and y are east and north; between points 2 m apart, the hills bend by 0.05 m at most.
     np.testing.assert_allclose(heights, hill_m(*places.T) - 30.0, atol=0.06)
+
+
+ORANGE, TEAL = (1.0, 0.5, 0.0), (0.0, 0.5, 0.5)
+CORNERS_M = np.array([[x, y, z] for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)])
+SIDES = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]], np.int32)
+MATERIAL = """%YAML 1.1
+--- !u!21 &2100000
+Material:
+  m_Name: Teal
+  m_SavedProperties:
+    m_TexEnvs:
+    - _MainTex:
+        m_Texture: {fileID: 0}
+    m_Colors:
+    - _Color: {r: 0, g: 0.5, b: 0.5, a: 1}
+"""
+
+
+def shade(colour):
+    """Return an sRGB colour's share of each band in light, which no shading changes."""
+    linear = np.array(colour) ** 2.2
+    return linear / linear.sum()
+
+
+@pytest.mark.parametrize("sides", [SIDES, SIDES[1:]], ids=["closed", "open below"])
+def test_colours_of_models_and_materials_are_kept(sides, project: Path, tmp_path: Path) -> None:
+    write_blender_fbx(project / "Assets" / "Block.fbx", "Block", CORNERS_M, sides, ORANGE)
+    block, teal = "b" * 32, "c" * 32
+    (project / "Assets" / "Block.fbx.meta").write_text(f"guid: {block}\n")
+    (project / "Assets" / "Teal.mat").write_text(MATERIAL)
+    (project / "Assets" / "Teal.mat.meta").write_text(f"guid: {teal}\n")
+    vehicle = f"fileID: {_number('Block')}, guid: {block}, type: 3"
+    rov = thing(200, "ROV", CUBE, "0, y: 70, z: 0", scale="3, y: 1, z: 2", more=BODY)
+    changed(rov, thing(200, "ROV", vehicle, "0, y: 70, z: 0", scale="300, y: 100, z: 200", more=BODY))(project)
+    painted = f"  m_Enabled: 1\n  m_Materials:\n  - {{fileID: 2100000, guid: {teal}, type: 2}}\n--- !u!1 &500"
+    changed("  m_Enabled: 1\n--- !u!1 &500", painted)(project)
+    made = scenario_from(Project(project), project / "Assets/LawnTest.unity", tmp_path / "lake")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that it closes the open block
+        sim = uwsim.Simulator(made.path)
+    textures = {each.name: each.texture() for each in sim.scenario.obstacles}
+    assert triangle_means(textures["turned"]) == pytest.approx(np.tile(np.array(TEAL) ** 2.2, (4, 1)), abs=0.02)
+    assert textures["pair"] is None  # a file without colours
+    sim.rov.place([0.0, 0.0, 6.0])
+    station = np.array(sim.scenario.station.position_m)
+    mount = CameraMount(position_m=tuple(np.array([-8.0, 0.0, 8.0]) - station), yaw_pitch_roll_deg=(0, 14, 0))
+    frame = Simulator(scenes.with_cameras(sim.scenario, near=mount))
+    frame.rov.place([0.0, 0.0, 6.0])
+    seen = frame.cameras["near"].capture("off")
+    pixels = seen.rgb[seen.labels == seen.label_names.index("rov")]
+    assert len(pixels) > 500
+    assert shade(pixels.mean(axis=0) / 255.0) == pytest.approx(shade(ORANGE), abs=0.05)
 
 
 def changed(old: str, new: str):

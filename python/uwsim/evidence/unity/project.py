@@ -15,8 +15,8 @@ DOCUMENT = re.compile(r"^--- !u!(\d+) &(-?\d+)( stripped)?\n(.*?)(?=^--- |\Z)", 
 META_MAX = 10_000
 COMPONENTS = re.compile(r"^  m_Component:\n(  - .*\n)*", re.MULTILINE)
 """An object's list of components, which also name it; old prefabs have numbers as keys in it."""
-CLASSES = {1, 4, 23, 33, 54, 224, 1001}
-"""GameObject, Transform, MeshRenderer, MeshFilter, Rigidbody, RectTransform, PrefabInstance (Unity's class numbers)."""
+CLASSES = {1, 4, 21, 23, 33, 54, 224, 1001}
+"""GameObject, Transform, Material, MeshRenderer, MeshFilter, Rigidbody, RectTransform, PrefabInstance (in Unity)."""
 
 
 class Document(NamedTuple):

@@ -22,6 +22,7 @@ from uwsim.evidence.unity.scene import Piece, read_scene
 from uwsim.evidence.vehicle.draft import drafted
 from uwsim.scenario.dump import yaml_text
 from uwsim.scenario.read.assets import find_yaml
+from uwsim.scenario.read.mesh_file import TURNS_UP
 from uwsim.scenario.spec.fields import NAME
 
 FROM_UNITY = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
@@ -30,7 +31,7 @@ left, up: ForceControls.cs."""
 SURFACE_M = 75.3
 """Height of the published water's surface: WaterController.cs."""
 TERRAIN, STATION, WATER = "SolidTerrain", "ControlStation", "water"
-HULL = "vehicle.ply"
+PLAIN = np.full(3, 0.8)  # sRGB, of a piece without a colour among coloured ones: that of a new material in Unity
 START_M, SURVEY_M, SURVEY_MIN_M = 5.0, 20.0, 2.0
 """Depth of a start that is not the one of `paper`, where the bed is deep enough; half the width of its survey."""
 KEPT = ("water", "optics", "ground", "station", "warnings", "survey", "mission_time_s")
@@ -61,7 +62,7 @@ def scenario_from(project: Project, scene: Path, out: Path, *, terrain: str = TE
     bed = read_bed(_joined(groups.pop(terrain), _in_world))
     notes.append(f"assumed: the bed is flat at z = {bed.fill_m:.1f} m where {terrain} has none")
     written.add("terrain.asc", bed.text)
-    written.mesh("vehicle", *_joined(hull, _in_body(hull[0])))
+    hull_file = written.mesh("vehicle", hull, _in_body(hull[0]))
     paper = read_yaml(find_yaml("paper", "scenarios")).values
     values: dict[str, Any] = {
         "name": scene.stem.lower().replace(" ", "_"),
@@ -77,21 +78,19 @@ def scenario_from(project: Project, scene: Path, out: Path, *, terrain: str = TE
         notes.append(f"left out: {STATION}: the scene has none, so the packaged one is used")
     else:
         place = np.array(values["station"]["position_m"])
-        written.mesh("station", *_joined(station, lambda points: _in_world(points) - place))
-        values["station"]["mesh"] = "station.ply"
+        values["station"]["mesh"] = written.mesh("station", station, lambda points: _in_world(points) - place)
     for k, (name, pieces) in enumerate(groups.items()):
-        kept, file = _joined(pieces, _in_world), f"obstacle_{k}"
-        written.mesh(file, *kept)
+        file = written.mesh(f"obstacle_{k}", pieces, _in_world)
         values["obstacles"].append(
             {
                 "kind": "mesh",
                 "name": _name(name, k, values["obstacles"]),
-                "file": f"{file}.ply",
+                "file": file,
                 "position_m": [0, 0, 0],
             }
         )
     notes += _over(bed, values)
-    text, drafting = written.drafted()
+    text, drafting = written.drafted(hull_file)
     written.add("vehicle.yaml", text.encode())
     written.add(f"{values['name']}.yaml", yaml_text(values).encode())
     written.write(values["name"])
@@ -110,21 +109,41 @@ class _Files:
             raise ValueError(f"'{self._folder / name}': would be written twice: rename the scene")
         self._contents[name] = content
 
-    def mesh(self, name: str, vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> None:
+    def mesh(self, name: str, pieces: list[Piece], placed: Any) -> str:
+        """Add the file of all pieces, placed by a function, and return its name: glTF if any has a colour, else PLY."""
         from uwsim.base.whole_trimesh import trimesh
 
-        mesh = trimesh.Trimesh(vertices, triangles, process=False)
-        mesh.merge_vertices(merge_tex=True, merge_norm=True)
-        self.add(f"{name}.ply", cast(bytes, mesh.export(file_type="ply")))
+        def merged(some: Iterable[Piece]) -> trimesh.Trimesh:
+            mesh = trimesh.Trimesh(*_joined(some, placed), process=False)
+            mesh.merge_vertices(merge_tex=True, merge_norm=True)
+            return mesh
 
-    def drafted(self) -> tuple[str, list[str]]:
+        if not any(np.isfinite(piece.colour).all() for piece in pieces):
+            self.add(f"{name}.ply", cast(bytes, merged(pieces).export(file_type="ply")))
+            return f"{name}.ply"
+        by_colour: dict[tuple[float, ...], list[Piece]] = {}
+        for piece in pieces:
+            colour = piece.colour if np.isfinite(piece.colour).all() else PLAIN
+            by_colour.setdefault(tuple(colour.tolist()), []).append(piece)
+        scene = trimesh.Scene()
+        for colour, some in by_colour.items():
+            mesh = merged(some)
+            mesh.vertices = mesh.vertices @ np.array(TURNS_UP["y"], np.float64)  # from z up to glTF's y up
+            factor = [*(float(((c + 0.055) / 1.055) ** 2.4 if c > 0.04045 else c / 12.92) for c in colour), 1.0]
+            material = trimesh.visual.material.PBRMaterial(baseColorFactor=factor, metallicFactor=0.0)
+            mesh.visual = trimesh.visual.TextureVisuals(material=material)
+            scene.add_geometry(mesh)
+        self.add(f"{name}.glb", cast(bytes, scene.export(file_type="glb")))
+        return f"{name}.glb"
+
+    def drafted(self, hull: str) -> tuple[str, list[str]]:
         """Return the text of the vehicle's file, drafted from its mesh, and notes. Raises ValueError."""
         with TemporaryDirectory() as folder:
-            mesh = Path(folder).resolve() / HULL
-            mesh.write_bytes(self._contents[HULL])
+            mesh = Path(folder).resolve() / hull
+            mesh.write_bytes(self._contents[hull])
             draft = drafted(mesh, AXES, None, "metres", "x")
-        return draft.text.replace(str(mesh), HULL), [
-            f"vehicle: {note.replace(str(mesh), HULL)}" for note in draft.notes
+        return draft.text.replace(str(mesh), hull), [
+            f"vehicle: {note.replace(str(mesh), hull)}" for note in draft.notes
         ]
 
     def write(self, scenario: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim.base.extras import need_extra
+from uwsim.evidence.unity.material import material_colour
 from uwsim.evidence.unity.project import Document, Project
 from uwsim.scenario.read.assimp_mesh import NodeMesh, nodes_by_assimp
 
@@ -22,6 +24,8 @@ BUILT_IN = {10202: "cube", 10206: "cylinder", 10207: "sphere", 10209: "plane"}
 MAX_PREFABS, MAX_DEPTH = 10_000, 20
 OFF = ("inactive", "its renderer is off")
 TRANSFORMS = ("Transform", "RectTransform")
+MATERIAL = re.compile(r"m_Materials\.Array\.data\[(\d+)\]")
+"""The material of one part of a model's mesh, among the changes of an instance."""
 FIELDS = {"m_LocalPosition": "xyz", "m_LocalRotation": "xyzw", "m_LocalScale": "xyz"}
 
 
@@ -30,13 +34,15 @@ class Piece:
     """A mesh in the scene. path: names from the top-level object down. vertices: (n, 3), Unity's world, left-handed.
 
     triangles: (m, 3), counter-clockwise from outside as seen in a right-handed frame, after mirroring. body: the name
-    of the rigid body that it belongs to, and that body's world_from_body (4, 4), or None.
+    of the rigid body that it belongs to, and that body's world_from_body (4, 4), or None. colour: (3,), sRGB from 0 to
+    1, nan if neither the scene nor the model file has one.
     """
 
     path: tuple[str, ...]
     vertices: NDArray[np.float64]
     triangles: NDArray[np.int64]
     body: tuple[str, Matrix] | None
+    colour: NDArray[np.float64]
 
 
 @dataclass
@@ -125,7 +131,8 @@ class _File:
         body = (name, world) if "Rigidbody" in parts else body
         if "MeshFilter" in parts:
             if int(parts.get("MeshRenderer", {}).get("m_Enabled", 0)):
-                self._mesh(parts["MeshFilter"]["m_Mesh"], world, path, body)
+                materials = parts["MeshRenderer"].get("m_Materials") or []
+                self._mesh(parts["MeshFilter"]["m_Mesh"], world, path, body, materials)
             else:
                 self._scene.drop(path, OFF[1])
         for child in transform["m_Children"]:
@@ -135,17 +142,19 @@ class _File:
         for values in self._prefabs.get(identifier, []):
             self._prefab(values, world, path, body)
 
-    def _mesh(self, reference: dict[str, Any], world: Matrix, path: tuple[str, ...], body: Any) -> None:
-        """Add the mesh of a MeshFilter."""
+    def _mesh(
+        self, reference: dict[str, Any], world: Matrix, path: tuple[str, ...], body: Any, materials: list[Any]
+    ) -> None:
+        """Add the mesh of a MeshFilter, whose parts have these materials, one after the other."""
         number, file = reference["fileID"], self._project.path(reference.get("guid", ""))
         if number in BUILT_IN and file is None:
             mesh = _built_in(BUILT_IN[number])
-            self._add(mesh, world @ LEFT_HANDED, path, body)
+            self._add(mesh, world @ LEFT_HANDED, path, body, materials[:1])
             return
         models = self._model(file, path)
         found = [mesh for mesh in models if len({each.name for each in models}) == 1 or _number(mesh.name) == number]
-        for mesh in found:
-            self._add(mesh, world @ LEFT_HANDED, path, body)
+        for k, mesh in enumerate(found):
+            self._add(mesh, world @ LEFT_HANDED, path, body, materials[k : k + 1])
         if models and not found:
             self._scene.drop(path, f"has no mesh {number} in {file and self._project.named(file)}")
 
@@ -186,16 +195,27 @@ class _File:
         models = self._model(file, (*path, name))
         root = next((target for target, key in changes if key == "m_RootOrder"), 0)
         is_single = len({mesh.name for mesh in models}) == 1  # then Unity makes the only node the root
-        for mesh in models:
+        materials = {
+            int(number[1]): each["objectReference"]
+            for each in values["m_Modification"]["m_Modifications"]
+            if is_single and (number := MATERIAL.fullmatch(str(each["propertyPath"])))
+        }
+        for k, mesh in enumerate(models):
             node = LEFT_HANDED @ mesh.file_from_node @ LEFT_HANDED
             local = _changed(node, root, changes) if is_single else _changed(np.eye(4), root, changes) @ node
-            self._add(mesh, world @ local @ LEFT_HANDED, (*path, name), body)
+            given = [materials[k]] if k in materials else []
+            self._add(mesh, world @ local @ LEFT_HANDED, (*path, name), body, given)
 
-    def _add(self, mesh: NodeMesh, world_from_file: Matrix, path: tuple[str, ...], body: Any) -> None:
+    def _add(
+        self, mesh: NodeMesh, world_from_file: Matrix, path: tuple[str, ...], body: Any, materials: list[Any]
+    ) -> None:
         vertices, triangles = mesh.placed(LEFT_HANDED @ world_from_file)  # right-handed, which decides the winding
         if not np.isfinite(vertices).all():
             raise ValueError(f"{'/'.join(path)[:200]}: has points that are not finite")
-        self._scene.pieces.append(Piece(path, vertices * (-1.0, 1.0, 1.0), triangles, body))
+        colour = material_colour(self._project, materials[0].get("guid", "")) if materials else None
+        self._scene.pieces.append(
+            Piece(path, vertices * (-1.0, 1.0, 1.0), triangles, body, mesh.colour if colour is None else colour)
+        )
 
 
 def _number(name: str) -> int:

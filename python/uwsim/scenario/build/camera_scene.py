@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
 from uwsim import _core
 from uwsim.scenario.build.arm import all_shaped_links, link_mesh
 from uwsim.scenario.build.bubbles import plume_names
 from uwsim.scenario.build.cover import set_cover_appearance
 from uwsim.scenario.build.growth import growth_texture
-from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.build.hull import hull_placement, vehicle_hull
 from uwsim.scenario.build.loose_bodies import object_mesh
 from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.build.tether import tether_specs
-from uwsim.scenario.read.textures import Texture, load_texture
+from uwsim.scenario.read.mesh_file import load_mesh
+from uwsim.scenario.read.textures import SPREAD, Texture, load_texture, palette_texture, triangle_means
 from uwsim.scenario.spec.arm import Link
 from uwsim.scenario.spec.bubble_plume import BUBBLES
 from uwsim.scenario.spec.loose_body import LooseBody
@@ -45,7 +50,7 @@ def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -
         set_cover_appearance(scene, label_of[layer.name], layer)
     for vehicle in scenario.vehicles:
         material, (vertices, triangles) = vehicle.model.material, vehicle_hull(vehicle.model)
-        texture = _hull_texture(vehicle.model, len(triangles))
+        texture = _hull_texture(vehicle.model, vertices, triangles)
         scene.add_vehicle(vehicle.name, vertices, triangles, material.looks, material.colour, *texture or ())
     for body in scenario.objects:
         shape, mesh = body.shape, object_mesh(scenario, body)
@@ -75,10 +80,21 @@ def _add_link(scene: _core.CameraScene, carrier: str, link: Link) -> None:
     scene.add_vehicle(f"{carrier} {link.shape.name}", *mesh, material.looks, material.colour, *texture or ())
 
 
-def _hull_texture(model: VehicleModel, triangles: int) -> Texture | None:
-    """Return the colours of the mesh file, unless the material has one or closing the mesh changed its triangles."""
+def _hull_texture(
+    model: VehicleModel, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32]
+) -> Texture | None:
+    """Return the colours of the mesh file, unless the material has one.
+
+    If closing the mesh changed its triangles, each has the mean colour of the file's triangle next to its centre.
+    """
     texture = load_texture(model.mesh) if model.material.colour is None else None
-    return texture if texture is not None and len(texture.corners) == triangles else None
+    if texture is None or len(texture.corners) == len(triangles):
+        return texture
+    in_file, own = load_mesh(model.mesh, model.mesh_scale, model.mesh_up, model.mesh_forward or "x")
+    factor, shift_m = hull_placement(model)
+    sources = np.einsum("kc,mcx->mkx", SPREAD, factor * in_file[own] + shift_m)
+    nearest = cKDTree(sources.reshape(-1, 3)).query(vertices_m[triangles].mean(axis=1))[1] // len(SPREAD)
+    return palette_texture(triangle_means(texture)[nearest])
 
 
 def station_texture(station: Station) -> Texture | None:

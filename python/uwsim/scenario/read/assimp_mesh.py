@@ -21,12 +21,16 @@ STEP_SUFFIXES = (".step", ".stp")
 
 
 class NodeMesh(NamedTuple):
-    """A mesh of a file's node: points (n, 3) in the node's frame, triangles (m, 3), the transform to the file's."""
+    """A mesh of a file's node: points (n, 3) in the node's frame, triangles (m, 3), the transform to the file's.
+
+    colour: its material's diffuse colour (3,), as the file has it, nan without one.
+    """
 
     name: str
     points: NDArray[np.float64]
     triangles: NDArray[Any]
     file_from_node: NDArray[np.float64]
+    colour: NDArray[np.float64] = np.full(3, np.nan)
 
     def placed(self, to_other: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[Any]]:
         """Return points and triangles after a transform (4, 4), with the outside of a mirrored mesh outside."""
@@ -51,4 +55,4 @@ def nodes_by_assimp(path: Path) -> list[NodeMesh]:
     with np.load(io.BytesIO(made), allow_pickle=False) as arrays:
         names = arrays["names"].tolist()
         parts = [arrays[name] for name in arrays.files if name != "names"]
-    return [NodeMesh(name, *parts[3 * k : 3 * k + 3]) for k, name in enumerate(names)]
+    return [NodeMesh(name, *parts[4 * k : 4 * k + 4]) for k, name in enumerate(names)]

@@ -1,7 +1,7 @@
 """Mesh import by assimp or OpenCASCADE, in a process: python assimp_process.py FILE MEMORY_BYTES CPU_S > parts.npz.
 
-To start quickly, this must not import uwsim. stdout: arrays of each part, a node's mesh: points, triangles and
-transform, p0, t0, m0, p1, t1, m1 ..., and `names` of the nodes.
+To start quickly, this must not import uwsim. stdout: arrays of each part, a node's mesh: points, triangles,
+transform and colour, one after the other, and `names` of the nodes.
 """
 
 from __future__ import annotations
@@ -22,14 +22,19 @@ LINES = re.compile(rb"<(lines|linestrips)\b[^>]*?(/>|>.*?</\1\s*>)", re.DOTALL)
 NAMED = re.compile("^Assimp error loading '[^']*': ")
 """The start of assimp_py's messages: the caller names the file itself, which is another for Collada."""
 
+NO_MATERIAL = "DefaultMaterial"
+"""assimp's name of the material of a mesh that has none."""
+UNKNOWN = np.full(3, np.nan)
+
 
 Array = np.ndarray[Any, Any]
 
 
 def read_parts(path: str) -> tuple[list[str], list[Array]]:
-    """Return the node's name of each part of a file; and its points (n, 3) float64, triangles (m, 3) and transform.
+    """Return the node's name of each part of a file; and its points, triangles, transform and colour.
 
-    Points are in the node's frame; the transform (4, 4) is that to the file's.
+    Points (n, 3) float64 are in the node's frame; triangles: (m, 3); the transform (4, 4) is that to the file's;
+    colour: its material's diffuse (3,), nan without one.
     """
     if path.lower().endswith((".step", ".stp")):
         from uwsim.base.whole_trimesh import trimesh
@@ -38,7 +43,7 @@ def read_parts(path: str) -> tuple[list[str], list[Array]]:
             mesh = trimesh.load_scene(path, process=False).to_mesh()  # by cascadio
         except FileNotFoundError:  # for the file into which it writes triangles
             raise ValueError("OpenCASCADE finds no shape in it") from None
-        return [""], [np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64), np.eye(4)]
+        return [""], [np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64), np.eye(4), UNKNOWN]
     import assimp_py
 
     flags = (
@@ -56,6 +61,10 @@ def read_parts(path: str) -> tuple[list[str], list[Array]]:
         scene = assimp_py.import_file(path, flags)
     names: list[str] = []
     parts: list[Array] = []
+    colours = [
+        UNKNOWN if each.get("NAME") == NO_MATERIAL else np.asarray(each.get("COLOR_DIFFUSE", UNKNOWN), np.float64)[:3]
+        for each in scene.materials
+    ]
 
     def gather(node: Any, file_from_parent: Array) -> None:
         file_from_node = file_from_parent @ np.asarray(node.transformation, np.float64)
@@ -66,7 +75,7 @@ def read_parts(path: str) -> tuple[list[str], list[Array]]:
             points = np.asarray(mesh.vertices, np.float64).reshape(-1, 3)
             triangles = np.asarray(mesh.indices, np.int64).reshape(-1, 3)
             names.append(node.name)
-            parts.extend((points, triangles, file_from_node))
+            parts.extend((points, triangles, file_from_node, colours[mesh.material_index]))
         for child in node.children:
             gather(child, file_from_node)
 
