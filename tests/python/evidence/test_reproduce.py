@@ -108,7 +108,7 @@ def test_without_a_browser_the_kept_screens_are_drawn(sim, tmp_path, monkeypatch
     monkeypatch.setitem(sys.modules, "playwright.sync_api", None)
     figures = screens.screens(sim, tmp_path)
     assert all("A kept picture: Playwright is not installed" in figure.caption for figure in figures)
-    assert [picture(tmp_path / f"{figure.name}.png").shape for figure in figures] == [(1420, 1280), (900, 1440)]
+    assert [picture(tmp_path / f"{figure.name}.png").shape for figure in figures] == [(1470, 1280), (900, 1440)]
 
 
 def test_every_cell_of_the_table_is_compared_with_its_printed_value(tmp_path):

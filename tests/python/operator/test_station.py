@@ -2,6 +2,7 @@
 
 import gc
 import io
+import math
 import time
 from contextlib import contextmanager
 from weakref import ref
@@ -36,15 +37,20 @@ def pool():
 
 
 def test_from_the_start_screen_to_a_flight_and_back():
-    with serving() as (_, server), page(server) as ada:
+    with serving() as (station, server), page(server) as ada:
         ada.subscribe("/station/state")
         assert ada.message("/station/state")["phase"] == "idle"
         assert ada.call("describe") == {"success": False, "message": "no simulator is running: start one"}
         catalog = ada.call("catalog")
         assert {"lake", "pool"} <= {entry["name"] for entry in catalog["scenarios"]}
         assert [entry["name"] for entry in catalog["sonars"]][:4] == [1, 2, 3, 4]
-        choice = {"scenario": "pool", "sonar": 4, "seed": 7, "vehicle": "bluerov2_heavy", "speed": 0}
+        assert catalog["tilts_deg"] == [0.0, 60.0] and catalog["defaults"]["tilt_deg"] is None
+        assert next(entry for entry in catalog["scenarios"] if entry["name"] == "paper")["tilt_deg"] == 60.0
+        wrong = ada.call("check", scenario="pool", tilt_deg=91)
+        assert list(wrong["errors"]) == ["tilt_deg"] and "tilt_deg = 91 deg: must be in" in wrong["errors"]["tilt_deg"]
+        choice = {"scenario": "pool", "sonar": 4, "tilt_deg": 60, "seed": 7, "vehicle": "bluerov2_heavy", "speed": 0}
         assert ada.call("start", **catalog["defaults"] | choice)["success"]
+        assert station.present().live.simulator.rov.sonar.elevation_rad == pytest.approx(-math.radians(60))
         state = ada.message("/station/state", lambda state: state["phase"] == "running")
         told = ada.call("describe")
         assert (told["seed"], told["session"], told["scenario"]) == (7, state["session"], "pool")

@@ -53,7 +53,7 @@ def screens(sim: Simulator, out: Path) -> tuple[Figure, Figure]:
     start = Figure(
         4, "The start screen",
         f"What an operator chooses before a mission, on the page of `uwsim station paper`. {source}.",
-        "Theirs asks for address, port, battery time and one of four sonars; ours also for scenario, vehicle, seed, "
+        "Theirs asks for address, port, battery time and one of four sonars; ours also for scenario, vehicle, tilt, seed, "
         "speed and link.",
         {"mission_time_s": sim.scenario.mission_time_s},
     )  # fmt: skip
@@ -82,7 +82,7 @@ def take_screens(out: Path) -> None:
         RosbridgeServer(None, guests=[station], site=Site(station)) as server,
         station.serving(server.show),
     ):
-        page = browser.new_page(viewport={"width": 1280, "height": 1420}, color_scheme="dark")
+        page = browser.new_page(viewport={"width": 1280, "height": 1470}, color_scheme="dark")
         page.goto(server.url.replace("ws", "http", 1))
         _until(page, "document.querySelector('.preview:not([hidden]) img')?.naturalWidth")
         page.fill("#field-rosbridge_host", "localhost")  # as in the paper

@@ -259,6 +259,7 @@ class Scenario(Model):
         mission_time_s: float | None = None,
         sonar_model: int | str | Path | None = None,
         sonar_frequency_hz: float | None = None,
+        sonar_tilt_deg: float | None = None,
         vehicle_model: str | Path | VehicleModel | None = None,
         modem: str | Path | None = None,
         step_s: float | None = None,
@@ -281,10 +282,12 @@ class Scenario(Model):
                 kept.pop(key, None)
             data["link"] = {**kept, "modem": modem}
         vehicles = [vehicle.given() for vehicle in self.vehicles]
+        changes: dict[str, object] = {} if sonar_tilt_deg is None else {"tilt_deg": sonar_tilt_deg}
         if sonar_model is not None or sonar_frequency_hz is not None:
-            changes: dict[str, object] = {"frequency_hz": sonar_frequency_hz}
+            changes["frequency_hz"] = sonar_frequency_hz
             if sonar_model is not None:
                 changes["model"] = sonar_model
+        if changes:
             for values, vehicle in zip(vehicles, self.vehicles, strict=True):
                 values["sonar"] = {**vehicle.sonar.given(), **changes}
         if vehicle_model is not None:

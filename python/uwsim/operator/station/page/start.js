@@ -10,13 +10,14 @@ const CHECK_MS = 250;
 const OWN = WORDS.own;
 const SAVED = 'saved:';
 const SAVED_HINT = WORDS.savedHint;
-const OF_SCENARIO = ['vehicle', 'sonar', 'mission_time_s', 'seed', 'link'];
+const OF_SCENARIO = ['vehicle', 'sonar', 'tilt_deg', 'mission_time_s', 'seed', 'link'];
 
 // The form's fields; one without bounds or placeholder is a choice from the catalog.
 const FIELDS = {
   scenario: { title: WORDS.scenario, wide: true },
   vehicle: { title: WORDS.vehicle },
   sonar: { title: WORDS.sonar },
+  tilt_deg: { title: WORDS.head },
   mission_time_s: { title: WORDS.missionTime, bounds: { min: 1, step: 1 }, unit: 's', hint: WORDS.timeHint },
   seed: { title: WORDS.seed, bounds: { min: 0, step: 1 }, hint: WORDS.seedHint },
   speed: { title: WORDS.speed },
@@ -82,7 +83,7 @@ export class StartScreen {
   }
 
   #build() {
-    const { scenarios, vehicles, sonars, links, speeds, defaults, saves = [] } = this.catalog;
+    const { scenarios, vehicles, sonars, tilts_deg, links, speeds, defaults, saves = [] } = this.catalog;
     const before = [...this.#fields].map(([name, { input }]) => [name, input.value]);
     const saved = saves.map((name) => ({ value: SAVED + name, text: WORDS.goOnWith(name), hint: SAVED_HINT }));
     const own = { value: '', text: OWN };
@@ -91,12 +92,20 @@ export class StartScreen {
       scenario: [...scenarios.map(choice), ...saved],
       vehicle: [own, ...vehicles.map(choice)],
       sonar: [own, ...sonars.map(choice)],
+      tilt_deg: [
+        own,
+        ...tilts_deg.map((value) => ({
+          value,
+          text: value ? WORDS.headDown(value) : WORDS.headLevel,
+          hint: value ? WORDS.headDownHint : WORDS.headLevelHint,
+        })),
+      ],
       speed: paces,
       link: links.map(choice),
     };
     const fields = (...names) => names.map((name) => this.#field(name, choices[name]));
     this.edit = el('button', { type: 'button', className: 'edit', onclick: () => this.#edit() }, WORDS.edit);
-    const [scenario, ...mission] = fields('scenario', 'vehicle', 'sonar', 'mission_time_s', 'seed');
+    const [scenario, ...mission] = fields('scenario', 'vehicle', 'sonar', 'tilt_deg', 'mission_time_s', 'seed');
     this.ownSet = this.#set(WORDS.mission, scenario, this.#preview.element, this.edit, ...mission);
     this.paceSet = this.#set(WORDS.timeAndLink, ...fields('speed', 'link'));
     this.rosSet = this.#set(WORDS.yourRosbridge, ...fields('rosbridge_host', 'rosbridge_port'));
@@ -193,6 +202,9 @@ export class StartScreen {
       );
     if (this.#fields.get('sonar').input.value === '')
       write(this.#fields.get('sonar').hint, String(scenario.sonar ?? 'none'));
+    const tilt = scenario.tilt_deg ?? null;
+    if (this.#fields.get('tilt_deg').input.value === '')
+      write(this.#fields.get('tilt_deg').hint, tilt === null ? 'none' : tilt ? WORDS.headDown(tilt) : WORDS.headLevel);
   }
 
   // Return the choice; empty fields follow the scenario. Invalid numbers are sent as text, and the server reports them.
@@ -210,6 +222,7 @@ export class StartScreen {
       scenario: text('scenario'),
       vehicle: text('vehicle'),
       sonar: text('sonar'),
+      tilt_deg: numeric('tilt_deg'),
       mission_time_s: numeric('mission_time_s'),
       seed: numeric('seed'),
       speed: numeric('speed'),

@@ -18,7 +18,9 @@ from uwsim.scenario.spec.sonar import WIRE_NUMBERS, load_sonar
 from uwsim.scenario.spec.sonar_setup import SonarSetup
 
 OF_ROSBRIDGE = ("rosbridge_host", "rosbridge_port", "rosbridge_ros")
-FIELDS = ("scenario", "vehicle", "sonar", "mission_time_s", "seed", "speed", "link", *OF_ROSBRIDGE)
+FIELDS = ("scenario", "vehicle", "sonar", "tilt_deg", "mission_time_s", "seed", "speed", "link", *OF_ROSBRIDGE)
+TILTS_DEG = (0.0, 60.0)
+"""Of the sonar's head, down: level as the published simulator starts, or as its lawn-mower needs it over the bed."""
 SPEEDS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 0.0)
 
 
@@ -53,10 +55,11 @@ def chosen(
 
 
 def with_choice(scenario: Scenario, values: Values, errors: dict[str, str]) -> Scenario:
-    """Return a scenario with the choice's vehicle, sonar, time, seed and link. Adds to `errors`."""
+    """Return a scenario with the choice's vehicle, sonar and its tilt, time, seed and link. Adds to `errors`."""
     changes: dict[str, Callable[[], dict[str, Any]]] = {
         "vehicle": lambda: {"vehicle_model": _vehicle(values.get("vehicle"))},
         "sonar": lambda: _sonar(values.get("sonar")),
+        "tilt_deg": lambda: {"sonar_tilt_deg": values.get("tilt_deg")},
         "mission_time_s": lambda: {"mission_time_s": values.get("mission_time_s")},
         "seed": lambda: {"seed": _whole(values.get("seed"), "seed")},
         "link": lambda: {"modem": _link(values.get("link"))},
@@ -130,10 +133,12 @@ def catalog(offered: str = "lake") -> Values:
             {"name": name, "description": load_vehicle(name).description} for name in packaged_names("vehicles")
         ],
         "sonars": _sonars(),
+        "tilts_deg": list(TILTS_DEG),
         "links": [{"name": name, "description": load_modem(name).description} for name in _modems()],
         "speeds": list(SPEEDS),
         "defaults": {
-            "scenario": offered, "vehicle": None, "sonar": None, "mission_time_s": None, "seed": None, "speed": 1.0,
+            "scenario": offered, "vehicle": None, "sonar": None, "tilt_deg": None,
+            "mission_time_s": None, "seed": None, "speed": 1.0,
             "link": link.modem.name if (link := load(offered).link) else "none",
             **dict.fromkeys(OF_ROSBRIDGE),
         },
@@ -151,6 +156,7 @@ def described(name: str, path: Path | None = None) -> Values:
         "mission_time_s": scenario.mission_time_s,
         "vehicles": [{"name": entry.name, "model": entry.model.name} for entry in scenario.vehicles],
         "sonar": first.sonar.title if first.model.sonar else None,
+        "tilt_deg": first.sonar.tilt_deg if first.model.sonar else None,
     }
 
 

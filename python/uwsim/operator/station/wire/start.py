@@ -10,12 +10,13 @@ from uwsim.operator.station.wire.messages import Done, Message
 class Choice(Message):
     """The choice on the start screen. A missing or null field keeps the scenario's value.
 
-    rosbridge_*: the user's server.
+    tilt_deg: of the sonar's head, down. rosbridge_*: the user's server.
     """
 
     scenario: str | None = None
     vehicle: str | None = None
     sonar: int | str | None = None
+    tilt_deg: float | None = None
     mission_time_s: float | None = None
     seed: int | None = None
     speed: float | None = None
@@ -54,6 +55,7 @@ class OfferedScenario(Offered):
     mission_time_s: float
     vehicles: list[OfferedVehicle]
     sonar: str | None
+    tilt_deg: float | None
 
 
 class OfferedSonar(Message):
@@ -90,6 +92,7 @@ class Catalog(Message):
     scenarios: list[OfferedScenario]
     vehicles: list[Offered]
     sonars: list[OfferedSonar]
+    tilts_deg: list[float]
     links: list[Offered]
     speeds: list[float]
     defaults: Choice

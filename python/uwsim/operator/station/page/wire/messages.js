@@ -633,6 +633,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} mission_time_s
  * @property {OfferedVehicle[]} vehicles
  * @property {string | null} sonar
+ * @property {number | null} tilt_deg
  */
 
 /** An item that can be chosen by name.
@@ -649,11 +650,12 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {'published' | 'instrument'} kind
  */
 
-/** The choice on the start screen. A missing or null field keeps the scenario's value. rosbridge_*: the user's server.
+/** The choice on the start screen. A missing or null field keeps the scenario's value. tilt_deg: of the sonar's head, down. rosbridge_*: the user's server.
  * @typedef {object} Choice
  * @property {string | null} [scenario]
  * @property {string | null} [vehicle]
  * @property {number | string | null} [sonar]
+ * @property {number | null} [tilt_deg]
  * @property {number | null} [mission_time_s]
  * @property {number | null} [seed]
  * @property {number | null} [speed]
@@ -682,6 +684,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {OfferedScenario[]} scenarios
  * @property {Offered[]} vehicles
  * @property {OfferedSonar[]} sonars
+ * @property {number[]} tilts_deg
  * @property {Offered[]} links
  * @property {number[]} speeds
  * @property {Choice} defaults
@@ -933,6 +936,7 @@ export const check = (
     scenario,
     vehicle,
     sonar,
+    tilt_deg,
     mission_time_s,
     seed,
     speed,
@@ -948,6 +952,7 @@ export const check = (
     scenario,
     vehicle,
     sonar,
+    tilt_deg,
     mission_time_s,
     seed,
     speed,
@@ -970,6 +975,7 @@ export const start = (
     scenario,
     vehicle,
     sonar,
+    tilt_deg,
     mission_time_s,
     seed,
     speed,
@@ -985,6 +991,7 @@ export const start = (
     scenario,
     vehicle,
     sonar,
+    tilt_deg,
     mission_time_s,
     seed,
     speed,
