@@ -96,7 +96,8 @@ class Table:
         for source in self.sources:
             taken = {each.name for each in self.channels} | {each.name for each in self.services}
             items = items_of(self._given(source, sim), taken)
-            self.services += [each for each in items if isinstance(each, Service)]
+            unserved = "" if self.has_standard else source.topic("save_map")  # maps grow with /octomap_binary
+            self.services += [each for each in items if isinstance(each, Service) and each.name != unserved]
             if self.has_standard:
                 self.channels += self._vehicles(source, [each for each in items if isinstance(each, Channel)])
 

@@ -127,6 +127,14 @@ def test_the_map_is_saved_where_the_simulator_runs_and_nowhere_else(
     assert written == ["here.bt", "maps/again.bt", "maps/there.bt"]
 
 
+def test_the_published_wire_offers_no_save_map_since_it_grows_none(live: LiveSimulator) -> None:
+    published, both = (
+        {each.name for each in Table(live.simulator, wire=wire).services} for wire in ("published", "both")
+    )
+    assert "rov/release" in published
+    assert {name.split("/")[-1] for name in both - published} == {"save_map"}
+
+
 def test_the_map_holds_every_ping_since_the_start_though_nobody_reads(
     live: LiveSimulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
