@@ -122,11 +122,11 @@ def grid_soundings(found: Soundings, out: Path, *, cell: float | None, crs: str 
         heights, (dx, dy), how = *grid, "on a regular grid, whose values are kept"
     else:
         squeeze = float(np.cos(np.radians(np.mean(y)))) if place is not None and place.is_geographic else 1.0
-        dx = cell if cell is not None else _default_cell(x, y, squeeze) / squeeze
+        dx = cell if cell is not None else default_cell(x, y, squeeze) / squeeze
         dy = dx * squeeze
-        heights = _scattered(found.path, found.points, dx, dy)
+        heights = scattered(found.path, found.points, dx, dy)
         how = f"scattered: the median of each cell of {dx:.4g}, gaps up to {REACH:g} cells interpolated linearly"
-    _write(out, heights, Affine(dx, 0.0, x.min() - dx / 2, 0.0, -dy, y.max() + dy / 2), place)
+    write_atomically(out, geotiff(heights, Affine(dx, 0.0, x.min() - dx / 2, 0.0, -dy, y.max() + dy / 2), place))
     known = np.isfinite(heights).mean()
     return f"{len(x)} soundings, {how}: {out}, {100.0 * known:.0f} % of {heights.size} cells"
 
@@ -164,7 +164,7 @@ def _regular(points: Floats) -> tuple[Floats, tuple[float, float]] | None:
     return heights, (dx, dy)
 
 
-def _default_cell(x: Floats, y: Floats, squeeze: float) -> float:
+def default_cell(x: Floats, y: Floats, squeeze: float) -> float:
     """Return the edge of a cell of which each has PER_CELL soundings, in the mean of those that have any."""
     edge = np.sqrt(max(np.ptp(x) * squeeze, 1e-12) * max(np.ptp(y), 1e-12) / len(x))
     for _ in range(40):
@@ -175,7 +175,8 @@ def _default_cell(x: Floats, y: Floats, squeeze: float) -> float:
     return float(edge)
 
 
-def _scattered(path: Path, points: Floats, dx: float, dy: float) -> Floats:
+def scattered(path: Path, points: Floats, dx: float, dy: float) -> Floats:
+    """Return heights, rows from the north, in cells about whole steps from the least x and the greatest y, else NaN."""
     from scipy.interpolate import LinearNDInterpolator
     from scipy.ndimage import distance_transform_edt
 
@@ -199,7 +200,8 @@ def _scattered(path: Path, points: Floats, dx: float, dy: float) -> Floats:
     return heights
 
 
-def _write(out: Path, heights: Floats, place: Affine, crs: CRS | None) -> None:
+def geotiff(heights: Floats, place: Affine, crs: CRS | None) -> bytes:
+    """Return a GeoTIFF of heights, rows from the north. place: from column and row to x and y, at pixels' corners."""
     rows, columns = heights.shape
     with MemoryFile() as memory:
         with memory.open(
@@ -207,5 +209,4 @@ def _write(out: Path, heights: Floats, place: Affine, crs: CRS | None) -> None:
             transform=place, compress="deflate",
         ) as file:  # fmt: skip
             file.write(heights, 1)
-        content = bytes(memory.read())
-    write_atomically(out, content)
+        return bytes(memory.read())

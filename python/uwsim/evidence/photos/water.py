@@ -1,0 +1,233 @@
+"""The attenuation of water from the colours of points that are seen from many distances.
+
+The light of a point at the distance r is, in each band, J exp(-c r) + B (1 - exp(-k r)): its own light J, which the
+water attenuates by c, and the daylight B that the water scatters into the ray (Akkaynak and Treibitz 2018, "A revised
+underwater image formation model", CVPR). Since daylight falls with depth by exp(-K depth), the latter saturates at
+k = c - K u, where u is the upward part of the ray's direction, and B falls with the depth of the camera. B depends on
+the ray's direction, too, here as spherical harmonics up to the degree 2. Each picture has its own exposure, common to
+all bands, and each camera its vignetting.
+
+All of them are fitted at once to the logarithms of the pixels, by Levenberg and Marquardt's method with Cauchy's
+weights against fish, shadows and mismatches. J is one unknown per point and band, so neither the colour of the bed nor
+that of the daylight is assumed; a point must be seen from different distances. Valid in daylight, with lamps off, and
+where pictures have one white balance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from uwsim import _core
+from uwsim.evidence.photos.reconstruction import Floats, Indices
+
+ROUNDS, GAIN_MIN, DAMPING_MAX = 60, 1e-5, 1e8
+TURNS = 3
+RELATIVE, DARK = 0.05, 0.5 / 255.0
+"""Assumed errors of a pixel: relative, and of half a grey level. Cauchy's scale is a multiple of the residuals'."""
+CAUCHY, MAD = 2.385, 1.4826
+INTERVAL = 1.96
+SHAPES = 9
+LOG_MAX = 20.0
+
+Matrix = Any
+"""A sparse matrix of scipy."""
+
+
+@dataclass(frozen=True)
+class Sightings:
+    """Pixels at which points are seen. light: (m, 3), linear. ways_m: (m, 3), from the camera to the point, world.
+
+    heights_m: (m,) of the cameras. cosines: (m,) of the angle off the optical axis. picture, point: (m,) indices.
+    """
+
+    light: Floats
+    ways_m: Floats
+    heights_m: Floats
+    cosines: Floats
+    picture: Indices
+    point: Indices
+
+
+@dataclass(frozen=True)
+class Attenuation:
+    """The fit. c: (3,) per band [1/m]. half: (3,), half of its 95 % interval.
+
+    jerlov, type_c: the nearest type, and its c. scatter: the median residual of a pixel's logarithm. count: of pixels.
+    """
+
+    c: Floats
+    half: Floats
+    jerlov: str
+    type_c: Floats
+    scatter: float
+    count: int
+
+
+def type_attenuation(jerlov: str) -> Floats:
+    """Return c = a + b of a Jerlov type, (3,) [1/m]."""
+    water = _core.WaterOptics.jerlov(jerlov)
+    return np.asarray(water.absorption) + np.asarray(water.scattering)
+
+
+def nearest_type(c: Floats) -> str:
+    """Return the Jerlov type whose c differs least, by the logarithms of the three bands."""
+    return min(_core.jerlov_types(), key=lambda name: float(np.sum(np.log(c / type_attenuation(name)) ** 2)))
+
+
+def fit_attenuation(seen: Sightings) -> Attenuation:
+    """Return the attenuation. Kd, on which the veil depends weakly, is that of the nearest type, found in three turns.
+
+    An interval is infinite where the pixels do not determine c.
+    """
+    x, kd, fitted = None, np.zeros(3), np.full(3, 1.0)
+    half, scatter = np.full(3, np.inf), np.inf
+    for _ in range(TURNS):
+        problem = _Problem(seen, kd)
+        try:
+            x, half, scatter = problem.solved(problem.start() if x is None else x)
+        except RuntimeError:  # of a singular matrix
+            break
+        fitted = x[problem.c]
+        bounded = np.maximum(fitted, 1e-3)
+        name = nearest_type(bounded)
+        kd = np.asarray(_core.WaterOptics.jerlov(name).diffuse_attenuation) * bounded / type_attenuation(name)
+    name = nearest_type(np.maximum(fitted, 1e-3))
+    return Attenuation(fitted, half, name, type_attenuation(name), scatter, len(seen.point))
+
+
+def _harmonics(d: Floats) -> Floats:
+    """Return the real spherical harmonics up to degree 2 of unit vectors (m, 3), without their factors."""
+    x, y, z = d.T
+    return np.column_stack([np.ones_like(x), x, y, z, x * y, y * z, z * x, x * x - y * y, 3.0 * z * z - 1.0])
+
+
+class _Problem:
+    """The unknowns, in order: log J of each point, by band; c; B's harmonics, by band; vignetting; log exposures."""
+
+    def __init__(self, seen: Sightings, kd: Floats) -> None:
+        self._seen, self._r = seen, np.linalg.norm(seen.ways_m, axis=1)
+        direction = seen.ways_m / self._r[:, None]
+        self._shape, self._slower = _harmonics(direction), -kd * direction[:, 2:]
+        self._day = np.exp(kd * (seen.heights_m - seen.heights_m.mean())[:, None])
+        self._fall = 1.0 - seen.cosines**4
+        self._log, self._sigma = np.log(seen.light), np.hypot(RELATIVE, DARK / seen.light)
+        self._points = int(seen.point.max()) + 1
+        self.c = slice(3 * self._points, 3 * self._points + 3)
+        self._veil = self.c.stop
+        self._vignetting = self._veil + 3 * SHAPES
+        self._gain = self._vignetting + 1
+        self._size = self._gain + int(seen.picture.max()) + 1
+        self._mean = np.zeros(self._size)
+        self._mean[self._gain :] = 10.0  # exposures are relative: their mean is held at 0
+
+    def start(self) -> Floats:
+        """Return unknowns to begin with, for clear coastal water."""
+        x = np.zeros(self._size)
+        x[self.c] = 0.2
+        count = np.bincount(self._seen.point)
+        for band in range(3):
+            own = self._log[:, band] + 0.2 * self._r
+            x[band * self._points : (band + 1) * self._points] = np.bincount(self._seen.point, own) / count
+            x[self._veil + SHAPES * band] = 0.1 * np.exp(np.median(self._log[:, band]))
+        x[self._vignetting] = 0.3
+        return x
+
+    def solved(self, x: Floats) -> tuple[Floats, Floats, float]:
+        """Return the unknowns, half of c's interval, and the median residual. Raises RuntimeError."""
+        damping, damped = 1e-3, True
+        residual, jacobian = self._residuals(x), self._jacobian(x)
+        for _ in range(ROUNDS):
+            scale = CAUCHY * max(1.0, MAD * float(np.median(np.abs(residual))))
+            weight, cost = 1.0 / (1.0 + (residual / scale) ** 2), self._cost(x, residual, scale)
+            normal = self._normal(jacobian, weight)
+            slope = -(jacobian.T @ (weight * residual)) - self._mean * (self._mean @ x)
+            while True:
+                trial = x + _factor(normal, damping).solve(slope)
+                rest = self._residuals(trial)
+                gain = cost - self._cost(trial, rest, scale)
+                damped = damping > DAMPING_MAX
+                if gain >= 0.0 or damped:
+                    break
+                damping *= 10.0
+            if damped:
+                break
+            x, residual, jacobian, damping = trial, rest, self._jacobian(trial), max(0.1 * damping, 1e-9)
+            if gain <= GAIN_MIN * cost:
+                break
+        pull = residual / (1.0 + (residual / scale) ** 2)
+        scatter = float(np.median(np.abs(residual * self._sigma.T.ravel())))
+        return x, self._half(self._normal(jacobian, weight), jacobian, pull), scatter
+
+    def _parts(self, x: Floats, band: int) -> tuple[Floats, Floats, Floats]:
+        """Return J exp(-c r), B and exp(-k r) of each pixel of a band."""
+        c = x[self.c][band]
+        first = self._veil + SHAPES * band
+        own = np.exp(np.clip(x[band * self._points + self._seen.point] - c * self._r, -LOG_MAX, LOG_MAX))
+        rest = np.exp(np.clip(-(c + self._slower[:, band]) * self._r, -LOG_MAX, LOG_MAX))
+        return own, self._day[:, band] * np.maximum(self._shape @ x[first : first + SHAPES], 0.0), rest
+
+    def _lens(self, x: Floats) -> Floats:
+        return np.asarray(np.maximum(1.0 - x[self._vignetting] * self._fall, 0.05))
+
+    def _residuals(self, x: Floats) -> Floats:
+        gain = x[self._gain + self._seen.picture] + np.log(self._lens(x))
+        found = []
+        for band in range(3):
+            own, veil, rest = self._parts(x, band)
+            light = np.log(np.maximum(own + veil * (1.0 - rest), 1e-9))
+            found.append((light + gain - self._log[:, band]) / self._sigma[:, band])
+        return np.concatenate(found)
+
+    def _jacobian(self, x: Floats) -> Matrix:
+        m = len(self._r)
+        rows, columns, values = [], [], []
+        for band in range(3):
+            own, veil, rest = self._parts(x, band)
+            total = np.maximum(own + veil * (1.0 - rest), 1e-9)
+            first = self._veil + SHAPES * band
+            entries = [
+                (band * self._points + self._seen.point, own / total),
+                (np.full(m, self.c.start + band), self._r * (veil * rest - own) / total),
+                (np.full(m, self._vignetting), -self._fall / self._lens(x)),
+                (self._gain + self._seen.picture, np.ones(m)),
+            ]
+            by_veil = self._day[:, band] * (1.0 - rest) / total * (veil > 0.0)
+            entries += [(np.full(m, first + j), self._shape[:, j] * by_veil) for j in range(SHAPES)]
+            for column, value in entries:
+                rows.append(band * m + np.arange(m))
+                columns.append(column)
+                values.append(value / self._sigma[:, band])
+        places = (np.concatenate(rows), np.concatenate(columns))
+        return sparse.csr_matrix((np.concatenate(values), places), (3 * m, self._size))
+
+    def _cost(self, x: Floats, residual: Floats, scale: float) -> float:
+        return float(0.5 * scale**2 * np.log1p((residual / scale) ** 2).sum() + 0.5 * (self._mean @ x) ** 2)
+
+    def _normal(self, jacobian: Matrix, weight: Floats) -> Matrix:
+        mean = sparse.csc_matrix(self._mean[:, None])
+        return (jacobian.T @ jacobian.multiply(weight[:, None]) + mean @ mean.T).tocsc()
+
+    def _half(self, normal: Matrix, jacobian: Matrix, pull: Floats) -> Floats:
+        """Return half of c's interval: White's (1980, Econometrica 48:817) over points, whose errors are common."""
+        units = np.zeros((self._size, 3))
+        units[self.c] = np.eye(3)
+        each = (jacobian @ _factor(normal, 1e-9).solve(units)) * pull[:, None]
+        point = np.tile(self._seen.point, 3)
+        sums = np.column_stack([np.bincount(point, column) for column in each.T])
+        return np.asarray(INTERVAL * np.sqrt((sums**2).sum(axis=0)))
+
+
+def _factor(normal: Matrix, damping: float) -> Any:
+    """Return the factors of a damped matrix. Raises RuntimeError.
+
+    Points come first, and none is coupled with another, so that this order fills least.
+    """
+    from scipy.sparse.linalg import splu
+
+    damped = normal + sparse.diags(damping * np.maximum(normal.diagonal(), 1e-9))
+    options = {"SymmetricMode": True}
+    return splu(damped.tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0, options=options)
