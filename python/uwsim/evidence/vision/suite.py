@@ -30,6 +30,8 @@ KINDS = {
 }
 """Effects that are switched off together. Attenuation stays: without it no water would be left."""
 ALL = "all"
+MOST_LOST = 0.5
+"""The share of pairs solved below which a page prints no drift: lost pairs count with the true motion."""
 
 
 @dataclass(frozen=True)
@@ -109,4 +111,4 @@ def _page(rows: Sequence[Row], about: dict[str, object]) -> str:
 
 
 def _drift(marks: Judged) -> str:
-    return "lost" if marks.complete == 0 else f"{marks.drift:.2f}"
+    return "lost" if marks.complete < MOST_LOST else f"{marks.drift:.2f}"
