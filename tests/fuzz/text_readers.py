@@ -1,4 +1,4 @@
-"""Readers of JSON, robots, packets, thrusters' sheets, and files of `uwsim identify` and `uwsim exercise`."""
+"""Readers of JSON, robots, packets, thrusters' sheets, and files of `uwsim vehicle identify` and `uwsim exercise`."""
 
 from __future__ import annotations
 
@@ -83,14 +83,14 @@ def thruster_sheet(data: bytes, folder: Path) -> str:
 
 
 def mapping(data: bytes, folder: Path) -> str:
-    """Read a mapping file of `uwsim identify`."""
+    """Read a mapping file of `uwsim vehicle identify`."""
     from uwsim.evidence.identification.motion_log import read_mapping
 
     return repr(read_mapping(_written(folder / "map.yaml", data)))
 
 
 def motion_log(suffix: str) -> Callable[[bytes, Path], Any]:
-    """Return a reader of a log for `uwsim identify`, as far as its division into segments."""
+    """Return a reader of a log for `uwsim vehicle identify`, as far as its division into segments."""
 
     def read(data: bytes, folder: Path) -> list[bytes]:
         from uwsim.evidence.identification.flown import parts_of

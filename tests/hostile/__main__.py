@@ -32,9 +32,9 @@ from hostile.lines import FILES, Line, lines, prepare
 LIMIT_S, LONG_S = 5.0, 60.0
 """Wall time in which a line is refused, and in which a working one ends, on a quiet machine."""
 MEMORY_MB, ADDRESS_SPACE_BYTES = 2000.0, 8 << 30
-WORKS_ON = frozenset({"validate", "reproduce", "fingerprint", "compare"})
+WORKS_ON = frozenset({"validate", "reproduce", "scenario fingerprint", "compare"})
 """Commands that run for minutes: like servers, they are stopped."""
-WITH_FINDINGS = frozenset({"sweep", "fleet", "doctor", "validate", "compare", "scenario check", "dataset"})
+WITH_FINDINGS = frozenset({"sweep", "fleet", "ros doctor", "validate", "compare", "scenario check", "dataset"})
 """Commands that end with 1 after printing lines of findings."""
 PRELOADED = ("cli.map", "mapping", "figures.style")
 ALL_PRELOADED = (*PRELOADED, "flight.survey", "flight.fly", "recording", "bridges")

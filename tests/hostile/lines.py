@@ -32,11 +32,11 @@ TEXTS = (
 PATHS = frozenset({"/dev/full", "/dev/zero", "/proc/self"})
 NONSENSE = PATHS | {"", LONG, "\x01\x1b[31m", "%s%n{}$(x)"}
 MEANT = {
-    ("exercise", "person"): PATHS | {"%s%n{}$(x)"},
-    ("logbook", "person"): NONSENSE,
+    ("exercise fly", "person"): PATHS | {"%s%n{}$(x)"},
+    ("exercise logbook", "person"): NONSENSE,
     ("station", "instructor_token"): NONSENSE,
-    ("identify", "name"): frozenset({""}),
-    **{(command, name): PATHS | {""} for command in ("serve", "connect") for name in ("namespace", "frame_prefix")},
+    ("vehicle identify", "name"): frozenset({""}),
+    **{(command, name): PATHS | {""} for command in ("serve", "ros connect") for name in ("namespace", "frame_prefix")},
 }
 """Texts that mean something to a parameter of a command: a name, a token, a place in ROS's tree of names."""
 NEEDS_MORE = {"scheduler": "a cluster", "ros1": "a ROS 1 master"}
@@ -55,7 +55,7 @@ FILES: dict[str, Callable[[Path], object]] = {
 SUFFIX = re.compile(r"(?<![\w.])\w*(\.(?:bt|ot|mcap|bag|png|csv|json|ya?ml|py|obj|tif|ply))\b")
 
 # Lines that work and end soon. SERVER marks those that end by SIGTERM.
-SERVER = frozenset({"serve", "station", "connect", "nodes", "teleop", "map view"})
+SERVER = frozenset({"serve", "station", "ros connect", "ros nodes", "teleop", "map view"})
 BROWSING = ("station", "map view")
 DIVE = "t = time [s], yaw = heading [deg], d = depth [m], m1 = servo1 [us]"
 BASES: dict[str, tuple[list[str], dict[str, str]]] = {
@@ -63,32 +63,32 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "run": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "report": "none"}),
     "compare": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "seeds": "0", "time_limit_s": "2"}),
     "sweep": (["sweep.yaml"], {"out": "out", "workers": "0"}),
-    "exercise": (["hover"], {"pilot": "mission.py", "out": "out"}),
-    "logbook": ([], {}),
-    "identify": (["run.mcap"], {"vehicle": "rov", "out": "out"}),
+    "exercise fly": (["hover"], {"pilot": "mission.py", "out": "out"}),
+    "exercise logbook": ([], {}),
+    "vehicle identify": (["run.mcap"], {"vehicle": "rov", "out": "out"}),
     "fleet": (["pool.yaml"], {"tile": "100", "out": "out", "workers": "0"}),
     "serve": (["pool.yaml"], {"port": "0"}),
     "station": (["pool.yaml"], {"port": "0"}),
     "teleop": ([], {"scenario": "pool.yaml"}),
-    "connect": (["ws://127.0.0.1:9"], {}),
-    "nodes": (["octomap"], {"url": "ws://127.0.0.1:9", "patience": "0"}),
-    "doctor": ([], {"listen": "0.1"}),
-    "recording": (["run.mcap"], {}),
+    "ros connect": (["ws://127.0.0.1:9"], {}),
+    "ros nodes": (["octomap"], {"url": "ws://127.0.0.1:9", "patience": "0"}),
+    "ros doctor": ([], {"listen": "0.1"}),
+    "recording info": (["run.mcap"], {}),
     "replay": (["run.mcap"], {"until_s": "0.1"}),
-    "diff": (["run.mcap", "run.mcap"], {}),
-    "parameters": (["pool.yaml", "rov"], {}),
-    "vehicle": (["remus100"], {"out": "vehicle.html"}),
-    "tune": (["remus100"], {"generations": "0", "population": "1", "out": "tuned"}),
+    "recording diff": (["run.mcap", "run.mcap"], {}),
+    "scenario parameters": (["pool.yaml", "rov"], {}),
+    "vehicle report": (["remus100"], {"out": "vehicle.html"}),
+    "vehicle tune": (["remus100"], {"generations": "0", "population": "1", "out": "tuned"}),
     "sonar": (["pool.yaml"], {"kind": "fan", "out": "sonar.png"}),
-    "link": (["pool.yaml"], {"out": "link.png"}),
-    "rays": (["pool.yaml"], {"source": "0,0,-1", "receiver": "2,0,-1", "out": "rays.png"}),
+    "scenario link": (["pool.yaml"], {"out": "link.png"}),
+    "scenario rays": (["pool.yaml"], {"source": "0,0,-1", "receiver": "2,0,-1", "out": "rays.png"}),
     "validate": (["control"], {}),
-    "fingerprint": (["pool.yaml"], {}),
+    "scenario fingerprint": (["pool.yaml"], {}),
     "reproduce": (["paper"], {"out": "out"}),
     "camera": (["pool.yaml"], {"out": "camera.png"}),
     "dataset": (["pool.yaml"], {"n": "1", "out": "out", "size": "32x24", "workers": "0"}),
     "film": (["pool.yaml"], {"out": "film.webp", "size": "16x10", "fps": "5", "until_s": "0.4", "workers": "0"}),
-    "decompose": (["cube.obj"], {"out": "pieces.obj"}),
+    "vehicle decompose": (["cube.obj"], {"out": "pieces.obj"}),
     "ros package": ([], {"out": "ros"}),
     "map info": (["map.bt"], {}),
     "map convert": (["map.bt", "cloud.ply"], {}),
@@ -123,8 +123,8 @@ MORE_BASES: dict[str, list[tuple[list[str], dict[str, str]]]] = {
 """Further lines of commands in which some options have no effect by the first one."""
 NOT_TRIED = {
     "bench": "its programs measure for minutes, and are for developers",
-    "ardusub": "it needs a compiled ArduSub; test_firmware.py has its refusals",
-    "ardusub-check": "it needs a compiled ArduSub; test_firmware_check.py has its refusals",
+    "ardusub start": "it needs a compiled ArduSub; test_firmware.py has its refusals",
+    "ardusub check": "it needs a compiled ArduSub; test_firmware_check.py has its refusals",
 }
 
 

@@ -8,6 +8,7 @@ from unittest import mock
 
 import typer
 
+from uwsim.cli.groups import WithDefault
 from uwsim.cli.program import app
 
 HEAD = """# Commands
@@ -15,15 +16,19 @@ HEAD = """# Commands
 The output of `uwsim COMMAND --help` for each command.
 
 """
-GROUPS = ("map", "scenario")
 
 
 def commands_page() -> str:
     """Return the page, with a section for each command."""
     program: Any = typer.main.get_command(app)
-    names = [*program.commands, *(f"{group} {name}" for group in GROUPS for name in program.commands[group].commands)]
+    names = [name for group, each in program.commands.items() for name in (group, *_subcommands(group, each))]
     parts = [f"## uwsim {name}\n\n```text\n{_help(program, *name.split())}\n```\n" for name in names]
     return HEAD + f"```text\n{_help(program)}\n```\n\n" + "\n".join(parts)
+
+
+def _subcommands(name: str, command: Any) -> list[str]:
+    """Return the spellings of a group's subcommands, without that of its default."""
+    return [f"{name} {each}" for each in getattr(command, "commands", ())][isinstance(command, WithDefault) :]
 
 
 def _help(program: Any, *command: str) -> str:

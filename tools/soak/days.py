@@ -2,9 +2,9 @@
 
     .venv/bin/python tools/soak/days.py [--days 8] [--minutes 60] [--json FILE]
 
-A lap of 1.5 simulated hours takes about 22 s of processor time: surveys, `uwsim fingerprint`, a mission that maps, 10
-minutes with a ping each second, and idle flight. Each lap's output must be byte-identical to the first's. At the same
-time, a rosbridge server with its own simulator serves the typical clients of rosbridge.py on the wall clock.
+A lap of 1.5 simulated hours takes about 22 s of processor time: surveys, `uwsim scenario fingerprint`, a mission that
+maps, 10 minutes with a ping each second, and idle flight. Each lap's output must be byte-identical to the first's. At
+the same time, a rosbridge server with its own simulator serves the typical clients of rosbridge.py on the wall clock.
 
 The exit code is 1 if memory grew by more than 2 % (straight line), processor time without the server's drifted by more
 than 5 % (medians of the first and last third), bytes differ, or the number of threads or open files rose. The first

@@ -103,5 +103,5 @@ class BridgePlug(Generic[OptionsT]):
 
     @classmethod
     def examine(cls, options: Any, listen_s: float) -> Iterable[Finding]:
-        """Yield what `uwsim doctor` finds about this bridge. listen_s: how long to listen for peers [s]."""
+        """Yield what `uwsim ros doctor` finds about this bridge. listen_s: how long to listen for peers [s]."""
         return ()

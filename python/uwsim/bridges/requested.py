@@ -92,7 +92,7 @@ class PlayedBridges(Bridges):
 
 
 class ExaminedBridges(FlagGroup):
-    """The options with which `uwsim doctor` examines all bridges. Raises OptionError."""
+    """The options with which `uwsim ros doctor` examines all bridges. Raises OptionError."""
 
     def __init__(self, **values: Any) -> None:
         self._given = {

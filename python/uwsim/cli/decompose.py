@@ -1,4 +1,4 @@
-"""`uwsim decompose`: cut a hull into convex pieces for collisions."""
+"""`uwsim vehicle decompose`: cut a hull into convex pieces for collisions."""
 
 from __future__ import annotations
 
@@ -8,10 +8,8 @@ from typing import Annotated, Literal
 import typer
 
 from uwsim.cli.bounds import readable, within, writable
-from uwsim.cli.groups import under
 
 
-@under("Scenarios and maps")
 def decompose(
     mesh: Annotated[Path, typer.Argument(help="A closed mesh: OBJ, STL, PLY, glTF.", callback=readable)],
     out: Annotated[

@@ -6,13 +6,14 @@ OK, FAILED, USAGE, STUCK, INCOMPLETE, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 EXIT_CODES = {
     OK: "success",
-    FAILED: "an error, or a check that failed: validate, doctor, map diff --exit-code, --verify-map, sweep, fleet",
+    FAILED: "an error, or a check that failed: validate, ros doctor, recording diff, map diff --exit-code, "
+    "--verify-map, sweep, fleet",
     USAGE: "an unknown command, option or value, a number out of bounds, or an option that would have no effect",
     STUCK: "survey, run: the vehicle was stuck or capsized",
     INCOMPLETE: "survey, run: coverage is below --min-coverage, or a mission without a plan ended early; exercise: "
-    "not passed; replay: the recording was cut off; logbook: lines were left out or are not valid",
-    INTERRUPTED: "interrupted by Ctrl-C, SIGTERM or SIGHUP; serve, station and nodes exit with 0 instead once they are "
-    "running",
+    "not passed; replay: the recording was cut off; exercise logbook: lines were left out or are not valid",
+    INTERRUPTED: "interrupted by Ctrl-C, SIGTERM or SIGHUP; serve, station and ros nodes exit with 0 instead once they "
+    "are running",
 }
 """The meaning of each code; USAGE is typer's."""
 

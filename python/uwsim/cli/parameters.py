@@ -1,4 +1,4 @@
-"""`uwsim parameters`: the parameters of a scenario that can be changed while it runs."""
+"""`uwsim scenario parameters`: the parameters of a scenario that can be changed while it runs."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
-from uwsim.cli.groups import under
 from uwsim.cli.values import scenarios
 
 
-@under("Scenarios and maps")
 def parameters(
     scenario: Annotated[
         str, typer.Argument(help="A packaged scenario, or the path of a YAML file.", autocompletion=scenarios)

@@ -99,7 +99,7 @@ def run_program() -> NoReturn:
             _print_error(_too_little_room(error))
             sys.exit(FAILED)
         for mistake in getattr(error, "mistakes", None) or [_message_of(error)]:  # mistakes in a scenario file
-            _print_error(mistake)
+            _print_error(mistake + _notes_of(error))
         sys.exit(getattr(error, "exit_code", FAILED))
     except Exception as error:
         if is_scarce and _ended_an_import(error) and not os.environ.get("UWSIM_TRACEBACK"):
@@ -114,7 +114,7 @@ def run_program() -> NoReturn:
         # Recognise typer's usage errors by their method, since the class's module depends on typer's version.
         if not hasattr(error, "format_message"):
             raise
-        _print_error(refusal(error))
+        _print_error(refusal(error) + _notes_of(error))
         sys.exit(getattr(error, "exit_code", FAILED))
     sys.exit(code if isinstance(code, int) else 0)
 
@@ -133,6 +133,11 @@ def _too_little_room(error: Exception) -> str:
     """
     shown = " ".join(str(error).split())[:200]
     return f"out of memory: a library could not be loaded within the limit of address space ({shown})"
+
+
+def _notes_of(error: Exception) -> str:
+    """Return what groups.WithDefault adds to an error."""
+    return "".join(getattr(error, "__notes__", ()))
 
 
 def _message_of(error: Exception) -> str:

@@ -1,4 +1,4 @@
-"""`uwsim rays`: all arrivals of sound between two points of a scenario, as a table and as a figure of their rays."""
+"""`uwsim scenario rays`: all arrivals of sound between two points, as a table and as a figure of their rays."""
 
 from __future__ import annotations
 
@@ -10,11 +10,9 @@ from typing import Annotated
 import typer
 
 from uwsim.cli.bounds import within
-from uwsim.cli.groups import under
 from uwsim.cli.options import ScenarioName
 
 
-@under("Look")
 def rays(
     source: Annotated[str, typer.Option("--from", help="Position of the source: X,Y,Z [m].")],
     receiver: Annotated[str, typer.Option("--to", help="Position of the receiver: X,Y,Z [m].")],

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.cli.bounds import UsageError
 from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS, AsJson, print_json
@@ -23,16 +24,16 @@ class ScenarioCommands(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return name, command and arguments. Raises UsageError."""
         if not ctx.resilient_parsing and args[0] not in self.commands:
-            raise UsageError(
-                f"No such command 'scenario {args[0]}'; to check a scenario: uwsim scenario check {args[0]}"
-            )
+            meant = did_you_mean(args[0], self.commands)
+            check = f"; to check a scenario: uwsim scenario check {args[0]}"
+            raise UsageError(f"No such command 'scenario {args[0]}'{meant or check}")
         return super().resolve_command(ctx, args)
 
 
 app = typer.Typer(
     name="uwsim scenario",
     cls=ScenarioCommands,
-    help="List, create and check scenarios; print their JSON Schemas.",
+    help="List, create, check and examine scenarios; print their schemas.",
     invoke_without_command=True,
     callback=show_help,
     rich_help_panel="Scenarios and maps",

@@ -1,4 +1,4 @@
-"""`uwsim connect` and `uwsim serve` from the shell.
+"""`uwsim ros connect` and `uwsim serve` from the shell.
 
 connect waits for its server, joins it, and reconnects after an outage; serve and its sinks start and end together.
 """
@@ -36,7 +36,7 @@ def port():
 
 def test_it_joins_a_server_that_comes_later_and_again_one_that_was_killed(port, programs):
     url = f"ws://127.0.0.1:{port}"
-    with programs.running("connect", url, "pool", "--speed", "2") as process:
+    with programs.running("ros", "connect", url, "pool", "--speed", "2") as process:
         assert url in process.stdout.readline()
         assert "next attempt in 0.25 s" in process.stderr.readline()  # no server is listening yet
         for turn in range(2):
@@ -60,7 +60,7 @@ def test_it_joins_a_server_that_comes_later_and_again_one_that_was_killed(port, 
 def test_it_ends_with_an_error_if_the_server_refused_everything(programs):
     with strict_rosbridge() as server:
         server.packages = {"rosgraph_msgs"}
-        with programs.running("connect", server.url, "pool") as process:
+        with programs.running("ros", "connect", server.url, "pool") as process:
             server.wait(lambda: any("advertise" in line for line in server.refused))
             while "the server refuses" not in process.stderr.readline():
                 pass
@@ -170,10 +170,10 @@ def test_an_address_that_no_server_can_have_is_refused_at_once(url):
 @pytest.mark.parametrize(
     ("arguments", "code", "complaint"),
     [
-        ("connect localhost:9090 pool", 1, "url = 'localhost:9090': must begin with ws://"),
-        ("connect ws://localhost:9090 pool --ros 3", 2, "--ros = 3: must be in [1, 2]"),
-        ("connect ws://localhost:9090 pool --wire copper", 2, "--wire = 'copper': must be one of"),
-        ("connect ws://localhost:9090 pool --tf-rate 5000", 1, "tf_rate_hz = 5000 Hz: must be in (0, "),
+        ("ros connect localhost:9090 pool", 1, "url = 'localhost:9090': must begin with ws://"),
+        ("ros connect ws://localhost:9090 pool --ros 3", 2, "--ros = 3: must be in [1, 2]"),
+        ("ros connect ws://localhost:9090 pool --wire copper", 2, "--wire = 'copper': must be one of"),
+        ("ros connect ws://localhost:9090 pool --tf-rate 5000", 1, "tf_rate_hz = 5000 Hz: must be in (0, "),
         ("serve pool --ros-domain-id 3", 2, "--ros-domain-id: needs --ros2"),
         ("serve pool --foxglove-port 3", 2, "--foxglove-port: needs --foxglove"),
         ("serve pool --ros2 --ros-domain-id 300", 2, "--ros-domain-id = 300: must be in [0, 232]"),

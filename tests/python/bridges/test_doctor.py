@@ -1,4 +1,4 @@
-"""`uwsim doctor` names each reason why two participants cannot discover each other, and how to fix it."""
+"""`uwsim ros doctor` names each reason why two participants cannot discover each other, and how to fix it."""
 
 import http.server
 import json
@@ -127,7 +127,16 @@ def test_the_command_prints_a_table_and_exits_with_1_when_something_is_wrong(poo
     found = []
     same, other = (LOCAL | {"ROS_DOMAIN_ID": str(settings.domain_id + k)} for k in (0, 1))
     with Ros2Node(pool, [], (), settings), RosbridgeServer(pool) as server:
-        command = ["doctor", "--ros-domain-id", str(settings.domain_id), "--listen", "2", "--port", str(server.port)]
+        command = [
+            "ros",
+            "doctor",
+            "--ros-domain-id",
+            str(settings.domain_id),
+            "--listen",
+            "2",
+            "--port",
+            str(server.port),
+        ]
         for variables, code in ((same, 0), (other, 1)):
             for name, value in variables.items():
                 monkeypatch.setenv(name, value)
@@ -142,9 +151,9 @@ def test_commands_to_copy_are_whole_on_a_narrow_terminal_and_json_has_the_same(m
     monkeypatch.setenv("COLUMNS", "80")
     missing = software.Finding("extras", "figures; not installed: rl", "note", "pip install 'uwsim[rl]' " + 60 * "x")
     monkeypatch.setattr("uwsim.bridges.doctor.examine", lambda *_: iter([missing]))
-    shown = uwsim("doctor", "--listen", "0.1").stdout
+    shown = uwsim("ros", "doctor", "--listen", "0.1").stdout
     assert "…" not in shown and "'uwsim[rl]'" in shown and shown.count("x") == 61
-    found = json.loads(uwsim("doctor", "--listen", "0.1", "--json").stdout)
+    found = json.loads(uwsim("ros", "doctor", "--listen", "0.1", "--json").stdout)
     assert found[0] == {"what": "extras", "found": missing.found, "verdict": "note", "advice": missing.advice}
 
 

@@ -1,4 +1,4 @@
-"""`uwsim ardusub-check`: a log beside the model that made it, tables of flights, and what is refused."""
+"""`uwsim ardusub check`: a log beside the model that made it, tables of flights, and what is refused."""
 
 import math
 from collections.abc import Iterator

@@ -97,7 +97,7 @@ def test_six_processes_make_the_map_of_one(tmp_path, programs):
     url, out = f"ws://127.0.0.1:{port}", tmp_path / "nodes.bt"
     with (
         served(port, heard) as (lake, listen),
-        programs.greeted("nodes", "--url", url, "--out", out) as (process, line),
+        programs.greeted("ros", "nodes", "--url", url, "--out", out) as (process, line),
     ):
         assert "octomap" in line
         listen()
@@ -200,7 +200,7 @@ def test_the_map_outlives_the_connection_and_nodes_reconnect(tmp_path, programs)
             until(lambda: len(heard) > before, limit_s=1.0)
         return heard[-1:] >= [count]
 
-    with programs.running("nodes", "--url", url, "--out", out) as process:
+    with programs.running("ros", "nodes", "--url", url, "--out", out) as process:
         with served(port, heard) as (lake, listen):
             assert "octomap" in process.stdout.readline()
             listen()
@@ -245,7 +245,7 @@ def test_a_connection_reset_while_a_node_publishes_is_one_sentence_and_is_made_a
                 connection.socket.close()
                 return
 
-    with answered(serve_one) as url, programs.running("nodes", "string_decoder", "--url", url) as process:
+    with answered(serve_one) as url, programs.running("ros", "nodes", "string_decoder", "--url", url) as process:
         assert again.wait(180.0)
         code, said = process.end(signal.SIGINT)
     assert len(connections) == 2 and code == 0

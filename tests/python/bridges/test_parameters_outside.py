@@ -90,10 +90,10 @@ def test_services_list_get_describe_set_and_reset(client: ClientConnection, live
 
 
 def test_the_command_line_lists_them() -> None:
-    table = uwsim("parameters", "pool", "rov.drag.linear").stdout.splitlines()
+    table = uwsim("scenario", "parameters", "pool", "rov.drag.linear").stdout.splitlines()
     assert table[1].split()[:4] == ["rov.drag.linear.surge", "29.4", "N", "s/m"]
     assert len(table) == 7
-    assert "did you mean 'rov.drag'?" in error_line(uwsim("parameters", "pool", "rov.drg"))
+    assert "did you mean 'rov.drag'?" in error_line(uwsim("scenario", "parameters", "pool", "rov.drg"))
     parameters = Simulator("pool").parameters
     reasons = {
         "rov.fins": "is empty: rov has none; it is",

@@ -44,15 +44,15 @@ POOL_TERRAIN = "source: noise\n  size_m: [20, 20]\n  spacing_m: 0.5\n  bed_depth
         (["survey", ""], "an argument is empty"),
         (["station", "--no-browser", "--wire", "wired"], "wire = 'wired'"),
         (["station", "--no-browser", "--origin", "here"], "origin = 'here'"),
-        (["decompose", MESH, "--out", "no/such/pieces.obj"], "cannot write into the folder 'no/such'"),
+        (["vehicle", "decompose", MESH, "--out", "no/such/pieces.obj"], "cannot write into the folder 'no/such'"),
         (
             ["map", "convert", CLOUD, "cloud.ply", "--scenario", "lake"],
             "--scenario: needs a target that ends in .las, .xyz, .tif",
         ),
         (["reproduce", "--out", "/proc/self"], "/proc/self"),
         (["survey", "--voxl", "1"], "--voxl"),
-        (["doctor", "--listen", "0.1", "--moos", "x" * 300], "the host must be a name or an IPv4 address"),
-        (["doctor", "--listen", "0.1", "--imc", "%s"], "the host must be a name or an IPv4 address"),
+        (["ros", "doctor", "--listen", "0.1", "--moos", "x" * 300], "the host must be a name or an IPv4 address"),
+        (["ros", "doctor", "--listen", "0.1", "--imc", "%s"], "the host must be a name or an IPv4 address"),
         (["serve", "pool", "--namespace", "x" * 300], "at most 200"),
         (["serve", "pool", "--frame-prefix", "\x01"], "--frame-prefix"),
         (["vehicle", "remus100", "--out", "."], "is a folder: must be a file"),
@@ -70,7 +70,7 @@ def test_a_pipe_that_nobody_writes_is_refused(tmp_path: Path) -> None:
     for command in (
         ["sweep"],
         ["map", "info"],
-        ["identify", "--vehicle", "rov"],
+        ["vehicle", "identify", "--vehicle", "rov"],
         ["scenario", "new", "mine", "--force", "--out"],
     ):
         said = error_line(uwsim(*command, str(tmp_path / "pipe.yaml")))

@@ -18,12 +18,14 @@ ELSEWHERE = {
     "figures.json of --out": ["reproduce"],
     "report.md of --out": ["twin"],
     "vision.json of --out": ["range"],
-    "flights.csv of --out": ["ardusub-check"],
+    "flights.csv of --out": ["ardusub check"],
     "the file or the pictures that it writes": [
-        "sonar", "camera", "film", "decompose", "ros package", "scenario new", "scenario from", "scenario plan",
+        "sonar", "camera", "film", "vehicle decompose", "ros package", "scenario new", "scenario from", "scenario plan",
         "map convert", "map merge", "map render", "map slice", "map build", "map from", "map film", "map waterfall",
     ],
-    "a server or a vehicle, until Ctrl-C": ["serve", "station", "teleop", "ardusub", "connect", "nodes", "map view"],
+    "a server or a vehicle, until Ctrl-C": [
+        "serve", "station", "teleop", "ardusub start", "ros connect", "ros nodes", "map view",
+    ],
     "it prints nothing but JSON": ["scenario schema"],
     "only subcommands": ["ros", "scenario", "map", "bench"],
 }  # fmt: skip
@@ -48,7 +50,9 @@ def test_every_command_prints_json_or_has_its_results_elsewhere():
     assert {name for name, options in found.items() if "--json" not in options} == elsewhere
 
 
-@pytest.mark.parametrize("words", ["exercise", "scenario list", "parameters pool", "logbook", "doctor"])
+@pytest.mark.parametrize(
+    "words", ["exercise", "scenario list", "scenario parameters pool", "exercise logbook", "ros doctor"]
+)
 def test_what_is_listed_is_json(words: str, tmp_path, monkeypatch):
     monkeypatch.setenv("UWSIM_LOGBOOK", str(tmp_path / "logbook.jsonl"))
     listed = uwsim(*words.split(), "--json")

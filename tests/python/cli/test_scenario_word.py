@@ -9,9 +9,10 @@ import typer
 from uwsim.cli.bounds import UsageError
 from uwsim.cli.program import app
 
-FIRST = {"run": ["m.py"], "film": ["m.py"], "compare": ["frontier"], "ardusub": ["sub"], "ardusub-check": ["a", "b"],
-         "connect": ["ws://host"], "map convert": ["a.bt", "b.ot"], "map score": ["a.bt"],
-         "fleet": ["--tile", "8"], "replay": ["a"], "range": ["vision"], "rays": ["--from=0,0,-1", "--to=1,1,-1"]}  # fmt: skip
+FIRST = {"run": ["m.py"], "film": ["m.py"], "compare": ["frontier"], "ardusub start": ["sub"],
+         "ardusub check": ["a", "b"], "ros connect": ["ws://host"], "map convert": ["a.bt", "b.ot"],
+         "map score": ["a.bt"], "fleet": ["--tile", "8"], "replay": ["a"], "range": ["vision"],
+         "scenario rays": ["--from=0,0,-1", "--to=1,1,-1"]}  # fmt: skip
 """The words before the scenario's."""
 
 
@@ -45,16 +46,17 @@ def test_both_spellings_mean_the_same_and_one_is_enough(name: str) -> None:
     assert given(name, *first, "pool") == given(name, *first, "--scenario", "pool")
     assert given(name, "--scenario=mine.yaml", *first) == given(name, *first, "mine.yaml")
     assert given(name, *first, "pool")["scenario"] == "pool"
-    if name not in ("compare", "parameters", "teleop"):  # where a further word has another meaning
+    if name not in ("compare", "scenario parameters", "teleop"):  # where a further word has another meaning
         with pytest.raises(UsageError, match=r"--scenario lake, pool: one too many"):
             given(name, *first, "pool", "--scenario", "lake")
 
 
 def test_the_commands_are_many_and_a_word_is_not_taken_for_one() -> None:
-    assert TAKING.keys() >= {"survey", "run", "compare", "fleet", "dataset", "sonar", "camera", "link", "rays", "serve",
-                             "station", "teleop", "parameters", "fingerprint", "ros package", *FIRST}  # fmt: skip
+    assert TAKING.keys() >= {"survey", "run", "compare", "fleet", "dataset", "sonar", "camera", "serve", "station",
+                             "teleop", "scenario link", "scenario parameters", "scenario fingerprint", "ros package",
+                             *FIRST}  # fmt: skip
     context = TAKING["run"].make_context("run", ["m.py"])
     assert context.params["scenario"] is None and str(context.params["mission"]) == "m.py"
-    assert TAKING["parameters"].make_context("x", ["--scenario", "lake", "rov"]).params["prefix"] == "rov"
+    assert TAKING["scenario parameters"].make_context("x", ["--scenario", "lake", "rov"]).params["prefix"] == "rov"
     assert TAKING["teleop"].make_context("x", ["ws://host:9090"]).params["scenario"] is None
     assert "[scenario]" in context.get_usage() and "--scenario" in TAKING["fleet"].get_help(context)

@@ -89,7 +89,7 @@ def test_a_seed_changes_what_is_random_and_the_command_prints_what_the_function_
     monkeypatch.setattr(
         "uwsim.evidence.fingerprint.fingerprint", lambda *given, **options: calls.append((given, options)) or seven
     )
-    printed = json.loads(uwsim("fingerprint", "pool", "--seed", "7", "--json").stdout)
+    printed = json.loads(uwsim("scenario", "fingerprint", "pool", "--seed", "7", "--json").stdout)
     assert printed == {
         "scenario": "pool",
         "seed": 7,
@@ -98,11 +98,14 @@ def test_a_seed_changes_what_is_random_and_the_command_prints_what_the_function_
         "machine": first.machine,
     }
     assert [(*given, options["seed"]) for given, options in calls] == [("pool", 7)]
-    assert uwsim("fingerprint", "pool", "--seed", "7").stdout.splitlines()[-1].split() == ["all", first.whole]
+    assert uwsim("scenario", "fingerprint", "pool", "--seed", "7").stdout.splitlines()[-1].split() == [
+        "all",
+        first.whole,
+    ]
 
 
 def test_an_instruction_set_that_there_is_not_is_refused() -> None:
-    failed = uwsim_process("fingerprint", "pool", env=os.environ | {"UWSIM_INSTRUCTION_SET": "mmx"})
+    failed = uwsim_process("scenario", "fingerprint", "pool", env=os.environ | {"UWSIM_INSTRUCTION_SET": "mmx"})
     assert failed.returncode == 1
     assert "UWSIM_INSTRUCTION_SET = mmx: must be portable, avx2 or avx512" in error_line(failed)
     assert "UWSIM_INSTRUCTION_SET = AVX2: must be portable" in chosen("AVX2").stderr

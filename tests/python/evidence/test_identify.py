@@ -166,7 +166,7 @@ def test_a_table_becomes_a_report_and_a_vehicle_file_that_differs_from_the_old_o
     shutil.copy(assets_folder() / "meshes" / "bluerov2.glb", tmp_path / "own" / "hull.glb")
     kept: list[Identified] = []
     known = (*KNOWN, "added_mass", "linear_damping", "command_delay", "quadratic_damping.roll")
-    words = ["identify", str(tmp_path / "log.csv"), f"--map={tmp_path / 'map.yaml'}", f"--vehicle={mine}"]
+    words = ["vehicle", "identify", str(tmp_path / "log.csv"), f"--map={tmp_path / 'map.yaml'}", f"--vehicle={mine}"]
     words += [f"--known={name}" for name in known]
 
     def once(*arguments: Any, **options: Any) -> Identified:

@@ -1,4 +1,4 @@
-"""`uwsim tune`: no worse than the file's own gains, and axes that nothing drives are named rather than tuned."""
+"""`uwsim vehicle tune`: no worse than the file's own gains; axes that nothing drives are named, not tuned."""
 
 import json
 from pathlib import Path
@@ -34,7 +34,7 @@ def test_axes_that_nothing_drives_are_left_out(lame: tuning.Tuned) -> None:
 
 
 def test_the_command_writes_the_block_and_the_figure(tmp_path: Path) -> None:
-    done = uwsim("tune", "remus100", "--generations", "0", "--population", "1", "--out", str(tmp_path))
+    done = uwsim("vehicle", "tune", "remus100", "--generations", "0", "--population", "1", "--out", str(tmp_path))
     assert done.returncode == 0, done.stderr
     assert "# nothing drives sway, heave: left out" in done.stdout
     assert yaml.safe_load(done.stdout) == yaml.safe_load((tmp_path / "control.yaml").read_text())
@@ -45,7 +45,7 @@ def test_json_holds_the_control_block_that_the_text_does(
     lame: tuning.Tuned, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(tuning, "tune", lambda *_, **__: lame)
-    done = CliRunner().invoke(app, ["tune", "bluerov2_wu", "--json", "--out", str(tmp_path)])
+    done = CliRunner().invoke(app, ["vehicle", "tune", "bluerov2_wu", "--json", "--out", str(tmp_path)])
     assert done.exit_code == 0
     found = json.loads(done.stdout)
     assert found["after"]["cost"] == pytest.approx(lame.after.cost) and found["left_out"] == ["pitch"]

@@ -75,10 +75,14 @@ def test_the_log_book_keeps_each_attempt_of_a_named_person(tmp_path, book):
         "attempts": 2,
         "hours": pytest.approx(2 * 1.0 / 3600.0),
     }
-    printed = uwsim("logbook", "--csv", "--person", "Ada")
+    printed = uwsim("exercise", "logbook", "--csv", "--person", "Ada")
     assert [row["person"] for row in csv.DictReader(io.StringIO(printed.stdout))] == ["Ada", "Ada"]
-    assert [each["person"] for each in json.loads(uwsim("logbook", "--json").stdout)] == ["Ada", "Bob", "Ada"]
-    assert "1 of 1 exercises passed in 2 attempts  Ada" in uwsim("logbook").stdout
+    assert [each["person"] for each in json.loads(uwsim("exercise", "logbook", "--json").stdout)] == [
+        "Ada",
+        "Bob",
+        "Ada",
+    ]
+    assert "1 of 1 exercises passed in 2 attempts  Ada" in uwsim("exercise", "logbook").stdout
 
 
 def test_a_line_that_was_cut_short_spoils_no_later_one_and_a_strangers_file_stays_as_it_is(book):
@@ -89,7 +93,7 @@ def test_a_line_that_was_cut_short_spoils_no_later_one_and_a_strangers_file_stay
     assert len(book.read_text().splitlines()) == 3
     found = read_book(book)
     assert [each.person for each in found.entries] == ["Ada", "Bob"] and found.unread == [2]
-    printed = uwsim("logbook", "--json")
+    printed = uwsim("exercise", "logbook", "--json")
     assert printed.returncode == INCOMPLETE and [each["person"] for each in json.loads(printed.stdout)] == [
         "Ada",
         "Bob",
@@ -99,7 +103,7 @@ def test_a_line_that_was_cut_short_spoils_no_later_one_and_a_strangers_file_stay
     with pytest.raises(ValueError, match="line 1: is not an entry"):
         fly_exercise(limited(), still, person="Ada")
     assert book.read_text() == "my notes\n"
-    failed = uwsim("logbook")
+    failed = uwsim("exercise", "logbook")
     assert failed.returncode == 1 and "line 1: is not an entry" in failed.stderr and "Traceback" not in failed.stderr
 
 
@@ -156,13 +160,13 @@ def test_a_line_that_is_not_as_it_was_written_is_shown_as_not_valid_and_counts_f
         book.write_bytes(b"\n".join(spoil(*lines)) + b"\n")
         found = read_book(book)
         assert [line.number for line in found.lines if line.check == "not valid"] == wrong and not found.unread
-        printed = uwsim("logbook")
+        printed = uwsim("exercise", "logbook")
         assert printed.returncode == INCOMPLETE and f"{len(wrong)} not valid" in printed.stdout
         assert [f"line {k}: is not valid: " in printed.stderr for k in wrong] == [True] * len(wrong)
         counted = [line.entry.person for line in found.lines if line.check == "valid"]
         assert sorted(row.split()[-1] for row in printed.stdout.splitlines()[:-1]) == sorted(set(counted))
         person = found.lines[wrong[0] - 1].entry.person
-        shown = uwsim("logbook", "--person", person).stdout.splitlines()
+        shown = uwsim("exercise", "logbook", "--person", person).stdout.splitlines()
         assert any(f"not valid: line {wrong[0]} of the log book" in line for line in shown)
 
 

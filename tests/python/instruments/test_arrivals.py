@@ -78,7 +78,7 @@ def test_every_ray_drawn_ends_at_the_receiver(
 
 
 def test_the_command_prints_and_draws_the_rays(tmp_path: Path) -> None:
-    command = ["rays", "pool", "--from=0,0,-1", "--to=2,1,-2", "--out", str(tmp_path / "rays.svg")]
+    command = ["scenario", "rays", "pool", "--from=0,0,-1", "--to=2,1,-2", "--out", str(tmp_path / "rays.svg")]
     result = CliRunner().invoke(app, command)
     assert result.exit_code == 0, result.output
     direct_s = math.sqrt(6.0) / 1482.5  # fresh water at 20 deg C
@@ -88,7 +88,7 @@ def test_the_command_prints_and_draws_the_rays(tmp_path: Path) -> None:
     CliRunner().invoke(app, command)
     assert (tmp_path / "rays.svg").read_bytes() == first
     with pytest.raises(ValueError, match=re.escape("--to 0,0,5: must be in the water")):
-        CliRunner().invoke(app, ["rays", "pool", "--from=0,0,-1", "--to=0,0,5"], catch_exceptions=False)
+        CliRunner().invoke(app, ["scenario", "rays", "pool", "--from=0,0,-1", "--to=0,0,5"], catch_exceptions=False)
 
 
 def test_rays_that_bounce_and_turn_are_among_them() -> None:

@@ -1,4 +1,4 @@
-"""`uwsim link`, `uwsim validate link`, `uwsim serve --link` and the start screen's choice of modem."""
+"""`uwsim scenario link`, `uwsim validate link`, `uwsim serve --link` and the start screen's choice of modem."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from uwsim.scenario.spec.modem import load_modem
 
 def test_the_command_draws_delay_delivery_and_goodput(tmp_path: Path, blank_figures: None) -> None:
     path = tmp_path / "link.png"
-    result = CliRunner().invoke(app, ["link", "pool", "--out", str(path), "--depth", "1"])
+    result = CliRunner().invoke(app, ["scenario", "link", "pool", "--out", str(path), "--depth", "1"])
     assert result.exit_code == 0, result.output
     assert path.read_bytes().startswith(b"\x89PNG")
     assert "s2cm_hs in pool" in result.output
-    result = CliRunner().invoke(app, ["link", "pool", "--out", str(path), "--depth", "1", "--json"])
+    result = CliRunner().invoke(app, ["scenario", "link", "pool", "--out", str(path), "--depth", "1", "--json"])
     found = json.loads(result.output)
     assert found["modem"] == "s2cm_hs" and len(found["legs"]) > 3
     assert sum(leg["sent"] for leg in found["legs"]) > 0 and found["table"]

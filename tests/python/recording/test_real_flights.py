@@ -112,7 +112,7 @@ def test_a_mapping_that_cannot_be_is_refused(columns: str | None, error: str, tm
 def test_a_log_without_motion_says_what_it_needs(tmp_path: Path) -> None:
     path = tmp_path / "bench.tlog"
     path.write_bytes(telemetry(flown(commanded=False)))
-    for words in (["replay", str(path), "--beside", VEHICLE], ["identify", str(path), "--vehicle", VEHICLE]):
+    for words in (["replay", str(path), "--beside", VEHICLE], ["vehicle", "identify", str(path), "--vehicle", VEHICLE]):
         result = CliRunner().invoke(app, words)
         assert result.exit_code == 1
         assert "no motion: the thrusters stay at rest for all of its 20 s: needs a flight" in str(result.exception)

@@ -203,7 +203,7 @@ COMMANDS = (
     ("replay", "{}"),
     ("replay", "{}", "--as-topics", "--port", "0"),
     ("recording", "{}"),
-    ("diff", "{}", "{}"),
+    ("recording", "diff", "{}", "{}"),
     ("map", "from", "{}"),
 )
 

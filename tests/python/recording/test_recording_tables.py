@@ -201,12 +201,12 @@ def test_a_diff_names_tick_channel_and_amount_and_draws(folder: Path, tmp_path: 
     assert found.partings[0].topic == "uwsim/commands" and found.partings[0].tick == 200
     odom = next(parting for parting in found.partings if parting.topic == "odom")
     assert 200 < odom.tick < 240 and odom.gaps[-1][1] > odom.gaps[0][1]
-    done = uwsim("diff", str(a.path), str(b.path), "--out", str(tmp_path / "d.png"))
+    done = uwsim("recording", "diff", str(a.path), str(b.path), "--out", str(tmp_path / "d.png"))
     assert done.returncode == 1 and done.stdout.startswith("tick 200, /uwsim/commands: ")
     assert (tmp_path / "d.png").stat().st_size > 10_000
-    same = uwsim("diff", str(a.path), str(a.path))
+    same = uwsim("recording", "diff", str(a.path), str(a.path))
     assert same.returncode == 0 and same.stdout.startswith("the same: ")
-    as_json = uwsim("diff", str(a.path), str(b.path), "--out", str(tmp_path / "d.png"), "--json")
+    as_json = uwsim("recording", "diff", str(a.path), str(b.path), "--out", str(tmp_path / "d.png"), "--json")
     values = json.loads(as_json.stdout)
     assert as_json.returncode == 1 and not values["same"] and len(values["partings"]) == len(found.partings)
     assert (values["partings"][0]["channel"], values["partings"][0]["tick"]) == ("/uwsim/commands", 200)

@@ -66,7 +66,7 @@ def test_a_flat_piece_is_refused(tmp_path: Path) -> None:
 def test_a_piece_file_is_required_for_pieces_and_refused_without(tmp_path: Path) -> None:
     model = portal(tmp_path, "pieces")
     figures = {key: getattr(model, key) for key in model.model_fields_set}
-    with pytest.raises(ValueError, match="uwsim decompose"):
+    with pytest.raises(ValueError, match="uwsim vehicle decompose"):
         VehicleModel.model_validate({**figures, "collision_pieces": None})
     with pytest.raises(ValueError, match="only for `collision: pieces`"):
         VehicleModel.model_validate({**figures, "collision": "hull"})

@@ -14,6 +14,7 @@ from ruamel.yaml import YAML
 
 import docs_pages
 from uwsim.campaigns.sweeps.spec import SweepSpec
+from uwsim.cli.groups import WithDefault
 from uwsim.cli.program import app
 from uwsim.exercises import Exercise
 from uwsim.scenario.schema import schema
@@ -38,6 +39,8 @@ def unknown(words: list[str]) -> set[str]:
         return set()
     if hasattr(program.commands.get(words[0]), "commands"):
         program, words = program.commands[words[0]], words[1:]
+        if isinstance(program, WithDefault):
+            words = program.spelled_out(typer.Context(program), words)
     if not words or words[0] not in program.commands:
         return set(words[:1])
     command = program.commands[words[0]]

@@ -21,8 +21,8 @@ LISTING = {  # a command that goes over all entries of a group; the first one ma
     **dict.fromkeys(("uwsim.attachments", "uwsim.channels"), FLIGHT),
     "uwsim.assets": "scenario check unknown",
     "uwsim.cli": "--help",
-    "uwsim.cli.map": "map --help",
-    "uwsim.cli.scenario": "scenario check pool",
+    **{f"uwsim.cli.{name}": f"{name} --help" for name in
+       ("map", "scenario", "vehicle", "exercise", "recording", "ros", "ardusub")},
     "uwsim.scenario_sources": "scenario from empty.txt",
     "uwsim.schemas": "scenario schema exercise",
     "uwsim.bridges": "serve --help",
@@ -37,6 +37,7 @@ LISTING = {  # a command that goes over all entries of a group; the first one ma
 }  # fmt: skip
 NAMED = {  # a command that uses one entry of a group
     "uwsim.cli": "{}",
+    "uwsim.cli.scenario": "scenario {}",
     "uwsim.schemas": "scenario schema {}",
     "uwsim.kinds.map_file": "map info empty.{}",
     "uwsim.kinds.cloud_file": "map convert flown/map.bt cloud.{}",

@@ -79,7 +79,7 @@ def test_every_number_on_a_command_line_has_bounds(command: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "words", ["nodes gps", "validate dynamics sona", "survey --engine brick", "camera --jerlov 4C"]
+    "words", ["ros nodes gps", "validate dynamics sona", "survey --engine brick", "camera --jerlov 4C"]
 )
 def test_a_word_that_is_none_is_a_wrong_command_line(
     words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

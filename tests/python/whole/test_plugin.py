@@ -42,8 +42,8 @@ MISTAKES = [
     (["--toy", "127.0.0.1:9", "--toy-channel", "odo"], 1, "--toy-channel = 'odo': must be one of"),
 ]
 COMMANDS = [
-    "--help", "toy --help", "toy pool", "serve --help", "replay --help", "doctor --help",
-    "doctor --listen 0.1 --toy-max 5000", *(f"serve pool --port 0 {' '.join(words)}" for words, _, _ in MISTAKES),
+    "--help", "toy --help", "toy pool", "serve --help", "replay --help", "ros doctor --help",
+    "ros doctor --listen 0.1 --toy-max 5000", *(f"serve pool --port 0 {' '.join(words)}" for words, _, _ in MISTAKES),
 ]  # fmt: skip
 
 
@@ -59,7 +59,7 @@ def test_a_command_is_listed_explained_completed_and_run(
 ) -> None:
     listed = ran["--help"]
     assert listed.stderr == ""
-    assert "From other packages:\n  toy            List the sensors of each vehicle of a scenario.\n" in listed.stdout
+    assert "From other packages:\n  toy        List the sensors of each vehicle of a scenario.\n" in listed.stdout
     assert "Name of a scenario" in ran["toy --help"].stdout
     assert "rov: imu" in ran["toy pool"].stdout
     completing = {"_UWSIM_COMPLETE": "complete_bash", "COMP_WORDS": "uwsim to", "COMP_CWORD": "1"}
@@ -115,8 +115,8 @@ def test_a_package_is_imported_only_by_its_own_command(tmp_path: Path) -> None:
 def test_a_bridge_has_flags_in_every_command_of_bridges(ran: dict[str, subprocess.CompletedProcess[str]]) -> None:
     for words in ("serve --help", "replay --help"):
         assert all(flag in ran[words].stdout for flag in ("--toy HOST:PORT", "--toy-channel", "--toy-max"))
-    assert "toy-max" in ran["doctor --help"].stdout
-    assert "lines of 5000 bytes" in ran["doctor --listen 0.1 --toy-max 5000"].stdout
+    assert "toy-max" in ran["ros doctor --help"].stdout
+    assert "lines of 5000 bytes" in ran["ros doctor --listen 0.1 --toy-max 5000"].stdout
 
 
 def test_a_mistake_in_its_options_gives_one_line(ran: dict[str, subprocess.CompletedProcess[str]]) -> None:

@@ -88,7 +88,9 @@ def map_bytes(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 
 def missing_commands(add_on: str) -> list[Entry]:
     entries = [
-        each for group in ("uwsim.cli", "uwsim.cli.map", "uwsim.cli.scenario") for each in registered(group).values()
+        each
+        for group in ("", ".map", ".scenario", ".vehicle", ".exercise", ".recording", ".ros", ".ardusub")
+        for each in registered(f"uwsim.cli{group}").values()
     ]
     return [each for each in entries if is_gone(each.value.partition(":")[0], add_on)]
 

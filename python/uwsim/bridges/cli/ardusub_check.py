@@ -1,4 +1,4 @@
-"""`uwsim ardusub-check`: two firmwares or parameter files through the same flight, or a log beside the model."""
+"""`uwsim ardusub check`: two firmwares or parameter files through the same flight, or a log beside the model."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import typer
 
 from uwsim.base.options import need
 from uwsim.cli.bounds import readable, within
-from uwsim.cli.groups import under
 from uwsim.cli.seeds import parsed_seeds
 from uwsim.cli.values import scenarios, vehicle_models
 
@@ -20,7 +19,6 @@ SEEDS, WINDOW_S = "4", 5.0
 REPORT, FLIGHTS, DEPTHS_PICTURE, LOG_PICTURE = "report.md", "flights.csv", "depths.png", "log.png"
 
 
-@under("Check")
 def ardusub_check(
     *,
     first: Annotated[

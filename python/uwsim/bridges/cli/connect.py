@@ -1,4 +1,4 @@
-"""`uwsim connect`: join a live simulator to a ROS graph through a rosbridge_server."""
+"""`uwsim ros connect`: join a live simulator to a ROS graph through a rosbridge_server."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from uwsim.bridges.cli.graph_options import GraphOptions
 from uwsim.bridges.cli.serve import FramePrefix, Namespace, Origin, Paused, Speed, Tf, parsed_speed, prefix_of
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
-from uwsim.cli.groups import under
 from uwsim.cli.options import SimulatorOptions
 from uwsim.cli.values import scenarios
 
@@ -22,7 +21,6 @@ ServersRos = Annotated[
 ]
 
 
-@under("Connect")
 def connect(
     *,
     url: Annotated[str, typer.Argument(help="The rosbridge_server, such as ws://localhost:9090.")],

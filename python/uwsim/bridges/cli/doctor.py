@@ -1,4 +1,4 @@
-"""`uwsim doctor`: find out why ROS and the simulator do not see each other."""
+"""`uwsim ros doctor`: find out why ROS and the simulator do not see each other."""
 
 from __future__ import annotations
 
@@ -8,12 +8,10 @@ import typer
 
 from uwsim.bridges.requested import ExaminedBridges
 from uwsim.cli.bounds import within
-from uwsim.cli.groups import under
 
 MARKS = {"ok": "ok", "note": "-", "wrong": "WRONG"}
 
 
-@under("Connect")
 def doctor(
     bridges: ExaminedBridges,
     port: Annotated[

@@ -1,4 +1,4 @@
-"""`uwsim nodes`: the paper's processing chain as ROS nodes over rosbridge."""
+"""`uwsim ros nodes`: the paper's processing chain as ROS nodes over rosbridge."""
 
 from __future__ import annotations
 
@@ -12,12 +12,10 @@ from uwsim.bridges.cli.connect import ServersRos
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED
-from uwsim.cli.groups import under
 
 NODES = ("string_decoder", "scan_publisher", "laser_to_cloud", "tf_broadcaster", "parameter_decoder", "octomap")
 
 
-@under("Connect")
 def nodes(
     name: Annotated[
         str,

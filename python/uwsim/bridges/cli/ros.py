@@ -1,4 +1,4 @@
-"""`uwsim ros`: the packages that a ROS workspace needs for uwsim."""
+"""`uwsim ros`: what ROS needs beside `uwsim serve`, such as the packages for a workspace."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from uwsim.cli.values import scenarios
 
 app = typer.Typer(
     name="uwsim ros",
-    help="Write packages for a ROS workspace.",
+    help="Join a ROS graph, diagnose the connection, write packages.",
     invoke_without_command=True,
     callback=show_help,
     rich_help_panel="Connect",

@@ -1,4 +1,4 @@
-"""`uwsim doctor`: diagnoses why uwsim and other programs cannot see each other, and suggests remedies."""
+"""`uwsim ros doctor`: diagnoses why uwsim and other programs cannot see each other, and suggests remedies."""
 
 from uwsim.bridges.doctor.examine import examine
 from uwsim.bridges.doctor.finding import Finding, Verdict

@@ -1,4 +1,4 @@
-"""All `uwsim doctor` checks, in order."""
+"""All `uwsim ros doctor` checks, in order."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The reports of `uwsim ardusub-check`: two firmwares side by side, or a log beside the model."""
+"""The reports of `uwsim ardusub check`: two firmwares side by side, or a log beside the model."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from uwsim.channels.ros.message_types import Ros
 VIEWERS: dict[Ros, tuple[str, ...]] = {1: ("rviz", "octomap_server"), 2: ("rviz2", "octomap_server")}
 
 DEFAULTS = """\
-# Parameters that uwsim sets before it starts; `uwsim parameters lake` lists them.
+# Parameters that uwsim sets before it starts; `uwsim scenario parameters lake` lists them.
 /**:
   ros__parameters: {}
 #   rov.drag.linear.surge: 60.0

@@ -79,8 +79,8 @@ class SweepSpec(Model):
 
     scenario: the name of a packaged scenario, or a file. mission: a Python file, as for `uwsim run`; without it, the
     scenario's survey is flown. arguments: values for the mission's other parameters. vary: variations by name; a name
-    is a parameter (as listed by `uwsim parameters`), a key of the scenario's file such as survey.altitude_m, faults or
-    faults[0].at_s, `mission` or `scenario` for several files, or mission.NAME for a parameter of the mission.
+    is a parameter (as listed by `uwsim scenario parameters`), a key of the scenario's file such as survey.altitude_m,
+    faults or faults[0].at_s, `mission` or `scenario` for several files, or mission.NAME for a parameter of the mission.
 
     method: how samples are chosen: all combinations (grid), at random, spread evenly (latin_hypercube, sobol), or as
     Sobol' indices require (saltelli). samples: the number of samples; saltelli flies this many times the number of

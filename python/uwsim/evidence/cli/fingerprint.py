@@ -1,14 +1,12 @@
-"""`uwsim fingerprint`: a hash of everything that a short run produces, for comparing machines."""
+"""`uwsim scenario fingerprint`: a hash of everything that a short run produces, for comparing machines."""
 
 from __future__ import annotations
 
 import typer
 
-from uwsim.cli.groups import under
 from uwsim.cli.options import AsJson, ScenarioName, Seed, Threads, print_json
 
 
-@under("Check")
 def fingerprint(
     scenario: ScenarioName = "lake",
     seed: Seed = None,

@@ -1,4 +1,4 @@
-"""`uwsim identify`: a vehicle's coefficients from a log of its motion."""
+"""`uwsim vehicle identify`: a vehicle's coefficients from a log of its motion."""
 
 from __future__ import annotations
 
@@ -10,12 +10,10 @@ import typer
 
 from uwsim.base.options import need
 from uwsim.cli.bounds import readable, within
-from uwsim.cli.groups import under
 from uwsim.cli.options import AsJson, Threads, print_json
 from uwsim.recording.cli.real_flight import LogColumns, LogOutputs
 
 
-@under("Check")
 def identify(
     log: Annotated[
         Path,

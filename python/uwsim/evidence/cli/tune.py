@@ -1,4 +1,4 @@
-"""`uwsim tune`: search for gains of a vehicle's control loops."""
+"""`uwsim vehicle tune`: search for gains of a vehicle's control loops."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uwsim.cli.bounds import within
-from uwsim.cli.groups import under
 from uwsim.cli.options import AsJson, print_json
 from uwsim.cli.values import vehicles
 
@@ -16,7 +15,6 @@ if TYPE_CHECKING:
     from uwsim.evidence.tuning import Tuned
 
 
-@under("Scenarios and maps")
 def tune(
     file: Annotated[
         str, typer.Argument(help="A vehicle's YAML file, or the name of a packaged one.", autocompletion=vehicles)

@@ -13,7 +13,7 @@ from uwsim.base.axes import AXES
 from uwsim.base.own_files import require_own
 from uwsim.cli.bounds import UsageError, within, writable
 from uwsim.cli.exit_codes import FAILED
-from uwsim.cli.groups import under
+from uwsim.cli.groups import with_default
 from uwsim.cli.values import vehicles
 
 if TYPE_CHECKING:
@@ -24,7 +24,10 @@ UPS: tuple[Literal["x", "-x", "y", "-y", "z", "-z"], ...] = (*BOWS, "z", "-z")
 SHORT = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
 
 
-@under("Scenarios and maps")
+app = with_default("vehicle", "Report how a vehicle moves; tune, identify, decompose it.", "Scenarios and maps")
+
+
+@app.command("report")
 def vehicle(
     file: Annotated[
         str,

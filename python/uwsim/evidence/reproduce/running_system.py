@@ -85,7 +85,7 @@ def running(map_file: Path) -> Iterator[tuple[Client, Client]]:
         connect(standard.url, max_queue=None) as second,
         connect(server.url) as keyboard,
     ):
-        command = [sys.executable, "-c", NODES_PROGRAM, "nodes", "--url", server.url, "--out", str(map_file)]
+        command = [sys.executable, "-c", NODES_PROGRAM, "ros", "nodes", "--url", server.url, "--out", str(map_file)]
         nodes = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         try:
             assert nodes.stdout is not None and nodes.stderr is not None

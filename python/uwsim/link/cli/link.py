@@ -1,4 +1,4 @@
-"""`uwsim link`: test a link, and draw delay, delivery and goodput against range and time."""
+"""`uwsim scenario link`: test a link, and draw delay, delivery and goodput against range and time."""
 
 from __future__ import annotations
 
@@ -8,12 +8,10 @@ from typing import Annotated
 import typer
 
 from uwsim.cli.bounds import within
-from uwsim.cli.groups import under
 from uwsim.cli.options import AsJson, ScenarioName, Seed, print_json
 from uwsim.cli.values import modems
 
 
-@under("Look")
 def link(
     scenario: ScenarioName = "lake",
     out: Annotated[Path, typer.Option(help="The figure to write, a PNG.")] = Path("link.png"),

@@ -13,7 +13,7 @@ from uwsim.cli.access import Tokens
 from uwsim.cli.bounds import readable, within
 from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED
 from uwsim.cli.flights import Out
-from uwsim.cli.groups import under
+from uwsim.cli.groups import with_default
 from uwsim.cli.options import AsJson, Threads, print_json
 from uwsim.cli.values import exercises
 from uwsim.operator.cli.station import KEPT, InstructorOptions, kept_flights, station_server
@@ -24,7 +24,10 @@ if TYPE_CHECKING:
     from uwsim.operator.station.flights.flights import Bounds
 
 
-@under("Fly")
+app = with_default("exercise", "Fly an exercise with goals, limits and events; the log book.", "Fly")
+
+
+@app.command("fly")
 def exercise(
     *,
     name: Annotated[
@@ -45,8 +48,8 @@ def exercise(
     person: Annotated[
         str | None,
         typer.Option(
-            help="Name of the pilot, on the score sheet and in the log book (uwsim logbook). With --serve, by default "
-            "the name that the pilot gives on the page."
+            help="Name of the pilot, on the score sheet and in the log book (uwsim exercise logbook). With --serve, "
+            "by default the name that the pilot gives on the page."
         ),
     ] = None,
     out: Out = Path("out"),

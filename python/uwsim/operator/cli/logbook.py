@@ -1,4 +1,4 @@
-"""`uwsim logbook`: the hours and exercises of each person."""
+"""`uwsim exercise logbook`: the hours and exercises of each person."""
 
 from __future__ import annotations
 
@@ -12,14 +12,12 @@ import typer
 from uwsim.base.options import WithoutEffectError
 from uwsim.cli.bounds import readable
 from uwsim.cli.exit_codes import INCOMPLETE
-from uwsim.cli.groups import under
 from uwsim.cli.options import AsJson
 
 if TYPE_CHECKING:
     from uwsim.exercises.logbook import Line
 
 
-@under("Fly")
 def logbook(
     person: Annotated[
         str | None, typer.Option(help="Print this person's attempts. Without it, the totals of all persons.")

@@ -1,4 +1,4 @@
-"""`uwsim diff`: find where two recordings diverge."""
+"""`uwsim recording diff`: find where two recordings diverge."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import typer
 
 from uwsim.cli.bounds import readable
 from uwsim.cli.exit_codes import FAILED
-from uwsim.cli.groups import under
 from uwsim.cli.options import AsJson, print_json
 
 if TYPE_CHECKING:
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
 SHOWN = 10
 
 
-@under("Record")
 def diff(
     first: Annotated[Path, typer.Argument(help="A recording.", metavar="A.mcap", callback=readable)],
     second: Annotated[Path, typer.Argument(help="Another recording.", metavar="B.mcap", callback=readable)],

@@ -9,11 +9,13 @@ from typing import Annotated
 import typer
 
 from uwsim.cli.bounds import readable
-from uwsim.cli.groups import under
+from uwsim.cli.groups import with_default
 from uwsim.cli.options import AsJson, print_json
 
+app = with_default("recording", "List the contents of a recording; compare two.", "Record")
 
-@under("Record")
+
+@app.command("info")
 def recording(
     source: Annotated[Path, typer.Argument(help="A recording.", metavar="FILE.mcap", callback=readable)],
     as_json: AsJson = False,

@@ -88,7 +88,7 @@ def read_bag(path: Path) -> FlightLog:
 
     bag = foreign_bag(path)
     if bag is None:
-        raise ValueError(f"{path}: a recording of uwsim: `uwsim replay` repeats it, `uwsim identify` reads it")
+        raise ValueError(f"{path}: a recording of uwsim: `uwsim replay` repeats it, `uwsim vehicle identify` reads it")
     try:
         with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as opened:
             return _read(opened, path)

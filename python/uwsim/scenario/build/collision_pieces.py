@@ -1,8 +1,8 @@
 """Collision shapes made of several convex pieces, which preserve the hollows that a single convex hull would fill.
 
 CoACD (Wei et al. 2022, ACM Trans. Graph. 41(4)) takes ten seconds to a minute to decompose a hull of 2,000 triangles,
-too long to do at every start. The decomposition is therefore done once (`uwsim decompose`), and the pieces are stored
-as an asset next to the mesh; loading them does not require CoACD.
+too long to do at every start. The decomposition is therefore done once (`uwsim vehicle decompose`), and the pieces are
+stored as an asset next to the mesh; loading them does not require CoACD.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def vehicle_pieces(model: VehicleModel) -> list[Vertices]:
     if not np.all((size_m <= MAX_STRETCH * hull_m) & (size_m * MAX_STRETCH >= hull_m)):
         raise ScenarioError(
             f"collision pieces '{model.collision_pieces}': {size_text(size_m)} together, must be those of the hull of "
-            f"{size_text(hull_m)}: make them from its mesh with `uwsim decompose`",
+            f"{size_text(hull_m)}: make them from its mesh with `uwsim vehicle decompose`",
             at=("collision_pieces",),
         )
     return pieces
@@ -94,7 +94,7 @@ def write_pieces(pieces: list[Vertices], path: str | Path, *, made_from: str) ->
     """Write the pieces as objects of a single OBJ file, which any modelling program can open."""
     from uwsim.base.whole_trimesh import trimesh
 
-    lines = [f"# convex pieces of {made_from}: uwsim decompose (CoACD)"]
+    lines = [f"# convex pieces of {made_from}: uwsim vehicle decompose (CoACD)"]
     first = 1
     for k, corners in enumerate(pieces):
         hull = trimesh.convex.convex_hull(corners)

@@ -104,12 +104,12 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     default it is as compressible as the water around it (assumed). trim: weights for the scenario's water; by default
     the mass and the water determine whether the vehicle floats or sinks. volume_m3, centre_of_buoyancy_m: published
     values, to which the mesh is scaled and moved; it must be close to them. collision: collision shape: the convex
-    hull, the bounding box, or convex pieces. collision_pieces: the file with the pieces, which `uwsim decompose` makes
-    from the mesh. linear_damping, quadratic_damping: force or torque that opposes v and v|v|. added_mass: mass of the
-    water that moves with the hull; zero by default. coefficients: `afloat` for added mass and damping of the hull as it
-    floats without trim and ballast, by default those of the whole hull under water; either way they fall with the
-    volume in the water. munk_share: how much of the Munk moment, which added_mass implies
-    in an ideal fluid, is left where the flow separates: 1 for a streamlined hull, near 0 for a sharp-edged open frame.
+    hull, the bounding box, or convex pieces. collision_pieces: the file with the pieces, which `uwsim vehicle
+    decompose` makes from the mesh. linear_damping, quadratic_damping: force or torque that opposes v and v|v|.
+    added_mass: mass of the water that moves with the hull; zero by default. coefficients: `afloat` for added mass and
+    damping of the hull as it floats without trim and ballast, by default those of the whole hull under water; either
+    way they fall with the volume in the water. munk_share: how much of the Munk moment, which added_mass implies in an
+    ideal fluid, is left where the flow separates: 1 for a streamlined hull, near 0 for a sharp-edged open frame.
     crossflow_length_m: length along x over which the quadratic drag of sway and heave is spread evenly in strips, each
     with its own speed, so that they couple with yaw and pitch; pure motion along or about an axis keeps its published
     drag, so the strips are shortened where their drag in yaw or pitch would exceed it. 0, the default: the drag acts at
@@ -118,11 +118,11 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     gains and limits of a Controller's loops. thrusters, fins, sensors, cameras, lamps, imaging_sonars: parts by name.
     sonar: the multibeam's mount, if it has one. friction: Coulomb's coefficient; for two bodies in contact, the
     geometric mean applies. restitution: the fraction of the approach speed that is kept; for two bodies in contact, the
-    larger value applies. material: material of the hull. failsafe: the reaction to loss of contact or to a fault.
-    arm: links by name, whose weight, buoyancy and water are beside the vehicle's own; by default none. radiation: the
-    waves that the floating hull makes and deflects, a file of Capytaine (NetCDF), WAMIT (.1) or WEC-Sim (.h5) for this
-    hull as it floats without trim and ballast; by default none are modelled. windage: what it offers the wind; by
-    default nothing.
+    larger value applies. material: material of the hull. failsafe: the reaction to loss of contact or to a fault. arm:
+    links by name, whose weight, buoyancy and water are beside the vehicle's own; by default none. radiation: the waves
+    that the floating hull makes and deflects, a file of Capytaine (NetCDF), WAMIT (.1) or WEC-Sim (.h5) for this hull
+    as it floats without trim and ballast; by default none are modelled. windage: what it offers the wind; by default
+    nothing.
     """
 
     builds_on: VehicleName | None = None
@@ -214,7 +214,7 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     @model_validator(mode="after")
     def _has_collision_pieces_if_needed(self) -> VehicleModel:
         if self.collision == "pieces" and self.collision_pieces is None:
-            raise broken("missing: make it with `uwsim decompose` from the mesh", at=("collision_pieces",))
+            raise broken("missing: make it with `uwsim vehicle decompose` from the mesh", at=("collision_pieces",))
         if self.collision != "pieces" and self.collision_pieces is not None:
             raise broken("is only for `collision: pieces`", at=("collision_pieces",))
         return self

@@ -65,7 +65,7 @@ class ToyPlug(BridgePlug[ToyOptions]):
 
     @classmethod
     def examine(cls, options: ToyOptions, listen_s: float) -> Iterable[Finding]:
-        """Yield a finding of `uwsim doctor` about the lines' length."""
+        """Yield a finding of `uwsim ros doctor` about the lines' length."""
         from uwsim.bridges.doctor import Finding
 
         is_good = options.toy_max <= 1400

@@ -158,7 +158,7 @@ class Running:
         self.is_supervised = True
 
     def join(self, rosbridge: UserRosbridge) -> None:
-        """Join the user's rosbridge with the topics of the paper's simulator, as `uwsim connect` does."""
+        """Join the user's rosbridge with the topics of the paper's simulator, as `uwsim ros connect` does."""
         table = self.table
         sent = [each for each in table.channels if each.name in table.published and not each.delivery.on_request]
         self.rosbridge = RosbridgeClient(

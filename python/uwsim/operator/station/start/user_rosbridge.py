@@ -1,4 +1,4 @@
-"""The user's rosbridge, a server named on the start screen that a session joins as `uwsim connect` does."""
+"""The user's rosbridge, a server named on the start screen that a session joins as `uwsim ros connect` does."""
 
 from __future__ import annotations
 
