@@ -157,6 +157,13 @@ class WithDefault(TyperGroup):
         default.format_help(type(ctx)(default, info_name=ctx.info_name, parent=ctx.parent), formatter)
         self.format_commands(ctx, formatter)
 
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the subcommands below a heading that names the default."""
+        shown = dict(self.commands.items())
+        limit = formatter.width - 6 - max(map(len, shown))
+        with formatter.section(f"Commands (without one: {next(iter(shown))})"):
+            formatter.write_dl([(name, each.get_short_help_str(limit)) for name, each in shown.items()])
+
     def shell_complete(self, ctx: Any, incomplete: str) -> Any:
         """Return completions of a subcommand, or of the default's first word or its options."""
         name, default = next(iter(self.commands.items()))

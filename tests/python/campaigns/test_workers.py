@@ -219,7 +219,7 @@ def test_an_interruption_that_a_command_leaves_to_the_program_is_one_line() -> N
         "main()"
     )
     ended = subprocess.run(
-        [sys.executable, "-c", code, "ros", "doctor"], capture_output=True, text=True, timeout=300, check=False
+        [sys.executable, "-c", code, "bench"], capture_output=True, text=True, timeout=300, check=False
     )
     assert (ended.returncode, ended.stderr) == (130, "uwsim: interrupted\n")
 

@@ -15,7 +15,7 @@ from tools.module_graph import HEART, PYTHON, ROOT, imported_by, is_in, ring_of,
 
 from command_line import error_line, uwsim_in_another_process
 from uwsim import _core
-from uwsim.base.sockets import Entry, registered
+from uwsim.base.sockets import Entry, is_offered, registered
 from uwsim.flight.survey import run_survey
 
 TESTS = ROOT / "tests/python"
@@ -86,13 +86,13 @@ def map_bytes(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     return (out / "map.bt").read_bytes()
 
 
-def missing_commands(add_on: str) -> list[Entry]:
-    entries = [
-        each
-        for group in ("", ".map", ".scenario", ".vehicle", ".exercise", ".recording", ".ros", ".ardusub")
-        for each in registered(f"uwsim.cli{group}").values()
-    ]
-    return [each for each in entries if is_gone(each.value.partition(":")[0], add_on)]
+def missing_commands(add_on: str) -> dict[str, Entry]:
+    """Return the entries that are missing, by their words."""
+    groups = ("", *(f"{name} " for name in registered("uwsim.cli") if is_offered(f"uwsim.cli.{name}")))
+    found = {
+        group + name: entry for group in groups for name, entry in registered(f"uwsim.cli.{group}".rstrip(". ")).items()
+    }
+    return {words: entry for words, entry in found.items() if is_gone(entry.value.partition(":")[0], add_on)}
 
 
 def heart_tests() -> list[str]:
@@ -112,13 +112,16 @@ def imported_from(path: Path) -> set[str]:
 def test_the_heart_works_without(add_on: str, environment: dict[str, str], map_bytes: bytes, tmp_path: Path) -> None:
     missing = missing_commands(add_on)
     whole = add_on == ALL or EVERY_TEST  # the rest of the heart finds no more missing than without all of them
-    commands = [["--help"], *([entry.name] for entry in missing[:1])]
+    top = [words for words in missing if " " not in words]
+    below = [words for words in missing if " " in words and words.split()[0] not in top]
+    tried = [*top[:1], *below[:1]]
+    commands = [["--help"], *(words.split() for words in tried)]
     commands += [["survey", "pool", "--out", str(tmp_path / "out"), "--report", "none"]] if whole else []
     listed, *others = uwsim_in_another_process(*commands, env=environment)
     assert listed.returncode == 0 and "survey" in listed.stdout
-    assert listed.stderr.count("cannot be used: ModuleNotFoundError") == len(listed.stderr.splitlines()) == len(missing)
-    if missing:
-        assert missing[0].value in error_line(others[0])
+    assert listed.stderr.count("cannot be used: ModuleNotFoundError") == len(listed.stderr.splitlines()) == len(top)
+    for words, failed in zip(tried, others, strict=False):
+        assert missing[words].value in error_line(failed)
 
     if not whole:
         return
