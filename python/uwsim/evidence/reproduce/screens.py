@@ -53,8 +53,8 @@ def screens(sim: Simulator, out: Path) -> tuple[Figure, Figure]:
     start = Figure(
         4, "The start screen",
         f"What an operator chooses before a mission, on the page of `uwsim station paper`. {source}.",
-        "Theirs asks for address, port, battery time and one of four sonars; ours also for scenario, vehicle, tilt, seed, "
-        "speed and link.",
+        "Theirs asks for address, port, battery time and one of four sonars; ours also for scenario, vehicle, tilt, "
+        "seed, speed and link.",
         {"mission_time_s": sim.scenario.mission_time_s},
     )  # fmt: skip
     main = Figure(
