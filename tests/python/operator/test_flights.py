@@ -20,7 +20,7 @@ from uwsim.operator.station.flights import flights as kept
 from uwsim.operator.station.flights.flights import Bounds, Flights
 from uwsim.recording import Recorder, Recording, queue
 from uwsim.recording.mcap_sink import McapSink
-from uwsim.recording.timeline import Timeline
+from uwsim.recording.timeline import FROM_LOG, Timeline
 
 KEEP = Bounds(5)
 HEAD_BYTES = 50_000  # less than what precedes the first message
@@ -53,6 +53,15 @@ def trouble(ada) -> str:
 def flown(tmp_path_factory) -> Path:
     """A flight of 6 s."""
     return fly(tmp_path_factory.mktemp("flown") / "20260101-000000-pool.mcap")
+
+
+def test_a_flight_that_was_made_from_a_log_says_so(tmp_path: Path):
+    fly(tmp_path / "dive.mcap", end_s=0.5, notes={FROM_LOG: {"file": "dive.BIN", "notes": []}})
+    fly(tmp_path / "other.mcap", end_s=0.5)
+    assert {each["name"]: each["from_log"] for each in Flights(tmp_path).listed()} == {
+        "dive.mcap": "dive.BIN",
+        "other.mcap": "",
+    }
 
 
 @pytest.fixture

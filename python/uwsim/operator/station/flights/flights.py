@@ -26,7 +26,7 @@ from uwsim.operator.station.scene.scene import glb
 from uwsim.recording import Recorder, Recording
 from uwsim.recording.glance import glance
 from uwsim.recording.mcap_sink import is_being_written
-from uwsim.recording.timeline import UNSEEN, Timeline, distances
+from uwsim.recording.timeline import FROM_LOG, UNSEEN, Timeline, distances
 from uwsim.scenario import vehicle_hull
 from uwsim.scenario.fingerprint import build_fingerprint
 
@@ -217,13 +217,15 @@ def _summary(path: Path, size: int, changed_ns: int) -> Values:
         "cut_off": end is None,
         "size_bytes": size,
         "branched_from": str(notes.get("branched_from", "")),
+        "from_log": str(log.get("file", "")) if isinstance(log := notes.get(FROM_LOG), dict) else "",
         "refused": "was made by another build of uwsim" if is_other else "",
     }
 
 
 def _unreadable(path: Path, size: int, error: Exception) -> Values:
     what = " ".join(str(error).replace(f"'{path}'", f"'{path.name}'").split())
-    empty = {"scenario": "", "begun": "", "duration_s": 0.0, "cut_off": False, "size_bytes": size, "branched_from": ""}
+    empty = {"scenario": "", "begun": "", "duration_s": 0.0, "cut_off": False, "size_bytes": size}
+    empty |= {"branched_from": "", "from_log": ""}
     return {"name": path.name, **empty, "refused": what}
 
 

@@ -70,7 +70,8 @@ class OfferedSonar(Message):
 class RecordedFlight(Message):
     """A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty.
 
-    cut_off: whether its recording ends early, after duration_s, because the station was killed or the disk was full.
+    from_log: the file of a real flight from which it was made, or empty. cut_off: whether its recording ends early,
+    after duration_s, because the station was killed or the disk was full.
     """
 
     name: str
@@ -80,6 +81,7 @@ class RecordedFlight(Message):
     cut_off: bool
     size_bytes: int
     branched_from: str
+    from_log: str
     refused: str
 
 

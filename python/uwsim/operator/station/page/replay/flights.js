@@ -46,7 +46,7 @@ export class Flights {
     });
   }
 
-  #row({ name, scenario, begun, duration_s, cut_off, size_bytes, branched_from, refused }) {
+  #row({ name, scenario, begun, duration_s, cut_off, size_bytes, branched_from, from_log, refused }) {
     const title = el('b', {}, begunText(begun) || name);
     const duration = cut_off ? WORDS.cutOff(clockText(duration_s)) : clockText(duration_s);
     const about = scenario ? WORDS.about(scenario, duration, (size_bytes / 1e6).toFixed(1)) : '';
@@ -67,6 +67,7 @@ export class Flights {
         title,
         el('span', {}, about),
         branched_from ? el('small', {}, WORDS.branch(branched_from)) : null,
+        from_log ? el('small', {}, WORDS.fromLog(from_log)) : null,
         wrong,
       ),
       replay,

@@ -667,7 +667,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string | null} [flight]
  */
 
-/** A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty. cut_off: whether its recording ends early, after duration_s, because the station was killed or the disk was full.
+/** A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty. from_log: the file of a real flight from which it was made, or empty. cut_off: whether its recording ends early, after duration_s, because the station was killed or the disk was full.
  * @typedef {object} RecordedFlight
  * @property {string} name
  * @property {string} scenario
@@ -676,6 +676,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {boolean} cut_off
  * @property {number} size_bytes
  * @property {string} branched_from
+ * @property {string} from_log
  * @property {string} refused
  */
 
