@@ -239,6 +239,11 @@ def test_what_is_saved_opens_everywhere_and_replaces_no_foreign_file(station: St
     assert anna("check", scenario="my_pool.yaml")["success"]
     station.left("anna")
     assert ben("edit", action="open", scenario="my_pool.yaml")["by"] == "ben"
+    again = Station(offered="pool", folder=tmp_path)  # another day
+    again.connect(node())
+    names = [each["name"] for each in Member(again, "eve")("catalog")["scenarios"]]
+    assert names[0] == "my_pool.yaml" and "mine.yaml" not in names
+    again.sessions.close()
 
 
 def test_what_was_left_unsaved_is_there_for_whoever_opens_it_next_and_can_be_dropped(station: Station) -> None:

@@ -25,18 +25,21 @@ from uwsim.scenario.dump import plain, yaml_text
 from uwsim.scenario.spec.fields import NAME
 
 PLACE_MAX = 6
+SAVED_MAX = 100
+"""The files of a folder that are looked through."""
 
 
 class Editor:
     """One scenario being edited by one client at a time. folder: where it is saved. threads: of simulators.
 
     What a client leaves unsaved, for example as its page reloads, is there for the next who opens the same scenario.
-    saved: the paths of the scenarios that were saved here, by their names on the start screen. Methods may be called on
-    any thread.
+    saved: the paths of the scenarios in the folder, those of earlier stations too, by their names on the start screen.
+    What is no scenario is left out when they are listed. Methods may be called on any thread.
     """
 
     def __init__(self, folder: Path, threads: int | None) -> None:
-        self.saved: dict[str, Path] = {}
+        files = [path for path in sorted(folder.glob("*.yaml")) if NAME.fullmatch(path.stem) and path.is_file()]
+        self.saved = {path.name: path for path in files[:SAVED_MAX]}
         self._folder, self._threads = folder, threads
         self._lock, self._changing, self._building = threading.Lock(), threading.Lock(), threading.Lock()
         self._draft: Draft | None = None

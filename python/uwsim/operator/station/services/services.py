@@ -261,7 +261,10 @@ class Services:
         defaults = found["defaults"] | ({"link": self._link} if self._link else {})
         flights = [] if self._sessions.flights is None else self._sessions.flights.listed()
         own = []
+        offered = {each["name"] for each in found["scenarios"]}
         for name, path in self._sessions.editor.saved.copy().items():
+            if name in offered:
+                continue
             with suppress(ScenarioError, OSError):  # its file was removed, or changed by hand
                 own.append(described(name, path))
         found = {**found, "scenarios": [*own, *found["scenarios"]]}
