@@ -127,7 +127,7 @@ def test_pictures_show_something_and_have_their_values(sim, tmp_path, make):
     assert picture(tmp_path / "figure.png").std() > 10
     assert figure.values or figure.rows
     assert all(len(row) == len(figure.columns) for row in figure.rows)
-    json.dumps(paper._plain(figure.rows), allow_nan=False)
+    json.dumps(paper.plain(figure.rows), allow_nan=False)
     if make is scenes.overview:
         parts = {row[0]: row[1:] for row in figure.rows}
         assert parts.keys() >= {"mountains", "station and its cage", "vehicle", "pipeline", "gate 1", "gate 4"}

@@ -1,5 +1,9 @@
 """`uwsim scenario from`: a small Unity project of our own becomes a scenario; what is left out is named."""
 
+import csv
+import hashlib
+import json
+import os
 import shutil
 import warnings
 from pathlib import Path
@@ -8,9 +12,14 @@ import numpy as np
 import pytest
 
 import uwsim
+from command_line import error_line
 from command_line import uwsim as command
 from fbx_file import write_blender_fbx
 from uwsim.evidence.reproduce import scenes
+from uwsim.evidence.reproduce.beside import Number, reproduce_beside
+from uwsim.evidence.reproduce.deposit import write_deposit
+from uwsim.evidence.reproduce.paper import Subject
+from uwsim.evidence.reproduce.their_world import START_SCREEN, TheirWorld, inputs, their_world
 from uwsim.evidence.unity.project import Project
 from uwsim.evidence.unity.scenario import scenario_from
 from uwsim.evidence.unity.scene import _number, read_scene
@@ -21,6 +30,7 @@ from uwsim.simulator.simulator import Simulator
 
 pytest.importorskip("xxhash", reason="the extra unity")
 GUID = "0123456789abcdef0123456789abcdef"
+CHECKOUTS = "UWSIM_CHECKOUTS"
 PAIR = Path(__file__).parents[1] / "data" / "pair.fbx"
 """Two nodes, Left and Right, at x = 10 and 20 m, each a tetrahedron with edges of 1, 2 and 3 m."""
 
@@ -234,6 +244,73 @@ def changed(old: str, new: str):
         scene.write_text(scene.read_text().replace(old, new))
 
     return change
+
+
+GATE = {"turn": "0, y: 0.3826834, z: 0, w: 0.9238795", "scale": "12, y: 12, z: 0.5"}
+
+
+def test_the_paper_s_figures_have_a_place_in_a_project_that_has_a_gate(project: Path, tmp_path: Path) -> None:
+    """A gate where that of `paper` is, 45 degrees to starboard of Unity's z; the start screen loses 0.1 % a second."""
+    gate = thing(800, "Gate (3)", CUBE, "-38.98, y: 61.61, z: 146.9", **GATE)
+    lawn = project / "Assets/LawnTest.unity"
+    lawn.write_text(lawn.read_text() + gate)
+    (project / "Assets/Scripts").mkdir()
+    (project / START_SCREEN).write_text("batteryTime=0.1f;")
+    world = their_world(project, tmp_path / "scenario", {})
+    assert world.missing_m["gate_1"] == pytest.approx(0.0, abs=1e-3) and world.missing_m["gate_4"] > 20.0
+    assert world.mission_time_s == pytest.approx(1000.0)
+    assert world.gates["gate_1"].ahead == pytest.approx((np.sqrt(0.5), np.sqrt(0.5), 0.0), abs=1e-6) or (
+        world.gates["gate_1"].ahead == pytest.approx((np.sqrt(0.5), -np.sqrt(0.5), 0.0), abs=1e-6)
+    )
+    (x, y, z), yaw_deg = world.subject.before_the_gate
+    assert np.hypot(x - 38.98, y + 146.9) == pytest.approx(9.0) and z == pytest.approx(-13.69)
+    sim = uwsim.Simulator(world.subject.scenario)
+    sim.rov.place([x, y, z], [0.0, 0.0, np.sin(0.5 * np.radians(yaw_deg)), np.cos(0.5 * np.radians(yaw_deg))])
+    frame = sim.rov.cameras["front"].capture("off", geometry_only=True)
+    assert frame.label_names[frame.labels[180, 320]] == "gate__3"  # straight ahead, beyond the hull
+    assert {path.name for path in inputs(project)} == {"LawnTest.unity", "Pair.fbx", "StartScreen.cs"}
+
+
+def test_a_deposit_is_one_whole_with_the_hash_of_every_file(project: Path, tmp_path: Path) -> None:
+    (tmp_path / "out/ours").mkdir(parents=True)
+    (tmp_path / "out/ours/fig01.png").write_bytes(b"picture")
+    with pytest.raises(FileExistsError, match="the folder is not empty"):
+        reproduce_beside(project, tmp_path / "out", {}, "uwsim", print)
+    theirs = TheirWorld(
+        Subject(load("paper")), ["left out: SolidTerrain/A: B.fbx is missing"], {}, {}, None, 0, "SolidTerrain"
+    )
+    number = Number(1, "distance", "m", 0.0, 2.0, "at most 1 m", False)
+    write_deposit(tmp_path / "out", project, "uwsim reproduce paper", theirs, [number], {"ours": {}})
+    manifest = json.loads((tmp_path / "out/manifest.json").read_text())
+    assert manifest["outputs"].keys() == {"README.md", "figures.json", "ours/fig01.png"}
+    assert manifest["outputs"]["ours/fig01.png"] == hashlib.sha256(b"picture").hexdigest()
+    assert manifest["inputs"].keys() == {"Assets/LawnTest.unity", "Assets/Pair.fbx"}
+    assert (manifest["claims_held"], manifest["claims"], manifest["seed"]) == (0, 1, 0)
+    readme = (tmp_path / "out/README.md").read_text()
+    assert "0 of 1 claims held" in readme and "**Their bed is not whole: SolidTerrain/A: B.fbx is missing.**" in readme
+
+
+@pytest.mark.skipif(CHECKOUTS not in os.environ, reason=f"{CHECKOUTS} must name the folder of the checkouts")
+def test_the_paper_s_own_files_are_reproduced_beside_ours(tmp_path: Path) -> None:
+    """Takes minutes. What differs stays: the hull is five times as long, and the gates are narrower."""
+    source = Path(os.environ[CHECKOUTS]) / "org-arl+UWRoboticsSimulator"
+    done = command("reproduce", "paper", "--from", source, "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    numbers = list(csv.DictReader((tmp_path / "out/numbers.csv").open()))
+    missed = {(int(row["figure"]), row["quantity"]) for row in numbers if row["held"] != "True"}
+    assert missed <= {(3, "length of the hull"), (7, "radius of the gate"), (12, "bed covered by the survey's map")}
+    manifest = json.loads((tmp_path / "out/manifest.json").read_text())
+    for name, digest in manifest["outputs"].items():
+        assert hashlib.sha256((tmp_path / "out" / name).read_bytes()).hexdigest() == digest
+    assert {f"{side}fig{k:02d}.png" for side in ("", "ours/", "theirs/") for k in range(1, 13)} <= {
+        *manifest["outputs"]
+    }
+
+
+def test_what_is_no_project_is_refused(tmp_path: Path) -> None:
+    done = command("reproduce", "paper", "--from", tmp_path, "--out", tmp_path / "out")
+    assert "must be the checkout of a Unity project" in error_line(done) and not (tmp_path / "out").exists()
+    assert "--scene" in error_line(command("reproduce", "paper", "--scene", "LawnTest", "--out", tmp_path / "out"))
 
 
 def in_itself(folder: Path) -> None:

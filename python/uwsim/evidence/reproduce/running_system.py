@@ -19,6 +19,7 @@ from uwsim.base.texts.json_text import json_object
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.nodes.chain import INSERTED, NODES
 from uwsim.live import LiveSimulator
+from uwsim.scenario import AnyScenario
 
 NODES_PROGRAM = "from uwsim.cli import main; main()"
 PATIENCE_S = 60.0
@@ -75,10 +76,10 @@ class Client:
 
 
 @contextmanager
-def running(map_file: Path) -> Iterator[tuple[Client, Client]]:
-    """Run `paper`, the nodes and a key publisher; yield a client of their server and one of the standard topics'."""
+def running(map_file: Path, scenario: AnyScenario = "paper") -> Iterator[tuple[Client, Client]]:
+    """Run a scenario, the nodes and a key publisher; yield a client of their server and one of the standard topics'."""
     with (
-        LiveSimulator("paper", paused=True) as live,
+        LiveSimulator(scenario, paused=True) as live,
         RosbridgeServer(live, wire="published", origin="published") as server,
         RosbridgeServer(live, wire="standard") as standard,
         connect(server.url, max_queue=None) as first,

@@ -20,6 +20,8 @@ from uwsim.scenario import Scenario
 from uwsim.scenario.spec.camera import CameraMount
 from uwsim.simulator.simulator import Simulator
 
+Place = tuple[tuple[float, float, float], float]
+"""A position (3,) [m] and a yaw [deg]."""
 BEFORE_THE_GATE = (49.7, -135.5, -18.9), 13.8
 OVERVIEW = CameraMount(
     position_m=(76.2, 75.15, 65.6), yaw_pitch_roll_deg=(-117.5, 48.0, 0.0), width=1280, height=720, field_of_view_deg=80
@@ -35,7 +37,7 @@ NEAR_M = 0.5  # a ray that ends so near a point sees it
 Floats = NDArray[np.float64]
 
 
-def place(sim: Simulator, where: tuple[tuple[float, float, float], float]) -> None:
+def place(sim: Simulator, where: Place) -> None:
     """Place the vehicle at a position (3,) [m] and a yaw [deg]."""
     position_m, yaw_deg = where
     sim.rov.place(position_m, Rotation.from_euler("z", yaw_deg, degrees=True).as_quat())
@@ -88,7 +90,8 @@ def _parts(sim: Simulator) -> dict[str, Floats]:
     parts["vehicle"] = np.array([sim.rov.pose.position_world_m])
     shore = np.array([[x, y] for x in range(-60, 117, 4) for y in range(-196, -39, 4)], np.float64)
     bed = np.column_stack([shore, sim.world.height_at(shore)])
-    return parts | {"mountains": bed[bed[:, 2] > 12.0], "seabed": bed[bed[:, 2] < -40.0]}
+    parts |= {"mountains": bed[bed[:, 2] > 12.0], "seabed": bed[bed[:, 2] < -40.0]}
+    return {name: points for name, points in parts.items() if len(points)}
 
 
 def apparent(eye_m: Floats, points_m: Floats) -> Floats:
@@ -154,9 +157,9 @@ def _name(axes: Axes, name: str, pixel: Floats) -> None:
     axes.plot(*pixel, "o", color="white", markeredgecolor=INK, markersize=4)
 
 
-def scene(sim: Simulator, path: Path) -> Figure:
-    """Draw Fig. 2, the scene."""
-    place(sim, BEFORE_THE_GATE)
+def scene(sim: Simulator, path: Path, where: Place = BEFORE_THE_GATE) -> Figure:
+    """Draw Fig. 2, the scene, from a place."""
+    place(sim, where)
     camera, water = sim.rov.cameras["front"], sim.optics.coefficients
     pair = [camera.capture(effects) for effects in ("on", "off")]
     write_image(path, contact_sheet([[frame.rgb for frame in pair]]), optimize=True)
@@ -164,7 +167,8 @@ def scene(sim: Simulator, path: Path) -> Figure:
     return Figure(
         2, "The underwater scene", "The front camera at a gate, with the water's effects and without.",
         "Theirs veils the picture with fog; ours attenuates and scatters light by its colour.",
-        {"wobble_mrad": camera.mount.wobble_mrad, "sun_elevation_deg": sim.optics.sun_elevation_deg},
+        {"wobble_mrad": camera.mount.wobble_mrad, "sun_elevation_deg": sim.optics.sun_elevation_deg,
+         "red_left": _red(pair[0].rgb) / _red(pair[1].rgb)},
         ("coefficient [1/m]", "red", "green", "blue"),
         [
             ("diffuse attenuation", *water.diffuse_attenuation),
@@ -172,3 +176,9 @@ def scene(sim: Simulator, path: Path) -> Figure:
             ("scattering", *water.scattering),
         ],
     )  # fmt: skip
+
+
+def _red(picture: NDArray[np.uint8]) -> float:
+    """Return the mean ratio of red to green of a picture (h, w, 3), sRGB."""
+    red, green, _ = picture.reshape(-1, 3).mean(axis=0).tolist()
+    return float(red / max(green, 1.0))

@@ -20,7 +20,7 @@ from PIL import Image
 from uwsim.base.atomic_file import write_atomically
 from uwsim.bridges import RosbridgeServer
 from uwsim.evidence.reproduce.figure import Figure
-from uwsim.evidence.reproduce.scenes import place
+from uwsim.evidence.reproduce.scenes import Place, place
 from uwsim.instruments.cameras.image_file import write_image
 from uwsim.operator.station import Site, Station
 from uwsim.simulator.simulator import Simulator
@@ -38,21 +38,26 @@ class NoBrowserError(Exception):
     """Raised if Playwright or a Chromium is missing."""
 
 
-def screens(sim: Simulator, out: Path) -> tuple[Figure, Figure]:
-    """Draw Figs. 4 and 5 into a folder, and return them. sim: a simulator of the `paper` scenario. Raises OSError."""
+def screens(
+    sim: Simulator, out: Path, offered: str = "paper", where: Place = OVER_THE_PIPELINE
+) -> tuple[Figure, Figure]:
+    """Draw Figs. 4 and 5 into a folder, and return them. sim: a simulator of the scenario `offered`. Raises OSError.
+
+    offered: a packaged name or a path. where: where Fig. 5 begins, a position [m] and a yaw [deg].
+    """
     try:
-        take_screens(out)
+        take_screens(out, offered, where)
         source = "Taken now, in the browser of this machine"
     except NoBrowserError as error:
         for name in NAMES:
             kept = np.asarray(Image.open((KEPT / name).with_suffix(".jpg")))
             write_image(out / name, kept, optimize=True)
         source = f"A kept picture: {error}"
-    place(sim, OVER_THE_PIPELINE)
+    place(sim, where)
     panel = sim.rov.telemetry()
     start = Figure(
         4, "The start screen",
-        f"What an operator chooses before a mission, on the page of `uwsim station paper`. {source}.",
+        f"What an operator chooses before a mission, on the page of `uwsim station {Path(offered).name}`. {source}.",
         "Theirs asks for address, port, battery time and one of four sonars; ours also for scenario, vehicle, tilt, "
         "seed, speed and link.",
         {"mission_time_s": sim.scenario.mission_time_s},
@@ -74,9 +79,9 @@ def screens(sim: Simulator, out: Path) -> tuple[Figure, Figure]:
     return start, main
 
 
-def take_screens(out: Path) -> None:
+def take_screens(out: Path, offered: str = "paper", where: Place = OVER_THE_PIPELINE) -> None:
     """Capture both screens of a separate station on a free local port. Raises NoBrowserError."""
-    station = Station(offered="paper", folder=out)
+    station = Station(offered=offered, folder=out)
     with (
         _browser() as browser,
         RosbridgeServer(None, guests=[station], site=Site(station)) as server,
@@ -93,7 +98,7 @@ def take_screens(out: Path) -> None:
         page.click("button[type=submit]")
         _until(page, "globalThis.station.telemetry.message && station.station.isPilot")
         live = station.present().live
-        (x, y, z), yaw_deg = OVER_THE_PIPELINE
+        (x, y, z), yaw_deg = where
         half = 0.5 * math.radians(yaw_deg)
         orientation = [0.0, 0.0, math.sin(half), math.cos(half)]
         live.command("place", vehicle="rov", position_world_m=[x, y, z], orientation_xyzw=orientation).result()

@@ -10,7 +10,7 @@ from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from uwsim.evidence.reproduce.figure import Figure
-from uwsim.evidence.reproduce.scenes import BEFORE_THE_GATE, CLEAR, eye_of, place, project
+from uwsim.evidence.reproduce.scenes import BEFORE_THE_GATE, CLEAR, Place, eye_of, place, project
 from uwsim.evidence.validate.sonar_instrument import half_detected_m
 from uwsim.evidence.validate.sonar_table import COVERAGE_M, DEPTH_M, FREQUENCIES_KHZ, Cell
 from uwsim.figures.sonar_fan import beam_ends_m
@@ -30,9 +30,9 @@ DRAWN_BEAM = 12
 HIDDEN_M = 0.15  # a point no farther behind a picture's surface is on it
 
 
-def depth_image(sim: Simulator, path: Path) -> Figure:
-    """Draw Fig. 6, a depth map, and the sonar ranges read from it."""
-    place(sim, BEFORE_THE_GATE)
+def depth_image(sim: Simulator, path: Path, where: Place = BEFORE_THE_GATE) -> Figure:
+    """Draw Fig. 6, a depth map from a place, and the sonar ranges read from it."""
+    place(sim, where)
     frame = sim.rov.cameras["front"].capture("off", geometry_only=True)
     ping = sim.rov.sonar.ping()
     around, model = sim.around(sim.rov.name), sim.rov.sonar.model
