@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from uwsim.base.commands import COMMANDS
 from uwsim.channels.authority.rights import AidKind
 from uwsim.exercises.goal import Goal, Points
+from uwsim.exercises.lag import LAG_MAX_S, with_lag
 from uwsim.exercises.limits import Limit
 from uwsim.scenario.load import load
 from uwsim.scenario.read.assets import packaged_names
@@ -82,7 +83,8 @@ class Exercise(Model):
     that replaces the first vehicle's. obstacles: added to the scenario's. hidden: names of obstacles that the station's
     3D view and chart leave out. start: the pose of the first vehicle, by default as in the scenario. seed: seed of all
     random draws. time_s: time after which it ends. goals, limits, events: see their models. aids: those that the pilot
-    may use; all others are refused. pass_points: points needed to pass.
+    may use; all others are refused. pass_points: points needed to pass. lag_s: the time that sound takes from the pilot
+    to the vehicle, and as long back, by which commands and sight are late; 0: none, nor a link.
     """
 
     title: str = Field(min_length=1, max_length=120)
@@ -99,6 +101,7 @@ class Exercise(Model):
     events: list[Event] = Field(default_factory=list)
     aids: list[Aid] = Field(default_factory=list)
     pass_points: Points
+    lag_s: Annotated[float, InRange(0, LAG_MAX_S, "s")] = 0.0
 
     @property
     def points(self) -> float:
@@ -139,7 +142,8 @@ class Exercise(Model):
         data["obstacles"] = [*found.obstacles, *self.obstacles]
         if self.start is not None:
             data["vehicles"] = [{**found.vehicles[0].given(), "start": self.start}, *found.vehicles[1:]]
-        return validated(Scenario, data).read_from(found.source_file)
+        made = validated(Scenario, data).read_from(found.source_file)
+        return with_lag(made, self.lag_s) if self.lag_s else made
 
 
 def load_exercise(source: str | Path) -> Exercise:

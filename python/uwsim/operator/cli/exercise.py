@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uwsim.base.options import WithoutEffectError, need, refuse
+from uwsim.base.options import OptionError, WithoutEffectError, need, refuse
 from uwsim.bridges.page import page_url
 from uwsim.cli.access import Tokens
 from uwsim.cli.bounds import readable, within
@@ -52,6 +53,21 @@ def exercise(
             "by default the name that the pilot gives on the page."
         ),
     ] = None,
+    lag: Annotated[
+        str | None,
+        typer.Option(
+            help="The acoustic lag [s], one way, 0 to 3: commands and sight are late by it. With --pilot also several, "
+            "as 0,0.5,1,2: each is flown, and the sheets are joined. Default: the exercise's own.",
+            metavar="S[,S...]",
+        ),
+    ] = None,
+    join: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Instead of flying: join the score sheets in a folder to lags.csv, lags.json, lags.png; repeatable.",
+            show_default=False,
+        ),
+    ] = None,
     out: Out = Path("out"),
     recorded: RecordOptions,
     port: Annotated[
@@ -74,11 +90,18 @@ def exercise(
     """Fly an exercise with goals, limits and events.
 
     It is judged by the vehicle's true state. Writes score.json and sheet.html, the debriefing. Exits with 4 if the
-    score is too low to pass.
+    score is too low to pass; not with several lags, whose scores are the result.
     """
     from uwsim.exercises import exercise_names, load_exercise
     from uwsim.exercises.certified import checked_person
 
+    if join:
+        refuse("has no effect with --join, which flies nothing", name=name, pilot=pilot, serve=serve or None,
+               person=person, lag=lag, **recorded.arguments)  # fmt: skip
+        from uwsim.exercises.lag_table import sheets_in
+
+        _join(out, sheets_in(join), as_json)
+        return
     if name is None:
         _list({each: load_exercise(each) for each in exercise_names()}, as_json)
         return
@@ -86,9 +109,14 @@ def exercise(
         need("--serve", port=port, **tokens.arguments, **instructor.arguments, keep_flights=keep_flights)
     if serve == (pilot is not None):
         raise WithoutEffectError("needs either --pilot FILE, which flies it, or --serve, for a person")
+    lags = _lags(lag)
     found = load_exercise(name)
+    if lags:
+        found = found.model_copy(update={"lag_s": lags[0]})
     named = "" if person is None else checked_person(person)
     if serve:
+        if len(lags) > 1:
+            raise OptionError(f"--lag {lag}: must be one lag with --serve, since a person flies one after another")
         refuse("has no effect with --serve; the page's menu records", **recorded.arguments)
         refuse("has no effect with --serve; each attempt's score.json is in --out", json=as_json)
         bounds = kept_flights(KEPT if keep_flights is None else keep_flights)
@@ -96,8 +124,22 @@ def exercise(
         return
     from uwsim.exercises.flight import fly_exercise
     from uwsim.exercises.sheet_text import score_lines
-    from uwsim.flight.terminal import Terminal
+    from uwsim.flight.terminal import Silent, Terminal
 
+    if len(lags) > 1:
+        from uwsim.exercises.lag_table import sheets_in
+
+        for each in lags:
+            part = out / f"lag-{each:g}"
+            typer.echo(f"lag {each:g} s, one way: {part}")
+            flown = fly_exercise(
+                found.model_copy(update={"lag_s": each}), pilot, part, person=named, threads=threads, screen=Silent(),
+                **recorded.arguments,
+            ).record  # fmt: skip
+            if flown.interrupted:
+                raise typer.Exit(INTERRUPTED)
+        _join(out, sheets_in([out / f"lag-{each:g}" for each in lags]), as_json)
+        return
     course, flown = fly_exercise(
         found, pilot, out, person=named, threads=threads, screen=Terminal(), **recorded.arguments
     )
@@ -111,6 +153,40 @@ def exercise(
         raise typer.Exit(INTERRUPTED)
     if not course.has_passed:
         raise typer.Exit(INCOMPLETE)
+
+
+def _lags(text: str | None) -> list[float]:
+    """Return the lags of an option. Raises OptionError."""
+    from uwsim.exercises.lag import LAG_MAX_S
+
+    found: list[float] = []
+    for part in [] if text is None else text.split(","):
+        try:
+            found.append(float(part))
+        except ValueError:
+            found.append(math.nan)
+        if not 0.0 <= found[-1] <= LAG_MAX_S:
+            raise OptionError(f"--lag {text}: {part.strip() or 'nothing'} s: must be in [0, {LAG_MAX_S:g}] s")
+    if len(set(found)) < len(found):
+        raise OptionError(f"--lag {text}: must be different lags")
+    return found
+
+
+def _join(out: Path, sheets: list[Path], as_json: bool) -> None:
+    from uwsim.exercises.lag_table import lag_rows, write_lags
+
+    rows = lag_rows(sheets)
+    written = write_lags(out, rows)
+    if as_json:
+        print_json(rows)
+        return
+    for row in rows:
+        verdict = ("passed" if row["passed"] else "not passed") if row["valid"] else "not valid"
+        typer.echo(
+            f"lag {row['lag_s']:4g} s  {row['score']:6.1f} of {row['points']:g}  {row['time_s']:6.1f} s  {verdict:10}  "
+            f"{row['pilot']}"
+        )
+    typer.echo("  ".join(map(str, written)))
 
 
 def _list(found: dict[str, Exercise], as_json: bool) -> None:
