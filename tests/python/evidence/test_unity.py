@@ -238,6 +238,22 @@ def test_colours_of_models_and_materials_are_kept(sides, project: Path, tmp_path
     assert shade(pixels.mean(axis=0) / 255.0) == pytest.approx(shade(ORANGE), abs=0.05)
 
 
+def test_a_bed_too_wide_is_cut_to_the_size_given(project: Path, tmp_path: Path) -> None:
+    changed("x: 40, y: 1, z: 40", "x: 400, y: 1, z: 400")(project)  # 4 km wide
+    scene = project / "Assets/LawnTest.unity"
+    with pytest.raises(ValueError, match="4000 m wide: must be at most 2000 m; --size makes a part of it the bed"):
+        scenario_from(Project(project), scene, tmp_path / "lake")
+    with pytest.raises(ValueError, match="--size = 3000 m: must be at most 2000 m"):
+        scenario_from(Project(project), scene, tmp_path / "lake", size_m=3000.0)
+    assert not (tmp_path / "lake").exists()
+    done = command("scenario", "from", project, "--size", 100, "--out", tmp_path / "lake")
+    assert done.returncode == 0 and "left out: Turned: it lies beyond --size = 100 m" in done.stdout, done.stderr
+    sim = uwsim.Simulator(tmp_path / "lake/lawntest.yaml")
+    west, south, east, north = sim.world.terrain_extent_m
+    assert (east - west, north - south) == pytest.approx((100.0, 100.0), abs=1.0)
+    assert max(map(abs, (west, south, east, north))) <= 50.0
+
+
 def changed(old: str, new: str):
     def change(folder: Path) -> None:
         scene = folder / "Assets/LawnTest.unity"

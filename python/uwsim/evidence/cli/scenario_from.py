@@ -14,7 +14,10 @@ def scenario_from(
     source: Annotated[Path, typer.Argument(help="A file, a checkout (of a robot, or Unity), or a COLMAP model.")],
     size: Annotated[
         float | None,
-        typer.Option(help="A chart: the largest edge [m]. Default: 500.", callback=within(5, 20_000, "m")),
+        typer.Option(
+            help="The bed's largest edge [m]. Default: 500 of a chart, all (2000 at most) of a Unity project.",
+            callback=within(5, 20_000, "m"),
+        ),
     ] = None,
     centre: Annotated[
         tuple[float, float] | None,
@@ -96,8 +99,8 @@ def scenario_from(
     a vehicle and a survey in its middle; elevations are positive up. Of a robot's description (SDF, URDF, Stonefish's
     .scn, HoloOcean's JSON), the scenario and its vehicles are written, with hulls, mass, hydrodynamics, thrusters and
     sensors; files that it refers to are looked for beside it. Of a Unity project, bed, station, gates, pipelines and
-    vehicle are read. Of a COLMAP model, the points become the bed, and the colours of the pictures the water's
-    attenuation. All that is left out or assumed is printed.
+    vehicle are read, with their materials' colours. Of a COLMAP model, the points become the bed, and the colours of
+    the pictures the water's attenuation. All that is left out or assumed is printed.
     """
     from uwsim.base.options import OptionError
     from uwsim.evidence.scenario_source import NotMadeError, source_of

@@ -59,14 +59,25 @@ class Bed:
         return float(x_m[near]), float(y_m[near]), float(self.heights_m[rows[near], columns[near]])
 
 
-def read_bed(surface: tuple[NDArray[np.float64], NDArray[np.int64]]) -> Bed:
-    """Return the highest surface of vertices (n, 3) in uwsim's world [m] and triangles (m, 3). Raises ValueError."""
+def read_bed(surface: tuple[NDArray[np.float64], NDArray[np.int64]], size_m: float | None = None) -> Bed:
+    """Return the highest surface of vertices (n, 3) in uwsim's world [m] and triangles (m, 3). Raises ValueError.
+
+    size_m: the largest edge of the grid, about the origin; by default it reaches as far as the surface.
+    """
+    if size_m is not None and size_m > BED_MAX_M:
+        raise ValueError(f"--size = {size_m:g} m: must be at most {BED_MAX_M:g} m for the bed of a Unity project")
     vertices, triangles = surface
     world = _core.World()
     world.add_solid("bed", vertices, triangles.astype(np.uint32))
-    if (wide_m := 2.0 * float(np.abs(vertices[:, :2]).max())) > BED_MAX_M:
-        raise ValueError(f"the bed needs a grid about the origin {wide_m:.0f} m wide: must be at most {BED_MAX_M:g} m")
-    half = SPACING_M * np.ceil(np.abs(vertices[:, :2]).max() / SPACING_M)
+    wide_m = 2.0 * float(np.abs(vertices[:, :2]).max())
+    if size_m is not None:
+        wide_m = min(wide_m, size_m)
+    if wide_m > BED_MAX_M:
+        raise ValueError(
+            f"the bed needs a grid about the origin {wide_m:.0f} m wide: must be at most {BED_MAX_M:g} m; "
+            "--size makes a part of it the bed"
+        )
+    half = SPACING_M * np.ceil(0.5 * wide_m / SPACING_M)
     places = np.arange(-half, half, SPACING_M) + SPACING_M / 2.0
     east, north = np.meshgrid(places, places[::-1])
     above = np.stack([east.ravel(), north.ravel(), np.full(east.size, vertices[:, 2].max() + ABOVE_M)], axis=1)

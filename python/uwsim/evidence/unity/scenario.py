@@ -38,10 +38,13 @@ KEPT = ("water", "optics", "ground", "station", "warnings", "survey", "mission_t
 """Keys of the packaged scenario `paper` that hold for this lake, too."""
 
 
-def scenario_from(project: Project, scene: Path, out: Path, *, terrain: str = TERRAIN) -> Made:
+def scenario_from(
+    project: Project, scene: Path, out: Path, *, terrain: str = TERRAIN, size_m: float | None = None
+) -> Made:
     """Write a scenario, its meshes, terrain and vehicle into the folder `out`.
 
-    scene: a scene of the project. terrain: the top-level object whose meshes are the bed. The station, water, optics
+    scene: a scene of the project. terrain: the top-level object whose meshes are the bed. size_m: the largest edge of
+    the bed, about the scene's origin; obstacles that lie beyond it are left out. The station, water, optics
     and survey are those of the packaged scenario `paper`. Raises ValueError or OSError.
     """
     read = read_scene(project, scene)
@@ -59,7 +62,10 @@ def scenario_from(project: Project, scene: Path, out: Path, *, terrain: str = TE
         raise ValueError(f"'{scene}': has no object '{terrain}' with meshes for the bed, of {', '.join(groups)}")
     written = _Files(out)
     hull, station = groups.pop(bodies[0]), groups.pop(STATION, None)
-    bed = read_bed(_joined(groups.pop(terrain), _in_world))
+    bed = read_bed(_joined(groups.pop(terrain), _in_world), size_m)
+    for name in [name for name, pieces in groups.items() if size_m is not None and _is_beyond(bed, pieces)]:
+        del groups[name]
+        notes.append(f"left out: {name}: it lies beyond --size = {size_m:g} m")
     notes.append(f"assumed: the bed is flat at z = {bed.fill_m:.1f} m where {terrain} has none")
     written.add("terrain.asc", bed.text)
     hull_file = written.mesh("vehicle", hull, _in_body(hull[0]))
@@ -155,6 +161,12 @@ class _Files:
 
 def _in_world(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(points @ FROM_UNITY.T - (0.0, 0.0, SURFACE_M))
+
+
+def _is_beyond(bed: Bed, pieces: Iterable[Piece]) -> bool:
+    """Return whether any part of pieces lies beyond the bed's edge."""
+    vertices, _ = _joined(pieces, _in_world)
+    return bool(np.abs(vertices[:, :2]).max() > bed.reach_m)
 
 
 def _in_body(piece: Piece) -> Any:

@@ -26,7 +26,10 @@ def _make(path: Path, out: Path | None, options: Mapping[str, Any]) -> Made:
         names = ", ".join(file.stem for file in scenes)
         raise ValueError(f"--scene = {scene!r}: must be one of {names}" if scenes else f"'{path}': has no scenes")
     folder = out or Path(scene.lower().replace(" ", "_"))
-    return scenario_from(Project(path), found[0], folder, terrain=options.get("terrain", TERRAIN))
+    return scenario_from(
+        Project(path), found[0], folder, terrain=options.get("terrain", TERRAIN), size_m=options.get("size")
+    )
 
 
-UNITY = ScenarioSource("the checkout of a Unity project, with a folder Assets", _accepts, _make, ("scene", "terrain"))
+OPTIONS = ("scene", "terrain", "size")
+UNITY = ScenarioSource("the checkout of a Unity project, with a folder Assets", _accepts, _make, OPTIONS)
