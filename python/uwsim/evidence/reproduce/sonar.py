@@ -75,7 +75,7 @@ def coverage(path: Path) -> Figure:
         "Depth and coverage over rock in metres, ours / table: depths in physics mode, coverages by sonar equation.",
         f"Theirs is the manufacturer's table, with {len(DEPTH_M)} depths and {len(COVERAGE_M)} coverages. The assumed "
         "source levels and bandwidths of ours are chosen to agree with the table as a whole; the second receiver's "
-        "gain follows from its tilt.",
+        "gain follows from its tilt: 1.06, a miss at 300 kHz, where the table has 1.13 to 1.155.",
         {"compared": len(errors), "largest_error_percent": max(errors)},
         ("column", "array", "kHz", "water", "receivers", "table [m]", "ours [m]", "error [%]"), rows,
     )  # fmt: skip
