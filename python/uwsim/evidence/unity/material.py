@@ -32,7 +32,7 @@ def material_colour(project: Project, guid: str) -> NDArray[np.float64] | None:
     except (ValueError, LookupError, TypeError, AttributeError, StopIteration, OSError):
         return None
     mean = None if picture is None else _mean(project, picture)
-    return np.clip(colour if mean is None else colour * mean, 0.0, 1.0)
+    return np.asarray(np.clip(colour if mean is None else colour * mean, 0.0, 1.0), np.float64)
 
 
 def _mean(project: Project, guid: str) -> NDArray[np.float64] | None:
