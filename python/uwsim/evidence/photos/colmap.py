@@ -23,6 +23,8 @@ PARAMETERS = (3, 4, 4, 5, 8, 8, 12, 5, 4, 5, 12, 16)
 """Of each camera model, from SIMPLE_PINHOLE to RAD_TAN_THIN_PRISM_FISHEYE."""
 BYTES_MAX = 4_000_000_000
 NAME_MAX = 1024
+FARTHEST = 1e9
+"""The greatest coordinate, in the model's unit or in pixels."""
 OBSERVED = np.dtype([("at", "<f8", 2), ("point", "<i8")])
 TRACK = np.dtype([("image", "<u4"), ("index", "<u4")])
 SHOWN = 40
@@ -73,8 +75,10 @@ def read_model(folder: Path) -> Reconstruction:
     if (np.diff(ids) == 0).any():
         raise ValueError(f"'{files[2]}': a point's identifier is used twice")
     for values, file in ((images.poses, files[1]), (images.at, files[1]), (points.places, files[2])):
-        if not np.isfinite(values).all():
-            raise ValueError(f"'{file}': {np.count_nonzero(~np.isfinite(values))} numbers are not finite")
+        wrong = ~(np.abs(values) <= FARTHEST)
+        if wrong.any():
+            rule = f"must be finite, and at most {FARTHEST:g}"
+            raise ValueError(f"'{file}': {wrong.sum()} numbers, such as {values[wrong][0]:g}: {rule}")
     for name, camera in zip(images.names, images.cameras, strict=True):
         if camera not in cameras:
             raise ValueError(f"'{files[1]}': picture '{name}': camera {camera} is not in '{files[0].name}'")

@@ -4,8 +4,9 @@ The light of a point at the distance r is, in each band, J exp(-c r) + B (1 - ex
 water attenuates by c, and the daylight B that the water scatters into the ray (Akkaynak and Treibitz 2018, "A revised
 underwater image formation model", CVPR). Since daylight falls with depth by exp(-K depth), the latter saturates at
 k = c - K u, where u is the upward part of the ray's direction, and B falls with the depth of the camera. B depends on
-the ray's direction, too, here as spherical harmonics up to the degree 2. Each picture has its own exposure, common to
-all bands, and each camera its vignetting.
+the ray's direction, too, here as spherical harmonics up to the degree 2; and so does J, by a factor that is the same
+for all points and bands, since a rough bed is darker where it is seen from low than from above. Each picture has its
+own exposure, common to all bands, and each camera its vignetting.
 
 All of them are fitted at once to the logarithms of the pixels, by Levenberg and Marquardt's method with Cauchy's
 weights against fish, shadows and mismatches. J is one unknown per point and band, so neither the colour of the bed nor
@@ -24,12 +25,15 @@ from scipy import sparse
 from uwsim import _core
 from uwsim.evidence.photos.reconstruction import Floats, Indices
 
-ROUNDS, GAIN_MIN, DAMPING_MAX = 60, 1e-5, 1e8
-TURNS = 3
+ROUNDS, GAIN_MIN, DAMPING_MAX = (12, 12, 60), 1e-7, 1e8
+"""Steps at most, in each of the turns that find Kd; a share of the cost by which a step must lessen it."""
 RELATIVE, DARK = 0.05, 0.5 / 255.0
 """Assumed errors of a pixel: relative, and of half a grey level. Cauchy's scale is a multiple of the residuals'."""
 CAUCHY, MAD = 2.385, 1.4826
-INTERVAL = 1.96
+INTERVAL, CHI_2 = 1.96, 7.81
+"""Of 95 %: standard deviations of one value, and the square of those of three."""
+MODEL = 0.08
+"""Assumed standard error of c, as a share, since the model is not exact: on our own pictures it was up to 14 % off."""
 SHAPES = 9
 LOG_MAX = 20.0
 
@@ -56,13 +60,15 @@ class Sightings:
 class Attenuation:
     """The fit. c: (3,) per band [1/m]. half: (3,), half of its 95 % interval.
 
-    jerlov, type_c: the nearest type, and its c. scatter: the median residual of a pixel's logarithm. count: of pixels.
+    jerlov: the nearest type, by the fit's own covariance. type_c: its c. alike: the types within the fit's 95 %.
+    scatter: the median residual of a pixel's logarithm. count: of pixels.
     """
 
     c: Floats
     half: Floats
     jerlov: str
     type_c: Floats
+    alike: tuple[str, ...]
     scatter: float
     count: int
 
@@ -73,30 +79,32 @@ def type_attenuation(jerlov: str) -> Floats:
     return np.asarray(water.absorption) + np.asarray(water.scattering)
 
 
-def nearest_type(c: Floats) -> str:
-    """Return the Jerlov type whose c differs least, by the logarithms of the three bands."""
-    return min(_core.jerlov_types(), key=lambda name: float(np.sum(np.log(c / type_attenuation(name)) ** 2)))
-
-
 def fit_attenuation(seen: Sightings) -> Attenuation:
     """Return the attenuation. Kd, on which the veil depends weakly, is that of the nearest type, found in three turns.
 
     An interval is infinite where the pixels do not determine c.
     """
-    x, kd, fitted = None, np.zeros(3), np.full(3, 1.0)
-    half, scatter = np.full(3, np.inf), np.inf
-    for _ in range(TURNS):
+    x, kd, c, scatter = None, np.zeros(3), np.full(3, 1.0), np.inf
+    covariance, far = np.full((3, 3), np.inf), dict.fromkeys(_core.jerlov_types(), np.inf)
+    for rounds in ROUNDS:
         problem = _Problem(seen, kd)
         try:
-            x, half, scatter = problem.solved(problem.start() if x is None else x)
-        except RuntimeError:  # of a singular matrix
+            x, covariance, scatter = problem.solved(problem.start() if x is None else x, rounds)
+            c = x[problem.c]
+            covariance = covariance + np.diag((MODEL * c) ** 2 + 1e-12)
+            away = {name: c - type_attenuation(name) for name in far}
+            far = {name: float(off @ np.linalg.solve(covariance, off)) for name, off in away.items()}
+        except (RuntimeError, np.linalg.LinAlgError):  # of a singular matrix
+            covariance = np.full((3, 3), np.inf)
             break
-        fitted = x[problem.c]
-        bounded = np.maximum(fitted, 1e-3)
-        name = nearest_type(bounded)
-        kd = np.asarray(_core.WaterOptics.jerlov(name).diffuse_attenuation) * bounded / type_attenuation(name)
-    name = nearest_type(np.maximum(fitted, 1e-3))
-    return Attenuation(fitted, half, name, type_attenuation(name), scatter, len(seen.point))
+        name = min(far, key=far.__getitem__)
+        kd = np.asarray(_core.WaterOptics.jerlov(name).diffuse_attenuation) * np.maximum(
+            c / type_attenuation(name), 0.1
+        )
+    name = min(far, key=far.__getitem__)
+    alike = tuple(each for each in far if far[each] <= CHI_2)
+    half = INTERVAL * np.sqrt(np.diagonal(covariance))
+    return Attenuation(c, half, name, type_attenuation(name), alike, scatter, len(seen.point))
 
 
 def _harmonics(d: Floats) -> Floats:
@@ -106,7 +114,10 @@ def _harmonics(d: Floats) -> Floats:
 
 
 class _Problem:
-    """The unknowns, in order: log J of each point, by band; c; B's harmonics, by band; vignetting; log exposures."""
+    """The unknowns, in order.
+
+    log J of each point, by band; c; B's harmonics, by band; vignetting; those of log J; log exposures.
+    """
 
     def __init__(self, seen: Sightings, kd: Floats) -> None:
         self._seen, self._r = seen, np.linalg.norm(seen.ways_m, axis=1)
@@ -119,7 +130,8 @@ class _Problem:
         self.c = slice(3 * self._points, 3 * self._points + 3)
         self._veil = self.c.stop
         self._vignetting = self._veil + 3 * SHAPES
-        self._gain = self._vignetting + 1
+        self._bed = self._vignetting + 1
+        self._gain = self._bed + SHAPES - 1
         self._size = self._gain + int(seen.picture.max()) + 1
         self._mean = np.zeros(self._size)
         self._mean[self._gain :] = 10.0  # exposures are relative: their mean is held at 0
@@ -136,11 +148,11 @@ class _Problem:
         x[self._vignetting] = 0.3
         return x
 
-    def solved(self, x: Floats) -> tuple[Floats, Floats, float]:
-        """Return the unknowns, half of c's interval, and the median residual. Raises RuntimeError."""
+    def solved(self, x: Floats, rounds: int) -> tuple[Floats, Floats, float]:
+        """Return the unknowns, c's covariance, and the median residual. Raises RuntimeError."""
         damping, damped = 1e-3, True
         residual, jacobian = self._residuals(x), self._jacobian(x)
-        for _ in range(ROUNDS):
+        for _ in range(rounds):
             scale = CAUCHY * max(1.0, MAD * float(np.median(np.abs(residual))))
             weight, cost = 1.0 / (1.0 + (residual / scale) ** 2), self._cost(x, residual, scale)
             normal = self._normal(jacobian, weight)
@@ -160,13 +172,14 @@ class _Problem:
                 break
         pull = residual / (1.0 + (residual / scale) ** 2)
         scatter = float(np.median(np.abs(residual * self._sigma.T.ravel())))
-        return x, self._half(self._normal(jacobian, weight), jacobian, pull), scatter
+        return x, self._covariance(self._normal(jacobian, weight), jacobian, pull), scatter
 
     def _parts(self, x: Floats, band: int) -> tuple[Floats, Floats, Floats]:
         """Return J exp(-c r), B and exp(-k r) of each pixel of a band."""
         c = x[self.c][band]
         first = self._veil + SHAPES * band
-        own = np.exp(np.clip(x[band * self._points + self._seen.point] - c * self._r, -LOG_MAX, LOG_MAX))
+        bright = x[band * self._points + self._seen.point] + self._shape[:, 1:] @ x[self._bed : self._gain]
+        own = np.exp(np.clip(bright - c * self._r, -LOG_MAX, LOG_MAX))
         rest = np.exp(np.clip(-(c + self._slower[:, band]) * self._r, -LOG_MAX, LOG_MAX))
         return own, self._day[:, band] * np.maximum(self._shape @ x[first : first + SHAPES], 0.0), rest
 
@@ -197,6 +210,7 @@ class _Problem:
             ]
             by_veil = self._day[:, band] * (1.0 - rest) / total * (veil > 0.0)
             entries += [(np.full(m, first + j), self._shape[:, j] * by_veil) for j in range(SHAPES)]
+            entries += [(np.full(m, self._bed + j - 1), self._shape[:, j] * own / total) for j in range(1, SHAPES)]
             for column, value in entries:
                 rows.append(band * m + np.arange(m))
                 columns.append(column)
@@ -211,14 +225,14 @@ class _Problem:
         mean = sparse.csc_matrix(self._mean[:, None])
         return (jacobian.T @ jacobian.multiply(weight[:, None]) + mean @ mean.T).tocsc()
 
-    def _half(self, normal: Matrix, jacobian: Matrix, pull: Floats) -> Floats:
-        """Return half of c's interval: White's (1980, Econometrica 48:817) over points, whose errors are common."""
+    def _covariance(self, normal: Matrix, jacobian: Matrix, pull: Floats) -> Floats:
+        """Return c's covariance (3, 3): White's (1980, Econometrica 48:817) over points, whose errors are common."""
         units = np.zeros((self._size, 3))
         units[self.c] = np.eye(3)
         each = (jacobian @ _factor(normal, 1e-9).solve(units)) * pull[:, None]
         point = np.tile(self._seen.point, 3)
         sums = np.column_stack([np.bincount(point, column) for column in each.T])
-        return np.asarray(INTERVAL * np.sqrt((sums**2).sum(axis=0)))
+        return np.asarray(sums.T @ sums)
 
 
 def _factor(normal: Matrix, damping: float) -> Any:

@@ -25,8 +25,6 @@ DEPTH_M, CLEAR_M = 10.0, 1.0
 """Assumed: the depth of the bed's median. The least depth of its top."""
 ALTITUDE_M, SURVEY_SHARE = 3.0, 0.8
 BANDS = ("red", "green", "blue")
-CLOSE = 0.1
-"""A Jerlov type stands for the water if each band's c is within this share, or its interval, of the type's."""
 LOOSE = 0.5
 """An interval that is wider than this share of c says too little."""
 
@@ -110,15 +108,17 @@ def _optics(model: Reconstruction, placement: Placement, images: Path | None, no
     found = fit_attenuation(colours.sightings)
     each = ", ".join(f"{band} {c:.3f} +- {h:.3f}" for band, c, h in zip(BANDS, found.c, found.half, strict=True))
     notes.append(
-        f"read: '{folder}': attenuation c [1/m] {each} (95 %, by the scatter of {found.count} pixels alone, "
-        f"{100.0 * found.scatter:.0f} %); assumed: daylight alone, and one white balance"
+        f"read: '{folder}': attenuation c [1/m] {each} (95 %), of {found.count} pixels, whose scatter is "
+        f"{100.0 * found.scatter:.0f} %; assumed: daylight alone, and one white balance"
     )
+    if found.alike:
+        others = [name for name in found.alike if name != found.jerlov]
+        also = f"; {', '.join(others)} would fit, too" if others else ""
+        notes.append(f"water: Jerlov {found.jerlov}, whose c is {_three(found.type_c)} 1/m, within that{also}")
+        return {"optics": {"jerlov": found.jerlov}}
     if not (np.isfinite(found.half) & (found.half < LOOSE * found.c)).all():
         notes.append(f"left out: attenuation: an interval exceeds {100.0 * LOOSE:g} % of its value; {usual}")
         return {}
-    if (np.abs(found.c - found.type_c) <= np.maximum(CLOSE * found.type_c, found.half)).all():
-        notes.append(f"water: Jerlov {found.jerlov}, whose c is {_three(found.type_c)} 1/m")
-        return {"optics": {"jerlov": found.jerlov}}
     water, ratio = _core.WaterOptics.jerlov(found.jerlov), found.c / found.type_c
     nearest = f"Jerlov {found.jerlov}, the nearest type, whose c is {_three(found.type_c)} 1/m"
     notes.append(f"assumed: shares of absorption, scattering and Kd as in {nearest}")
