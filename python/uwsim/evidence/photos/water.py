@@ -25,8 +25,9 @@ from scipy import sparse
 from uwsim import _core
 from uwsim.evidence.photos.reconstruction import Floats, Indices
 
-ROUNDS, GAIN_MIN, DAMPING_MAX = (12, 12, 60), 1e-7, 1e8
-"""Steps at most, in each of the turns that find Kd; a share of the cost by which a step must lessen it."""
+ROUNDS, GAIN_MIN, DAMPING_FREE, DAMPING_MAX = (12, 12, 40), 1e-7, 1e-6, 1e8
+"""Steps at most, in each of the turns that find Kd; a share of the cost by which a step must lessen it,
+if it is not damped."""
 RELATIVE, DARK = 0.05, 0.5 / 255.0
 """Assumed errors of a pixel: relative, and of half a grey level. Cauchy's scale is a multiple of the residuals'."""
 CAUCHY, MAD = 2.385, 1.4826
@@ -34,7 +35,8 @@ INTERVAL, CHI_2 = 1.96, 7.81
 """Of 95 %: standard deviations of one value, and the square of those of three."""
 MODEL = 0.08
 """Assumed standard error of c, as a share, since the model is not exact: on our own pictures it was up to 14 % off."""
-SHAPES = 9
+SHAPES, SPREAD = 9, 8.0
+"""Spherical harmonics. Assumed: the standard deviation of log J from where it starts; it holds points in the dark."""
 LOG_MAX = 20.0
 
 Matrix = Any
@@ -135,6 +137,9 @@ class _Problem:
         self._size = self._gain + int(seen.picture.max()) + 1
         self._mean = np.zeros(self._size)
         self._mean[self._gain :] = 10.0  # exposures are relative: their mean is held at 0
+        self._usual = self.start()
+        self._loose = np.zeros(self._size)
+        self._loose[: self.c.start] = 1.0 / SPREAD**2
 
     def start(self) -> Floats:
         """Return unknowns to begin with, for clear coastal water."""
@@ -157,6 +162,7 @@ class _Problem:
             weight, cost = 1.0 / (1.0 + (residual / scale) ** 2), self._cost(x, residual, scale)
             normal = self._normal(jacobian, weight)
             slope = -(jacobian.T @ (weight * residual)) - self._mean * (self._mean @ x)
+            slope -= self._loose * (x - self._usual)
             while True:
                 trial = x + _factor(normal, damping).solve(slope)
                 rest = self._residuals(trial)
@@ -168,7 +174,7 @@ class _Problem:
             if damped:
                 break
             x, residual, jacobian, damping = trial, rest, self._jacobian(trial), max(0.1 * damping, 1e-9)
-            if gain <= GAIN_MIN * cost:
+            if gain <= GAIN_MIN * cost and damping <= DAMPING_FREE:
                 break
         pull = residual / (1.0 + (residual / scale) ** 2)
         scatter = float(np.median(np.abs(residual * self._sigma.T.ravel())))
@@ -219,11 +225,12 @@ class _Problem:
         return sparse.csr_matrix((np.concatenate(values), places), (3 * m, self._size))
 
     def _cost(self, x: Floats, residual: Floats, scale: float) -> float:
-        return float(0.5 * scale**2 * np.log1p((residual / scale) ** 2).sum() + 0.5 * (self._mean @ x) ** 2)
+        assumed = (self._mean @ x) ** 2 + self._loose @ (x - self._usual) ** 2
+        return float(0.5 * scale**2 * np.log1p((residual / scale) ** 2).sum() + 0.5 * assumed)
 
     def _normal(self, jacobian: Matrix, weight: Floats) -> Matrix:
         mean = sparse.csc_matrix(self._mean[:, None])
-        return (jacobian.T @ jacobian.multiply(weight[:, None]) + mean @ mean.T).tocsc()
+        return (jacobian.T @ jacobian.multiply(weight[:, None]) + mean @ mean.T + sparse.diags(self._loose)).tocsc()
 
     def _covariance(self, normal: Matrix, jacobian: Matrix, pull: Floats) -> Floats:
         """Return c's covariance (3, 3): White's (1980, Econometrica 48:817) over points, whose errors are common."""
