@@ -111,7 +111,7 @@ class ShaftCaster {
   }
 
  private:
-  /// Of rays through the middle of 2 x 2 values: where they end, how far they count, and which of their sample points
+  /// Rays through the middle of 2 x 2 values: where they end, how far they count, and which of their sample points
   /// the sun reaches, 0 to 1.
   struct Cell {
     float distance_m, reach_m;

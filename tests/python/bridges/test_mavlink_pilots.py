@@ -203,10 +203,12 @@ def test_attitude_targets_turn_and_climb(live: LiveSimulator, vehicle: MavlinkVe
 
     until(has_turned)
     for mask, thrust in ((1 << 7, 0.5), (0, math.nan)):
+        has_turned()  # a reason is a text once, until a target is accepted
         station.mav.set_attitude_target_send(0, 1, 1, mask, q, 0, 0, 0, thrust)
         station.receive("STATUSTEXT", lambda text: "SET_ATTITUDE_TARGET" in text.text)
     velocities = 0b110111000111
     for mask, speed in ((velocities, math.nan), (velocities, 1e6), (velocities & ~(1 << 6), 0.1), (1, 0.1)):
+        has_turned()
         before = vehicle._flight._is_steering, live.rov.helm.leases
         station.mav.set_position_target_local_ned_send(0, 1, 1, 1, mask, 0, 0, -3, speed, *[0.0] * 7)
         station.receive("STATUSTEXT", lambda text: "target: " in text.text)

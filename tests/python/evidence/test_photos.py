@@ -150,7 +150,7 @@ def positions(dive: Dive, file: Path) -> Path:
 
 
 def test_a_dive_becomes_the_world_that_it_was_in(dive: Dive, tmp_path: Path) -> None:
-    """Bed, place and attenuation are the scene's; the command says what it read and assumed, and its world is flown."""
+    """Bed, place and attenuation are the scene's; the command reports what it assumed; its world is flown."""
     write_binary(dive, dive.folder)
     out = tmp_path / "made"
     done = command("scenario", "from", dive.folder, "--out", out, "--positions", positions(dive, tmp_path / "at.csv"))

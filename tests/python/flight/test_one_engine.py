@@ -85,7 +85,16 @@ def test_a_map_is_scored_over_the_survey_s_area_or_else_where_the_sonar_was() ->
 def test_both_commands_have_the_same_options() -> None:
     """Except for the options that select the mission, the vehicle, and who flies it in place of a survey's mission."""
     of_run, of_survey = (set(inspect.signature(expanded(command)).parameters) for command in (run, survey))
-    lanes = {"area", "heading_deg", "entry", "overlap", "cross_lines"}  # of a survey's own mission
+    lanes = {
+        "area",
+        "altitude_m",
+        "spacing_m",
+        "speed",
+        "heading_deg",
+        "entry",
+        "overlap",
+        "cross_lines",
+    }  # of a survey's own mission
     assert of_survey - of_run == lanes
     selects = {"make_map", "vehicle", "argument", "function", *Elsewhere.flags(), *Autopilots.flags()}
     assert of_run - of_survey == selects

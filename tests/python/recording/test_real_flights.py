@@ -189,7 +189,7 @@ def test_a_log_as_a_recording_is_a_time_line_along_the_log(tmp_path: Path) -> No
 
 
 def test_poses_under_the_bed_are_left_out_and_counted_and_the_others_recorded(tmp_path: Path) -> None:
-    """Of a log whose median depth is that of the bed, half is above it."""
+    """A log whose median depth is that of the bed has half above it."""
     bed_m = float(Simulator("pool").world.height_at(np.array([[-6.0, 0.0]]))[0])
     flight = flown()
     flight = replace(flight, position_m=flight.position_m - [0.0, 0.0, np.median(flight.position_m[:, 2]) - bed_m])

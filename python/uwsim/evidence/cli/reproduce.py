@@ -51,7 +51,7 @@ def reproduce(
         typer.Option(help="Claims: a Markdown file, to put the table between its marks.", callback=readable),
     ] = None,
 ) -> None:
-    """Reproduce the paper's figures, or other simulators' numbers, with uwsim.
+    """Reproduce the paper's figures, or other simulators' numbers.
 
     For the paper, writes fig01.png to fig12.png, the values behind them (figures.json), and index.html. With --from,
     each picture is drawn twice, from the authors' own files and from the packaged scenario; README.md has the table of

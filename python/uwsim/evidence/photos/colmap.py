@@ -20,7 +20,7 @@ from uwsim.evidence.photos.reconstruction import Floats, Indices, Reconstruction
 PARTS = ("cameras", "images", "points3D")
 SUFFIXES = (".bin", ".txt")
 PARAMETERS = (3, 4, 4, 5, 8, 8, 12, 5, 4, 5, 12, 16)
-"""Of each camera model, from SIMPLE_PINHOLE to RAD_TAN_THIN_PRISM_FISHEYE."""
+"""The numbers of each camera model, from SIMPLE_PINHOLE to RAD_TAN_THIN_PRISM_FISHEYE."""
 BYTES_MAX = 4_000_000_000
 NAME_MAX = 1024
 FARTHEST = 1e9

@@ -32,7 +32,7 @@ RELATIVE, DARK = 0.05, 0.5 / 255.0
 """Assumed errors of a pixel: relative, and of half a grey level. Cauchy's scale is a multiple of the residuals'."""
 CAUCHY, MAD = 2.385, 1.4826
 INTERVAL, CHI_2 = 1.96, 7.81
-"""Of 95 %: standard deviations of one value, and the square of those of three."""
+"""For 95 %: standard deviations of one value, and the square of those of three."""
 MODEL = 0.08
 """Assumed standard error of c, as a share, since the model is not exact: on our own pictures it was up to 14 % off."""
 SHAPES, SPREAD = 9, 8.0

@@ -26,7 +26,7 @@ DEPTH_M, CLEAR_M = 10.0, 1.0
 ALTITUDE_M, SURVEY_SHARE = 3.0, 0.8
 BANDS = ("red", "green", "blue")
 LOOSE = 0.5
-"""An interval that is wider than this share of c says too little."""
+"""An interval that is wider than this share of c determines too little."""
 
 
 def scenario_from(model: Reconstruction, out: Path | None, options: Mapping[str, Any]) -> Made:

@@ -131,13 +131,13 @@ class _Files:
         for piece in pieces:
             colour = piece.colour if np.isfinite(piece.colour).all() else PLAIN
             by_colour.setdefault(tuple(colour.tolist()), []).append(piece)
-        scene = trimesh.Scene()
-        for colour, some in by_colour.items():
+        scene, visual = cast(Any, trimesh.Scene()), cast(Any, trimesh.visual)
+        for shade, some in by_colour.items():
             mesh = merged(some)
             mesh.vertices = mesh.vertices @ np.array(TURNS_UP["y"], np.float64)  # from z up to glTF's y up
-            factor = [*(float(((c + 0.055) / 1.055) ** 2.4 if c > 0.04045 else c / 12.92) for c in colour), 1.0]
-            material = trimesh.visual.material.PBRMaterial(baseColorFactor=factor, metallicFactor=0.0)
-            mesh.visual = trimesh.visual.TextureVisuals(material=material)
+            factor = [*(float(((c + 0.055) / 1.055) ** 2.4 if c > 0.04045 else c / 12.92) for c in shade), 1.0]
+            material = visual.material.PBRMaterial(baseColorFactor=factor, metallicFactor=0.0)
+            mesh.visual = visual.TextureVisuals(material=material)
             scene.add_geometry(mesh)
         self.add(f"{name}.glb", cast(bytes, scene.export(file_type="glb")))
         return f"{name}.glb"

@@ -1,4 +1,4 @@
-"""What a camera's program makes of pictures: tracks that stay, stereo matches, and odometry, all by OpenCV."""
+"""Marks of pictures as a camera's program uses them: tracks that stay, stereo matches, and odometry, all by OpenCV."""
 
 from __future__ import annotations
 

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from uwsim import _core
 from uwsim.scenario.build.arm import all_shaped_links, link_mesh
@@ -93,6 +92,8 @@ def _hull_texture(
     in_file, own = load_mesh(model.mesh, model.mesh_scale, model.mesh_up, model.mesh_forward or "x")
     factor, shift_m = hull_placement(model)
     sources = np.einsum("kc,mcx->mkx", SPREAD, factor * in_file[own] + shift_m)
+    from scipy.spatial import cKDTree  # here, since it takes long to import
+
     nearest = cKDTree(sources.reshape(-1, 3)).query(vertices_m[triangles].mean(axis=1))[1] // len(SPREAD)
     return palette_texture(triangle_means(texture)[nearest])
 

@@ -34,7 +34,7 @@ class Editor:
 
     What a client leaves unsaved, for example as its page reloads, is there for the next who opens the same scenario.
     saved: the paths of the scenarios in the folder, those of earlier stations too, by their names on the start screen.
-    What is no scenario is left out when they are listed. Methods may be called on any thread.
+    Files that hold none are left out when they are listed. Methods may be called on any thread.
     """
 
     def __init__(self, folder: Path, threads: int | None) -> None:

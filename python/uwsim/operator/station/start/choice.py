@@ -20,7 +20,7 @@ from uwsim.scenario.spec.sonar_setup import SonarSetup
 OF_ROSBRIDGE = ("rosbridge_host", "rosbridge_port", "rosbridge_ros")
 FIELDS = ("scenario", "vehicle", "sonar", "tilt_deg", "mission_time_s", "seed", "speed", "link", *OF_ROSBRIDGE)
 TILTS_DEG = (0.0, 60.0)
-"""Of the sonar's head, down: level as the published simulator starts, or as its lawn-mower needs it over the bed."""
+"""Tilts of the sonar's head, down: level as the published simulator starts, or as its lawn-mower needs it."""
 SPEEDS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 0.0)
 
 
