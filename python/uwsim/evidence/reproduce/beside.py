@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from uwsim.base.atomic_file import write_atomically
+from uwsim.base.atomic_file import unfinished, write_atomically
 from uwsim.evidence.reproduce import movement_and_ray, sonar
 from uwsim.evidence.reproduce.deposit import write_deposit
 from uwsim.evidence.reproduce.figure import Figure
@@ -71,7 +71,7 @@ def reproduce_beside(
     if out.exists() and not out.is_dir():
         raise FileExistsError(f"--out {out}: is not a folder")
     out.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{out.name}.", dir=out.parent) as work:
+    with tempfile.TemporaryDirectory(prefix=f".{out.name}.", dir=out.parent) as work, unfinished(Path(work)):
         folder = Path(work) / "deposit"
         numbers = _make(checkout, folder, options, command, progress)
         folder.replace(out)
