@@ -1,5 +1,7 @@
 """Generate assets/meshes/bluerov2.glb and bluerov2_heavy.glb, Blue Robotics' ROV; needs manifold3d and trimesh.
 
+bluerov2_heavy.obj is the same without colours, for the native tests and for `uwsim vehicle decompose`.
+
 Metres; x forward, y left, z up; 0.457 x 0.338 x 0.254 m, heavy 0.575 m across. The hull is everything that displaces
 water (tubes, foam, thrusters, side plates and ballast), united into a closed solid. Thruster positions are those in
 the vehicle files.
@@ -11,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 from manifold3d import Manifold
-from solids import Colour, Point, ball, box, hull, rod, united, united_by_colour, write_glb
+from solids import Colour, Point, ball, box, hull, rod, united, united_by_colour, write_glb, write_obj
 
 ASSETS = Path(__file__).resolve().parents[2] / "assets"
 SIDES = (-1, 1)
@@ -130,18 +132,20 @@ def heavy_sides() -> Parts:
     return parts
 
 
-def write(name: str, *parts: Parts) -> None:
-    """Write the union of parts, in their colours."""
+def write(name: str, *parts: Parts) -> Manifold:
+    """Write the union of parts, in their colours, and return it."""
     by_colour = {colour: [each for some in parts for each in some.get(colour, [])] for colour in parts[0]}
     solid, colours = united_by_colour(by_colour)
     write_glb(solid, colours, ASSETS / "meshes" / name)
+    return solid
 
 
 def main() -> None:
     """Write both meshes."""
     write("bluerov2.glb", frame(), {BLACK: verticals()})
     middle = box((-0.04, -0.165, 0.06), (0.04, 0.165, 0.075))
-    write("bluerov2_heavy.glb", frame(), {BLACK: [middle]}, heavy_sides())
+    heavy = write("bluerov2_heavy.glb", frame(), {BLACK: [middle]}, heavy_sides())
+    write_obj(heavy, ASSETS / "meshes" / "bluerov2_heavy.obj", "made by tools/assets/make_bluerov2.py; metres, z up")
 
 
 if __name__ == "__main__":

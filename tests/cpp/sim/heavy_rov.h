@@ -57,7 +57,7 @@ inline SensorSpec noisy(const SensorKind& kind) {
   return spec;
 }
 
-/// A BlueROV2 Heavy: the packaged hull of 2,204 triangles and its 24 collision pieces, eight lagging thrusters that
+/// A BlueROV2 Heavy: the packaged hull of 2,202 triangles and its 24 collision pieces, eight lagging thrusters that
 /// lose thrust with speed, the coefficients of von Benzon et al. 2022, and one noisy sensor of every kind.
 inline VehicleSpec heavy_rov(const std::string& name, const Eigen::Vector3d& position_m, double density_kg_m3 = 1000) {
   TriangleMesh mesh = ObjFile("bluerov2_heavy.obj").mesh;
