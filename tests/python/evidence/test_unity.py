@@ -16,8 +16,9 @@ from command_line import error_line
 from command_line import uwsim as command
 from fbx_file import write_blender_fbx
 from uwsim.evidence.reproduce import scenes
-from uwsim.evidence.reproduce.beside import Number, reproduce_beside
+from uwsim.evidence.reproduce.beside import reproduce_beside
 from uwsim.evidence.reproduce.deposit import write_deposit
+from uwsim.evidence.reproduce.number import Number
 from uwsim.evidence.reproduce.paper import Subject
 from uwsim.evidence.reproduce.their_world import START_SCREEN, TheirWorld, inputs, their_world
 from uwsim.evidence.unity.project import Project

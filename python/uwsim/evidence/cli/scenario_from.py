@@ -93,7 +93,7 @@ def scenario_from(
         typer.Option(help="A chart: the YAML file to write. Others: the folder. Default: the source's own name."),
     ] = None,
 ) -> None:  # fmt: skip
-    """Make a scenario from a chart, from photographs or from another simulator.
+    """Make a scenario from a chart, pictures or a simulator.
 
     Of a chart (BAG, GeoTIFF, NetCDF, ...), the largest square without gaps becomes the bed, at its place on Earth, with
     a vehicle and a survey in its middle; elevations are positive up. Of a robot's description (SDF, URDF, Stonefish's

@@ -8,7 +8,6 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from uwsim.base.atomic_file import unfinished, write_atomically
 from uwsim.evidence.reproduce import movement_and_ray, sonar
 from uwsim.evidence.reproduce.deposit import write_deposit
 from uwsim.evidence.reproduce.figure import Figure
+from uwsim.evidence.reproduce.number import Number, shown
 from uwsim.evidence.reproduce.paper import Subject, draw
 from uwsim.evidence.reproduce.their_world import TheirWorld, hull_m, their_world
 from uwsim.figures.truth_and_map import draw_truth_and_map, render_truth_and_map
@@ -39,19 +39,6 @@ CHAIN = {
     ("simulator", "propPos", "tf_broadcaster"), ("tf_broadcaster", "tf", "octomap"),
 }  # fmt: skip
 """The published nodes' transforms and connections: TransformBroadcaster.py and the others in ROS of the project."""
-
-
-@dataclass(frozen=True)
-class Number:
-    """A figure's number from their files and from ours. claim: what must hold of them; held: whether it does."""
-
-    figure: int
-    quantity: str
-    unit: str
-    theirs: float | None
-    ours: float | None
-    claim: str
-    held: bool
 
 
 def reproduce_beside(
@@ -215,11 +202,6 @@ def side_by_side(pictures: Mapping[str, Image.Image], numbers: Sequence[Number])
         pen.text((left + 8, 6), HEADS[side], "black", font)
         pen.text((left + 8, 36), values, "black", small)
     return np.asarray(sheet)
-
-
-def shown(value: float | None, unit: str) -> str:
-    """Return a number with its unit."""
-    return "none" if value is None else f"{value:.4g} {unit}".strip()
 
 
 def _csv(numbers: list[Number]) -> bytes:

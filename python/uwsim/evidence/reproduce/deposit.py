@@ -8,16 +8,13 @@ import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.evidence.fingerprint import machine
 from uwsim.evidence.reproduce.figure import PAPER, Figure
+from uwsim.evidence.reproduce.number import Number, shown
 from uwsim.evidence.reproduce.paper import plain
 from uwsim.evidence.reproduce.their_world import TheirWorld, inputs
-
-if TYPE_CHECKING:
-    from uwsim.evidence.reproduce.beside import Number
 
 MANIFEST, README, LICENCE = "manifest.json", "README.md", "LICENSE"
 BLOCK = 1 << 20
@@ -69,8 +66,6 @@ def hashes(paths: Sequence[Path], root: Path) -> dict[str, str]:
 
 
 def _readme(command: str, theirs: TheirWorld, numbers: Sequence[Number], held: int) -> str:
-    from uwsim.evidence.reproduce.beside import shown
-
     rows = [
         f"| [{each.figure}](fig{each.figure:02d}.png) | {each.quantity} | {shown(each.theirs, each.unit)} "
         f"| {shown(each.ours, each.unit)} | {each.claim} | {'held' if each.held else '**not held**'} |"

@@ -204,7 +204,7 @@ export class StartScreen {
       write(this.#fields.get('sonar').hint, String(scenario.sonar ?? 'none'));
     const tilt = scenario.tilt_deg ?? null;
     if (this.#fields.get('tilt_deg').input.value === '')
-      write(this.#fields.get('tilt_deg').hint, tilt === null ? 'none' : tilt ? WORDS.headDown(tilt) : WORDS.headLevel);
+      write(this.#fields.get('tilt_deg').hint, tilt === null ? '' : tilt ? WORDS.headDown(tilt) : WORDS.headLevel);
   }
 
   // Return the choice; empty fields follow the scenario. Invalid numbers are sent as text, and the server reports them.
