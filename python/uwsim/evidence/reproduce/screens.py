@@ -10,6 +10,7 @@ import math
 import shutil
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -46,7 +47,8 @@ def screens(
     offered: a packaged name or a path. where: where Fig. 5 begins, a position [m] and a yaw [deg].
     """
     try:
-        take_screens(out, offered, where)
+        with ThreadPoolExecutor(1) as apart:  # Playwright refuses a thread with an event loop, as notebooks have
+            apart.submit(take_screens, out, offered, where).result()
         source = "Taken now, in the browser of this machine"
     except NoBrowserError as error:
         for name in NAMES:
