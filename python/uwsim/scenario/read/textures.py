@@ -130,10 +130,11 @@ def _face_colours(scene: Any) -> NDArray[np.uint8] | None:
     if not given:
         return None
     linear = np.concatenate(parts)
-    return _encoded(linear)
+    return encoded(linear)
 
 
-def _encoded(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
+def encoded(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """Return albedos in sRGB."""
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)  # IEC 61966-2-1
     return np.asarray(np.rint(255.0 * encoded), np.uint8)
 
@@ -153,7 +154,7 @@ def triangle_means(texture: Texture) -> NDArray[np.float64]:
 
 def palette_texture(albedos: NDArray[np.float64]) -> Texture:
     """Return a texture that gives each triangle its albedo (m, 3)."""
-    return _palette(_encoded(albedos))
+    return _palette(encoded(albedos))
 
 
 def _palette(colours: NDArray[np.uint8]) -> Texture:
@@ -182,7 +183,7 @@ def _bands_of(visual: Any) -> NDArray[np.uint8] | None:
         if (tint < 1.0).any():
             shown = colours / 255.0
             linear = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)  # IEC 61966-2-1
-            colours = _encoded(linear * tint)
+            colours = encoded(linear * tint)
     size = (colours.shape[1], colours.shape[0])
     relief, gloss = (getattr(material, name, None) for name in ("normalTexture", "metallicRoughnessTexture"))
     factors = [getattr(material, name, None) for name in ("roughnessFactor", "metallicFactor")]

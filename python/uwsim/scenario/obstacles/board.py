@@ -1,0 +1,161 @@
+"""The obstacle `board`, a plate with a picture and openings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, StrictBool, model_validator
+
+from uwsim.scenario.build.board_picture import board_picture
+from uwsim.scenario.build.solids import SIDES, Mesh, posed
+from uwsim.scenario.read.mesh_file import joined
+from uwsim.scenario.read.textures import Texture, encoded
+from uwsim.scenario.spec.camera import Colour
+from uwsim.scenario.spec.fields import InRange, Model, Name, Size, YawPitchRoll, broken
+from uwsim.scenario.spec.mark import Mark, Place
+from uwsim.scenario.spec.material import Material, MaterialSpec
+from uwsim.scenario.spec.obstacle import LEVEL, Bed, Placed, Solid
+
+STRIP = 4
+"""Width in pixels of the strip beside a picture that has the colour of the board's edges."""
+WHITE: Colour = (0.8, 0.8, 0.8)
+
+
+class Opening(Model):
+    """A round hole through a board.
+
+    at_m: its middle, to the right and up from the board's as one looks at the front. radius_m: its radius.
+    """
+
+    at_m: tuple[Place, Place] = (0.0, 0.0)
+    radius_m: Annotated[float, InRange(0.005, 50, "m")]
+
+
+class Cell(NamedTuple):
+    """A rectangle of the board: from left to right and from low to high [m], and the opening in its middle, if any."""
+
+    left: float
+    right: float
+    low: float
+    high: float
+    radius_m: float | None = None
+
+
+class Board(Placed):
+    """A flat board, such as a sign or a target. Its front faces along its own x; its edges are along y and z.
+
+    position_m: its centre (world), unless it is on_bed. size_m: width and height. thickness_m: through the board.
+    marks: its picture, on a ground of the material's colour. both_sides: whether the back has the same picture.
+    openings: round holes; a square that is a fifth wider than each is to lie on the board, apart from those of others.
+    """
+
+    example: ClassVar = {"on_bed": True, "size_m": [0.6, 0.6]}
+
+    kind: Literal["board"]
+    name: Name
+    material: MaterialSpec = Material.model_construct(kind="paint", colour=WHITE)
+    yaw_pitch_roll_deg: YawPitchRoll = LEVEL
+    size_m: tuple[Size, Size]
+    thickness_m: Annotated[float, InRange(0.001, 5, "m")] = 0.02
+    marks: Annotated[tuple[Mark, ...], Field(max_length=100)] = ()
+    both_sides: StrictBool = True
+    openings: Annotated[tuple[Opening, ...], Field(max_length=20)] = ()
+
+    @model_validator(mode="after")
+    def _has_room_for_its_openings(self) -> Board:
+        if _cells(self._whole(), [_around(one) for one in self.openings]) is None:
+            rule = "a square a fifth wider than each must lie on the board, and a straight cut must part it from others"
+            raise broken(rule, at=("openings",))
+        return self
+
+    def _whole(self) -> Cell:
+        width, height = self.size_m
+        return Cell(-0.5 * width, 0.5 * width, -0.5 * height, 0.5 * height)
+
+    def _mesh(self) -> Mesh:
+        cells = _cells(self._whole(), [_around(one) for one in self.openings]) or []
+        parts = [_block(cell, self.thickness_m) for cell in cells]
+        vertices, triangles = joined(parts)
+        return vertices, triangles.astype(np.uint32)
+
+    def solid(self, terrain: Bed) -> Solid:
+        """See ObstacleModel."""
+        vertices, triangles = self._mesh()
+        return Solid(posed(vertices, self.position_m, self.yaw_pitch_roll_deg), triangles, [])
+
+    def texture(self) -> Texture | None:
+        """Return the picture, laid on the front, and on the back if that has it."""
+        if not self.marks:
+            return None
+        ground = self.material.colour or WHITE
+        picture = board_picture(self.size_m, ground, self.marks)
+        edge = np.empty((len(picture), STRIP, 3))
+        edge[:] = ground
+        corners, triangles = self._mesh()
+        places = corners[triangles]
+        seen = np.where((places[:, :, 0] < 0).all(axis=1), -1.0, 1.0)[:, None] * places[:, :, 1]
+        share = picture.shape[1] / (picture.shape[1] + STRIP)
+        across = share * (0.5 + seen / self.size_m[0])
+        laid = np.stack([across, 0.5 + places[:, :, 2] / self.size_m[1]], axis=-1)
+        side = places[:, :, 0] / (0.5 * self.thickness_m)
+        is_pictured = (side > 0.99).all(axis=1) | ((side < -0.99).all(axis=1) & self.both_sides)
+        laid[~is_pictured] = (0.5 * (share + 1.0), 0.5)
+        image = encoded(np.concatenate([picture, edge], axis=1))
+        return Texture(np.ascontiguousarray(image), np.ascontiguousarray(laid, np.float32))
+
+
+def _around(opening: Opening) -> Cell:
+    (right, up), half = opening.at_m, 1.2 * opening.radius_m
+    return Cell(right - half, right + half, up - half, up + half, opening.radius_m)
+
+
+def _cells(whole: Cell, openings: Sequence[Cell]) -> list[Cell] | None:
+    """Cut a rectangle along straight lines into those around openings and plain ones; None if that cannot be done."""
+    if not openings:
+        return [whole]
+    if any(o.left < whole.left or o.right > whole.right or o.low < whole.low or o.high > whole.high for o in openings):
+        return None
+    if len(openings) == 1 and whole[:4] == openings[0][:4]:
+        return [openings[0]]
+    for low, high in (("left", "right"), ("low", "high")):
+        for cut in sorted({getattr(one, key) for one in openings for key in (low, high)}):
+            before = [one for one in openings if getattr(one, high) <= cut]
+            after = [one for one in openings if getattr(one, low) >= cut]
+            if getattr(whole, low) < cut < getattr(whole, high) and len(before) + len(after) == len(openings):
+                sides = whole._replace(**{high: cut}), whole._replace(**{low: cut})
+                parts = _cells(sides[0], before), _cells(sides[1], after)
+                return None if parts[0] is None or parts[1] is None else [*parts[0], *parts[1]]
+    return None
+
+
+def _block(cell: Cell, thickness_m: float) -> Mesh:
+    """Return a closed block, whose x is through the board and y to the right as one looks at the front."""
+    outline = np.array([[cell.left, cell.low], [cell.right, cell.low], [cell.right, cell.high], [cell.left, cell.high]])
+    if cell.radius_m is None:
+        return _prism(outline, np.array([[0, 1, 2], [0, 2, 3]]), [[0, 1, 2, 3]], thickness_m)
+    middle = outline.mean(axis=0)
+    angles = np.arange(SIDES) * (2 * np.pi / SIDES)
+    rays = np.column_stack([np.cos(angles), np.sin(angles)])
+    half = 0.5 * (cell.right - cell.left)
+    outer = rays * (half / np.abs(rays).max(axis=1, keepdims=True))
+    points = middle + np.vstack([outer, cell.radius_m * rays])
+    k = np.arange(SIDES)
+    after = (k + 1) % SIDES
+    faces = np.vstack([np.column_stack([k, after, SIDES + after]), np.column_stack([k, SIDES + after, SIDES + k])])
+    return _prism(points, faces, [k.tolist(), (2 * SIDES - 1 - k).tolist()], thickness_m)
+
+
+def _prism(points: NDArray[Any], faces: NDArray[Any], loops: Sequence[Sequence[int]], thickness_m: float) -> Mesh:
+    """Return a prism over a flat figure (right, up). faces: counter-clockwise. loops: its edges, the figure at left."""
+    count, half = len(points), 0.5 * thickness_m
+    flat = np.column_stack([points[:, 0], points[:, 1]])
+    vertices = np.vstack([np.column_stack([np.full(count, x), flat]) for x in (half, -half)])
+    sides = []
+    for loop in loops:
+        a = np.asarray(loop)
+        b = np.roll(a, -1)
+        sides += [np.column_stack([a, a + count, b + count]), np.column_stack([a, b + count, b])]
+    return vertices, np.vstack([faces, faces[:, ::-1] + count, *sides]).astype(np.uint32)
