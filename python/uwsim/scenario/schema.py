@@ -28,6 +28,7 @@ from uwsim.scenario.spec.link import LinkSetup
 from uwsim.scenario.spec.modem import ModemModel
 from uwsim.scenario.spec.obstacle import ObstacleSpec
 from uwsim.scenario.spec.optics import Optics
+from uwsim.scenario.spec.prop import Prop
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import SensorMount, SensorSet
 from uwsim.scenario.spec.sonar import SonarModel
@@ -45,6 +46,7 @@ FILES: dict[str, Any] = {
     "sensors": SensorSet,
     "modem": ModemModel,
     "battery": BatteryType,
+    "prop": Prop,
 }
 """The kinds of files, keyed by the name of their schema."""
 

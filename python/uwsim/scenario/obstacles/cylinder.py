@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
 from uwsim.scenario.build.solids import bars, posed
-from uwsim.scenario.spec.fields import Name, Size, YawPitchRoll
+from uwsim.scenario.spec.fields import InRange, Name, Size, YawPitchRoll
 from uwsim.scenario.spec.material import Material, MaterialSpec
 from uwsim.scenario.spec.obstacle import LEVEL, Bed, Placed, Solid
 
@@ -24,7 +24,7 @@ class Cylinder(Placed):
     name: Name
     material: MaterialSpec = Material.model_construct(kind="steel")
     yaw_pitch_roll_deg: YawPitchRoll = LEVEL
-    radius_m: Size
+    radius_m: Annotated[float, InRange(0.002, 10_000, "m")]
     length_m: Size
 
     def solid(self, terrain: Bed) -> Solid:

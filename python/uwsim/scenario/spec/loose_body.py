@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, cast
+from typing import Annotated, cast
 
 from pydantic import Field, StrictBool, model_validator
 
@@ -88,10 +88,8 @@ class LooseBody(Model):
             return [self]
         bodies, shape = [], cast(Placed, self.shape)  # as LOOSE_KINDS are
         for number, (x_m, y_m, heading_deg) in enumerate(self.scatter.places(shape), start=1):
-            changes: dict[str, Any] = {"name": f"{self.name}_{number}", "position_m": (x_m, y_m, shape.position_m[2])}
-            if (turn := getattr(shape, "yaw_pitch_roll_deg", None)) is not None:
-                changes["yaw_pitch_roll_deg"] = ((turn[0] + heading_deg + 180.0) % 360.0 - 180.0, *turn[1:])
-            bodies.append(self.model_copy(update={"shape": shape.model_copy(update=changes), "scatter": None}))
+            moved = shape.placed(f"{self.name}_{number}", (x_m, y_m, shape.position_m[2]), heading_deg)
+            bodies.append(self.model_copy(update={"shape": moved, "scatter": None}))
         return bodies
 
     @model_validator(mode="after")

@@ -8,7 +8,7 @@ scores use meshes, see build/solids.py.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -112,6 +112,13 @@ class Placed(ObstacleModel):
 
     on_bed: StrictBool = False
     position_m: Point3
+
+    def placed(self, name: str, position_m: Point3, turned_deg: float) -> Self:
+        """Return a copy at another place, turned counter-clockwise about the vertical if it has a direction."""
+        changes: dict[str, Any] = {"name": name, "position_m": position_m}
+        if (turn := getattr(self, "yaw_pitch_roll_deg", None)) is not None:
+            changes["yaw_pitch_roll_deg"] = ((turn[0] + turned_deg + 180.0) % 360.0 - 180.0, *turn[1:])
+        return self.model_copy(update=changes)
 
 
 class OnBed(ObstacleModel):

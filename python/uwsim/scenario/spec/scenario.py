@@ -21,6 +21,7 @@ from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.material import Ground
 from uwsim.scenario.spec.obstacle import ObstacleSpec
 from uwsim.scenario.spec.optics import Optics
+from uwsim.scenario.spec.prop import PropEntry
 from uwsim.scenario.spec.station import Station
 from uwsim.scenario.spec.survey import Survey
 from uwsim.scenario.spec.terrain import TerrainSpec
@@ -70,7 +71,8 @@ class Scenario(Model):
     looks unless it is given a pose; by default the start of the first vehicle. obstacles: fixed obstacles in the water.
     cover: layers of stones, plants and animals on the bed: stones stop bodies, plants brake them. life: fish, which
     instruments meet. water_targets: fish and bubbles, which a multibeam in physics mode receives. station: the
-    reference for distances; it has the dock. vehicles: at least one. objects: loose bodies and bodies on paths.
+    reference for distances; it has the dock. vehicles: at least one. objects: loose bodies and bodies on paths. props:
+    sets of obstacles and objects, such as a bin with its lid, each placed as one; those of a course, say.
     warnings: when the panel issues warnings. survey: the survey flown by `uwsim survey`. mission_time_s: battery life
     after the release of a vehicle without a `battery`, and the default time limit of a flight. link: the link between
     station and vehicles; None: messages are delivered immediately. faults: what fails, and when. wire: the topics that
@@ -99,6 +101,7 @@ class Scenario(Model):
     station: Station = WITHOUT_STATION
     vehicles: Annotated[tuple[VehicleEntry, ...], Field(min_length=1, max_length=64)]
     objects: Annotated[tuple[LooseBody, ...], Field(max_length=MOST_OBJECTS)] = ()
+    props: Annotated[tuple[PropEntry, ...], Field(max_length=200)] = ()
     warnings: WarningLimits = WarningLimits.model_construct()
     link: LinkSpec | None = None
     survey: Survey | None = None
@@ -113,6 +116,18 @@ class Scenario(Model):
         return f"<Scenario '{self.name}': {about}; {' '.join(self.description.split())}>"
 
     __str__ = __repr__
+
+    @model_validator(mode="after")
+    def _props_are_placed(self) -> Scenario:
+        if not self.props:
+            return self
+        obstacles = [*self.obstacles, *(one for prop in self.props for one in prop.obstacles())]
+        objects = [*self.objects, *(one for prop in self.props for one in prop.objects())]
+        if len(objects) > MOST_OBJECTS:
+            raise broken(f"give {len(objects)} bodies with all objects: must be at most {MOST_OBJECTS}", at=("props",))
+        self.__dict__.update(obstacles=tuple(obstacles), objects=tuple(objects), props=())
+        self.model_fields_set.update(("obstacles", "objects"))
+        return self
 
     @model_validator(mode="after")
     def _objects_are_scattered(self) -> Scenario:
