@@ -26,7 +26,7 @@ from uwsim.scenario.read.assets import assets_folder
 ROV = ("vehicles", 0, "model")
 EACH = [
     *(("obstacles", kind) for kind in forms()["obstacles"]),
-    ("currents", "layers"), ("sensors", "dvl"), ("cameras", ""), ("lamps", ""), ("imaging_sonars", "side_scan"),
+    ("props", ""), ("currents", "layers"), ("sensors", "dvl"), ("cameras", ""), ("lamps", ""), ("imaging_sonars", "side_scan"),
 ]  # fmt: skip
 
 

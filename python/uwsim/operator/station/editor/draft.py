@@ -124,10 +124,13 @@ class Draft:
         text = self.text
         if isinstance(items, Mapping):  # one current, written without a list
             text, items = with_value(without(text, self.name, above), self.name, above, [dict(items)]), [items]
-        if section == "obstacles":
-            taken = [each.get("name") for key in ("obstacles", "vehicles") for each in self.values.get(key, [])]
+        if section in ("obstacles", "props"):
+            taken = [
+                each.get("name") for key in ("obstacles", "props", "vehicles") for each in self.values.get(key, [])
+            ]
             taken += [body.name for body in self.scenario.objects]
-            values = {"kind": kind, "name": self._free(kind, taken), **values}
+            first = {"kind": kind} if kind else {}
+            values = {**first, "name": self._free(kind or str(values["model"]), taken), **values}
         place = (*above, len(items))
         self._take(with_value(text, self.name, place, values))
         return place

@@ -13,6 +13,7 @@ from uwsim.scenario.schema import schema
 from uwsim.scenario.spec.camera import Lamps
 from uwsim.scenario.spec.json_schema import UNIT
 from uwsim.scenario.spec.obstacle import OBSTACLES
+from uwsim.scenario.spec.prop import PropEntry
 from uwsim.scenario.spec.vehicle_entry import StartPose
 from uwsim.scenario.spec.water import CurrentSpec
 
@@ -41,6 +42,7 @@ class Section:
 
 SECTIONS = {
     "obstacles": Section("obstacle", ("obstacles",), "list"),
+    "props": Section("placed_prop", ("props",), "list"),
     "currents": Section("current", ("water", "current"), "list"),
     "survey": Section("survey", ("survey",), "one"),
     "starts": Section("start", ("start",), "one", of_vehicle=True),
@@ -51,7 +53,8 @@ SECTIONS = {
         )
     },
 }  # fmt: skip
-OTHER_SCHEMAS = {"lamps": Lamps, "current": CurrentSpec, "start": StartPose}
+OTHER_SCHEMAS = {"lamps": Lamps, "current": CurrentSpec, "start": StartPose, "placed_prop": PropEntry}
+EXAMPLES: Mapping[str, Mapping[str, Any]] = {"lamps": Lamps.example, "props": {"model": "drum"}}
 
 
 @cache
@@ -73,9 +76,8 @@ def described_forms() -> list[Values]:
 
 def start_values(section: str, kind: str, at_m: tuple[float, float]) -> Values:
     """Return the values of a new part at a place (x, y), which a person then changes."""
-    own = OBSTACLES.models()[kind].example if section == "obstacles" else Lamps.example if section == "lamps" else {}
     found: Values = {"kind": kind} if kind else {}
-    found |= own
+    found |= OBSTACLES.models()[kind].example if section == "obstacles" else EXAMPLES.get(section, {})
     for field in forms()[section][kind]:
         name, width = field["name"], field["width"]
         if name in found or not (field["is_required"] or name == "position_m") or name == "name":
