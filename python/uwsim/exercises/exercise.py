@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import zlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from uwsim.base.commands import COMMANDS
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.channels.authority.rights import AidKind
 from uwsim.exercises.goal import Goal, Points
 from uwsim.exercises.lag import LAG_MAX_S, with_lag
 from uwsim.exercises.limits import Limit
 from uwsim.scenario.load import load
 from uwsim.scenario.read.assets import packaged_names
+from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.obstacle import ObstacleSpec
+from uwsim.scenario.spec.prop import PropEntry
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle_entry import StartPose
 
@@ -76,11 +82,44 @@ class Aid(Model):
     cost_per_s: Points = 0.0
 
 
+Shift = Annotated[float, InRange(-1000, 1000, "m")]
+Turn = Annotated[float, InRange(-180, 180, "deg")]
+
+
+class PropShift(Model):
+    """How far a prop may stand from its place in the scenario: from low to high, drawn evenly by the seed.
+
+    prop: its name. x_m, y_m, z_m: along the world's axes. yaw_deg: counter-clockwise.
+    """
+
+    prop: Name
+    x_m: tuple[Shift, Shift] = (0.0, 0.0)
+    y_m: tuple[Shift, Shift] = (0.0, 0.0)
+    z_m: tuple[Shift, Shift] = (0.0, 0.0)
+    yaw_deg: tuple[Turn, Turn] = (0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _are_ranges(self) -> PropShift:
+        for key in ("x_m", "y_m", "z_m", "yaw_deg"):
+            low, high = getattr(self, key)
+            if low > high:
+                raise broken("must have the smaller number first", at=(key,), value=[low, high])
+        return self
+
+    def drawn(self, prop: PropEntry, seed: int) -> PropEntry:
+        """Return the prop where the seed puts it, whatever other props there are."""
+        random = np.random.default_rng([seed, zlib.crc32(self.prop.encode())])
+        x, y, z, yaw_deg = (random.uniform(*each) for each in (self.x_m, self.y_m, self.z_m, self.yaw_deg))
+        at_m = (prop.position_m[0] + x, prop.position_m[1] + y, prop.position_m[2] + z)
+        return prop.model_copy(update={"position_m": at_m, "yaw_deg": (prop.yaw_deg + yaw_deg + 180.0) % 360.0 - 180.0})
+
+
 class Exercise(Model):
     """An exercise for a pilot.
 
     title: one line. brief: the task. scenario: a packaged name, or the path of a YAML file. vehicle: a packaged model
-    that replaces the first vehicle's. obstacles: added to the scenario's. hidden: names of obstacles that the station's
+    that replaces the first vehicle's. obstacles: added to the scenario's. layout: how far its props may stand from
+    their places, by the seed. hidden: names of obstacles that the station's
     3D view and chart leave out. start: the pose of the first vehicle, by default as in the scenario. seed: seed of all
     random draws. time_s: time after which it ends. goals, limits, events: see their models. aids: those that the pilot
     may use; all others are refused. pass_points: points needed to pass. lag_s: the time that sound takes from the pilot
@@ -92,6 +131,7 @@ class Exercise(Model):
     scenario: str
     vehicle: str | None = None
     obstacles: list[ObstacleSpec] = Field(default_factory=list)
+    layout: Annotated[list[PropShift], Field(max_length=200)] = Field(default_factory=list)
     hidden: list[Name] = Field(default_factory=list)
     start: StartPose | None = None
     seed: Annotated[int, InRange(0, 2**32 - 1)] = 0
@@ -131,19 +171,54 @@ class Exercise(Model):
             raise broken(f"must be at most {self.points:g}, the points of all goals", at=("pass_points",))
         return self
 
+    def _props(self, found: Scenario) -> dict[str, PropEntry]:
+        """Return the scenario's props by name, where the seed puts them. Raises ScenarioError."""
+        props = {one.name: one for one in found.placed_props}
+        for index, each in enumerate(self.layout):
+            if each.prop not in props:
+                raise _no_prop(f"layout[{index}].prop", each.prop, props, self.scenario)
+            props[each.prop] = each.drawn(props[each.prop], self.seed)
+        return props
+
+    def in_world(self) -> Exercise:
+        """Return a copy whose goals are all in the world, those of props where the seed puts them."""
+        if all(goal.of is None for goal in self.goals):
+            return self
+        props, goals = self._props(load(self.scenario)), []
+        for index, goal in enumerate(self.goals):
+            if goal.of is not None and goal.of not in props:
+                raise _no_prop(f"goals[{index}].of", goal.of, props, self.scenario)
+            goals.append(goal if goal.of is None else goal.in_world(props[goal.of]))
+        return self.model_copy(update={"goals": goals})
+
     def made_scenario(self) -> Scenario:
         """Return the scenario with the exercise's obstacles, start, seed and time. Raises ScenarioError."""
         found = load(self.scenario)
+        props = self._props(found)
         if self.vehicle is not None:
             found = found.with_changes(vehicle_model=self.vehicle)
         data = found.given()
         data["seed"] = self.seed
         data["mission_time_s"] = max(found.mission_time_s, 2 * self.time_s)
         data["obstacles"] = [*found.obstacles, *self.obstacles]
+        if self.layout:
+            fixed, loose = (
+                sum(len(getattr(one.model, key)) for one in props.values()) for key in ("obstacles", "objects")
+            )
+            data["obstacles"] = [*found.obstacles[: len(found.obstacles) - fixed], *self.obstacles]
+            data["objects"] = found.objects[: len(found.objects) - loose]
+            data["props"] = list(props.values())
         if self.start is not None:
             data["vehicles"] = [{**found.vehicles[0].given(), "start": self.start}, *found.vehicles[1:]]
         made = validated(Scenario, data).read_from(found.source_file)
         return with_lag(made, self.lag_s) if self.lag_s else made
+
+
+def _no_prop(key: str, name: str, props: Mapping[str, PropEntry], scenario: str) -> ScenarioError:
+    names = ", ".join(props) or "it has none"
+    return ScenarioError(
+        f"exercise: {key} = '{name}': must be a prop of '{scenario}': {names}{did_you_mean(name, props)}"
+    )
 
 
 def load_exercise(source: str | Path) -> Exercise:

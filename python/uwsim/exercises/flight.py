@@ -47,7 +47,7 @@ def fly_exercise(
     the exercise's time is up. If the mission fails, its error is raised once the sheet has been written. Raises
     ValueError, ScenarioError or OSError.
     """
-    found = exercise if isinstance(exercise, Exercise) else load_exercise(exercise)
+    found = (exercise if isinstance(exercise, Exercise) else load_exercise(exercise)).in_world()
     person = checked_person(person) if person else ""
     if out is not None:
         require_room(Path(out))

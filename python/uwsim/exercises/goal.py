@@ -6,13 +6,14 @@ from another package.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import Field
 
 from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import InRange, Model, Name
 from uwsim.scenario.spec.kinds import Kinds
+from uwsim.scenario.spec.prop import PropEntry
 from uwsim.simulator.simulator import Simulator
 
 Duration = Annotated[float, InRange(0.1, 1e5, "s")]
@@ -57,7 +58,8 @@ class GoalModel(Model):
     """The keys that all goals share.
 
     name: used in `after`. title: shown to the pilot. points: awarded for meeting it. after: the name of a goal that
-    must be met before this one counts.
+    must be met before this one counts. of: a prop of the scenario, in whose frame the goal's position_m and heading_deg
+    are; by default the world.
     """
 
     progress: ClassVar[type[Progress]] = Progress
@@ -66,9 +68,19 @@ class GoalModel(Model):
     title: str = Field(min_length=1, max_length=120)
     points: Points = 10.0
     after: Name | None = None
+    of: Name | None = None
 
     if TYPE_CHECKING:
         kind: str
+
+    def in_world(self, prop: PropEntry) -> Self:
+        """Return a copy in the world for a goal in the frame of a prop."""
+        changes: dict[str, Any] = {"of": None}
+        if (point_m := getattr(self, "position_m", None)) is not None:
+            changes["position_m"] = prop.in_world(point_m)
+        if (heading_deg := getattr(self, "heading_deg", None)) is not None:
+            changes["heading_deg"] = (heading_deg + prop.yaw_deg + 180.0) % 360.0 - 180.0
+        return self.model_copy(update=changes)
 
     def begun(self) -> Progress:
         """Return the goal's progress at the beginning."""

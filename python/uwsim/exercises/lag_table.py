@@ -1,4 +1,4 @@
-"""Joins score sheets of one exercise at several lags to one table and one figure."""
+"""Joins score sheets at several lags or of several seeds to one table, and those of lags to one figure."""
 
 from __future__ import annotations
 
@@ -16,8 +16,7 @@ from uwsim.base.own_files import require_own
 from uwsim.exercises.certified import read_sheet
 from uwsim.exercises.sheet import SCORE
 
-TABLE, VALUES, FIGURE = "lags.csv", "lags.json", "lags.png"
-NAMES = (TABLE, VALUES, FIGURE)
+LAGS, SEEDS = "lags", "seeds"
 NOT_NAMED = "not named"
 
 
@@ -57,19 +56,37 @@ def _pilot(sheet: Mapping[str, Any]) -> str:
     return ", ".join(each for each in (sheet["person"], script) if each) or NOT_NAMED
 
 
-def write_lags(out: Path, rows: Sequence[Mapping[str, Any]]) -> list[Path]:
-    """Write the table as lags.csv and lags.json, and lags.png; return their paths. Raises OSError."""
+def write_table(out: Path, rows: Sequence[Mapping[str, Any]], stem: str) -> list[Path]:
+    """Write the rows as stem.csv and stem.json, for LAGS also as lags.png; return their paths. Raises OSError."""
     out.mkdir(parents=True, exist_ok=True)
-    for name in NAMES:
-        require_own(out / name)
+    table_path, values_path, *figure_path = [
+        out / f"{stem}.{suffix}" for suffix in ("csv", "json", *(("png",) if stem == LAGS else ()))
+    ]
+    for path in (table_path, values_path, *figure_path):
+        require_own(path)
     text = io.StringIO()
     table = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
     table.writeheader()
     table.writerows(rows)
-    write_atomically(out / TABLE, text.getvalue().encode())
-    write_atomically(out / VALUES, (json.dumps(list(rows), indent=1, allow_nan=False) + "\n").encode())
-    _draw(out / FIGURE, rows)
-    return [out / name for name in NAMES]
+    write_atomically(table_path, text.getvalue().encode())
+    write_atomically(values_path, (json.dumps(list(rows), indent=1, allow_nan=False) + "\n").encode())
+    for path in figure_path:
+        _draw(path, rows)
+    return [table_path, values_path, *figure_path]
+
+
+def mean_score(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the mean score of several attempts in words, with its 95 % interval by Student's t."""
+    from scipy.stats import t
+
+    scores = np.array([row["score"] for row in rows], np.float64)
+    half = float(t.ppf(0.975, len(scores) - 1) * scores.std(ddof=1) / np.sqrt(len(scores)))
+    low, high = max(scores.mean() - half, 0.0), min(scores.mean() + half, rows[0]["points"])
+    passed = sum(bool(row["passed"]) for row in rows)
+    return (
+        f"{len(scores)} seeds: {scores.mean():.1f} of {rows[0]['points']:g} on average, 95 % interval "
+        f"{low:.1f} to {high:.1f}; {passed} passed"
+    )
 
 
 def _draw(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:

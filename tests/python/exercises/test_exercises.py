@@ -76,6 +76,19 @@ def pipeline_in_a_hurry(vehicle):
     yield from follow(vehicle, [(*place, -5.0) for place in PIPE], speed_m_s=1.0)
 
 
+def pool_course(vehicle):
+    for goal in load_exercise("pool-course").in_world().goals:
+        (x, y, z), ahead = goal.position_m, math.radians(getattr(goal, "heading_deg", 0.0))
+        for along_m in (-0.6, 0.6) if goal.kind == "pass" else (0.0,):
+            at_m = (x + along_m * math.cos(ahead), y + along_m * math.sin(ahead), z)
+            yield from goto(vehicle, at_m, within_m=0.2)
+
+
+def pool_course_by_dead_reckoning(vehicle):
+    """Flies straight to where the octagon is in the scenario."""
+    yield from goto(vehicle, (9.5, 0, -1), within_m=0.5)
+
+
 def approach(vehicle):
     yield from goto(vehicle, (0, 0, -2.2))
     yield from goto(vehicle, (-4.5, 0, -2), within_m=0.3)
@@ -183,6 +196,7 @@ PILOTS = {
     "hover": (hover, hover_carelessly),
     "slalom": (slalom, slalom_past_the_third),
     "pipeline": (pipeline, pipeline_in_a_hurry),
+    "pool-course": (pool_course, pool_course_by_dead_reckoning),
     "approach": (approach, approach_without_the_current),
     "depth-gauge": (depth_gauge, depth_gauge_believed),
     "gust": (gust, gust_without_holding),

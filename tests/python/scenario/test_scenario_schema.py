@@ -19,7 +19,7 @@ from uwsim.scenario.spec.imaging_kind import imaging_kinds
 from uwsim.scenario.spec.sensor_kind import sensor_kinds
 
 FOLDERS = {"scenario": "scenarios", "vehicle": "vehicles", "thruster": "thrusters", "sonar": "sonars",
-           "sensors": "sensors", "modem": "modems", "battery": "batteries"}  # fmt: skip
+           "sensors": "sensors", "modem": "modems", "battery": "batteries", "prop": "props"}  # fmt: skip
 
 
 @cache

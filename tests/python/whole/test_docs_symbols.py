@@ -51,6 +51,7 @@ OTHERS: dict[str, set[str]] = {
     "maps": {"octomap_rviz_plugins", "read_point_cloud"},  # from ROS and Open3D
     "missions": {"out/"},
     "moos": {"speed_factor", "start_pos", "terse_reports"},  # of pMarinePID, uSimMarine, pNodeReporter
+    "props": {"blue_drum_floor"},  # of the page's example
     "recording": {"uwsim.end"},  # name of a record
     "ros1": {"octomap_rviz_plugins"},
     "ros2": {"rqt_console"},  # from ROS 2
@@ -85,6 +86,7 @@ def words_of(file: PurePosixPath) -> set[str]:
 def words() -> set[str]:
     """Return every word in the sources, the assets and their names."""
     ours = [file for file in files() if file.suffix in SOURCES - {".md"} or file.parts[0] in {"tools", ".ci"}]
+    ours += [file for file in files() if file.match("assets/props/*.yaml")]
     ours = [file for file in ours if not file.match("test_docs_symbols.py")]
     return set().union(*map(words_of, ours))
 

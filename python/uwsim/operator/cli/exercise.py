@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from uwsim.operator.station.flights.flights import Bounds
 
 
+MOST_SEEDS = 1000
+
 app = with_default("exercise", "Fly an exercise with goals, limits and events; the log book.", "Fly")
 
 
@@ -59,6 +61,14 @@ def exercise(
             help="The acoustic lag [s], one way, 0 to 3: commands and sight are late by it. With --pilot also several, "
             "as 0,0.5,1,2: each is flown, and the sheets are joined. Default: the exercise's own.",
             metavar="S[,S...]",
+        ),
+    ] = None,
+    seed: Annotated[
+        str | None,
+        typer.Option(
+            help="Seed of random draws and of the layout. With --pilot also several, as 1,2,5-20: each is flown, and "
+            "the sheets are joined to seeds.csv and seeds.json. Default: the exercise's own.",
+            metavar="N[,N-N...]",
         ),
     ] = None,
     join: Annotated[
@@ -97,10 +107,10 @@ def exercise(
 
     if join:
         refuse("has no effect with --join, which flies nothing", name=name, pilot=pilot, serve=serve or None,
-               person=person, lag=lag, **recorded.arguments)  # fmt: skip
-        from uwsim.exercises.lag_table import sheets_in
+               person=person, lag=lag, seed=seed, **recorded.arguments)  # fmt: skip
+        from uwsim.exercises.lag_table import LAGS, sheets_in
 
-        _join(out, sheets_in(join), as_json)
+        _join(out, sheets_in(join), LAGS, as_json)
         return
     if name is None:
         _list({each: load_exercise(each) for each in exercise_names()}, as_json)
@@ -109,14 +119,18 @@ def exercise(
         need("--serve", port=port, **tokens.arguments, **instructor.arguments, keep_flights=keep_flights)
     if serve == (pilot is not None):
         raise WithoutEffectError("needs either --pilot FILE, which flies it, or --serve, for a person")
-    lags = _lags(lag)
+    lags, seeds = _lags(lag), _seeds(seed)
     found = load_exercise(name)
     if lags:
         found = found.model_copy(update={"lag_s": lags[0]})
+    if seeds:
+        found = found.model_copy(update={"seed": seeds[0]})
     named = "" if person is None else checked_person(person)
     if serve:
         if len(lags) > 1:
             raise OptionError(f"--lag {lag}: must be one lag with --serve, since a person flies one after another")
+        if len(seeds) > 1:
+            raise OptionError(f"--seed {seed}: must be one seed with --serve, since a person flies one after another")
         refuse("has no effect with --serve; the page's menu records", **recorded.arguments)
         refuse("has no effect with --serve; each attempt's score.json is in --out", json=as_json)
         bounds = kept_flights(KEPT if keep_flights is None else keep_flights)
@@ -126,19 +140,23 @@ def exercise(
     from uwsim.exercises.sheet_text import score_lines
     from uwsim.flight.terminal import Silent, Terminal
 
-    if len(lags) > 1:
-        from uwsim.exercises.lag_table import sheets_in
+    if len(lags) > 1 and len(seeds) > 1:
+        raise OptionError(f"--lag {lag} --seed {seed}: several of only one of them")
+    if len(lags) > 1 or len(seeds) > 1:
+        from uwsim.exercises.lag_table import LAGS, SEEDS, sheets_in
 
-        for each in lags:
-            part = out / f"lag-{each:g}"
-            typer.echo(f"lag {each:g} s, one way: {part}")
+        stem = LAGS if len(lags) > 1 else SEEDS
+        parts = []
+        for each in lags if stem == LAGS else seeds:
+            parts.append(out / f"{stem.removesuffix('s')}-{each:g}")
+            typer.echo(f"lag {each:g} s, one way: {parts[-1]}" if stem == LAGS else f"seed {each}: {parts[-1]}")
             flown = fly_exercise(
-                found.model_copy(update={"lag_s": each}), pilot, part, person=named, threads=threads, screen=Silent(),
-                **recorded.arguments,
+                found.model_copy(update={"lag_s" if stem == LAGS else "seed": each}), pilot, parts[-1], person=named,
+                threads=threads, screen=Silent(), **recorded.arguments,
             ).record  # fmt: skip
             if flown.interrupted:
                 raise typer.Exit(INTERRUPTED)
-        _join(out, sheets_in([out / f"lag-{each:g}" for each in lags]), as_json)
+        _join(out, sheets_in(parts), stem, as_json)
         return
     course, flown = fly_exercise(
         found, pilot, out, person=named, threads=threads, screen=Terminal(), **recorded.arguments
@@ -172,20 +190,37 @@ def _lags(text: str | None) -> list[float]:
     return found
 
 
-def _join(out: Path, sheets: list[Path], as_json: bool) -> None:
-    from uwsim.exercises.lag_table import lag_rows, write_lags
+def _seeds(text: str | None) -> list[int]:
+    """Return the seeds of an option. Raises OptionError."""
+    found: list[int] = []
+    for part in [] if text is None else text.split(","):
+        low, dash, high = part.strip().partition("-")
+        if not (low.isdigit() and (high.isdigit() if dash else not high)) or len(low + high) > 12:
+            raise OptionError(f"--seed {text}: '{part.strip()}': must be a whole number, or two as 5-20")
+        found += range(int(low), int(high if dash else low) + 1)
+        if not found or len(found) > MOST_SEEDS:
+            raise OptionError(f"--seed {text}: must be 1 to {MOST_SEEDS} seeds, and a range's smaller number first")
+    if len(set(found)) < len(found):
+        raise OptionError(f"--seed {text}: must be different seeds")
+    return found
+
+
+def _join(out: Path, sheets: list[Path], stem: str, as_json: bool) -> None:
+    from uwsim.exercises.lag_table import SEEDS, lag_rows, mean_score, write_table
 
     rows = lag_rows(sheets)
-    written = write_lags(out, rows)
+    written = write_table(out, rows, stem)
     if as_json:
         print_json(rows)
         return
     for row in rows:
         verdict = ("passed" if row["passed"] else "not passed") if row["valid"] else "not valid"
         typer.echo(
-            f"lag {row['lag_s']:4g} s  {row['score']:6.1f} of {row['points']:g}  {row['time_s']:6.1f} s  {verdict:10}  "
-            f"{row['pilot']}"
+            (f"seed {row['seed']:6}  " if stem == SEEDS else f"lag {row['lag_s']:4g} s  ")
+            + f"{row['score']:6.1f} of {row['points']:g}  {row['time_s']:6.1f} s  {verdict:10}  {row['pilot']}"
         )
+    if stem == SEEDS:
+        typer.echo(mean_score(rows))
     typer.echo("  ".join(map(str, written)))
 
 

@@ -83,13 +83,14 @@ class PropEntry(Model):
         """Return its bodies in the world."""
         return [self._body(one) for one in self.model.objects]
 
-    def _point(self, point_m: Point3) -> Point3:
+    def in_world(self, point_m: Point3) -> Point3:
+        """Return a point of its frame in the world."""
         x, y, z = turned(of_yaw_pitch_roll_deg((self.yaw_deg, 0.0, 0.0)), np.asarray(point_m)).tolist()
         return x + self.position_m[0], y + self.position_m[1], z + self.position_m[2]
 
     def _shape(self, shape: ObstacleModel) -> ObstacleModel:
         assert isinstance(shape, Placed)
-        moved = shape.placed(f"{self.name}_{shape.name}", self._point(shape.position_m), self.yaw_deg)
+        moved = shape.placed(f"{self.name}_{shape.name}", self.in_world(shape.position_m), self.yaw_deg)
         return self._painted(moved)
 
     def _painted(self, shape: ObstacleModel) -> ObstacleModel:
@@ -107,7 +108,7 @@ class PropEntry(Model):
             if isinstance(anchor, BodyAnchor):
                 anchor = anchor.model_copy(update={"to": f"{self.name}_{anchor.to}"})
             elif not isinstance(anchor, str):
-                anchor = self._point(anchor)
+                anchor = self.in_world(anchor)
             changes["tether"] = body.tether.model_copy(update={"anchor": anchor})
         return body.model_copy(update=changes)
 

@@ -109,6 +109,7 @@ class Scenario(Model):
     wire: Literal["standard", "published", "both"] = "both"
 
     _source_file: SourceFile = PrivateAttr(default=SourceFile())
+    _placed_props: tuple[PropEntry, ...] = PrivateAttr(default=())
 
     def __repr__(self) -> str:
         vehicles = ", ".join(vehicle.name for vehicle in self.vehicles)
@@ -125,6 +126,7 @@ class Scenario(Model):
         objects = [*self.objects, *(one for prop in self.props for one in prop.objects())]
         if len(objects) > MOST_OBJECTS:
             raise broken(f"give {len(objects)} bodies with all objects: must be at most {MOST_OBJECTS}", at=("props",))
+        self._placed_props = self.props
         self.__dict__.update(obstacles=tuple(obstacles), objects=tuple(objects), props=())
         self.model_fields_set.update(("obstacles", "objects"))
         return self
@@ -255,6 +257,11 @@ class Scenario(Model):
     def source_file(self) -> SourceFile:
         """The file from which the scenario was read, for messages."""
         return self._source_file
+
+    @property
+    def placed_props(self) -> tuple[PropEntry, ...]:
+        """The props whose parts are the last of its obstacles and objects, if it was read with props."""
+        return self._placed_props
 
     def read_from(self, source_file: SourceFile) -> Self:
         """Return a copy whose errors refer to this file and its lines."""

@@ -156,6 +156,7 @@ class Sessions:
 
         person: the name on the sheets and in the log book, by default that of the member who begins the attempt.
         """
+        exercise = exercise.in_world()
 
         def make() -> LiveSimulator:
             sim = Simulator(exercise.made_scenario(), threads=self.threads)
