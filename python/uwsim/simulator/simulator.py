@@ -102,6 +102,8 @@ class Simulator(SimulatorProperties):
             "state": "save_state(), or rov.pose and rov.velocity",
             "run": "advance()",
             "position": "rov.pose.position_world_m",
+            **dict.fromkeys(("roll", "pitch", "orientation"), "rov.pose.orientation_xyzw"),
+            **dict.fromkeys(("yaw", "heading"), "rov.pose.yaw_rad"),
             "close": "del sim: there is nothing to close",
         }
     )

@@ -72,6 +72,8 @@ class Vehicle(CommandedVehicle):
         | dict.fromkeys(("yaw", "heading"), "pose.yaw_rad")
         | {
             "state": "pose, velocity or telemetry()",
+            "save": "the simulator's save_state()",
+            "close": "del of its simulator: there is nothing to close",
             "depth": "telemetry().depth_m",
             "speed": "velocity.linear_body_m_s",
         }

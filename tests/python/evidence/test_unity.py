@@ -25,6 +25,7 @@ from uwsim.evidence.unity.project import Project
 from uwsim.evidence.unity.scenario import scenario_from
 from uwsim.evidence.unity.scene import _number, read_scene
 from uwsim.scenario import load
+from uwsim.scenario.read.mesh_file import load_mesh
 from uwsim.scenario.read.textures import triangle_means
 from uwsim.scenario.spec.camera import CameraMount
 from uwsim.simulator.simulator import Simulator
@@ -253,6 +254,15 @@ def test_a_bed_too_wide_is_cut_to_the_size_given(project: Path, tmp_path: Path) 
     west, south, east, north = sim.world.terrain_extent_m
     assert (east - west, north - south) == pytest.approx((100.0, 100.0), abs=1.0)
     assert max(map(abs, (west, south, east, north))) <= 50.0
+    there = ("--size", 100, "--centre", -20, -120)  # Turned stands at x = -20, y = -130 m
+    done = command("scenario", "from", project, *there, "--out", tmp_path / "moved")
+    assert done.returncode == 0 and "left out: Pair: it lies beyond --size = 100 m" in done.stdout, done.stderr
+    moved = uwsim.Simulator(tmp_path / "moved/lawntest.yaml")
+    (turned,) = (each for each in moved.scenario.obstacles if each.name == "turned")
+    whole = scenario_from(Project(project), scene, tmp_path / "whole", size_m=1000.0)
+    (before,) = (each for each in uwsim.Simulator(whole.path).scenario.obstacles if each.name == "turned")
+    shift = load_mesh(before.file)[0] - load_mesh(turned.file)[0]
+    assert shift == pytest.approx(np.tile([-20.0, -120.0, 0.0], (len(shift), 1)), abs=1e-4)
 
 
 def changed(old: str, new: str):

@@ -22,7 +22,8 @@ def scenario_from(
     centre: Annotated[
         tuple[float, float] | None,
         typer.Option(
-            help="A chart: the middle, in its coordinates. Default: that of the largest square without gaps.",
+            help="The middle: in a chart's coordinates (default: of the largest square without gaps); of a Unity "
+            "project, metres east and north of its origin.",
             metavar="X Y", callback=within(-1e9, 1e9, ""),
         ),
     ] = None,
@@ -99,8 +100,8 @@ def scenario_from(
     a vehicle and a survey in its middle; elevations are positive up. Of a robot's description (SDF, URDF, Stonefish's
     .scn, HoloOcean's JSON), the scenario and its vehicles are written, with hulls, mass, hydrodynamics, thrusters and
     sensors; files that it refers to are looked for beside it. Of a Unity project, bed, station, gates, pipelines and
-    vehicle are read, with their materials' colours. Of a COLMAP model, the points become the bed, and the colours of
-    the pictures the water's attenuation. All that is left out or assumed is printed.
+    vehicle are read, with their materials' colours, of a picture its mean. Of a COLMAP model, the points become the
+    bed, and the colours of the pictures the water's attenuation. All that is left out or assumed is printed.
     """
     from uwsim.base.options import OptionError
     from uwsim.evidence.scenario_source import NotMadeError, source_of

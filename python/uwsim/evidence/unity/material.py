@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,15 @@ COLOURS, PICTURES = ("_BaseColor", "_Color"), ("_BaseColorMap", "_MainTex")
 SIDE = 64  # of the picture whose mean is taken
 
 
-def material_colour(project: Project, guid: str) -> NDArray[np.float64] | None:
-    """Return the colour (3,) of a material file, sRGB from 0 to 1; None if the checkout has none that can be read."""
+class Material(NamedTuple):
+    """colour: (3,), sRGB from 0 to 1. has_picture: whether a picture's mean is part of it."""
+
+    colour: NDArray[np.float64]
+    has_picture: bool
+
+
+def read_material(project: Project, guid: str) -> Material | None:
+    """Return a material file's content; None if the checkout has none that can be read."""
     file = project.path(guid)
     if file is None or file.suffix != ".mat" or not file.is_file():
         return None
@@ -32,7 +40,7 @@ def material_colour(project: Project, guid: str) -> NDArray[np.float64] | None:
     except (ValueError, LookupError, TypeError, AttributeError, StopIteration, OSError):
         return None
     mean = None if picture is None else _mean(project, picture)
-    return np.asarray(np.clip(colour if mean is None else colour * mean, 0.0, 1.0), np.float64)
+    return Material(np.clip(colour if mean is None else colour * mean, 0.0, 1.0), mean is not None)
 
 
 def _mean(project: Project, guid: str) -> NDArray[np.float64] | None:

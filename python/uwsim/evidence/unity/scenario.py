@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, cast
@@ -39,18 +40,26 @@ KEPT = ("water", "optics", "ground", "station", "warnings", "survey", "mission_t
 
 
 def scenario_from(
-    project: Project, scene: Path, out: Path, *, terrain: str = TERRAIN, size_m: float | None = None
+    project: Project,
+    scene: Path,
+    out: Path,
+    *,
+    terrain: str = TERRAIN,
+    size_m: float | None = None,
+    centre_m: tuple[float, float] = (0.0, 0.0),
 ) -> Made:
     """Write a scenario, its meshes, terrain and vehicle into the folder `out`.
 
     scene: a scene of the project. terrain: the top-level object whose meshes are the bed. size_m: the largest edge of
-    the bed, about the scene's origin; obstacles that lie beyond it are left out. The station, water, optics
-    and survey are those of the packaged scenario `paper`. Raises ValueError or OSError.
+    the bed; obstacles that lie beyond it are left out. centre_m: the new origin, east and north of the scene's own.
+    The station, water, optics and survey are those of the packaged scenario `paper`. Raises ValueError or OSError.
     """
     read = read_scene(project, scene)
     notes = read.left_out
+    if read.pictures:
+        notes.append(f"assumed: each of {read.pictures} materials with a picture has one colour, the picture's mean")
     groups: dict[str, list[Piece]] = {}
-    for piece in read.pieces:
+    for piece in (_moved(each, centre_m) for each in read.pieces):
         groups.setdefault(piece.body[0] if piece.body else piece.path[0], []).append(piece)
     for name in [name for name in groups if WATER in name.lower()]:
         del groups[name]
@@ -70,6 +79,7 @@ def scenario_from(
     written.add("terrain.asc", bed.text)
     hull_file = written.mesh("vehicle", hull, _in_body(hull[0]))
     paper = read_yaml(find_yaml("paper", "scenarios")).values
+    _move(paper, centre_m)
     values: dict[str, Any] = {
         "name": scene.stem.lower().replace(" ", "_"),
         "description": f"{scene.name} of a Unity project, with uwsim's sonar and map",
@@ -157,6 +167,20 @@ class _Files:
         self._folder.mkdir(parents=True, exist_ok=True)
         for name, content in self._contents.items():
             write_atomically(self._folder / name, content)
+
+
+def _moved(piece: Piece, centre_m: tuple[float, float]) -> Piece:
+    """Return a piece as seen from an origin east and north of the scene's own."""
+    back = FROM_UNITY.T @ (*centre_m, 0.0)
+    body = piece.body and (piece.body[0], piece.body[1] - np.pad(back, (0, 1))[:, None] * (0.0, 0.0, 0.0, 1.0))
+    return replace(piece, vertices=piece.vertices - back, body=body)
+
+
+def _move(paper: dict[str, Any], centre_m: tuple[float, float]) -> None:
+    """Move the station and the survey of `paper` likewise."""
+    station, survey = paper["station"], paper["survey"]
+    station["position_m"] = np.subtract(station["position_m"], (*centre_m, 0.0)).tolist()
+    survey["area_m"] = np.subtract(survey["area_m"], centre_m).tolist()
 
 
 def _in_world(points: NDArray[np.float64]) -> NDArray[np.float64]:

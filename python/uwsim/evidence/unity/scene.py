@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim.base.extras import need_extra
-from uwsim.evidence.unity.material import material_colour
+from uwsim.evidence.unity.material import Material, read_material
 from uwsim.evidence.unity.project import Document, Project
 from uwsim.scenario.read.assimp_mesh import NodeMesh, nodes_by_assimp
 
@@ -47,15 +47,30 @@ class Piece:
 
 @dataclass
 class Scene:
-    """The pieces of a scene. prefabs: instances so far. dropped: the objects that were left out, by reason."""
+    """The pieces of a scene. prefabs: instances so far. dropped: the objects that were left out, by reason.
+
+    materials: those of the pieces so far, by guid; None for one that cannot be read.
+    """
 
     pieces: list[Piece] = field(default_factory=list)
     prefabs: int = 0
+    materials: dict[str, Material | None] = field(default_factory=dict)
     dropped: dict[str, list[str]] = field(default_factory=dict)
 
     def drop(self, path: Iterable[str], reason: str) -> None:
         """Note an object that is left out."""
         self.dropped.setdefault(reason, []).append("/".join(path))
+
+    def material(self, project: Project, guid: str) -> Material | None:
+        """Return a material, which is read once."""
+        if guid not in self.materials:
+            self.materials[guid] = read_material(project, guid)
+        return self.materials[guid]
+
+    @property
+    def pictures(self) -> int:
+        """How many materials have a picture."""
+        return sum(each is not None and each.has_picture for each in self.materials.values())
 
     @property
     def left_out(self) -> list[str]:
@@ -212,10 +227,9 @@ class _File:
         vertices, triangles = mesh.placed(LEFT_HANDED @ world_from_file)  # right-handed, which decides the winding
         if not np.isfinite(vertices).all():
             raise ValueError(f"{'/'.join(path)[:200]}: has points that are not finite")
-        colour = material_colour(self._project, materials[0].get("guid", "")) if materials else None
-        self._scene.pieces.append(
-            Piece(path, vertices * (-1.0, 1.0, 1.0), triangles, body, mesh.colour if colour is None else colour)
-        )
+        material = self._scene.material(self._project, materials[0].get("guid", "")) if materials else None
+        colour = mesh.colour if material is None else material.colour
+        self._scene.pieces.append(Piece(path, vertices * (-1.0, 1.0, 1.0), triangles, body, colour))
 
 
 def _number(name: str) -> int:

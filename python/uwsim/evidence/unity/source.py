@@ -27,9 +27,14 @@ def _make(path: Path, out: Path | None, options: Mapping[str, Any]) -> Made:
         raise ValueError(f"--scene = {scene!r}: must be one of {names}" if scenes else f"'{path}': has no scenes")
     folder = out or Path(scene.lower().replace(" ", "_"))
     return scenario_from(
-        Project(path), found[0], folder, terrain=options.get("terrain", TERRAIN), size_m=options.get("size")
+        Project(path),
+        found[0],
+        folder,
+        terrain=options.get("terrain", TERRAIN),
+        size_m=options.get("size"),
+        centre_m=options.get("centre", (0.0, 0.0)),
     )
 
 
-OPTIONS = ("scene", "terrain", "size")
+OPTIONS = ("scene", "terrain", "size", "centre")
 UNITY = ScenarioSource("the checkout of a Unity project, with a folder Assets", _accepts, _make, OPTIONS)
