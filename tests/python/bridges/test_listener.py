@@ -147,3 +147,21 @@ def test_only_who_takes_more_than_an_equal_part_waits_for_others(
     monkeypatch.setattr("uwsim.bridges.doors.conversation.asyncio.sleep", sleep)
     asyncio.run(converse(frames, frames, asyncio.Event(), Rates(1e3, 1e6), share))  # type: ignore[arg-type]
     assert (max(delays_s) > 0) == waits and share.clients == 9
+
+
+class Broken(Frames):
+    """A client that reads for ever, and whose next frame cannot be made."""
+
+    async def recv(self) -> str:
+        await asyncio.Event().wait()
+        return ""
+
+    async def next_frame(self) -> tuple[None, None]:
+        raise ArithmeticError("no such frame")
+
+
+def test_a_client_that_can_be_sent_nothing_more_is_not_left_to_wait() -> None:
+    share, frames = Share(0.3), Broken(1, 0.0)
+    with pytest.raises(ArithmeticError, match="no such frame"):
+        asyncio.run(converse(frames, frames, asyncio.Event(), Rates(1e3, 1e6), share))  # type: ignore[arg-type]
+    assert share.clients == 0

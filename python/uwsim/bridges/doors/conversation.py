@@ -119,17 +119,25 @@ class Session(Protocol):
 async def converse(
     connection: ServerConnection, session: Session, wakes: asyncio.Event, rates: Rates, share: Share
 ) -> None:
-    """Transfer frames in both directions until either side ends. share: limits the total CPU time for all clients."""
+    """Transfer frames in both directions until either side ends. share: limits the total CPU time for all clients.
+
+    Raises what either direction raised: a client that is no longer sent anything would wait for it in silence.
+    """
     share.clients += 1
-    writer = asyncio.create_task(_write(connection, session, wakes))
+    ways = [
+        asyncio.create_task(_read(connection, session, rates, share)),
+        asyncio.create_task(_write(connection, session, wakes)),
+    ]
     try:
-        await _read(connection, session, rates, share)
-    except ConnectionClosed:
-        pass
+        await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
     finally:
         share.clients -= 1
-        writer.cancel()
-        await asyncio.gather(writer, return_exceptions=True)
+        for way in ways:
+            way.cancel()
+        ended = await asyncio.gather(*ways, return_exceptions=True)
+    for error in ended:
+        if isinstance(error, Exception) and not isinstance(error, ConnectionClosed):
+            raise error
 
 
 async def _read(connection: ServerConnection, session: Session, rates: Rates, share: Share) -> None:
