@@ -85,6 +85,18 @@ def test_a_page_that_sees_the_start_screen_may_start_at_once(monkeypatch):
         assert ada.call("start", scenario="pool")["success"]
 
 
+def test_who_starts_a_simulator_flies_it_whoever_was_lost_before():
+    with serving() as (station, server), page(server, "Bob") as bob:
+        bob.subscribe("/station/state")
+        with page(server, "Ada") as ada:
+            assert ada.call("start", scenario="pool")["success"] and ada.call("control", action="quit")["success"]
+        bob.message("/station/state", lambda state: state["lost_by"] == "Ada")
+        assert bob.call("start", scenario="pool")["success"]
+        state = bob.message("/station/state", lambda state: state["phase"] == "running")
+        assert (station.lease.pilot, station.lease.lost_by) == (bob.id, "")
+        assert state["lost_by"] == "" and bob.call("drive", vehicle="rov", surge=0.5)["success"]
+
+
 def test_what_is_wrong_is_said_at_its_field():
     with serving() as (_, server), page(server) as ada:
         wrong = {"scenario": "/etc/passwd", "speed": -1, "link": "string"}

@@ -11,7 +11,7 @@ class Lease:
     """The members of a station, by connection, and which of them is the pilot.
 
     pilot: the pilot's connection, or "". asking: the members who have requested the controls, in order. lost_by: the
-    name of a pilot whose connection was lost, until someone takes the controls, or "".
+    name of a pilot whose connection was lost, until someone takes the controls or that simulator ends, or "".
     """
 
     def __init__(self) -> None:
@@ -64,6 +64,13 @@ class Lease:
         if not isinstance(to, str) or (to and to not in self.members):
             raise ValueError(f"to = {str(to)[:NAME_MAX]!r}: is not a member")
         self._set_pilot(to)
+
+    def take_if_free(self, client: str) -> bool:
+        """Give the controls to a member if they are free; return whether the pilot has changed."""
+        if self.pilot or client not in self.members:
+            return False
+        self._set_pilot(client)
+        return True
 
     def require_pilot(self, client: str) -> None:
         """Raise ValueError unless this connection has the controls."""

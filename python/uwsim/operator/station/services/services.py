@@ -291,6 +291,9 @@ class Services:
         if self._sessions.running is not None:
             self._lease.require_pilot(caller)
         self._sessions.start(request)
+        if request.get("rosbridge_host") is None and self._lease.take_if_free(caller):  # else its nodes will drive
+            self._sessions.change_pilot()
+            self._publish()
         return {"success": True, "message": "", "errors": {}}
 
     def _control(self, caller: str, request: Values) -> Values:

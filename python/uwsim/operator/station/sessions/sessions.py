@@ -222,6 +222,7 @@ class Sessions:
             if rosbridge is not None:
                 running.join(rosbridge)
             self.running, self.choice = running, choice or {}
+            self._lease.lost_by = ""  # the helm of another simulator, for which there is no one to come back
             self.pass_helm()  # again, since the pilot may have changed meanwhile
             self.number = next(self._numbers)
             before = "running"
@@ -264,6 +265,7 @@ class Sessions:
                 self._offer(None)
             finally:
                 self.phase = "idle"
+        self._lease.lost_by = ""
         self._publish()
 
     def close(self) -> None:

@@ -5,6 +5,12 @@ const WORDS = STRINGS.wire;
 
 const STORED = 'uwsim.name';
 
-export const keptName = () => localStorage.getItem(STORED) ?? WORDS.pilot(100 + Math.floor(Math.random() * 900));
+// A page that is loaded again keeps its name, by which it gets the controls back that it lost with its connection.
+export function keptName() {
+  const own = localStorage.getItem(STORED) ?? sessionStorage.getItem(STORED);
+  const name = own ?? WORDS.pilot(100 + Math.floor(Math.random() * 900));
+  sessionStorage.setItem(STORED, name);
+  return name;
+}
 
 export const keepName = (name) => localStorage.setItem(STORED, name);
