@@ -12,6 +12,7 @@ import numpy as np
 
 from uwsim.base.agenda import Rank, next_tick
 from uwsim.base.commands import COMMANDS, bound_command
+from uwsim.base.texts.value_words import details, with_details, words
 from uwsim.channels.authority.rights import AidKind
 from uwsim.exercises.conduct import Conduct, OutsideAct
 from uwsim.exercises.exercise import Event, Exercise
@@ -245,8 +246,7 @@ class Course:
         """Note a command, unless it is an event of the exercise; see CommandObserver."""
         if name not in COMMANDS or self._issues or self.is_over or not self.has_begun:
             return
-        given = ", ".join(f"{key} {value}" for key, value in arguments.items())
-        text = f"{name.replace('_', ' ')}: {given}"[:200]
+        text = with_details(words(name), details(arguments))[:200]
         if COMMANDS[name].changes_world:
             self.note_outside(text, self._outsider, changed=True)
         else:
@@ -261,7 +261,7 @@ class Course:
         for index, event in enumerate(self.exercise.events):
             if index not in self._now.done and self._is_due(event, moment):
                 self._now.done.add(index)
-                self._note(moment, "event", event.note or event.command.replace("_", " "))
+                self._note(moment, "event", event.note or with_details(words(event.command), details(event.arguments)))
                 self._issues = True
                 try:
                     self._command(event.command, event.arguments)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from uwsim.base.texts.value_words import Detail, details, with_details, words
 from uwsim.recording.commands import Command
 
 ADDS = frozenset({"inject_fault", "note", "link_send"})
@@ -39,20 +40,20 @@ class CommandStream(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The command with its arguments: of the argument that changes, the first and the last value."""
-        values = []
-        for key, value in self.last.arguments.items():
-            if key == "vehicle" or not isinstance(value, str | bool | int | float):
-                continue
-            begin, end = _value_text(self.first.arguments[key]), _value_text(value)
-            values.append(f"{key} {end}" if begin == end else f"{key} {begin} to {end}")
-        head = f"{self.last.name.replace('_', ' ')} {self.last.arguments.get('vehicle', '')}".strip()
-        return head + (f": {', '.join(values)}" if values else "")
+        """The command with its vehicle and details."""
+        return with_details(f"{words(self.last.name)} {self.vehicle}".strip(), self.details)
+
+    @property
+    def vehicle(self) -> str:
+        """The vehicle that it commands, or ""."""
+        return str(self.last.arguments.get("vehicle") or "")
+
+    @property
+    def details(self) -> list[Detail]:
+        """The arguments in words: of the one that changes, the first and the last value."""
+        given = {key: value for key, value in self.first.arguments.items() if key != "vehicle"}
+        return details(given, self.last.arguments)
 
 
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _value_text(value: object) -> str:
-    return f"{value:.3g}" if isinstance(value, float) else str(value)

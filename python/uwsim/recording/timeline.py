@@ -5,12 +5,14 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.commands import NOTE
 from uwsim.base.journal import EFFORT, JUMPS
+from uwsim.base.texts.value_words import Detail
 from uwsim.channels.calls.services import SET_STREAM
 from uwsim.recording.command_stream import CommandStream
 from uwsim.recording.commands import COMMANDS, Command, command_of
@@ -42,12 +44,24 @@ class SavedMoment(NamedTuple):
     place: int
 
 
+ECHOES = {
+    "all_stop": ("all_stop", "all_stop_ends"), "inject_fault": ("fault",), "end_fault": ("fault_ends",), NOTE: (NOTE,),
+}  # fmt: skip
+"""The events of the run that a command causes at once: it is listed in their place."""
+
+
 class Happening(NamedTuple):
-    """An event of a run. kind: `command`, `alarm` (faults and failsafes, too) or `collision`."""
+    """An event of a run. kind: `command`, `alarm` (faults and failsafes, too) or `collision`. text: all in English.
+
+    name: of the command or the event. vehicle: "" for the world. details: names and values in words.
+    """
 
     time_s: float
     kind: str
     text: str
+    name: str
+    vehicle: str = ""
+    details: tuple[Detail, ...] = ()
 
 
 @dataclass
@@ -187,7 +201,7 @@ class Timeline:
                 self.track.times_s.append(round(sim.tick * self.step_s, 9))
                 self.track.poses.append(np.concatenate([pose.position_world_m, pose.orientation_xyzw]))
                 if vehicle.collisions > collisions:
-                    self._note(sim.tick, "collision", "collision")
+                    self._note(sim.tick, "collision", "collision", "collision")
                 collisions = vehicle.collisions
             if sim.tick >= next_saved:
                 self._require_wanted()
@@ -207,7 +221,9 @@ class Timeline:
                 break
             goal = min(self.end_tick, next_sample, next_saved, self.end_tick if due is None else due)
             sim.step(goal - sim.tick)
-        alarms = [_happening(event) for event in sim.events if event.tick >= self.start_tick]
+        commanded = {(command.tick, echo) for command in self.commands for echo in ECHOES.get(command.name, ())}
+        own = [each for each in sim.events if each.tick >= self.start_tick and (each.tick, each.name) not in commanded]
+        alarms = [_happening(event) for event in own]
         self.events = sorted(self.events + alarms, key=lambda event: event.time_s)[:EVENTS_MAX]
         self._compare_end(sim, place)
 
@@ -252,23 +268,23 @@ class Timeline:
         is_soon = stream is not None and (command.tick - stream.first.tick) * self.step_s < MERGED_S
         if stream is not None and is_soon and (merged := stream.with_next(command)) is not None:
             self._stream = merged
-            self.events[-1] = self.events[-1]._replace(text=merged.text)
+            self.events[-1] = self.events[-1]._replace(text=merged.text, details=tuple(merged.details))
             return
         stream = CommandStream(command, command)
-        self._note(command.tick, "command", stream.text)
+        self._note(command.tick, "command", stream.text, command.name, stream.vehicle, tuple(stream.details))
         self._stream = stream
 
-    def _note(self, tick: int, kind: str, text: str) -> None:
-        """Add an event, which ends the stream before it."""
+    def _note(self, tick: int, kind: str, text: str, *more: Any) -> None:
+        """Add an event, which ends the stream before it. more: its name, vehicle and details."""
         self._stream = None
-        self.events.append(Happening(round(tick * self.step_s, 9), kind, text))
+        self.events.append(Happening(round(tick * self.step_s, 9), kind, text, *more))
 
     def _refusal(self, why: str) -> ValueError:
         return ValueError(f"recording '{self.recording.path}': {why}")
 
 
 def _happening(event: Event) -> Happening:
-    return Happening(event.time_s, "alarm", event.text)
+    return Happening(event.time_s, "alarm", event.text, event.name, event.vehicle, tuple(event.details))
 
 
 def distances(one: Timeline, other: Timeline) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -196,7 +196,7 @@ def test_what_a_kill_left_is_listed_with_its_end_and_replayed_to_there(tmp_path:
         assert ada.call("start", flight=name, speed=0)["success"]
         replay = ada.call("describe")["replay"]
         assert replay["end_s"] - replay["start_s"] == pytest.approx(flight["duration_s"])
-        assert [event["text"] for event in replay["events"]] == ["undock rov", "set lamp rov: lamp front, on True"]
+        assert [event["text"] for event in replay["events"]] == ["undock rov", "set lamp rov: lamp front, on"]
         live = station.present().live
         until(lambda: live.paused and live.tick * 0.005 == pytest.approx(replay["end_s"]), "the end")
         ada.call("take_control")

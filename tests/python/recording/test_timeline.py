@@ -135,14 +135,16 @@ def test_only_the_values_of_one_argument_are_one_event_and_switches_are_events_e
         for k in range(5):
             sim.rov.sonar.aim(0.1 + 0.1 * k)
             sim.advance(0.1)
-    commands = [event for event in Timeline(Recording(path)).events if event.kind == "command"]
-    lamps = [f"set lamp rov: lamp {name}, on {on}" for name in ("front", "down") for on in (True, False, False)]
-    expected = ["undock rov", "all stop rov: on True", "all stop rov: on False", *lamps]
+    events = Timeline(Recording(path)).events
+    assert [event.name for event in events].count("all_stop") == 2, "not again as what the vehicle did"
+    commands = [event for event in events if event.kind == "command"]
+    lamps = [f"set lamp rov: lamp {name}, {on}" for name in ("front", "down") for on in ("on", "off", "off")]
+    expected = ["undock rov", "all stop rov: on", "all stop rov: off", *lamps]
     assert [event.text for event in commands[:-1]] == expected
     assert [event.time_s for event in commands[:-1]] == pytest.approx(
         [0.0, 0.0, 0.5, *(1.0 + 0.1 * k for k in range(6))]
     )
-    assert commands[-1].text.startswith("aim rov") and "0.1 to 0.5" in commands[-1].text
+    assert commands[-1].text.startswith("aim rov") and "5.73 to 28.6 deg" in commands[-1].text
     assert commands[-1].time_s == pytest.approx(1.6)
 
 
@@ -158,8 +160,9 @@ def test_an_event_hides_no_value_and_no_second_fault(tmp_path: Path) -> None:
             sim.faults.inject("current", velocity_world_m_s=(0.1, 0.0, 0.0))
         sim.advance(0.1)
     events = [event.text for event in Timeline(Recording(path)).events if event.kind == "command"]
-    assert [text.split("elevation_rad ")[-1].split(",")[0] for text in events[:2]] == ["0 to 1", "0.5 to 0"]
-    assert len(events) == 4
+    assert [text.split("elevation ")[-1].split(",")[0] for text in events[:2]] == ["0 to 57.3 deg", "28.6 to 0 deg"]
+    faults = [f"inject fault: kind current, {name}velocity (0.1, 0, 0) m/s" for name in ("", "name current_2, ")]
+    assert events[2:] == faults
 
 
 def test_a_run_that_cannot_be_repeated_is_refused(flown: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, overload
 from pydantic import FiniteFloat
 
 from uwsim.base.saved_state import State, Tick
+from uwsim.base.texts.value_words import Detail, details, words
 
 
 @dataclass(frozen=True)
@@ -23,9 +24,19 @@ class Event:
 
     @property
     def text(self) -> str:
-        """The event in words, such as `fault thruster, thruster front_left`."""
-        values = ", ".join(str(value) for value in self.values.values() if value not in (None, ""))
-        return " ".join(filter(None, (self.name.replace("_", " "), values)))
+        """The event in words, such as `fault thruster, thruster front_left`: texts without their names."""
+        values = ", ".join(each.text if isinstance(value, str) else str(each) for each, value in self._said())
+        return " ".join(filter(None, (words(self.name), values)))
+
+    @property
+    def details(self) -> list[Detail]:
+        """The values in words."""
+        return [each for each, _ in self._said()]
+
+    def _said(self) -> Iterator[tuple[Detail, Any]]:
+        for key, value in self.values.items():
+            for each in details({key: value}):
+                yield each, value
 
 
 class EventState(State):

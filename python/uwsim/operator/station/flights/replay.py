@@ -62,7 +62,9 @@ class Replay:
             "start_s": line.start_tick * line.step_s,
             "end_s": line.end_tick * line.step_s,
             "branched_from": str(notes.get("branched_from", "")),
-            "events": [event._asdict() for event in line.events],
+            "events": [
+                {**event._asdict(), "details": [each._asdict() for each in event.details]} for event in line.events
+            ],
         }
 
     def _seek(self, sim: Simulator, tick: int) -> None:

@@ -8,6 +8,7 @@ import { FaultForm } from './fault_form.js';
 import { FaultTimes } from './fault_times.js';
 import { Inspector, sliderScale } from './inspector.js';
 import { TraineeView } from './instructor_view.js';
+import { inWords } from './said.js';
 import { STRINGS } from './strings.js';
 import * as messages from './wire/messages.js';
 import { accepted } from './wire/rosbridge.js';
@@ -287,8 +288,8 @@ function show() {
   );
   rewrite(
     log,
-    seen.log.map(({ time_s, clock, by, text: said, args }) => {
-      const given = Object.keys(args).length ? ` ${JSON.stringify(args.args ?? args)}` : '';
+    seen.log.map(({ time_s, clock, by, text: said, details }) => {
+      const given = details.length ? ` – ${inWords(details)}` : '';
       return `${clock.slice(11, 19)} (${clockText(time_s, 1)}) ${by}: ${said}${given}`;
     }),
   );

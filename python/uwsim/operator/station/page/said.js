@@ -4,6 +4,7 @@ import { LANGUAGE, STRINGS } from './strings.js';
 const WORDS = STRINGS.said;
 const TITLES = /** @type {Record<string, string>} */ (WORDS.titles);
 const SAYINGS = /** @type {Record<string, string>} */ (WORDS.texts);
+const EVENTS = /** @type {Record<'names' | 'details' | 'values', Record<string, string>>} */ (STRINGS.events);
 const HOLDS = STRINGS.holds;
 const FAILSAFE = /** @type {Record<string, any>} */ (STRINGS.failsafe);
 /** @type {[RegExp, (...parts: string[]) => string][]} */
@@ -32,6 +33,22 @@ export function said(text) {
     if (found) return words(...found.slice(1));
   }
   return text;
+}
+
+/** An event of a recorded flight; names that are not known stay as they are.
+ * @type {(event: import('./wire/messages.js').FlightEvent) => string}
+ */
+export function happened({ name, vehicle, details }) {
+  const given = inWords(details);
+  return [EVENTS.names[name] ?? name.replaceAll('_', ' '), vehicle, given && `– ${given}`].filter(Boolean).join(' ');
+}
+
+/** The values of an event or of a command.
+ * @type {(details: import('./wire/messages.js').EventDetail[]) => string}
+ */
+export function inWords(details) {
+  const found = details.map(({ name, text }) => [EVENTS.details[name] ?? name, EVENTS.values[text] ?? text]);
+  return found.map((each) => each.filter(Boolean).join(' ')).join(', ');
 }
 
 /** What a failsafe does, and why.

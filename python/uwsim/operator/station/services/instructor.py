@@ -20,6 +20,7 @@ from threading import Timer
 from typing import Any
 
 from uwsim import _core
+from uwsim.base.texts.value_words import details
 from uwsim.bridges.doors.admission import WRONG_MAX_S, WRONG_S
 from uwsim.bridges.rare_log import RareLog
 from uwsim.channels.guest import Values
@@ -130,7 +131,7 @@ class Instructor:
     def _merge(self, now_s: float, kind: tuple[str, str, bool], entry: Values) -> None:
         self._noted = {each: last for each, last in self._noted.items() if now_s - last[0] < REPEAT_S}
         if kind in self._noted:
-            self._noted[kind][1].update(args=entry["args"], text=entry["text"])
+            self._noted[kind][1].update({key: entry[key] for key in ("args", "text", "details")})
         else:
             self._noted[kind] = now_s, entry
             self._write(entry)
@@ -162,7 +163,12 @@ def _entry(time_s: float, by: str, action: str, arguments: Values, text: str) ->
     clock = datetime.now().astimezone().isoformat(timespec="seconds")
     given = json.dumps(arguments)
     kept = arguments if len(given) <= ARGS_MAX else {"cut": given[:ARGS_MAX]}
-    return {"time_s": round(time_s, 3), "clock": clock, "by": by, "action": action, "args": kept, "text": text}
+    inner = arguments.get("args")
+    said = [each._asdict() for each in details(inner if isinstance(inner, dict) else arguments)]
+    return {
+        "time_s": round(time_s, 3), "clock": clock, "by": by, "action": action, "args": kept, "text": text,
+        "details": said if len(given) <= ARGS_MAX else [],
+    }  # fmt: skip
 
 
 def parameters(live: LiveSimulator) -> Values:

@@ -202,12 +202,22 @@ class Warnings(Message):
     as_published: bool
 
 
+class EventDetail(Message):
+    """A value of an event in English words, with its unit."""
+
+    name: str
+    text: str
+
+
 class FlightEvent(Message):
-    """An event of a recorded flight."""
+    """An event of a recorded flight. name: of the command or the event. text: all of it in English."""
 
     time_s: float
     kind: Literal["command", "alarm", "collision"]
     text: str
+    name: str
+    vehicle: str
+    details: list[EventDetail]
 
 
 class ReplayDescription(Message):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal
 
 from uwsim.channels.authority.rights import AidKind
-from uwsim.operator.station.wire.messages import Message
+from uwsim.operator.station.wire.messages import EventDetail, Message
 
 
 class GoalState(Message):
@@ -110,6 +110,7 @@ class Instruction(Message):
     action: str
     args: dict[str, Any]
     text: str
+    details: list[EventDetail]
 
 
 class FaultTime(Message):

@@ -1,5 +1,6 @@
 // The time line of a replay, in place of the controls that drive: time, events, another flight beside it, the helm.
 import { attempt, byId, clockText, el, fixed, tip, toast, write } from '../dom.js';
+import { happened } from '../said.js';
 import { STRINGS } from '../strings.js';
 import { begunText } from './flights.js';
 import { Ghost } from './ghost.js';
@@ -67,7 +68,7 @@ export class Timeline {
     this.slider.max = String(Math.ceil(replay.end_s));
     this.events.replaceChildren(
       option('', WORDS.eventCount(replay.events.length)),
-      ...replay.events.map(({ time_s, text }) => option(time_s, `${clockText(time_s, 1)} ${text}`)),
+      ...replay.events.map((event) => option(event.time_s, `${clockText(event.time_s, 1)} ${happened(event)}`)),
     );
     this.#offer(replay.flight, scenario);
     this.#follow(this.station.state.time);

@@ -311,11 +311,20 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {SwarmDescription[]} swarms
  */
 
-/** An event of a recorded flight.
+/** A value of an event in English words, with its unit.
+ * @typedef {object} EventDetail
+ * @property {string} name
+ * @property {string} text
+ */
+
+/** An event of a recorded flight. name: of the command or the event. text: all of it in English.
  * @typedef {object} FlightEvent
  * @property {number} time_s
  * @property {'command' | 'alarm' | 'collision'} kind
  * @property {string} text
+ * @property {string} name
+ * @property {string} vehicle
+ * @property {EventDetail[]} details
  */
 
 /** The flight being replayed. start_s, end_s: the ends of its time line, in simulated time.
@@ -515,6 +524,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} action
  * @property {Record<string, any>} args
  * @property {string} text
+ * @property {EventDetail[]} details
  */
 
 /** The truth, for the instructor. exercise: an ExerciseState without `success`. log: newest first.
