@@ -92,6 +92,28 @@ def test_the_scene_is_the_world(pool):
     assert get(server, "/scene/mesh/999.glb")[0] == 404
 
 
+def test_the_chart_of_a_pool_with_walls_is_the_pool():
+    with serving() as (station, server):
+        station.start({"scenario": "training_pool"})
+        scene = json.loads(get(server, "/scene/scene.json")[1])
+        grid = scene["chart"]
+        heights = np.frombuffer(get(server, grid["url"])[1], "<f4").reshape(grid["rows"], grid["columns"])
+        west, south, step = grid["west_m"], grid["south_m"], grid["spacing_m"][0]
+
+        def height_m(x, y):
+            return heights[round((y - south) / step), round((x - west) / step)]
+
+        water = [height_m(x, y) for x in (-12, 0, 12) for y in (-9.5, 0, 9.5)]
+        assert water == pytest.approx([-5.0] * 9, abs=0.3), "25 x 20 m, 5 m deep"
+        assert all(height_m(x, y) > 0.0 for x, y in ((-14, 0), (14, 0), (0, -12), (0, 12))), "its deck"
+        assert set(grid["meshes"]) == {"basin", "fittings"}
+
+
+def test_the_chart_of_natural_water_is_its_bed(pool):
+    assert json.loads(get(pool[1], "/scene/scene.json")[1])["chart"] is None
+    assert get(pool[1], "/scene/chart.f32")[0] == 404
+
+
 @pytest.mark.parametrize("scenario", ["lake", "harbour", "wreck", "valley"])
 def test_nothing_stands_between_the_first_view_s_eye_and_the_vehicle(scenario):
     with serving() as (station, server):

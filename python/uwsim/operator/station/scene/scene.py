@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.channels.guest import Values
 from uwsim.channels.source import Source
+from uwsim.operator.station.scene.basin import Basin, basin_among
 from uwsim.scenario import start_pose, vehicle_hull
 from uwsim.scenario.build.camera_scene import obstacle_texture, station_texture
 from uwsim.scenario.build.obstacles import obstacle_solid
@@ -55,6 +56,7 @@ class Scene:
                 "url": "/scene/terrain.f32", "rows": rows, "columns": columns, "west_m": west_m, "south_m": south_m,
                 "spacing_m": [grid.spacing_m, grid.spacing_m],
             },
+            "chart": self._chart(),
             "meshes": [
                 {
                     "name": name, "label": label, "url": f"/scene/mesh/{k}.glb",
@@ -70,6 +72,24 @@ class Scene:
             "station_m": (np.asarray(station.position_m) + self._origin_m).tolist(),
             "surface_m": float(self._origin_m[2]),
         }  # fmt: skip
+
+    def _chart(self) -> Values | None:
+        """Return the grid that the chart shows in place of the terrain, and the meshes that are part of it, or None."""
+        basin = self._basin()
+        if basin is None:
+            return None
+        rows, columns = basin.heights_m.shape
+        west_m, south_m = (float(value) for value in basin.corner_m + self._origin_m[:2])
+        return {
+            "url": "/scene/chart.f32", "rows": rows, "columns": columns, "west_m": west_m, "south_m": south_m,
+            "spacing_m": [basin.spacing_m, basin.spacing_m], "meshes": list(basin.names),
+        }  # fmt: skip
+
+    def _basin(self) -> Basin | None:
+        def meshes() -> dict[str, Mesh]:
+            return {name: make() for name, kind, make in self._solids() if kind == "mesh"}
+
+        return self._once("basin", lambda: basin_among(meshes()))
 
     def _looks(self) -> list[list[float]]:
         """Return for each vehicle the first eye [m] from its start, where nothing stands between them."""
@@ -99,6 +119,12 @@ class Scene:
     def heights(self) -> bytes:
         """Return the content of `terrain.f32`."""
         return np.asarray(self.grid().heights_m + self._origin_m[2], "<f4").tobytes()
+
+    def chart(self) -> bytes:
+        """Return the content of `chart.f32`. Raises ValueError if the chart shows the terrain."""
+        if (basin := self._basin()) is None:
+            raise ValueError("the chart shows the terrain")
+        return np.asarray(basin.heights_m + self._origin_m[2], "<f4").tobytes()
 
     def mesh(self, number: int) -> bytes:
         """Return an obstacle or the station as GLB. Raises ValueError if there is no mesh with this number."""

@@ -109,6 +109,7 @@ ROUTES: list[tuple[str, Callable[..., tuple[bytes, str]]]] = [
     (r"/scene/scene\.json", lambda running: (_scene(running), "")),
     (r"/scene/object/(\d{1,5})\.glb", lambda running, number: (_object(running, int(number)), "")),
     (r"/scene/terrain\.f32", lambda running: (running.scene.heights(), "")),
+    (r"/scene/chart\.f32", lambda running: (running.scene.chart(), "")),
     (r"/scene/mesh/(\d{1,5})\.glb", lambda running, number: (running.scene.mesh(int(number)), "")),
     (r"/scene/vehicle/([^/]+)\.glb", lambda running, name: (running.scene.hull(name), "")),
     (r"/exercise/(sheet\.html|score\.json)", lambda running, name: (sheet_file(running, name), name)),

@@ -95,9 +95,11 @@ export class ChartView {
     this.#ground = new ChartGround(null, null, 0, []);
     if (!sceneUrl) return;
     const found = await (await load(sceneUrl)).json();
-    const heights = new Float32Array(await (await load(found.terrain.url)).arrayBuffer());
-    const meshes = found.meshes.filter(({ outline_m }) => outline_m?.length > 1);
-    this.#ground = new ChartGround(heights, found.terrain, found.surface_m ?? 0, meshes);
+    const grid = found.chart ?? found.terrain; // of a basin, such as a pool, or of the terrain
+    const heights = new Float32Array(await (await load(grid.url)).arrayBuffer());
+    const isGround = (name) => found.chart?.meshes.includes(name) ?? false;
+    const meshes = found.meshes.filter(({ name, outline_m }) => outline_m?.length > 1 && !isGround(name));
+    this.#ground = new ChartGround(heights, grid, found.surface_m ?? 0, meshes);
     if (this.#place) this.#describe(this.#place); // the pointer already rests on the chart
     this.draw();
   }
