@@ -28,13 +28,17 @@ Command = Callable[[str, Mapping[str, Any]], Any]
 
 @dataclass
 class Happening:
-    """An entry in the course's log. time_s: time since the beginning. kind: goal, limit, event or end."""
+    """An entry in the course's log. time_s: time since the beginning. kind: goal, limit, event or end.
+
+    of: the kind of a limit.
+    """
 
     time_s: float
     kind: str
     text: str
     points: float = 0.0
     position_world_m: tuple[float, ...] = ()
+    of: str = ""
 
 
 @dataclass
@@ -297,13 +301,13 @@ class Course:
             if was_broken or since_s < AGAIN_S:
                 continue
             now.lost += limit.cost
-            self._note(moment, "limit", limit.title, -limit.cost)
+            self._note(moment, "limit", limit.title, -limit.cost, limit.kind)
             if limit.ends:
                 self._end(moment.time_s, f"a limit is broken: {limit.title}")
 
-    def _note(self, moment: Moment, kind: str, text: str, points: float = 0.0) -> None:
+    def _note(self, moment: Moment, kind: str, text: str, points: float = 0.0, of: str = "") -> None:
         place = tuple(moment.position_world_m.tolist())
-        self._now.log.append(Happening(moment.time_s, kind, text, points, place))
+        self._now.log.append(Happening(moment.time_s, kind, text, points, place, of))
 
     def state(self) -> dict[str, Any]:
         """Return the state that the pilot may see, without events and positions. All values are of JSON types."""
@@ -327,7 +331,11 @@ class Course:
             "has_passed": self.has_passed,
             "ended_because": now.ended_because,
             "goals": [{"title": g.title, "points": g.points, "share": p.share} for g, p in goals],
-            "broken": [{"title": h.text, "cost": -h.points, "time_s": h.time_s} for h in now.log if h.kind == "limit"],
+            "broken": [
+                {"title": h.text, "kind": h.of, "cost": -h.points, "time_s": h.time_s}
+                for h in now.log
+                if h.kind == "limit"
+            ],
         }
 
     def sheet(self) -> dict[str, Any]:

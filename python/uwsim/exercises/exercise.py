@@ -28,6 +28,12 @@ from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle_entry import StartPose
 
 FOLDER = "exercises"
+COURSE = (
+    "hover", "slalom", "approach", "docking", "gust", "pipeline", "reef-diver", "kelp-seal", "quay", "net-inspection",
+    "cable", "reef-pipeline", "wreck-dive", "night-gates", "tether", "depth-gauge", "dvl-loss", "thruster-loss", "pin",
+    "valve", "sample", "wet-mate",
+)  # fmt: skip
+"""The packaged exercises in the order in which a beginner flies them: steering, inspection, failures, the arm."""
 EVENT_COMMANDS = (
     "inject_fault", "end_fault", "set_parameter", "set_parameters", "reset_parameters", "set_optics",
 )  # fmt: skip
@@ -226,6 +232,13 @@ def load_exercise(source: str | Path) -> Exercise:
     return read_spec(Exercise, source, FOLDER)
 
 
+def next_exercise(name: str) -> tuple[str, str]:
+    """Return name and title of the packaged exercise after one of them; empty texts after the last or another one."""
+    names = exercise_names()
+    following = names[names.index(name) + 1 :][:1] if name in names else []
+    return next(((each, load_exercise(each).title) for each in following), ("", ""))
+
+
 def exercise_names() -> list[str]:
-    """Return the names of the packaged exercises."""
-    return packaged_names(FOLDER)
+    """Return the names of the packaged exercises, in the order of the course; others come last."""
+    return sorted(packaged_names(FOLDER), key=lambda name: COURSE.index(name) if name in COURSE else len(COURSE))

@@ -176,6 +176,17 @@ def _why_not(lines: Sequence[Read], k: int) -> str:
     return ""
 
 
+def best_scores() -> dict[str, float]:
+    """Return the best valid score of each exercise, by title, over all persons of the log book, if it can be read."""
+    best: dict[str, float] = {}
+    with contextlib.suppress(OSError, ValueError):
+        path = logbook_path()
+        for line in [] if path is None else read_book(path).lines:
+            if line.check == "valid" and line.entry.is_valid:
+                best[line.entry.title] = max(line.entry.score, best.get(line.entry.title, 0.0))
+    return best
+
+
 def totals(found: Iterable[Entry]) -> dict[str, dict[str, Any]]:
     """Return exercises, passed, attempts and hours by person. exercises, passed: different titles."""
     by_person: dict[str, list[Entry]] = {}

@@ -97,6 +97,27 @@ def test_who_starts_a_simulator_flies_it_whoever_was_lost_before():
         assert state["lost_by"] == "" and bob.call("drive", vehicle="rov", surge=0.5)["success"]
 
 
+def test_exercises_are_started_from_the_start_screen_and_one_after_another(tmp_path, monkeypatch):
+    monkeypatch.setenv("UWSIM_LOGBOOK", str(tmp_path / "logbook.jsonl"))
+    with serving(tmp_path) as (station, server), page(server, "Ada") as ada:
+        wrong = ada.call("start", exercise_name="hoover")["errors"]
+        assert wrong["exercise_name"].startswith("'hoover': must be one of hover, slalom")
+        assert ada.call("start", exercise_name="hover", seed=1)["errors"] == {"seed": "is the exercise's own"}
+        assert ada.call("start", exercise_name="hover")["success"] and station.lease.pilot == ada.id
+        described = ada.call("describe")
+        assert described["has_exercise"] and not described["truth_allowed"] and "quit" in described["controls"]
+        state = ada.call("exercise")
+        assert (state["name"], state["next_name"], state["next_title"]) == ("hover", "slalom", "Gate slalom")
+        course = station.present().judged.course
+        assert ada.call("control", action="begin")["success"]
+        station.present().live.read(lambda sim: course.judge()).result()
+        assert ada.call("start", exercise_name=state["next_name"])["success"]
+        assert ada.call("exercise")["name"] == "slalom"
+        assert ada.call("control", action="quit")["success"]
+        scores = {each["name"]: each["best"] for each in ada.call("catalog")["exercises"]}
+        assert scores["hover"] == 0.0 and scores["slalom"] is None, "the attempt that was broken off counts"
+
+
 def test_what_is_wrong_is_said_at_its_field():
     with serving() as (_, server), page(server) as ada:
         wrong = {"scenario": "/etc/passwd", "speed": -1, "link": "string"}

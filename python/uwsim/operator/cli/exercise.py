@@ -134,7 +134,8 @@ def exercise(
         refuse("has no effect with --serve; the page's menu records", **recorded.arguments)
         refuse("has no effect with --serve; each attempt's score.json is in --out", json=as_json)
         bounds = kept_flights(KEPT if keep_flights is None else keep_flights)
-        _serve(found, out, 9090 if port is None else port, tokens, instructor, bounds, threads, named)
+        packaged = name if name in exercise_names() and not lags else ""
+        _serve(found, out, 9090 if port is None else port, tokens, instructor, bounds, threads, named, packaged)
         return
     from uwsim.exercises.flight import fly_exercise
     from uwsim.exercises.sheet_text import score_lines
@@ -237,7 +238,7 @@ def _list(found: dict[str, Exercise], as_json: bool) -> None:
 
 def _serve(
     found: Exercise, out: Path, port: int, tokens: Tokens, instructor: InstructorOptions, bounds: Bounds,
-    threads: int | None, person: str,
+    threads: int | None, person: str, name: str,
 ) -> None:  # fmt: skip
     from uwsim.cli.run_live import wait_for_interrupt
     from uwsim.operator.station import Station
@@ -246,7 +247,7 @@ def _serve(
         is_fixed=True, truth=False, threads=threads, folder=out, instructor_token=instructor.secret, keep_flights=bounds
     )
     with station_server(hub, port=port, **tokens.settings("127.0.0.1")) as server:
-        hub.run_exercise(found, person)
+        hub.run_exercise(found, person, name)
         url = page_url(server.url, tokens.token)
         where = f"the exercise is at {url}{instructor.text(url)}; its sheets will be in {out}"
         wait_for_interrupt(f"{where}; Ctrl-C ends it")

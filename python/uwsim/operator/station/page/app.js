@@ -20,6 +20,7 @@ import { Pilot } from './drive/pilot.js';
 import { Inspection } from './panel/inspection.js';
 import { Panel } from './panel/panel.js';
 import { Recorder } from './recorder.js';
+import { Exercises } from './exercises.js';
 import { Flights } from './replay/flights.js';
 import { showRecording } from './replay/rec_lamp.js';
 import { Timeline } from './replay/timeline.js';
@@ -28,6 +29,7 @@ import { LooseObjects } from './map3d/loose_objects.js';
 import { SceneView } from './map3d/scene.js';
 import { Tethers } from './map3d/tethers.js';
 import { StartScreen } from './start.js';
+import { offerTasks } from './tasks.js';
 import { Telemetry } from './telemetry.js';
 import { TopBar } from './topbar.js';
 import { ChartView } from './views/chart.js';
@@ -73,7 +75,16 @@ const timeline = new Timeline(station, telemetry, { scene, chart, panel });
 const flights = new Flights(station);
 showRecording(station);
 const editor = new SceneEditor(station);
-const start = new StartScreen(station, (catalog) => flights.show(catalog.flights), editor);
+const exercises = new Exercises(station);
+const start = new StartScreen(
+  station,
+  (catalog) => {
+    flights.show(catalog.flights);
+    exercises.show(catalog.exercises);
+  },
+  editor,
+);
+offerTasks((task) => start.showTask(task));
 let ends = []; // ends of this session's subscriptions
 let vehicle = null;
 

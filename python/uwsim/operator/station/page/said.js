@@ -14,6 +14,7 @@ const TEXTS = [
   [/^sensor (.+) is stuck$/, (name) => WORDS.stuck(name)],
   [/^([a-z, ]+) hold ended: (.+)$/, (names, why) => WORDS.holdEnded(names.split(', ').map(hold).join(', '), said(why))],
   [/^(.+) hold became (.+) hold: (.+)$/, (name, then, why) => WORDS.holdBecame(hold(name), hold(then), said(why))],
+  [/^a limit is broken: (.+)$/, (title) => WORDS.limitBroken(title)],
   [/^the sensor of kind (.+) has no valid reading$/, (kind) => WORDS.noReading(kind)],
 ];
 

@@ -40,6 +40,8 @@ export class StartScreen {
   /** @type {HTMLButtonElement} */
   edit;
   /** @type {HTMLElement} */
+  whereSet;
+  /** @type {HTMLElement} */
   ownSet;
   /** @type {HTMLElement} */
   paceSet;
@@ -47,6 +49,7 @@ export class StartScreen {
   rosSet;
   /** @type {HTMLElement} */
   otherSet;
+  #isBuilding = false; // a scene, rather than flying in it
   #isOld = false; // whether the catalog's list of saved sessions is outdated
 
   // onCatalog(catalog): called when the catalog has arrived. editor: edits the chosen scenario.
@@ -110,8 +113,8 @@ export class StartScreen {
     this.paceSet = this.#set(WORDS.timeAndLink, ...fields('speed', 'link'));
     this.rosSet = this.#set(WORDS.yourRosbridge, ...fields('rosbridge_host', 'rosbridge_port'));
     this.otherSet = this.#set(WORDS.address, ...fields('host', 'port'));
-    const where = this.#set(WORDS.simulator, this.#where());
-    byId('start-fields').replaceChildren(where, this.ownSet, this.paceSet, this.rosSet, this.otherSet);
+    this.whereSet = this.#set(WORDS.simulator, this.#where());
+    byId('start-fields').replaceChildren(this.whereSet, this.ownSet, this.paceSet, this.rosSet, this.otherSet);
     for (const [name, value] of Object.entries({ ...defaults, host: '127.0.0.1', port: 9090 })) {
       const field = this.#fields.get(name);
       if (field && value !== null && value !== undefined) field.input.value = value;
@@ -152,9 +155,13 @@ export class StartScreen {
   }
 
   #showWhere() {
-    this.ownSet.hidden = this.paceSet.hidden = this.rosSet.hidden = this.isElsewhere;
-    this.otherSet.hidden = !this.isElsewhere;
-    write(this.button, this.isElsewhere ? WORDS.connect : WORDS.start);
+    const isElsewhere = this.isElsewhere && !this.#isBuilding;
+    this.ownSet.hidden = isElsewhere;
+    this.paceSet.hidden = this.rosSet.hidden = isElsewhere || this.#isBuilding;
+    this.whereSet.hidden = this.edit.hidden = this.#isBuilding;
+    this.otherSet.hidden = !isElsewhere;
+    for (const name of OF_SCENARIO) this.#fields.get(name).box.hidden = this.#isBuilding;
+    write(this.button, this.#isBuilding ? WORDS.edit : isElsewhere ? WORDS.connect : WORDS.start);
     this.#later();
   }
 
@@ -201,10 +208,16 @@ export class StartScreen {
         scenario.vehicles.map(({ name, model }) => (name === model ? name : `${name}: ${model}`)).join(', '),
       );
     if (this.#fields.get('sonar').input.value === '')
-      write(this.#fields.get('sonar').hint, String(scenario.sonar ?? 'none'));
+      write(this.#fields.get('sonar').hint, this.#sonarText(scenario.sonar));
     const tilt = scenario.tilt_deg ?? null;
     if (this.#fields.get('tilt_deg').input.value === '')
       write(this.#fields.get('tilt_deg').hint, tilt === null ? '' : tilt ? WORDS.headDown(tilt) : WORDS.headLevel);
+  }
+
+  // The name of a scenario's sonar: of a published one, whose name is a number, its maker's.
+  #sonarText(name) {
+    const sonar = this.catalog.sonars.find((each) => String(each.name) === name);
+    return name === null ? WORDS.noSonar : sonar?.kind === 'published' ? sonar.description : String(name);
   }
 
   // Return the choice; empty fields follow the scenario. Invalid numbers are sent as text, and the server reports them.
@@ -229,6 +242,12 @@ export class StartScreen {
       link: text('link'),
       ...rosbridge,
     };
+  }
+
+  // To build, the button is the one that edits the chosen scene.
+  showTask(task) {
+    this.#isBuilding = task === 'build';
+    if (this.catalog) this.#showWhere();
   }
 
   // Edit the chosen scenario; one that is saved is then chosen.
@@ -294,6 +313,10 @@ export class StartScreen {
   async #submit() {
     if (!this.catalog) return;
     this.#showHints();
+    if (this.#isBuilding) {
+      if (!this.savedName) this.#edit();
+      return;
+    }
     clearTimeout(this.#timer); // a check that ends later, or of the same choice, must not erase the errors of Start
     this.#checks += 1;
     this.#isNew = false;

@@ -14,6 +14,7 @@ from uwsim.base.commands import COMMANDS, HOLDS
 from uwsim.base.commands.command import item
 from uwsim.channels.authority.steering import require_link
 from uwsim.channels.guest import GuestService, Values
+from uwsim.exercises.logbook import best_scores
 from uwsim.operator.station.editor.forms import described_forms
 from uwsim.operator.station.flights.replay import REFUSAL
 from uwsim.operator.station.helm.lease import Lease
@@ -27,7 +28,15 @@ from uwsim.operator.station.sessions.description import describe
 from uwsim.operator.station.sessions.running import Running
 from uwsim.operator.station.sessions.saves import saved_names
 from uwsim.operator.station.sessions.sessions import Sessions
-from uwsim.operator.station.start.choice import ChoiceError, catalog, chosen, chosen_flight, chosen_save, described
+from uwsim.operator.station.start.choice import (
+    ChoiceError,
+    catalog,
+    chosen,
+    chosen_exercise,
+    chosen_flight,
+    chosen_save,
+    described,
+)
 from uwsim.operator.station.wire.calls import CALLS
 from uwsim.scenario import ScenarioError
 from uwsim.simulator.helm import Reason
@@ -81,7 +90,7 @@ class Services:
         if self._instructor is not None:
             return ["begin", *SUPERVISED] if is_judged else list(SUPERVISED)
         if is_judged:
-            return list(OF_EXERCISES)
+            return [*OF_EXERCISES, *([] if self._sessions.is_fixed else ["quit"])]
         other = OF_REPLAYS if running is None or running.replay is None else NOT_OF_REPLAYS
         return [
             name
@@ -267,12 +276,16 @@ class Services:
                 continue
             with suppress(ScenarioError, OSError):  # its file was removed, or changed by hand
                 own.append(described(name, path))
-        found = {**found, "scenarios": [*own, *found["scenarios"]]}
+        best = best_scores()
+        exercises = [{**each, "best": best.get(each["title"])} for each in found["exercises"]]
+        found = {**found, "scenarios": [*own, *found["scenarios"]], "exercises": exercises}
         return {**found, "defaults": defaults, "saves": saved_names(self._sessions.folder), "flights": flights}
 
     def _check(self, caller: str, request: Values) -> Values:
         if request.get("flight") is not None:
             chosen_flight(request)
+        elif request.get("exercise_name") is not None:
+            chosen_exercise(request)
         elif request.get("saved") is None:
             scenario, _ = chosen(request, self._sessions.offered, self._sessions.editor.saved)
             if self._sessions.phase == "idle" and caller in self._lease.members:

@@ -32,7 +32,8 @@ class Judged:
     restart, or with the simulator. folder: receives the score sheets, in subfolders sheet-1, sheet-2 and so on.
     instructor: whether an instructor may change the world. aids: returns the aids in use that the station knows.
     pilot: returns the name of the member who has the controls; another than the one who began makes a score invalid.
-    person: the name on the sheet and in the log book, by default that of the member who began.
+    person: the name on the sheet and in the log book, by default that of the member who began. name: of a packaged
+    exercise, or "". following: name and title of the next one that the pilot may start, or empty texts.
     """
 
     def __init__(
@@ -46,7 +47,10 @@ class Judged:
         aids: Callable[[], set[AidKind]] = set,
         pilot: Callable[[], str] = str,
         person: str = "",
+        name: str = "",
+        following: tuple[str, str] = ("", ""),
     ) -> None:
+        self.name, self._following = name, following
         self.live, self._folder, self._aids, self._pilot = live, folder, aids, pilot
         self._person, self._began = person, ""
         outsider = "the instructor" if instructor else "the program that runs the simulator"
@@ -111,7 +115,8 @@ class Judged:
     def state(self) -> Values:
         """Return the part of the exercise's state that the pilot may see, and whether the sheet has been written."""
         state: Values = self.live.read(lambda sim: self.course.state()).result()
-        return {**state, "has_sheet": self._sheet is not None, "error": self._error}
+        own = dict(zip(("next_name", "next_title"), self._following, strict=True))
+        return {**state, **own, "name": self.name, "has_sheet": self._sheet is not None, "error": self._error}
 
     def sheet(self, name: str) -> bytes:
         """Return a file from the latest score sheet. Raises ValueError before the exercise has ended."""

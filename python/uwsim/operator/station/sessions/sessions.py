@@ -15,7 +15,8 @@ from uwsim.channels.delivery.feed import Feed
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.ros.own_types import STATION_STATE
 from uwsim.channels.served import default_origin
-from uwsim.exercises import Course, Exercise
+from uwsim.exercises import Course, Exercise, load_exercise
+from uwsim.exercises.exercise import next_exercise
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.editor import Editor
 from uwsim.operator.station.flights.flights import FlightRecording, Flights
@@ -27,6 +28,7 @@ from uwsim.operator.station.sessions.saves import continue_maps, load_saved, sav
 from uwsim.operator.station.start.choice import (
     ChoiceError,
     chosen,
+    chosen_exercise,
     chosen_flight,
     chosen_rosbridge,
     chosen_save,
@@ -80,11 +82,15 @@ class Sessions:
         self.number = 0
         self.editor = Editor(folder, threads)
         self.choice: Values = {}  # of which the running simulator is made, if any
+        self._person = ""  # who flies the exercise, if that was stated
         self._numbers = itertools.count(1)
         self._starting = threading.Lock()
 
     def start(self, choice: Values) -> None:
         """Run a simulator for the user's choice. Raises ChoiceError, ValueError or RuntimeError."""
+        if choice.get("exercise_name") is not None:
+            self._train(choice)
+            return
         if self.is_fixed:
             raise ValueError("this server runs one scenario: start `uwsim station` to choose")
         if choice.get("saved") is not None:
@@ -100,6 +106,16 @@ class Sessions:
                     rosbridge=rosbridge,
                     choice=choice,
                 )
+
+    def _train(self, choice: Values) -> None:
+        """Run a packaged exercise: from the start screen, or after another one."""
+        follows = self.running is not None and self.running.judged is not None
+        if self._is_supervised or (self.is_fixed and not follows):
+            raise ValueError("exercise_name: this server runs one scenario, or its instructor decides")
+        name = chosen_exercise(choice)
+        self.prepared.forget()
+        with _errors_of("exercise_name", ScenarioError, ValueError):
+            self.run_exercise(load_exercise(name), self._person if follows else "", name)
 
     def _continue(self, choice: Values) -> None:
         """Continue a saved session; only the speed is taken from the choice."""
@@ -151,12 +167,15 @@ class Sessions:
         self.run(make, prepare, notes={"branched_from": where})
         return where
 
-    def run_exercise(self, exercise: Exercise, person: str = "") -> None:
-        """Run an exercise, with its score sheets in `folder`. Raises ScenarioError or ValueError.
+    def run_exercise(self, exercise: Exercise, person: str = "", name: str = "") -> None:
+        """Run an exercise, with its score sheets in `folder`, without the truth. Raises ScenarioError or ValueError.
 
-        person: the name on the sheets and in the log book, by default that of the member who begins the attempt.
+        person: the name on the sheets and in the log book, by default that of the member who begins the attempt. name:
+        of a packaged exercise, after which the pilot may start the next one unless an instructor decides.
         """
         exercise = exercise.in_world()
+        self._person = person
+        following = ("", "") if self._is_supervised else next_exercise(name)
 
         def make() -> LiveSimulator:
             sim = Simulator(exercise.made_scenario(), threads=self.threads)
@@ -167,11 +186,11 @@ class Sessions:
             running.judged = Judged(
                 running.live, exercise, self.folder, running.table.rights,
                 instructor=self._is_supervised, aids=running.aids_in_use,
-                pilot=lambda: self._lease.pilot_name, person=person,
+                pilot=lambda: self._lease.pilot_name, person=person, name=name, following=following,
             )  # fmt: skip
             running.scene.hidden = frozenset(exercise.hidden)
 
-        self.run(make, judge)
+        self.run(make, judge, truth=False)
 
     def run(
         self,
@@ -182,12 +201,14 @@ class Sessions:
         replay: Replay | None = None,
         notes: Values | None = None,
         choice: Values | None = None,
+        truth: bool | None = None,
     ) -> None:
         """Run the simulator returned by `make`.
 
         prepare: called once the new simulator's channels exist, before its map is built. feed: shared with other sinks.
         rosbridge: the user's server, which the simulator joins. replay: the replay that the simulator follows. notes:
-        metadata for the recording of the flight. choice: of which the simulator is made.
+        metadata for the recording of the flight. choice: of which the simulator is made. truth: as of `Station`, which
+        is the default.
         """
         if not self._starting.acquire(blocking=False):
             raise ValueError("another simulator is being started")
@@ -201,7 +222,7 @@ class Sessions:
                 origin = "world" if rosbridge is None else default_origin(live.simulator.scenario)
             running = Running(
                 live, self.node, self._wake, feed=feed, origin=origin, folder=self.folder, replay=replay,
-                **self._options,
+                **self._options | ({} if truth is None else {"truth": truth}),
             )  # fmt: skip
             if self.flights is not None and replay is None:
                 running.flight = FlightRecording(live, running.table, running.feed, self.flights, notes)

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from uwsim.channels.guest import Values
+from uwsim.exercises.exercise import exercise_names, load_exercise
 from uwsim.live.pace import Speed, checked_speed
 from uwsim.operator.station.start.user_rosbridge import UserRosbridge, checked_host, checked_port, checked_ros
 from uwsim.scenario import Scenario, ScenarioError, VehicleModel, load, load_vehicle, packaged_scenarios
@@ -92,6 +93,15 @@ def chosen_flight(choice: Values) -> tuple[str, Speed]:
     return str(choice["flight"]), speed
 
 
+def chosen_exercise(choice: Values) -> str:
+    """Return the packaged exercise that a choice names, which decides all else. Raises ChoiceError."""
+    errors = {name: "is the exercise's own" for name in FIELDS if choice.get(name) is not None}
+    name = _try(errors, "exercise_name", lambda: _name(choice["exercise_name"], exercise_names()))
+    if errors:
+        raise ChoiceError(errors)
+    return str(name)
+
+
 def chosen_rosbridge(choice: Values) -> UserRosbridge | None:
     """Return the user's rosbridge in a choice, after checking that it can be reached, or None. Raises ChoiceError."""
     errors: dict[str, str] = {}
@@ -134,6 +144,7 @@ def catalog(offered: str = "lake") -> Values:
         ],
         "sonars": _sonars(),
         "tilts_deg": list(TILTS_DEG),
+        "exercises": [_exercise(name) for name in exercise_names()],
         "links": [{"name": name, "description": load_modem(name).description} for name in _modems()],
         "speeds": list(SPEEDS),
         "defaults": {
@@ -158,6 +169,13 @@ def described(name: str, path: Path | None = None) -> Values:
         "sonar": first.sonar.title if first.model.sonar else None,
         "tilt_deg": first.sonar.tilt_deg if first.model.sonar else None,
     }
+
+
+def _exercise(name: str) -> Values:
+    found = load_exercise(name)
+    brief = " ".join(found.brief.split())
+    return {"name": name, "title": found.title, "brief": brief, "scenario": found.scenario, "time_s": found.time_s,
+            "points": found.points, "pass_points": found.pass_points}  # fmt: skip
 
 
 def _sonars() -> list[Values]:

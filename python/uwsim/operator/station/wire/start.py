@@ -26,6 +26,7 @@ class Choice(Message):
     rosbridge_ros: int | None = None
     saved: str | None = None
     flight: str | None = None
+    exercise_name: str | None = None
 
 
 class ChoiceTaken(Done):
@@ -67,6 +68,19 @@ class OfferedSonar(Message):
     kind: Literal["published", "instrument"]
 
 
+class OfferedExercise(Message):
+    """A packaged exercise. best: the best valid score in the log book, or null."""
+
+    name: str
+    title: str
+    brief: str
+    scenario: str
+    time_s: float
+    points: float
+    pass_points: float
+    best: float | None
+
+
 class RecordedFlight(Message):
     """A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty.
 
@@ -88,12 +102,13 @@ class RecordedFlight(Message):
 class Catalog(Message):
     """All available choices. speeds: 0 is as fast as possible. saves: sessions that can be continued.
 
-    flights: newest first.
+    flights: newest first. exercises: in the order of the course.
     """
 
     scenarios: list[OfferedScenario]
     vehicles: list[Offered]
     sonars: list[OfferedSonar]
+    exercises: list[OfferedExercise]
     tilts_deg: list[float]
     links: list[Offered]
     speeds: list[float]

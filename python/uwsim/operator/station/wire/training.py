@@ -17,9 +17,10 @@ class GoalState(Message):
 
 
 class BrokenLimit(Message):
-    """A broken limit of an exercise, and the points that it cost."""
+    """A broken limit of an exercise, and the points that it cost. title: the limit in English."""
 
     title: str
+    kind: str
     cost: float
     time_s: float
 
@@ -37,11 +38,15 @@ class AidState(Message):
 class ExerciseState(Message):
     """The state of an exercise. points: the maximum; lost: deducted; has_sheet: whether an attempt's sheet exists.
 
-    has_begun: false until the pilot begins the attempt. invalid_because: why the score is not valid, or "".
+    has_begun: false until the pilot begins the attempt. invalid_because: why the score is not valid, or "". name: of a
+    packaged exercise, or "". next_name, next_title: of the one that the pilot may start after it, or "".
     """
 
     success: Literal[True]
+    name: str
     title: str
+    next_name: str
+    next_title: str
     brief: str
     time_s: float
     limit_s: float

@@ -1,7 +1,8 @@
 // The current exercise, if any: its task, score so far, goals, broken limits, and the score sheet at the end.
 import { attempt, clockText, el, write } from '../dom.js';
+import { said } from '../said.js';
 import { STRINGS } from '../strings.js';
-import { exercise } from '../wire/messages.js';
+import * as messages from '../wire/messages.js';
 
 const WORDS = STRINGS.exercise;
 const ASK_MS = 1000;
@@ -40,6 +41,10 @@ export class ExercisePanel {
     this.aids = el('p', { className: 'exercise-aids' });
     this.invalid = el('p', { className: 'exercise-note', role: 'status' });
     this.note = el('p', { className: 'exercise-note', role: 'status' });
+    this.losses = el('ul', { className: 'exercise-goals exercise-losses' });
+    this.again = el('button', { type: 'button', onclick: () => attempt(this.station.control('restart')) }, WORDS.again);
+    this.next = el('button', { type: 'button', className: 'primary', onclick: () => this.#next() });
+    this.after = el('div', { className: 'exercise-after', hidden: true }, this.again, this.next);
     this.sheet = el('a', { className: 'exercise-sheet', download: 'sheet.html', hidden: true }, WORDS.sheet);
     this.title = el('span', {}, WORDS.heading);
     this.element = el(
@@ -52,7 +57,9 @@ export class ExercisePanel {
       this.goals,
       this.aids,
       this.invalid,
+      this.losses,
       this.note,
+      this.after,
       this.sheet,
     );
   }
@@ -71,10 +78,17 @@ export class ExercisePanel {
     this.#ask();
   }
 
+  // Run the next exercise of the course.
+  async #next() {
+    this.next.disabled = true;
+    await attempt(this.station.start({ exercise_name: this.state?.next_name }));
+    this.next.disabled = false;
+  }
+
   async #ask() {
     if (this.station.isBlind) return;
     try {
-      const state = await exercise(this.station.bridge);
+      const state = await messages.exercise(this.station.bridge);
       if (state.success) this.#show(state);
     } catch {
       /* the banner reports a lost connection */
@@ -100,18 +114,39 @@ export class ExercisePanel {
       item.dataset.met = String(share >= 1);
       write(item.lastChild, `${text(points * share)} / ${text(points)}`);
     });
-    const notes = [
-      state.lost > 0 ? `${WORDS.lost(text(state.lost))}: ${state.broken.map(({ title }) => title).join(', ')}` : '',
-      state.is_over ? ended(state) : '',
-      state.error,
-    ];
+    const losses = lossTexts(state);
+    if (this.losses.children.length !== losses.length) this.losses.replaceChildren(...losses.map(() => el('li')));
+    losses.forEach((loss, k) => write(this.losses.children[k], loss));
+    this.after.hidden = !state.is_over;
+    this.again.disabled = this.next.disabled = !this.station.isPilot;
+    this.again.hidden = !this.station.may('restart');
+    this.next.hidden = state.next_name === '';
+    write(this.next, WORDS.next(state.next_title));
+    const notes = [state.lost > 0 ? WORDS.lost(text(state.lost)) : '', state.is_over ? ended(state) : '', state.error];
     write(this.note, notes.filter(Boolean).join('. '));
     this.sheet.hidden = !state.has_sheet;
     this.sheet.href = this.station.href('/exercise/sheet.html');
   }
 }
 
+// What points were lost for: broken limits, and aids that cost.
+function lossTexts({ broken, aids }) {
+  const reasons = /** @type {Record<string, string>} */ (WORDS.reasons);
+  return [
+    ...broken.map(({ kind, title, cost, time_s }) =>
+      WORDS.lostBy(
+        text(cost),
+        [reasons[kind] ?? title, reasons[kind] && /\d/.test(title) ? `(${title})` : ''].join(' ').trim(),
+        clockText(time_s),
+      ),
+    ),
+    ...aids
+      .filter(({ cost }) => cost > 0)
+      .map(({ kind, cost, used_s }) => WORDS.lostByAid(text(cost), WORDS.aids[kind], text(used_s))),
+  ];
+}
+
 function ended({ has_passed, is_valid, ended_because }) {
-  if (has_passed) return WORDS.passed(ended_because);
-  return is_valid ? WORDS.notPassed(ended_because) : WORDS.ended(ended_because);
+  if (has_passed) return WORDS.passed(said(ended_because));
+  return is_valid ? WORDS.notPassed(said(ended_because)) : WORDS.ended(said(ended_because));
 }

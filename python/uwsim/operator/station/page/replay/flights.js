@@ -22,12 +22,14 @@ export class Flights {
   constructor(station) {
     this.station = station;
     this.status = el('p', { className: 'flights-status', role: 'status' });
+    this.none = el('p', {}, WORDS.none);
     this.list = el('ul', { className: 'flights-list' });
     this.element = byId('flights');
     this.element.append(
       el('h2', { id: 'flights-title' }, WORDS.title),
       el('p', {}, WORDS.hint),
       this.status,
+      this.none,
       this.list,
     );
     station.addEventListener('state', () => this.#warn());
@@ -35,7 +37,8 @@ export class Flights {
 
   // flights: the entries of the catalog. Rows that have not changed stay in place, so that no click on one is lost.
   show(flights = []) {
-    this.element.hidden = flights.length === 0;
+    this.element.classList.toggle('is-empty', flights.length === 0);
+    this.none.hidden = flights.length > 0;
     const before = [...this.#rows.values()];
     const keys = flights.map((flight) => JSON.stringify(flight));
     this.#rows = new Map(keys.map((key, k) => [key, this.#rows.get(key) ?? this.#row(flights[k])]));

@@ -443,17 +443,21 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} share
  */
 
-/** A broken limit of an exercise, and the points that it cost.
+/** A broken limit of an exercise, and the points that it cost. title: the limit in English.
  * @typedef {object} BrokenLimit
  * @property {string} title
+ * @property {string} kind
  * @property {number} cost
  * @property {number} time_s
  */
 
-/** The state of an exercise. points: the maximum; lost: deducted; has_sheet: whether an attempt's sheet exists. has_begun: false until the pilot begins the attempt. invalid_because: why the score is not valid, or "".
+/** The state of an exercise. points: the maximum; lost: deducted; has_sheet: whether an attempt's sheet exists. has_begun: false until the pilot begins the attempt. invalid_because: why the score is not valid, or "". name: of a packaged exercise, or "". next_name, next_title: of the one that the pilot may start after it, or "".
  * @typedef {object} ExerciseState
  * @property {true} success
+ * @property {string} name
  * @property {string} title
+ * @property {string} next_name
+ * @property {string} next_title
  * @property {string} brief
  * @property {number} time_s
  * @property {number} limit_s
@@ -660,6 +664,18 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {'published' | 'instrument'} kind
  */
 
+/** A packaged exercise. best: the best valid score in the log book, or null.
+ * @typedef {object} OfferedExercise
+ * @property {string} name
+ * @property {string} title
+ * @property {string} brief
+ * @property {string} scenario
+ * @property {number} time_s
+ * @property {number} points
+ * @property {number} pass_points
+ * @property {number | null} best
+ */
+
 /** The choice on the start screen. A missing or null field keeps the scenario's value. tilt_deg: of the sonar's head, down. rosbridge_*: the user's server.
  * @typedef {object} Choice
  * @property {string | null} [scenario]
@@ -675,6 +691,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number | null} [rosbridge_ros]
  * @property {string | null} [saved]
  * @property {string | null} [flight]
+ * @property {string | null} [exercise_name]
  */
 
 /** A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty. from_log: the file of a real flight from which it was made, or empty. cut_off: whether its recording ends early, after duration_s, because the station was killed or the disk was full.
@@ -690,11 +707,12 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} refused
  */
 
-/** All available choices. speeds: 0 is as fast as possible. saves: sessions that can be continued. flights: newest first.
+/** All available choices. speeds: 0 is as fast as possible. saves: sessions that can be continued. flights: newest first. exercises: in the order of the course.
  * @typedef {object} Catalog
  * @property {OfferedScenario[]} scenarios
  * @property {Offered[]} vehicles
  * @property {OfferedSonar[]} sonars
+ * @property {OfferedExercise[]} exercises
  * @property {number[]} tilts_deg
  * @property {Offered[]} links
  * @property {number[]} speeds
@@ -957,6 +975,7 @@ export const check = (
     rosbridge_ros,
     saved,
     flight,
+    exercise_name,
   },
 ) =>
   bridge.call('/station/check', {
@@ -973,6 +992,7 @@ export const check = (
     rosbridge_ros,
     saved,
     flight,
+    exercise_name,
   });
 
 /** Start a simulator from a choice.
@@ -996,6 +1016,7 @@ export const start = (
     rosbridge_ros,
     saved,
     flight,
+    exercise_name,
   },
 ) =>
   bridge.call('/station/start', {
@@ -1012,6 +1033,7 @@ export const start = (
     rosbridge_ros,
     saved,
     flight,
+    exercise_name,
   });
 
 /** List a scenario's kinds of parts.

@@ -1,0 +1,57 @@
+// The start screen's list of exercises, each with the best score of the log book and a button that starts it.
+import { byId, clockText, el, write } from './dom.js';
+import { STRINGS } from './strings.js';
+
+const WORDS = STRINGS.exercises;
+const points = (value) => String(+value.toFixed(1));
+
+export class Exercises {
+  constructor(station) {
+    this.station = station;
+    this.status = el('p', { className: 'flights-status', role: 'status' });
+    this.list = el('ol', { className: 'flights-list' });
+    this.element = byId('exercises');
+    this.element.append(
+      el('h2', { id: 'exercises-title' }, WORDS.title),
+      el('p', {}, WORDS.hint),
+      this.status,
+      this.list,
+    );
+  }
+
+  /** @param {import('./wire/messages.js').OfferedExercise[]} exercises */
+  show(exercises) {
+    this.list.replaceChildren(...exercises.map((each) => this.#row(each)));
+  }
+
+  #row({ name, title, brief, scenario, time_s, points: most, pass_points, best }) {
+    const score = best === null ? WORDS.notFlown : WORDS.best(points(best), points(most));
+    const button = el('button', { type: 'button', 'aria-label': WORDS.startOf(title) }, WORDS.start);
+    button.addEventListener('click', () => this.#start(name, button));
+    return el(
+      'li',
+      { 'data-exercise': name, 'data-passed': String(best !== null && best >= pass_points) },
+      el(
+        'div',
+        {},
+        el('b', {}, title),
+        el('span', {}, WORDS.about(scenario.replaceAll('_', ' '), clockText(time_s))),
+        el('span', { className: 'best' }, score),
+        el('small', {}, brief),
+      ),
+      button,
+    );
+  }
+
+  async #start(name, button) {
+    button.disabled = true;
+    write(this.status, STRINGS.start.starting);
+    try {
+      const answer = await this.station.start({ exercise_name: name });
+      write(this.status, answer.success ? '' : answer.message);
+    } catch (error) {
+      write(this.status, error.message);
+    }
+    button.disabled = false;
+  }
+}
