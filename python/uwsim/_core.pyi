@@ -2746,6 +2746,7 @@ class Optics:
         particles_per_m3: typing.SupportsFloat | typing.SupportsIndex,
         turbulence_k: typing.SupportsFloat | typing.SupportsIndex,
         forward_scatter_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        fetch_m: typing.SupportsFloat | typing.SupportsIndex = ...,
     ) -> None: ...
     def level_irradiance_below(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """

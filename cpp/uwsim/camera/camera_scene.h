@@ -89,16 +89,17 @@ class CameraScene {
   const SmoothMesh* smooth_mesh(std::uint32_t label) const { return smooth_meshes_[label].get(); }
   bool has_gloss() const { return has_gloss_; }
 
-  /// The ripples caused by a wind, at one time, with the caustics from `first_level` on. The last result is cached,
-  /// because several cameras may render pictures of the same time.
-  std::shared_ptr<const Ripples::Snapshot> ripples(double wind_m_s, double wind_towards_rad, double time_s,
-                                                   const FocusWater& water, int first_level, int threads) const;
+  /// The ripples caused by a wind over a fetch, at one time, with the caustics from `first_level` on. The last result
+  /// is cached, because several cameras may render pictures of the same time.
+  std::shared_ptr<const Ripples::Snapshot> ripples(double wind_m_s, double wind_towards_rad, double fetch_m,
+                                                   double time_s, const FocusWater& water, int first_level,
+                                                   int threads) const;
 
  private:
   void set_texture(std::size_t label, std::shared_ptr<const Texture> texture);
   std::uint8_t class_of(const std::string& surface_class);
   struct CachedRipples {
-    double wind_m_s, towards_rad, time_s;
+    double wind_m_s, towards_rad, fetch_m, time_s;
     FocusWater water;
     std::shared_ptr<const Ripples> ripples;
     std::shared_ptr<const Ripples::Snapshot> snapshot;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "uwsim/camera/daylight.h"
 #include "uwsim/camera/water_optics.h"
 
@@ -14,7 +16,7 @@ struct Optics {
   double wind_towards_rad = 0;
   double particles_per_m3 = 60;  ///< large enough to be visible individually; assumed
   double turbulence_k = 2;       ///< standard deviation of temperature in turbulent eddies; assumed, strong mixing
-
+  double fetch_m = std::numeric_limits<double>::infinity();  ///< of the water over which the wind has blown
   double forward_scatter_rad = 0;  ///< mean angle of scattering by particles on the way to the camera; 0: no blur
 
   /// Throws InvalidValue naming the field. The sun and the wind are checked where they are used.

@@ -88,8 +88,8 @@ PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const
   const bool has_ripples =
       !request.geometry_only && optics.wind_m_s > 0 && (view.has_surface || on.has(Effect::kCaustics));
   if (has_ripples) {
-    ripples_ = scene.ripples(optics.wind_m_s, optics.wind_towards_rad, request.time_s, focus_water(optics),
-                             first_caustic_level(request), request.threads);
+    ripples_ = scene.ripples(optics.wind_m_s, optics.wind_towards_rad, optics.fetch_m, request.time_s,
+                             focus_water(optics), first_caustic_level(request), request.threads);
     view.slopes = ripples_->slopes.data();
     view.caustics = ripples_->caustics.data();
   }

@@ -1,5 +1,6 @@
 #include "uwsim/camera/ripples.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -20,9 +21,16 @@ constexpr double kTension_m3_s2 = 7.4e-5;  // surface tension of clean water at 
 
 }  // namespace
 
-Ripples::Ripples(double wind_m_s, double wind_towards_rad, std::uint64_t seed) {
+double longest_wind_wave_m(double wind_m_s, double fetch_m) {
+  const double per_s = kGravity_m_s2 / wind_m_s, dimensionless_fetch = per_s * fetch_m / wind_m_s;
+  const double peak_hz = per_s * std::max(3.5 * std::pow(dimensionless_fetch, -0.33), 0.13);
+  return kGravity_m_s2 / (kTau * peak_hz * peak_hz);
+}
+
+Ripples::Ripples(double wind_m_s, double wind_towards_rad, double fetch_m, std::uint64_t seed) {
   require(wind_m_s >= 0 && wind_m_s <= 14, "optics.wind", wind_m_s, "must be in [0, 14] m/s");
   require(std::isfinite(wind_towards_rad), "optics.wind_towards", wind_towards_rad, "must be finite");
+  require(fetch_m > 0, "optics.fetch_m", fetch_m, "must be positive");
   const RandomStream random(seed, stream_name("optics", "ripples"));
   double variance = 0;
   for (int i = 0; i <= kMostWaves; ++i) {
@@ -45,6 +53,13 @@ Ripples::Ripples(double wind_m_s, double wind_towards_rad, std::uint64_t seed) {
   const double half = wind_m_s > 0 ? 0.5 * (0.003 + 0.00512 * wind_m_s) : 0, scale = std::sqrt(half / variance);
   short_slope_ = std::sqrt(0.5 * half);
   for (Wave& wave : waves_) wave.slope_x *= scale, wave.slope_y *= scale;
+  if (std::isinf(fetch_m) || wind_m_s == 0) return;
+  const double longest_m = longest_wind_wave_m(wind_m_s, fetch_m);
+  for (Wave& wave : waves_) {
+    const double length_m = kTile_m / std::hypot(wave.i, wave.j), ratio = length_m / longest_m;
+    const double left = std::exp(-0.625 * ratio * ratio);
+    wave.slope_x *= left, wave.slope_y *= left;
+  }
 }
 
 /// Sums the waves as products of a phasor along x and one along y: first over all waves with the same i, then over i.

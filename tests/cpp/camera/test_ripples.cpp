@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -12,6 +14,8 @@
 
 namespace uwsim {
 namespace {
+
+constexpr double kAfar = std::numeric_limits<double>::infinity();
 
 /// The mean of a level, and its coefficient of variation.
 std::pair<double, double> mean_and_cv(const Ripples::Snapshot& snapshot, int level) {
@@ -24,7 +28,7 @@ std::pair<double, double> mean_and_cv(const Ripples::Snapshot& snapshot, int lev
 }
 
 TEST(Ripples, CausticsConserveLightAndSlopesHaveTheVarianceOfCoxAndMunk) {
-  const Ripples ripples(5, 0.3, 11);
+  const Ripples ripples(5, 0.3, kAfar, 11);
   const Ripples::Snapshot snapshot = ripples.at(3.7, FocusWater{}, 0, 2);
   for (int level = 0; level < camera::kCausticLevels; ++level) {
     EXPECT_NEAR(mean_and_cv(snapshot, level).first, 1, 1e-4) << level;
@@ -36,7 +40,7 @@ TEST(Ripples, CausticsConserveLightAndSlopesHaveTheVarianceOfCoxAndMunk) {
 
 // Waves focus light at depths of some times their length; below, it evens out, the sooner the more the water scatters.
 TEST(Ripples, FocusedLightFadesWithDepthAndScattering) {
-  const Ripples ripples(5, 0.3, 11);
+  const Ripples ripples(5, 0.3, kAfar, 11);
   std::vector<double> clearer(camera::kCausticLevels, 10.0);
   for (const double b : {0.0, 0.05, 0.3}) {
     const Ripples::Snapshot snapshot = ripples.at(3.7, {1.333, b, 0.087}, 0, 2);
@@ -51,6 +55,30 @@ TEST(Ripples, FocusedLightFadesWithDepthAndScattering) {
     for (int level = 0; level < camera::kCausticLevels; ++level) EXPECT_LT(cv[level], clearer[level]) << b << level;
     clearer = cv;
   }
+}
+
+TEST(Ripples, WavesGrowWithFetchUntilTheSeaIsGrown) {
+  // JONSWAP: U = 2 m/s over 400 m: 3.5 (g / U) 981^-0.33 = 1.767 Hz, 0.50 m
+  EXPECT_NEAR(longest_wind_wave_m(2, 400), 0.500, 0.002);
+  const double grown_hz = 0.13 * 9.80665 / 5;
+  EXPECT_NEAR(longest_wind_wave_m(5, 1e6), 9.80665 / (2 * std::numbers::pi * grown_hz * grown_hz), 1e-9);
+}
+
+// A pond's ripples are part of the sea's under the same wind: its short ones, whose light is even again in deep water.
+TEST(Ripples, AShortFetchLeavesOutTheLongWavesAndTheirFocus) {
+  const auto variance = [](const Ripples::Snapshot& snapshot) {
+    double sum = 0;
+    for (const float slope : snapshot.slopes) sum += slope * slope;
+    return sum / (Ripples::kCells * Ripples::kCells);
+  };
+  const FocusWater water{1.333, 0.03, 0.087};
+  const Ripples::Snapshot sea = Ripples(2, 0.3, kAfar, 11).at(3.7, water, 0, 2);
+  const Ripples::Snapshot grown = Ripples(5, 0.3, 1e6, 11).at(3.7, water, 0, 2);
+  const Ripples::Snapshot pond = Ripples(2, 0.3, 400, 11).at(3.7, water, 0, 2);
+  EXPECT_NEAR(variance(grown), 0.5 * (0.003 + 0.00512 * 5), 0.25 * 0.0143) << "nothing shorter than a sea's waves goes";
+  // Over octaves of equal variance down to a twentieth of the tile: half of E1(1.25 (0.32 / 0.5)^2) / ln 20.
+  EXPECT_NEAR(variance(pond) / variance(sea), 0.5 * 0.54 / std::log(20), 0.04);
+  EXPECT_LT(mean_and_cv(pond, 5).second, 0.2 * mean_and_cv(sea, 5).second) << "16 m";
 }
 
 TEST(Ripples, APatternIsLeftAsWellsHasIt) {

@@ -57,6 +57,7 @@ OTHER: dict[str, Any] = {
     "limits.high": -0.19,
     "strengths_db": {"terrain": -10.0},
     "water.profile": {"kind": "linear", "surface": {"temperature_deg_c": 18}, "bottom": {"temperature_deg_c": 9}},
+    "optics.fetch_m": 25.0,
     "optics.coefficients": {"diffuse_attenuation": [1, 1, 1], "absorption": [1, 1, 1], "scattering": [2, 2, 2]},
 }
 """Valid values that have an effect, where none can be derived from the current value."""

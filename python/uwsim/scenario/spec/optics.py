@@ -52,6 +52,7 @@ class OpticsChanges(TypedDict, total=False):
     sun_azimuth_deg: float
     wind_m_s: float
     wind_heading_deg: float
+    fetch_m: float | None
     particles_per_m3: float
     turbulence_k: float
     forward_scatter_mrad: float
@@ -66,7 +67,8 @@ class Optics(Model):
     horizon. sun_azimuth_deg: direction towards the sun, counter-clockwise from east. wind_m_s, wind_heading_deg: speed
     and direction of the breeze that ripples the surface, by default that of `wind`, if there is one; the
     ripples only refract light: vehicles feel the waves of
-    `water.surface`. particles_per_m3: density of particles large enough to be individually visible. turbulence_k:
+    `water.surface`. fetch_m: the length of water over which that wind has blown: longer waves than it raises over it
+    (JONSWAP) are absent; by default waves of all lengths come from afar. particles_per_m3: density of particles large enough to be individually visible. turbulence_k:
     standard deviation of the temperature in the eddies that refract light (effect `wobble`): 0 in water at rest, 0.1 in
     calm water, 2 where warm and cold water mix; assumed. forward_scatter_mrad: mean angle by which particles scatter
     light on its way to the camera, which blurs the picture; 0: no blur.
@@ -79,6 +81,7 @@ class Optics(Model):
     sun_azimuth_deg: Degrees = 120.0
     wind_m_s: Annotated[float, InRange(0, OPTICS_MOST_M_S, "m/s")] = 3.0
     wind_heading_deg: Degrees = 20.0
+    fetch_m: Annotated[float, InRange(1, 1e6, "m")] | None = None
     particles_per_m3: Annotated[float, InRange(0, 64, "1/m3")] = 20.0
     turbulence_k: Annotated[float, InRange(0, 20, "K")] = 2.0
     forward_scatter_mrad: Annotated[float, InRange(0, 200, "mrad")] = 0.0
