@@ -32,6 +32,7 @@ CameraScene::CameraScene(const World& world, std::shared_ptr<const RayScene> ray
   smooth_meshes_.resize(classes_.size());
   for (std::size_t k = 0; k < world_.solids().size(); ++k)
     smooth_meshes_[kTerrain + 1 + k] = std::make_shared<const SmoothMesh>(world_.solids()[k]->mesh_world);
+  thin_solids_ = uwsim::thin_solids(world_);
 }
 
 CameraScene::CameraScene(const CameraScene& like, const Water& water, std::uint64_t seed)
@@ -43,6 +44,7 @@ CameraScene::CameraScene(const CameraScene& like, const Water& water, std::uint6
       class_names_(like.class_names_),
       textures_(like.textures_),
       smooth_meshes_(like.smooth_meshes_),
+      thin_solids_(like.thin_solids_),
       has_textures_(like.has_textures_),
       has_gloss_(like.has_gloss_),
       has_detail_(like.has_detail_),

@@ -15,6 +15,7 @@
 #include "uwsim/camera/ripples.h"
 #include "uwsim/camera/smooth_mesh.h"
 #include "uwsim/camera/texture.h"
+#include "uwsim/camera/thin_solids.h"
 #include "uwsim/core/fork_safe_mutex.h"
 #include "uwsim/core/pose.h"
 #include "uwsim/rays/ray_scene.h"
@@ -88,6 +89,8 @@ class CameraScene {
   /// The mesh of a solid or a vehicle, null for others.
   const SmoothMesh* smooth_mesh(std::uint32_t label) const { return smooth_meshes_[label].get(); }
   bool has_gloss() const { return has_gloss_; }
+  /// The world's solids that cover parts of pixels.
+  const std::vector<ThinSolid>& thin_solids() const { return thin_solids_; }
 
   /// The ripples caused by a wind over a fetch, at one time, with the caustics from `first_level` on. The last result
   /// is cached, because several cameras may render pictures of the same time.
@@ -112,6 +115,7 @@ class CameraScene {
   std::vector<std::string> class_names_;
   std::vector<std::shared_ptr<const Texture>> textures_;
   std::vector<std::shared_ptr<const SmoothMesh>> smooth_meshes_;
+  std::vector<ThinSolid> thin_solids_;
   bool has_textures_ = false, has_gloss_ = false, has_detail_ = false;
   std::optional<double> ripples_rad_;
   std::vector<std::string> vehicle_names_;

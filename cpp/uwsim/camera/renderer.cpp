@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <exception>
+#include <limits>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "uwsim/camera/block_lane.h"
 #include "uwsim/camera/block_mask.h"
 #include "uwsim/camera/development.h"
 #include "uwsim/camera/forward_scatter.h"
@@ -32,9 +36,14 @@ using camera::kBlockSide;
 
 constexpr double kWorldEnd_m = 1e6;
 constexpr float kCoarsePixel_rad = 6e-3f;
-// The number of pictures whose mean is a blurred picture. It is odd, so that one of them belongs to the middle of the
-// exposure.
-constexpr int kExposureParts = 15;
+// The largest number of pictures whose mean is a blurred picture. It is odd, so that one of them belongs to the middle
+// of the exposure.
+constexpr int kMostExposureParts = 15;
+constexpr int kBlurLattice = 4;  // one pixel in so many along each axis is looked at for the length of blur
+// Where a thin solid is at most so many pixels thick, a pixel is the mean of its centre and of four other places, which
+// lie in five different rows and columns of a fifth of a pixel.
+constexpr float kThinPixels = 8;
+constexpr std::array<std::array<float, 2>, 4> kPixelParts = {{{.2f, .4f}, {.4f, -.2f}, {-.2f, -.4f}, {-.4f, .2f}}};
 // A row of blocks is rendered in this many parts, so that the threads finish at about the same time.
 constexpr int kRowParts = 4;
 
@@ -54,7 +63,11 @@ class Rendering {
         tracer_(scene, prepared_.anchor_world_m, request),
         kernels_(request.kernels != nullptr ? *request.kernels : camera::kernels()),
         classes_(scene.classes_by_label()),
+        thin_from_m_(classes_.size(), std::numeric_limits<float>::infinity()),
         keeps_geometry_(!request.colours_only || on(Effect::kParticles) || !request.clouds.all.empty()) {
+    for (const ThinSolid& solid : scene_.thin_solids()) {
+      thin_from_m_[solid.label] = solid.thickness_m / (kThinPixels * view_.pixel_rad);
+    }
     timer_.add(kPrepare);
   }
 
@@ -75,10 +88,14 @@ class Rendering {
     const int row_parts = kRowParts * ((view_.height + kBlockSide - 1) / kBlockSide);
     root_luminance_.assign(static_cast<std::size_t>(row_parts), 0.0);
     const double shutter_s = camera_.sensor().shutter_s;
-    if (view_.moves && shutter_s > 0 && !request_.geometry_only) parts_ = kExposureParts;
+    if (view_.moves && shutter_s > 0 && !request_.geometry_only) {
+      const double halves = std::min(0.5 * longest_blur(shutter_s), double{kMostExposureParts / 2});
+      parts_ = 2 * static_cast<int>(std::ceil(halves)) + 1;  // less than a pixel apart
+    }
     for (int part = 0; part < parts_; ++part) {
       view_.part_s = static_cast<float>(shutter_s * ((part + 0.5) / parts_ - 0.5));
       is_middle_ = part == parts_ / 2;
+      if (!scene_.thin_solids().empty()) shift_views();
       for_rows(row_parts + 1, threads_, [&](int turn, int worker) {
         RenderCost& own = costs_[static_cast<std::size_t>(worker)];
         if (turn > 0) return render_row_part(turn - 1, own);
@@ -117,6 +134,31 @@ class Rendering {
     for (ImageBuffer<float>& band : bands_) band.resize(pixels);
     if (scatters_) direct_.resize(pixels);
     radiance_ = {bands_[0].data(), bands_[1].data(), bands_[2].data()};
+  }
+
+  /// How far points move in the picture during the exposure, in pixels: the farthest of a lattice of pixels.
+  double longest_blur(double shutter_s) {
+    const Eigen::Vector3f velocity = Eigen::Map<const Eigen::Vector3f>(view_.velocity);
+    const Eigen::Vector3f spin =
+        2 * std::numbers::pi_v<float> * view_.spin_turns_per_s * Eigen::Map<const Eigen::Vector3f>(view_.spin_axis);
+    Block block;
+    HitPacket hits;
+    float most_rad_s = 0;
+    for (int top = 0; top < view_.height; top += kBlurLattice * kBlockSide) {
+      for (int left = 0; left < view_.width; left += kBlurLattice * kBlockSide) {
+        kernels_.shaft_rays(view_, left, top, kBlurLattice, block);
+        costs_[0].primary_rays += count(block.active);
+        tracer_.cast(block, Tracer::everywhere(), hits, RayOrder::kCoherent);
+        for (std::size_t k = 0; k < kBlockPixels; ++k) {
+          if (!block.active.at[k]) continue;
+          const Eigen::Vector3f way = camera::lane(block.direction, k), turning = spin.cross(way);
+          const float away_m = block.distance.at[k];
+          const Eigen::Vector3f across = (velocity - velocity.dot(way) * way) / away_m;
+          most_rad_s = std::max(most_rad_s, std::isfinite(away_m) ? (across + turning).norm() : turning.norm());
+        }
+      }
+    }
+    return shutter_s * static_cast<double>(most_rad_s / view_.pixel_rad);
   }
 
   /// Adds the picture of a part of the exposure to their mean.
@@ -161,8 +203,10 @@ class Rendering {
       timer.add(kGeometry);
       if (request_.geometry_only) continue;
       const BlockMask pixels = block.active;
-      shade_segment(block, hits, true, left, top, cost, timer);
-      if (any(block.onward)) continue_paths(block, hits, left, top, cost, timer);
+      PixelParts others;
+      const bool has_parts = may_see_thin(block) && cast_parts(left, top, sight, block, others, cost, timer);
+      shade(block, hits, left, top, cost, timer);
+      if (has_parts) add_parts(left, top, others, block, cost, timer);
       if (scatters_) direct_.keep(view_, left, top, block, is_middle_, 1.0f / static_cast<float>(parts_));
       camera::BlockFloats root_luminance;
       kernels_.write_radiance(view_, left, top, block, radiance_, root_luminance);
@@ -174,6 +218,80 @@ class Rendering {
       root_luminance_[static_cast<std::size_t>(row_part)] += (sums[0] + sums[1]) + (sums[2] + sums[3]);
       timer.add(kDevelopment);
     }
+  }
+
+  /// The rays through other places in the pixels of a block.
+  struct PixelParts {
+    std::array<Block, kPixelParts.size()> blocks;
+    std::array<HitPacket, kPixelParts.size()> hits;
+  };
+
+  /// Sets the views whose rays pass through the other places in each pixel.
+  void shift_views() {
+    using Axis = Eigen::Map<Eigen::Vector3f>;
+    for (std::size_t k = 0; k < shifted_.size(); ++k) {
+      shifted_[k] = view_;
+      const auto [x, y] = kPixelParts[k];
+      Axis(shifted_[k].ahead) += view_.pixel_rad * (x * Axis(view_.right) + y * Axis(view_.down));
+    }
+  }
+
+  bool may_see_thin(const Block& block) const {
+    const double block_rad = kBlockSide * static_cast<double>(view_.pixel_rad);
+    const Eigen::Vector3f direction = camera::lane(block.direction, kBlockPixels / 2);
+    return std::ranges::any_of(scene_.thin_solids(), [&](const ThinSolid& solid) {
+      return solid.may_be_seen(prepared_.anchor_world_m, direction, block_rad);
+    });
+  }
+
+  bool sees_thin(const Block& block) const {
+    for (std::size_t k = 0; k < kBlockPixels; ++k) {
+      if (block.active.at[k] && block.distance.at[k] > thin_from_m_[block.label[k]]) return true;
+    }
+    return false;
+  }
+
+  /// Casts the other rays of a block; returns whether any of its rays meets a thin solid where that is a few pixels
+  /// thick.
+  bool cast_parts(int left, int top, const camera::BlockFloats& sight, const Block& block, PixelParts& parts,
+                  RenderCost& cost, TaskTimer& timer) {
+    bool found = sees_thin(block);
+    for (std::size_t k = 0; k < shifted_.size(); ++k) {
+      Block& other = parts.blocks[k];
+      kernels_.primary_rays(shifted_[k], left, top, other);
+      kernels_.start_paths(view_, other);
+      tracer_.cast(other, sight, parts.hits[k], RayOrder::kCoherent);
+      cost.primary_rays += count(other.active);
+      tracer_.locate_hits(view_, kernels_, parts.hits[k], other);
+      found = found || sees_thin(other);
+    }
+    timer.add(kPrimaryRays);
+    return found;
+  }
+
+  /// Makes the light of a block the mean over the places in each pixel.
+  void add_parts(int left, int top, PixelParts& parts, Block& block, RenderCost& cost, TaskTimer& timer) {
+    for (std::size_t k = 0; k < parts.blocks.size(); ++k) {
+      shade(parts.blocks[k], parts.hits[k], left, top, cost, timer);
+    }
+    constexpr float kShare = 1.0f / (1 + kPixelParts.size());
+    const auto take_mean = [&](camera::BlockVectors Block::*light) {
+      for (camera::BlockFloats camera::BlockVectors::*band :
+           {&camera::BlockVectors::x, &camera::BlockVectors::y, &camera::BlockVectors::z}) {
+        for (std::size_t k = 0; k < kBlockPixels; ++k) {
+          float& mean = (block.*light.*band).at[k];
+          for (const Block& other : parts.blocks) mean += (other.*light.*band).at[k];
+          mean *= kShare;
+        }
+      }
+    };
+    take_mean(&Block::radiance), take_mean(&Block::sun_backscatter);
+    if (scatters_) take_mean(&Block::veil);
+  }
+
+  void shade(Block& block, HitPacket& hits, int left, int top, RenderCost& cost, TaskTimer& timer) {
+    shade_segment(block, hits, true, left, top, cost, timer);
+    if (any(block.onward)) continue_paths(block, hits, left, top, cost, timer);
   }
 
   void continue_paths(Block& block, HitPacket& hits, int left, int top, RenderCost& cost, TaskTimer& timer) {
@@ -296,7 +414,9 @@ class Rendering {
   Tracer tracer_;
   const camera::Kernels& kernels_;
   std::vector<std::uint8_t> classes_;
-  const bool keeps_geometry_;  // without it, neither particles nor sediment can be drawn
+  std::vector<float> thin_from_m_;                        // by label: where it is seen in parts of pixels
+  std::array<camera::View, kPixelParts.size()> shifted_;  // through these parts
+  const bool keeps_geometry_;                             // without it, neither particles nor sediment can be drawn
   Picture picture_;
   std::array<ImageBuffer<float>, 3> bands_, exposed_;
   bool scatters_ = false;

@@ -26,12 +26,12 @@ Camera watcher(double shutter_s, double readout_s) {
 class Shutter : public ::testing::Test {
  protected:
   Shutter() {
-    TriangleMesh wall = testing::box(0.02, 40, 40);
-    for (Eigen::Vector3d& vertex : wall.vertices_m) vertex += Eigen::Vector3d(kWall_m + 0.01, -20, 0);
+    TriangleMesh wall = testing::box(0.06, 40, 40);
+    for (Eigen::Vector3d& vertex : wall.vertices_m) vertex += Eigen::Vector3d(kWall_m + 0.03, -20, 0);
     world.add_solid("wall", wall);
   }
 
-  Picture picture(const Camera& camera, const Vector6d& velocity, int threads = 1) const {
+  Picture picture(const Camera& camera, const Vector6d& velocity, int threads = 1, RenderCost* cost = nullptr) const {
     PictureRequest request;
     request.effects = Effects::none();
     request.effects.set(Effect::kShutter, true);
@@ -40,7 +40,7 @@ class Shutter : public ::testing::Test {
     request.threads = threads;
     Optics optics;
     optics.water = jerlov_water("III");
-    return render(CameraScene(world, std::make_shared<RayScene>(world), 7), camera, optics, request);
+    return render(CameraScene(world, std::make_shared<RayScene>(world), 7), camera, optics, request, cost);
   }
 
   World world;
@@ -83,6 +83,24 @@ TEST_F(Shutter, TheExposureBlursAnEdgeOverTheMotionInItsTime) {
     EXPECT_NEAR((green(blurred, u) - far) / (near - far), share, 0.08) << u;
   }
   EXPECT_EQ(blurred.depth_m, sharp.depth_m) << "geometry is that of the middle";
+}
+
+// A step that is blurred over b pixels differs from the step by b / 4 in sum: v t f / d. Pixels sample it.
+TEST_F(Shutter, AnEdgeIsAsWideAsTheMotionAndCostsAPictureForEachPixelOfIt) {
+  const Picture sharp = picture(watcher(0.1, 0), Vector6d::Zero());
+  const auto green = [](const Picture& p, int u) {
+    return double{p.radiance[static_cast<std::size_t>(3 * (60 * p.width + u) + 1)]};
+  };
+  for (const auto& [pixels, parts] : {std::pair(1.8, 3), std::pair(3.9, 5), std::pair(7.5, 9), std::pair(30.0, 15)}) {
+    Vector6d aside = Vector6d::Zero();
+    aside(1) = pixels * kWall_m / (kFocal * 0.1);
+    RenderCost cost;
+    const Picture blurred = picture(watcher(0.1, 0), aside, 1, &cost);
+    double differs = 0;
+    for (int u = 60; u < 100; ++u) differs += std::abs(green(blurred, u) - green(sharp, u));
+    EXPECT_NEAR(4 * differs / std::abs(green(sharp, 82) - green(sharp, 77)), pixels, 1) << pixels;
+    EXPECT_NEAR(static_cast<double>(cost.primary_rays) / (160 * 120), parts + 1 / 16.0, 1e-9) << pixels;
+  }
 }
 
 TEST_F(Shutter, WithoutMotionOrWithoutTimeNothingChanges) {

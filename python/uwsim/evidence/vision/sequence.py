@@ -9,13 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from uwsim.instruments.cameras import Frame
+from uwsim.instruments.cameras import Camera, Frame
 from uwsim.simulator.simulator import Simulator
 
 Floats = NDArray[np.float64]
 SIZE = (320, 240)
 BASELINE_M, HEIGHT_M, PITCH_DEG = 0.12, 2.0, 45.0
 RATE_HZ, SPEED_M_S = 5.0, 0.5
+LONGEST_SHUTTER_MS, DIMMEST = 33.0, 30.0
+"""The longest shutter time, and the factor on the full sun's exposure with which a camera reaches it."""
 LAMP_SUN_DEG = -6.0
 """Below this elevation of the sun the lamps are on."""
 TRIES = 500
@@ -59,6 +61,13 @@ def leg(sim: Simulator, seed: int, length_m: float) -> tuple[Floats, float]:
     )
 
 
+def _set_shutter(camera: Camera) -> None:
+    """Set the shutter time of an automatic exposure: as short as the light that the camera sees now allows."""
+    full_sun, here = camera.capture(without=("exposure",)).gain, camera.capture().gain
+    shutter_ms = LONGEST_SHUTTER_MS * min(1.0, here / (DIMMEST * full_sun))
+    camera.change(camera.mount.model_copy(update={"shutter_ms": shutter_ms}))
+
+
 def shots(scenario: str, condition: Condition, seed: int, frames: int, without: Sequence[str] = ()) -> Iterator[Shot]:
     """Yield the pictures of a leg in a condition. without: effects that are switched off besides. Raises ValueError."""
     with Simulator(scenario, seed=seed) as sim:
@@ -79,6 +88,8 @@ def shots(scenario: str, condition: Condition, seed: int, frames: int, without: 
         starboard = turn.apply([0.0, -BASELINE_M, 0.0])
         velocity = (*turn.inv().apply(SPEED_M_S * ahead), 0.0, 0.0, 0.0)
         off = (*condition.without, *without)
+        rov.place(start, turn.as_quat(), velocity)
+        _set_shutter(camera)
         for k in range(frames):
             at = start + k * SPEED_M_S / RATE_HZ * ahead
             rov.place(at, turn.as_quat(), velocity)

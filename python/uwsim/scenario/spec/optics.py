@@ -66,12 +66,12 @@ class Optics(Model):
     which keeps the water's colour; by default that of the water type or the coefficients. sun_elevation_deg: above the
     horizon. sun_azimuth_deg: direction towards the sun, counter-clockwise from east. wind_m_s, wind_heading_deg: speed
     and direction of the breeze that ripples the surface, by default that of `wind`, if there is one; the
-    ripples only refract light: vehicles feel the waves of
-    `water.surface`. fetch_m: the length of water over which that wind has blown: longer waves than it raises over it
-    (JONSWAP) are absent; by default waves of all lengths come from afar. particles_per_m3: density of particles large enough to be individually visible. turbulence_k:
-    standard deviation of the temperature in the eddies that refract light (effect `wobble`): 0 in water at rest, 0.1 in
-    calm water, 2 where warm and cold water mix; assumed. forward_scatter_mrad: mean angle by which particles scatter
-    light on its way to the camera, which blurs the picture; 0: no blur.
+    ripples only refract light: vehicles feel the waves of `water.surface`. fetch_m: the length of water over which that
+    wind has blown: longer waves than it raises over it (JONSWAP) are absent; by default waves of all lengths come from
+    afar. particles_per_m3: density of particles large enough to be individually visible. turbulence_k: standard
+    deviation of the temperature in the eddies that refract light (effect `wobble`): 0 in water at rest, 0.1 in calm
+    water, 2 where warm and cold water mix; assumed. forward_scatter_mrad: mean angle by which particles scatter light
+    on its way to the camera, which blurs the picture; 0: no blur.
     """
 
     jerlov: Annotated[str, BeforeValidator(_jerlov), OneOf(tuple(_core.jerlov_types()))] = "III"
