@@ -2753,6 +2753,10 @@ class Optics:
         Return the irradiance of daylight (3,) on a level surface just below a flat water surface, in units of
         the sun's irradiance outside the atmosphere.
         """
+    def sun_irradiance_below(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        Return the sun's part (3,) of level_irradiance_below.
+        """
     @property
     def to_sun_below_world(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
     @property
@@ -2951,6 +2955,16 @@ class CameraScene:
         on. vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none.
         velocity_camera: (6,), in the camera's frame [m/s, rad/s]. The bytes do not depend on the number of
         threads. Releases the GIL. Raises ValueError.
+        """
+    def ripple_slopes(
+        self,
+        optics: Optics,
+        time_s: typing.SupportsFloat | typing.SupportsIndex,
+        threads: typing.SupportsInt | typing.SupportsIndex = 1,
+    ) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        Return the slopes (n, n, 2) along x and y of the ripples of the wind at a time, by row along y and column
+        along x, on a square of 6.4 m that repeats from the world's origin.
         """
     def set_appearance(
         self,

@@ -1,6 +1,7 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -13,7 +14,9 @@
 #include "bindings/camera/binders.h"
 #include "bindings/camera/picture_arrays.h"
 #include "bindings/core/convert.h"
+#include "uwsim/camera/prepared_view.h"
 #include "uwsim/camera/renderer.h"
+#include "uwsim/camera/ripples.h"
 #include "uwsim/core/names.h"
 
 namespace uwsim::bindings {
@@ -44,6 +47,18 @@ std::optional<TextureImage> as_texture(const py::object& image, const py::object
   const auto units = as_array<float>(normals, "texture.normals", {-1, 3, 3});
   texture.normals.assign(units.data(), units.data() + units.size());
   return texture;
+}
+
+py::array_t<float> ripple_slopes(const CameraScene& scene, const Optics& optics, double time_s, int threads) {
+  require(std::isfinite(time_s), "time_s", time_s, "must be finite");
+  require(threads >= 1 && threads <= 1024, "threads", threads, "must be in [1, 1024]");
+  const auto found = without_gil([&] {
+    return scene.ripples(optics.wind_m_s, optics.wind_towards_rad, time_s, focus_water(optics),
+                         camera::kCausticLevels - 2, threads);
+  });
+  py::array_t<float> slopes({Ripples::kCells, Ripples::kCells, 2});
+  std::copy(found->slopes.begin(), found->slopes.end(), slopes.mutable_data());
+  return slopes;
 }
 
 PictureArrays render_picture(const CameraScene& scene, const Camera& camera, const Optics& optics,
@@ -248,6 +263,9 @@ void bind_camera_scene(py::module_& m) {
       .def_property_readonly("class_names", &CameraScene::class_names,
                              "surface_class_names(), followed by the classes of cover.")
       .def_property_readonly("label_names", &CameraScene::label_names, "World.label_names, followed by the vehicles.")
+      .def("ripple_slopes", &ripple_slopes, py::arg("optics"), py::arg("time_s"), py::arg("threads") = 1,
+           "Return the slopes (n, n, 2) along x and y of the ripples of the wind at a time, by row along y and column\n"
+           "along x, on a square of 6.4 m that repeats from the world's origin.")
       .def("render", &render_picture, py::arg("camera"), py::arg("optics"), py::arg("position_m"),
            py::arg("orientation_xyzw"), py::arg("time_s"), py::arg("tick"), py::arg("effects"),
            py::arg("lamps") = std::vector<SpotLamp>{}, py::arg("vehicle_positions_m") = py::none(),

@@ -73,7 +73,10 @@ void bind_optics(py::module_& m) {
             return bands_out(below.beam_level + below.sky_level);
           },
           "Return the irradiance of daylight (3,) on a level surface just below a flat water surface, in units of\n"
-          "the sun's irradiance outside the atmosphere.");
+          "the sun's irradiance outside the atmosphere.")
+      .def(
+          "sun_irradiance_below", [](const Optics& o) { return bands_out(daylight_under_water(o).beam_level); },
+          "Return the sun's part (3,) of level_irradiance_below.");
 }
 
 }  // namespace uwsim::bindings

@@ -9,7 +9,7 @@ import pytest
 
 from uwsim.base.texts.json_text import read_json
 from uwsim.evidence.validate import peers
-from uwsim.evidence.validate.peers import added_mass, lamp_light, occupancy
+from uwsim.evidence.validate.peers import added_mass, focused_light, lamp_light, occupancy
 
 
 @pytest.mark.parametrize("peer", peers.PEERS)
@@ -39,6 +39,29 @@ def test_mitsuba_recomputes_its_stored_results() -> None:
     kept = read_json(lamp_light.RESULTS)["single"][name]["II"][0][1]
     found, error = make["radiance"](scene, 0.0, make["medium"]("II", 1), 2, 1 << 12)
     assert abs(found / kept - 1.0) < 4.0 * error / kept + 0.02
+
+
+def test_mitsuba_recomputes_the_light_that_waves_focus(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("mitsuba", reason="pip install mitsuba")
+    try:
+        make = runpy.run_path(str(Path(__file__).parents[1] / "data/make_mitsuba_caustics.py"))
+    except ImportError as error:
+        pytest.skip(f"Mitsuba has no LLVM 15 or newer: {error}")
+    name = "8 m, I, wind 5 m/s, sun overhead"
+    few = make["computed"].__globals__
+    monkeypatch.setitem(few, "RAYS", 1 << 18)
+    monkeypatch.setitem(few, "BATCHES", 4)
+    both = make["particles"](), few["mi"].load_dict({"type": "rayleigh"})
+    found, error, _ = make["computed"](focused_light.CASES[name], both)
+    assert abs(found.all - read_json(focused_light.RESULTS)["cases"][name]["all"]) < 4.0 * error.all + 0.002
+
+
+def test_noise_adds_nothing_to_the_spread_of_several_patterns() -> None:
+    random = np.random.default_rng(1)
+    across = 1.0 + 0.3 * np.sqrt(2.0) * np.cos(2.0 * np.pi * np.arange(64) / 64)[:, None] * np.ones(64)
+    noisy = [across + random.normal(0.0, 1.0, across.shape) for _ in range(4)]
+    spread = focused_light.spread_of(noisy)
+    assert spread.long == pytest.approx(0.3, abs=0.02) and focused_light.spread_of(noisy[:1]).all > 0.4
 
 
 def test_a_missing_peer_is_reported_with_its_remedy(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
-from uwsim.evidence.validate.camera import Light
+from uwsim.evidence.validate.pictures import Light
 
 EYE_M, AT_M = (0.0, 0.0, -4.0), (3.0, 0.0, -5.0)
 LEVEL = (0.0, 0.0, 0.0, 1.0)

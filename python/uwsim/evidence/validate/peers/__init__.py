@@ -1,7 +1,7 @@
 """The peers suite: the same quantities computed by third-party libraries, where installed.
 
-A peer is a module with `checks() -> list[Check]` and an entry in PEERS; `tethers` is in the suite `tether` instead. The
-Python libraries can be installed with pip; uwsim does not depend on them.
+A peer is a module with `checks() -> list[Check]` and an entry in PEERS; `tethers` is in the suite `tether` instead, and
+`focused_light` in `camera`. The Python libraries can be installed with pip; uwsim does not depend on them.
 """
 
 from __future__ import annotations

@@ -19,8 +19,8 @@ from scipy.spatial.transform import Rotation
 from uwsim import _core
 from uwsim.base.texts.json_text import read_json
 from uwsim.base.whole_trimesh import trimesh
-from uwsim.evidence.validate.camera import BANDS, NIGHT_DEG, Light, View
 from uwsim.evidence.validate.check import Check, along
+from uwsim.evidence.validate.pictures import BANDS, NIGHT_DEG, Light, View
 
 Floats = NDArray[np.float64]
 RESULTS = Path(__file__).parent / "mitsuba_radiance.json"
