@@ -3350,6 +3350,11 @@ class BiasModel:
         drift_time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         walk: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> None: ...
+    @property
+    def exists(self) -> bool:
+        """
+        whether there is such a bias at all
+        """
 
 class NavigationFilter:
     """
@@ -3358,7 +3363,7 @@ class NavigationFilter:
     arms from the IMU.
     """
 
-    save_version: typing.ClassVar[int] = 6
+    save_version: typing.ClassVar[int] = 7
     def __init__(
         self,
         *,
@@ -3384,12 +3389,16 @@ class NavigationFilter:
         station_world_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
         range_std: typing.SupportsFloat | typing.SupportsIndex,
         bearing_std: typing.SupportsFloat | typing.SupportsIndex,
-        range_step: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-        period_s: typing.SupportsFloat | typing.SupportsIndex = 1.0,
+        range_step: typing.SupportsFloat | typing.SupportsIndex,
+        period_s: typing.SupportsFloat | typing.SupportsIndex,
+        range_bias: BiasModel,
+        scale: BiasModel,
+        bearing_bias: BiasModel,
     ) -> int:
         """
         Add an aid that measures the position relative to the station, world axes [m]. range_step: that to which
-        ranges are rounded, or 0 if their noise is larger. period_s: time between fixes.
+        ranges are rounded, or 0 if their noise is larger. period_s: time between fixes. Its biases: of the range [m],
+        its scale, and two of the bearing [rad], as far as they exist.
         """
     def add_depth(
         self,
@@ -3423,10 +3432,13 @@ class NavigationFilter:
         lever_body_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
         std: typing.SupportsFloat | typing.SupportsIndex,
         bias: BiasModel,
+        scale: BiasModel,
+        misalignment: BiasModel,
     ) -> int:
         """
-        Add an aid that measures velocities along beams (n, 3), unit vectors [m/s]; NaN for a lost beam.
-        Return its index, like all functions that add an aid.
+        Add an aid that measures velocities along beams (n, 3), unit vectors [m/s]; NaN for a lost beam. scale:
+        relative error of all; misalignment: small rotation of the beams [rad]. Its biases: of the beams, then
+        scale (1) and misalignment (3) as far as they exist. Return its index, like all functions that add an aid.
         """
     def add_heading(
         self,

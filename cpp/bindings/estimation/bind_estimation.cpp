@@ -91,10 +91,14 @@ void bind_aids(py::class_<NavigationFilter>& filter) {
       .def(
           "add_doppler",
           [](NavigationFilter& f, const Eigen::MatrixX3d& beams, const Eigen::Vector3d& lever, double std,
-             const BiasModel& bias) { return f.add_aid(doppler_aid(beams, lever, std, bias)); },
-          py::arg("beams_body"), py::arg("lever_body_m"), py::arg("std"), py::arg("bias"),
-          "Add an aid that measures velocities along beams (n, 3), unit vectors [m/s]; NaN for a lost beam.\n"
-          "Return its index, like all functions that add an aid.")
+             const BiasModel& bias, const BiasModel& scale, const BiasModel& misalignment) {
+            return f.add_aid(doppler_aid(beams, lever, {std, bias, scale, misalignment}));
+          },
+          py::arg("beams_body"), py::arg("lever_body_m"), py::arg("std"), py::arg("bias"), py::arg("scale"),
+          py::arg("misalignment"),
+          "Add an aid that measures velocities along beams (n, 3), unit vectors [m/s]; NaN for a lost beam. scale:\n"
+          "relative error of all; misalignment: small rotation of the beams [rad]. Its biases: of the beams, then\n"
+          "scale (1) and misalignment (3) as far as they exist. Return its index, like all functions that add an aid.")
       .def(
           "add_depth",
           [](NavigationFilter& f, const Eigen::Vector3d& lever, double std, const BiasModel& bias, double wave_std,
@@ -118,13 +122,17 @@ void bind_aids(py::class_<NavigationFilter>& filter) {
       .def(
           "add_acoustic_fix",
           [](NavigationFilter& f, const Eigen::Vector3d& lever, const Eigen::Vector3d& station, double range_std,
-             double bearing_std, double range_step, double period_s) {
-            return f.add_aid(acoustic_fix_aid(lever, station, {range_std, bearing_std, range_step, period_s}));
+             double bearing_std, double range_step, double period_s, const BiasModel& range_bias,
+             const BiasModel& scale, const BiasModel& bearing_bias) {
+            return f.add_aid(acoustic_fix_aid(
+                lever, station, {range_std, bearing_std, range_step, period_s, range_bias, scale, bearing_bias}));
           },
           py::arg("lever_body_m"), py::arg("station_world_m"), py::arg("range_std"), py::arg("bearing_std"),
-          py::arg("range_step") = 0.0, py::arg("period_s") = 1.0,
+          py::arg("range_step"), py::arg("period_s"), py::arg("range_bias"), py::arg("scale"), py::arg("bearing_bias"),
           "Add an aid that measures the position relative to the station, world axes [m]. range_step: that to which\n"
-          "ranges are rounded, or 0 if their noise is larger. period_s: time between fixes.")
+          "ranges are rounded, or 0 if their noise is larger. period_s: time between fixes. Its biases: of the range "
+          "[m],\n"
+          "its scale, and two of the bearing [rad], as far as they exist.")
       .def(
           "add_satellites",
           [](NavigationFilter& f, const Eigen::Vector3d& lever, double horizontal_std, double vertical_std,
@@ -158,7 +166,8 @@ void bind_estimation(py::module_& m) {
              return BiasModel{turn_on_std, drift_std, drift_time_s, walk};
            }),
            py::kw_only(), py::arg("turn_on_std") = 0.0, py::arg("drift_std") = 0.0, py::arg("drift_time_s") = 0.0,
-           py::arg("walk") = 0.0);
+           py::arg("walk") = 0.0)
+      .def_property_readonly("exists", &BiasModel::exists, "whether there is such a bias at all");
   py::class_<NavigationFilter> filter(
       m, "NavigationFilter",
       "An error-state Kalman filter (Sola 2017) for an IMU and its aids. Readings may arrive late and in any\n"

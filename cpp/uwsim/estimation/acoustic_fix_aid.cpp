@@ -14,6 +14,13 @@ class AcousticFixAid final : public Aid {
       : lever_(lever), station_(station), errors_(errors) {}
 
   int width() const override { return 3; }
+  std::vector<BiasModel> biases() const override {
+    std::vector<BiasModel> all;
+    if (errors_.range_bias.exists()) all.push_back(errors_.range_bias);
+    if (errors_.scale.exists()) all.push_back(errors_.scale);
+    if (errors_.bearing_bias.exists()) all.insert(all.end(), 2, errors_.bearing_bias);
+    return all;
+  }
   ErrorIndex seen() const override { return kPosition; }
 
   bool is_credible(const FilterState& state, const double* reading) const override {
@@ -21,7 +28,8 @@ class AcousticFixAid final : public Aid {
     const Eigen::Vector3d fix = Eigen::Vector3d::Map(reading);
     const double range = fix.norm(), off = std::abs(fix.z() - expected(state).z());
     const double known = state.covariance(kPosition + 2, kPosition + 2);
-    const double measured = errors_.bearing_std_rad * errors_.bearing_std_rad * range * range;
+    const double bearing = errors_.bearing_std_rad * errors_.bearing_std_rad + errors_.bearing_bias.variance();
+    const double measured = bearing * range * range;
     return known > measured || off < kMirrored * range || off * off < kGate * kGate * (known + measured);
   }
 
@@ -35,12 +43,12 @@ class AcousticFixAid final : public Aid {
     const double position_variance = state.covariance.diagonal().segment<3>(kPosition).sum();
     const bool is_known = position_variance < kKnown * kKnown * range * range;
     const Eigen::Vector3d sight = is_known ? expected(state).normalized() : (fix / range).eval();
-    const Eigen::Vector3d across = sight.unitOrthogonal(), up = sight.cross(across);
+    const Eigen::Vector3d across = across_of(sight), up = sight.cross(across);
     const double along = is_known ? range - expected(state).norm() : sight.dot(fix - expected(state));
     const double sideways = errors_.bearing_std_rad * range, rounding = rounding_std_m(state, sight);
-    correct_along(state, along, sight, errors_.range_std_m, rounding);
-    correct_along(state, across.dot(fix - expected(state)), across, sideways, 0);
-    correct_along(state, up.dot(fix - expected(state)), up, sideways, 0);
+    correct_along(state, along, sight, {errors_.range_std_m, rounding, ranging(range)});
+    correct_along(state, across.dot(fix - expected(state)), across, {sideways, 0, bearing(0, range)});
+    correct_along(state, up.dot(fix - expected(state)), up, {sideways, 0, bearing(1, range)});
   }
 
   void exchange_parameters(StateArchive& archive) override {
@@ -50,12 +58,38 @@ class AcousticFixAid final : public Aid {
     exchange_not_negative(archive, errors_.bearing_std_rad);
     exchange_not_negative(archive, errors_.range_step_m);
     exchange_not_negative(archive, errors_.period_s);
+    for (BiasModel* bias : {&errors_.range_bias, &errors_.scale, &errors_.bearing_bias}) exchange_bias(archive, *bias);
     archive(is_height_judged_);
   }
 
  private:
   static constexpr double kKnown = 0.1;     // as a fraction of the range
   static constexpr double kMirrored = 0.1;  // height's error of a mirrored path, at least, as a fraction of the range
+
+  /// The weights [m] of up to two biases, by their places among the aid's; weight 0: none.
+  struct Weights {
+    int first = 0;
+    double of_first = 0, of_second = 0;
+  };
+  struct Scalar {
+    double white_std, constant_std;
+    Weights biases;
+  };
+
+  Weights ranging(double range) const {
+    const double offset = errors_.range_bias.exists() ? 1 : 0, scale = errors_.scale.exists() ? range : 0;
+    return offset > 0 ? Weights{0, offset, scale} : Weights{0, scale, 0};
+  }
+  Weights bearing(int k, double range) const {
+    const int before = (errors_.range_bias.exists() ? 1 : 0) + (errors_.scale.exists() ? 1 : 0);
+    return {before + k, errors_.bearing_bias.exists() ? range : 0, 0};
+  }
+
+  /// The level axis across a line of sight.
+  static Eigen::Vector3d across_of(const Eigen::Vector3d& sight) {
+    const Eigen::Vector3d level(-sight.y(), sight.x(), 0);
+    return level.norm() > 1e-9 ? level.normalized() : Eigen::Vector3d::UnitY().eval();
+  }
 
   Eigen::Vector3d expected(const FilterState& state) const {
     return state.position_m + state.orientation * lever_ - station_;
@@ -67,13 +101,20 @@ class AcousticFixAid final : public Aid {
     return rests ? errors_.range_step_m / std::sqrt(12.0) : 0;
   }
 
-  void correct_along(FilterState& state, double residual, const Eigen::Vector3d& axis, double white_std,
-                     double constant_std) const {
+  void correct_along(FilterState& state, double residual, const Eigen::Vector3d& axis, const Scalar& errors) const {
     ErrorVector h = ErrorVector::Zero(state.errors());
     h.segment<3>(kPosition) = axis;
     h.segment<3>(kAttitude) = lever_.cross(state.orientation.conjugate() * axis);
+    for (int k = 0; k < 2; ++k) {
+      const double weight = k == 0 ? errors.biases.of_first : errors.biases.of_second;
+      if (weight == 0) continue;
+      const int bias = first_bias + errors.biases.first + k;
+      h[bias] = weight;
+      residual -= weight * state.aid_bias[bias - kAidBias];
+    }
     constexpr double kLeast = 1e-6;  // m2; so that an exact fix also has a gate
-    Aid::correct(state, residual, h, std::max(white_std * white_std, kLeast), constant_std * constant_std);
+    Aid::correct(state, residual, h, std::max(errors.white_std * errors.white_std, kLeast),
+                 errors.constant_std * errors.constant_std);
   }
 
   Eigen::Vector3d lever_, station_;

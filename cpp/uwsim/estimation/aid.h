@@ -58,10 +58,16 @@ class Aid {
   virtual void doubt(FilterState& state, double residual) const;
 };
 
+/// The errors of a Doppler log: white noise and a bias of each beam [m/s], the relative error of all velocities (speed
+/// of sound), and a small rotation of the beams about each axis [rad].
+struct DopplerErrors {
+  double std = 0;
+  BiasModel bias = {}, scale = {}, misalignment = {};
+};
 /// An aid whose reading is the velocities along beams, (n,) [m/s], with NaN for a lost beam. `beams_body` (n, 3): unit
-/// vectors.
-std::unique_ptr<Aid> doppler_aid(const Eigen::MatrixX3d& beams_body, const Eigen::Vector3d& lever_body_m, double std,
-                                 const BiasModel& bias);
+/// vectors. Its biases: one for each beam, then scale and misalignment as far as they exist.
+std::unique_ptr<Aid> doppler_aid(const Eigen::MatrixX3d& beams_body, const Eigen::Vector3d& lever_body_m,
+                                 const DopplerErrors& errors);
 /// The uncertainty of the water above a depth gauge, as standard deviations before the first reading; 0: none, ever.
 /// See wave_pressure.h and water_above.h.
 struct WaterErrors {
@@ -77,16 +83,18 @@ std::unique_ptr<Aid> depth_aid(const Eigen::Vector3d& lever_body_m, double std, 
 /// earth's horizontal field.
 std::unique_ptr<Aid> heading_aid(const Eigen::Vector3d& axis_body, double std, const BiasModel& bias, double iron_std,
                                  double north_rad);
-/// The errors of an acoustic fix: white noise, and the rounding of ranges to multiples of a step, which is white only
-/// while the range changes from fix to fix.
+/// The errors of an acoustic fix: white noise; the rounding of ranges to multiples of a step, which is white only while
+/// the range changes from fix to fix; biases of the range, of its scale (speed of sound) and of both bearings.
 struct FixErrors {
   double range_std_m = 0, bearing_std_rad = 0;
   double range_step_m = 0;  ///< 0 if noise moves the ranges by more than a step
   double period_s = 1;
+  BiasModel range_bias = {}, scale = {}, bearing_bias = {};
 };
 /// An aid whose reading is the position relative to a station along east, north and up, (3,) [m], with errors along and
-/// across the line of sight. A fix whose height contradicts the depth is not credible: the sound came by the bed or the
-/// surface, and its range and bearing are those of a mirrored station.
+/// across the line of sight. Its biases: range, scale, two bearings, as far as they exist. A fix whose height
+/// contradicts the depth is not credible: the sound came by the bed or the surface, and its range and bearing are those
+/// of a mirrored station.
 std::unique_ptr<Aid> acoustic_fix_aid(const Eigen::Vector3d& lever_body_m, const Eigen::Vector3d& station_world_m,
                                       const FixErrors& errors);
 /// The errors of a satellite receiver: white noise, and biases along east and north, and up.

@@ -8,13 +8,19 @@ namespace uwsim {
 namespace {
 
 /// Observes each beam's velocity separately, b . (R^T v + omega x r) + bias, so that even one or two good beams help.
+/// With the errors of scale s and misalignment m, the beam is (1 + s) (b + m x b).
 class DopplerAid final : public Aid {
  public:
-  DopplerAid(Eigen::MatrixX3d beams, const Eigen::Vector3d& lever, double std, const BiasModel& bias)
-      : beams_(std::move(beams)), lever_(lever), variance_(std * std), bias_(bias) {}
+  DopplerAid(Eigen::MatrixX3d beams, const Eigen::Vector3d& lever, const DopplerErrors& errors)
+      : beams_(std::move(beams)), lever_(lever), variance_(errors.std * errors.std), errors_(errors) {}
 
   int width() const override { return static_cast<int>(beams_.rows()); }
-  std::vector<BiasModel> biases() const override { return {static_cast<std::size_t>(width()), bias_}; }
+  std::vector<BiasModel> biases() const override {
+    std::vector<BiasModel> all(static_cast<std::size_t>(width()), errors_.bias);
+    if (errors_.scale.exists()) all.push_back(errors_.scale);
+    if (errors_.misalignment.exists()) all.insert(all.end(), 3, errors_.misalignment);
+    return all;
+  }
   ErrorIndex seen() const override { return kVelocity; }
 
   void correct(FilterState& state, const double* reading) const override {
@@ -27,16 +33,28 @@ class DopplerAid final : public Aid {
     exchange_numbers(archive, beams_);
     exchange_numbers(archive, lever_);
     exchange_not_negative(archive, variance_);
-    exchange_bias(archive, bias_);
+    for (BiasModel* bias : {&errors_.bias, &errors_.scale, &errors_.misalignment}) exchange_bias(archive, *bias);
   }
 
  private:
+  int scale() const { return first_bias + width(); }
+  int misalignment() const { return scale() + (errors_.scale.exists() ? 1 : 0); }
+
   void correct_beam(FilterState& state, int k, double speed_m_s) const {
-    const Eigen::Vector3d beam = beams_.row(k).transpose();
     const Eigen::Vector3d velocity_body = state.orientation.conjugate() * state.velocity_m_s;
-    const double expected =
-        beam.dot(velocity_body + state.rate_rad_s().cross(lever_)) + state.aid_bias[first_bias - kAidBias + k];
+    const Eigen::Vector3d velocity = velocity_body + state.rate_rad_s().cross(lever_);
     ErrorVector h = ErrorVector::Zero(state.errors());
+    Eigen::Vector3d beam = beams_.row(k).transpose();
+    const double scaled = errors_.scale.exists() ? 1 + state.aid_bias[scale() - kAidBias] : 1;
+    if (errors_.misalignment.exists()) {
+      h.segment<3>(misalignment()) = scaled * beam.cross(velocity);
+      beam += state.aid_bias.segment<3>(misalignment() - kAidBias).cross(beam).eval();
+    }
+    if (errors_.scale.exists()) {
+      h[scale()] = beam.dot(velocity);
+      beam *= scaled;
+    }
+    const double expected = beam.dot(velocity) + state.aid_bias[first_bias - kAidBias + k];
     h.segment<3>(kVelocity) = state.orientation * beam;
     h.segment<3>(kAttitude) = beam.cross(velocity_body);
     h.segment<3>(kRateBias) = beam.cross(lever_);
@@ -47,14 +65,14 @@ class DopplerAid final : public Aid {
   Eigen::MatrixX3d beams_;
   Eigen::Vector3d lever_;
   double variance_;
-  BiasModel bias_;
+  DopplerErrors errors_;
 };
 
 }  // namespace
 
-std::unique_ptr<Aid> doppler_aid(const Eigen::MatrixX3d& beams_body, const Eigen::Vector3d& lever_body_m, double std,
-                                 const BiasModel& bias) {
-  return std::make_unique<DopplerAid>(beams_body, lever_body_m, std, bias);
+std::unique_ptr<Aid> doppler_aid(const Eigen::MatrixX3d& beams_body, const Eigen::Vector3d& lever_body_m,
+                                 const DopplerErrors& errors) {
+  return std::make_unique<DopplerAid>(beams_body, lever_body_m, errors);
 }
 
 }  // namespace uwsim

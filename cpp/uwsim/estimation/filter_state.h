@@ -9,7 +9,7 @@ namespace uwsim {
 
 /// The order of the errors: position, velocity, attitude, gyroscope bias, accelerometer bias, then the biases of aids.
 enum ErrorIndex : int { kPosition = 0, kVelocity = 3, kAttitude = 6, kRateBias = 9, kForceBias = 12, kAidBias = 15 };
-inline constexpr int kMaxErrors = 32;
+inline constexpr int kMaxErrors = 48;
 inline constexpr int kMaxAids = 8;
 
 using ErrorVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxErrors, 1>;
@@ -24,6 +24,8 @@ struct BiasModel {
   double walk = 0;          ///< [u/sqrt(s)]
   bool of_water = false;    ///< not an instrument's: a restart of the filter keeps it
 
+  /// Whether there is such a bias at all.
+  bool exists() const { return variance() > 0 || walk > 0; }
   double variance() const { return turn_on_std * turn_on_std + drift_std * drift_std; }
   /// The fraction of the bias that remains after dt. If there is a constant or a random walk as well as a drift, a
   /// single state represents both: the drift is treated as a random walk, which is accurate over times that are short

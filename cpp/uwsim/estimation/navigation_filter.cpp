@@ -37,7 +37,7 @@ int NavigationFilter::add_aid(std::unique_ptr<Aid> aid) {
   const std::vector<BiasModel> biases = aid->biases();
   require(aids_.size() < kMaxAids, "aids", aids_.size() + 1, "must be at most 8");
   require(kAidBias + aid_biases_.size() + biases.size() <= kMaxErrors, "errors",
-          kAidBias + aid_biases_.size() + biases.size(), "must be at most 32");
+          kAidBias + aid_biases_.size() + biases.size(), "must be at most 48");
   require(aid->width() <= kMaxReading, "reading", aid->width(), "must be of at most 8 values");
   aid->index = static_cast<int>(aids_.size());
   aid->first_bias = kAidBias + static_cast<int>(aid_biases_.size());

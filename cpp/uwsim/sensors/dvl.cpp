@@ -45,12 +45,18 @@ struct LeastSquares {
 /// along the beam, b_k . v; the reading is the least-squares v. With fewer than three such beams, there is no bottom
 /// lock: velocity 0, invalid (as Water Linked's DVLs report it). A beam without a hit has infinite range and velocity
 /// 0.
+///
+/// Doppler shifts become velocities by a speed of sound: one that is set, or that of the water at the instrument. The
+/// channel `scale` is the relative error of all velocities beyond that, `misalignment` the small rotation of the beams
+/// about the sensor's axes (Kinsey and Whitcomb 2007, "In situ alignment calibration of attitude and Doppler sensors
+/// for precision underwater vehicle navigation", IEEE J. Oceanic Engineering 32:286).
 class Dvl final : public MountedSensor {
  public:
   explicit Dvl(const SensorSpec& spec)
       : MountedSensor(spec),
         range_min_m_(spec.number("range_min_m")),
         range_max_m_(spec.number("range_max_m")),
+        set_sound_m_s_(spec.number("sound_speed_m_s")),
         beams_(janus(spec)) {}
 
   void observe(const SensorInput& input, std::span<double> raw) const override {
@@ -64,6 +70,10 @@ class Dvl final : public MountedSensor {
     input.around.scene.cast(rays, range_max_m_, hits);
     Eigen::Vector4d::Map(&raw[0]) = beams_ * velocity;
     for (std::size_t k = 0; k < kBeams; ++k) raw[kBeams + k] = hits[k].distance_m;
+    for (std::size_t k = kScale; k < kEnd; ++k) raw[k] = 0;
+    if (set_sound_m_s_ > 0) {
+      raw[kScale] = set_sound_m_s_ / input.around.sound.at(std::max(-sensor.position_m.z(), 0.0)) - 1;
+    }
   }
 
   std::optional<RayCone> rays(const Pose& world_from_body) const override {
@@ -74,13 +84,14 @@ class Dvl final : public MountedSensor {
 
   bool report(std::span<const double> raw, std::span<double> reading) const override {
     LeastSquares locked;
+    const Eigen::Vector4d along_m_s = measured_m_s(raw);
     for (int k = 0; k < kBeams; ++k) {
       const auto beam = static_cast<std::size_t>(k);
       const double range_m = raw[kBeams + beam];
       const bool returned = std::isfinite(range_m) && range_m >= range_min_m_;
       reading[3 + beam] = returned ? range_m : std::numeric_limits<double>::infinity();
-      reading[3 + kBeams + beam] = returned ? raw[beam] : 0;
-      if (returned) locked.add(beams_.row(k), raw[beam]);
+      reading[3 + kBeams + beam] = returned ? along_m_s[k] : 0;
+      if (returned) locked.add(beams_.row(k), along_m_s[k]);
     }
     const bool bottom_lock = locked.beams >= 3;
     Eigen::Vector3d::Map(&reading[0]) = bottom_lock ? locked.solution() : Eigen::Vector3d::Zero().eval();
@@ -89,7 +100,19 @@ class Dvl final : public MountedSensor {
   }
 
  private:
-  double range_min_m_, range_max_m_;
+  static constexpr std::size_t kScale = 2 * kBeams, kMisalignment = kScale + 1, kEnd = kMisalignment + 3;
+
+  /// The velocities along the beams with the errors of scale and alignment.
+  Eigen::Vector4d measured_m_s(std::span<const double> raw) const {
+    const Eigen::Vector4d along = Eigen::Vector4d::Map(&raw[0]);
+    const Eigen::Vector3d turn = Eigen::Vector3d::Map(&raw[kMisalignment]);
+    if (raw[kScale] == 0 && turn.isZero(0)) return along;
+    LeastSquares all;
+    for (int k = 0; k < kBeams; ++k) all.add(beams_.row(k), along[k]);
+    return (1 + raw[kScale]) * (along + beams_ * all.solution().cross(turn));
+  }
+
+  double range_min_m_, range_max_m_, set_sound_m_s_;
   Beams beams_;
 };
 
@@ -97,12 +120,14 @@ constexpr Field kDvlFields[] = {{"velocity_m_s", 3, "m/s"},
                                 {"beam_ranges_m", kBeams, "m"},
                                 {"beam_velocities_m_s", kBeams, "m/s"},
                                 {"bottom_lock", 1, "1"}};
-constexpr Channel kDvlChannels[] = {{"beam_velocity", kBeams, "m/s"}, {"beam_range", kBeams, "m"}};
+constexpr Channel kDvlChannels[] = {
+    {"beam_velocity", kBeams, "m/s"}, {"beam_range", kBeams, "m"}, {"scale", 1, "1"}, {"misalignment", 3, "rad"}};
 constexpr Parameter kDvlParameters[] = {
     {"beam_slant_deg", 1, 30, 5, 60, "deg", "from the sensor's -z"},
     {"beam_azimuth_deg", 1, 45, -360, 360, "deg", "of the first beam about the sensor's +z, from its x"},
     {"range_min_m", 1, 0, 0, 1000, "m", "along a beam; closer beams are lost"},
-    {"range_max_m", 1, 100, 0.1, 1000, "m", "along a beam; farther beams are lost"}};
+    {"range_max_m", 1, 100, 0.1, 1000, "m", "along a beam; farther beams are lost"},
+    {"sound_speed_m_s", 1, 0, 0, 2000, "m/s", "that it is set to; 0: that of the water at the instrument"}};
 
 constexpr int kCells = 32;  // of a reading; an instrument may have fewer
 

@@ -29,7 +29,8 @@ namespace {
 /// with the interference pattern). There is no fix (range 0, invalid) out of range, where no sound arrives, or where
 /// these arrivals cancel to below a tenth of the amplitude of the locked one.
 ///
-/// The range error acts along the line of sight. The bearing error is two small angles across it, which cause an error
+/// The range error acts along the line of sight, and so does `scale`, the relative error of the speed of sound that the
+/// station uses. The bearing error is two small angles across it, which cause an error
 /// of R x angle in position. If `shares_modem` is set and the link uses modems, ping and fix are sent as packets over
 /// the link instead (sim/position_exchange.h).
 class Usbl final : public MountedSensor {
@@ -48,21 +49,22 @@ class Usbl final : public MountedSensor {
     const std::optional<Eigen::Vector3d> fix = in_range ? fix_from(line, input) : std::nullopt;
     const Eigen::Vector3d seen = fix.value_or(line);
     raw[0] = seen.norm();
-    raw[1] = raw[2] = 0;
-    Eigen::Vector3d::Map(&raw[3]) = raw[0] > 0 ? (seen / raw[0]).eval() : -Eigen::Vector3d::UnitZ().eval();
-    raw[6] = fix.has_value();
+    raw[1] = raw[2] = raw[kScale] = 0;
+    Eigen::Vector3d::Map(&raw[kSight]) = raw[0] > 0 ? (seen / raw[0]).eval() : -Eigen::Vector3d::UnitZ().eval();
+    raw[kFound] = fix.has_value();
   }
 
   bool report(std::span<const double> raw, std::span<double> reading) const override {
-    const bool in_range = raw[6] > 0;
-    const Eigen::Vector3d sight = Eigen::Vector3d::Map(&raw[3]);
+    const bool in_range = raw[kFound] > 0;
+    const double range_m = (1 + raw[kScale]) * raw[0];
+    const Eigen::Vector3d sight = Eigen::Vector3d::Map(&raw[kSight]);
     const Eigen::Vector3d across =
         (std::hypot(sight.x(), sight.y()) > 1e-9 ? Eigen::Vector3d(-sight.y(), sight.x(), 0).normalized()
                                                  : Eigen::Vector3d::UnitY().eval());
     const Eigen::Vector3d measured =
         (sight + std::tan(raw[1]) * across + std::tan(raw[2]) * sight.cross(across)).normalized();
-    Eigen::Vector3d::Map(&reading[0]) = in_range ? (raw[0] * measured).eval() : Eigen::Vector3d::Zero().eval();
-    reading[3] = in_range ? raw[0] : 0;
+    Eigen::Vector3d::Map(&reading[0]) = in_range ? (range_m * measured).eval() : Eigen::Vector3d::Zero().eval();
+    reading[3] = in_range ? range_m : 0;
     reading[4] = in_range ? std::atan2(measured.y(), measured.x()) : 0;
     reading[5] = in_range ? std::asin(std::clamp(measured.z(), -1.0, 1.0)) : 0;
     return in_range;
@@ -80,6 +82,7 @@ class Usbl final : public MountedSensor {
   bool shares_modem() const override { return shares_modem_; }
 
  private:
+  static constexpr std::size_t kScale = 3, kSight = 4, kFound = 7;
   static constexpr double kSlowestSound_m_s = 1000;  // no water is slower (fresh water at 0 deg C: 1402 m/s)
 
   Eigen::Vector3d from_station(const SensorInput& input) const {
@@ -156,7 +159,7 @@ class Usbl final : public MountedSensor {
 
 constexpr Field kUsblFields[] = {
     {"position_m", 3, "m"}, {"range_m", 1, "m"}, {"azimuth_rad", 1, "rad"}, {"elevation_rad", 1, "rad"}};
-constexpr Channel kUsblChannels[] = {{"range", 1, "m"}, {"bearing", 2, "rad"}};
+constexpr Channel kUsblChannels[] = {{"range", 1, "m"}, {"bearing", 2, "rad"}, {"scale", 1, "1"}};
 constexpr Parameter kUsblParameters[] = {
     {"range_max_m", 1, 1000, 1, 10000, "m", "from the station; no fix beyond"},
     {"frequency_hz", 1, 25000, 1000, 1e6, "Hz", "centre of the band"},

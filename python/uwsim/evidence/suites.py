@@ -11,6 +11,7 @@ SUITES = {
     "sound": "uwsim.evidence.validate.sound",
     "control": "uwsim.evidence.validate.control",
     "estimation": "uwsim.evidence.validate.estimation",
+    "navigation": "uwsim.evidence.validate.navigation",
     "identification": "uwsim.evidence.validate.identification",
     "reality": "uwsim.evidence.validate.reality",
     "peers": "uwsim.evidence.validate.peers",

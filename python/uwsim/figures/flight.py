@@ -159,6 +159,22 @@ def draw_estimate(path: Path, errors: Mapping[str, tuple[NDArray[np.float64], ND
     draw_curves(path, "Estimate against truth", "distance [m]", errors)
 
 
+def draw_budget(path: Path, budget_m: Mapping[str, NDArray[np.float64]]) -> None:
+    """Draw standard deviations (3,) of a position [m] by source, horizontal and vertical. Raises OSError."""
+    names = sorted(budget_m, key=lambda name: -float(np.linalg.norm(budget_m[name])))
+    rows = np.arange(len(names))
+    figure = new_figure(WIDTH_IN, 0.24 * len(names) + 0.4)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    label_axes(axes, "Which metre comes from what", "standard deviation [m]", "")
+    level_m = [float(np.hypot(*budget_m[name][:2])) for name in names]
+    axes.barh(rows - 0.2, level_m, 0.4, color=ACCENT, label="horizontal")
+    axes.barh(rows + 0.2, [float(budget_m[name][2]) for name in names], 0.4, color=GROUND_LINE, label="vertical")
+    axes.set_yticks(rows, names, fontsize=9)
+    axes.invert_yaxis()
+    add_legend(axes, 2)
+    save(figure, path)
+
+
 def draw_curves(
     path: Path, title: str, label: str, curves: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
 ) -> None:

@@ -18,7 +18,7 @@ from uwsim.flight.end import End, run_to_end
 from uwsim.flight.folder import remove_stale_results
 from uwsim.flight.mission_log import MissionLog
 from uwsim.flight.missions import Begun, warn_of_left_out
-from uwsim.flight.record import BATTERY_EMPTY, DONE, INTERRUPTED, FlightRecord
+from uwsim.flight.record import BATTERY_EMPTY, DONE, INTERRUPTED, Array, FlightRecord
 from uwsim.flight.request import FlightRequest
 from uwsim.flight.results import RESULT_FILES, write_results
 from uwsim.flight.saved_flight import SavedFlight, SavedMission, state_digest
@@ -169,6 +169,7 @@ class Flight:
             wall_s=time.perf_counter() - self._began_s,
             events=self._log.events,
             samples=self._sampler.samples(),
+            budgets_m=self._budgets_m(),
             result=end.result,
             error=end.error,
             threads=sim.threads,
@@ -177,6 +178,11 @@ class Flight:
             planned=setup.mission.make is not None,
             lanes_left_out=setup.lanes_left_out,
         )
+
+    def _budgets_m(self) -> dict[str, dict[str, Array]]:
+        """Return which metre of each estimated position comes from what, now."""
+        names = self._setup.names if self._setup.estimate == "filter" else ()
+        return {name: self._sim.vehicles[name].navigation.steering.budget for name in names}
 
     def _new_clock(self, show: Show | None) -> FlightClock:
         """Return a clock for the mission that ends the flight at its time limit."""

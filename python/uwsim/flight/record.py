@@ -87,7 +87,8 @@ class FlightRecord(Generic[R_co]):
     on. sample_ping: one ping, for the report. closed: by vehicle, the track after loop closure, from which the map was
     rebuilt. map_growth: measurements of the map while it was being built. planned: whether the mission flew the plan of
     the scenario's survey; lanes_left_out: a sentence about its lanes that could not be flown.
-    soundings: of a raw survey, if one was written.
+    soundings: of a raw survey, if one was written. budgets_m: by vehicle that was flown by its filter, the standard
+    deviations (3,) of its position at the end, by their source.
     """
 
     mission: str
@@ -101,6 +102,7 @@ class FlightRecord(Generic[R_co]):
     wall_s: float
     events: list[Event] = field(default_factory=list)
     samples: dict[str, Samples] = field(default_factory=dict)
+    budgets_m: dict[str, dict[str, Array]] = field(default_factory=dict)
     result: R_co = None  # type: ignore[assignment]  # the type of a mission that has ended by itself
     error: Exception | None = None
     sonar_model: str | None = None

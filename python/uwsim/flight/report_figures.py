@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.figures.depth_profile import draw_depth_profile
-from uwsim.figures.flight import draw_depth, draw_estimate, draw_power, draw_track
+from uwsim.figures.flight import draw_budget, draw_depth, draw_estimate, draw_power, draw_track
 from uwsim.figures.growth import draw_growth
 from uwsim.figures.map_errors import draw_map_errors
 from uwsim.figures.map_from_above import draw_map_from_above
@@ -124,6 +124,11 @@ def flight_figures(folder: Path, flown: FlightRecord, world: _core.World | None)
         for name, path in flown.closed.items():
             curves[f"{name}, loops closed"] = (path.times_s, path.errors_m)
         draw_estimate(figures[-1].path, curves)
+    for name, budget_m in flown.budgets_m.items():
+        text = "Standard deviations of the estimated position at the end by their source; their squares add up."
+        png = folder / f"estimate_budget{f'_{name}' if several else ''}.png"
+        figures.append(ReportFigure(png, "Which metre comes from what", text))
+        draw_budget(png, budget_m)
     return figures
 
 

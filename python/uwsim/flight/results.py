@@ -36,7 +36,7 @@ REPORTS = ("full", "json", "none")
 REPORT, SUMMARY, MAP_ASHORE = "report.html", "summary.json", "map_ashore.bt"
 FIGURE_FILES = (
     "truth_and_map.png", "map_from_above.png", "where_it_is_wrong.png", "sonar_fan.png", "depth_profile.png",
-    "map_growth.png", "track.png", "estimate.png",
+    "map_growth.png", "track.png", "estimate.png", "estimate_budget.png",
 )  # fmt: skip
 RESULT_FILES = (TRACK, REPORT, SUMMARY, MAP_ASHORE, *FIGURE_FILES)
 

@@ -54,13 +54,15 @@ def new_navigator(
 
     station_world_m: None for a station that moves, whose fixes are then not used. Of the water, it receives what an
     operator has from a forecast and a chart: the surface's density, the waves' significant height, the largest height
-    of the tide, but not its phase, and how much heavier than the surface the water is anywhere below, but not where.
+    of the tide, but not its phase, and how much heavier than the surface the water is anywhere below and between which
+    speeds of sound, but not where.
     """
     from uwsim.navigation.estimation import Navigator  # imported here: few simulators estimate
 
     surface_kg_m3 = float(water.density_at_kg_m3(0.0))
     heights_m = np.linspace(0.0, -water.bottom_depth_m, LEVELS)
     heavier_kg_m3 = max(abs(water.density_at_kg_m3(z_m) - surface_kg_m3) for z_m in heights_m.tolist())
+    sound_m_s = [water.sound_speed_m_s(z_m) for z_m in heights_m.tolist()]
     return Navigator(
         vehicle,
         start,
@@ -71,6 +73,7 @@ def new_navigator(
         wave_std_m=0.0 if water.waves is None else 0.25 * water.waves.significant_height_m,
         tide_std_m=water.tide_bound_m / math.sqrt(2.0),
         column_std=heavier_kg_m3 / surface_kg_m3,
+        sound_m_s=(min(sound_m_s), max(sound_m_s)),
     )
 
 

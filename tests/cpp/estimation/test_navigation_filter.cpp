@@ -325,7 +325,7 @@ TEST(NavigationFilter, AShockBeyondTheLimitsIsNotBelieved) {
   errors.force_bias.turn_on_std = 0.02;
   errors.force_limit = 40;
   NavigationFilter filter(errors, Eigen::Vector3d::Zero(), kGravity);
-  const int dvl = filter.add_aid(doppler_aid(Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero(), 0.01, {}));
+  const int dvl = filter.add_aid(doppler_aid(Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero(), {.std = 0.01}));
   filter.start(known(0.01, 0.01, 0.01));
   std::array<double, 6> stopped = kAtRest;
   stopped[3] = -40;  // actually -200: 1 m/s is lost, of which 0.8 are not measured
@@ -341,12 +341,37 @@ TEST(NavigationFilter, AShockBeyondTheLimitsIsNotBelieved) {
   EXPECT_LT(filter.state().force_bias_m_s2.norm(), 0.06);
 }
 
+/// Velocities that are known show how the log is mounted, and how its scale errs.
+TEST(NavigationFilter, AKnownVelocityShowsScaleAndMisalignment) {
+  Eigen::MatrixX3d beams(4, 3);
+  beams << 0.5, 0, -0.87, 0, 0.5, -0.87, -0.5, 0, -0.87, 0, -0.5, -0.87;
+  NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
+  const int dvl = filter.add_aid(
+      doppler_aid(beams, Eigen::Vector3d::Zero(),
+                  {.std = 0.001, .scale = {.turn_on_std = 0.05}, .misalignment = {.turn_on_std = 0.05}}));
+  const int first = filter.first_bias(dvl) - kAidBias;
+  FilterStart start = known(0.01, 1e-5, 1e-5);
+  start.velocity_world_m_s = {1, 0.5, 0};
+  filter.start(start);
+  const double scale = 0.02;
+  const Eigen::Vector3d turn(0, 0, 0.03);
+  const Eigen::Vector4d along =
+      (1 + scale) * (beams * (start.velocity_world_m_s + start.velocity_world_m_s.cross(turn)));
+  for (std::uint64_t k = 1; k <= 200; ++k) {
+    filter.add_imu(k * kStep_ns, kAtRest.data());
+    if (k % 20 == 0) filter.add_reading(dvl, k * kStep_ns, k * kStep_ns, along.data());
+  }
+  filter.catch_up();
+  EXPECT_NEAR(filter.state().aid_bias[first + 4], scale, 1e-3);
+  EXPECT_NEAR(filter.state().aid_bias[first + 7], turn.z(), 1e-3);
+}
+
 /// The velocity error lies between the beams, so only two of the four beams observe it.
 TEST(NavigationFilter, AnErrorThatHalfTheBeamsSeeMakesItDoubt) {
   Eigen::MatrixX3d beams(4, 3);
   beams << 0.5, 0, -0.87, 0, 0.5, -0.87, -0.5, 0, -0.87, 0, -0.5, -0.87;
   NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
-  const int dvl = filter.add_aid(doppler_aid(beams, Eigen::Vector3d::Zero(), 0.01, {}));
+  const int dvl = filter.add_aid(doppler_aid(beams, Eigen::Vector3d::Zero(), {.std = 0.01}));
   filter.start(known(0.01, 0.01, 0));
   // at 2 m/s, while the filter estimates that it is at rest
   const std::array<double, 4> ahead = {0.5 * 2, 0, -0.5 * 2, 0};
@@ -363,7 +388,7 @@ TEST(NavigationFilter, OneBadBeamMakesItNotDoubt) {
   Eigen::MatrixX3d beams(4, 3);
   beams << 0.5, 0, -0.87, 0, 0.5, -0.87, -0.5, 0, -0.87, 0, -0.5, -0.87;
   NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
-  const int dvl = filter.add_aid(doppler_aid(beams, Eigen::Vector3d::Zero(), 0.01, {}));
+  const int dvl = filter.add_aid(doppler_aid(beams, Eigen::Vector3d::Zero(), {.std = 0.01}));
   filter.start(known(0.01, 0.01, 0));
   const std::array<double, 4> bad = {1, 0, 0, 0};
   for (std::uint64_t k = 1; k <= 400; ++k) {

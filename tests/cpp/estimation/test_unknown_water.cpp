@@ -42,7 +42,7 @@ Dived dived(const Dive& dive, unsigned seed = 1) {
                 .force_bias = {1e-3, 0, 0, 0}};
   auto filter = std::make_unique<NavigationFilter>(imu, Eigen::Vector3d::Zero(), kWeight_m_s2);
   const int depth = filter->add_aid(depth_aid({0, 0, 0}, 0.01, {0.01, 0, 0, 0}, dive.water));
-  const int dvl = filter->add_aid(doppler_aid(-Eigen::Matrix3d::Identity(), {0, 0, 0}, 0.01, {0.001, 0, 0, 0}));
+  const int dvl = filter->add_aid(doppler_aid(-Eigen::Matrix3d::Identity(), {0, 0, 0}, {0.01, {0.001, 0, 0, 0}}));
   const int fix = filter->add_aid(acoustic_fix_aid({0, 0, 0}, {20, 0, 0}, {dive.fix_std, dive.fix_std / 20}));
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;

@@ -90,7 +90,7 @@ def test_late_fixes_count_for_when_they_were_measured() -> None:
 def test_a_fix_that_is_far_off_or_from_a_ray_above_the_water_is_rejected() -> None:
     sim = undocked()
     before = flown(sim, 9.0, look=0.5).rov.estimate.counts["usbl"]
-    around = Surroundings(np.zeros(3), np.zeros(3), 9.8, 1000.0, 0.0, 0.1, 0.0, 0.0)
+    around = Surroundings(np.zeros(3), np.zeros(3), 9.8, 1000.0, 0.0, 0.1, 0.0, 0.0, (1480.0, 1480.0))
     readings = np.array([[20.0, 0.0, -5.0, 20.6, 0.0, 0.0], [20.0, 0.0, 60.0, 63.2, 0.0, 0.0]])
     samples = SimpleNamespace(valid=np.array([True, True]), readings=readings)
     assert AIDS["usbl"].readings(sim.rov.sensors["usbl"], samples, around)[0].tolist() == [True, False]

@@ -6,7 +6,8 @@ System Identification, ch. 7; Jategaonkar 2006, Flight Vehicle System Identifica
 The noise of each output is estimated from the residuals. The prior of each unknown (unknowns.py) enters as one more
 observation, so that the solution exists whatever the log contains. Intervals follow from the inverse of the information
 matrix at the solution; they assume that the model is right and the noise white. Where residuals are correlated from
-sample to sample, the noise's variance is multiplied by (1 + r) / (1 - r), with r their lag-one correlation.
+sample to sample, the noise's variance is multiplied by (1 + r) / (1 - r), with r their lag-one correlation. Beyond
+CORRELATED, the model misses something that such a factor does not cover: no quantity is determined by these outputs.
 """
 
 from __future__ import annotations
@@ -37,6 +38,10 @@ GROUPS = ("position", "attitude", "velocity", "rate")
 BOUND = 5.0  # standard deviations of the prior
 DETERMINED = 0.7
 """The log determines a quantity if it reduces the prior's standard deviation to less than this share."""
+CORRELATED, A_PART = 0.8, 0.1
+"""Residuals with a larger correlation at lag one are the model's error, not noise; what they determine, with at least
+this part of a quantity's information, is not determined.
+"""
 ROUNDS = 3
 ROUGH, FINE = 1e-3, 1e-6
 """Relative tolerances of the cost, about 1e3: with a guessed noise and with the estimated one."""
@@ -48,7 +53,8 @@ BRIEF_S, MOST_BRIEF = 4.0, 60
 class Value:
     """An identified quantity. low, high: ends of its 95 % interval. left: share of the prior's spread that remains.
 
-    places: the numbers in the vehicle's file that it replaces; none for the current and the delay.
+    places: the numbers in the vehicle's file that it replaces; none for the current and the delay. is_correlated: it
+    depends on outputs whose residuals are correlated beyond CORRELATED.
     """
 
     name: str
@@ -59,11 +65,12 @@ class Value:
     high: float
     left: float
     places: tuple[Place, ...] = ()
+    is_correlated: bool = False
 
     @property
     def is_determined(self) -> bool:
-        """True if the log determines the value, rather than the prior."""
-        return self.left < DETERMINED
+        """True if the log determines the value, rather than the prior or what the model misses."""
+        return self.left < DETERMINED and not self.is_correlated
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -131,9 +138,11 @@ def identify(
     covariance: Array = np.asarray(np.linalg.inv(information + np.eye(flown.size))[:p, :p], np.float64)
     left: Array = np.asarray(np.sqrt(np.diag(covariance)), np.float64)
     own = numbers_at(found, np.zeros(p))
-    numbers = {place: n for place, n in numbers_at(found, _kept(z[:p], covariance, left)).items() if n != own[place]}
+    is_correlated = _are_correlated(p, residuals, blocks, scale, correlation)
+    kept = _kept(z[:p], covariance, (left >= DETERMINED) | is_correlated)
+    numbers = {place: n for place, n in numbers_at(found, kept).items() if n != own[place]}
     return Identified(
-        _values(found, z, left),
+        _values(found, z, left, is_correlated),
         _undetermined(found, information),
         residuals,
         scale,
@@ -244,12 +253,24 @@ def _lag_one(residuals: Array) -> Array:
     return np.where(found > noise, np.minimum(found, 0.95), 0.0)
 
 
-def _values(found: list[Unknown], z: Array, spread: Array) -> dict[str, Value]:
+def _are_correlated(
+    p: int, residuals: Array, blocks: list[Block], scale: Array, correlation: Array
+) -> NDArray[np.bool_]:
+    """Return whether each of p unknowns depends on outputs with correlated residuals; see A_PART."""
+    by_output = np.zeros((OUTPUTS, p))
+    for block in blocks:
+        measured = np.isfinite(residuals[block.rows])
+        by_output += np.einsum("rk,rkc->kc", measured, np.square(block.slopes[:, :, :p] / scale[:, None]))
+    shares = by_output / np.maximum(by_output.sum(axis=0), np.finfo(float).tiny)
+    return np.asarray((shares[correlation >= CORRELATED] >= A_PART).any(axis=0))
+
+
+def _values(found: list[Unknown], z: Array, spread: Array, is_correlated: NDArray[np.bool_]) -> dict[str, Value]:
     values = {}
-    for unknown, at, sd in zip(found, z, spread, strict=False):
+    for unknown, at, sd, missed in zip(found, z, spread, is_correlated, strict=False):
         ends = (unknown.at(at - NORMAL_95 * sd), unknown.at(at + NORMAL_95 * sd))
         values[unknown.name] = Value(
-            unknown.name, unknown.unit, unknown.value, unknown.at(at), *ends, float(sd), unknown.places
+            unknown.name, unknown.unit, unknown.value, unknown.at(at), *ends, float(sd), unknown.places, bool(missed)
         )
     return values
 
@@ -270,12 +291,11 @@ def _undetermined(found: list[Unknown], information: Array) -> list[tuple[float,
     return undetermined
 
 
-def _kept(z: Array, covariance: Array, left: Array) -> Array:
-    """Return z (p,) with the quantities that the log does not determine at the file's values.
+def _kept(z: Array, covariance: Array, held: NDArray[np.bool_]) -> Array:
+    """Return z (p,) with the quantities that the log does not determine, `held`, at the file's values.
 
     The others are the most likely ones given that (the mean of a conditional normal distribution).
     """
-    held = left >= DETERMINED
     kept = np.where(held, 0.0, z)
     if held.any() and not held.all():
         across, own = covariance[np.ix_(~held, held)], covariance[np.ix_(held, held)]

@@ -27,8 +27,6 @@ from uwsim.evidence.validate.consistency import (
     start_navigation,
 )
 from uwsim.evidence.validate.turning_flights import turning_checks
-from uwsim.evidence.validate.water_flights import water_checks
-from uwsim.evidence.validate.wave_flights import wave_checks
 from uwsim.figures.style import save_figure
 from uwsim.navigation.estimation import Navigator
 from uwsim.simulator.simulator import Simulator
@@ -47,9 +45,11 @@ def run(out: Path | None = None, seeds: int | None = None) -> list[Check]:
     if out is not None:
         _draw(nees, drifts, out / "estimation.png")
     return [
-        *consistency_checks(nees), *turning_checks(seeds), *wave_checks(seeds), *water_checks(seeds),
-        *drop_out_checks(drifts), *contact_checks(sim, seeds),
-    ]  # fmt: skip
+        *consistency_checks(nees),
+        *turning_checks(seeds),
+        *drop_out_checks(drifts),
+        *contact_checks(sim, seeds),
+    ]
 
 
 def nees_of_a_flight(sim: Simulator, seed: int) -> Iterator[list[float]]:

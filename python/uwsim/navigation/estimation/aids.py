@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.navigation.estimation.errors import bias_model, noise_of, rounding_step, white_std, whole_std
+from uwsim.navigation.estimation.errors import bias_model, rounding_step, white_std, whole_std
 from uwsim.navigation.estimation.protocols import InstrumentLike, SamplesLike
 
 if TYPE_CHECKING:
@@ -22,7 +22,8 @@ GHOST_STDS, GHOST_M = 5.0, 10.0
 """A fix that is this many standard deviations plus this distance above the water is that of a reflected ray; the
 distance leaves room for docks above the water and for high waves.
 """
-NO_BIAS = _core.BiasModel()
+SOUND_TIME_S = 600.0
+"""Assumed: the time after which a vehicle has come to water of another speed of sound."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,8 @@ class Surroundings:
 
     imu_body_m (3,): the position of the IMU. density_kg_m3, compressibility_1_pa: of the water at its surface.
     wave_std_m, tide_std_m: standard deviations of the water's surface, as expected, about the tide and of the tide.
-    column_std: standard deviation of the mean density of the water above, relative to the surface's.
+    column_std: standard deviation of the mean density of the water above, relative to the surface's. sound_m_s: the
+    least and the largest speed of sound in the water, as expected.
     """
 
     imu_body_m: Array
@@ -42,6 +44,7 @@ class Surroundings:
     wave_std_m: float
     tide_std_m: float
     column_std: float
+    sound_m_s: tuple[float, float]
 
     @property
     def metre_pa(self) -> float:
@@ -62,8 +65,16 @@ class Aid(Protocol):
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """Register the instrument with the filter; return its index there."""
 
+    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
+        """Return the numbers of its errors in the filter's state by name, in their order."""
+
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
         """Return a mask (n,) of usable samples, and their readings in the format that the filter expects."""
+
+
+def existing(*biases: tuple[str, int, _core.BiasModel]) -> dict[str, int]:
+    """Return the numbers of those biases that exist, by name. biases: name, number and model of each."""
+    return {name: n for name, n, model in biases if model.exists}
 
 
 def lever(sensor: InstrumentLike, around: Surroundings) -> Array:
@@ -93,7 +104,20 @@ class Doppler:
             lever(sensor, around),
             white_std(sensor, "beam_velocity"),
             bias_model(sensor, "beam_velocity"),
+            self._scale(sensor, around),
+            bias_model(sensor, "misalignment"),
         )
+
+    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
+        """See Aid."""
+        scale, misalignment = self._scale(sensor, around), bias_model(sensor, "misalignment")
+        return {"beams": 4} | existing(("scale", 1, scale), ("misalignment", 3, misalignment))
+
+    def _scale(self, sensor: InstrumentLike, around: Surroundings) -> _core.BiasModel:
+        """Return the error of the scale: the instrument's, and that of a set speed of sound in this water."""
+        set_m_s = sensor.spec.parameters["sound_speed_m_s"][0]
+        sound_std = max(abs(set_m_s / each - 1.0) for each in around.sound_m_s) if set_m_s > 0 else 0.0
+        return bias_model(sensor, "scale", more_std=sound_std, walk=sound_std * math.sqrt(2.0 / SOUND_TIME_S))
 
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
         """See Aid."""
@@ -102,7 +126,15 @@ class Doppler:
         return good.any(axis=1), np.where(good, velocities, np.nan)
 
 
-class Depth:
+class Gauge:
+    """A gauge of the water's weight."""
+
+    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
+        """See Aid."""
+        return {"bias": 1, "waves": 2, "tide": 2, "density": 1}
+
+
+class Depth(Gauge):
     """A depth sensor, which divides the pressure by a nominal density, that of the surface by default."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
@@ -118,7 +150,7 @@ class Depth:
         return nominal_kg_m3 * around.gravity_m_s2 if nominal_kg_m3 > 0 else around.metre_pa
 
 
-class Pressure:
+class Pressure(Gauge):
     """A pressure sensor; depth is derived from the water density that the vehicle assumes."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
@@ -160,6 +192,10 @@ class Compass:
             magnetic_north_rad(sensor),
         )
 
+    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
+        """See Aid."""
+        return {"drift": 1, "hard_iron": 3}
+
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
         """See Aid."""
         return samples.valid, magnetic_north_rad(sensor) - samples.readings
@@ -175,18 +211,20 @@ class AcousticFix:
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
-        range_std, bearing_std = (
-            math.hypot(white_std(sensor, channel), noise_of(sensor, channel).turn_on_std)
-            for channel in ("range", "bearing")
-        )
         return filter_.add_acoustic_fix(
             lever(sensor, around),
             around.station_world_m,
-            range_std,
-            bearing_std,
+            white_std(sensor, "range"),
+            white_std(sensor, "bearing"),
             rounding_step(sensor, "range"),
             sensor.period_s,
+            *(bias_model(sensor, channel) for channel in ("range", "scale", "bearing")),
         )
+
+    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
+        """See Aid."""
+        widths = {"range": 1, "scale": 1, "bearing": 2}
+        return existing(*((channel, n, bias_model(sensor, channel)) for channel, n in widths.items()))
 
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
         """See Aid."""
@@ -210,6 +248,10 @@ class Satellites:
             bias_model(sensor, "vertical"),
         )
 
+    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
+        """See Aid."""
+        return {"orbits": 3}
+
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
         """See Aid."""
         return samples.valid & np.isfinite(samples.readings[:, :6]).all(axis=1), samples.readings[:, :6]
@@ -221,6 +263,10 @@ class Orientation:
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
         return filter_.add_orientation(white_std(sensor, "orientation"), bias_model(sensor, "orientation"))
+
+    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
+        """See Aid."""
+        return {"orientation": 3}
 
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
         """See Aid."""

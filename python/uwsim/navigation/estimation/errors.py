@@ -43,16 +43,22 @@ def limit(sensor: InstrumentLike, channel: str) -> float:
     return min(abs(noise.limit_low), abs(noise.limit_high))
 
 
-def bias_model(sensor: InstrumentLike, channel: str, unit: float = 1.0) -> _core.BiasModel:
-    """Return the bias model of a channel, scaled by `unit`."""
+def bias_model(
+    sensor: InstrumentLike, channel: str, unit: float = 1.0, *, more_std: float = 0.0, walk: float = 0.0
+) -> _core.BiasModel:
+    """Return the bias model of a channel, scaled by `unit`.
+
+    more_std, walk: of an error of the same kind that is not the instrument's: a constant [u], a random walk
+    [u/sqrt(s)].
+    """
     noise = noise_of(sensor, channel)
     drift_std = math.hypot(noise.bias_std, noise.flicker_std)
     time_s = noise.bias_time_s if noise.bias_std > 0 else FLICKER_TIME_S
     return _core.BiasModel(
-        turn_on_std=noise.turn_on_std * unit,
+        turn_on_std=math.hypot(noise.turn_on_std * unit, more_std),
         drift_std=drift_std * unit,
         drift_time_s=time_s if drift_std > 0 else 0.0,
-        walk=noise.walk * unit,
+        walk=math.hypot(noise.walk * unit, walk),
     )
 
 

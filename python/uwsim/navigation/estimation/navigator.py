@@ -27,6 +27,7 @@ from uwsim.navigation.estimation.aids import (
     chosen_aids,
     magnetic_north_rad,
 )
+from uwsim.navigation.estimation.budget import position_budget
 from uwsim.navigation.estimation.errors import bias_model, limit, white_std, whole_std
 from uwsim.navigation.estimation.protocols import Instrumented, InstrumentLike, StreamLike
 from uwsim.navigation.estimation.saved import HeldState, NavigatorState
@@ -48,6 +49,7 @@ DOCK_STD_M, DOCK_STD_RAD, DOCK_STD_M_S = 0.1, 0.02, 0.05  # assumed: a surveyed 
 UNKNOWN_SEA_M, LEAST_SEA_M = 0.1, 0.001
 UNKNOWN_TIDE_M, LEAST_TIDE_M = 1.0, 0.005
 UNKNOWN_COLUMN, LEAST_COLUMN = 0.01, 0.0003
+UNKNOWN_SOUND_M_S = (1440.0, 1540.0)  # of most waters (EOS-80): fresh at 8 deg C, a warm sea
 COMPRESSIBILITY_1_PA = 4.5e-10  # of water within 8 %, from a cold lake to a warm sea (EOS-80)
 YAW_STD_RAD = 0.1  # the initial heading has little weight, since its aid will measure it again
 
@@ -62,7 +64,8 @@ class Navigator(Attached):
     deviation of the water's surface by waves, a quarter of the significant wave height; the filter starts with it and
     adapts to the waves that the depth or pressure sensor then measures. tide_std_m: expected standard deviation of the
     still surface about z = 0, of an unknown phase: 0.7 of the tide's amplitude. column_std: expected standard deviation
-    of the mean density of the water above the vehicle, relative to density_kg_m3. The filter estimates both, as far as
+    of the mean density of the water above the vehicle, relative to density_kg_m3. sound_m_s: the least and the largest
+    speed of sound in the water, as expected, for a DVL that is set to one. The filter estimates both, as far as
     another reference observes the height. The filter's error models follow from the sensors' noise parameters. Raises
     ValueError for a vehicle without an IMU, or with none of a start, a USBL and a GPS.
 
@@ -84,6 +87,7 @@ class Navigator(Attached):
         wave_std_m: float = UNKNOWN_SEA_M,
         tide_std_m: float = UNKNOWN_TIDE_M,
         column_std: float = UNKNOWN_COLUMN,
+        sound_m_s: tuple[float, float] = UNKNOWN_SOUND_M_S,
     ) -> None:
         sensors: Mapping[str, InstrumentLike] = vehicle.sensors
         imus = [sensor for sensor in sensors.values() if sensor.kind == "imu"]
@@ -104,6 +108,7 @@ class Navigator(Attached):
             max(wave_std_m, LEAST_SEA_M),
             max(tide_std_m, LEAST_TIDE_M),
             max(column_std, LEAST_COLUMN),
+            sound_m_s,
         )
         self._body_from_imu = body_from_sensor(self._imu).as_matrix()
         self._filter = _core.NavigationFilter(
@@ -303,6 +308,21 @@ class Navigator(Attached):
     def position_std_m(self) -> Array:
         """Standard deviations of the position along east, north and up, (3,)."""
         return np.sqrt(np.diagonal(self.covariance)[:3])
+
+    @property
+    def budget(self) -> dict[str, Array]:
+        """Standard deviations (3,) of the position along east, north and up [m] by their source, as `dvl.scale`.
+
+        Their squares add up to those of position_std_m; see uwsim.navigation.estimation.budget.
+        """
+        with self._lock:
+            terms = {"imu.gyroscope": slice(9, 12), "imu.accelerometer": slice(12, 15)}
+            for name, index in self._indices.items():
+                first = self._filter.first_bias(index)
+                for term, number in AIDS[self._aids[name].kind].terms(self._aids[name], self._around).items():
+                    terms[f"{name}.{term}"] = slice(first, first + number)
+                    first += number
+            return position_budget(np.asarray(self._current().covariance), terms)
 
     @property
     def surface_m(self) -> tuple[float, float]:

@@ -11,7 +11,7 @@ rates. All filters receive the same fixes, which dominate the position errors, s
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
@@ -29,6 +29,7 @@ from uwsim.evidence.validate.consistency import (
     start_navigation,
 )
 from uwsim.evidence.validate.peers import group
+from uwsim.instruments.sample_stream import SampleStream
 from uwsim.navigation.estimation import Navigator
 from uwsim.navigation.estimation.aids import magnetic_north_rad
 from uwsim.navigation.estimation.errors import whole_std
@@ -42,6 +43,8 @@ PROCESS_NOISE = np.array([0.05, 0.05, 0.06, 0.03, 0.03, 0.06, 0.025, 0.025, 0.04
 """Variance per second of each state, in its squared unit (params/ekf.yaml of robot_localization)."""
 MOTION_ONLY = PROCESS_NOISE * np.repeat((0.0, 0.0, 1.0, 1.0, 1.0), 3)
 Measure = Callable[[Array], Array]
+Sample = tuple[int, str, Array]
+"""Stamp [ns], sensor and reading."""
 
 
 def checks() -> list[Check]:
@@ -69,24 +72,14 @@ def flight(sim: Simulator, seed: int) -> list[list[list[float]]]:
     """
     navigator, draws = start_navigation(sim, seed)
     filters = [StandardFilter(sim, navigator, noise) for noise in (PROCESS_NOISE, MOTION_ONLY)]
-    streams = {kind: sim.rov.sensors[kind].stream() for kind in ("imu", "dvl", "depth", "usbl", "compass")}
+    streams = opened(sim)
     looks = []
     for leg in range(LEGS):
         sim.rov.set_effort(*(LARGEST_EFFORTS * draws.uniform(-1.0, 1.0, 6)))
         sim.advance(LEG_S)
-        taken = {kind: stream.take() for kind, stream in streams.items()}
-        rows = [
-            (int(stamp), kind, reading)
-            for kind, samples in taken.items()
-            for k, (stamp, reading, valid) in enumerate(
-                zip(samples.stamps_ns, samples.readings, samples.valid, strict=True)
-            )
-            if valid and (kind != "imu" or k % EVERY_IMU_SAMPLE == 0)
-        ]
+        rows = samples_of(streams)
         for peer in filters:
-            for stamp, kind, reading in sorted(rows, key=lambda row: row[:2]):
-                peer.receive(stamp * 1e-9, kind, reading)
-            peer.predict(sim.time_s)
+            peer.follow(rows, sim.time_s)
         if leg >= WARM_UP_LEGS:
             true_m, own_m = sim.rov.pose.position_world_m, navigator.pose.position_world_m
             error, covariance = errors(sim, navigator), navigator.covariance
@@ -97,6 +90,41 @@ def flight(sim: Simulator, seed: int) -> list[list[list[float]]]:
                 look.append([float(np.linalg.norm(off)), apart, nees_of(off, peer.P, POSITION)])
             looks.append(look)
     return looks
+
+
+class Beside:
+    """The EKF with PROCESS_NOISE beside a navigator that has just started, on the same samples.
+
+    It has no fixes where the station moves, of whose place it knows nothing.
+    """
+
+    def __init__(self, sim: Simulator, navigator: Navigator) -> None:
+        self._sim, self._filter, self._streams = sim, StandardFilter(sim, navigator, PROCESS_NOISE), opened(sim)
+        if sim.scenario.station.carrier is not None:
+            self._streams.pop("usbl").close()
+
+    def __call__(self) -> Array:
+        """Return the error of its position (3,) [m], now."""
+        self._filter.follow(samples_of(self._streams), self._sim.time_s)
+        return np.asarray(self._sim.rov.pose.position_world_m - self._filter.x[POSITION])
+
+
+def opened(sim: Simulator) -> dict[str, SampleStream]:
+    """Return streams of the samples that the filters receive, by sensor."""
+    return {kind: sim.rov.sensors[kind].stream() for kind in ("imu", "dvl", "depth", "usbl", "compass")}
+
+
+def samples_of(streams: Mapping[str, SampleStream]) -> list[Sample]:
+    """Return the new valid samples by time; of the IMU, every EVERY_IMU_SAMPLE."""
+    rows = [
+        (int(stamp), kind, reading)
+        for kind, samples in ((kind, stream.take()) for kind, stream in streams.items())
+        for k, (stamp, reading, valid) in enumerate(
+            zip(samples.stamps_ns, samples.readings, samples.valid, strict=True)
+        )
+        if valid and (kind != "imu" or k % EVERY_IMU_SAMPLE == 0)
+    ]
+    return sorted(rows, key=lambda row: row[:2])
 
 
 class StandardFilter(ExtendedKalmanFilter):  # type: ignore[misc]  # filterpy has no types
@@ -114,6 +142,12 @@ class StandardFilter(ExtendedKalmanFilter):  # type: ignore[misc]  # filterpy ha
         spread = (POSITION_STD_M, 0.02, VELOCITY_STD_M_S, 0.05, 0.3)
         self.P = np.diag(np.repeat(spread, 3) ** 2)
         self.P[5, 5] = 0.1**2  # the first heading
+
+    def follow(self, samples: Sequence[Sample], time_s: float) -> None:
+        """Receive samples, then propagate to a time."""
+        for stamp_ns, kind, reading in samples:
+            self.receive(stamp_ns * 1e-9, kind, reading)
+        self.predict(time_s)
 
     def predict(self, time_s: float) -> None:
         """Propagate state and covariance to a time; late samples, such as the DVL's, do not move it back in time."""
