@@ -20,6 +20,7 @@ from scipy.spatial.transform import Rotation
 
 from uwsim.evidence.validate.camera import irradiance_variation
 from uwsim.evidence.validate.flights import START_M, deep_water
+from uwsim.evidence.validate.reality import predicted_trials as trials
 from uwsim.evidence.validate.reality.arm_tilts import arm_at, flown_deg
 from uwsim.scenario import load_vehicle
 from uwsim.scenario.read.validated import validated
@@ -159,5 +160,16 @@ COMPUTED: dict[str, Callable[[], float]] = {
     "bluerov2_roll_period": _roll_period_s,
     "arm_ahead_pitch": lambda: float(_arm_ahead_deg()[0]),
     "arm_ahead_roll": lambda: float(_arm_ahead_deg()[1]),
+    "slocum_battery_pitch": trials.battery_pitch_deg_mm,
+    "remus100_turning_radius": lambda: trials.circle("remus100", 1.0).radius_m,
+    "remus100_zigzag_overshoot": trials.zigzag_overshoot_deg,
+    "bluerov2_yaw_rate": lambda: trials.yaw_step()[0],
+    "bluerov2_yaw_rise": lambda: trials.yaw_step()[1],
+    "otter_stopping": trials.stopping_m,
+    "towed_rope_angle": trials.trailing_angle_deg,
+    "em2040_swath": trials.swath_over_depth,
+    "ping360_pipe_width": trials.pipe_width_deg,
+    "t200_under_way": trials.thrust_share_under_way,
+    "lauv_turning_radius": lambda: trials.circle("lauv", 1.0).radius_m,
     **{f"irradiance_variation_{z}_m": partial(_irradiance_variation, z) for z in (1, 5, 10, 20)},
 }
