@@ -15,9 +15,11 @@ from uwsim.evidence.vehicle.estimates import ACROSS, estimates
 from uwsim.evidence.vehicle.fields_of_view import fields_of_view
 from uwsim.evidence.vehicle.linear_motion import course_growth_1_s, model_motion, modes, motion_matrix
 from uwsim.evidence.vehicle.report import allocation, vehicle_report
+from uwsim.evidence.vehicle.sheets import SUPPLY_V, Statements, hover_power_w
 from uwsim.evidence.vehicle.trials import straight_run
 from uwsim.scenario import load_vehicle
 from uwsim.scenario.build.potential_flow import added_mass_of_ellipsoid, simplified
+from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.control import Control
 from vehicle_files import vehicle_file
 
@@ -235,3 +237,30 @@ def test_a_thrust_without_a_speed_is_one_line(tmp_path: Path) -> None:
     assert done.returncode != 0
     assert done.stderr.strip().startswith("uwsim: error: vehicle 'box': full effort on surge drives it beyond 99 m/s")
     assert "\n" not in done.stderr.strip()
+
+
+def test_what_is_stated_is_of_packaged_vehicles_and_has_a_source() -> None:
+    statements = read_spec(Statements, "vehicles", "claims").statements
+    for each in statements:
+        assert each.source and all(load_vehicle(name).name == name for name in each.vehicles)
+    keys = [(name, each.quantity) for each in statements for name in each.vehicles]
+    assert len({*keys}) == len(keys)
+
+
+def test_hovering_takes_the_power_of_the_sheets_of_its_thrusters() -> None:
+    heavy = load_vehicle("bluerov2_heavy")
+    power_w = [hover_power_w(heavy, -load_n) for load_n in (40.0, 80.0)]
+    assert (
+        power_w[0] and power_w[1] and 2.0 < power_w[1] / power_w[0] < 2.0**1.7
+    )  # F^1.5 by momentum, and the motors' losses
+    sheets = heavy.thrusters["vertical_front_left"].model.performance()
+    force_n, current_a, _ = sheets.at(0.4, SUPPLY_V)
+    assert hover_power_w(heavy, -4 * force_n) == pytest.approx(4 * SUPPLY_V * current_a)
+    assert hover_power_w(heavy, -1e4) is None  # it cannot
+    assert hover_power_w(load_vehicle("otter"), -1.0) is None  # nothing upright
+
+
+def test_the_report_has_what_is_stated_beside_what_it_does() -> None:
+    shown = uwsim("vehicle", "remus100").stdout.splitlines()
+    row = next(line for line in shown if "speed at full ahead" in line)
+    assert row.split()[5:8] == ["2.55", "2.5", "2000"]

@@ -83,8 +83,8 @@ def vehicle(
 
     Covers mass, buoyancy, trim and righting; added mass and drag beside estimates from the hull's shape (Lamb's
     ellipsoid, Hoerner, panels); a straight run, terminal speeds and turning circles; eigenvalues of its linear motion;
-    the rank and authority of its thrusters; and how much of its own hull each instrument sees. All values are for deep,
-    still, fresh water. Exits with 1 if the file has a mistake.
+    the rank and authority of its thrusters; how much of its own hull each instrument sees; and, of a packaged one, what
+    its makers and owners state. All values are for deep, still, fresh water. Exits with 1 if the file has a mistake.
 
     With --draft, `uwsim vehicle hull.stl --draft > mine.yaml` writes the file instead: mass, added mass (panels), drag
     (Hoerner, ITTC-57), thrusters, fins and sensors, each with its method and spread. `uwsim survey lake --vehicle-model

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from uwsim.evidence.vehicle.estimates import Estimates, estimates
 from uwsim.evidence.vehicle.fields_of_view import FieldOfView, fields_of_view
 from uwsim.evidence.vehicle.figures import VehicleFigures
 from uwsim.evidence.vehicle.linear_motion import Mode, model_motion, modes
+from uwsim.evidence.vehicle.sheets import beside_makers
 from uwsim.evidence.vehicle.trials import TurningCircle, terminal_speeds, turning_circles
 from uwsim.scenario.build.actuator import actuators_spec
 from uwsim.scenario.build.hull import vehicle_hull
@@ -50,7 +51,8 @@ class VehicleReport:
     added_mass, linear_damping, quadratic_damping: (6,) diagonals from its file. estimates: coefficients estimated from
     its hull's shape.
     terminal: (6, 2) speeds at full effort ahead and astern, NaN on axes that nothing drives. motions: the modes, by
-    speed ahead [m/s]. circles: turning circles at full yaw. views: its instruments' fields of view.
+    speed ahead [m/s]. circles: turning circles at full yaw. views: its instruments' fields of view. beside_makers: rows
+    of what its makers and owners state, see sheets.py.
     """
 
     model: VehicleModel
@@ -64,6 +66,7 @@ class VehicleReport:
     motions: dict[float, tuple[Mode, ...]]
     allocation: Allocation
     views: tuple[FieldOfView, ...]
+    beside_makers: tuple[tuple[str, str, str, str, str], ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the report as plain values, for JSON; rays and tracks are left out, and NaN is None."""
@@ -103,7 +106,7 @@ def vehicle_report(sim: Simulator, figures: VehicleFigures) -> VehicleReport:
         speeds = []  # they are those of a submerged hull
     trim = entry.trim or model.trim
     compared_at = COMPARED_AT_M_S if np.isnan(fastest) else fastest
-    return VehicleReport(
+    report = VehicleReport(
         model=model,
         figures=figures,
         added_mass=np.diagonal(model.matrix("added_mass")).copy(),
@@ -116,6 +119,7 @@ def vehicle_report(sim: Simulator, figures: VehicleFigures) -> VehicleReport:
         allocation=allocation(sim),
         views=fields_of_view(sim),
     )
+    return replace(report, beside_makers=tuple(beside_makers(report)))
 
 
 def allocation(sim: Simulator) -> Allocation:

@@ -29,6 +29,8 @@ class Table:
 
 def tables(report: VehicleReport) -> Iterator[Table]:
     """Yield the tables of a report, in the order in which a new vehicle is checked."""
+    if report.beside_makers:
+        yield _makers(report)
     yield _added_mass(report)
     yield _drag(report)
     yield _axes(report)
@@ -38,6 +40,12 @@ def tables(report: VehicleReport) -> Iterator[Table]:
     yield from (_modes(speed, own) for speed, own in report.motions.items())
     if report.views:
         yield _views(report)
+
+
+def _makers(report: VehicleReport) -> Table:
+    note = "Here: in fresh, still water, without a tether; a glider in the sea. Endurance is not computed: computers, "
+    note += "lamps and payload are not modelled."
+    return Table("Beside what is stated", ("quantity", "here", "stated", "year", "source"), report.beside_makers, note)
 
 
 def _added_mass(report: VehicleReport) -> Table:
