@@ -72,8 +72,10 @@ def test_a_flight_that_is_written_is_read_again_and_its_model_flies_it_alike(kin
         draggy = model.model_copy(update={"quadratic_damping": tuple(3 * v for v in model.quadratic_damping or ())})
         other = fly_beside(motion, draggy, density_kg_m3=DENSITY_KG_M3, horizons_s=(1.0, 5.0, 10.0))
         for h in (5.0, 10.0):
-            right, wrong = same.horizons[h]["speed"], other.horizons[h]["speed"]
+            right, wrong, simplest = (e[h]["speed"] for e in (same.horizons, other.horizons, same.integrator))
             assert right is not None and wrong is not None and wrong.value > 20 * right.value
+            assert simplest is not None and simplest.value > 20 * right.value
+            assert other.integrator[h] == same.integrator[h]  # drag is not in it
 
 
 @pytest.mark.parametrize("kind", ["BIN", "tlog"])
@@ -127,6 +129,7 @@ def test_a_model_beside_a_log_on_the_command_line(tmp_path: Path) -> None:
     found = json.loads(command(*words, "--json").stdout)
     assert [row["horizon_s"] for row in found["horizons"]] == [1.0, 2.0, 5.0, 10.0]
     assert found["horizons"][0]["place_m"]["mean"] < 1e-3 and found["horizons"][0]["place_m"]["windows"] > 5
+    assert found["horizons"][3]["double_integrator"]["place_m"]["mean"] > found["horizons"][3]["place_m"]["mean"]
 
 
 def test_identify_finds_the_drag_from_a_dataflash_log(tmp_path: Path) -> None:

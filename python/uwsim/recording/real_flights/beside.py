@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from uwsim.base.short_repr import ShortRepr
 from uwsim.batch import Batch
-from uwsim.recording.real_flights.deep_water import DEPTH_M, STEP_S, in_deep_water
+from uwsim.recording.real_flights.deep_water import DEPTH_M, STEP_S, double_integrator, in_deep_water
 from uwsim.recording.real_flights.flight_log import Array
 from uwsim.recording.real_flights.motion import GAP_S, MotionLog, command
 from uwsim.scenario import VehicleModel
@@ -31,6 +31,7 @@ DIFFERENCE_S = 0.5  # over which positions are differentiated
 DRAWS, LEVEL = 2000, 0.95
 ERRORS = {"place": "m", "depth": "m", "heading": "deg", "tilt": "deg", "speed": "m/s"}
 """Errors of the model: horizontal distance, depth, heading, angle between the vertical axes, velocity."""
+SIMPLEST = "double integrator"
 
 
 @dataclass(frozen=True)
@@ -45,20 +46,26 @@ class Mean:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Beside(ShortRepr):
-    """Errors by horizon [s], then by ERRORS; moved: how far the vehicle itself went [m]. None: nothing was measured."""
+    """Errors by horizon [s], then by ERRORS; moved: how far the vehicle itself went [m]. None: nothing was measured.
+
+    integrator: as horizons, of the simplest model, see double_integrator(), in the same windows.
+    """
 
     horizons: dict[float, dict[str, Mean | None]]
+    integrator: dict[float, dict[str, Mean | None]]
     moved: dict[float, Mean | None]
     notes: tuple[str, ...]
 
     def rows(self) -> list[tuple[str, ...]]:
-        """Return a table: a heading, then a row for each horizon."""
+        """Return a table: a heading, then for each horizon a row of the model, and one of the double integrator."""
         heads = [f"{name} [{unit}]" for name, unit in ERRORS.items()]
         rows: list[tuple[str, ...]] = [("horizon [s]", "windows", "moved [m]", *heads)]
         for horizon_s, errors in self.horizons.items():
             found = [self.moved[horizon_s], *(errors[name] for name in ERRORS)]
             count = max((each.count for each in found if each), default=0)
             rows.append((f"{horizon_s:g}", str(count), *(_shown(each) for each in found)))
+            simplest = (_shown(self.integrator[horizon_s][name]) for name in ERRORS)
+            rows.append((f"{horizon_s:g}, {SIMPLEST}", str(count), rows[-1][2], *simplest))
         return rows
 
     def plain(self) -> list[dict[str, object]]:
@@ -67,10 +74,15 @@ class Beside(ShortRepr):
             {
                 "horizon_s": h,
                 "moved_m": _values(self.moved[h]),
-                **{f"{name}_{unit.replace('/', '_')}": _values(errors[name]) for name, unit in ERRORS.items()},
+                **_named(errors),
+                "double_integrator": _named(self.integrator[h]),
             }
             for h, errors in self.horizons.items()
         ]
+
+
+def _named(errors: dict[str, Mean | None]) -> dict[str, dict[str, float | None] | None]:
+    return {f"{name}_{unit.replace('/', '_')}": _values(errors[name]) for name, unit in ERRORS.items()}
 
 
 def _shown(mean: Mean | None) -> str:
@@ -101,6 +113,8 @@ def fly_beside(
     starts = _starts(log, min(wanted))
     measured = np.hstack([log.position_m, log.orientation_xyzw, log.velocity_body])
     horizons: dict[float, dict[str, Mean | None]] = {}
+    integrator: dict[float, dict[str, Mean | None]] = {}
+    simplest = double_integrator(model, density_kg_m3)
     moved: dict[float, Mean | None] = {}
     for h in wanted:
         rows = starts[_apart(log.times_s[starts], h) & (log.times_s[starts] + h <= log.times_s[-1])]
@@ -108,14 +122,15 @@ def fly_beside(
             continue
         first, logged = state[rows], _at(log.times_s, measured, log.times_s[rows] + h)
         logged[:, :3] -= first[:, :3]
-        flown = _flown(log, model, log.times_s[rows], first, density_kg_m3, round(h / STEP_S), threads)
-        horizons[h] = {name: _mean(values) for name, values in _errors(flown, logged).items()}
+        for each, errors in ((model, horizons), (simplest, integrator)):
+            flown = _flown(log, each, log.times_s[rows], first, density_kg_m3, round(h / STEP_S), threads)
+            errors[h] = {name: _mean(values) for name, values in _errors(flown, logged).items()}
         moved[h] = _mean(_length(logged[:, :3]))
     notes += [f"missing: a horizon of {h:g} s: the log is too short" for h in horizons_s if h not in horizons]
     lacking = [name for name in ERRORS if all(errors[name] is None for errors in horizons.values())]
     notes += [f"missing: the error of {name}: the log does not have what it needs" for name in lacking]
     notes.append(f"assumed: deep, still water of {density_kg_m3:g} kg/m3, without tether, current and waves")
-    return Beside(horizons, moved, tuple(notes))
+    return Beside(horizons, integrator, moved, tuple(notes))
 
 
 def _velocities(log: MotionLog) -> tuple[Array, list[str]]:

@@ -55,6 +55,24 @@ def completed(model: VehicleModel, density_kg_m3: float) -> tuple[VehicleModel, 
     return model.model_copy(update=added), tuple(added)
 
 
+def double_integrator(model: VehicleModel, density_kg_m3: float) -> VehicleModel:
+    """Return the simplest model of a vehicle: its masses and thrusters, neutral, without drag, lift and righting."""
+    whole, _ = completed(model, density_kg_m3)
+    return whole.model_copy(
+        update={
+            "linear_damping": (0.0,) * 6,
+            "quadratic_damping": (0.0,) * 6,
+            "linear_damping_matrix": None,
+            "quadratic_damping_matrix": None,
+            "munk_share": 0.0,
+            "fins": {},
+            "buoyancy": "neutral",
+            "mass_kg": None,
+            "centre_of_buoyancy_m": whole.centre_of_mass_m,
+        }
+    )
+
+
 def _bare(model: VehicleModel, density_kg_m3: float, folder: Path) -> VehicleModel:
     """Return the vehicle without instruments, and with a box of its volume for its hull.
 
