@@ -14,7 +14,7 @@ from pathlib import Path
 from uwsim.evidence.validate.check import Check
 from uwsim.evidence.validate.reality.kinds import PREDICTED
 
-DATA_SETS = ("thrust", "instruments", "bathymetry", "soundings", "arm_tilts", "arm_motion")
+DATA_SETS = ("thrust", "instruments", "bathymetry", "soundings", "arm_tilts", "arm_motion", "glides")
 SOURCES = "docs/inside/reality.md lists the sources"
 
 
