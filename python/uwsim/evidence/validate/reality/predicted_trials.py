@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.evidence.validate.flights import START_M, deep_scenario, deep_water
+from uwsim.evidence.validate.reality.glides import GRAVITY_M_S2, WATER_KG_M3, simulated_glides
 from uwsim.evidence.validate.sonar_table import Cell
 from uwsim.evidence.vehicle.trials import TurningCircle, trial_m, turning_circles
 from uwsim.scenario import Scenario, VehicleModel, load_vehicle
@@ -144,3 +145,10 @@ def thrust_share_under_way(speed_m_s: float = 1.0, pwm_us: float = 1900.0) -> fl
             sim.advance(0.01)
         found.append(float(sim.rov.forces["actuators"].force_body_n[2]))
     return found[1] / found[0]
+
+
+def glide_m_s(pitch_deg: float = 24.0, pumped_cm3: float = 230.0) -> float:
+    """Return the root mean square of a Slocum's vertical speeds down and up, in which its ballast cancels."""
+    pitches_rad, sinking_m_s, full_n = simulated_glides(load_vehicle("slocum"))
+    net_n = 1e-6 * pumped_cm3 * WATER_KG_M3 * GRAVITY_M_S2
+    return math.sqrt(net_n / full_n) * float(np.interp(math.radians(pitch_deg), pitches_rad, sinking_m_s))

@@ -161,6 +161,7 @@ COMPUTED: dict[str, Callable[[], float]] = {
     "arm_ahead_pitch": lambda: float(_arm_ahead_deg()[0]),
     "arm_ahead_roll": lambda: float(_arm_ahead_deg()[1]),
     "slocum_battery_pitch": trials.battery_pitch_deg_mm,
+    "slocum_third_glide": trials.glide_m_s,
     "remus100_turning_radius": lambda: trials.circle("remus100", 1.0).radius_m,
     "remus100_zigzag_overshoot": trials.zigzag_overshoot_deg,
     "bluerov2_yaw_rate": lambda: trials.yaw_step()[0],
