@@ -13,9 +13,10 @@ SUITES = {
     "estimation": "uwsim.evidence.validate.estimation",
     "navigation": "uwsim.evidence.validate.navigation",
     "identification": "uwsim.evidence.validate.identification",
+    "flights": "uwsim.evidence.validate.logged_flights",
     "reality": "uwsim.evidence.validate.reality",
     "peers": "uwsim.evidence.validate.peers",
 }
-RECORDED = ("sound", "reality")
-ON_REQUEST = ("reality", "peers")
+RECORDED = ("sound", "flights", "reality")
+ON_REQUEST = ("flights", "reality", "peers")
 """Suites that need data or additional packages."""

@@ -20,8 +20,8 @@ from uwsim.evidence.suites import ON_REQUEST, SUITES
 
 BY_DEFAULT = [name for name in SUITES if name not in ON_REQUEST]
 OFFERED = (
-    f"Any of {', '.join(BY_DEFAULT)} (default: all of these); reality, which needs --data; peers, which also uses gsw, "
-    "mujoco, opencv-python-headless, filterpy, pvlib."
+    f"Any of {', '.join(BY_DEFAULT)} (default: all of these); flights and reality, which need --data; peers, which "
+    "also uses gsw, mujoco, opencv-python-headless, filterpy, pvlib."
 )
 
 
@@ -38,7 +38,8 @@ def validate(
     data: Annotated[
         Path | None,
         typer.Option(
-            help="Folder of recorded data for sound and reality; docs/inside/reality.md lists the sources.",
+            help="Folder of recorded data for sound and reality, whose sources docs/inside/reality.md lists, or of "
+            "logs for flights, with flights.yaml.",
             exists=True,
             file_okay=False,
         ),

@@ -24,7 +24,7 @@ def run_suite(name: str, out: Path | None = None, data: Path | None = None, engi
     """Run a suite and return its checks; draw its curves into the folder `out`. data: folder of recorded data.
 
     engine: the `dynamics.engine` used by the `dynamics` suite. Raises ValueError for an unknown name, and for `reality`
-    without data.
+    and `flights` without data.
     """
     if name not in SUITES:
         raise ValueError(f"validation '{name}': unknown; there are: {', '.join(SUITES)}")
