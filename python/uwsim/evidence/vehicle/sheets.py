@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 SUPPLY_V = 16.0
 GLIDE_S, PITCHES = 200.0, (0.2, 0.35, 0.5)
-"""Of a glider: how long a glide takes to settle, and the shares of its moving mass that are tried."""
+"""How long a glide takes to settle, and the shares of the moving mass's travel that are tried."""
 Quantity = Literal[
     "speed_ahead", "speed_over_ground", "thrust_ahead", "thrust_aside", "thrust_up", "turning_radius", "hover_power",
     "endurance",

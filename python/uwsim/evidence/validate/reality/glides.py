@@ -27,7 +27,7 @@ from uwsim.scenario import VehicleModel, load_vehicle
 
 Floats = NDArray[np.float64]
 Simulated = tuple[Floats, Floats, float]
-"""What simulated_glides() returns."""
+"""The result of simulated_glides()."""
 GLIDERS = ("amadeus", "sebastian")
 FILE = "slocum/amadeus-2014-204-05-000.dbd"
 GROUP = f"{PREDICTED}: Slocum, glides"
