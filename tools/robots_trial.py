@@ -347,7 +347,12 @@ def tables(robots: list[Trial], worlds: list[Trial]) -> str:
         f"{len(converted)} of {len(robots)} robots convert, {bounded} of them with a bound of thrust as an argument. "
     )
     count += f"Of the {len(moved)} whose files state drag, "
-    lines = [f"{count}{sum(each <= 0.02 for each in moved)} move within 2 % of the speeds that it gives:", "", head]
+    judged = "which judges the conversion, not the robot"
+    lines = [
+        f"{count}{sum(each <= 0.02 for each in moved)} move within 2 % of the speeds that it gives, {judged}:",
+        "",
+        head,
+    ]
     lines += [each.row() for each in robots]
     whole, bare = (sum(not each.refusal and each.outcome == kind for each in worlds) for kind in ("yes", "water only"))
     lines += ["", f"{whole + bare} of {len(worlds)} worlds convert, {bare} of them as water only:", "", head]

@@ -1,11 +1,12 @@
 """The suite `seakeeping`: floating hulls that make and deflect waves, compared with Capytaine and with closed forms.
 
 Capytaine 3.0.0 (Ancellin and Dias 2019, J. Open Source Software 4:1341) computed the tables of three hulls;
-tests/python/data/make_capytaine_seakeeping.py makes them. Each hull floats freely, without drag, in waves of 1 or 2
-mm, so that linear theory applies: its response per wave amplitude (RAO) is the solution of (-omega^2 (M + A) - i omega
-B + C) xi = X (Newman 1977, "Marine Hydrodynamics", sec. 6.17). A decay is compared with the inverse Laplace transform
-of Cummins' equation. Haskind's relation gives the damping from the exciting force (Newman 1962, J. Ship Research
-6(3):10): B = k |X|^2 / (4 rho g c_g) in heave of a body of revolution, with the group velocity c_g = g / (2 omega).
+tests/python/data/make_capytaine_seakeeping.py makes them. Each hull has Capytaine's own table, which judges the
+equations of motion, and not the table. It floats freely, without drag, in waves of 1 or 2 mm, so that linear theory
+applies: its response per wave amplitude (RAO) is the solution of (-omega^2 (M + A) - i omega B + C) xi = X (Newman
+1977, "Marine Hydrodynamics", sec. 6.17). A decay is compared with the inverse Laplace transform of Cummins' equation.
+Haskind's relation gives the damping from the exciting force (Newman 1962, J. Ship Research 6(3):10): B = k |X|^2 / (4
+rho g c_g) in heave of a body of revolution, with the group velocity c_g = g / (2 omega).
 """
 
 from __future__ import annotations

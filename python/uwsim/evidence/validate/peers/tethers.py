@@ -1,6 +1,7 @@
 """Compares tethers with MoorDyn's: shapes and tensions at rest, and peaks of tension when a falling mass is stopped.
 
 tests/python/data/make_moordyn_tethers.py computed the stored results with MoorDyn 2.7.2, with as many elements.
+MoorDyn was given our own cables: it judges equations.
 """
 
 from __future__ import annotations
