@@ -38,11 +38,15 @@ Ended = Literal["entered", "missed", "blocked", "slipped"]
 class LaneCurves:
     """Flies the curves of a survey. ahead_m: the distance ahead, on its path, to the point that the vehicle aims at.
 
-    hovers: whether the vehicle could stop and turn instead, so that a curve ends where it slips.
+    hovers: whether the vehicle could stop and turn instead, so that a curve ends where it slips. least_m_s: the speed
+    ahead below which its fins do not turn it; it keeps this even where its aim is abeam or behind.
     """
 
-    def __init__(self, lookout: Lookout, clock: Watch, speed_m_s: float, *, hovers: bool) -> None:
+    def __init__(
+        self, lookout: Lookout, clock: Watch, speed_m_s: float, *, hovers: bool, least_m_s: float = 0.0
+    ) -> None:
         self._lookout, self._clock, self._speed_m_s, self._hovers = lookout, clock, speed_m_s, hovers
+        self._least_m_s = least_m_s
         self.ahead_m = 1.5 + 1.5 * speed_m_s
 
     def onto(self, lane: Lane, entry_m: NDArray[np.float64], start: LegStart, state: MowerState) -> Steps[Ended]:
@@ -88,6 +92,9 @@ class LaneCurves:
         x, y = self._here()
         course_rad, speed = math.atan2(aim_m[1] - y, aim_m[0] - x), self._speed_m_s
         velocity = (speed * math.cos(course_rad), speed * math.sin(course_rad))
+        yaw_rad = float(self._lookout.vehicle.pose.yaw_rad)
+        if self._least_m_s > 0.0 and speed * math.cos(course_rad - yaw_rad) < self._least_m_s:
+            velocity = (self._least_m_s * math.cos(yaw_rad), self._least_m_s * math.sin(yaw_rad))
         yield from self._lookout.steer(heading_for(course_rad, self._lookout.vehicle), velocity)
 
     def hold(self, lane: Lane, state: MowerState) -> Steps[None]:

@@ -96,9 +96,9 @@ class AdaptiveLawnMower(Sealed):
             yoyo=plan.yoyo,
         )
         self._drives_sway = "sway" in self._own.controllable
-        self._speed_m_s = max(plan.speed_m_s, float(getattr(self._own.control, "speed_min_m_s", 0.0)))
-        hovers = self._speed_m_s == plan.speed_m_s and getattr(self._own.control, "speed_min_m_s", 0.0) == 0.0
-        self._curves = LaneCurves(self.lookout, clock, self._speed_m_s, hovers=hovers)
+        least_m_s = float(getattr(self._own.control, "speed_min_m_s", 0.0))
+        self._speed_m_s = max(plan.speed_m_s, least_m_s)
+        self._curves = LaneCurves(self.lookout, clock, self._speed_m_s, hovers=least_m_s == 0.0, least_m_s=least_m_s)
         if self._speed_m_s > plan.speed_m_s:
             text = f"the plan's speed, {plan.speed_m_s:g} m/s, is too slow for the vehicle's fins: it flies at "
             warnings.warn(f"{text}{self._speed_m_s:g} m/s", SlowPlanWarning, stacklevel=2)

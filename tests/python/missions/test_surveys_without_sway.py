@@ -48,7 +48,7 @@ def packaged(name: str, folder: str) -> dict:
 
 def written(folder: Path, place: str, vehicle: str, speed_m_s: float, current_m_s=(0.0, 0.0, 0.0)) -> Path:
     """Write a packaged scenario with a vehicle that cannot go sideways."""
-    model: str | dict = "remus100"
+    model: str | dict = "lauv" if vehicle == "lauv" else "remus100"
     if vehicle == "three thrusters":
         model = packaged("bluerov2_heavy", "vehicles") | {"thrusters": THREE_THRUSTERS}
         model["control"] = {axis: model["control"][axis] for axis in ("surge", "heave", "yaw")}
@@ -107,3 +107,11 @@ def test_a_survey_with_stops_resumes_to_the_last_bit(tmp_path):
 
     plan = survey_plan(load(path).survey)
     mow_twice(partial(Simulator, path), plan, is_mowing, lambda mission, sim: mission.state.along_m > 20.0)
+
+
+def test_a_torpedo_that_misses_its_curve_keeps_the_speed_at_which_its_fins_turn_it(tmp_path):
+    path = written(tmp_path, "lake", "lauv", 0.8)
+    with Simulator(path) as sim:
+        mission = AdaptiveLawnMower(sim.rov, sim, survey_plan(sim.scenario.survey))
+        assert mission.run() == COVERED
+        assert mission.state.radius_m > 5.0  # its first curves, of 2.3 m, were too narrow for it
