@@ -29,9 +29,9 @@ from uwsim.scenario.spec.vehicle_entry import StartPose
 
 FOLDER = "exercises"
 COURSE = (
-    "hover", "slalom", "approach", "docking", "gust", "pipeline", "reef-diver", "kelp-seal", "quay", "net-inspection",
-    "cable", "reef-pipeline", "wreck-dive", "night-gates", "tether", "depth-gauge", "dvl-loss", "thruster-loss", "pin",
-    "valve", "sample", "wet-mate",
+    "hover", "slalom", "pool-course", "approach", "docking", "gust", "pipeline", "reef-diver", "kelp-seal", "quay",
+    "net-inspection", "cable", "reef-pipeline", "wreck-dive", "night-gates", "tether", "depth-gauge", "dvl-loss",
+    "thruster-loss", "pin", "valve", "sample", "wet-mate",
 )  # fmt: skip
 """The packaged exercises in the order in which a beginner flies them: steering, inspection, failures, the arm."""
 EVENT_COMMANDS = (
