@@ -14,7 +14,7 @@ struct ThinSolid {
   float thickness_m;
   Eigen::Vector3d low_m, high_m;  ///< its box in the world
 
-  /// Whether a ray from `eye_m` meets the box, made larger by `angle_rad` times the distance of its far corner.
+  /// True if a ray from `eye_m` meets the box, made larger by `angle_rad` times the distance of its far corner.
   bool may_be_seen(const Eigen::Vector3d& eye_m, const Eigen::Vector3f& direction, double angle_rad) const;
 };
 

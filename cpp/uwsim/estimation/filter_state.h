@@ -24,7 +24,7 @@ struct BiasModel {
   double walk = 0;          ///< [u/sqrt(s)]
   bool of_water = false;    ///< not an instrument's: a restart of the filter keeps it
 
-  /// Whether there is such a bias at all.
+  /// True if there is such a bias at all.
   bool exists() const { return variance() > 0 || walk > 0; }
   double variance() const { return turn_on_std * turn_on_std + drift_std * drift_std; }
   /// The fraction of the bias that remains after dt. If there is a constant or a random walk as well as a drift, a

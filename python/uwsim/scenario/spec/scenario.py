@@ -12,6 +12,7 @@ from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.cover import Cover
+from uwsim.scenario.spec.dynamics import Dynamics
 from uwsim.scenario.spec.earth import Earth
 from uwsim.scenario.spec.fault import FaultSpec
 from uwsim.scenario.spec.fields import InRange, Model, Name, broken
@@ -29,6 +30,7 @@ from uwsim.scenario.spec.tether import BodyAnchor, Tethered
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.scenario.spec.view import View
+from uwsim.scenario.spec.warning_limits import WarningLimits
 from uwsim.scenario.spec.water import Water
 from uwsim.scenario.spec.water_target import WaterTargetSpec
 from uwsim.scenario.spec.wind import LINK_MOST_M_S, OPTICS_MOST_M_S, Wind, in_wind
@@ -37,26 +39,6 @@ MOST_OBJECTS = 200
 RESERVED_NAMES = ("nothing", "terrain", "station")
 WITHOUT_STATION = Station.model_construct(dock_m=(0.0, 0.0, -2.0))
 """The default station: a point on the water above the world's origin, with its dock 2 m below."""
-
-
-class WarningLimits(Model):
-    """Limits beyond which the panel issues warnings.
-
-    range_m: largest distance from the station. proximity_m: smallest height above the bed.
-    """
-
-    range_m: Annotated[float, InRange(0, 1e5, "m")] = 110.0
-    proximity_m: Annotated[float, InRange(0, 1e3, "m")] = 10.0
-
-
-class Dynamics(Model):
-    """The engine that moves the vehicles.
-
-    engine: `uwsim` integrates with the full mass matrix and solves contacts with it; `bullet` is Bullet's own dynamics,
-    with the added mass folded into mass and inertia.
-    """
-
-    engine: Literal["uwsim", "bullet"] = "uwsim"
 
 
 class Scenario(Model):

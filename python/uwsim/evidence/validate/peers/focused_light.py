@@ -29,7 +29,7 @@ TILE_M, CELL_M = 6.4, 0.05
 """The ripples' tile; the cells of the patterns, of both."""
 SUN_RADIUS_RAD = 0.00465
 COARSE_M, FINEST_M = 0.8, 0.2
-"""Waves of light are told apart at COARSE_M; those shorter than FINEST_M, four cells, are left out."""
+"""Waves of light are separated at COARSE_M; those shorter than FINEST_M, four cells, are left out."""
 BAND = 1
 """The band at 550 nm, whose pattern stands for all."""
 ALBEDO = 0.5
@@ -93,7 +93,7 @@ class Case:
 
     @property
     def repeats(self) -> bool:
-        """Whether the sea repeats beyond the patch."""
+        """True if the sea repeats beyond the patch."""
         return self.sea is None
 
     @property
