@@ -78,6 +78,9 @@ def test_a_changed_world_makes_the_score_not_valid_and_the_sheet_says_so(here, p
     score = json.loads((here.station.sessions.folder / "sheet-2/score.json").read_text())
     assert score["attempt"] == 2 and not score["is_valid"] and not score["has_passed"]
     assert score["goals"][0]["share"] == 1.0
+    judge(page, "over", "#exercise")
+    page.click("#exercise >> text=Again")
+    shows(page, "#exercise", "Time stands still until you begin.")
     assert [act["changed"] for act in score["outside_acts"]] == [True]
 
 

@@ -114,7 +114,9 @@ def test_exercises_are_started_from_the_start_screen_and_one_after_another(tmp_p
         assert ada.call("start", exercise_name=state["next_name"])["success"]
         assert ada.call("exercise")["name"] == "slalom"
         assert ada.call("control", action="quit")["success"]
-        scores = {each["name"]: each["best"] for each in ada.call("catalog")["exercises"]}
+        catalog = ada.call("catalog")
+        assert "own" not in [each["group"] for each in catalog["scenarios"]]
+        scores = {each["name"]: each["best"] for each in catalog["exercises"]}
         assert scores["hover"] == 0.0 and scores["slalom"] is None, "the attempt that was broken off counts"
 
 

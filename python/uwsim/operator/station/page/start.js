@@ -88,11 +88,24 @@ export class StartScreen {
   #build() {
     const { scenarios, vehicles, sonars, tilts_deg, links, speeds, defaults, saves = [] } = this.catalog;
     const before = [...this.#fields].map(([name, { input }]) => [name, input.value]);
-    const saved = saves.map((name) => ({ value: SAVED + name, text: WORDS.goOnWith(name), hint: SAVED_HINT }));
+    const saved = saves.map((name) => ({
+      value: SAVED + name,
+      text: WORDS.goOnWith(name),
+      hint: SAVED_HINT,
+      group: WORDS.groups.saved,
+    }));
+    const scenes = scenarios.map(({ name, description, group }) => ({
+      value: name,
+      text: name,
+      hint: description,
+      group: WORDS.groups[group],
+    }));
     const own = { value: '', text: OWN };
     const paces = speeds.map((value) => ({ value, text: value ? WORDS.realTime(value) : WORDS.asFastAsPossible }));
     const choices = {
-      scenario: [...scenarios.map(choice), ...saved],
+      scenario: Object.values(WORDS.groups).flatMap((group) =>
+        [...scenes, ...saved].filter((each) => each.group === group),
+      ),
       vehicle: [own, ...vehicles.map(choice)],
       sonar: [own, ...sonars.map(choice)],
       tilt_deg: [

@@ -1,14 +1,18 @@
 // The inputs of the start screen.
 import { el } from './dom.js';
 
-// A choice of { value, text, hint }.
+// A choice of { value, text, hint, group }; those of a group, if there are any, stand below its name.
 export function options(choices) {
   const select = el('select');
-  for (const { value, text, hint } of choices) {
+  /** @type {Map<string, Element>} */
+  const groups = new Map();
+  for (const { value, text, hint, group } of choices) {
     const option = el('option', { value: String(value) }, text);
     if (hint) option.dataset.hint = hint;
-    select.append(option);
+    if (group && !groups.has(group)) groups.set(group, el('optgroup', { label: group }));
+    (groups.get(group) ?? select).append(option);
   }
+  select.append(...groups.values());
   return select;
 }
 

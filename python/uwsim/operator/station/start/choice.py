@@ -22,6 +22,14 @@ OF_ROSBRIDGE = ("rosbridge_host", "rosbridge_port", "rosbridge_ros")
 FIELDS = ("scenario", "vehicle", "sonar", "tilt_deg", "mission_time_s", "seed", "speed", "link", *OF_ROSBRIDGE)
 TILTS_DEG = (0.0, 60.0)
 """Tilts of the sonar's head, down: level as the published simulator starts, or as its lawn-mower needs it."""
+GROUPS = {
+    "lakes": ("lake", "tarn", "lake_tethered", "lake_boat", "lake_tender", "reservoir", "valley", "paper",
+              "paper_buoyant"),
+    "sea": ("reef", "kelp", "lagoon", "cove", "shelf"),
+    "structures": ("wreck", "harbour", "fish_farm", "wind_farm"),
+    "basins": ("training_pool", "pool", "panel", "pair"),
+}  # fmt: skip
+"""The packaged scenes as the start screen groups them; all others are the user's own."""
 SPEEDS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 0.0)
 
 
@@ -162,6 +170,7 @@ def described(name: str, path: Path | None = None) -> Values:
     first = scenario.vehicles[0]
     return {
         "name": name,
+        "group": next((group for group, names in GROUPS.items() if path is None and name in names), "own"),
         "description": " ".join(scenario.description.split()),
         "seed": scenario.seed,
         "mission_time_s": scenario.mission_time_s,

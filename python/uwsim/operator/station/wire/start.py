@@ -52,6 +52,7 @@ class OfferedVehicle(Message):
 class OfferedScenario(Offered):
     """A scenario that can be chosen."""
 
+    group: Literal["own", "lakes", "sea", "structures", "basins"]
     seed: int
     mission_time_s: float
     vehicles: list[OfferedVehicle]

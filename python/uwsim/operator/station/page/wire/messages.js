@@ -643,6 +643,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @typedef {object} OfferedScenario
  * @property {string} name
  * @property {string} description
+ * @property {'own' | 'lakes' | 'sea' | 'structures' | 'basins'} group
  * @property {number} seed
  * @property {number} mission_time_s
  * @property {OfferedVehicle[]} vehicles
