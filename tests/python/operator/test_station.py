@@ -85,7 +85,7 @@ def test_a_page_that_sees_the_start_screen_may_start_at_once(monkeypatch):
         assert ada.call("start", scenario="pool")["success"]
 
 
-def test_who_starts_a_simulator_flies_it_whoever_was_lost_before():
+def test_the_member_who_starts_a_simulator_flies_it_after_another_was_lost():
     with serving() as (station, server), page(server, "Bob") as bob:
         bob.subscribe("/station/state")
         with page(server, "Ada") as ada:
