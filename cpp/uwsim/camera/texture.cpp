@@ -10,7 +10,8 @@ namespace uwsim {
 namespace {
 
 constexpr float kUnevenness = 0.004f;  // of the length of unit vectors in 8 bits
-constexpr float kSmoothest = 0.08f;    // a smoother surface would mirror a lamp in less than a pixel
+constexpr float kLargestTexel_m = 1e3f;
+constexpr float kSmoothest = 0.08f;  // a smoother surface would mirror a lamp in less than a pixel
 
 /// sRGB (IEC 61966-2-1).
 const std::array<float, 256>& linear_of_srgb() {
@@ -90,6 +91,9 @@ Texture::Texture(TextureImage image, const TriangleMesh& mesh) : image_(std::mov
       const float* c = image_.corners.data() + 6 * k;
       frame.s_per_m = ((c[2] - c[0]) * u_per_m.cast<float>() + (c[4] - c[0]) * v_per_m.cast<float>()).eval();
       frame.t_per_m = ((c[3] - c[1]) * u_per_m.cast<float>() + (c[5] - c[1]) * v_per_m.cast<float>()).eval();
+      const float texels_per_m = std::max(frame.s_per_m.norm() * static_cast<float>(image_.width),
+                                          frame.t_per_m.norm() * static_cast<float>(image_.height));
+      frame.texel_m = 1 / std::max(texels_per_m, 1 / kLargestTexel_m);
       frame.normal = (normal / std::sqrt(square)).cast<float>();
       frame.first = ab.normalized().cast<float>();
       frame.across = frame.normal.cross(frame.first);
@@ -192,6 +196,7 @@ TextureSample Texture::at(std::uint32_t triangle, float u, float v, const Eigen:
   const Bands found = mean(place, {frame.s_per_m.dot(across_m), frame.t_per_m.dot(across_m)},
                            {frame.s_per_m.dot(along_m), frame.t_per_m.dot(along_m)});
   TextureSample sample{{found[0], found[1], found[2]}, frame.normal};
+  sample.texel_m = frame.texel_m;
   if (!image_.normals.empty()) {
     const float* n = image_.normals.data() + std::size_t{9} * triangle;
     const Eigen::Vector3f own(w * n[0] + u * n[3] + v * n[6], w * n[1] + u * n[4] + v * n[7],

@@ -32,6 +32,7 @@ struct TextureSample {
   Eigen::Vector3f albedo;
   Eigen::Vector3f normal_mesh;  ///< unit
   float roughness = 1, metalness = 0;
+  float texel_m = 0;  ///< the shorter side of the image's pixels, in the mesh's frame
 };
 
 /// An image laid on a mesh. A pixel of a picture shows the image's mean over the pixel's footprint: from levels of
@@ -62,6 +63,7 @@ class Texture {
   struct Frame {                       // of a triangle, in the mesh's frame
     Eigen::Vector3f s_per_m, t_per_m;  // gradients of the coordinates
     Eigen::Vector3f first, across, normal;
+    float texel_m;
   };
   void add_levels();
   void add(const Level& level, const Eigen::Vector2f& at, float weight, Bands& sum) const;

@@ -37,6 +37,7 @@ void set_textures(const CameraScene& scene, const Tracer& tracer, const camera::
     const TextureSample sample =
         texture->at(block.primitive[k], hits.u[k], hits.v[k], mesh_from_world * across_m, mesh_from_world * along_m);
     block.has_texture.at[k] = -1;
+    block.texel_m.at[k] = sample.texel_m * turn.col(0).norm();
     set_lane(sample.albedo, k, block.texture_albedo);
     if (!texture->has_relief()) continue;
     const Eigen::Vector3f towards_eye = (facing > 0 ? -1.0f : 1.0f) * (turn * sample.normal_mesh).normalized();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "meshes.h"
@@ -54,6 +55,47 @@ TEST(Texture, ALongFootprintBlursNoOtherWay) {
   EXPECT_NEAR(std::abs(at(black, wide, 7 * high) - at(white, wide, 7 * high)), 1, 0.01);
   EXPECT_NEAR(at(black, high, 8 * wide), 0.5, 0.1);
   EXPECT_NEAR(at(white, high, 8 * wide), 0.5, 0.1);
+}
+
+/// A grey square of 4 x 4 texels seen from above, in red light of daylight, over 64 x 64 pixels.
+std::vector<float> seen_from(double above_m, bool in_detail) {
+  World world;
+  TriangleMesh slab = square();
+  world.add_solid("slab", slab);
+  CameraScene scene(world, std::make_shared<RayScene>(world), 7);
+  TextureImage grey{4, 4, TextureImage::kColourBands, std::vector<std::uint8_t>(48, 128), corners_of_square(), {}};
+  scene.set_appearance(kTerrain + 1, {material("rock"), SurfaceClass::kStructure, grey});
+  if (in_detail) scene.show_detail();
+  PictureRequest request;
+  request.effects = Effects::none();
+  request.keep_radiance = true;
+  request.world_from_camera.position_m = {0.5, 0.5, above_m};
+  request.world_from_camera.orientation = Eigen::AngleAxisd(kPi / 2, Eigen::Vector3d::UnitY());
+  Lens lens;
+  lens.width = lens.height = 64, lens.fx = lens.fy = 100, lens.cx = lens.cy = 31.5;
+  Optics optics;
+  optics.water = jerlov_water("III");
+  const Picture picture = render(scene, Camera("c", lens, {}), optics, request);
+  std::vector<float> red;
+  for (std::size_t k = 0; k < picture.radiance.size(); k += 3) red.push_back(picture.radiance[k]);
+  return red;
+}
+
+// Between its texels an image has the grain of its material, around the image's own colour; never from afar.
+TEST(Texture, ATexelHasTheGrainOfItsMaterial) {
+  const auto mean_and_cv = [](const std::vector<float>& light) {
+    double sum = 0, square_sum = 0;
+    for (const float x : light) sum += x, square_sum += x * x;
+    const double mean = sum / static_cast<double>(light.size());
+    return std::pair(mean,
+                     std::sqrt(std::max(square_sum / static_cast<double>(light.size()) / (mean * mean) - 1, 0.0)));
+  };
+  const auto [mean, cv] = mean_and_cv(seen_from(0.7, true));
+  const auto [plain_mean, plain_cv] = mean_and_cv(seen_from(0.7, false));
+  EXPECT_LT(plain_cv, 0.05);
+  EXPECT_GT(cv, 0.1);
+  EXPECT_NEAR(mean, plain_mean, 0.1 * plain_mean);
+  EXPECT_EQ(seen_from(90, true), seen_from(90, false));
 }
 
 TEST(Texture, NormalsThatDifferWithinAFootprintMakeASurfaceRough) {

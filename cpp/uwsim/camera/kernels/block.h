@@ -37,6 +37,7 @@ struct Block {
   alignas(64) std::uint32_t label[kBlockPixels], primitive[kBlockPixels];
   BlockVectors point, albedo;
   BlockVectors texture_albedo;  ///< replaces the material's albedo where has_texture is set
+  BlockFloats texel_m;          ///< the side of its pixels there, below which the material's detail shows
   BlockMask has_texture;
   BlockMask is_glossy;               ///< and the material of gloss.h:
   BlockFloats roughness, metalness;  ///< in [0, 1]

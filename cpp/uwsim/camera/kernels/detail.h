@@ -39,17 +39,19 @@ struct DetailLanes {
   Vector slope;   ///< of the relief, subtracted from the normal
 };
 
-/// Noise in octaves. An octave fades out before its cells become smaller than two pixels, and the layers of a
-/// stratified material are thinner than they are long.
+/// Noise in octaves. An octave fades out before its cells become smaller than two pixels, or larger than the texels of
+/// an image on the surface, and the layers of a stratified material are thinner than they are long.
 UWSIM_LANES void add_grit(const View& view, const MaterialDetail& look, Int mask, Vector at, Float pixel_m,
-                          DetailLanes& out) {
+                          Float texel_m, DetailLanes& out) {
   if (!(look.grit_slope > 0 || look.grit_contrast > 0)) return;
   auto whole_per_m = static_cast<std::uint32_t>(look.grit_per_m);
   float weight = 1;
   for (std::uint32_t octave = 0; octave < kGritOctaves; ++octave, whole_per_m *= kGritStep, weight *= 0.85f) {
     const auto per_m = static_cast<float>(whole_per_m);
-    const Float near = select(mask, clamp(2 - 4.0f * per_m * pixel_m, 0, 1), Float{});
-    if (!any(near > 0)) return;
+    const Float sharp = select(mask, clamp(2 - 4.0f * per_m * pixel_m, 0, 1), Float{});
+    if (!any(sharp > 0)) return;
+    const Float near = sharp * clamp(per_m * texel_m - 1, 0, 1);
+    if (!any(near > 0)) continue;
     const Vector p = {at.x * per_m, at.y * per_m, at.z * (per_m * look.flatness)};
     const NoiseSlope noise = sloped_noise(p, 211u + 29u * octave, Unsigned(whole_per_m * view.texture_first_x),
                                           Unsigned(whole_per_m * view.texture_first_y));
@@ -99,8 +101,10 @@ UWSIM_LANES void add_spots(const View& view, const MaterialDetail& look, Int mas
   }
 }
 
-/// A lane's `pixel_m` is the longer side of its pixel's footprint on the surface. `lit` lanes only.
-UWSIM_LANES DetailLanes detail_lanes(const View& view, Int material, Int lit, Vector at, Vector normal, Float pixel_m) {
+/// A lane's `pixel_m` is the longer side of its pixel's footprint on the surface, and `texel_m` the side of the texels
+/// of an image there, which is large where there is none. `lit` lanes only; `bare` ones have no image.
+UWSIM_LANES DetailLanes detail_lanes(const View& view, Int material, Int lit, Int bare, Vector at, Vector normal,
+                                     Float pixel_m, Float texel_m) {
   DetailLanes out{Float{}, splat(1), {Float{}, Float{}, Float{}}};
   Int left = lit;
   for (int k = 0; k < kLanes; ++k) {
@@ -108,8 +112,8 @@ UWSIM_LANES DetailLanes detail_lanes(const View& view, Int material, Int lit, Ve
     const Int same = left & (material == Int(material[k]));
     left = left & ~same;
     const MaterialDetail& look = view.materials[material[k]].detail;
-    add_grit(view, look, same, at, pixel_m, out);
-    add_spots(view, look, same, at, normal, pixel_m, out);
+    add_grit(view, look, same, at, pixel_m, texel_m, out);
+    add_spots(view, look, same & bare, at, normal, pixel_m, out);
   }
   return out;
 }

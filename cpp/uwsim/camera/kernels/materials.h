@@ -43,6 +43,15 @@ UWSIM_LANES MaterialLanes material_lanes(const Material* materials, Int index) {
   return all;
 }
 
+/// The factor of an image's albedo by the material's detail between its texels, whose mean is 1.
+UWSIM_LANES Vector shade_of_detail(const MaterialLanes& look, Float pattern) {
+  const Float share = clamp(0.5f + pattern, 0, 1);
+  const auto band = [&](Float base, Float other) {
+    return (mix(base, other, share) + 1e-6f) / (mix(base, other, splat(0.5f)) + 1e-6f);
+  };
+  return {band(look.base.x, look.other.x), band(look.base.y, look.other.y), band(look.base.z, look.other.z)};
+}
+
 /// The upward part of the terrain's normal as if it had no facets: from slopes at its nodes, interpolated.
 UWSIM_LANES Float terrain_upright(const View& view, Vector point) {
   const auto per_m = static_cast<float>(1 / view.terrain_spacing);
@@ -98,14 +107,19 @@ void apply_material(const View& view, Block& block) {
   DetailLanes detail{Float{}, splat(1), {Float{}, Float{}, Float{}}};
   if (view.detail_end > 0) {
     const Float slant = max(abs(dot(normal, direction)), splat(0.1f));
-    const Int has_detail = lit & ~has_texture & (material < Int(view.detail_end));
-    detail = detail_lanes(view, material, has_detail, at, normal, pixel_m / slant);
+    const Int has_detail = lit & (material < Int(view.detail_end));
+    const Float texel_m = select(has_texture, load(block.texel_m.at), splat(1e6f));
+    detail = detail_lanes(view, material, has_detail, ~has_texture, at, normal, pixel_m / slant, texel_m);
     share += detail.pattern;
   }
   share = clamp(share, 0, 1);
   Vector albedo = {mix(look.base.x, look.other.x, share), mix(look.base.y, look.other.y, share),
                    mix(look.base.z, look.other.z, share)};
-  albedo = select(has_texture, load(block.texture_albedo), albedo);
+  if (any(has_texture)) {
+    Vector image = load(block.texture_albedo);
+    if (view.detail_end > 0) image = image * shade_of_detail(look, detail.pattern);
+    albedo = select(has_texture, image, albedo);
+  }
   const Float ripple_near = clamp(1.5f - 4.0f * pixel_m / max(look.ripple_m, splat(1e-3f)), 0, 1);
   const Float crest_m = max(look.ripple_m, splat(0.02f)), crests = view.ripple_first_m / crest_m;
   const Float begun_m = view.ripple_first_m - crest_m * to_float(floor_int(crests));
