@@ -16,6 +16,7 @@ from uwsim.evidence.photos.colmap import read_model
 from uwsim.evidence.photos.placement import place
 from uwsim.evidence.photos.water import type_attenuation
 from uwsim.evidence.scenario_source import source_of
+from uwsim.evidence.vision.colmap import build
 from uwsim.instruments.cameras.frame import Frame
 from uwsim.scenario import build_world, load
 
@@ -246,7 +247,7 @@ def test_a_dense_mesh_beside_the_model_is_the_bed(dive: Dive, tmp_path: Path) ->
 
 def test_colmap_itself_closes_the_loop(tmp_path: Path) -> None:
     """COLMAP finds cameras and points in our own pictures of a reef; bed and water follow from its files."""
-    pycolmap = pytest.importorskip("pycolmap", reason="pycolmap, of 100 MB, is not installed")
+    pytest.importorskip("pycolmap", reason="pycolmap, of 100 MB, is not installed")
     sim = uwsim.Simulator("reef")
     sim.rov.release()
     bed_m, frames = float(sim.world.height_at([[0.0, 0.0]])[0]), {}
@@ -255,27 +256,8 @@ def test_colmap_itself_closes_the_loop(tmp_path: Path) -> None:
         place_m = (4.0 * np.cos(turn), 4.0 * np.sin(turn), bed_m + 2.5)
         sim.rov.place(place_m, Rotation.from_euler("ZYX", [turn + np.pi, np.arctan2(2.5, 4.0), 0.0]).as_quat())
         frames[f"{k:03d}.png"] = sim.rov.cameras["front"].capture()
-        frames[f"{k:03d}.png"].save(tmp_path / f"{k:03d}.png")
         sim.advance(0.5)
-    k = frames["000.png"].info.k
-    reader, database = pycolmap.ImageReaderOptions(), str(tmp_path / "matches.db")
-    reader.camera_model = "PINHOLE"
-    reader.camera_params = f"{k[0, 0]},{k[1, 1]},{k[0, 2] + 0.5},{k[1, 2] + 0.5}"
-    finder, matcher, mapper = (
-        pycolmap.FeatureExtractionOptions(),
-        pycolmap.FeatureMatchingOptions(),
-        pycolmap.IncrementalPipelineOptions(),
-    )  # one thread each, on the processor
-    finder.num_threads = matcher.num_threads = mapper.num_threads = 1
-    finder.use_gpu = matcher.use_gpu = False
-    mapper.ba_refine_focal_length = mapper.ba_refine_extra_params = False
-    single = pycolmap.CameraMode.SINGLE
-    pycolmap.extract_features(
-        database, str(tmp_path), camera_mode=single, reader_options=reader, extraction_options=finder
-    )
-    pycolmap.match_exhaustive(database, matching_options=matcher)
-    (tmp_path / "sparse").mkdir()
-    pycolmap.incremental_mapping(database, str(tmp_path), str(tmp_path / "sparse"), mapper)
+    build(tmp_path, frames)
     rows = [(name, *frame.world_from_optical[:3, 3]) for name, frame in frames.items()]
     at = tmp_path / "at.csv"
     at.write_text("name,x_m,y_m,z_m\n" + "".join(f"{name},{x},{y},{z}\n" for name, x, y, z in rows))

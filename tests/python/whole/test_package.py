@@ -112,6 +112,7 @@ OF_OTHERS = {
     "dask",
     "filterpy",
     "gsw",
+    "pycolmap",  # a judge if it is there
     "playwright",  # takes screens if it is there; kept ones otherwise
     "mujoco",
     "pvlib",

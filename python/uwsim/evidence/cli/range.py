@@ -31,6 +31,9 @@ def range_(
     pictures: Annotated[
         bool, typer.Option("--pictures", help="Keep pictures, calibration and true poses for other programs.")
     ] = False,
+    orbit: Annotated[
+        int, typer.Option(help="Pictures of an orbit for COLMAP (pycolmap); 0: none.", callback=within(0, 500))
+    ] = 0,
     score: Annotated[
         Path | None,
         typer.Option(help="Fly nothing: judge each estimated.txt (as TUM's) beside a truth.txt in this folder."),
@@ -39,9 +42,11 @@ def range_(
     """Certify how well cameras navigate, and what takes it from them.
 
     Flies straight legs 2 m over the bed in sun, under cloud, in three waters and by lamps, with a stereo camera, and
-    judges tracks that stay, stereo matches, and odometry by ORB features against the truth. Each leg is flown again
+    judges tracks that stay, stereo matches, and odometry by ORB features against the truth; with --orbit, also how much
+    of a circle COLMAP joins, and the error of its path. Each is flown again
     without focused light, motion, turbidity or the sensor's noise: what is better then is what they take.
     """
+    from uwsim.evidence.vision.colmap import is_installed
     from uwsim.evidence.vision.folder import keep, scored
     from uwsim.evidence.vision.sequence import shots
     from uwsim.evidence.vision.suite import CONDITIONS, flown, write
@@ -67,6 +72,9 @@ def range_(
                     list(shots(scenario, condition, seed, frames)),
                 )
                 typer.echo(str(folder))
-    rows = flown(scenario, numbers, frames, chosen, typer.echo)
+    if orbit and not is_installed():
+        typer.echo("COLMAP is left out: pip install pycolmap", err=True)
+        orbit = 0
+    rows = flown(scenario, numbers, frames, chosen, typer.echo, orbit)
     for path in write(out, rows, scenario, numbers, frames):
         typer.echo(str(path))

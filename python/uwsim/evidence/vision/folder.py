@@ -58,7 +58,7 @@ def scored(folder: Path) -> list[Scored]:
         if both.sum() < 3:
             raise ValueError(f"{path}: {both.sum()} poses at the times of {TRUTH}: must be at least 3")
         true, own = truth[both, 1:4], estimate[nearest[both], 1:4]
-        error_m = np.linalg.norm(_laid_on(own, true) - true, axis=1)
+        error_m = np.linalg.norm(laid_on(own, true) - true, axis=1)
         way_m = float(np.linalg.norm(np.diff(true, axis=0), axis=1).sum())
         rms_m = float(np.sqrt((error_m**2).mean()))
         found.append(Scored(path.parent, float(both.mean()), rms_m, float(error_m[-1]) / max(way_m, 1e-9)))
@@ -86,7 +86,7 @@ def _trajectory(path: Path) -> Floats:
     return np.array(rows)
 
 
-def _laid_on(points: Floats, target: Floats) -> Floats:
+def laid_on(points: Floats, target: Floats) -> Floats:
     """Return points (n, 3) moved by the similarity that brings them nearest to the target."""
     a, b = points - points.mean(axis=0), target - target.mean(axis=0)
     u, s, vt = np.linalg.svd(b.T @ a)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.evidence.vision.colmap import Joined, joined
 from uwsim.evidence.vision.judges import Judged, judged
-from uwsim.evidence.vision.sequence import Condition, shots
+from uwsim.evidence.vision.sequence import Condition, orbit, shots
 
 CONDITIONS = (
     Condition("sun"),
@@ -36,10 +37,14 @@ MOST_LOST = 0.5
 
 @dataclass(frozen=True)
 class Row:
-    """Marks of a condition: means over seeds with all effects, and with each kind of effects off."""
+    """Marks of a condition: means over seeds with all effects, and with each kind of effects off.
+
+    joined: the same by COLMAP, of the first seed's orbit, if one was flown.
+    """
 
     condition: str
     marks: dict[str, Judged]
+    joined: dict[str, Joined] = field(default_factory=dict)
 
     def gained(self, kind: str, mark: str) -> float:
         """Return by how much a mark is better without a kind of effects."""
@@ -53,18 +58,26 @@ def flown(
     frames: int,
     conditions: Sequence[Condition] = CONDITIONS,
     report: Callable[[str], None] = print,
+    pictures: int = 0,
 ) -> list[Row]:
-    """Return a row for each condition; report: called with a line before each sequence. Raises ValueError."""
+    """Return a row for each condition; report: called with a line before each sequence. Raises ValueError.
+
+    pictures: of an orbit for COLMAP, which must be installed; 0: none.
+    """
     rows = []
     for number, condition in enumerate(conditions, 1):
         marks: dict[str, Judged] = {}
+        models: dict[str, Joined] = {}
         for kind, off in {ALL: (), **KINDS}.items():
             report(
                 f"{number}/{len(conditions)} {condition.name}: {'all effects' if kind == ALL else f'without {kind}'}"
             )
             found = [judged(list(shots(scenario, condition, seed, frames, off))) for seed in seeds]
             marks[kind] = Judged(*(float(np.mean([getattr(each, f.name) for each in found])) for f in fields(Judged)))
-        rows.append(Row(condition.name, marks))
+            if pictures:
+                around = orbit(scenario, condition, seeds[0], pictures, off)
+                models[kind] = joined({f"{k:03d}.png": frame for k, frame in enumerate(around)})
+        rows.append(Row(condition.name, marks, models))
     return rows
 
 
@@ -73,7 +86,12 @@ def write(folder: Path, rows: Sequence[Row], scenario: str, seeds: Sequence[int]
     about = {"scenario": scenario, "seeds": list(seeds), "frames": frames, "uwsim": version("uwsim")}
     content = {
         **about,
-        "rows": [{"condition": row.condition} | {k: asdict(m) for k, m in row.marks.items()} for row in rows],
+        "rows": [
+            {"condition": row.condition}
+            | {k: asdict(m) for k, m in row.marks.items()}
+            | ({"colmap": {k: asdict(m) for k, m in row.joined.items()}} if row.joined else {})
+            for row in rows
+        ],
     }
     paths = [folder / "vision.json", folder / "vision.md"]
     write_atomically(paths[0], (json.dumps(content, indent=1) + "\n").encode())
@@ -106,8 +124,29 @@ def _page(rows: Sequence[Row], about: dict[str, object]) -> str:
             + " |"
             for row in rows
         ),
+        *_models(rows),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _models(rows: Sequence[Row]) -> list[str]:
+    """Return the lines of COLMAP's table, if orbits were flown."""
+    if not any(row.joined for row in rows):
+        return []
+    kinds = (ALL, *KINDS)
+    return [
+        "",
+        "COLMAP over the first seed's orbit: pictures registered, and the path's rms error as a share of the way, with "
+        "all effects and without each kind.",
+        "",
+        f"| condition | {' | '.join(kinds)} |",
+        "|---" * (1 + len(kinds)) + "|",
+        *(f"| {row.condition} | " + " | ".join(_model(row.joined[kind]) for kind in kinds) + " |" for row in rows),
+    ]
+
+
+def _model(model: Joined) -> str:
+    return f"{model.registered:.2f}, " + ("lost" if model.path is None else f"{model.path:.2%}")
 
 
 def _drift(marks: Judged) -> str:
