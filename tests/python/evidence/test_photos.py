@@ -15,6 +15,7 @@ from command_line import uwsim as command
 from uwsim.evidence.photos.colmap import read_model
 from uwsim.evidence.photos.placement import place
 from uwsim.evidence.photos.water import type_attenuation
+from uwsim.evidence.photos.world import attenuation_text
 from uwsim.evidence.scenario_source import source_of
 from uwsim.evidence.vision.colmap import build
 from uwsim.instruments.cameras.frame import Frame
@@ -243,6 +244,13 @@ def test_a_dense_mesh_beside_the_model_is_the_bed(dive: Dive, tmp_path: Path) ->
     assert any("meshed-poisson.ply" in note for note in made.notes)
     found = build_world(load(made.path)).height_at([[-2.0, 0.0], [2.0, 0.0]])
     assert found[1] - found[0] == pytest.approx(0.4, abs=0.01)
+
+
+def test_a_band_that_is_badly_determined_is_given_by_its_interval() -> None:
+    assert attenuation_text("red", 0.276, 0.04) == "red 0.276 +- 0.040"
+    assert attenuation_text("blue", 0.112, 0.06) == "blue badly determined, 0.052 to 0.172"
+    assert attenuation_text("blue", 0.03, 0.05) == "blue badly determined, 0.000 to 0.080"
+    assert attenuation_text("blue", 0.03, np.inf) == "blue not determined"
 
 
 def test_colmap_itself_closes_the_loop(tmp_path: Path) -> None:

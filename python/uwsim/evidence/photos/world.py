@@ -25,8 +25,8 @@ DEPTH_M, CLEAR_M = 10.0, 1.0
 """Assumed: the depth of the bed's median. The least depth of its top."""
 ALTITUDE_M, SURVEY_SHARE = 3.0, 0.8
 BANDS = ("red", "green", "blue")
-LOOSE = 0.5
-"""An interval that is wider than this share of c determines too little."""
+UNSURE, LOOSE = 0.25, 0.5
+"""Half an interval, as a share of c: from UNSURE on, c is given by its interval alone; LOOSE determines too little."""
 
 
 def scenario_from(model: Reconstruction, out: Path | None, options: Mapping[str, Any]) -> Made:
@@ -106,7 +106,7 @@ def _optics(model: Reconstruction, placement: Placement, images: Path | None, no
         notes.append(f"left out: colours: no picture in '{folder}' can be used; {usual}")
         return {}
     found = fit_attenuation(colours.sightings)
-    each = ", ".join(f"{band} {c:.3f} +- {h:.3f}" for band, c, h in zip(BANDS, found.c, found.half, strict=True))
+    each = ", ".join(attenuation_text(*of) for of in zip(BANDS, found.c, found.half, strict=True))
     notes.append(
         f"read: '{folder}': attenuation c [1/m] {each} (95 %), of {found.count} pixels, whose scatter is "
         f"{100.0 * found.scatter:.0f} %; assumed: daylight alone, and one white balance"
@@ -125,6 +125,15 @@ def _optics(model: Reconstruction, placement: Placement, images: Path | None, no
     keys = ("diffuse_attenuation", "absorption", "scattering")
     coefficients = {key: [float(f"{v:.4g}") for v in np.asarray(getattr(water, key)) * ratio] for key in keys}
     return {"optics": {"coefficients": coefficients}}
+
+
+def attenuation_text(band: str, c: float, half: float) -> str:
+    """Return a band's c [1/m] with half of its interval, or the interval alone where c is badly determined."""
+    if half <= UNSURE * c:
+        return f"{band} {c:.3f} +- {half:.3f}"
+    if not np.isfinite(half):
+        return f"{band} not determined"
+    return f"{band} badly determined, {max(c - half, 0.0):.3f} to {c + half:.3f}"
 
 
 def _three(values: Any) -> str:
