@@ -9,6 +9,7 @@ from typing import NamedTuple
 from uwsim.recording.real_flights.columns import Columns, read_columns
 from uwsim.recording.real_flights.dataflash import is_dataflash, read_dataflash
 from uwsim.recording.real_flights.flight_log import FlightLog
+from uwsim.recording.real_flights.glider_log import is_glider, read_glider
 from uwsim.recording.real_flights.odometry_bag import is_bag, read_bag
 from uwsim.recording.real_flights.telemetry_log import is_telemetry, read_telemetry
 
@@ -25,6 +26,7 @@ class LogReader(NamedTuple):
 READERS = (
     LogReader(is_dataflash, read_dataflash),
     LogReader(is_bag, read_bag),
+    LogReader(is_glider, read_glider),
     LogReader(is_telemetry, read_telemetry),
 )
 """The kinds that are known by their content; what is none of them is a table."""
