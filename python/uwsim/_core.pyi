@@ -4041,9 +4041,11 @@ class ObjectSpec:
         wrenches: collections.abc.Sequence[AppliedWrench] = [],
         path: BodyPath | None = None,
         links: collections.abc.Sequence[ArmLink] = [],
+        round: RoundShape | None = None,
     ) -> None:
         """
-        path: that it follows, from its own start. links: that joints hold on it; a path then stands still.
+        path: that it follows, from its own start. links: that joints hold on it; a path then stands still. round:
+        the ball or drum, body frame, that the craft's mesh stands for: contacts are with it, without facets.
         """
 
 class TetherEnd:

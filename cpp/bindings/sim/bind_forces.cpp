@@ -34,9 +34,9 @@ std::vector<ContactForce> named(const Simulation& simulation, std::size_t body, 
   return all;
 }
 
-/// Tethers, arms and the waves of hulls have a term only where there are any.
+/// Tethers, arms, the waves of hulls and the wind have a term only where there are any.
 std::vector<std::pair<std::string, Vector6d>> by_name(const Simulation& simulation, const Forces& forces, bool has_arm,
-                                                      bool makes_waves) {
+                                                      bool makes_waves, bool feels_wind) {
   const Craft::Terms& craft = forces.craft;
   std::vector<std::pair<std::string, Vector6d>> terms{
       {"weight", craft.weight},         {"buoyancy", craft.buoyancy}, {"drag", craft.drag},
@@ -48,6 +48,7 @@ std::vector<std::pair<std::string, Vector6d>> by_name(const Simulation& simulati
     terms.emplace_back("radiation", forces.radiation);
     terms.emplace_back("diffraction", forces.diffraction);
   }
+  if (feels_wind) terms.emplace_back("wind", forces.wind);
   return terms;
 }
 
@@ -102,21 +103,25 @@ void bind_object_spec(py::module_& m) {
            "path axes. Raises ValueError.")
       .def("at", &BodyPath::at, py::arg("time_s"), "Return the BodyState at a time from 0 on.");
   py::class_<ObjectSpec, std::shared_ptr<ObjectSpec>>(m, "ObjectSpec", "A loose body.")
-      .def(py::init([](std::string name, std::shared_ptr<Craft> craft, CollisionShape shape, double friction,
-                       double restitution, const BodyState& start, std::vector<AppliedWrench> wrenches,
-                       const std::optional<std::shared_ptr<BodyPath>>& path, std::vector<ArmLink> links) {
-             auto spec = std::make_shared<ObjectSpec>();
-             spec->body = {std::move(name), std::move(craft), shape, friction, restitution};
-             spec->body.path = path.value_or(nullptr);
-             spec->body.arm = std::move(links);
-             spec->start = path ? (*path)->at(0) : start;
-             spec->wrenches = std::move(wrenches);
-             return spec;
-           }),
-           py::arg("name"), py::arg("craft").none(false), py::arg("shape"), py::arg("friction"), py::arg("restitution"),
-           py::arg("start"), py::arg("wrenches") = std::vector<AppliedWrench>{}, py::arg("path") = py::none(),
-           py::arg("links") = std::vector<ArmLink>{},
-           "path: that it follows, from its own start. links: that joints hold on it; a path then stands still.");
+      .def(
+          py::init([](std::string name, std::shared_ptr<Craft> craft, CollisionShape shape, double friction,
+                      double restitution, const BodyState& start, std::vector<AppliedWrench> wrenches,
+                      const std::optional<std::shared_ptr<BodyPath>>& path, std::vector<ArmLink> links,
+                      const std::optional<RoundShape>& round) {
+            auto spec = std::make_shared<ObjectSpec>();
+            spec->body = {std::move(name), std::move(craft), shape, friction, restitution};
+            spec->body.path = path.value_or(nullptr);
+            spec->body.arm = std::move(links);
+            if (round) spec->body.round = round_piece(*round);
+            spec->start = path ? (*path)->at(0) : start;
+            spec->wrenches = std::move(wrenches);
+            return spec;
+          }),
+          py::arg("name"), py::arg("craft").none(false), py::arg("shape"), py::arg("friction"), py::arg("restitution"),
+          py::arg("start"), py::arg("wrenches") = std::vector<AppliedWrench>{}, py::arg("path") = py::none(),
+          py::arg("links") = std::vector<ArmLink>{}, py::arg("round") = py::none(),
+          "path: that it follows, from its own start. links: that joints hold on it; a path then stands still. round:\n"
+          "the ball or drum, body frame, that the craft's mesh stands for: contacts are with it, without facets.");
 }
 
 void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
@@ -160,7 +165,9 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .def(
           "forces",
           [](OwnedSimulation& o, std::size_t v) {
-            return o.with([&](Simulation& s) { return by_name(s, s.forces(v), s.has_arm(v), s.makes_waves(v)); });
+            return o.with([&](Simulation& s) {
+              return by_name(s, s.forces(v), s.has_arm(v), s.makes_waves(v), s.feels_wind(v));
+            });
           },
           py::arg("vehicle"),
           "Return (name, wrench (6,)) pairs: means over the last step, body axes, at the origin [N, N m]. Raises\n"
@@ -168,7 +175,7 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .def(
           "object_forces",
           [](OwnedSimulation& o, std::size_t k) {
-            return o.with([&](Simulation& s) { return by_name(s, s.object_forces(k), false, false); });
+            return o.with([&](Simulation& s) { return by_name(s, s.object_forces(k), false, false, false); });
           },
           py::arg("object"))
       .def(

@@ -1,5 +1,7 @@
 #include "uwsim/dynamics/collision_shape.h"
 
+#include <cmath>
+
 #include "uwsim/core/check.h"
 
 namespace uwsim {
@@ -19,6 +21,27 @@ ConvexPiece box_corners(const TriangleMesh& mesh) {
 }
 
 }  // namespace
+
+Eigen::Vector3d RoundPiece::half_size_m() const {
+  const Eigen::Array3d out = half_axis_m.array().abs();
+  if (!has_flat_ends) return out + radius_m;
+  const Eigen::Array3d along = half_axis_m.normalized().array();
+  return out + radius_m * (1 - along.square()).max(0).sqrt();
+}
+
+void RoundPiece::check() const {
+  require(middle_m.allFinite() && half_axis_m.allFinite(), "round.axis", half_axis_m.transpose(), "must be finite");
+  require(std::isfinite(radius_m) && radius_m > 0, "round.radius_m", radius_m, "must be positive");
+  require(!has_flat_ends || half_axis_m.norm() > 0, "round.half_axis_m", 0, "must be positive for flat ends");
+}
+
+RoundPiece round_piece(const RoundShape& shape_body) {
+  const auto& [from, to] = shape_body.ends;
+  return {.middle_m = 0.5 * (from.point_world_m + to.point_world_m),
+          .half_axis_m = 0.5 * (to.point_world_m - from.point_world_m),
+          .radius_m = shape_body.radius_m,
+          .has_flat_ends = !shape_body.is_sphere()};
+}
 
 std::vector<ConvexPiece> collision_pieces(const TriangleMesh& mesh, CollisionShape shape,
                                           std::vector<ConvexPiece> pieces) {

@@ -132,12 +132,13 @@ ContactFinder::~ContactFinder() = default;
 ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;
 ContactFinder& ContactFinder::operator=(ContactFinder&&) noexcept = default;
 
-void ContactFinder::add_body(std::span<const ConvexPiece> pieces_body_m) {
-  impl_->bodies.push_back(convex_body(pieces_body_m));
+void ContactFinder::add_body(std::span<const ConvexPiece> pieces_body_m, const std::optional<RoundPiece>& round) {
+  impl_->bodies.push_back(convex_body(pieces_body_m, round));
 }
 
-void ContactFinder::set_body(std::size_t body, std::span<const ConvexPiece> pieces_body_m) {
-  impl_->bodies.at(body) = convex_body(pieces_body_m);
+void ContactFinder::set_body(std::size_t body, std::span<const ConvexPiece> pieces_body_m,
+                             const std::optional<RoundPiece>& round) {
+  impl_->bodies.at(body) = convex_body(pieces_body_m, round);
 }
 
 double ContactFinder::radius_m(std::size_t body) const { return impl_->bodies.at(body)->radius_m; }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -38,8 +39,10 @@ class ContactFinder {
   ContactFinder& operator=(ContactFinder&&) noexcept;
 
   /// A body without pieces touches nothing.
-  void add_body(std::span<const ConvexPiece> pieces_body_m);
-  void set_body(std::size_t body, std::span<const ConvexPiece> pieces_body_m);
+  /// `round`: the exact shape of its only piece.
+  void add_body(std::span<const ConvexPiece> pieces_body_m, const std::optional<RoundPiece>& round = {});
+  void set_body(std::size_t body, std::span<const ConvexPiece> pieces_body_m,
+                const std::optional<RoundPiece>& round = {});
 
   /// Radius of a sphere about the body's origin that encloses all its pieces [m].
   double radius_m(std::size_t body) const;

@@ -1,6 +1,7 @@
 #include "uwsim/dynamics/contact_shapes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "uwsim/core/recently_made.h"
@@ -9,20 +10,26 @@
 namespace uwsim {
 namespace {
 
-ConvexBody made_body(std::span<const ConvexPiece> pieces_body_m) {
+ConvexBody made_body(std::span<const ConvexPiece> pieces_body_m, const std::optional<RoundPiece>& round) {
   ConvexBody body;
+  body.round = round;
   body.points_m.assign(pieces_body_m.begin(), pieces_body_m.end());
   ConvexPiece all;
   for (const ConvexPiece& points : pieces_body_m) {
-    ConvexShape shape(points);
+    ConvexShape shape(points, round);
     const ConvexPiece& corners = shape.polytope_body().corners_m;
-    const BodyBox box = BodyBox::around(corners);
+    const BodyBox box = round ? BodyBox{round->middle_m, round->half_size_m()} : BodyBox::around(corners);
     all.insert(all.end(), corners.begin(), corners.end());
     body.pieces.push_back({std::move(shape), box});
   }
   if (all.empty()) return body;
-  body.box = BodyBox::around(all);
+  body.box = round ? body.pieces.front().box : BodyBox::around(all);
   for (const Eigen::Vector3d& corner : all) body.radius_m = std::max(body.radius_m, corner.norm());
+  if (round) {
+    const double out_m = round->half_axis_m.norm();
+    const double reach_m = round->has_flat_ends ? std::hypot(out_m, round->radius_m) : out_m + round->radius_m;
+    body.radius_m = std::max(body.radius_m, round->middle_m.norm() + reach_m);
+  }
   return body;
 }
 
@@ -43,11 +50,15 @@ WorldBox BodyBox::in_world(const Eigen::Vector3d& position_m, const Eigen::Matri
   return {middle - half, middle + half};
 }
 
-std::shared_ptr<const ConvexBody> convex_body(std::span<const ConvexPiece> pieces_body_m) {
+std::shared_ptr<const ConvexBody> convex_body(std::span<const ConvexPiece> pieces_body_m,
+                                              const std::optional<RoundPiece>& round) {
   static RecentlyMade<ConvexBody> known;
   return known.find_or_make(
-      false, [&](const ConvexBody& other) { return std::ranges::equal(other.points_m, pieces_body_m); },
-      [&] { return std::make_shared<const ConvexBody>(made_body(pieces_body_m)); });
+      false,
+      [&](const ConvexBody& other) {
+        return other.round == round && std::ranges::equal(other.points_m, pieces_body_m);
+      },
+      [&] { return std::make_shared<const ConvexBody>(made_body(pieces_body_m, round)); });
 }
 
 FixedSurfaces::FixedSurfaces(const World& source) : world(source), broad_phase(source), solids(source) {

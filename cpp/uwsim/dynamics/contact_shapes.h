@@ -40,13 +40,15 @@ struct ConvexBody {
     BodyBox box;
   };
   std::vector<ConvexPiece> points_m;  ///< in their original order
+  std::optional<RoundPiece> round;    ///< the exact shape of its only piece
   std::vector<Piece> pieces;
   BodyBox box{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   double radius_m = 0;  ///< of a sphere about the body's origin that encloses all pieces
 };
 
 /// Shared by all bodies of the same shape: a vehicle's convex hull takes 0.3 MB and 0.7 ms to build.
-std::shared_ptr<const ConvexBody> convex_body(std::span<const ConvexPiece> pieces_body_m);
+std::shared_ptr<const ConvexBody> convex_body(std::span<const ConvexPiece> pieces_body_m,
+                                              const std::optional<RoundPiece>& round = {});
 
 /// The world as far as bodies meet it; immutable.
 struct FixedSurfaces {

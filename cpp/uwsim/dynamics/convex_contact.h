@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "uwsim/core/pose.h"
@@ -15,17 +16,20 @@ namespace uwsim {
 class ConvexShape {
  public:
   /// Keeps only the corners of the convex hull of the points.
-  explicit ConvexShape(const ConvexPiece& points_body_m);
+  explicit ConvexShape(const ConvexPiece& points_body_m, const std::optional<RoundPiece>& round = {});
   ~ConvexShape();
   ConvexShape(ConvexShape&&) noexcept;
   ConvexShape& operator=(ConvexShape&&) noexcept;
 
   const Polytope& polytope_body() const { return polytope_body_; }
+  /// What the polytope's facets stand for.
+  const std::optional<RoundPiece>& round_body() const { return round_body_; }
 
  private:
   friend class ConvexContact;
   struct Impl;
   Polytope polytope_body_;
+  std::optional<RoundPiece> round_body_;
   std::unique_ptr<Impl> impl_;
 };
 

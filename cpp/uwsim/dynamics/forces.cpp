@@ -45,6 +45,13 @@ Forces at_instant(const MovedBody& body, const Vector6d& canopy_world, const Wat
   return forces;
 }
 
+/// What was applied has the wind's part in it.
+void part_wind(Forces& forces, const Motion& motion) {
+  if (motion.wind_body.isZero(0)) return;
+  forces.wind = motion.wind_body;
+  forces.applied -= motion.wind_body;
+}
+
 Forces that_stop(const Craft& craft, const Motion& motion, const WaterField& water) {
   const BodyState still{.world_from_body = motion.start.world_from_body};
   const Vector6d rate = -motion.start.velocity_body / motion.step_s;
@@ -52,6 +59,7 @@ Forces that_stop(const Craft& craft, const Motion& motion, const WaterField& wat
   forces.craft = craft.terms(still, rate, water, motion.time_s);
   forces.actuators = motion.actuators_body;
   forces.applied = motion.applied.body + in_body_axes(motion.applied.world, still.world_from_body.orientation);
+  part_wind(forces, motion);
   forces.tether = in_body_axes(motion.tether_world, still.world_from_body.orientation);
   forces.contact = craft.rigid_mass() * rate - forces.sum();
   return forces;
@@ -90,6 +98,7 @@ Forces that_move(const Craft& craft, const Motion& motion, const Vector6d& canop
     }
     forces.contact += kStageShares[k] * in_body_axes(contact, q);
   }
+  part_wind(forces, motion);
   return forces;
 }
 
@@ -97,7 +106,7 @@ Forces that_move(const Craft& craft, const Motion& motion, const Vector6d& canop
 
 Vector6d Forces::sum() const {
   Vector6d sum = actuators + applied + tether + contact + dock;
-  for (const Vector6d* part : {&arm, &radiation, &diffraction}) {
+  for (const Vector6d* part : {&arm, &radiation, &diffraction, &wind}) {
     if (!part->isZero(0)) sum += *part;
   }
   for (const auto term : kTerms) sum += craft.*term;
@@ -115,6 +124,7 @@ Forces forces_on(const MovedBody& body, const Vector6d& canopy_world, const Wate
     add(mean, share, part.craft);
     mean.actuators += share * part.actuators;
     mean.applied += share * part.applied;
+    mean.wind += share * part.wind;
     mean.tether += share * part.tether;
     mean.arm += share * part.arm;
     mean.radiation += share * part.radiation;

@@ -11,6 +11,7 @@ struct Forces {
   Craft::Terms craft;  ///< the body in the water; its drag with that of plants
   Vector6d actuators = Vector6d::Zero();
   Vector6d applied = Vector6d::Zero();  ///< by apply_wrench
+  Vector6d wind = Vector6d::Zero();
   Vector6d tether = Vector6d::Zero();
   Vector6d contact = Vector6d::Zero();
   Vector6d arm = Vector6d::Zero();          ///< of its links, at the joints that hold them

@@ -15,6 +15,8 @@ void BodySpec::check() const {
           "must not be given for a vehicle with an arm");
   require(arm.empty() || !path || path->stands(), "object '" + name + "' links", arm.size(),
           "must be left out for a body that moves along a path");
+  if (round) round->check();
+  require(!round || shape == CollisionShape::kHull, "round", "given", "must be left out for boxes and pieces");
   require(friction >= 0 && friction <= 10, "vehicle.friction", friction, "must be in [0, 10]");
   require(restitution >= 0 && restitution <= 1, "vehicle.restitution", restitution, "must be in [0, 1]");
 }

@@ -31,6 +31,7 @@ struct BodySpec {
   std::vector<ConvexPiece> collision_pieces_body_m = {};  ///< for CollisionShape::kPieces
   std::vector<ArmLink> arm = {};
   std::shared_ptr<const BodyPath> path = nullptr;  ///< that it follows, whatever it hits; null: forces move it
+  std::optional<RoundPiece> round = {};            ///< for CollisionShape::kHull: what the mesh's facets stand for
 
   /// Throws InvalidValue naming the field.
   void check() const;
@@ -46,6 +47,7 @@ struct Motion {
   BodyState start;
   Vector6d actuators_body = Vector6d::Zero();
   Loads applied = {};
+  Vector6d wind_body = Vector6d::Zero();  ///< as MovedBody has it
   Vector6d tether_world = Vector6d::Zero();
   Loads all = {};                                                  ///< with those of its contacts
   std::optional<std::array<Vector6d, 4>> arm_body = {};            ///< of its arm, in each stage
@@ -69,7 +71,8 @@ struct MovedBody {
   BodySpec spec;  ///< includes its collision pieces for every shape
   BodyState state;
   Vector6d tau_body = Vector6d::Zero();      ///< of the actuators
-  Loads applied = {};                        ///< by apply_wrench
+  Loads applied = {};                        ///< by apply_wrench and the wind
+  Vector6d wind_body = Vector6d::Zero();     ///< the wind's part of `applied`
   Vector6d tether_world = Vector6d::Zero();  ///< of the tethers at it, in the step under way or the last one
   Vector6d canopy_world = Vector6d::Zero();  ///< of plants, in the step under way
   Vector6d acceleration_body = Vector6d::Zero();

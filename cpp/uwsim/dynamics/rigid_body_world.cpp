@@ -201,6 +201,12 @@ void RigidBodyWorld::exchange_last_step(StateArchive& archive) {
   }
 }
 
+void RigidBodyWorld::exchange_wind(StateArchive& archive) {
+  for (MovedBody& body : bodies_) {
+    for (Motion& motion : body.motions) archive(motion.wind_body);
+  }
+}
+
 void RigidBodyWorld::exchange_tethers(StateArchive& archive) {
   if (tethers_.empty()) return;
   archive.same("tethers", tethers_.size());

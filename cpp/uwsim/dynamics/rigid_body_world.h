@@ -56,7 +56,10 @@ class RigidBodyWorld {
   /// Sets the actuators' wrench for the following steps, body frame, at the origin [N, N m].
   void set_wrench(std::size_t body, const Vector6d& tau_body) { bodies_.at(body).tau_body = tau_body; }
   /// Sets what else acts on the body in the following steps, at its origin.
-  void apply(std::size_t body, const Loads& applied) { bodies_.at(body).applied = applied; }
+  void apply(std::size_t body, const Loads& applied, const Vector6d& wind_body = Vector6d::Zero()) {
+    bodies_.at(body).applied = applied;
+    bodies_[body].wind_body = wind_body;
+  }
   std::size_t size() const { return bodies_.size(); }
   const BodySpec& spec(std::size_t body) const { return bodies_.at(body).spec; }
   /// See forces_on(). Throws InvalidValue for a body on a path, and for Bullet's engine, which folds added mass into
@@ -84,6 +87,8 @@ class RigidBodyWorld {
   void exchange_contacts(StateArchive& archive);
   /// Saves or restores what moved the bodies in the last step. Throws InvalidValue.
   void exchange_last_step(StateArchive& archive);
+  /// Its part in the last step.
+  void exchange_wind(StateArchive& archive);
   /// Saves or restores the tethers, after all else. Throws InvalidValue.
   void exchange_tethers(StateArchive& archive);
   /// Saves or restores the joints of arms, after all else. Throws InvalidValue.

@@ -12,6 +12,7 @@ namespace {
 constexpr std::size_t kReserved = 4096;  // triangles, corners or contacts of one piece; further ones allocate
 constexpr double kTolerance_m = 1e-9;    // rounding error of positions
 constexpr double kCone = 1e-3;           // sine of the angle by which a normal may leave its cone
+constexpr double kUpright = 1e-6;        // sine of the slant up to which a drum stands upright
 constexpr double kFacesUp = 0.3;         // minimum cosine between the normal of a deep overlap and that of the terrain
 
 bool meets(const Eigen::Vector3d& low, const Eigen::Vector3d& high, const Eigen::Vector3d& other_low,
@@ -72,21 +73,76 @@ std::span<const ContactPoint> SurfaceContact::find(const PlacedShape& placed, co
   find_close_triangles(patch);
   if (close_.empty()) return found_;
   budget.spend(patch.edges.size() + patch.peaks.size());
-  budget.spend(close_.size() * placed.shape.polytope_body().corners_m.size());
-  corners_world_m_.clear();
-  for (const Eigen::Vector3d& corner : placed.shape.polytope_body().corners_m)
-    corners_world_m_.push_back(placed.world_from_body.position_m + placed.rotation * corner);
-  for (const Eigen::Vector3d& corner : corners_world_m_) {
-    if (under == Under::kSolid) {
-      add_corner_on_terrain(corner);
-    } else {
-      add_corner_at_solid(corner);
-    }
+  place_corners();
+  budget.spend(close_.size() * corners_world_m_.size());
+  if (round_ != nullptr && round_->has_flat_ends) {
+    for (const SurfaceTriangle* triangle : close_) add_rims(*triangle);
+  } else {
+    for (const Eigen::Vector3d& corner : corners_world_m_) add_corner(corner);
   }
   for (const SurfacePeak& peak : patch.peaks) add_peak(patch, peak);
   for (const SurfaceEdge& edge : patch.edges) add_edge(edge);
+  if (round_ != nullptr && !found_.empty()) return found_;
   for (const SurfaceTriangle* triangle : close_) add_deep_overlap(*triangle);
   return found_;
+}
+
+/// Those of the polytope; the ends of the axis of a ball and of a rod with round ends.
+void SurfaceContact::place_corners() {
+  const auto in_world = [&](const Eigen::Vector3d& point) -> Eigen::Vector3d {
+    return placed_->world_from_body.position_m + placed_->rotation * point;
+  };
+  corners_world_m_.clear();
+  corner_radius_m_ = 0;
+  const std::optional<RoundPiece>& round = placed_->shape.round_body();
+  round_ = round ? &*round : nullptr;
+  if (round_ != nullptr) {
+    half_length_m_ = round_->half_axis_m.norm();
+    middle_world_m_ = in_world(round_->middle_m);
+    axis_world_ = half_length_m_ > 0 ? Eigen::Vector3d(placed_->rotation * round_->half_axis_m / half_length_m_)
+                                     : Eigen::Vector3d::Zero();
+    if (!round_->has_flat_ends) {
+      corner_radius_m_ = round_->radius_m;
+      corners_world_m_.emplace_back(middle_world_m_ - half_length_m_ * axis_world_);
+      if (half_length_m_ > 0) corners_world_m_.emplace_back(middle_world_m_ + half_length_m_ * axis_world_);
+      return;
+    }
+  }
+  for (const Eigen::Vector3d& corner : placed_->shape.polytope_body().corners_m)
+    corners_world_m_.push_back(in_world(corner));
+}
+
+void SurfaceContact::add_corner(const Eigen::Vector3d& corner_m) {
+  if (under_ == Under::kSolid) {
+    add_corner_on_terrain(corner_m);
+  } else {
+    add_corner_at_solid(corner_m);
+  }
+}
+
+/// The lowest point of each rim over the triangle, and three more of the lower one, on which a drum stands.
+void SurfaceContact::add_rims(const SurfaceTriangle& triangle) {
+  const double rise = axis_world_.dot(triangle.normal);
+  Eigen::Vector3d down = rise * axis_world_ - triangle.normal;
+  const double slant = down.norm();
+  down = slant > kUpright ? Eigen::Vector3d(down / slant)
+                          : Eigen::Vector3d(placed_->rotation * round_->half_axis_m.unitOrthogonal());
+  const Eigen::Vector3d aside = axis_world_.cross(down);
+  for (const double end : {-1.0, 1.0}) {
+    const Eigen::Vector3d centre = middle_world_m_ + end * half_length_m_ * axis_world_;
+    const bool is_lower = end * rise < 0;
+    const std::array<Eigen::Vector3d, 4> out = {down, aside, -aside, -down};
+    for (const Eigen::Vector3d& way : std::span(out).first(is_lower ? 4 : 1)) {
+      const Eigen::Vector3d point = centre + round_->radius_m * way;
+      const double gap_m = triangle.normal.dot(point) - triangle.offset_m;
+      if (gap_m > placed_->reach_m) continue;
+      if (under_ == Under::kSolid) {
+        add_corner_over(triangle, point);
+      } else if (gap_m >= -placed_->reach_m && holds_at(triangle, point, gap_m, placed_->reach_m)) {
+        add_corner_at_solid(point);
+      }
+    }
+  }
 }
 
 void SurfaceContact::find_close_triangles(const SurfacePatch& patch) {
@@ -107,46 +163,50 @@ double SurfaceContact::lowest_over(const SurfaceTriangle& triangle) const {
          normal_body.dot(placed_->middle_m) - normal_body.cwiseAbs().dot(placed_->half_size_m);
 }
 
-void SurfaceContact::add_above(const SurfaceTriangle& triangle, const Eigen::Vector3d& corner_m, double gap_m) {
-  found_.push_back({corner_m - gap_m * triangle.normal, triangle.normal, gap_m});
+void SurfaceContact::add_above(const SurfaceTriangle& triangle, const Eigen::Vector3d& corner_m, double height_m) {
+  found_.push_back({corner_m - height_m * triangle.normal, triangle.normal, height_m - corner_radius_m_});
+}
+
+void SurfaceContact::add_corner_on_terrain(const Eigen::Vector3d& corner_m) {
+  for (const SurfaceTriangle* triangle : close_) add_corner_over(*triangle, corner_m);
 }
 
 /// A corner below the terrain touches the triangle above it, at any depth.
-void SurfaceContact::add_corner_on_terrain(const Eigen::Vector3d& corner_m) {
-  for (const SurfaceTriangle* triangle : close_) {
-    const double gap_m = triangle->normal.dot(corner_m) - triangle->offset_m;
-    if (gap_m > placed_->reach_m) continue;
-    if (gap_m >= 0) {
-      if (holds_at(*triangle, corner_m, gap_m, placed_->reach_m)) add_above(*triangle, corner_m, gap_m);
-      continue;
-    }
-    const Eigen::Vector3d above = corner_m - gap_m / triangle->normal.z() * Eigen::Vector3d::UnitZ();
-    if (holds_at(*triangle, above, 0, 0)) add_above(*triangle, corner_m, gap_m);
+void SurfaceContact::add_corner_over(const SurfaceTriangle& triangle, const Eigen::Vector3d& corner_m) {
+  const double height_m = triangle.normal.dot(corner_m) - triangle.offset_m;
+  if (height_m - corner_radius_m_ > placed_->reach_m) return;
+  if (height_m >= 0) {
+    if (holds_at(triangle, corner_m, height_m, placed_->reach_m)) add_above(triangle, corner_m, height_m);
+    return;
   }
+  const Eigen::Vector3d above = corner_m - height_m / triangle.normal.z() * Eigen::Vector3d::UnitZ();
+  if (holds_at(triangle, above, 0, 0)) add_above(triangle, corner_m, height_m);
 }
 
 /// A corner inside a solid is pushed out through the nearest triangle; a corner outside touches all nearby triangles.
 void SurfaceContact::add_corner_at_solid(const Eigen::Vector3d& corner_m) {
+  const double reach_m = placed_->reach_m + corner_radius_m_;
   const SurfaceTriangle* nearest = nullptr;
-  double nearest_gap_m = 0;
+  double nearest_height_m = 0;
   for (const SurfaceTriangle* triangle : close_) {
-    const double gap_m = triangle->normal.dot(corner_m) - triangle->offset_m;
-    if (std::abs(gap_m) > placed_->reach_m || !holds_at(*triangle, corner_m, gap_m, 0)) continue;
-    if (nearest != nullptr && std::abs(gap_m) >= std::abs(nearest_gap_m)) continue;
+    const double height_m = triangle->normal.dot(corner_m) - triangle->offset_m;
+    if (std::abs(height_m) > reach_m || !holds_at(*triangle, corner_m, height_m, 0)) continue;
+    if (nearest != nullptr && std::abs(height_m) >= std::abs(nearest_height_m)) continue;
     nearest = triangle;
-    nearest_gap_m = gap_m;
+    nearest_height_m = height_m;
   }
-  if (nearest != nullptr && nearest_gap_m < 0) return add_above(*nearest, corner_m, nearest_gap_m);
+  if (nearest != nullptr && nearest_height_m < 0) return add_above(*nearest, corner_m, nearest_height_m);
   for (const SurfaceTriangle* triangle : close_) {
-    const double gap_m = triangle->normal.dot(corner_m) - triangle->offset_m;
-    if (gap_m < 0 || gap_m > placed_->reach_m) continue;
-    if (holds_at(*triangle, corner_m, gap_m, placed_->reach_m)) add_above(*triangle, corner_m, gap_m);
+    const double height_m = triangle->normal.dot(corner_m) - triangle->offset_m;
+    if (height_m < 0 || height_m > reach_m) continue;
+    if (holds_at(*triangle, corner_m, height_m, placed_->reach_m)) add_above(*triangle, corner_m, height_m);
   }
 }
 
-/// A peak touches the nearest face, edge or corner of the piece.
+/// A peak touches the wall of a round piece, or the nearest face, edge or corner of the polytope.
 void SurfaceContact::add_peak(const SurfacePatch& patch, const SurfacePeak& peak) {
   if (!meets(placed_->low_m, placed_->high_m, peak.point_m, peak.point_m)) return;
+  if (round_ != nullptr && add_wall_at_peak(patch, peak)) return;
   const Polytope& polytope = placed_->shape.polytope_body();
   budget_->spend(polytope.faces.size());
   const auto height_over = [](const Polytope::Face& face, const Eigen::Vector3d& point) {
@@ -173,7 +233,24 @@ void SurfaceContact::add_peak(const SurfacePatch& patch, const SurfacePeak& peak
     normal_body = way / gap_m;
   }
   if (!(gap_m <= placed_->reach_m)) return;
-  const Eigen::Vector3d normal = placed_->rotation * normal_body;
+  add_touching_peak(patch, peak, placed_->rotation * normal_body, gap_m);
+}
+
+/// Returns false if it is a flat end of the piece that is nearest.
+bool SurfaceContact::add_wall_at_peak(const SurfacePatch& patch, const SurfacePeak& peak) {
+  const double along_m = axis_world_.dot(peak.point_m - middle_world_m_);
+  const double within_m = std::clamp(along_m, -half_length_m_, half_length_m_);
+  const Eigen::Vector3d way = middle_world_m_ + within_m * axis_world_ - peak.point_m;
+  const double distance_m = way.norm(), gap_m = distance_m - round_->radius_m;
+  if (round_->has_flat_ends && (within_m != along_m || std::abs(along_m) - half_length_m_ > gap_m)) return false;
+  if (std::abs(gap_m) <= placed_->reach_m && distance_m > kTolerance_m)
+    add_touching_peak(patch, peak, way / distance_m, gap_m);
+  return true;
+}
+
+/// The normal must lie in the peak's cone.
+void SurfaceContact::add_touching_peak(const SurfacePatch& patch, const SurfacePeak& peak,
+                                       const Eigen::Vector3d& normal, double gap_m) {
   for (std::uint32_t k = 0; k < peak.neighbour_count; ++k) {
     const Eigen::Vector3d way = patch.neighbours_m[peak.first_neighbour + k] - peak.point_m;
     if (normal.dot(way) > kCone * way.norm()) return;
@@ -189,16 +266,18 @@ void SurfaceContact::add_edge(const SurfaceEdge& edge) {
   double lowest_m = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3d& corner : corners_world_m_)
     lowest_m = std::min(lowest_m, edge.middle_normal.dot(corner - edge.from_m));
-  if (lowest_m > placed_->reach_m) return;
+  if (lowest_m - (round_ != nullptr ? round_->radius_m : 0) > placed_->reach_m) return;
 
   for (const Eigen::Vector3d& corner : corners_world_m_) {
     const double along_m = edge.along.dot(corner - edge.from_m);
     if (along_m < 0 || along_m > edge.length_m) continue;
     const Eigen::Vector3d foot = edge.from_m + along_m * edge.along, way = corner - foot;
-    const double gap_m = way.norm();
-    if (gap_m > placed_->reach_m || gap_m < kTolerance_m) continue;
-    if (edge.into[0].dot(way) <= 0 && edge.into[1].dot(way) <= 0) found_.push_back({foot, way / gap_m, gap_m});
+    const double distance_m = way.norm(), gap_m = distance_m - corner_radius_m_;
+    if (gap_m > placed_->reach_m || distance_m < kTolerance_m) continue;
+    if (edge.into[0].dot(way) <= 0 && edge.into[1].dot(way) <= 0) found_.push_back({foot, way / distance_m, gap_m});
   }
+  if (round_ != nullptr) add_wall_at_edge(edge);
+  if (round_ != nullptr && !round_->has_flat_ends) return;
 
   const Eigen::Matrix3d body_from_world = placed_->rotation.transpose();
   const Eigen::Vector3d from = body_from_world * (edge.from_m - placed_->world_from_body.position_m);
@@ -213,6 +292,7 @@ void SurfaceContact::add_edge(const SurfaceEdge& edge) {
     if (std::min(side[0], side[1]) < -kCone && std::max(side[0], side[1]) > kCone) continue;
     const double sine = across.norm();
     if (sine < kCone) continue;  // parallel edges: their corners touch instead
+    if (round_ != nullptr && std::abs(other.along.dot(round_->half_axis_m)) > half_length_m_ / 2) continue;  // the wall
     const double tolerance = kCone * sine;
     if (side[0] <= tolerance && side[1] <= tolerance) {
       across = -across;
@@ -233,6 +313,22 @@ void SurfaceContact::add_edge(const SurfaceEdge& edge) {
                          other_at_m <= other.length_m + kTolerance_m;
     if (crosses) found_.push_back({edge.from_m + at_m * edge.along, placed_->rotation * normal, gap_m});
   }
+}
+
+/// Where the axis of a round piece passes the edge between its ends.
+void SurfaceContact::add_wall_at_edge(const SurfaceEdge& edge) {
+  const Eigen::Vector3d cross = edge.along.cross(axis_world_);
+  const double sine = cross.norm();
+  if (sine < kCone) return;  // parallel to the edge, or a ball: corners and triangles touch instead
+  const Eigen::Vector3d between = middle_world_m_ - edge.from_m;
+  const double at_m = between.cross(axis_world_).dot(cross) / (sine * sine);
+  const double axis_at_m = between.cross(edge.along).dot(cross) / (sine * sine);
+  if (at_m < 0 || at_m > edge.length_m || std::abs(axis_at_m) > half_length_m_) return;
+  const double side_m = between.dot(cross) / sine, gap_m = std::abs(side_m) - round_->radius_m;
+  const Eigen::Vector3d normal = cross / (side_m > 0 ? sine : -sine);
+  if (std::abs(gap_m) > placed_->reach_m || edge.into[0].dot(normal) > kCone || edge.into[1].dot(normal) > kCone)
+    return;
+  found_.push_back({edge.from_m + at_m * edge.along, normal, gap_m});
 }
 
 void SurfaceContact::add_deep_overlap(const SurfaceTriangle& triangle) {

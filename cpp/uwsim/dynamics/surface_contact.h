@@ -26,6 +26,9 @@ struct PlacedShape {
 /// (Bouma and Vanecek 1993, "Modeling contacts in a physically based simulation"; cf. van den Bergen and Gregorius
 /// 2010, "Game Physics Pearls", ch. 3); flat and concave edges have no such cone. ConvexContact finds overlaps deeper
 /// than `reach_m` that the features miss. The result is a pure function of the poses.
+///
+/// A ball, and a rod with round ends, is the distance from its axis less its radius. A drum touches a triangle with the
+/// points of its rims that are lowest over it, and edges and peaks with its wall; only its rims have facets, at edges.
 class SurfaceContact {
  public:
   enum class Under {
@@ -41,11 +44,19 @@ class SurfaceContact {
 
  private:
   void find_close_triangles(const SurfacePatch& patch);
+  void place_corners();
+  void add_rims(const SurfaceTriangle& triangle);
+  void add_corner(const Eigen::Vector3d& corner_m);
+  void add_corner_over(const SurfaceTriangle& triangle, const Eigen::Vector3d& corner_m);
   void add_corner_on_terrain(const Eigen::Vector3d& corner_m);
   void add_corner_at_solid(const Eigen::Vector3d& corner_m);
-  void add_above(const SurfaceTriangle& triangle, const Eigen::Vector3d& corner_m, double gap_m);
+  void add_above(const SurfaceTriangle& triangle, const Eigen::Vector3d& corner_m, double height_m);
   void add_peak(const SurfacePatch& patch, const SurfacePeak& peak);
+  bool add_wall_at_peak(const SurfacePatch& patch, const SurfacePeak& peak);
+  void add_touching_peak(const SurfacePatch& patch, const SurfacePeak& peak, const Eigen::Vector3d& normal,
+                         double gap_m);
   void add_edge(const SurfaceEdge& edge);
+  void add_wall_at_edge(const SurfaceEdge& edge);
   void add_deep_overlap(const SurfaceTriangle& triangle);
   double lowest_over(const SurfaceTriangle& triangle) const;
 
@@ -54,6 +65,10 @@ class SurfaceContact {
   ContactBudget* budget_ = nullptr;
   std::vector<const SurfaceTriangle*> close_;
   std::vector<Eigen::Vector3d> corners_world_m_;
+  const RoundPiece* round_ = nullptr;            // null: the piece has no more than its facets
+  Eigen::Vector3d middle_world_m_, axis_world_;  // of `round_`; the axis is unit, or zero for a ball
+  double half_length_m_ = 0;                     // likewise
+  double corner_radius_m_ = 0;                   // of the balls about the corners
   std::vector<ContactPoint> found_;
   ConvexContact convex_contact_;
 };

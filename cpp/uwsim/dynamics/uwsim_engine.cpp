@@ -28,7 +28,7 @@ void UwsimEngine::add_body(const BodySpec& spec) {
   const std::size_t body = hulls_.size();
   hulls_.push_back(colliders_.size());
   colliders_.push_back({body, kHull});
-  finder_.add_body(spec.collision_pieces_body_m);
+  finder_.add_body(spec.collision_pieces_body_m, spec.round);
   for (std::size_t k = 0; k < spec.arm.size(); ++k) {
     colliders_.push_back({body, static_cast<int>(k)});
     finder_.add_body(pieces_of(spec.arm[k]));
@@ -56,7 +56,8 @@ void UwsimEngine::add_body(const BodySpec& spec) {
 
 void UwsimEngine::change_body(std::size_t body, const BodySpec& from, const BodySpec& to) {
   const std::size_t hull = hulls_[body];
-  if (from.collision_pieces_body_m != to.collision_pieces_body_m) finder_.set_body(hull, to.collision_pieces_body_m);
+  if (from.collision_pieces_body_m != to.collision_pieces_body_m || from.round != to.round)
+    finder_.set_body(hull, to.collision_pieces_body_m, to.round);
   for (std::size_t k = 0; k < to.arm.size(); ++k) {
     if (from.arm[k].surface_m != to.arm[k].surface_m) finder_.set_body(hull + 1 + k, pieces_of(to.arm[k]));
   }

@@ -21,6 +21,14 @@ bool same(const BodyState& a, const BodyState& b) {
          a.world_from_body.orientation.coeffs() == b.world_from_body.orientation.coeffs();
 }
 
+/// The velocity at the end of an interval along the axes at its start, in which contacts are solved. For others than
+/// round bodies, which roll on and on, it is that along the axes at its end, as if they did not turn in between.
+Vector6d end_velocity(const BodySpec& spec, const BodyState& start, const BodyState& end) {
+  if (!spec.round) return end.velocity_body;
+  const Eigen::Quaterniond turned = start.world_from_body.orientation.conjugate() * end.world_from_body.orientation;
+  return joined(turned * end.linear_body_m_s(), turned * end.angular_body_rad_s());
+}
+
 }  // namespace
 
 void UwsimEngine::move(const Interval& now) {
@@ -30,6 +38,7 @@ void UwsimEngine::move(const Interval& now) {
     body.motions.push_back({.start = states_[k],
                             .actuators_body = body.tau_body,
                             .applied = body.applied,
+                            .wind_body = body.wind_body,
                             .tether_world = body.tether_world,
                             .all = body.loads(Vector6d::Zero(), now.step_s),
                             .time_s = now.time_s,
@@ -203,7 +212,7 @@ void UwsimEngine::name_contact(Contact& contact) const {
 void UwsimEngine::solve_contacts(const Interval& now) {
   for (const std::size_t k : awake_) {
     contact_bodies_[k] = {.world_from_body = states_[k].world_from_body,
-                          .velocity_body = next_states_[k].velocity_body,
+                          .velocity_body = end_velocity(bodies_[k].spec, states_[k], next_states_[k]),
                           .start_velocity_body = states_[k].velocity_body};
   }
   for (const Contact& contact : contacts_) {

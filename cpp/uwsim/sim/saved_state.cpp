@@ -74,6 +74,7 @@ void Simulation::exchange_state(StateArchive& archive) {
 void Simulation::exchange_applied(StateArchive& archive) {
   for (Vehicle& vehicle : vehicles_) vehicle.pushes.exchange_state(archive);
   bodies_.exchange_last_step(archive);
+  if (spec_.wind.blows()) bodies_.exchange_wind(archive);
   bodies_.exchange_tethers(archive);
   bodies_.exchange_arms(archive);
   bodies_.exchange_hull_waves(archive);

@@ -156,8 +156,9 @@ void Simulation::drive(Vehicle& vehicle) {
                                : 1;
   bodies_.set_wrench(vehicle.body, actuators.wrench_body(state, world_.water, time_s(), submerged));
   Loads loads = vehicle.pushes.at(tick_);
-  if (vehicle.windage && spec_.wind.blows()) loads.body += wind_load(vehicle, spec_.wind);
-  bodies_.apply(vehicle.body, loads);
+  Vector6d wind_body = Vector6d::Zero();
+  if (vehicle.windage && spec_.wind.blows()) loads.body += wind_body = wind_load(vehicle, spec_.wind);
+  bodies_.apply(vehicle.body, loads, wind_body);
 }
 
 Vector6d Simulation::wind_load(const Vehicle& vehicle, const Wind& wind) const {

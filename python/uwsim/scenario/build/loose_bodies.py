@@ -41,7 +41,7 @@ Floats = NDArray[np.float64]
 class _Shape(NamedTuple):
     """A closed shape in the body's frame: its origin is the middle of its volume, its axes those of its kind.
 
-    position_m (3,), orientation_xyzw (4,): where it starts.
+    position_m (3,), orientation_xyzw (4,): where it starts. round: the exact shape of a ball or drum, for contacts.
     """
 
     vertices: Vertices
@@ -49,6 +49,7 @@ class _Shape(NamedTuple):
     solid: _core.SolidProperties
     position_m: Floats
     orientation_xyzw: Floats
+    round: _core.RoundShape | None
 
 
 def object_specs(scenario: Scenario) -> list[_core.ObjectSpec]:
@@ -95,7 +96,7 @@ def _spec(body: LooseBody, scenario: Scenario) -> _core.ObjectSpec:
     return _core.ObjectSpec(
         body.name, _core.Craft(parameters, shape.vertices, shape.triangles), _core.CollisionShape.HULL, body.friction,
         body.restitution, _core.BodyState(shape.position_m, shape.orientation_xyzw, velocity),
-        [applied_wrench(wrench, scenario.step_s) for wrench in body.wrenches or ()],
+        [applied_wrench(wrench, scenario.step_s) for wrench in body.wrenches or ()], round=shape.round,
     )  # fmt: skip
 
 
@@ -106,7 +107,7 @@ def _unpushed(body: LooseBody, path: _core.BodyPath, shape: _Shape, water_kg_m3:
     parameters.inertia_kg_m2 = water_kg_m3 * shape.solid.inertia_per_density_m5
     return _core.ObjectSpec(
         body.name, _core.Craft(parameters, shape.vertices, shape.triangles), _core.CollisionShape.HULL, body.friction,
-        body.restitution, path.at(0.0), path=path, links=_links(body, shape),
+        body.restitution, path.at(0.0), path=path, links=_links(body, shape), round=shape.round,
     )  # fmt: skip
 
 
@@ -138,7 +139,8 @@ def _placed(obstacle: ObstacleModel, terrain: Bed) -> _Shape:
     turn = of_yaw_pitch_roll_deg(angles_deg)
     position = np.asarray(afloat.position_m) + turned(turn, solid.centroid_m)  # type: ignore[attr-defined]
     centred = np.ascontiguousarray(np.asarray(vertices, np.float64) - solid.centroid_m)
-    return _Shape(centred, np.asarray(triangles, np.uint32), solid, position, turn)
+    exact = own.shapes[0] if own.shapes else None
+    return _Shape(centred, np.asarray(triangles, np.uint32), solid, position, turn, exact)
 
 
 def _flow(vertices: Vertices, triangles: Triangles) -> tuple[Floats, Floats, Floats, Floats]:
