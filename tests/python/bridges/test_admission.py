@@ -169,5 +169,5 @@ def test_only_the_listener_listens() -> None:
                 found.add(str(path.relative_to(SOURCES)))
     guards_of_rospy = "bridges/ros1/guard.py"  # names rospy's server in order to restrict it
     by_mavlink = "bridges/mavlink/endpoint.py"  # admits no browser: see test_mavlink.py
-    by_nmea = "bridges/nmea/wire.py"  # reads nothing from its clients
-    assert found == {"bridges/doors/listener.py", guards_of_rospy, by_mavlink, by_nmea}
+    of_lines = "bridges/doors/line_server.py"  # NMEA reads nothing; the DVL A50 admits no browser: see test_a50.py
+    assert found == {"bridges/doors/listener.py", guards_of_rospy, by_mavlink, of_lines}

@@ -41,6 +41,7 @@ TOGETHER = (
     (
         "`serve`, `station`, `replay --as-topics`, `exercise --serve`", "`--station`", "`--ros2`", "`--ros1`",
         "`--foxglove`", "`--video`", "`--mavlink tcp`", "`--nmea tcp`", "`--imc tcp`", "`--moos`",
+        "`--ping1d udp`", "`--ping360 udp`", "`--dvl-a50`",
     ),
     ("`--ros2 --rmw zenoh`, instead", "`--mavlink udpin`", "`--nmea udp`", "`--imc udp`"),
     ("`--mavlink udpout`", "`--imc announce`"),

@@ -12,6 +12,7 @@ import pytest
 
 from counted_work import assert_linear
 from uwsim.bridges.moos import wire as moos
+from uwsim.bridges.ping import wire as ping
 from uwsim.bridges.rosbridge.encoding import to_json
 from uwsim.bridges.rosbridge.fragments import Fragments, split
 from uwsim.bridges.rosbridge.ledger import Account, Ledger
@@ -26,6 +27,12 @@ PART = 64
 def in_parts(data: bytes) -> None:
     """Read a MOOSDB's packets as a connection divides them."""
     reader = moos.PacketReader()
+    assert [m for k in range(0, len(data), PART) for m in reader.read(data[k : k + PART])]
+
+
+def pinged(data: bytes) -> None:
+    """Read messages of the ping protocol as a serial port divides them."""
+    reader = ping.Reader()
     assert [m for k in range(0, len(data), PART) for m in reader.read(data[k : k + PART])]
 
 
@@ -52,6 +59,8 @@ def publication(count: int) -> dict[str, Any]:
 READERS: dict[str, tuple[Callable[[Any], object], Callable[[int], Any]]] = {
     "moos, messages": (in_parts, lambda count: moos.encoded(notified(count))),
     "moos, packets": (in_parts, lambda count: moos.encoded(notified(1)) * count),
+    "ping, messages": (pinged, lambda count: ping.encoded(6, {"requested_id": 5}, source=0) * count),
+    "ping, starts": (pinged, lambda count: b"BR" * 6 * count + ping.encoded(6, {"requested_id": 5}, source=0)),
     "rosbridge, fragments": (assembled, fragments),
     "rosbridge, JSON": (lambda frame: read(frame, LIMITS), lambda count: to_json(publication(count))),
     "rosbridge, CBOR": (lambda frame: read(frame, LIMITS), lambda count: cbor2.dumps(publication(count))),

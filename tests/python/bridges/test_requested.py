@@ -12,9 +12,9 @@ from uwsim.bridges.requested import Bridges, PlayedBridges
 from uwsim.cli.autopilots import Autopilots
 
 NEED_LIVE = {
-    "imc", "imc_id", "imc_port", "imc_rate", "imc_rpm", "imc_sends", "mavlink", "mavlink_pictures", "moos",
+    "dvl_a50", "imc", "imc_id", "imc_port", "imc_rate", "imc_rpm", "imc_sends", "mavlink", "mavlink_pictures", "moos",
     "moos_control", "moos_elevator", "moos_name", "moos_nav", "moos_rate", "moos_reports", "moos_shore", "nmea",
-    "nmea_rate", "video", "video_camera",
+    "nmea_rate", "ping1d", "ping360", "video", "video_camera",
 }  # fmt: skip
 
 
