@@ -78,7 +78,7 @@ class Device:
 
     @property
     def is_driven(self) -> bool:
-        """Whether `work` must be called while no message arrives."""
+        """True if `work` must be called while no message arrives."""
         return False
 
     def capture(self, read: Callable[[Simulator], T]) -> T:
