@@ -36,8 +36,8 @@ logger = logging.getLogger("uwsim.a50")
 class A50:
     """Sends each sample of a DVL, and the position by dead reckoning, and obeys commands while simulated time passes.
 
-    Everything is between two steps: it takes tens of microseconds. The speed of sound is the water's until a program
-    sets it; velocities and distances are then in proportion to it. Use it as a context.
+    Everything is between two steps, 20 times per simulated second, and takes 0.3 ms on average. The speed of sound is
+    the water's until a program sets it; velocities and distances are then in proportion to it. Use it as a context.
     """
 
     def __init__(self, live: LiveSimulator, vehicle: str, instrument: str, server: LineServer) -> None:

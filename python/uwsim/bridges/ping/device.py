@@ -28,7 +28,7 @@ from uwsim.simulator.simulator import Simulator
 IDLE_S, BUSY_S = 0.1, 0.002
 """The longest wait for a message, and between looks at simulated time while a ping is on its way."""
 WAITING_MAX = 64
-"""Messages that wait while a ping is on its way; further ones are lost."""
+"""Messages that wait while a ping is on its way; older ones are lost."""
 FIRMWARE = {"firmware_version_major": 3, "firmware_version_minor": 3, "firmware_version_patch": 1}
 """A version that knows all messages here; programs compare it."""
 SPAN_DB = 60.0
