@@ -198,6 +198,7 @@ def until_answer(live: LiveSimulator, program: Program, seen: dict[int, Any], an
             seen[angle] = program.answer()[1]
         except TimeoutError:
             live.step(1)
+            assert live.time_ns - began_ns < 20e9, "no answer"
     assert live.time_ns - began_ns >= 1000 * 400 * 25 + STEP_NS
     program.socket.settimeout(60)
 
