@@ -5,6 +5,7 @@ const WORDS = STRINGS.said;
 const TITLES = /** @type {Record<string, string>} */ (WORDS.titles);
 const SAYINGS = /** @type {Record<string, string>} */ (WORDS.texts);
 const EVENTS = /** @type {Record<'names' | 'details' | 'values', Record<string, string>>} */ (STRINGS.events);
+const UNSAID = new Set(['fault', 'holds', 'kind', 'lamp', 'mode', 'name', 'object', 'sonar', 'text', 'then', 'what']); // their values say enough
 const HOLDS = STRINGS.holds;
 const FAILSAFE = /** @type {Record<string, any>} */ (STRINGS.failsafe);
 /** @type {[RegExp, (...parts: string[]) => string][]} */
@@ -48,7 +49,10 @@ export function happened({ name, vehicle, details }) {
  * @type {(details: import('./wire/messages.js').EventDetail[]) => string}
  */
 export function inWords(details) {
-  const found = details.map(({ name, text }) => [EVENTS.details[name] ?? name, EVENTS.values[text] ?? text]);
+  const found = details.map(({ name, text }) => [
+    UNSAID.has(name) ? '' : (EVENTS.details[name] ?? name),
+    EVENTS.values[text] ?? text,
+  ]);
   return found.map((each) => each.filter(Boolean).join(' ')).join(', ');
 }
 
