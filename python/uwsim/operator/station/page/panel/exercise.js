@@ -129,7 +129,7 @@ export class ExercisePanel {
   }
 }
 
-// What points were lost for: broken limits, and aids that cost.
+// The reasons for which points were lost: broken limits, and aids that cost.
 function lossTexts({ broken, aids }) {
   const reasons = /** @type {Record<string, string>} */ (WORDS.reasons);
   return [
