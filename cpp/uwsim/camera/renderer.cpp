@@ -186,6 +186,7 @@ class Rendering {
     if (glow_) glow_->find_smooth(row, first, last);
     Block block;
     HitPacket hits;
+    PixelParts others;
     camera::BlockFloats sight = Tracer::everywhere();
     const camera::GeometryPlanes geometry{picture_.depth_m.data(), picture_.normals_world.data(),
                                           picture_.labels.data(), picture_.classes.data(), classes_.data()};
@@ -203,7 +204,6 @@ class Rendering {
       timer.add(kGeometry);
       if (request_.geometry_only) continue;
       const BlockMask pixels = block.active;
-      PixelParts others;
       const bool has_parts = may_see_thin(block) && cast_parts(left, top, sight, block, others, cost, timer);
       shade(block, hits, left, top, cost, timer);
       if (has_parts) add_parts(left, top, others, block, cost, timer);
