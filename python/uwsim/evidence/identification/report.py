@@ -32,7 +32,7 @@ def write_report(found: Identified, log: str, out: Path) -> list[Path]:
 def table(found: Identified) -> list[tuple[str, ...]]:
     """Return name, initial value, value, interval ends and unit of each quantity, and "no" if it is undetermined.
 
-    "no: residuals" if it depends on outputs whose residuals are so correlated that the model misses something.
+    "no: residuals" where they are so correlated that the model misses something.
     """
     return [
         (
@@ -100,7 +100,7 @@ def _page(found: Identified, log: str) -> str:
             *residuals,
             "",
             "Intervals assume that the model is right. Correlated residuals suggest that it is not; the intervals are"
-            f" widened for them, and from {CORRELATED} on nothing counts as determined by them.",
+            f" widened for them, and from {CORRELATED} on nothing counts as determined.",
             "",
             f"![Residuals]({FIGURE})",
             "",

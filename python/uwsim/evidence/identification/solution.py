@@ -6,8 +6,8 @@ System Identification, ch. 7; Jategaonkar 2006, Flight Vehicle System Identifica
 The noise of each output is estimated from the residuals. The prior of each unknown (unknowns.py) enters as one more
 observation, so that the solution exists whatever the log contains. Intervals follow from the inverse of the information
 matrix at the solution; they assume that the model is right and the noise white. Where residuals are correlated from
-sample to sample, the noise's variance is multiplied by (1 + r) / (1 - r), with r their lag-one correlation. Beyond
-CORRELATED, the model misses something that such a factor does not cover: no quantity is determined by these outputs.
+sample to sample, the noise's variance is multiplied by (1 + r) / (1 - r), with r their lag-one correlation. From
+CORRELATED on, the model misses something that such a factor does not cover: then no quantity counts as determined.
 """
 
 from __future__ import annotations
@@ -38,10 +38,8 @@ GROUPS = ("position", "attitude", "velocity", "rate")
 BOUND = 5.0  # standard deviations of the prior
 DETERMINED = 0.7
 """The log determines a quantity if it reduces the prior's standard deviation to less than this share."""
-CORRELATED, A_PART = 0.8, 0.1
-"""Residuals with a larger correlation at lag one are the model's error, not noise; what they determine, with at least
-this part of a quantity's information, is not determined.
-"""
+CORRELATED = 0.8
+"""Residuals with this correlation at lag one are the model's error, not noise: it shifts all quantities."""
 ROUNDS = 3
 ROUGH, FINE = 1e-3, 1e-6
 """Relative tolerances of the cost, about 1e3: with a guessed noise and with the estimated one."""
@@ -53,8 +51,8 @@ BRIEF_S, MOST_BRIEF = 4.0, 60
 class Value:
     """An identified quantity. low, high: ends of its 95 % interval. left: share of the prior's spread that remains.
 
-    places: the numbers in the vehicle's file that it replaces; none for the current and the delay. is_correlated: it
-    depends on outputs whose residuals are correlated beyond CORRELATED.
+    places: the numbers in the vehicle's file that it replaces; none for the current and the delay. is_correlated:
+    whether residuals of the log are correlated by CORRELATED or more.
     """
 
     name: str
@@ -138,7 +136,7 @@ def identify(
     covariance: Array = np.asarray(np.linalg.inv(information + np.eye(flown.size))[:p, :p], np.float64)
     left: Array = np.asarray(np.sqrt(np.diag(covariance)), np.float64)
     own = numbers_at(found, np.zeros(p))
-    is_correlated = _are_correlated(p, residuals, blocks, scale, correlation)
+    is_correlated = bool((correlation >= CORRELATED).any())
     kept = _kept(z[:p], covariance, (left >= DETERMINED) | is_correlated)
     numbers = {place: n for place, n in numbers_at(found, kept).items() if n != own[place]}
     return Identified(
@@ -253,24 +251,12 @@ def _lag_one(residuals: Array) -> Array:
     return np.where(found > noise, np.minimum(found, 0.95), 0.0)
 
 
-def _are_correlated(
-    p: int, residuals: Array, blocks: list[Block], scale: Array, correlation: Array
-) -> NDArray[np.bool_]:
-    """Return whether each of p unknowns depends on outputs with correlated residuals; see A_PART."""
-    by_output = np.zeros((OUTPUTS, p))
-    for block in blocks:
-        measured = np.isfinite(residuals[block.rows])
-        by_output += np.einsum("rk,rkc->kc", measured, np.square(block.slopes[:, :, :p] / scale[:, None]))
-    shares = by_output / np.maximum(by_output.sum(axis=0), np.finfo(float).tiny)
-    return np.asarray((shares[correlation >= CORRELATED] >= A_PART).any(axis=0))
-
-
-def _values(found: list[Unknown], z: Array, spread: Array, is_correlated: NDArray[np.bool_]) -> dict[str, Value]:
+def _values(found: list[Unknown], z: Array, spread: Array, is_correlated: bool) -> dict[str, Value]:
     values = {}
-    for unknown, at, sd, missed in zip(found, z, spread, is_correlated, strict=False):
+    for unknown, at, sd in zip(found, z, spread, strict=False):
         ends = (unknown.at(at - NORMAL_95 * sd), unknown.at(at + NORMAL_95 * sd))
         values[unknown.name] = Value(
-            unknown.name, unknown.unit, unknown.value, unknown.at(at), *ends, float(sd), unknown.places, bool(missed)
+            unknown.name, unknown.unit, unknown.value, unknown.at(at), *ends, float(sd), unknown.places, is_correlated
         )
     return values
 

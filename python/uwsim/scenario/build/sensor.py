@@ -8,7 +8,7 @@ from uwsim import _core
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg
 from uwsim.scenario.build.magnetic_field import compass_field
 from uwsim.scenario.spec.earth import Earth
-from uwsim.scenario.spec.sensor import Noise, SensorMount
+from uwsim.scenario.spec.sensor import OWN_NOISE, Noise, SensorMount
 from uwsim.scenario.spec.sensor_kind import DerivedKind, sensor_kind
 
 COMPASS = "compass"
@@ -31,7 +31,7 @@ def sensor_spec(name: str, sensor: SensorMount, earth: Earth | None = None) -> _
         of_yaw_pitch_roll_deg(sensor.yaw_pitch_roll_deg),
         parameters=(compass_field(earth) | given) if source == COMPASS else given,
         noise={
-            channel: _noise_spec(sensor.channels.get(channel, overall))
+            channel: _noise_spec(sensor.channels.get(channel, Noise() if channel in OWN_NOISE else overall))
             for channel in (() if is_derived else kind.channels)
         },
         rate_hz=sensor.rate_hz or 0.0,

@@ -8,7 +8,7 @@ from typing import Any
 from uwsim.scenario.spec.imaging_kind import STRENGTHS, imaging_kind
 from uwsim.scenario.spec.imaging_sonar import DEGREES, RADIANS, ImagingMount
 from uwsim.scenario.spec.scenario import Scenario
-from uwsim.scenario.spec.sensor import SensorMount
+from uwsim.scenario.spec.sensor import OWN_NOISE, SensorMount
 from uwsim.scenario.spec.sensor_figure import SensorFigure
 from uwsim.scenario.spec.sensor_kind import sensor_kind
 from uwsim.simulator.parameters.field_type import FieldType
@@ -56,7 +56,8 @@ def noise_unit(scenario: Scenario, place: tuple[str | int, ...]) -> str:
         part = below.pop(0)
         at = at[part] if isinstance(part, int) or isinstance(at, dict) else getattr(at, str(part))
     channels = {name: unit for name, (_, unit) in sensor_kind(at.kind).channels.items()}
-    units = {channels[str(below[1])]} if below[0] == "channels" else set(channels.values())
+    shared = {unit for name, unit in channels.items() if name not in OWN_NOISE}
+    units = {channels[str(below[1])]} if below[0] == "channels" else shared
     figure = next(part for part in reversed(below) if isinstance(part, str))
     if figure == "bias_time_s":
         return "s"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.optics import Optics
-from uwsim.scenario.spec.sensor import Noise, SensorMount
+from uwsim.scenario.spec.sensor import OWN_NOISE, Noise, SensorMount
 from uwsim.scenario.spec.sensor_kind import sensor_kind
 from uwsim.scenario.spec.sonar_setup import SonarSetup
 from uwsim.scenario.spec.vehicle import VehicleModel
@@ -44,10 +44,10 @@ def _of_water(water: Water, field: str) -> str:
 
 def _of_sensor(sensor: SensorMount, field: str) -> str:
     kind = sensor_kind(sensor.kind)
-    channels = set(kind.channels)
+    channels = set(kind.channels) - set(OWN_NOISE)
     if field == "noise" and channels <= set(sensor.channels):
         return "each channel has its own" if channels else "this kind has no noise"
-    units = {unit for name, (_, unit) in kind.channels.items() if name not in sensor.channels}
+    units = {unit for name, (_, unit) in kind.channels.items() if name in channels - set(sensor.channels)}
     if field == "noise" and len(units) > 1 and sensor.noise is None and sensor.noise_std is None:
         return "its channels have different units: set channels"
     return ""
