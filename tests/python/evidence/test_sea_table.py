@@ -47,4 +47,4 @@ def test_a_box_has_the_waves_of_the_stored_barge(tmp_path, monkeypatch):
             ours, theirs = getattr(got, quantity)[:, axis, axis], getattr(stored, quantity)[:, axis, axis]
             inside = (got.omega_rad_s > 1.0) & (got.omega_rad_s < 6.0)  # of waves that 200 panels resolve
             expected = np.interp(got.omega_rad_s[inside], stored.omega_rad_s, theirs)
-            np.testing.assert_allclose(ours[inside], expected, atol=0.05 * np.abs(theirs).max())
+            np.testing.assert_allclose(ours[inside], expected, atol=0.1 * np.abs(theirs).max())
