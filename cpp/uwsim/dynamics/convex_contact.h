@@ -22,7 +22,7 @@ class ConvexShape {
   ConvexShape& operator=(ConvexShape&&) noexcept;
 
   const Polytope& polytope_body() const { return polytope_body_; }
-  /// What the polytope's facets stand for.
+  /// The shape for which the polytope's facets stand.
   const std::optional<RoundPiece>& round_body() const { return round_body_; }
 
  private:

@@ -45,7 +45,7 @@ Forces at_instant(const MovedBody& body, const Vector6d& canopy_world, const Wat
   return forces;
 }
 
-/// What was applied has the wind's part in it.
+/// The applied part includes the wind's.
 void part_wind(Forces& forces, const Motion& motion) {
   if (motion.wind_body.isZero(0)) return;
   forces.wind = motion.wind_body;

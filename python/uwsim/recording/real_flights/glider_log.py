@@ -30,7 +30,7 @@ PUMPS = ("m_ballast_pumped", "m_de_oil_vol")
 APART_S, LONG_GAP_S = 0.9, 10.0
 """A glider logs every few seconds; in between, up to LONG_GAP_S, its slow motion is interpolated."""
 FULL_CM3, TRAVEL_MM, MM_PER_INCH = 250.0, 50.0, 25.4
-"""Of the packaged `slocum`: what commands of 1 are."""
+"""Commands of 1 of the packaged `slocum`."""
 
 
 def is_glider(path: Path, head: bytes) -> bool:
