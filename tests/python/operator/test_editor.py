@@ -26,7 +26,8 @@ from uwsim.scenario.read.assets import assets_folder
 ROV = ("vehicles", 0, "model")
 EACH = [
     *(("obstacles", kind) for kind in forms()["obstacles"]),
-    ("props", ""), ("currents", "layers"), ("sensors", "dvl"), ("cameras", ""), ("lamps", ""), ("imaging_sonars", "side_scan"),
+    ("props", ""), ("currents", "layers"), ("sensors", "dvl"), ("cameras", ""), ("lamps", ""),
+    ("imaging_sonars", "side_scan"),
 ]  # fmt: skip
 
 

@@ -84,7 +84,9 @@ def _panels(points_m: Array, triangles: NDArray[np.integer], count: int) -> tupl
     wet = trimesh.intersections.slice_mesh_plane(plain, (0.0, 0.0, -1.0), (0.0, 0.0, 0.0))  # type: ignore[no-untyped-call]
     edge_m = np.sqrt(4.0 / np.sqrt(3.0) * wet.area / count)
     for _ in range(20):
-        cut, faces = trimesh.remesh.subdivide_to_size(wet.vertices, wet.faces, edge_m, max_iter=20)
+        cut, faces = trimesh.remesh.subdivide_to_size(  # type: ignore[no-untyped-call]
+            wet.vertices, wet.faces, edge_m, max_iter=20
+        )
         if len(faces) <= 1.3 * count:
             break
         edge_m *= 1.1
