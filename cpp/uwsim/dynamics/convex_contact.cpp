@@ -53,18 +53,11 @@ double best_face_cosine(const btConvexPolyhedron& hull, const btTransform& trans
 }  // namespace
 
 struct ConvexShape::Impl {
-  btConvexHullShape shape;  ///< without faces for a ball and a rod with round ends: their axis, with a margin
+  btConvexHullShape shape;
 };
 
 ConvexShape::ConvexShape(const ConvexPiece& points_body_m, const std::optional<RoundPiece>& round)
     : polytope_body_(points_body_m), round_body_(round), impl_(std::make_unique<Impl>()) {
-  if (round && !round->has_flat_ends) {
-    impl_->shape.addPoint(to_bullet(round->middle_m - round->half_axis_m), false);
-    if (!round->half_axis_m.isZero(0)) impl_->shape.addPoint(to_bullet(round->middle_m + round->half_axis_m), false);
-    impl_->shape.setMargin(round->radius_m);
-    impl_->shape.recalcLocalAabb();
-    return;
-  }
   for (const Eigen::Vector3d& corner : polytope_body_.corners_m) impl_->shape.addPoint(to_bullet(corner), false);
   impl_->shape.setMargin(0);
   impl_->shape.recalcLocalAabb();
@@ -128,8 +121,6 @@ std::span<const ContactPoint> ConvexContact::with_shape(const ConvexShape& shape
   std::vector<ContactPoint>& found = impl_->points.all;
   if (!impl_->find_nearest(shape.impl_->shape, here, other.impl_->shape, there, reach_m)) return found;
   const btVector3 normal = to_bullet(found.front().normal_world);
-  if (shape.impl_->shape.getConvexPolyhedron() == nullptr || other.impl_->shape.getConvexPolyhedron() == nullptr)
-    return found;
   const btConvexPolyhedron &hull = *shape.impl_->shape.getConvexPolyhedron(),
                            &other_hull = *other.impl_->shape.getConvexPolyhedron();
   if (best_face_cosine(hull, here, -normal) > kFlush && best_face_cosine(other_hull, there, normal) > kFlush) {

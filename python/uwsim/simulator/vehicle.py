@@ -72,7 +72,7 @@ class Vehicle(CommandedVehicle):
         | dict.fromkeys(("yaw", "heading"), "pose.yaw_rad")
         | {
             "state": "pose, velocity or telemetry()",
-            "save": "the simulator's save_state()",
+            "save": "its Simulator, which saves all vehicles at once",
             "close": "del of its simulator: there is nothing to close",
             "depth": "telemetry().depth_m",
             "speed": "velocity.linear_body_m_s",

@@ -135,16 +135,5 @@ TEST(Rolling, ADrumStandsOnItsEnd) {
   EXPECT_NEAR(place_m(bodies).z(), kFlatBed_m + kHalfLong_m, 1.1e-3);
 }
 
-TEST(Rolling, BallsMeetWhereTheyAreRound) {
-  const RoundCase ball = round_cases()[0];
-  RigidBodyWorld bodies(World{}, kStep_s);
-  bodies.add_body(round_body(ball, 0), at(0, 0, 0));
-  bodies.add_body(round_body(ball, 0), moving({-2, kRound_m, 0}, 1, false));  // its line passes at half of the reach
-  run(bodies, 800, vacuum(0));
-  const Eigen::Vector3d pushed = velocity_m_s(bodies, 0);
-  EXPECT_NEAR(std::atan2(pushed.y(), pushed.x()), -std::numbers::pi / 6, 0.01);
-  EXPECT_NEAR(pushed.norm(), 0.5 * (1 + 0.1) * std::cos(std::numbers::pi / 6), 0.01);
-}
-
 }  // namespace
 }  // namespace uwsim

@@ -1,7 +1,6 @@
 """identify: known vehicles are found again, from any kind of log, with intervals that contain the truth."""
 
 import shutil
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +18,7 @@ from uwsim.evidence.identification.calibrated_file import calibrated_text
 from uwsim.evidence.identification.command_times import segment_of
 from uwsim.evidence.identification.flown import OUTPUTS, Flown, parts_of
 from uwsim.evidence.identification.motion_log import read_mapping
-from uwsim.evidence.identification.report import undetermined_lines
-from uwsim.evidence.identification.solution import CORRELATED, Identified, Value
+from uwsim.evidence.identification.solution import Identified, Value
 from uwsim.evidence.identification.unknowns import DELAY, SPREADS, parameters_at, unknowns
 from uwsim.evidence.validate.flights import deep_scenario
 from uwsim.evidence.validate.identification import covered, true_log
@@ -88,20 +86,6 @@ def test_a_volume_and_a_centre_of_buoyancy_that_the_file_does_not_state_are_foun
     assert {"volume_m3", *(f"centre_of_buoyancy_m.{axis}" for axis in "xyz")} <= found.values.keys()
     assert np.mean(list(inside.values())) > 0.7
     assert "volume_m3: identified from that of the hull's mesh: the vehicle's file states none" in found.premises
-
-
-def test_what_a_model_misses_determines_nothing(model: VehicleModel) -> None:
-    """A speed that swings as in a swell, of which the model has none: its residuals follow one another."""
-    log = true_log(2, model, duration_s=4.0).log
-    swell = np.zeros_like(log.velocity_body)
-    swell[:, 0] = 0.3 * np.sin(2.0 * np.pi * log.times_s / 3.0)
-    known = tuple(SPREADS.keys() - {"quadratic_damping"})
-    found = identify(replace(log, velocity_body=log.velocity_body + swell), model, known=known)
-    surge = found.values["quadratic_damping.surge"]
-    assert found.correlation[6] >= CORRELATED and surge.is_correlated and not surge.is_determined
-    assert found.model.quadratic_damping is not None and model.quadratic_damping is not None
-    assert found.model.quadratic_damping[0] == model.quadratic_damping[0]
-    assert any("surge [m/s] shows" in line for line in undetermined_lines(found))
 
 
 def test_the_new_file_states_a_centre_and_a_volume_that_the_old_one_did_not(tmp_path: Path) -> None:

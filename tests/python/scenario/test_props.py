@@ -87,7 +87,7 @@ def test_a_lid_keeps_a_ball_out_and_what_floats_beneath_lifts_it() -> None:
 
 
 def test_a_flare_keeps_its_golf_ball_until_it_is_bumped() -> None:
-    assert after(5.0, pool(prop("flare_with_ball")), "it_golf_ball")[2] == pytest.approx(FLOOR + 0.825, abs=0.01)
+    assert after(5.0, pool(prop("flare_with_ball")), "it_golf_ball")[2] == pytest.approx(FLOOR + 0.8126, abs=0.002)
     bumped = pool(prop("flare_with_ball"), objects=[ball((-0.5, 0, FLOOR + 0.6), (2.0, 0, 0.3))])
     assert after(5.0, bumped, "it_golf_ball")[2] < FLOOR + 0.1
 

@@ -26,6 +26,7 @@ from uwsim.scenario.schema import PARTS, schema
 ELSEWHERE = {
     "add-a-sensor": "needs the sensor that it adds, in C++: see test_docs_cpp.py",
     "add-a-sonar": "needs the sonar that it adds, in C++: see test_docs_cpp.py",
+    "makers": "needs Blue Robotics' library; test_ping.py uses it where it is there",
     "rosbridge": "needs a server; test_readme.py runs the README's, which is alike",
 }
 NOT_MADE_HERE = {"octovis.png": "a window of Debian 13's octovis"}

@@ -113,6 +113,7 @@ OF_OTHERS = {
     "filterpy",
     "gsw",
     "pycolmap",  # a judge if it is there
+    "capytaine",  # makes sea tables if it is there
     "playwright",  # takes screens if it is there; kept ones otherwise
     "mujoco",
     "pvlib",

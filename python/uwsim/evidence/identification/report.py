@@ -9,7 +9,7 @@ import numpy as np
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
 from uwsim.evidence.identification.calibrated_file import write_calibrated
-from uwsim.evidence.identification.solution import CORRELATED, Identified
+from uwsim.evidence.identification.solution import Identified
 
 COLUMNS = (
     *(f"position {axis} [m]" for axis in "xyz"),
@@ -30,10 +30,7 @@ def write_report(found: Identified, log: str, out: Path) -> list[Path]:
 
 
 def table(found: Identified) -> list[tuple[str, ...]]:
-    """Return name, initial value, value, interval ends and unit of each quantity, and "no" if it is undetermined.
-
-    "no: residuals" where they are so correlated that the model misses something.
-    """
+    """Return name, initial value, value, interval ends and unit of each quantity, and "no" if it is undetermined."""
     return [
         (
             v.name,
@@ -42,22 +39,18 @@ def table(found: Identified) -> list[tuple[str, ...]]:
             f"{v.low:.4g}",
             f"{v.high:.4g}",
             v.unit,
-            "" if v.is_determined else "no: residuals" if v.is_correlated else "no",
+            "" if v.is_determined else "no",
         )
         for v in found.values.values()
     ]
 
 
 def undetermined_lines(found: Identified) -> list[str]:
-    """Return one line for each combination, and each output, by which the log does not determine quantities."""
+    """Return one line for each combination that the log does not determine."""
     lines = []
     for left, parts in found.undetermined:
         text = " ".join(f"{'+' if part > 0 else '-'} {abs(part):.2f} {name}" for name, part in parts.items())
         lines.append(f"{text.removeprefix('+ ')}: {left:.0%} of the spread assumed before is left")
-    for name, correlation in zip(COLUMNS, found.correlation, strict=False):
-        if correlation >= CORRELATED:
-            missed = "the model misses something"
-            lines.append(f"what {name} shows: its residuals are correlated by {correlation:.2f}, {missed}")
     return lines
 
 
@@ -88,8 +81,7 @@ def _page(found: Identified, log: str) -> str:
             "",
             "## What the log does not determine",
             "",
-            "Combinations, in standard deviations of the assumptions, of which the log determines less than these do,"
-            " and outputs with correlated residuals:",
+            "Combinations, in standard deviations of the assumptions, of which the log determines less than these do:",
             "",
             *undetermined,
             "",
@@ -100,7 +92,7 @@ def _page(found: Identified, log: str) -> str:
             *residuals,
             "",
             "Intervals assume that the model is right. Correlated residuals suggest that it is not; the intervals are"
-            f" widened for them, and from {CORRELATED} on nothing counts as determined.",
+            " widened for them.",
             "",
             f"![Residuals]({FIGURE})",
             "",

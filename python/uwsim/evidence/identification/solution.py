@@ -6,8 +6,7 @@ System Identification, ch. 7; Jategaonkar 2006, Flight Vehicle System Identifica
 The noise of each output is estimated from the residuals. The prior of each unknown (unknowns.py) enters as one more
 observation, so that the solution exists whatever the log contains. Intervals follow from the inverse of the information
 matrix at the solution; they assume that the model is right and the noise white. Where residuals are correlated from
-sample to sample, the noise's variance is multiplied by (1 + r) / (1 - r), with r their lag-one correlation. From
-CORRELATED on, the model misses something that such a factor does not cover: then no quantity counts as determined.
+sample to sample, the noise's variance is multiplied by (1 + r) / (1 - r), with r their lag-one correlation.
 """
 
 from __future__ import annotations
@@ -38,8 +37,6 @@ GROUPS = ("position", "attitude", "velocity", "rate")
 BOUND = 5.0  # standard deviations of the prior
 DETERMINED = 0.7
 """The log determines a quantity if it reduces the prior's standard deviation to less than this share."""
-CORRELATED = 0.8
-"""Residuals with this correlation at lag one are the model's error, not noise: it shifts all quantities."""
 ROUNDS = 3
 ROUGH, FINE = 1e-3, 1e-6
 """Relative tolerances of the cost, about 1e3: with a guessed noise and with the estimated one."""
@@ -51,8 +48,7 @@ BRIEF_S, MOST_BRIEF = 4.0, 60
 class Value:
     """An identified quantity. low, high: ends of its 95 % interval. left: share of the prior's spread that remains.
 
-    places: the numbers in the vehicle's file that it replaces; none for the current and the delay. is_correlated:
-    whether residuals of the log are correlated by CORRELATED or more.
+    places: the numbers in the vehicle's file that it replaces; none for the current and the delay.
     """
 
     name: str
@@ -63,12 +59,11 @@ class Value:
     high: float
     left: float
     places: tuple[Place, ...] = ()
-    is_correlated: bool = False
 
     @property
     def is_determined(self) -> bool:
-        """True if the log determines the value, rather than the prior or what the model misses."""
-        return self.left < DETERMINED and not self.is_correlated
+        """True if the log determines the value, rather than the prior."""
+        return self.left < DETERMINED
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -136,11 +131,9 @@ def identify(
     covariance: Array = np.asarray(np.linalg.inv(information + np.eye(flown.size))[:p, :p], np.float64)
     left: Array = np.asarray(np.sqrt(np.diag(covariance)), np.float64)
     own = numbers_at(found, np.zeros(p))
-    is_correlated = bool((correlation >= CORRELATED).any())
-    kept = _kept(z[:p], covariance, (left >= DETERMINED) | is_correlated)
-    numbers = {place: n for place, n in numbers_at(found, kept).items() if n != own[place]}
+    numbers = {place: n for place, n in numbers_at(found, _kept(z[:p], covariance, left)).items() if n != own[place]}
     return Identified(
-        _values(found, z, left, is_correlated),
+        _values(found, z, left),
         _undetermined(found, information),
         residuals,
         scale,
@@ -251,12 +244,12 @@ def _lag_one(residuals: Array) -> Array:
     return np.where(found > noise, np.minimum(found, 0.95), 0.0)
 
 
-def _values(found: list[Unknown], z: Array, spread: Array, is_correlated: bool) -> dict[str, Value]:
+def _values(found: list[Unknown], z: Array, spread: Array) -> dict[str, Value]:
     values = {}
     for unknown, at, sd in zip(found, z, spread, strict=False):
         ends = (unknown.at(at - NORMAL_95 * sd), unknown.at(at + NORMAL_95 * sd))
         values[unknown.name] = Value(
-            unknown.name, unknown.unit, unknown.value, unknown.at(at), *ends, float(sd), unknown.places, is_correlated
+            unknown.name, unknown.unit, unknown.value, unknown.at(at), *ends, float(sd), unknown.places
         )
     return values
 
@@ -277,11 +270,12 @@ def _undetermined(found: list[Unknown], information: Array) -> list[tuple[float,
     return undetermined
 
 
-def _kept(z: Array, covariance: Array, held: NDArray[np.bool_]) -> Array:
-    """Return z (p,) with the quantities that the log does not determine, `held`, at the file's values.
+def _kept(z: Array, covariance: Array, left: Array) -> Array:
+    """Return z (p,) with the quantities that the log does not determine at the file's values.
 
     The others are the most likely ones given that (the mean of a conditional normal distribution).
     """
+    held = left >= DETERMINED
     kept = np.where(held, 0.0, z)
     if held.any() and not held.all():
         across, own = covariance[np.ix_(~held, held)], covariance[np.ix_(held, held)]

@@ -16,8 +16,11 @@ from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.build.actuator import thrust_curve
 from uwsim.scenario.build.battery import battery_spec
 from uwsim.scenario.build.link import modem_spec
+from uwsim.scenario.build.loose_bodies import object_specs
 from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
+from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.sensor import sensor_spec
+from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.read.assets import find_yaml, shown_name
 from uwsim.scenario.read.validated import validated, what_holds
 from uwsim.scenario.read.yaml_file import read_yaml
@@ -25,6 +28,7 @@ from uwsim.scenario.schema import FILES
 from uwsim.scenario.spec.actuator import ThrusterType
 from uwsim.scenario.spec.battery import BatterySetup, BatteryType
 from uwsim.scenario.spec.modem import ModemModel
+from uwsim.scenario.spec.prop import Prop
 from uwsim.scenario.spec.sensor import SensorSet
 from uwsim.scenario.spec.sonar import ACOUSTIC, SonarModel
 from uwsim.simulator.simulator import Simulator
@@ -116,10 +120,21 @@ def _build_battery(part: BatteryType) -> None:
     battery_spec(BatterySetup(model=part))
 
 
+def _build_prop(part: Prop) -> None:
+    start, place = {"position_m": [50.0, 0.0, -100.0]}, {"name": part.name, "model": part, "position_m": [0, 0, -100]}
+    vehicle = {"name": "vehicle", "model": "rov", "start": start}
+    scenario = validated(Scenario, {**OPEN_WATER, "vehicles": [vehicle], "props": [place]})
+    terrain = build_terrain(scenario.terrain)
+    for obstacle in scenario.obstacles:
+        obstacle_solid(obstacle, terrain)
+    object_specs(scenario)
+
+
 BUILT: Mapping[str, Callable[[Any], object]] = {
     "thruster": _build_thruster,
     "sensors": _build_sensors,
     "sonar": _build_sonar,
     "modem": _build_modem,
     "battery": _build_battery,
+    "prop": _build_prop,
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Literal
+from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import brentq
@@ -12,9 +12,6 @@ from uwsim.evidence.validate.flights import deep_water
 from uwsim.scenario import ScenarioError, VehicleModel
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.fields import Model
-
-if TYPE_CHECKING:
-    from uwsim.evidence.vehicle.report import VehicleReport
 
 SUPPLY_V = 16.0
 GLIDE_S, PITCHES = 200.0, (0.2, 0.35, 0.5)
@@ -52,7 +49,7 @@ class Statements(Model):
     statements: tuple[Statement, ...]
 
 
-def beside_makers(report: VehicleReport) -> Iterator[tuple[str, str, str, str, str]]:
+def beside_makers(report: Any) -> Iterator[tuple[str, str, str, str, str]]:
     """Yield rows: quantity, value here, stated value, year, source; "-" where there is none.
 
     Endurance is not computed: it depends on the power of computers, lamps and payload, which is not modelled.
@@ -76,7 +73,7 @@ def beside_makers(report: VehicleReport) -> Iterator[tuple[str, str, str, str, s
         )
 
 
-def _here(report: VehicleReport) -> dict[Quantity, float]:
+def _here(report: Any) -> dict[Quantity, float]:
     found: dict[Quantity, float] = {"speed_ahead": float(report.terminal[0, 0])}
     if np.isfinite(report.terminal[0, 0]):
         ahead, aside, up = report.allocation.full_ahead[:3]

@@ -53,6 +53,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "cover",
             "life",
             "objects",
+            "props",
             "wind",
             "water_targets",
             "link",

@@ -27,7 +27,7 @@ GROUPS = {
               "paper_buoyant"),
     "sea": ("reef", "kelp", "lagoon", "cove", "shelf"),
     "structures": ("wreck", "harbour", "fish_farm", "wind_farm"),
-    "basins": ("training_pool", "pool", "panel", "pair"),
+    "basins": ("training_pool", "course", "pool", "panel", "pair"),
 }  # fmt: skip
 """The packaged scenes as the start screen groups them; all others are the user's own."""
 SPEEDS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 0.0)
