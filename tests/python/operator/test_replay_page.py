@@ -98,7 +98,7 @@ def test_a_flight_is_found_scrubbed_flown_on_and_compared(browser, tmp_path: Pat
         page.locator("#timeline .timeline-plot").click(position={"x": 8, "y": 10})
         until(lambda: live.tick == replay.timeline.start_tick, "the start")
         label = page.locator("select[aria-label='Go to an event'] option").all_inner_texts()
-        assert any("undock rov" in text for text in label)
+        assert any("Undocked" in text for text in label)
         page.select_option("select[aria-label='Go to an event']", index=1)
         until(lambda: abs(live.tick - 200 * replay.timeline.events[0].time_s) <= 1, "the first event")
 
