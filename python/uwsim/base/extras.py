@@ -27,6 +27,7 @@ EXTRA_OF = {
     "pyxtf": "survey",
     "pygeomag": "survey",
     "coacd": "decompose",
+    "cryptography": "certificates",
     "cascadio": "step",
     "cyclonedds": "ros2",
     "zenoh": "zenoh",

@@ -123,7 +123,8 @@ class PropShift(Model):
 class Exercise(Model):
     """An exercise for a pilot.
 
-    title: one line. brief: the task. scenario: a packaged name, or the path of a YAML file. vehicle: a packaged model
+    title: one line. task: the kind of a pilot's work that it trains, under which a certificate lists it. brief: the
+    task in words. scenario: a packaged name, or the path of a YAML file. vehicle: a packaged model
     that replaces the first vehicle's. obstacles: added to the scenario's. layout: how far its props may stand from
     their places, by the seed. hidden: names of obstacles that the station's
     3D view and chart leave out. start: the pose of the first vehicle, by default as in the scenario. seed: seed of all
@@ -133,6 +134,7 @@ class Exercise(Model):
     """
 
     title: str = Field(min_length=1, max_length=120)
+    task: str = Field(default="", max_length=40)
     brief: str = Field(min_length=1, max_length=2000)
     scenario: str
     vehicle: str | None = None

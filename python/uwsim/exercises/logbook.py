@@ -29,7 +29,10 @@ Check = Literal["valid", "not valid"]
 
 
 class Entry(BaseModel):
-    """One attempt, as in its score sheet. date: ISO 8601, of its end. duration_s: simulated. digest: the sheet's."""
+    """One attempt, as in its score sheet. date: ISO 8601, of its end. duration_s: simulated. digest: the sheet's.
+
+    task: the kind of work, "" in lines of before it was kept.
+    """
 
     model_config = ConfigDict(extra="ignore", strict=True)
 
@@ -47,6 +50,7 @@ class Entry(BaseModel):
     ended_because: str
     build: str
     digest: str
+    task: str = ""
 
     @classmethod
     def of(cls, sheet: Mapping[str, Any]) -> Entry:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from uwsim.base.options import WithoutEffectError
+from uwsim.base.options import OptionError, WithoutEffectError, need, refuse
 from uwsim.cli.bounds import readable
 from uwsim.cli.exit_codes import INCOMPLETE
 from uwsim.cli.options import AsJson
 
 if TYPE_CHECKING:
-    from uwsim.exercises.logbook import Line
+    from uwsim.exercises.logbook import Book, Line
 
 
 def logbook(
@@ -26,7 +26,22 @@ def logbook(
     csv: Annotated[bool, typer.Option("--csv", help="Print the attempts as CSV.")] = False,
     check: Annotated[
         Path | None,
-        typer.Option(help="Only check that a score.json is as it was written, by its digest.", callback=readable),
+        typer.Option(
+            help="Only check that a score.json or certificate.json is as it was written, and who has signed it.",
+            callback=readable,
+        ),
+    ] = None,
+    signed_by: Annotated[
+        Path | None,
+        typer.Option(help="With --check: the public key that must have signed it, Ed25519 as PEM.", callback=readable),
+    ] = None,
+    certificate: Annotated[
+        Path | None,
+        typer.Option(help="With --person: write certificate.json and certificate.html into this folder."),
+    ] = None,
+    sign: Annotated[
+        Path | None,
+        typer.Option(help="With --certificate: sign it with this key, Ed25519 as PEM.", callback=readable),
     ] = None,
 ) -> None:
     """Print the hours and exercises of each person.
@@ -36,17 +51,21 @@ def logbook(
     one that was cut short, are reported and left out. Lines that are not as they were written are reported, shown as
     not valid, and count for no person; for either, the exit code is 4.
     """
-    from uwsim.exercises.certified import checked_person, read_sheet
+    from uwsim.exercises.certified import checked_person
     from uwsim.exercises.logbook import RULE, logbook_path, read_book
 
     if check is not None:
-        if person is not None or json or csv:
-            raise WithoutEffectError("--person, --json and --csv: have no effect with --check")
-        sheet = read_sheet(check)
-        typer.echo(
-            f"{check}: is as it was written: {sheet['person'] or 'not named'}, {sheet['title']}, {sheet['date']}"
-        )
+        refuse("has no effect with --check", person=person, json=json or None, csv=csv or None,
+               certificate=certificate, sign=sign)  # fmt: skip
+        typer.echo(_checked(check, signed_by))
         return
+    need("--check", signed_by=signed_by)
+    if person is None:
+        need("--person", certificate=certificate)
+    if certificate is None:
+        need("--certificate", sign=sign)
+    else:
+        refuse("has no effect with --certificate", json=json or None, csv=csv or None)
     if json and csv:
         raise WithoutEffectError("needs only one of --json and --csv")
     path = logbook_path()
@@ -55,7 +74,9 @@ def logbook(
     wanted = None if person is None else checked_person(person)
     book = read_book(path)
     found = [each for each in book.lines if wanted is None or each.entry.person == wanted]
-    if json:
+    if certificate is not None:
+        _certify(book, str(wanted), certificate, sign)
+    elif json:
         typer.echo(_json(found))
     elif csv:
         typer.echo(_csv(found), nl=False)
@@ -71,6 +92,29 @@ def logbook(
         typer.echo(f"uwsim: warning: '{path}', line {each.number}: is not valid: {each.why}", err=True)
     if book.unread or refused:
         raise typer.Exit(INCOMPLETE)
+
+
+def _checked(path: Path, key: Path | None) -> str:
+    """Return a line about a sheet or a certificate that is as it was written. Raises ValueError for another."""
+    from uwsim.exercises.certificate import check_certificate, is_certificate
+    from uwsim.exercises.certified import read_sheet
+
+    if is_certificate(path):
+        return check_certificate(path, key)
+    if key is not None:
+        raise OptionError(f"--signed-by '{key}': a score sheet has no signature; a certificate may have one")
+    sheet = read_sheet(path)
+    return f"{path}: is as it was written: {sheet['person'] or 'not named'}, {sheet['title']}, {sheet['date']}"
+
+
+def _certify(book: Book, person: str, folder: Path, key: Path | None) -> None:
+    from uwsim.base.extras import need_extra
+    from uwsim.exercises.certificate import certificate_of, signed, write_certificate
+
+    need_extra("jinja2", "figures", "a certificate's page")
+    made = certificate_of(book, person)
+    written = write_certificate(folder, made if key is None else signed(made, key))
+    typer.echo("  ".join(map(str, written)))
 
 
 def _attempts(found: Sequence[Line]) -> list[str]:
