@@ -1,34 +1,29 @@
 """A pilot's certificate: what a person has flown, task by task, from the log book; a centre may sign it with its key.
 
-The signature is Ed25519 (RFC 8032) over the certificate's canonical JSON. It states that the holder of the key has
-signed these values; the log book behind them shows mistakes and no fraud (see `uwsim.exercises.logbook`).
+The signature (`uwsim.base.signing`) states that the holder of the key has signed these values; the log book behind them
+shows mistakes and no fraud (see `uwsim.exercises.logbook`).
 """
 
 from __future__ import annotations
 
-import base64
 import json
 from collections.abc import Mapping
 from datetime import datetime
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from uwsim.base.atomic_file import write_atomically
-from uwsim.base.extras import need_extra
 from uwsim.base.own_files import require_own
+from uwsim.base.signing import SIGNATURE, signer_of
 from uwsim.base.texts.json_text import read_json
 from uwsim.exercises.certified import digest_of
 from uwsim.exercises.exercise import exercise_names, load_exercise
 from uwsim.exercises.logbook import Book, Entry, totals
 
-if TYPE_CHECKING:
-    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
-
 TEMPLATE = Path(__file__).with_name("certificate.html.j2")
 DATA, PAGE = "certificate.json", "certificate.html"
 OTHER = "other exercises"
-SIGNATURE = "signature"
 CONTENT = ("person", "date", "tasks", "totals", "logbook")
 
 
@@ -79,16 +74,6 @@ def _exercise(title: str, flown: list[Entry]) -> dict[str, Any]:
     }
 
 
-def signed(certificate: Mapping[str, Any], key: Path) -> dict[str, Any]:
-    """Return a certificate with the signature of a centre's key: an Ed25519 key as PEM, without a pass phrase.
-
-    Raises OSError, MissingExtraError, or ValueError for a file that is no such key.
-    """
-    private = _private_key(key)
-    value = private.sign(_signed_bytes(certificate))
-    return {**certificate, SIGNATURE: {"key": _text(private.public_key()), "value": base64.b64encode(value).decode()}}
-
-
 def write_certificate(out: Path, certificate: Mapping[str, Any]) -> list[Path]:
     """Write certificate.json and certificate.html into a folder; return their paths.
 
@@ -119,68 +104,13 @@ def check_certificate(path: Path, key: Path | None) -> str:
     found = read_json(path)
     if not isinstance(found, dict) or not all(name in found for name in CONTENT):
         raise ValueError(f"'{path}': is not a certificate with {', '.join(CONTENT)}")
-    signature = found.pop(SIGNATURE, None)
-    if digest_of(found) != found.get("digest"):
+    if digest_of({name: value for name, value in found.items() if name != SIGNATURE}) != found.get("digest"):
         raise ValueError(f"'{path}': has been changed since it was written: its content does not have its digest")
     who = f"{path}: is as it was written: {found['person']}, {found['date']}"
-    if signature is None:
-        if key is not None:
-            raise ValueError(f"'{path}': has no signature")
+    if SIGNATURE not in found and key is None:
         return f"{who}; not signed"
-    signer = _verified(path, found, signature)
-    if key is not None and signer != _text(_public_key(key)):
-        raise ValueError(f"'{path}': is signed by another key than that of '{key}': {signer}")
+    signer = signer_of(found, f"'{path}'", key)
     return f"{who}; signed by {signer if key is None else key}"
-
-
-def _verified(path: Path, values: Mapping[str, Any], signature: Any) -> str:
-    """Return the key by which values are signed. Raises ValueError."""
-    need_extra("cryptography", "certificates", "a signature")
-    from cryptography.exceptions import InvalidSignature
-    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
-
-    try:
-        key = str(signature["key"])
-        public = Ed25519PublicKey.from_public_bytes(base64.b64decode(key, validate=True))
-        public.verify(base64.b64decode(signature["value"], validate=True), _signed_bytes(values))
-    except (InvalidSignature, KeyError, TypeError, ValueError):
-        raise ValueError(f"'{path}': its signature is not that of its content") from None
-    return key
-
-
-def _signed_bytes(certificate: Mapping[str, Any]) -> bytes:
-    return json.dumps(dict(certificate), sort_keys=True, separators=(",", ":")).encode()
-
-
-def _text(key: Ed25519PublicKey) -> str:
-    return base64.b64encode(key.public_bytes_raw()).decode()
-
-
-def _private_key(path: Path) -> Ed25519PrivateKey:
-    need_extra("cryptography", "certificates", "a signature")
-    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
-    from cryptography.hazmat.primitives.serialization import load_pem_private_key
-
-    try:
-        found = load_pem_private_key(path.read_bytes(), None)
-    except (ValueError, TypeError):
-        found = None
-    if not isinstance(found, Ed25519PrivateKey):
-        raise ValueError(f"'{path}': must be an Ed25519 private key as PEM, without a pass phrase")
-    return found
-
-
-def _public_key(path: Path) -> Ed25519PublicKey:
-    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
-    from cryptography.hazmat.primitives.serialization import load_pem_public_key
-
-    try:
-        found = load_pem_public_key(path.read_bytes())
-    except ValueError:
-        found = None
-    if not isinstance(found, Ed25519PublicKey):
-        raise ValueError(f"'{path}': must be an Ed25519 public key as PEM")
-    return found
 
 
 def _tiles(certificate: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:

@@ -109,7 +109,8 @@ def _checked(path: Path, key: Path | None) -> str:
 
 def _certify(book: Book, person: str, folder: Path, key: Path | None) -> None:
     from uwsim.base.extras import need_extra
-    from uwsim.exercises.certificate import certificate_of, signed, write_certificate
+    from uwsim.base.signing import signed
+    from uwsim.exercises.certificate import certificate_of, write_certificate
 
     need_extra("jinja2", "figures", "a certificate's page")
     made = certificate_of(book, person)
