@@ -147,7 +147,7 @@ def _stereo(orb: cv2.ORB, shot: Shot) -> tuple[int, int, Floats, NDArray[np.uint
             for each in (left, found))  # fmt: skip
     shift = a[:, 0] - b[:, 0]
     usable = is_found & (np.abs(a[:, 1] - b[:, 1]) < NEAR_PX / k[1, 1]) & (shift > NEAR_PX / k[0, 0])
-    depth_m = np.where(usable, BASELINE_M / np.where(usable, shift, 1.0), np.inf)
+    depth_m = np.where(usable, BASELINE_M / np.where(usable, shift, 1.0), 0.0)
     good = usable & np.isfinite(true_m) & (np.abs(depth_m - true_m) < STEREO_ERROR * true_m)
     places = np.column_stack([a * depth_m[:, None], depth_m])[usable]
     return int(good.sum()), int(np.isfinite(true_m).sum()), places, words[usable]
