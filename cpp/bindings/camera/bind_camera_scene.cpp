@@ -53,7 +53,7 @@ py::array_t<float> ripple_slopes(const CameraScene& scene, const Optics& optics,
   require(std::isfinite(time_s), "time_s", time_s, "must be finite");
   require(threads >= 1 && threads <= 1024, "threads", threads, "must be in [1, 1024]");
   const auto found = without_gil([&] {
-    return scene.ripples(optics.wind_m_s, optics.wind_towards_rad, optics.fetch_m, time_s, focus_water(optics),
+    return scene.ripples(optics.wind_m_s, optics.wind_towards_rad, optics.fetch_m, time_s, focused_sun(optics),
                          camera::kCausticLevels - 2, threads);
   });
   py::array_t<float> slopes({Ripples::kCells, Ripples::kCells, 2});

@@ -143,12 +143,12 @@ std::vector<std::string> CameraScene::label_names() const {
 std::vector<std::uint8_t> CameraScene::classes_by_label() const { return classes_; }
 
 std::shared_ptr<const Ripples::Snapshot> CameraScene::ripples(double wind_m_s, double towards_rad, double fetch_m,
-                                                              double time_s, const FocusWater& water, int first_level,
+                                                              double time_s, const FocusedSun& sun, int first_level,
                                                               int threads) const {
   const std::lock_guard lock(mutex_);
   const bool same_wind = cached_ripples_ && cached_ripples_->wind_m_s == wind_m_s &&
                          cached_ripples_->towards_rad == towards_rad && cached_ripples_->fetch_m == fetch_m;
-  if (same_wind && cached_ripples_->time_s == time_s && cached_ripples_->water == water &&
+  if (same_wind && cached_ripples_->time_s == time_s && cached_ripples_->sun == sun &&
       cached_ripples_->snapshot->first_level <= first_level) {
     return cached_ripples_->snapshot;
   }
@@ -157,10 +157,10 @@ std::shared_ptr<const Ripples::Snapshot> CameraScene::ripples(double wind_m_s, d
       towards_rad,
       fetch_m,
       time_s,
-      water,
+      sun,
       same_wind ? cached_ripples_->ripples : std::make_shared<const Ripples>(wind_m_s, towards_rad, fetch_m, seed_),
       nullptr};
-  now.snapshot = std::make_shared<const Ripples::Snapshot>(now.ripples->at(time_s, water, first_level, threads));
+  now.snapshot = std::make_shared<const Ripples::Snapshot>(now.ripples->at(time_s, sun, first_level, threads));
   cached_ripples_ = std::move(now);
   return cached_ripples_->snapshot;
 }

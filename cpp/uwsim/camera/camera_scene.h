@@ -95,7 +95,7 @@ class CameraScene {
   /// The ripples caused by a wind over a fetch, at one time, with the caustics from `first_level` on. The last result
   /// is cached, because several cameras may render pictures of the same time.
   std::shared_ptr<const Ripples::Snapshot> ripples(double wind_m_s, double wind_towards_rad, double fetch_m,
-                                                   double time_s, const FocusWater& water, int first_level,
+                                                   double time_s, const FocusedSun& sun, int first_level,
                                                    int threads) const;
 
  private:
@@ -103,7 +103,7 @@ class CameraScene {
   std::uint8_t class_of(const std::string& surface_class);
   struct CachedRipples {
     double wind_m_s, towards_rad, fetch_m, time_s;
-    FocusWater water;
+    FocusedSun sun;
     std::shared_ptr<const Ripples> ripples;
     std::shared_ptr<const Ripples::Snapshot> snapshot;
   };

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "uwsim/camera/parallel_rows.h"
+#include "uwsim/camera/particle_scattering.h"
 #include "uwsim/camera/plane_transform.h"
 #include "uwsim/camera/ripples.h"
 #include "uwsim/core/image_buffer.h"
@@ -26,12 +27,14 @@ constexpr int kRays = kFine * kCells;
 
 using Grid = std::vector<float>;
 
-/// Slopes at a lattice of kRays x kRays rays, interpolated between the nodes.
-struct RaySlopes {
+/// Where the rays of a lattice of kRays x kRays arrive on a level plane, per metre along the beam, relative to a ray
+/// through level water.
+struct BentRays {
   ImageBuffer<float> x{kRays * kRays}, y{kRays * kRays};
 };
 
-void fill_ray_slopes(const Grid& slopes, int row, RaySlopes& rays) {
+/// Fills a row with slopes, interpolated between the nodes.
+void fill_slopes(const Grid& slopes, int row, BentRays& rays) {
   const int y = row / kFine;
   const float v = static_cast<float>(row % kFine) / kFine;
   const float* const low = slopes.data() + 2 * y * kCells;
@@ -51,6 +54,24 @@ void fill_ray_slopes(const Grid& slopes, int row, RaySlopes& rays) {
   }
 }
 
+/// Refracts a row's rays by its slopes (refraction.h, in float).
+void refract(const FocusedSun& sun, int row, BentRays& rays) {
+  const auto ratio = static_cast<float>(1 / sun.refractive_index);
+  const auto sun_x = static_cast<float>(sun.to_sun_in_air.x()), sun_y = static_cast<float>(sun.to_sun_in_air.y());
+  const auto sun_z = static_cast<float>(sun.cosine_in_air());
+  const Eigen::Vector2f slant = sun.slant().cast<float>();
+  const auto down = static_cast<float>(sun.cosine_in_water());
+  float *const x = rays.x.data() + row * kRays, *const y = rays.y.data() + row * kRays;
+  for (int k = 0; k < kRays; ++k) {
+    const float up = 1 / std::sqrt(1 + x[k] * x[k] + y[k] * y[k]);  // of the surface's normal
+    const float cosine = up * (sun_z - x[k] * sun_x - y[k] * sun_y);
+    const float turn = up * (std::sqrt(1 - ratio * ratio * (1 - cosine * cosine)) - ratio * cosine);
+    const float per_depth = down / (ratio * sun_z + turn);
+    x[k] = per_depth * (turn * x[k] - ratio * sun_x) + down * slant.x();
+    y[k] = per_depth * (turn * y[k] - ratio * sun_y) + down * slant.y();
+  }
+}
+
 int floor_int(float x) {
   const int truncated = static_cast<int>(x);
   return truncated - (static_cast<float>(truncated) > x ? 1 : 0);
@@ -63,12 +84,12 @@ struct Landings {
   std::array<int, kRays> cell;
   std::array<std::array<float, kRays>, 4> share;
 
-  void fill(const RaySlopes& rays, int row, float reach) {
+  void fill(const BentRays& rays, int row, float reach) {
     constexpr float kShare = 1.0f / (kFine * kFine), kStep = 1.0f / kFine;
-    const float *slope_x = rays.x.data() + row * kRays, *slope_y = rays.y.data() + row * kRays;
+    const float *bent_x = rays.x.data() + row * kRays, *bent_y = rays.y.data() + row * kRays;
     for (int k = 0; k < kRays; ++k) {
-      const float x = static_cast<float>(k) * kStep + reach * slope_x[k];
-      const float y = static_cast<float>(row) * kStep + reach * slope_y[k];
+      const float x = static_cast<float>(k) * kStep + reach * bent_x[k];
+      const float y = static_cast<float>(row) * kStep + reach * bent_y[k];
       const int i = floor_int(x), j = floor_int(y);
       const float u = x - static_cast<float>(i), v = y - static_cast<float>(j);
       cell[k] = (j & kWrap) * kCells + (i & kWrap);
@@ -82,28 +103,35 @@ struct Landings {
 
 using Complex = std::complex<float>;
 
-/// The share of each wave of a tile that is left, for the waves (x, y) with x and y from 0 to half of kCells.
+/// The share of each wave of a tile that is left, for the waves (x, y) with x less than half of kCells. The shortest
+/// have no direction, and none is left.
 struct WavesLeft {
-  static constexpr int kSide = kCells / 2 + 1;
-  std::array<float, static_cast<std::size_t>(kSide* kSide)> share;
+  static constexpr int kHalf = kCells / 2;
+  std::array<float, static_cast<std::size_t>(kHalf* kCells)> share{};
 
-  WavesLeft(double short_slope, const FocusWater& water, double depth_m) {
-    // A disc of radius r has the variance r^2 / 4 along each axis. The least variance smooths away the lattice of rays.
-    const double sun = 0.5 * kSunRadius_rad, ruffled = (1 - 1 / water.refractive_index) * short_slope;
-    const double variance = std::max((sun * sun + ruffled * ruffled) * depth_m * depth_m, 0.15 * kCell_m * kCell_m);
+  WavesLeft(double short_slope, const FocusedSun& sun, double path_m) {
+    // A disc of radius r has the variance r^2 / 4 along each axis, and below Snell's window 1 / n of its level part.
+    const double disc = 0.5 * kSunRadius_rad / sun.refractive_index, ruffled = sun.bend() * short_slope;
+    const double path2 = path_m * path_m, disc2 = disc * disc * path2, all2 = disc2 + ruffled * ruffled * path2;
     constexpr double kFirst_per_m = 2 * std::numbers::pi / Ripples::kTile_m;
-    for (int y = 0; y < kSide; ++y) {
-      for (int x = 0; x <= y; ++x) {
-        const double k = kFirst_per_m * std::sqrt(x * x + y * y), spread = 0.5 * variance * k * k;
-        at(x, y) = at(y, x) =
-            spread > kNothingLeft ? 0 : static_cast<float>(std::exp(-spread) * pattern_left(water, k, depth_m));
+    constexpr double kLeast = 0.15 * kCell_m * kCell_m;  // smooths away the lattice of rays
+    const Eigen::Vector2d slant = sun.slant();
+    for (int y = 1 - kHalf; y < kHalf; ++y) {
+      for (int x = 0; x < kHalf; ++x) {
+        const Eigen::Vector2d wave = kFirst_per_m * Eigen::Vector2d(x, y), moved = moved_on_level(slant, wave);
+        const double low = moved.dot(sun.to_sun_in_air), square = wave.squaredNorm(), along = wave.dot(slant);
+        const double variance = std::max(all2 * moved.squaredNorm() - disc2 * low * low, kLeast * square);
+        if (variance > 2 * kNothingLeft) continue;
+        share[static_cast<std::size_t>((y & kWrap) * kHalf + x)] = static_cast<float>(
+            std::exp(-0.5 * variance) * pattern_left(sun.scattering_per_m, std::sqrt(square + along * along), path_m));
       }
     }
   }
 
-  float& at(int x, int y) { return share[static_cast<std::size_t>(y * kSide + x)]; }
   float of(int x, int y) const {
-    return share[static_cast<std::size_t>(std::min(y, kCells - y) * kSide + std::min(x, kCells - x))];
+    if (x == kHalf) return 0;
+    return x < kHalf ? share[static_cast<std::size_t>(y * kHalf + x)]
+                     : share[static_cast<std::size_t>(((kCells - y) & kWrap) * kHalf + kCells - x)];
   }
 };
 
@@ -128,8 +156,8 @@ void spread(Grid& one, const WavesLeft& of_one, Grid& two, const WavesLeft& of_t
   }
 }
 
-Grid focused(const RaySlopes& rays, double bend, double depth_m) {
-  const auto reach = static_cast<float>(depth_m * bend / kCell_m);
+Grid focused(const BentRays& rays, double path_m) {
+  const auto reach = static_cast<float>(path_m / kCell_m);
   ImageBuffer<Shares> sums;
   sums.assign(kCells * kCells, Shares{});
   std::array<Landings, 4> distant;
@@ -155,24 +183,26 @@ Grid focused(const RaySlopes& rays, double bend, double depth_m) {
 
 }  // namespace
 
-double pattern_left(const FocusWater& water, double wave_number_per_m, double path_m) {
-  const double x = water.scattering_rad * wave_number_per_m * path_m;
-  const double kept = x > 1e-6 ? -std::expm1(-x) / x : 1 - 0.5 * x;
-  return std::exp(-water.scattering_per_m * path_m * (1 - kept));
+double pattern_left(double scattering_per_m, double wave_number_per_m, double path_m) {
+  static const double in_beam = scattered_within(kBeamEdge_rad);
+  const double lost = std::max(in_beam - kept_when_scattered(wave_number_per_m * path_m), 0.0);
+  return std::exp(-scattering_per_m * path_m * lost);
 }
 
-std::vector<float> caustics_under(const std::vector<float>& slopes, double short_slope, const FocusWater& water,
+std::vector<float> caustics_under(const std::vector<float>& slopes, double short_slope, const FocusedSun& sun,
                                   int first_level, int threads) {
-  RaySlopes rays;
-  for_rows(kRays, threads, [&](int row, int) { fill_ray_slopes(slopes, row, rays); });
+  BentRays rays;
+  for_rows(kRays, threads, [&](int row, int) {
+    fill_slopes(slopes, row, rays);
+    refract(sun, row, rays);
+  });
   std::vector<float> caustics(static_cast<std::size_t>(kCells) * kCells * kLevels);
-  const auto depth_m = [](int level) { return kFirstCausticLevel_m * std::exp2(level); };
+  const auto path_m = [](int level) { return kFirstCausticLevel_m * std::exp2(level); };
   static_assert(kLevels % 2 == 0);  // each level has the same partner, and so the same rounding
   for_rows(kLevels / 2 - first_level / 2, threads, [&](int pair, int) {
     const int upper = 2 * (first_level / 2 + pair), lower = upper + 1;
-    const double bend = 1 - 1 / water.refractive_index;
-    Grid one = focused(rays, bend, depth_m(upper)), two = focused(rays, bend, depth_m(lower));
-    spread(one, WavesLeft(short_slope, water, depth_m(upper)), two, WavesLeft(short_slope, water, depth_m(lower)));
+    Grid one = focused(rays, path_m(upper)), two = focused(rays, path_m(lower));
+    spread(one, WavesLeft(short_slope, sun, path_m(upper)), two, WavesLeft(short_slope, sun, path_m(lower)));
     for (std::size_t k = 0; k < one.size(); ++k) {
       caustics[k * kLevels + lower] = two[k];
       caustics[k * kLevels + upper] = one[k];

@@ -5,23 +5,27 @@
 #include <numbers>
 
 #include "uwsim/camera/kernels/kernels.h"
+#include "uwsim/camera/particle_scattering.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {
 namespace {
 
-// Fraction of scattering that removes light from the sun's beam; the rest is scattered forward within about 15 degrees
-// and still casts shadows. Assumed; of the order of Petzold's 1972 measurements.
-constexpr double kScatteredAway = 0.2;
-// Mean angle of that forward scattering: Petzold's phase functions fall as about theta^-1.5, of which a third of 15
-// degrees is the mean.
-constexpr double kForward_rad = 0.087;
 constexpr double kSunlight_lx = 1e5;  // illuminance that corresponds to irradiance 1 in daylight.h
 
 void assign(float (&to)[3], const Eigen::Vector3d& from) {
   for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from(k));
 }
 void assign(float (&to)[3], const Bands& from) { assign(to, Eigen::Vector3d(from.matrix())); }
+
+Bands particle_scattering(const WaterOptics& water) {
+  return water.scattering - molecular_scattering().min(water.scattering);
+}
+
+/// The scattering that takes light out of the sun's beam; the rest still casts shadows.
+Bands scattering_out_of_beam(const WaterOptics& water) {
+  return water.scattering - scattered_within(kBeamEdge_rad) * particle_scattering(water);
+}
 
 /// At least the upward part of every ray's direction in the picture, and at least 0. The highest ray is at the edge of
 /// the picture, unless the zenith is inside.
@@ -59,8 +63,9 @@ struct PatternPlace {
 
 }  // namespace
 
-FocusWater focus_water(const Optics& optics) {
-  return {optics.water.refractive_index, (1 - kScatteredAway) * optics.water.scattering(1), kForward_rad};
+FocusedSun focused_sun(const Optics& optics) {
+  return {optics.water.refractive_index, daylight(optics.sun).to_sun_world.head<2>(),
+          particle_scattering(optics.water)(1)};
 }
 
 PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const Optics& optics,
@@ -84,12 +89,12 @@ PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const
     view.waves = waves_.emplace(scene.world().water, anchor_world_m, request.time_s, request.threads).nodes();
   }
   set_light(optics, request);
-  set_swell(scene.world().water, focus_water(optics));
+  set_swell(scene.world().water, focused_sun(optics));
   const bool has_ripples =
       !request.geometry_only && optics.wind_m_s > 0 && (view.has_surface || on.has(Effect::kCaustics));
   if (has_ripples) {
     ripples_ = scene.ripples(optics.wind_m_s, optics.wind_towards_rad, optics.fetch_m, request.time_s,
-                             focus_water(optics), first_caustic_level(request), request.threads);
+                             focused_sun(optics), first_caustic_level(request), request.threads);
     view.slopes = ripples_->slopes.data();
     view.caustics = ripples_->caustics.data();
   }
@@ -211,21 +216,19 @@ void PreparedView::set_light(const Optics& optics, const PictureRequest& request
   const WaterOptics& water = optics.water;
   const Daylight above = daylight(optics.sun);
   const DaylightBelow below = daylight_below(above, water.refractive_index);
-  const Bands molecules = molecular_scattering().min(water.scattering);
+  const Bands particles = particle_scattering(water);
   const bool sunlight = on.has(Effect::kSunlight);
   view.has_sunlight = sunlight;
   view.has_attenuation = on.has(Effect::kAttenuation);
   view.has_backscatter = on.has(Effect::kBackscatter);
   view.untested_share = request.untested_share;
   view.refractive_index = static_cast<float>(water.refractive_index);
-  view.bend = static_cast<float>(1 - 1 / water.refractive_index);
   assign(view.c, water.beam_attenuation());
   assign(view.kd, sunlight ? water.diffuse_attenuation : Bands::Zero().eval());
-  assign(view.kb, sunlight
-                      ? Bands(water.diffuse_attenuation + kScatteredAway * water.scattering / below.to_sun_world.z())
-                      : Bands::Zero().eval());
-  assign(view.particle_b, Bands(water.scattering - molecules));
-  assign(view.molecule_b, molecules);
+  assign(view.kb, sunlight ? Bands(water.diffuse_attenuation + scattering_out_of_beam(water) / below.to_sun_world.z())
+                           : Bands::Zero().eval());
+  assign(view.particle_b, particles);
+  assign(view.molecule_b, Bands(water.scattering - particles));
   assign(view.upwelling, upwelling_share(water));
   assign(view.beam_level, below.beam_level);
   assign(view.total_level, Bands(below.beam_level + below.sky_level));
@@ -235,19 +238,28 @@ void PreparedView::set_light(const Optics& optics, const PictureRequest& request
   assign(view.to_sun, above.to_sun_world);
 }
 
-/// The waves' curvature, as far as they focus light: its standard deviation, and the wave number that has most of it.
-void PreparedView::set_swell(const Water& water, const FocusWater& focus) {
-  view.focus_b = static_cast<float>(focus.scattering_per_m);
-  view.focus_rad = static_cast<float>(focus.scattering_rad);
+/// The share of the waves' focusing that is left at the paths of the caustics' levels. Beyond their focus, at a path of
+/// 1 / (bend curvature), the sheets of light from several waves overlap and even out; the water spreads them
+/// (`pattern_left` in caustics.h, at the wave number that has most of the curvature).
+void PreparedView::set_swell(const Water& water, const FocusedSun& sun) {
+  const Eigen::Vector2d slant = sun.slant();
+  view.bend = static_cast<float>(sun.bend());
+  view.slant[0] = static_cast<float>(slant.x()), view.slant[1] = static_cast<float>(slant.y());
+  view.beam_b = static_cast<float>(sun.scattering_per_m * scattered_within(kBeamEdge_rad));
   if (!water.waves) return;
   double fourth = 0, sixth = 0;
   for (const WaveComponent& wave : water.waves->components()) {
     const double k = wave_number_rad_m(wave.angular_frequency_rad_s, water.waves->depth_m(), water.gravity_m_s2);
-    const double slope = k * wave.amplitude_m;
-    fourth += 0.5 * slope * slope * k * k, sixth += 0.5 * slope * slope * k * k * k * k;
+    const double along = slant.dot(Eigen::Vector2d(std::cos(wave.heading_rad), std::sin(wave.heading_rad)));
+    const double stretched = 1 + along * along, curvature = k * k * wave.amplitude_m * stretched;
+    fourth += 0.5 * curvature * curvature, sixth += 0.5 * curvature * curvature * k * k * stretched;
   }
-  view.swell_curvature = static_cast<float>(std::sqrt(fourth));
-  view.swell_per_m = fourth > 0 ? static_cast<float>(std::sqrt(sixth / fourth)) : 0;
+  const double per_m = fourth > 0 ? std::sqrt(sixth / fourth) : 0;
+  for (int level = 0; level < camera::kCausticLevels; ++level) {
+    const double path_m = kFirstCausticLevel_m * std::exp2(level), beyond = path_m * sun.bend() * std::sqrt(fourth);
+    view.swell_left[level] =
+        static_cast<float>(pattern_left(sun.scattering_per_m, per_m, path_m) / (1 + beyond * beyond));
+  }
 }
 
 void PreparedView::set_lamps(const PictureRequest& request) {

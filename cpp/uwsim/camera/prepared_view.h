@@ -12,8 +12,8 @@
 
 namespace uwsim {
 
-/// The scattering that spreads focused light, in the band in which water is clearest to the eye.
-FocusWater focus_water(const Optics& optics);
+/// The sun and the scattering that spreads its focused light, in the band in which water is clearest to the eye.
+FocusedSun focused_sun(const Optics& optics);
 
 /// The constants of one picture in the form that the kernels require, and the memory that they point to.
 class PreparedView {
@@ -33,7 +33,7 @@ class PreparedView {
   void set_terrain(const World& world);
   void set_light(const Optics& optics, const PictureRequest& request);
   void set_detail(const CameraScene& scene, const Optics& optics);
-  void set_swell(const Water& water, const FocusWater& focus);
+  void set_swell(const Water& water, const FocusedSun& sun);
   void set_lamps(const PictureRequest& request);
   /// The first level of the caustics that the picture needs.
   int first_caustic_level(const PictureRequest& request) const;

@@ -113,11 +113,11 @@ void Ripples::fill_slopes(double time_s, int threads, std::vector<float>& slopes
   });
 }
 
-Ripples::Snapshot Ripples::at(double time_s, const FocusWater& water, int first_level, int threads) const {
+Ripples::Snapshot Ripples::at(double time_s, const FocusedSun& sun, int first_level, int threads) const {
   Snapshot snapshot;
   snapshot.first_level = first_level;
   fill_slopes(time_s, threads, snapshot.slopes);
-  snapshot.caustics = caustics_under(snapshot.slopes, short_slope_, water, first_level, threads);
+  snapshot.caustics = caustics_under(snapshot.slopes, short_slope_, sun, first_level, threads);
   return snapshot;
 }
 

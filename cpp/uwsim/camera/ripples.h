@@ -36,7 +36,7 @@ class Ripples {
     std::vector<float> caustics;  ///< see caustics.h
     int first_level;              ///< the first level of the caustics that was computed
   };
-  Snapshot at(double time_s, const FocusWater& water, int first_level, int threads) const;
+  Snapshot at(double time_s, const FocusedSun& sun, int first_level, int threads) const;
 
  private:
   static constexpr int kMostWaves = 20;  // largest number of waves per tile along an axis

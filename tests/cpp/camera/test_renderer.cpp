@@ -233,7 +233,7 @@ TEST_F(Renderer, CausticsMoveWithTimeAndNoiseWithTheTick) {
 // A picture that computes only the caustics that it needs equals one of a scene that has all of them.
 TEST_F(Renderer, DeepPicturesNeedOnlyDeepCaustics) {
   const auto computed_from = [&](const CameraScene& of, int level) {
-    return of.ripples(optics.wind_m_s, 0, optics.fetch_m, 12.5, focus_water(optics), level, 1)->first_level;
+    return of.ripples(optics.wind_m_s, 0, optics.fetch_m, 12.5, focused_sun(optics), level, 1)->first_level;
   };
   for (const auto& [z_m, pitch, expected] : {std::tuple(-8.0, 0.9, 4), {-4.6, 0.6, 3}, {-4.0, 0.1, 0}, {3.0, 0.4, 0}}) {
     const PictureRequest request = from({-4, 0, z_m}, pitch);

@@ -32,7 +32,7 @@ void shaft_sample_light(const View& view, const Block& block, BlockFloats& weigh
   const Float t = load(block.distance.at);
   store(weight.at, exponential(t * (-view.c[1] + view.kb[1] * load(block.direction.z.at))));
   if (!view.has_caustics) return store(caustic.at, splat(1));
-  store(caustic.at, mix(splat(1), caustic_at(view, load(block.point)), exponential(t * -view.focus_b)));
+  store(caustic.at, mix(splat(1), caustic_at(view, load(block.point)), exponential(t * -view.beam_b)));
 }
 
 /// The illumination of the water along each pixel's ray, interpolated between blocks: 1 without shafts, less in shadow,

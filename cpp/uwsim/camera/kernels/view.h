@@ -88,11 +88,11 @@ struct View {
   float upwelling[3];                   ///< fraction of downwelling light that returns
   float beam_level[3], total_level[3];  ///< irradiance on a level surface just below the water's surface
   float to_sun_in_water[3];
-  float beam[3], sky[3], to_sun[3];    ///< in air
-  const float *caustics, *slopes;      ///< from Ripples::Snapshot; null if there are no ripples
-  float bend;                          ///< 1 - 1 / refractive_index
-  float focus_b, focus_rad;            ///< scattering [1/m] that spreads focused light, and its mean angle
-  float swell_curvature, swell_per_m;  ///< of the waves: standard deviation [1/m], and its wave number
+  float beam[3], sky[3], to_sun[3];  ///< in air
+  const float *caustics, *slopes;    ///< from Ripples::Snapshot; null if there are no ripples
+  float bend, slant[2];              ///< of the sun's beam in water: see FocusedSun
+  float beam_b;                      ///< scattering [1/m] within the beam
+  float swell_left[kCausticLevels];  ///< the share of the waves' focusing that is left
   WaveNodes waves;
 
   const Material* materials;
