@@ -51,13 +51,14 @@ def test_a_floating_box_has_the_draft_and_the_period_of_the_closed_form() -> Non
 
 
 def test_a_sphere_sinks_at_its_terminal_velocity() -> None:
-    """At v = sqrt(8 (s - 1) g r / (3 C)) drag equals weight less buoyancy; from rest, by v tanh(a t / v)."""
+    """At v = sqrt(8 (s - 1) g r / (3 C)) drag equals weight less buoyancy; from rest, by v tanh(a t / v); straight."""
     sim = site(body("sphere", "ball", [0, 0, -1], density_kg_m3=1500.0, drag_coefficient=0.47))
     sim.advance(2.5)
     final_m_s = sqrt(8 * 0.5 * gravity(sim) * 0.2 / (3 * 0.47))
     first_m_s2 = 0.5 * gravity(sim) / (1.5 + 0.5)
     expected_m_s = final_m_s * tanh(first_m_s2 * 2.5 / final_m_s)
     assert sim.objects["ball"].velocity.linear_body_m_s[2] == pytest.approx(-expected_m_s, rel=3e-3)
+    assert np.abs(sim.objects["ball"].pose.position_world_m[:2]).max() < 1e-9
 
 
 def test_added_mass_of_a_sphere_is_half_of_the_water_it_displaces() -> None:
