@@ -11,7 +11,7 @@ from uwsim.evidence.vehicle import sea_table
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.radiation_file import read_radiation
 
-HEAVE, PITCH = 2, 4
+HEAVE, ROLL, PITCH = 2, 3, 4
 
 
 def written(folder: Path, mass_kg: float) -> str:
@@ -42,7 +42,7 @@ def test_a_box_has_the_waves_of_the_stored_barge(tmp_path, monkeypatch):
     monkeypatch.setattr(sea_table, "FREQUENCIES", 8)
     assert "% of the largest" in written(tmp_path, 480.0)
     got, stored = read_radiation(tmp_path / "sea.nc"), floating_hull("barge").table
-    for axis in (HEAVE, PITCH):
+    for axis in (HEAVE, ROLL, PITCH):
         for quantity in ("added_mass", "damping"):
             ours, theirs = getattr(got, quantity)[:, axis, axis], getattr(stored, quantity)[:, axis, axis]
             inside = (got.omega_rad_s > 1.0) & (got.omega_rad_s < 6.0)  # of waves that 200 panels resolve

@@ -70,9 +70,11 @@ def write_sea_table(
     measured, content = cached_arrays(make, "sea", own, *inputs)
     write_atomically(path, content.tobytes())
     coarse, fine, *off = np.asarray(measured, np.float64).tolist()
+    side = "above" if centre_z_m >= 0.0 else "below"
     return (
         f"its radiation table '{path}': {fine:.0f} panels; with {coarse:.0f}, added mass, damping and waves' force "
-        f"differ by up to {100.0 * off[0]:.1f}, {100.0 * off[1]:.1f} and {100.0 * off[2]:.1f} % of the largest"
+        f"differ by up to {100.0 * off[0]:.1f}, {100.0 * off[1]:.1f} and {100.0 * off[2]:.1f} % of the largest; "
+        f"turns and moments are about the centre of mass, {abs(centre_z_m):.3g} m {side} the waterline"
     )
 
 
