@@ -1,4 +1,10 @@
-"""Simulates the outputs of a log, and their derivatives, in one batch of simulations."""
+"""Simulates the outputs of a log, and their derivatives, in one batch of simulations.
+
+Derivatives are central differences (Press et al. 2007, Numerical Recipes, 3rd ed., sec. 5.7). Mass, volume, added mass,
+drag and thrust together may grow by a common factor with hardly any effect on the motion, the sum of large ones that
+cancel. What a forward difference adds to each, half of the second derivative times the difference, would not cancel:
+it would pass for information about the factor, which the log does not have.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +30,7 @@ Indices = NDArray[np.intp]
 START_SPREADS = np.repeat((0.5, 0.2, 0.5, 0.5), 3)  # of a segment's initial state [m, rad, m/s, rad/s]
 OUTPUTS = 12
 DIFFERENCE = 1e-2
-"""Difference of an unknown for its derivative, in standard deviations of its prior: the smallest error of an estimate.
+"""Difference of an unknown for its derivative, either way, in standard deviations of its prior.
 
 A propeller's loss by inflow is as the root of its thrust, whose derivative is infinite where the thrust reverses; with
 much smaller differences, one step near there would pass for information on the thrust's lag.
@@ -97,7 +103,8 @@ class Flown:
             raise ValueError(f"log: {span_s:.0f} s in segments of {segment_s:g} s have {self.size} unknowns: {rule}")
         self._origin_m = np.array([0.0, 0.0, -DEPTH_M]) - _first(log.position_m)
         self._shifts = max(part.shifts for part in self._parts)
-        self._members = 1 + len(found) + OUTPUTS + self._shifts
+        self._moved = len(found) + OUTPUTS
+        self._members = 1 + 2 * self._moved + self._shifts
         self._delay = next((k for k, unknown in enumerate(found) if unknown.name == DELAY), None)
         self._last_z = np.empty(0)
         self._last: tuple[Array, list[Block]] = (np.empty(0), [])
@@ -120,18 +127,24 @@ class Flown:
     def _simulated(self, z: Array) -> tuple[Array, list[Block]]:
         p = len(self.found)
         values = np.tile(z[:p], (self._members, 1))
-        values[1 : p + 1] += DIFFERENCE * np.eye(p)
+        for sign, nudged in self._nudged():
+            values[nudged][:p] += sign * DIFFERENCE * np.eye(p)
         self._batch.reset(parameters=[parameters_at(self.found, row) for row in values])
         residuals, blocks = np.full((len(self._log.times_s), OUTPUTS), np.nan), []
         for k, part in enumerate(self._parts):  # thrusters continue from the previous segment's commands
             own = z[part.columns[p:]]
             placed = np.tile(self._placed(k, own[:OUTPUTS]), (self._members, 1))
-            nudged = own[:OUTPUTS] + DIFFERENCE * np.eye(OUTPUTS)
-            placed[p + 1 : p + 1 + OUTPUTS] = [self._placed(k, start) for start in nudged]
+            for sign, nudged in self._nudged():
+                starts = own[:OUTPUTS] + sign * DIFFERENCE * np.eye(OUTPUTS)
+                placed[nudged][p:] = [self._placed(k, start) for start in starts]
             self._batch.place(placed[:, :3], placed[:, 3:7], placed[:, 7:])
             residuals[part.rows], slopes = self._segment(part, z[:p], own[OUTPUTS:])
             blocks.append(Block(part.rows, part.columns, slopes))
         return residuals, blocks
+
+    def _nudged(self) -> tuple[tuple[int, slice], tuple[int, slice]]:
+        """Return the members whose unknowns, then starts, differ: by +1 and by -1 difference."""
+        return (1, slice(1, 1 + self._moved)), (-1, slice(1 + self._moved, 1 + 2 * self._moved))
 
     def _segment(self, part: Part, z: Array, shifts: Array) -> tuple[Array, Array]:
         """Return the residuals (r, 12) of a segment and their derivatives (r, 12, c).
@@ -143,15 +156,18 @@ class Flown:
         delay = 0.0 if self._delay is None else self.found[self._delay].at(float(z[self._delay])) / STEP_S
         ticks = delay + shifts * part.commands.sd_s / STEP_S
         off = self._misses(part, int(np.floor(delay)), np.floor(ticks).astype(np.int64))
-        p, n = len(self.found), part.shifts
-        nudges = np.full(p + OUTPUTS + n, DIFFERENCE)
-        nudges[p + OUTPUTS :] = STEP_S / part.commands.sd_s
-        change = (off[:, 1 : 1 + len(nudges)] - off[:, :1]).transpose(0, 2, 1)
-        residual = off[:, 0] + change[..., p + OUTPUTS :] @ (ticks % 1.0)
+        m, n = self._moved, part.shifts
+        nudges = np.full(m + n, DIFFERENCE)
+        nudges[m:] = STEP_S / part.commands.sd_s
+        (_, more), (_, less) = self._nudged()
+        later = off[:, 1 + 2 * m : 1 + 2 * m + n] - off[:, :1]
+        change = np.concatenate([0.5 * (off[:, more] - off[:, less]), later], axis=1).transpose(0, 2, 1)
+        residual = off[:, 0] + change[..., m:] @ (ticks % 1.0)
         if self._delay is not None:
             nudges[self._delay] = STEP_S / self.found[self._delay].spread
+            change[..., self._delay] = off[:, 1 + self._delay] - off[:, 0]
             residual += change[..., self._delay] * (delay % 1.0)
-            change[..., self._delay] += change[..., p + OUTPUTS :].sum(axis=-1)
+            change[..., self._delay] += change[..., m:].sum(axis=-1)
         return residual, np.nan_to_num(change / nudges)
 
     def _misses(self, part: Part, delay_ticks: int, shift_ticks: NDArray[np.int64]) -> Array:
@@ -160,7 +176,7 @@ class Flown:
         variant = np.zeros(self._members, np.intp)
         if self._delay is not None:
             variant[1 + self._delay] = 1
-        first = 1 + len(self.found) + OUTPUTS
+        first = 1 + 2 * self._moved
         variant[first : first + part.shifts] = 2 + np.arange(part.shifts)
         log = self._log
         changed = np.flatnonzero((np.diff(efforts, axis=0) != 0).any(axis=(1, 2))) + 1

@@ -105,8 +105,7 @@ def unknowns(
         _require_group(key, "spread")
         if not (np.isfinite(spread) and 0 < spread <= 10):
             raise ValueError(f"spread.{key} = {spread}: must be in (0, 10]")
-    gap_m = float(np.linalg.norm(np.subtract(_centre_of_buoyancy(model), model.centre_of_mass_m)))
-    own = SPREADS | {key: max(SPREADS[key] * gap_m, LEAST_M) for key in SPREADS if key.startswith("centre_of")} | given
+    own = SPREADS | _spreads_of_centres(model, added) | given
     own_values = [*_of_vehicle(model, vehicle, is_volume_known="volume_m3" not in added)]
     found = [each for each in own_values if each.value or not each.positive]
     found += [_unknown(f"current_m_s.{axis}", 0.0, (f"water.current_world_m_s.{axis}",)) for axis in "xy"]
@@ -117,6 +116,21 @@ def unknowns(
             _require_group(name, "known")
     left = [each for each in found if each.name not in known and each.group not in known]
     return [replace(each, spread=own[each.group]) for each in left]
+
+
+def _spreads_of_centres(model: VehicleModel, added: tuple[str, ...]) -> dict[str, float]:
+    """Return the spreads of both centres [m].
+
+    A hull's mesh has its volume within that volume's spread. What is too much of it, or missing, may be anywhere in it:
+    in a cube of this volume, it moves the centre of buoyancy by the same share of side / sqrt(12), and the distance of
+    the centres may be larger by as much. Narrower, both would draw the centres together, and mass and volume up.
+    """
+    buoyancy_m, volume_m3 = model.centre_of_buoyancy_m or model.centre_of_mass_m, model.volume_m3 or 0.0
+    is_of_mesh = "centre_of_buoyancy_m" in added
+    mesh_m = SPREADS["volume_m3"] * float(np.cbrt(volume_m3)) / math.sqrt(12.0) if is_of_mesh else 0.0
+    gap_m = float(np.linalg.norm(np.subtract(buoyancy_m, model.centre_of_mass_m))) + mesh_m
+    own = {key: max(SPREADS[key] * gap_m, LEAST_M) for key in SPREADS if key.startswith("centre_of")}
+    return own | {"centre_of_buoyancy_m": math.hypot(own["centre_of_buoyancy_m"], mesh_m)}
 
 
 def _of_vehicle(model: VehicleModel, vehicle: str, *, is_volume_known: bool) -> Iterator[Unknown]:
@@ -187,10 +201,6 @@ def _numbers(found: list[Unknown], z: Array, own: Callable[[Unknown], tuple[Any,
             key = coupling[kind]
             values[key] = values.get(key, coupling[2]) * math.sqrt(value / each.value)
     return values
-
-
-def _centre_of_buoyancy(model: VehicleModel) -> tuple[float, ...]:
-    return model.centre_of_buoyancy_m or model.centre_of_mass_m
 
 
 def _require_group(key: str, where: str) -> None:

@@ -53,18 +53,23 @@ def run(out: Path | None = None) -> list[Check]:
     ]
 
 
-def coverage(logs: int, first_seed: int = 0) -> tuple[float, float]:
-    """Return the shares of 95 % intervals that contain the truth: of all, and of thrust lag and delay."""
+def coverage(logs: int, first_seed: int = 0, *, is_stated: bool = True) -> tuple[float, float]:
+    """Return the shares of 95 % intervals that contain the truth: of all, and of thrust lag and delay.
+
+    is_stated: whether the vehicle's file states its volume and centre of buoyancy.
+    """
     model = load_vehicle("bluerov2_wu")
+    given = model if is_stated else model.model_copy(update={"volume_m3": None, "centre_of_buoyancy_m": None})
     each_log = map(true_log, range(first_seed, first_seed + logs))
-    inside = [covered(identify(true.log, model), true.values) for true in each_log]
+    inside = [covered(identify(true.log, given), true.values) for true in each_log]
     times = [each[name] for each in inside for name in ("thrust_lag", DELAY) if name in each]
     return float(np.mean([value for each in inside for value in each.values()])), float(np.mean(times))
 
 
 def covered(found: Identified, truth: dict[str, float]) -> dict[str, bool]:
     """Return whether each interval contains the true value, by quantity."""
-    return {name: found.values[name].low <= value <= found.values[name].high for name, value in truth.items()}
+    values = found.values
+    return {name: values[name].low <= value <= values[name].high for name, value in truth.items() if name in values}
 
 
 def true_log(seed: int, model: VehicleModel | None = None, *, duration_s: float = DURATION_S) -> TrueLog:
@@ -74,6 +79,7 @@ def true_log(seed: int, model: VehicleModel | None = None, *, duration_s: float 
     found = unknowns(model, "body", known=(DELAY,))
     z = draw.standard_normal(len(found))
     truth = {unknown.name: unknown.at(float(value)) for unknown, value in zip(found, z, strict=True)}
+    truth |= {} if model.volume_m3 is None else {"volume_m3": model.volume_m3}
     bare = model.model_copy(update={"sensors": {}, "sonar": None})
     batch = Batch(deep_scenario(bare, step_s=STEP_S), n=1, parameters=parameters_at(found, z))
     batch.place([START_M])
