@@ -1,8 +1,8 @@
-"""Pilots of the exercises for a gripper: a good and a bad one each. They know where things are, from the briefs."""
+"""Bad pilots of the exercises for a gripper, and where things are, by the briefs; test_arm_by_keys.py has good ones."""
 
 import math
 
-from uwsim.missions import goto, hold, wait
+from uwsim.missions import goto, hold
 
 JAWS_M = (0.44, -0.10)  # ahead and up: the middle between the jaws, on the vehicle
 CLOSE, OPEN = 0.04, -0.04
@@ -46,19 +46,6 @@ def before_the_lever(angle_deg, radius_m=0.24, before_m=0.07):
     return (x, y, LEVER_M), angle
 
 
-def turn_the_valve(vehicle):
-    """Pushes the lever round with the closed jaws, nose across it."""
-    vehicle.set_joints(speeds={"left": CLOSE, "right": CLOSE})
-    place, _ = before_the_lever(0, before_m=0.3)
-    yield from jaws_to(vehicle, place)
-    for angle_deg in range(0, 121, 1):
-        place, heading = before_the_lever(min(angle_deg, 100))
-        yield from hold(vehicle, 0.3, position_world_m=vehicle_at(place, heading), heading_rad=heading)
-    yield from goto(vehicle, (2.3, 0.3, -2.8), heading_rad=math.radians(100), within_m=0.3)
-    yield from goto(vehicle, (0, 0.5, -3.0), within_m=0.3)
-    yield from goto(vehicle, (0, 0.5, -3.5), within_m=0.3)
-
-
 def push_at_the_spindle(vehicle):
     """Pushes where the lever has no arm."""
     place, _ = before_the_lever(0, radius_m=0.0, before_m=0.3)
@@ -70,17 +57,6 @@ def push_at_the_spindle(vehicle):
 GRIP_M = (2.78, 0.5, -3.6)
 
 
-def pull_the_pin(vehicle):
-    ahead = (GRIP_M[0] - 0.3, *GRIP_M[1:])
-    yield from jaws_to(vehicle, ahead)
-    yield from jaws_along(vehicle, ahead, GRIP_M, for_s=6.0)
-    yield from drive_jaws(vehicle, GRIP_M, CLOSE)
-    yield from jaws_along(vehicle, GRIP_M, (GRIP_M[0] - 0.3, *GRIP_M[1:]), for_s=6.0)
-    yield from hold(vehicle, 2.0)
-    vehicle.set_joints(speeds={"left": OPEN, "right": OPEN})
-    yield from goto(vehicle, (0, 0.5, -3.5), within_m=0.3)
-
-
 def pull_without_a_grip(vehicle):
     """Goes there and back with the jaws open."""
     ahead = (GRIP_M[0] - 0.3, *GRIP_M[1:])
@@ -90,18 +66,6 @@ def pull_without_a_grip(vehicle):
 
 
 SAMPLE_M, BASKET_M = (1.6, -1.0, -4.147), (1.6, -2.2, -4.4)
-
-
-def take_the_sample(vehicle):
-    ahead, above = (SAMPLE_M[0] - 0.3, *SAMPLE_M[1:]), (*SAMPLE_M[:2], -3.75)
-    yield from jaws_to(vehicle, ahead)
-    yield from jaws_along(vehicle, ahead, SAMPLE_M, for_s=6.0)
-    yield from drive_jaws(vehicle, SAMPLE_M, CLOSE)
-    yield from jaws_along(vehicle, SAMPLE_M, above, for_s=6.0)
-    yield from jaws_along(vehicle, above, (*BASKET_M[:2], above[2]), for_s=10.0)
-    yield from jaws_along(vehicle, (*BASKET_M[:2], above[2]), BASKET_M, for_s=6.0)
-    yield from drive_jaws(vehicle, BASKET_M, OPEN, for_s=3.0)
-    yield wait(3.0)
 
 
 def drop_the_sample(vehicle):
@@ -117,24 +81,6 @@ def drop_the_sample(vehicle):
 TAIL_M, SOCKET_M = (1.53, -0.2, -3.578), (2.75, -0.204, -3.6)  # the jaws, when the plug rests and when it is mated
 
 
-def plug_the_connector(vehicle):
-    """Aligns it ahead of the socket, waits until it is still, and pushes."""
-    ahead, above = (TAIL_M[0] - 0.3, *TAIL_M[1:]), (*TAIL_M[:2], -3.4)
-    before = (SOCKET_M[0] - 0.2, *SOCKET_M[1:])
-    yield from jaws_to(vehicle, ahead)
-    yield from jaws_along(vehicle, ahead, TAIL_M, for_s=6.0)
-    yield from drive_jaws(vehicle, TAIL_M, CLOSE)
-    yield from jaws_along(vehicle, TAIL_M, above, for_s=6.0)
-    yield from jaws_along(vehicle, above, (before[0], *above[1:]), for_s=10.0)
-    yield from jaws_along(vehicle, (before[0], *above[1:]), before, for_s=6.0)
-    yield from drive_jaws(vehicle, before, CLOSE, for_s=5.0)
-    yield from jaws_along(vehicle, before, SOCKET_M, for_s=15.0)
-    yield from drive_jaws(vehicle, SOCKET_M, CLOSE, for_s=3.0)
-    yield from drive_jaws(vehicle, SOCKET_M, OPEN, for_s=3.0)
-    yield from jaws_along(vehicle, SOCKET_M, before, for_s=6.0)
-    yield wait(3.0)
-
-
 def plug_beside_the_socket(vehicle):
     """Takes the plug, and lets go of it without looking for the socket."""
     ahead, above = (TAIL_M[0] - 0.3, *TAIL_M[1:]), (*TAIL_M[:2], -3.4)
@@ -146,8 +92,8 @@ def plug_beside_the_socket(vehicle):
 
 
 ARM_PILOTS = {
-    "valve": (turn_the_valve, push_at_the_spindle),
-    "pin": (pull_the_pin, pull_without_a_grip),
-    "sample": (take_the_sample, drop_the_sample),
-    "wet-mate": (plug_the_connector, plug_beside_the_socket),
+    "valve": (None, push_at_the_spindle),
+    "pin": (None, pull_without_a_grip),
+    "sample": (None, drop_the_sample),
+    "wet-mate": (None, plug_beside_the_socket),
 }

@@ -14,10 +14,13 @@ from uwsim.base.quaternions import turned
 from uwsim.base.short_repr import ShortRepr
 from uwsim.instruments.errors import Errors
 from uwsim.scenario.spec.arm import JointErrors, Link
+from uwsim.simulator.arm_hand import hand, jaws, motors_to
 from uwsim.simulator.push import six_numbers
 
 Floats = NDArray[np.float64]
 ByName = Mapping[str, float]
+
+PRESSING = 0.95  # share of a motor's torque from which it is taken to press
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,6 +87,12 @@ class Arm:
         self.names = tuple(links[k].name for k in self._moving)
         self.motors = tuple(links[k].name for k in self._moving if links[k].strongest > 0)
         self.links = tuple(link.name for link in links)
+        self.jaws = jaws(links)
+        """The joints of a gripper, and the sign of the speed that closes each; {} without one."""
+        self.hand = hand(links, self.jaws)
+        """The link that `jog` moves: the one that holds the jaws, or the last; "" if the vehicle does."""
+        self.can_jog = len(motors_to(links, self.hand)) > 1
+        """True if at least two motors move the hand."""
 
     def __repr__(self) -> str:
         now = self.read()
@@ -170,6 +179,34 @@ class Arm:
             x, y, z = np.asarray(point_m, np.float64).tolist()
             raise ValueError(f"point_m = ({x:.4g}, {y:.4g}, {z:.4g}) m: out of the arm's reach: {error}") from None
         return {self.links[k]: float(at) for k, at in zip(reach.chain, found, strict=True)}
+
+    def jog(self, velocity_m_s: Sequence[float] | Floats) -> dict[str, float]:
+        """Return the joints' speeds that move the `hand` with a velocity, for `set_joints(speeds=...)`.
+
+        velocity_m_s: (3,), in the vehicle's frame, relative to the vehicle. The hand goes straight for as long as the
+        joints hardly turn: ask again every 0.1 s. Raises ValueError for an arm that is not `can_jog`.
+        """
+        from uwsim.simulator.arm_reach import Reach
+
+        if not self.can_jog:
+            raise ValueError(f"the arm with the links {', '.join(self.links)}: fewer than two motors move its hand")
+        velocity = np.array(six_numbers(velocity_m_s=(velocity_m_s, "m/s")))
+        if not np.isfinite(velocity).all():
+            raise ValueError(f"velocity_m_s = {velocity.tolist()} m/s: must be finite")
+        reach = Reach(self._specs, self.links.index(self.hand))
+        present = self._simulation.arm(self._index).positions[reach.chain]
+        return {self.links[k]: speed for k, speed in reach.speeds(present, velocity).items()}
+
+    @property
+    def speed_limits(self) -> dict[str, float]:
+        """The fastest speed [rad/s or m/s] of each motor, by joint."""
+        return {link.name: link.fastest for link in self._specs if link.name in self.motors}
+
+    def is_pressing(self, joint: str) -> bool:
+        """Return whether a joint's motor gives its most: what it moves has met something, or its stop."""
+        link = self._specs[self.links.index(joint)]
+        torque = float(self._simulation.arm(self._index).motor_torques[self.links.index(joint)])
+        return abs(torque) >= PRESSING * link.strongest
 
     def halt(self) -> None:
         """Stop every motor where it is, without a journal entry: for all stop."""

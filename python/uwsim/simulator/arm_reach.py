@@ -2,7 +2,8 @@
 
 SciPy's bounded least squares (the trust region reflective method of Branch, Coleman and Li 1999, SIAM J. Sci. Comput.
 21:1) with the geometric Jacobian (Siciliano and others 2009, "Robotics", 3.1), from the present positions and from
-others that are spread within the stops; of the first that arrive, the nearest to the present ones.
+others that are spread within the stops; of the first that arrive, the nearest to the present ones. Speeds are damped
+least squares of the same Jacobian (Nakamura and Hanafusa 1986, J. Dyn. Sys., Meas., Control 108:163).
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ STARTS = 16  # besides the present positions
 ENOUGH = 3  # ways that arrive, of which the nearest is taken
 NEAR = 0.1  # rad or m: a way that no other is worth being compared with
 ITERATIONS = 100
+DAMPING_M = 0.01  # of speeds: a joint that moves the tool less than this per radian hardly turns for it
+AT_STOP = 1e-3  # rad or m: nearer to a stop, a joint does not move towards it
 
 Floats = NDArray[np.float64]
 
@@ -92,6 +95,27 @@ class Reach:
         if not found:
             raise OutOfReachError(*nearest)
         return min(found, key=lambda each: each[0])[1]
+
+    def speeds(self, present: Floats, velocity_m_s: Floats) -> dict[int, float]:
+        """Return the speeds of the motors in `chain`, by index, that move the link's origin with a velocity (3,).
+
+        present: the joints' positions. velocity_m_s: along the base's axes. Joints at a stop are left out where they
+        would run into it, and all are slower alike where one cannot follow.
+        """
+        whole = self._jacobian(present, Aim(np.zeros(3), None, np.zeros(3), np.zeros(3)))
+        free = [column for column, k in enumerate(self.chain) if self._links[k].strongest > 0.0]
+        while True:
+            rows = whole[:, free]
+            found = rows.T @ np.linalg.solve(rows @ rows.T + DAMPING_M**2 * np.eye(3), velocity_m_s)
+            ends = np.where(found < 0.0, present[free] - self._low[free], self._high[free] - present[free])
+            going = [column for column, end in zip(free, ends, strict=True) if end > AT_STOP]
+            if len(going) == len(free):
+                break
+            free = going
+        fastest = np.array([self._links[self.chain[column]].fastest for column in free])
+        found = found / max(1.0, float(np.max(np.abs(found) / fastest, initial=0.0)))
+        moved = dict(zip(free, found.tolist(), strict=True))
+        return {k: moved.get(column, 0.0) for column, k in enumerate(self.chain) if self._links[k].strongest > 0.0}
 
     def _starts(self, present: Floats) -> list[Floats]:
         """Return where to begin: the present positions, and points of Halton's sequence within the stops."""

@@ -220,9 +220,10 @@ def test_all_packaged_exercises_are_flown_here_and_described_in_the_guide():
 def test_full_marks_for_the_good_pilot_and_not_for_the_bad(name):
     good, bad = PILOTS[name]
     options = OPTIONS.get(name, {"sample_sensors": False})
-    course = fly_exercise(name, good, **options).course
-    assert course.score == course.exercise.points, course.sheet()
-    assert course.has_passed and course.sheet()["ended_because"] == "all goals are met"
+    if good is not None:  # else by keys: operator/test_arm_by_keys.py
+        course = fly_exercise(name, good, **options).course
+        assert course.score == course.exercise.points, course.sheet()
+        assert course.has_passed and course.sheet()["ended_because"] == "all goals are met"
     course = fly_exercise(name, bad, **options).course
     assert course.score < course.exercise.points, course.sheet()
     assert not course.has_passed

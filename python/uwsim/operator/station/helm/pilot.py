@@ -15,6 +15,7 @@ from uwsim.base.commands import ALL_STOP, COMMANDS, HOLDS
 from uwsim.channels.authority.steering import Steering, require_link
 from uwsim.channels.guest import Values
 from uwsim.live import LiveSimulator, NotRunningError
+from uwsim.operator.station.helm.arm import ArmPilot
 from uwsim.simulator.helm import Clock, Lease, Source, Timeout
 
 SILENCE_S = 0.5
@@ -53,6 +54,8 @@ class Pilot:
     Every command is issued, even if it repeats the last one: other clients may have commanded the vehicle since, its
     failsafe may be waiting for a sign of life, and earlier commands may have been lost on a link. Call `beat` at least
     twice a second, and at the times that it returns. It sets efforts to zero when commands have ceased.
+
+    live: the simulator as commanded, perhaps over a link. near: the simulator itself, if that is another.
     """
 
     def __init__(
@@ -60,6 +63,7 @@ class Pilot:
         live: LiveSimulator,
         steering: Mapping[str, Steering],
         *,
+        near: LiveSimulator | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._live = live
@@ -72,18 +76,33 @@ class Pilot:
         self._silence = Timeout(Clock.WALL, lambda: SILENCE_S)
         self._cruise = Timeout(Clock.WALL, lambda: CRUISE_S)
         self._leases: list[Lease] = []
+        self._arms = ArmPilot(near or live, live, steering, Timeout(Clock.WALL, lambda: SILENCE_S))
 
     def drive(self, request: Values) -> Future[Values]:
         """Set efforts from a request (docs/connections/station-wire.md). Raises ValueError."""
         vehicle = self._named(request)
         efforts = {axis: _effort(request, axis) for axis in AXES}
-        now_s = self._clock()
         with self._lock:
-            age_s = self._delay.age_s(1e-3 * _number(request, "stamp_ms", 1e3 * now_s), now_s)
-            if age_s > SILENCE_S:
-                raise ValueError(f"the command arrived {age_s:.1f} s late: it was refused")
+            age_s = self._age_s(request)
             self._renew()
             return self._set(vehicle, efforts, {"age_s": age_s})
+
+    def move_arm(self, request: Values) -> Future[Values]:
+        """Move a vehicle's arm from a request (docs/connections/station-wire.md). Raises ValueError."""
+        vehicle = self._named(request)
+        with self._lock:
+            age_s = self._age_s(request)
+        future = self._arms.move(vehicle, request)
+        self._arms.silence.heard_ns = self._now_ns()
+        return answered(self._live, future, {"age_s": age_s})
+
+    def _age_s(self, request: Values) -> float:
+        """Return the age of a command. Raises ValueError for one that is too old."""
+        now_s = self._clock()
+        age_s = self._delay.age_s(1e-3 * _number(request, "stamp_ms", 1e3 * now_s), now_s)
+        if age_s > SILENCE_S:
+            raise ValueError(f"the command arrived {age_s:.1f} s late: it was refused")
+        return age_s
 
     def all_stop(self, request: Values, text: str = "") -> Future[Values]:
         """Set or release all stop according to request["on"]. text: the message of the response. Raises ValueError."""
@@ -112,7 +131,13 @@ class Pilot:
         return vehicle
 
     def beat(self) -> float:
-        """End efforts and speed holds when commands have ceased. Return the time [s] until the next check."""
+        """End efforts, speed holds and arms' motion when commands have ceased.
+
+        Return the time [s] until the next check.
+        """
+        return min(self._beat(), self._arms.beat(self._now_ns()))
+
+    def _beat(self) -> float:
         with self._lock:
             now_ns = self._now_ns()
             drive_ns, cruise_ns = self._silence.left_ns(now_ns), self._cruise.left_ns(now_ns)
@@ -151,6 +176,7 @@ class Pilot:
             self._delay = LeastDelay()
             self._zero()
             self._end_cruises()
+        self._arms.stop()
 
     def _zero(self) -> None:
         for vehicle, efforts in self._efforts.items():

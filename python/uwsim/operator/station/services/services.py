@@ -130,6 +130,14 @@ class Services:
             running.end_plan(Reason.PILOT)
         return running.pilot.drive(request)
 
+    def _move_arm(self, caller: str, request: Values) -> Future[Values]:
+        self._lease.require_pilot(caller)
+        running = self._sessions.present()
+        _require_open(running, "set_joints")
+        if running.replay is not None:
+            raise ValueError(REFUSAL)
+        return running.pilot.move_arm(request)
+
     def _all_stop(self, caller: str, request: Values) -> Future[Values]:
         running = self._sessions.present()
         if not is_stop(request):

@@ -134,6 +134,7 @@ def _vehicle(running: Running, source: Source, optional: set[str]) -> Values:
         "motors": motors,
         "tether": _tether(running, source.entry.tether, topic),
         "arm": _arm(source, vehicle),
+        "can_jog": vehicle.arm is not None and vehicle.arm.can_jog,
     }
 
 
@@ -157,7 +158,8 @@ def _offered(full: Callable[[str], str], optional: set[str]) -> Callable[[str], 
 
 def _arm(source: Source, vehicle: Vehicle) -> list[Values]:
     """Return the joints with motors, and their stops; a hinge without any turns half a turn to either side."""
-    motors = () if vehicle.arm is None else vehicle.arm.motors
+    if vehicle.arm is None:
+        return []
     joints = {frame.joint.name: frame.joint for frame in body_frames(source.entry.model) if frame.joint is not None}
     return [
         {
@@ -165,7 +167,8 @@ def _arm(source: Source, vehicle: Vehicle) -> list[Values]:
             "low": joint.low_rad if math.isfinite(joint.low_rad) else -math.pi,
             "high": joint.high_rad if math.isfinite(joint.high_rad) else math.pi,
             "is_slide": joint.is_slide,
+            "is_jaw": name in vehicle.arm.jaws,
         }
-        for name in motors
+        for name in vehicle.arm.motors
         for joint in [joints[name]]
     ]

@@ -88,7 +88,7 @@ class Running:
         self.far = live if self.carrier is None else self.carrier.remote()  # the simulator as commanded by pilots
         if self.carrier is not None:
             table.channels, table.services = with_scans(self.carrier.channels), self.carrier.over(table.services)
-        self.pilot = Pilot(self.far, self.table.steering)
+        self.pilot = Pilot(self.far, self.table.steering, near=live)
         self.scene = Scene(sim, self.table.sources)
         self.objects: LooseObjects | None = None  # without the truth, a pilot does not know where they are
         self.life: Life | None = None

@@ -17,6 +17,7 @@ from uwsim.operator.station.wire.messages import (
     Join,
     Joined,
     Message,
+    MoveArm,
     Nothing,
     Order,
     SetView,
@@ -64,6 +65,7 @@ _CALLS = (
     Call("take_control", "take control, if no other client has it"),
     Call("hand_over", "hand control over to another member", HandOver),
     Call("drive", "set efforts; for the pilot only", Drive, Driven),
+    Call("move_arm", "move an arm while the call is repeated; for the pilot only", MoveArm, Driven),
     Call(
         "all_stop",
         "set all stop for a vehicle, or, as the pilot, release it",

@@ -113,12 +113,16 @@ class LifeDescription(Message):
 
 
 class ArmJoint(Message):
-    """A joint of an arm with a motor, and its stops [rad or m]; the page's own where it has none."""
+    """A joint of an arm with a motor, and its stops [rad or m]; the page's own where it has none.
+
+    is_jaw: whether it is one of a gripper's.
+    """
 
     name: str
     low: float
     high: float
     is_slide: bool
+    is_jaw: bool
 
 
 class VehicleDescription(Message):
@@ -145,6 +149,7 @@ class VehicleDescription(Message):
     motors: list[Motor]
     tether: TetherDescription | None
     arm: list[ArmJoint]
+    can_jog: bool
 
 
 class ViewLink(Message):
@@ -290,6 +295,21 @@ class Drive(Message):
     roll: float | None = None
     pitch: float | None = None
     yaw: float | None = None
+    stamp_ms: float | None = None
+
+
+class MoveArm(Message):
+    """Shares in [-1, 1] with which an arm moves.
+
+    joints: of their fastest speeds, by name. hand: of 0.1 m/s, ahead, to the left and up in the picture of a camera of
+    the vehicle, by default along its own axes. grip: closes the jaws, or opens them. stamp_ms: as of Drive.
+    """
+
+    vehicle: str
+    joints: dict[str, float] | None = None
+    hand: list[float] | None = None
+    camera: str | None = None
+    grip: float | None = None
     stamp_ms: float | None = None
 
 

@@ -223,12 +223,13 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number | null} strongest_n
  */
 
-/** A joint of an arm with a motor, and its stops [rad or m]; the page's own where it has none.
+/** A joint of an arm with a motor, and its stops [rad or m]; the page's own where it has none. is_jaw: whether it is one of a gripper's.
  * @typedef {object} ArmJoint
  * @property {string} name
  * @property {number} low
  * @property {number} high
  * @property {boolean} is_slide
+ * @property {boolean} is_jaw
  */
 
 /** A vehicle: its topics, null where there is none, and its parts.
@@ -254,6 +255,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {Motor[]} motors
  * @property {TetherDescription | null} tether
  * @property {ArmJoint[]} arm
+ * @property {boolean} can_jog
  */
 
 /** A camera's mount and lens. follows: `body`, or `heading` from outside. turns: whether it has a motor.
@@ -405,6 +407,16 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} message
  * @property {number} tick
  * @property {number} age_s
+ */
+
+/** Shares in [-1, 1] with which an arm moves. joints: of their fastest speeds, by name. hand: of 0.1 m/s, ahead, to the left and up in the picture of a camera of the vehicle, by default along its own axes. grip: closes the jaws, or opens them. stamp_ms: as of Drive.
+ * @typedef {object} MoveArm
+ * @property {string} vehicle
+ * @property {Record<string, number> | null} [joints]
+ * @property {number[] | null} [hand]
+ * @property {string | null} [camera]
+ * @property {number | null} [grip]
+ * @property {number | null} [stamp_ms]
  */
 
 /** A request to set or release all stop. on: false releases it.
@@ -872,6 +884,14 @@ export const handOver = (bridge, { to }) => bridge.call('/station/hand_over', { 
  */
 export const drive = (bridge, { vehicle, surge, sway, heave, roll, pitch, yaw, stamp_ms }) =>
   bridge.call('/station/drive', { vehicle, surge, sway, heave, roll, pitch, yaw, stamp_ms });
+
+/** Move an arm while the call is repeated; for the pilot only.
+ * @param {Caller} bridge
+ * @param {MoveArm} request
+ * @returns {Promise<Driven | Refused>}
+ */
+export const moveArm = (bridge, { vehicle, joints, hand, camera, grip, stamp_ms }) =>
+  bridge.call('/station/move_arm', { vehicle, joints, hand, camera, grip, stamp_ms });
 
 /** Set all stop for a vehicle, or, as the pilot, release it.
  * @param {Caller} bridge
