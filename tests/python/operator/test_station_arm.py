@@ -1,4 +1,4 @@
-"""The station's page shows an arm: a slider for each joint moves it, and it is drawn where its links are."""
+"""The station's page shows an arm where its links are; sliders, and the driving keys, move it."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ vehicles:
 """
 
 
-def test_sliders_move_joints_and_halt_stops_them(browser, tmp_path: Path) -> None:
+def test_sliders_and_keys_move_joints_and_halt_stops_them(browser, tmp_path: Path) -> None:
     path = tmp_path / "reach.yaml"
     path.write_text(REACH)
     with desk(browser, tmp_path, str(path)) as here:
@@ -32,3 +32,14 @@ def test_sliders_move_joints_and_halt_stops_them(browser, tmp_path: Path) -> Non
         page.click("#halt-arm")
         until(lambda: abs(arm.read().speeds[0]) < 1e-3, "the halt")
         assert arm.read().positions[0] < 1.9
+        page.keyboard.press("Backslash")
+        shows(page, "#arm-part option:checked", "hand")
+        page.keyboard.down("w")
+        until(lambda: abs(arm.read().speeds).max() > 0.02, "the hand, by the key that drives")
+        assert not here.rov.effort.any()
+        page.keyboard.up("w")
+        until(lambda: abs(arm.read().speeds).max() < 1e-3, "its rest")
+        page.select_option("#arm-part", "")
+        page.keyboard.down("w")
+        until(lambda: here.effort("surge") == 0.5, "the vehicle again")
+        page.keyboard.up("w")

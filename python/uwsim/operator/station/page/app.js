@@ -11,6 +11,7 @@ import { showLayouts } from './dialogs/layouts.js';
 import { showMenu } from './dialogs/menu.js';
 import { byId, targetOf, toast, write } from './dom.js';
 import { SceneEditor } from './editor/editor.js';
+import { ArmDrive } from './drive/arm_drive.js';
 import { Bindings, keyName } from './drive/bindings.js';
 import { explainIdleKeys } from './drive/hint.js';
 import { HoldButtons } from './drive/holds.js';
@@ -18,6 +19,7 @@ import { Inspector } from './inspector.js';
 import { Lease } from './drive/lease.js';
 import { Pilot } from './drive/pilot.js';
 import { Inspection } from './panel/inspection.js';
+import { partName } from './panel/arm.js';
 import { Panel } from './panel/panel.js';
 import { Recorder } from './recorder.js';
 import { Exercises } from './exercises.js';
@@ -54,7 +56,9 @@ const scene = new SceneView();
 const fan = new FanView();
 const chart = new ChartView(station);
 const views = new Views(station, telemetry, byId('views'), [fan, scene, chart]);
-const pilot = new Pilot(station, bindings, act);
+const arm = new ArmDrive(station, () => views.ownCamera(vehicle?.prefix));
+views.armShown = () => arm.shown(telemetry, partName);
+const pilot = new Pilot(station, bindings, arm, act);
 byId('station').append(pilot.touch.element);
 const aim = new CameraAim(station, views);
 views.setTools(aim.element);
@@ -161,6 +165,7 @@ function begin() {
   for (const end of ends) end();
   describe();
   pilot.vehicle = vehicle.name;
+  arm.begin(vehicle);
   telemetry.watch(vehicle);
   aim.begin(vehicle);
   fan.clear();
@@ -234,6 +239,7 @@ function act(action, isPressed) {
     topbar.tilt(action === 'tiltUp' ? 1 : -1, isPressed);
     return;
   }
+  if (action === 'gripClose' || action === 'gripOpen') arm.grip(action === 'gripClose' ? 1 : -1, isPressed);
   if (!isPressed) return;
   if (action.startsWith('hold.')) holds.press(action.slice(5));
   const actions = {
@@ -245,6 +251,10 @@ function act(action, isPressed) {
     frontOff: () => topbar.light('front', false),
     downOn: () => topbar.light('down', true),
     downOff: () => topbar.light('down', false),
+    front: () => topbar.switchLight('front'),
+    down: () => topbar.switchLight('down'),
+    armNext: () => arm.next(1),
+    armBefore: () => arm.next(-1),
     gainUp: () => pilot.changeGain(1),
     gainDown: () => pilot.changeGain(-1),
     note: () => inspection.add(),
@@ -307,6 +317,7 @@ function showBanner() {
 }
 
 globalThis.station = {
+  arm,
   chart,
   station,
   telemetry,

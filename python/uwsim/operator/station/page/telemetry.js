@@ -14,7 +14,8 @@ export class Telemetry extends EventTarget {
   /** @type {import('./wire/messages.js').Telemetry | null} */
   message = null;
   vehicle = ''; // the vehicle's name
-  joints = new Map(); // the angles [rad] of the vehicle's motors, by name
+  joints = new Map(); // the angles [rad] or ways [m] of the vehicle's motors, by name
+  torques = new Map(); // their torques [N m] or forces [N]
   #receivedMs = -Infinity;
   /** @type {import('./wire/messages.js').SensorGauges | null} */
   #readings = null; // the last of the sensors
@@ -31,7 +32,7 @@ export class Telemetry extends EventTarget {
     for (const end of this.#ends) end();
     [this.message, this.vehicle] = [null, vehicle];
     [this.sensors, this.#readings] = [[], null];
-    this.joints = new Map();
+    [this.joints, this.torques] = [new Map(), new Map()];
     this.#closings = new Map();
     this.#ranges = new Map();
     this.#receivedMs = -Infinity;
@@ -44,8 +45,9 @@ export class Telemetry extends EventTarget {
         bridge.subscribe(
           joints,
           'sensor_msgs/JointState',
-          ({ name, position }) => {
+          ({ name, position, effort = [] }) => {
             this.joints = new Map(name.map((each, k) => [each, position[k]]));
+            this.torques = new Map(name.map((each, k) => [each, effort[k] ?? 0]));
           },
           { throttle_rate: 100 },
         ),

@@ -106,6 +106,11 @@ export class TopBar {
       attempt(this.station.command('set_lamp', this.#vehicle?.name, { lamp: name, on }));
   }
 
+  switchLight(name) {
+    const k = this.#vehicle?.lamps.indexOf(name) ?? -1;
+    if (k >= 0) this.light(name, !this.#isLit(k));
+  }
+
   // Turn the head while the button is held, at the server's rate.
   tilt(sign, isHeld) {
     clearInterval(this.#tiltTimer);

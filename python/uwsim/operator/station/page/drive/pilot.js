@@ -23,9 +23,12 @@ export class Pilot extends EventTarget {
   #isOpen = true; // false while a dialog is open
   #isCruising = false; // whether efforts must be sent although none is held
 
-  constructor(station, bindings, act) {
+  // arm: the ArmDrive, which takes the efforts while a part of the arm is chosen.
+  constructor(station, bindings, arm, act) {
     super();
     this.station = station;
+    this.arm = arm;
+    arm.addEventListener('part', () => this.release());
     this.vehicle = '';
     const actNow = (action, isPressed) => (this.mayAct || action === ALL_STOP) && act(action, isPressed);
     this.keys = new Keys(bindings, {
@@ -89,6 +92,7 @@ export class Pilot extends EventTarget {
     this.keys.drop();
     this.gamepads.disarm();
     this.touch.drop();
+    this.arm.release();
     this.efforts = none();
     clearTimeout(this.#timer);
     this.#timer = 0;
@@ -113,9 +117,9 @@ export class Pilot extends EventTarget {
     this.gamepads.addTo(axes);
     this.touch.addTo(axes);
     for (const axis of AXES) axes[axis] = this.gain * Math.max(-1, Math.min(1, axes[axis]));
-    this.efforts = axes;
+    this.efforts = this.arm.take(axes);
     this.dispatchEvent(new Event('efforts'));
-    const waitMs = isZero(axes) ? 0 : this.#sentMs + LEAST_MS - performance.now();
+    const waitMs = isZero(this.efforts) ? 0 : this.#sentMs + LEAST_MS - performance.now();
     if (waitMs > 0) this.#later(waitMs);
     else this.#send();
   }

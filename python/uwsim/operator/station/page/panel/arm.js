@@ -1,20 +1,38 @@
-// The joints of the vehicle's arm: their positions, and a slider each, which commands where a motor turns to.
-import { attempt, el, fixed, write } from '../dom.js';
+// The joints of the vehicle's arm: their positions, and a slider each, which commands where a motor turns to; the part
+// that the driving keys move, and buttons for the jaws.
+import { attempt, el, write } from '../dom.js';
+import { positionText } from '../drive/arm_drive.js';
 import { STRINGS } from '../strings.js';
 
 const WORDS = STRINGS.arm;
-const DEG = 180 / Math.PI;
+const MOMENT_MS = 250;
 const STEPS = 200; // of a slider, between a joint's stops
 
-const text = ({ is_slide: isSlide }, value) => (isSlide ? `${fixed(value, 3)} m` : `${fixed(DEG * value, 1)}°`);
+// The name of a part of the arm as shown: its joint's, or in words.
+export const partName = (part) =>
+  ({ '': WORDS.vehicle, hand: WORDS.hand, arm: WORDS.arm, grip: WORDS.grip })[part] ?? part;
 
 export class Arm {
   #vehicle = '';
   #joints = []; // { joint, topic, slider, value, isHeld }
 
-  constructor(station, telemetry) {
+  // drive: see ArmDrive.
+  constructor(station, telemetry, drive) {
     this.station = station;
     this.telemetry = telemetry;
+    this.drive = drive;
+    this.part = el('select', { id: 'arm-part', 'aria-label': WORDS.keysMove });
+    this.part.addEventListener('change', () => {
+      drive.choose(this.part.value);
+      this.part.blur(); // the keys drive again
+    });
+    drive.addEventListener('part', () => this.#showPart());
+    this.jaws = el(
+      'div',
+      { className: 'row', role: 'group', 'aria-label': WORDS.jaws },
+      this.#jawButton(WORDS.open, -1),
+      this.#jawButton(WORDS.close, 1),
+    );
     this.list = el('div', { className: 'joints' });
     this.halt = el('button', { type: 'button', id: 'halt-arm' }, WORDS.halt);
     this.halt.addEventListener('click', () =>
@@ -24,6 +42,8 @@ export class Arm {
       'section',
       { id: 'arm', className: 'arm', hidden: true },
       el('h2', {}, WORDS.arm, this.halt),
+      el('label', {}, el('span', {}, WORDS.keysMove), this.part),
+      this.jaws,
       this.list,
     );
   }
@@ -59,9 +79,31 @@ export class Arm {
     for (const { joint, topic, slider, value, isHeld } of this.#joints) {
       const at = this.telemetry.joints.get(topic);
       if (at === undefined) continue;
-      write(value, text(joint, at));
+      write(value, positionText(joint, at));
       if (!isHeld && document.activeElement !== slider) slider.value = String(at);
     }
+  }
+
+  #showPart() {
+    const { part, parts, hasJaws } = this.drive;
+    this.jaws.hidden = !hasJaws;
+    this.part.replaceChildren(
+      ...parts.map((value) => el('option', { value, selected: value === part }, partName(value))),
+    );
+  }
+
+  // A button that moves the jaws while it is held; by keyboard, for a moment.
+  #jawButton(text, sign) {
+    const button = el('button', { type: 'button' }, text);
+    button.addEventListener('pointerdown', () => this.drive.grip(sign, true));
+    for (const kind of ['pointerup', 'pointerleave', 'pointercancel'])
+      button.addEventListener(kind, () => this.drive.grip(sign, false));
+    button.addEventListener('click', (event) => {
+      if (event.detail > 0) return;
+      this.drive.grip(sign, true);
+      setTimeout(() => this.drive.grip(sign, false), MOMENT_MS);
+    });
+    return button;
   }
 
   #command(args) {

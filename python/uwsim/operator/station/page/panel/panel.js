@@ -55,7 +55,7 @@ export class Panel {
     this.failsafe = new Failsafe(station);
     this.link = new Link(station);
     this.tether = new TetherPanel(station);
-    this.arm = new Arm(station, telemetry);
+    this.arm = new Arm(station, telemetry, pilot.arm);
     this.kind = el('small');
     this.age = el('small');
     this.battery = el('i');

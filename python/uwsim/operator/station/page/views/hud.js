@@ -43,8 +43,9 @@ export class Hud {
   }
 
   // axis: see cameraAxis; null if the camera's angles are unknown. focal: in pixels per picture width. isFilled: whether
-  // the picture fills the canvas and is cut, or is shown whole. covered: see handheld.js. contact: see Telemetry.
-  draw(message, { isStale, axis, focal, aspect, isFilled, covered, proximity_m, contact }) {
+  // the picture fills the canvas and is cut, or is shown whole. covered: see handheld.js. contact: see Telemetry. arm: see
+  // ArmDrive.
+  draw(message, { isStale, axis, focal, aspect, isFilled, covered, proximity_m, contact, arm }) {
     this.shown = { axis, contact, tapes: {}, boxes: {} };
     const { canvas, context: c } = this;
     const ratio = Math.min(devicePixelRatio || 1, 2);
@@ -81,7 +82,14 @@ export class Hud {
       target_deg: yaw_rad === null ? null : 90 - (yaw_rad * 180) / Math.PI,
     });
     const free = width - 2 * (side + covered.corners * rem_px);
-    this.#chips(width / 2, foot - 64 * scale, scale, holds, isStale ? '' : said(message.hold_note ?? ''), free);
+    this.#chips(
+      width / 2,
+      foot - 64 * scale,
+      scale,
+      [...holds, ...arm],
+      isStale ? '' : said(message.hold_note ?? ''),
+      free,
+    );
     const clear = 2 * (foot - LINES * scale - height / 2); // of the lines
     const tall = Math.min(300, height * 0.56, height - 2 * covered.corners * rem_px, clear);
     TAPES.forEach(({ name, word = name }, k) => {
@@ -239,7 +247,7 @@ export class Hud {
   #chips(middle, top, scale, holds, note, free) {
     const { context: c } = this;
     this.#font(12 * scale, 600);
-    const texts = holds.map(({ short, text }) => `${short} ${text}`);
+    const texts = holds.map(({ short, text }) => `${short} ${text}`.trim());
     const wide = texts.map((text) => c.measureText(text).width + 14 * scale);
     const all = wide.reduce((sum, each) => sum + each + 5, -5);
     let x = middle - all / 2;

@@ -45,6 +45,7 @@ export class Views extends EventTarget {
   #isAboard = false; // whether views show the vehicle's own pictures, not those carried by the link
   #cameras = new Previews();
   #sonars = new Previews();
+  armShown = () => /** @type {{ short: string, text: string }[]} */ ([]); // see ArmDrive
   #tools = el('div', { className: 'picture-tools' });
 
   // drawn: the views that this page draws itself, each { name, title, kind, element, setLarge(isLarge) }.
@@ -152,6 +153,12 @@ export class Views extends EventTarget {
     this.#isAboard = isAboard;
     this.#choosePictures();
     this.#look();
+  }
+
+  // The name of the large view's camera, on the vehicle with a prefix, or ''.
+  ownCamera(prefix = '') {
+    const view = this.largeView?.view;
+    return view?.kind === 'camera' && view.optics?.follows === 'body' ? view.name.slice(prefix.length) : '';
   }
 
   // number: of the key; 0 is the tenth.
@@ -273,6 +280,7 @@ export class Views extends EventTarget {
         focal: view.optics ? focalPixels(1, view.optics) : NaN,
         contact: this.telemetry.contact,
         aspect: picture.canvas.width / picture.canvas.height,
+        arm: this.armShown(),
         isFilled: this.#isFilled,
         covered: margins,
         proximity_m: this.station.description?.warnings?.proximity_m ?? 0,

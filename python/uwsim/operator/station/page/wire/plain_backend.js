@@ -137,6 +137,10 @@ export class PlainBackend {
     return this.#bridge.call('/simulation/reset_parameters', { names: name === null ? [] : [name] });
   }
 
+  moveArm() {
+    return this.setView();
+  }
+
   setView() {
     return Promise.resolve({ success: false, message: WORDS.noStation });
   }

@@ -130,6 +130,10 @@ export class Station extends EventTarget {
     return this.#backend.drive(vehicle, efforts, stampMs);
   }
 
+  moveArm(request) {
+    return this.#backend.moveArm(request);
+  }
+
   command(name, vehicle, args = {}) {
     return this.#backend.command(name, vehicle, args);
   }

@@ -22,6 +22,10 @@ export class StationBackend {
     return messages.drive(this.#bridge, { vehicle, ...efforts, stamp_ms });
   }
 
+  moveArm(request) {
+    return messages.moveArm(this.#bridge, request);
+  }
+
   command(name, vehicle, args) {
     return messages.command(this.#bridge, { name, vehicle, args });
   }
