@@ -114,19 +114,21 @@ def flyable_lanes(sim: Simulator, lanes: list[Lane], least_share: float = LEAST_
 
     Raises ScenarioError if they amount to less than least_share of the total length.
     """
-    flyable, left_m, reasons_m = [], 0.0, dict.fromkeys(REASONS, 0.0)
+    flyable, left_m, reasons_m = [], 0.0, dict.fromkeys((*REASONS, TOO_SHORT), 0.0)
     for lane in lanes:
         along = np.linspace(0.0, lane.length_m, max(2, int(np.ceil(lane.length_m / STEP_M)) + 1))
         why = _obstructions(sim, lane.start_m + along[:, None] * lane.direction)
-        parts = [
-            (low, high) for low, high in _stretches(along, why == 0) if high - low >= min(SHORTEST_M, lane.length_m)
-        ]
+        free = _stretches(along, why == 0)
+        parts = [(low, high) for low, high in free if high - low >= min(SHORTEST_M, lane.length_m)]
         flyable += [
             Lane(lane.start_m + low * lane.direction, lane.start_m + high * lane.direction) for low, high in parts
         ]
-        left_m += lane.length_m - sum(high - low for low, high in parts)
-        for number, reason in enumerate(REASONS, 1):
-            reasons_m[reason] += float((why == number).mean()) * lane.length_m
+        free_m = sum(high - low for low, high in free)
+        short_m = free_m - sum(high - low for low, high in parts)
+        left_m += lane.length_m - free_m + short_m
+        reasons_m[TOO_SHORT] += short_m
+        for number, reason in enumerate(REASONS, 1):  # of the rest, by their samples
+            reasons_m[reason] += (lane.length_m - free_m) * float((why == number).sum()) / max(1, (why > 0).sum())
     total_m = sum(lane.length_m for lane in lanes)
     if left_m < 1e-6 * total_m:
         return FlyableLanes(lanes, None)
@@ -144,6 +146,7 @@ REASONS = (
     f"in water less than {-PASSABLE_Z_M:g} m deep",
     f"at obstacles that reach higher than {-PASSABLE_Z_M:g} m deep",
 )
+TOO_SHORT = f"in stretches between them that are shorter than {SHORTEST_M:g} m"
 
 
 def _obstructions(sim: Simulator, points_m: Points) -> NDArray[np.int64]:

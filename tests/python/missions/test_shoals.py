@@ -1,6 +1,7 @@
 """Shoals detected in flight are avoided; shoals known in advance are left out of the plan, or the plan is refused."""
 
 import itertools
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -109,6 +110,15 @@ def test_lanes_do_not_lead_through_a_pile_that_stands_out_of_the_water() -> None
     through = Lane(np.array([-30.0, 0.5]), np.array([30.0, 0.5]))  # its monopile has a radius of 3 m
     west, east = flyable_lanes(sim, [through]).lanes
     assert west.end_m[0] == pytest.approx(-5.0, abs=1.0) and east.start_m[0] == pytest.approx(5.0, abs=1.0)
+
+
+def test_the_reasons_for_lanes_that_are_left_out_are_whole() -> None:
+    """About 10 m at a monopile cannot be flown, and the 6 m before them are too short."""
+    lane = Lane(np.array([-11.0, 0.5]), np.array([32.0, 0.5]))
+    sentence = flyable_lanes(Simulator("wind_farm"), [lane]).left_out
+    assert sentence is not None and "shorter than 10 m" in sentence
+    whole, *parts = [float(share) for share in re.findall(r"([\d.]+) %", sentence)]
+    assert len(parts) == 2 and sum(parts) == pytest.approx(whole, abs=1.0)
 
 
 @pytest.mark.parametrize("name", ["lake", "pool", "valley", "reservoir", "harbour"])

@@ -27,7 +27,8 @@ ROV = ("vehicles", 0, "model")
 EACH = [
     *(("obstacles", kind) for kind in forms()["obstacles"]),
     ("props", ""), ("currents", "layers"), ("sensors", "dvl"), ("cameras", ""), ("lamps", ""),
-    ("imaging_sonars", "side_scan"),
+    ("imaging_sonars", "side_scan"), ("surface", "jonswap"), ("tide", ""), ("wind", ""), ("optics", ""),
+    ("cover", "kelp"), ("life", "school"), ("vehicles", ""),
 ]  # fmt: skip
 
 
@@ -69,7 +70,7 @@ def test_each_kind_is_added_read_again_and_removed_without_a_trace(
     place = found.add(section, kind, 0, [0.5, -1.0])
     again = Draft(found.text, "again.yaml", tmp_path)
     assert again.scenario == found.scenario and again.part(section, place) == found.part(section, place)
-    fields = {field["name"] for field in forms()[section][kind]} | {"kind"}
+    fields = {field["name"] for field in forms()[section][kind]} | {"kind", *SECTIONS[section].without}
     assert fields >= found.part(section, place).keys()
     added = found.text
     found.remove(section, place)
@@ -245,6 +246,28 @@ def test_what_is_saved_opens_everywhere_and_replaces_no_foreign_file(station: St
     names = [each["name"] for each in Member(again, "eve")("catalog")["scenarios"]]
     assert names[0] == "my_pool.yaml" and "mine.yaml" not in names
     again.sessions.close()
+
+
+def test_a_scene_is_built_from_nothing_and_has_the_verdict_of_a_file(station: Station, tmp_path: Path) -> None:
+    anna = Member(station, "anna")
+    assert anna("edit", action="new")["vehicles"] == ["rov"]
+    for section, kind in (
+        ("terrain", "image"), ("terrain", "noise"), ("surface", "jonswap"), ("tide", ""), ("optics", ""),
+        ("life", "school"), ("cover", "kelp"), ("obstacles", "box"), ("props", ""), ("vehicles", ""),
+        ("currents", "layers"), ("survey", ""),
+    ):  # fmt: skip
+        answer = anna("edit", action="add", section=section, kind=kind, at_m=[12, -8])
+        assert answer["success"], answer["message"]
+    assert "exists already" in anna("edit", action="add", section="terrain", kind="noise")["message"]
+    part = {"section": "optics", "place": ["optics"], "values": {"sun_elevation_deg": 20}}
+    assert anna("edit", action="set", **part)["success"]
+    (verdict,) = anna("edit", action="check")["mistakes"]  # the survey's lanes lie close above the bed
+    assert anna("edit", action="save", name="mine")["is_saved"]
+    report = check_file(tmp_path / "mine.yaml")
+    assert verdict.removeprefix("scene.yaml") in [each.removeprefix(report.file) for each in report.warnings]
+    scenario = load(tmp_path / "mine.yaml")
+    assert [entry.model.name for entry in scenario.vehicles] == ["bluerov2_heavy_outfit"] * 2
+    assert (scenario.terrain.source, scenario.optics.sun_elevation_deg) == ("noise", 20.0)
 
 
 def test_what_was_left_unsaved_is_there_for_whoever_opens_it_next_and_can_be_dropped(station: Station) -> None:

@@ -70,6 +70,25 @@ def dragged(page, start, by):
     page.mouse.up()
 
 
+def test_a_new_scene_is_built_saved_and_chosen_on_the_start_screen(start_page, here):
+    page = start_page
+    page.evaluate("document.querySelector('#editor-dialog').close()")
+    page.click("[data-task=build]")
+    page.click("button.new-scene")
+    when(page, "document.querySelector('#editor-dialog').open && station.editor.state?.name === 'scene'")
+    page.get_by_label("What to add").select_option("life")
+    page.click(".editor-bar >> text=Add")
+    when(page, SENT.format("school", "position_m[2] === -1"))
+    page.get_by_label("Save as").fill("bay")
+    page.keyboard.press("Control+s")
+    when(page, "station.editor.state.is_saved")
+    page.keyboard.press("Escape")
+    when(page, "document.querySelector('#field-scenario').value === 'bay.yaml'")
+    assert load(here.station.sessions.folder / "bay.yaml").life[0].name == "school"
+    page.select_option("#field-scenario", "pool")
+    page.click("[data-task=fly]")
+
+
 def test_in_3d_the_same_parts_are_moved_turned_added_and_undone_and_a_reload_keeps_them(page):
     page.locator(".editor-canvas").press("v")
     when(page, "station.editor.scene.gate.frames > 0 && station.editor.scene.isWhole")

@@ -21,6 +21,8 @@ MAX_BYTES = 64_000
 """The largest text that is edited: each change reads it twice, which takes 14 to 30 ms per 1000 bytes."""
 STEPS_MAX = 200
 TEXT_MAX = 4000
+NAMED = ("obstacles", "props", "cover", "life", "vehicles")
+"""Sections whose parts have names, which are unique among them."""
 DEPTH_MAX = 20
 """Brackets within brackets in a value: the parser's time rises with their square, to 7 s for TEXT_MAX of them."""
 Place = tuple[Key, ...]
@@ -116,18 +118,17 @@ class Draft:
             self._take(self._with_part(self.text, place, values))
             return place
         if found.holds == "one":
-            if _at(self.values, above) is not None:
+            present = _at(self.values, above)
+            if present is not None and (not kind or present.get(found.key) == kind):
                 raise ValueError(f"{dotted(above)}: exists already")
-            self._take(with_value(self.text, self.name, above, values))
+            self._take(with_value(self.text, self.name, above, values))  # in place of one of another kind
             return above
         items = _at(self.values, above) or []
         text = self.text
         if isinstance(items, Mapping):  # one current, written without a list
             text, items = with_value(without(text, self.name, above), self.name, above, [dict(items)]), [items]
-        if section in ("obstacles", "props"):
-            taken = [
-                each.get("name") for key in ("obstacles", "props", "vehicles") for each in self.values.get(key, [])
-            ]
+        if section in NAMED:
+            taken = [each.get("name") for key in NAMED for each in self.values.get(key, [])]
             taken += [body.name for body in self.scenario.objects]
             first = {"kind": kind} if kind else {}
             values = {**first, "name": self._free(kind or str(values["model"]), taken), **values}
@@ -181,7 +182,7 @@ class Draft:
         }
 
     def _form(self, section: str, place: Place) -> dict[str, Values]:
-        kind = str(self.part(section, place).get("kind", ""))
+        kind = str(self.part(section, place).get(self._section(section).key, ""))
         fields = forms()[section].get(kind)
         if fields is None:
             raise ValueError(f"{dotted(place)}: of kind {kind[:40]!r}: cannot be edited here")
@@ -223,7 +224,7 @@ class Draft:
         return SECTIONS[section]
 
     def _require_vehicle(self, place: Place) -> None:
-        if place[0] == "vehicles" and not 0 <= int(place[1]) < len(self.values["vehicles"]):
+        if place[0] == "vehicles" and len(place) > 1 and not 0 <= int(place[1]) < len(self.values["vehicles"]):
             raise ValueError(f"vehicle = {place[1]}: there are {len(self.values['vehicles'])}")
 
     def _free(self, base: str, taken: Any) -> str:

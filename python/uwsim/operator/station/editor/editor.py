@@ -22,9 +22,12 @@ from uwsim.operator.station.editor.forms import SECTIONS
 from uwsim.operator.station.editor.vehicle_parts import is_inherited
 from uwsim.scenario import Scenario, start_pose
 from uwsim.scenario.dump import plain, yaml_text
+from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.spec.fields import NAME
 
 PLACE_MAX = 6
+NEW = "scene"
+"""The name of a new scene."""
 SAVED_MAX = 100
 """The files of a folder that are looked through."""
 
@@ -59,6 +62,11 @@ class Editor:
         """
         make = partial(_of_file, path)
         return self._take(client, name, make, is_of_same)
+
+    def open_new(self, client: str) -> bool:
+        """Open a new scene, with no more than a bed, water and a vehicle. If one is unsaved, editing continues."""
+        text = (assets_folder() / "templates" / "scene.yaml").read_text(encoding="utf-8").replace("@NAME@", NEW)
+        return self._take(client, NEW, lambda: Draft(text, f"{NEW}.yaml", self._folder), is_of_same=True)
 
     def open_running(
         self, client: str, scenario: Scenario, is_of_file: Callable[[Scenario], bool], *, is_of_same: bool
@@ -206,7 +214,7 @@ def _parts(draft: Draft) -> Iterator[Values]:
                     own = {"position_m": list(position_m), "yaw_deg": math.degrees(yaw_rad)}
                 yield {
                     "section": section, "place": list(place), "name": str(own.get("name", name)),
-                    "kind": str(own.get("kind", "")), "vehicle": vehicle if found.of_vehicle else None,
+                    "kind": str(own.get(found.key, "")), "vehicle": vehicle if found.of_vehicle else None,
                     "is_inherited": is_docked or is_inherited(values, place),
                     "frame": frame, "values": own, "outline_m": outline,
                 }  # fmt: skip

@@ -9,13 +9,16 @@ from typing import Any
 
 from uwsim.base.texts.yaml_document import Key
 from uwsim.channels.guest import Values
+from uwsim.scenario.read.assets import packaged_names
 from uwsim.scenario.schema import schema
 from uwsim.scenario.spec.camera import Lamps
 from uwsim.scenario.spec.json_schema import UNIT
 from uwsim.scenario.spec.obstacle import OBSTACLES
 from uwsim.scenario.spec.prop import PropEntry
-from uwsim.scenario.spec.vehicle_entry import StartPose
-from uwsim.scenario.spec.water import CurrentSpec
+from uwsim.scenario.spec.tides import Tide
+from uwsim.scenario.spec.vehicle_entry import StartPose, VehicleEntry
+from uwsim.scenario.spec.water import CurrentSpec, SurfaceSpec
+from uwsim.scenario.spec.wind import Wind
 
 Schema = Mapping[str, Any]
 NUMBERS = ("number", "integer")
@@ -27,13 +30,16 @@ TURNS = ("yaw_deg", "yaw_pitch_roll_deg")
 class Section:
     """A section of a scenario: its schema, and the place of its parts, below each vehicle if of_vehicle.
 
-    holds: whether the place holds a list of parts, parts by name, or one part.
+    holds: whether the place holds a list of parts, parts by name, or one part. key: of a part's kind. without: fields
+    that are sections of their own.
     """
 
     schema: str
     place: tuple[Key, ...]
     holds: str
     of_vehicle: bool = False
+    key: str = "kind"
+    without: tuple[str, ...] = ()
 
     def below(self, vehicle: int) -> tuple[Key, ...]:
         """Return the section's place, of a vehicle if it has one for each."""
@@ -45,6 +51,15 @@ SECTIONS = {
     "props": Section("placed_prop", ("props",), "list"),
     "currents": Section("current", ("water", "current"), "list"),
     "survey": Section("survey", ("survey",), "one"),
+    "terrain": Section("terrain", ("terrain",), "one", key="source"),
+    "water": Section("water", ("water",), "one", without=("surface", "current", "tide")),
+    "surface": Section("surface", ("water", "surface"), "one", key="kind"),
+    "tide": Section("tide", ("water", "tide"), "one"),
+    "wind": Section("wind", ("wind",), "one"),
+    "vehicles": Section("vehicle_entry", ("vehicles",), "list", without=("start",)),
+    "optics": Section("optics", ("optics",), "one"),
+    "cover": Section("cover", ("cover",), "list"),
+    "life": Section("life", ("life",), "list"),
     "starts": Section("start", ("start",), "one", of_vehicle=True),
     **{
         name: Section(part, ("model", name), "names", of_vehicle=True)
@@ -53,14 +68,37 @@ SECTIONS = {
         )
     },
 }  # fmt: skip
-OTHER_SCHEMAS = {"lamps": Lamps, "current": CurrentSpec, "start": StartPose, "placed_prop": PropEntry}
-EXAMPLES: Mapping[str, Mapping[str, Any]] = {"lamps": Lamps.example, "props": {"model": "drum"}}
+OTHER_SCHEMAS: Mapping[str, Any] = {
+    "surface": SurfaceSpec, "tide": Tide, "wind": Wind, "vehicle_entry": VehicleEntry, "lamps": Lamps,
+    "current": CurrentSpec, "start": StartPose, "placed_prop": PropEntry,
+}  # fmt: skip
+EXAMPLES: Mapping[str, Mapping[str, Any]] = {
+    "lamps": Lamps.example,
+    "props": {"model": "drum"},
+    "vehicles": {"model": "bluerov2_heavy_outfit"},
+    "terrain noise": {"size_m": [100, 100], "spacing_m": 1, "bed_depth_m": 10, "hill_height_m": 3},
+    "terrain image": {
+        "file": "terrains/mountains.png", "size_m": [200, 200], "spacing_m": 1, "black_m": -20, "white_m": -5,
+    },
+    "terrain raster": {
+        "file": "terrains/jacksboro_srtm.asc", "crs": "EPSG:4326", "water_level_m": 550, "horizontal_scale": 0.05,
+        "vertical_scale": 0.11, "centre": [-84.19, 36.6], "size_m": [440, 320], "spacing_m": 1,
+    },
+    "tide": {"constituents": [{"constituent": "M2", "amplitude_m": 1}]},
+    "surface airy": {"amplitude_m": 0.3, "period_s": 6},
+    "surface jonswap": {"significant_height_m": 0.5, "peak_period_s": 6},
+    "wind": {"speed_m_s": 5},
+    "cover": {"density_per_m2": 0.3, "size_m": [0.2, 0.5]},
+    "cover kelp": {"density_per_m2": 0.3, "size_m": [2, 4]},
+    "life": {"count": 20, "size_m": [0.2, 0.3]},
+}  # fmt: skip
+"""What a new part begins with, by section and kind, or by section."""
 
 
 @cache
 def forms() -> dict[str, dict[str, list[Values]]]:
     """Return the fields by section and kind ("" if it has no kinds); see wire.editor.FormField."""
-    return {name: dict(_kinds(schema(section.schema, OTHER_SCHEMAS))) for name, section in SECTIONS.items()}
+    return {name: dict(_kinds(section)) for name, section in SECTIONS.items()}
 
 
 def described_forms() -> list[Values]:
@@ -76,15 +114,19 @@ def described_forms() -> list[Values]:
 
 def start_values(section: str, kind: str, at_m: tuple[float, float]) -> Values:
     """Return the values of a new part at a place (x, y), which a person then changes."""
-    found: Values = {"kind": kind} if kind else {}
-    found |= OBSTACLES.models()[kind].example if section == "obstacles" else EXAMPLES.get(section, {})
+    found: Values = {SECTIONS[section].key: kind} if kind else {}
+    usual = EXAMPLES.get(f"{section} {kind}") or EXAMPLES.get(section, {})
+    found |= OBSTACLES.models()[kind].example if section == "obstacles" else usual
+    under_water = [*at_m, -1.0]
+    if section == "vehicles":
+        found["start"] = {"position_m": under_water}
     for field in forms()[section][kind]:
         name, width = field["name"], field["width"]
         if name in found or not (field["is_required"] or name == "position_m") or name == "name":
             continue
         number = _guess(field["low"], field["high"])
         if field["role"] == "place":
-            found[name] = [*at_m, 0.0][:width]
+            found[name] = under_water if section == "life" else [*at_m, 0.0][:width]
         elif field["role"] == "line" and field["columns"] == ["x", "y"]:
             found[name] = [
                 [round(at_m[0] + dx, 3), round(at_m[1] + dy, 3)] for dx, dy in ((-5.0, -5.0), (5.0, -5.0), (5.0, 5.0))
@@ -143,18 +185,27 @@ def _guess(low: float | None, high: float | None) -> float:
     return 0.0 if low is None or low <= 0.0 else min(max(1.0, low), high or 1.0)
 
 
-def _kinds(whole: Schema) -> Iterator[tuple[str, list[Values]]]:
+def _kinds(section: Section) -> Iterator[tuple[str, list[Values]]]:
+    whole = schema(section.schema, OTHER_SCHEMAS)
     definitions = whole.get("definitions", {})
     for arm in whole.get("oneOf", [whole]):
         model = _resolved(arm, definitions)
-        kind = model["properties"].get("kind", {}).get("const", "")
+        kind = model["properties"].get(section.key, {}).get("const", "")
         required = model.get("required", [])
         fields = [
-            _field(name, part, definitions, name in required)
+            _packaged(section, _field(name, part, definitions, name in required))
             for name, part in model["properties"].items()
-            if "const" not in part
+            if "const" not in part and name not in section.without
         ]
         yield kind, sorted(fields, key=lambda field: (field["name"] != "name", not field["is_required"]))
+
+
+def _packaged(section: Section, field: Values) -> Values:
+    """Return a field, with the packaged files as choices if it names a vehicle's or a prop's model."""
+    folder = str(section.place[0])
+    if section.of_vehicle or folder not in ("vehicles", "props") or field["name"] != "model":
+        return field
+    return field | {"type": "choice", "choices": packaged_names(folder)}
 
 
 def _field(name: str, part: Schema, definitions: Schema, is_required: bool) -> Values:

@@ -39,6 +39,8 @@ export class StartScreen {
   #preview = new Preview();
   /** @type {HTMLButtonElement} */
   edit;
+  /** @type {HTMLButtonElement} */
+  fresh;
   /** @type {HTMLElement} */
   whereSet;
   /** @type {HTMLElement} */
@@ -120,9 +122,14 @@ export class StartScreen {
       link: links.map(choice),
     };
     const fields = (...names) => names.map((name) => this.#field(name, choices[name]));
+    this.fresh = el(
+      'button',
+      { type: 'button', className: 'new-scene', onclick: () => this.#edit(null) },
+      WORDS.newScene,
+    );
     this.edit = el('button', { type: 'button', className: 'edit', onclick: () => this.#edit() }, WORDS.edit);
     const [scenario, ...mission] = fields('scenario', 'vehicle', 'sonar', 'tilt_deg', 'mission_time_s', 'seed');
-    this.ownSet = this.#set(WORDS.mission, scenario, this.#preview.element, this.edit, ...mission);
+    this.ownSet = this.#set(WORDS.mission, scenario, this.#preview.element, this.edit, this.fresh, ...mission);
     this.paceSet = this.#set(WORDS.timeAndLink, ...fields('speed', 'link'));
     this.rosSet = this.#set(WORDS.yourRosbridge, ...fields('rosbridge_host', 'rosbridge_port'));
     this.otherSet = this.#set(WORDS.address, ...fields('host', 'port'));
@@ -171,6 +178,7 @@ export class StartScreen {
     const isElsewhere = this.isElsewhere && !this.#isBuilding;
     this.ownSet.hidden = isElsewhere;
     this.paceSet.hidden = this.rosSet.hidden = isElsewhere || this.#isBuilding;
+    this.fresh.hidden = !this.#isBuilding;
     this.whereSet.hidden = this.edit.hidden = this.#isBuilding;
     this.otherSet.hidden = !isElsewhere;
     for (const name of OF_SCENARIO) this.#fields.get(name).box.hidden = this.#isBuilding;
@@ -263,9 +271,9 @@ export class StartScreen {
     if (this.catalog) this.#showWhere();
   }
 
-  // Edit the chosen scenario; one that is saved is then chosen.
-  #edit() {
-    this.editor.open(this.#fields.get('scenario').input.value, async (name) => {
+  // Edit the chosen scenario, or a new one for null; one that is saved is then chosen.
+  #edit(scenario = this.#fields.get('scenario').input.value) {
+    this.editor.open(scenario, async (name) => {
       if (!name) return;
       this.#isOld = true;
       await this.show();

@@ -15,7 +15,8 @@ from uwsim.scenario.read.assets import find_yaml
 
 CHANGES = ("set", "add", "remove", "undo", "redo", "revert")
 GONE_S = 3.0  # a client that sends nothing for this long, not even replies to pings, edits no longer
-ACTIONS = ("open", "report", *CHANGES, "check", "save", "apply", "close")
+OPENS = ("open", "new")
+ACTIONS = (*OPENS, "report", *CHANGES, "check", "save", "apply", "close")
 
 
 class EditService:
@@ -37,11 +38,11 @@ class EditService:
         if action not in ACTIONS:
             raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(ACTIONS)}")
         if action != "report":
-            self._require(caller, is_open=action == "open")
+            self._require(caller, is_open=action in OPENS)
         elif self._instructor is not None and self._sessions.running is not None:
             self._instructor.require(caller)  # who may prepare what the trainee must not see
-        if action == "open":
-            if self._open(caller, request.get("scenario")):
+        if action in OPENS:
+            if self._new(caller) if action == "new" else self._open(caller, request.get("scenario")):
                 message = "continues with what was not saved"
         elif action == "check":
             more = {"mistakes": self._editor.mistakes()}
@@ -80,6 +81,14 @@ class EditService:
         if by != caller and not is_free:
             by_name = self._lease.members.get(by, "another client")
             raise ValueError(f"{by_name} edits a scenario" if by else "open a scenario first")
+
+    def _new(self, caller: str) -> bool:
+        """Open a new scene; return True if unsaved changes were left in it."""
+        if self._sessions.running is not None:
+            raise ValueError("a new scene is built on the start screen: quit first")
+        is_kept = self._editor.open_new(caller)
+        self._of = None
+        return is_kept
 
     def _open(self, caller: str, name: object) -> bool:
         """Open a scenario, or that of the simulator; return True if unsaved changes were left in it."""

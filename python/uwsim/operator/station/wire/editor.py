@@ -10,7 +10,7 @@ from uwsim.operator.station.wire.messages import Message
 class Edit(Message):
     """A request to the editor.
 
-    action: open, report, set, add, remove, undo, redo, revert, check, save, apply or close.
+    action: new, open, report, set, add, remove, undo, redo, revert, check, save, apply or close.
 
     scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to
     add. values: fields to set; null removes one. name: under which it is saved.

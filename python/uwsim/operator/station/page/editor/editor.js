@@ -18,6 +18,9 @@ const AGAIN_MS = 2000; // between attempts to continue after a lost connection
 
 /** @typedef {import('../wire/messages.js').EditState} EditState */
 
+const requestTo = (scenario) =>
+  scenario === null ? { action: 'new' } : { action: 'open', ...(scenario ? { scenario } : {}) };
+
 export class SceneEditor {
   /** @type {EditState | null} */
   state = null;
@@ -31,7 +34,8 @@ export class SceneEditor {
   #bed = '';
   /** @type {Float32Array | null} */
   #heights = null;
-  #isOfRunning = false; // whether the simulator's scenario was opened
+  /** @type {string | null} */
+  #opened = ''; // see open
   /** @type {(name: string) => void} */
   #onClose = () => {};
 
@@ -83,9 +87,9 @@ export class SceneEditor {
     );
   }
 
-  /** Open a scenario, '' for that of the running simulator; the server still has what was not saved. onClose(name):
+  /** Open a scenario, '' for that of the running simulator, null for a new one; the server still has what was not saved. onClose(name):
    * called with the name under which it was saved, or ''.
-   * @param {string} scenario
+   * @param {string | null} scenario
    * @param {(name: string) => void} onClose
    */
   async open(scenario, onClose = () => {}) {
@@ -97,9 +101,9 @@ export class SceneEditor {
         if (!found.success) throw new Error(found.message);
         this.bar.sections = found.sections;
       }
-      const state = await edit(bridge, { action: 'open', ...(scenario ? { scenario } : {}) });
+      const state = await edit(bridge, requestTo(scenario));
       if (!state.success) throw new Error(state.message);
-      [this.savedName, this.#onClose, this.#bed, this.#isOfRunning] = ['', onClose, '', scenario === ''];
+      [this.savedName, this.#onClose, this.#bed, this.#opened] = ['', onClose, '', scenario];
       [this.parts.selected, this.parts.changes, this.parts.mark, this.#client] = [-1, {}, null, this.station.id];
       const dialog = byId('editor-dialog');
       openDialog(dialog, WORDS.title(state.name), this.element);
@@ -125,7 +129,8 @@ export class SceneEditor {
     const { name, text } = this.state ?? {};
     const reopen = async () => {
       try {
-        const state = await edit(bridge, { action: 'open', ...(this.#isOfRunning ? {} : { scenario: name }) });
+        const isOfFile = this.#opened || (this.#opened === null && this.savedName);
+        const state = await edit(bridge, requestTo(isOfFile ? (name ?? '') : this.#opened));
         if (!state.success) throw new Error(state.message);
         this.#say(state.text === text ? state.message : WORDS.notKept, state.text === text ? '' : 'error');
         await this.#show(state);

@@ -777,7 +777,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {FormSection[]} sections
  */
 
-/** A request to the editor. action: open, report, set, add, remove, undo, redo, revert, check, save, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add. values: fields to set; null removes one. name: under which it is saved.
+/** A request to the editor. action: new, open, report, set, add, remove, undo, redo, revert, check, save, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add. values: fields to set; null removes one. name: under which it is saved.
  * @typedef {object} Edit
  * @property {string} action
  * @property {string | null} [scenario]
