@@ -4,16 +4,16 @@ import math
 
 from tools.reference.markdown import code, plain, table
 
-from uwsim import _core
 from uwsim.instruments.readings import READINGS
 from uwsim.scenario.read.assets import packaged_names
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.sensor import Noise, SensorMount
+from uwsim.scenario.spec.sensor_kind import DerivedKind, SensorKind, usable_sensor_kinds
 from uwsim.scenario.spec.vehicle import VehicleModel
 
 HEAD = """# Sensors
 
-The kinds of sensor that a vehicle's file may contain, generated from the core's table. `rov.sensors["imu"].read()`
+The kinds of sensor that a vehicle's file may contain, generated from their table. `rov.sensors["imu"].read()`
 returns a number in the unit below, or an object with these fields (`uwsim.instruments.readings`).
 [Scenario files](scenario.md) lists the keys that all kinds share: mount, rate, latency, drop-outs, noise.
 
@@ -22,15 +22,16 @@ returns a number in the unit below, or an object with these fields (`uwsim.instr
 
 def sensors_page() -> str:
     """Return the page, with a section for each kind."""
-    return HEAD + "\n".join(_section(_core.sensor_kind(name)) for name in _core.sensor_kinds())
+    return HEAD + "\n".join(_section(kind) for kind in usable_sensor_kinds())
 
 
 def _with_article(name: str) -> str:
     return f"{'an' if name[0] in 'AEIOU' else 'a'} `{name}`"
 
 
-def _section(kind: _core.SensorKind) -> str:
+def _section(kind: SensorKind) -> str:
     reads = _with_article(READINGS[kind.name].__name__) if kind.name in READINGS else "a number"
+    reads = "an object with these fields" if isinstance(kind, DerivedKind) and len(kind.fields) > 1 else reads
     meaning = plain(kind.meaning)
     text = f"## {kind.name}\n\n{meaning[:1].upper()}{meaning[1:]}. A reading is {reads}.\n\n"
     rows = [(code(name), _shape(width), plain(unit)) for name, (width, unit) in kind.fields.items()]

@@ -210,11 +210,10 @@ class Exercise(Model):
         data["mission_time_s"] = max(found.mission_time_s, 2 * self.time_s)
         data["obstacles"] = [*found.obstacles, *self.obstacles]
         if self.layout:
-            fixed, loose = (
-                sum(len(getattr(one.model, key)) for one in props.values()) for key in ("obstacles", "objects")
-            )
-            data["obstacles"] = [*found.obstacles[: len(found.obstacles) - fixed], *self.obstacles]
-            data["objects"] = found.objects[: len(found.objects) - loose]
+            for key in ("obstacles", "objects", "pingers"):  # those of the props are the last
+                own = len(getattr(found, key)) - sum(len(getattr(one.model, key)) for one in props.values())
+                data[key] = getattr(found, key)[:own]
+            data["obstacles"] = [*data["obstacles"], *self.obstacles]
             data["props"] = list(props.values())
         if self.start is not None:
             data["vehicles"] = [{**found.vehicles[0].given(), "start": self.start}, *found.vehicles[1:]]

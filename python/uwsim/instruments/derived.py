@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, make_dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.sockets import blaming
+from uwsim.instruments.acoustics.pinger_sound import Burst, PingerSound
 from uwsim.instruments.errors import Errors
 from uwsim.instruments.readings import Reading
 from uwsim.scenario.spec.sensor import Noise, SensorMount
@@ -25,7 +27,7 @@ Floats = NDArray[np.float64]
 class Derivation:
     """Computes a sensor's readings. name: "vehicle/sensor", of its random stream. rate_hz: of its samples.
 
-    seed: returns the run's.
+    seed: returns the run's. sound: of the pingers, for a kind that hears them.
     """
 
     kind: DerivedKind
@@ -33,11 +35,14 @@ class Derivation:
     name: str
     rate_hz: float
     seed: Callable[[], int]
+    sound: PingerSound
 
     def reading(self, values: Mapping[str, Any], stamp_ns: int, *, noise: bool) -> dict[str, Any]:
         """Return the quantities by name, numbers or arrays (n,), from those of the source. Raises ValueError."""
         with blaming(GROUP, self.kind.name, "measure"):
-            given = self.kind.measure(values, figures_of(self.kind, self.mount.parameters), 1e-9 * stamp_ns)
+            time_s = 1e-9 * stamp_ns
+            heard = (partial(self._ping, time_s),) if self.kind.hears else ()
+            given = self.kind.measure(values, figures_of(self.kind, self.mount.parameters), time_s, *heard)
         if set(given) != set(self.kind.fields):
             rule = f"must measure {', '.join(self.kind.fields)}"
             raise ValueError(f"sensor kind '{self.kind.name}': measured {', '.join(given) or 'nothing'}: {rule}")
@@ -59,6 +64,11 @@ class Derivation:
             reading = self.reading(values, int(stamp_ns), noise=True)
             found.append(np.hstack([np.ravel(reading[name]) for name in self.kind.fields]))
         return np.array(found, np.float64).reshape(len(found), sum(width for width, _ in self.kind.fields.values()))
+
+    def _ping(self, time_s: float, point_m: Floats, low_hz: float, high_hz: float) -> Burst | None:
+        """Return the last burst that has arrived at a place between the sample before and this one, or None."""
+        burst = self.sound.in_band(low_hz, high_hz).last_burst(lambda _: point_m, time_s)
+        return None if burst is None or burst.arrival_s <= time_s - 1.0 / self.rate_hz else burst
 
     def _with_errors(self, channel: str, value: Floats, stamp_ns: int) -> Floats:
         noise = self.mount.channels.get(channel) or self.mount.noise or Noise(std=self.mount.noise_std or 0.0)

@@ -39,8 +39,12 @@ class Errors:
 
     def _draw(self, channel: str, count: int, width: int) -> Floats:
         """Return `width` normally distributed numbers for the sample `count`; 0 is the beginning of the run."""
-        words = f"sensor/{self.name}/{channel}".encode()
-        stream = int.from_bytes(hashlib.blake2b(words, digest_size=8).digest(), "little")
-        key = np.array([self.seed(), stream], np.uint64)
-        counter = np.array([0, count, 0, 0], np.uint64)  # the first word counts within a draw
-        return np.random.Generator(np.random.Philox(key=key, counter=counter)).standard_normal(width)
+        return normal_draws(self.seed(), f"sensor/{self.name}/{channel}", count, width)
+
+
+def normal_draws(seed: int, stream: str, count: int, width: int) -> Floats:
+    """Return `width` normally distributed numbers, which depend on seed, stream and count alone."""
+    number = int.from_bytes(hashlib.blake2b(stream.encode(), digest_size=8).digest(), "little")
+    key = np.array([seed, number], np.uint64)
+    counter = np.array([0, count, 0, 0], np.uint64)  # the first word counts within a draw
+    return np.random.Generator(np.random.Philox(key=key, counter=counter)).standard_normal(width)

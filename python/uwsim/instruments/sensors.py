@@ -12,6 +12,7 @@ import numpy as np
 from uwsim import _core
 from uwsim.base.named import Named
 from uwsim.base.sealed import Attached
+from uwsim.instruments.acoustics.pinger_sound import PingerSound
 from uwsim.instruments.derived import Derivation, reading_class
 from uwsim.instruments.distortion import Distortion
 from uwsim.instruments.readings import (
@@ -94,8 +95,12 @@ class Sensor(Attached, Generic[R]):
         mount: SensorMount,
         stream: str,
         seed: Callable[[], int],
+        sound: PingerSound,
     ) -> None:
-        """mount: as in the scenario. stream: "vehicle/sensor", for the noise of kinds in Python. seed: the run's."""
+        """mount: as in the scenario. stream: "vehicle/sensor", for the noise of kinds in Python. seed: the run's.
+
+        sound: the pingers', for kinds in Python that hear it.
+        """
         self._step_s = step_s
         self._source = SampleSource(
             lambda: self._distorted(*simulation.take_samples(vehicle, index)),
@@ -105,7 +110,7 @@ class Sensor(Attached, Generic[R]):
         self._vehicle = vehicle
         self._index = index
         kind = sensor_kind(mount.kind)
-        self._derived = Derivation(kind, mount, stream, 0.0, seed) if isinstance(kind, DerivedKind) else None
+        self._derived = Derivation(kind, mount, stream, 0.0, seed, sound) if isinstance(kind, DerivedKind) else None
         self._source_fields = _core.sensor_kind(spec.kind).fields
         self._reading = reading_class(kind) if isinstance(kind, DerivedKind) else READINGS.get(kind.name)
         self._scalar = next(iter(kind.fields)) if self._reading is None else None
@@ -144,6 +149,7 @@ class Sensor(Attached, Generic[R]):
         """Return samples as the sensor reports them: distorted by a fault, or invalid while the sensor is off."""
         if self._derived is not None:
             readings = self._derived.rows(stamps_ns, readings, self._source_fields)
+            valid = valid & ~np.isnan(readings).any(axis=1)
         if self._distortion is not None:
             readings = self._distortion.of_rows(readings, self._fields)
         return stamps_ns, arrivals_ns, readings, valid if self.on else np.zeros_like(valid)
@@ -199,7 +205,9 @@ class Sensor(Attached, Generic[R]):
         fix), if the newest sample was dropped, if none has arrived yet, or if the sensor is off.
         """
         reading = self._newest(noise)
-        return Sample(self._value(reading, noise), reading.stamp_ns, reading.valid and self.on)
+        value = self._value(reading, noise)
+        measured = self._derived is None or not np.isnan(self.flat(value)).any()
+        return Sample(value, reading.stamp_ns, reading.valid and self.on and measured)
 
     def stream(self, from_ns: int | None = None) -> SampleStream:
         """Return a stream of the sensor's future samples, each delivered once, on arrival, without dropped samples.

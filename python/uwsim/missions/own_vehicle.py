@@ -18,7 +18,7 @@ from uwsim.base.commands import Commandable, command_named
 from uwsim.base.named import Named
 from uwsim.base.sealed import Sealed
 from uwsim.missions.estimated_views import EstimatedCamera, EstimatedImagingSonar, EstimatedSonar
-from uwsim.missions.vehicle import CameraLike, ImagingSonarLike, LampLike, Panel, TetherLike, Vehicle
+from uwsim.missions.vehicle import CameraLike, HydrophonesLike, ImagingSonarLike, LampLike, Panel, TetherLike, Vehicle
 from uwsim.navigation.control.autopilot import Autopilot
 from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.control.protocols import EstimateLike, PoseLike, SensorLike, SonarLike, VelocityLike, Watch
@@ -177,6 +177,11 @@ class OwnVehicle(Sealed, Commandable):
     def imaging_sonars(self) -> Mapping[str, ImagingSonarLike]:
         """The imaging sonars, keyed by name; their pings are placed at the estimated pose."""
         return self._all_by_estimate(EstimatedImagingSonar, self._hull.imaging_sonars)  # type: ignore[no-any-return]
+
+    @property
+    def hydrophones(self) -> Mapping[str, HydrophonesLike]:
+        """The arrays of hydrophones, keyed by name; a remote vehicle's are read from their topics instead."""
+        return getattr(self._hull, "hydrophones", {})
 
     @property
     def cameras(self) -> Mapping[str, CameraLike]:

@@ -99,12 +99,19 @@ class ImagingSonarLike(Protocol):
         """Ping from the current pose; see uwsim.instruments.sonars.mounted.ImagingSonar."""
 
 
+class HydrophonesLike(Protocol):
+    """An array of hydrophones."""
+
+    def listen(self) -> Any:
+        """Return the samples around the last ping; see uwsim.instruments.acoustics.hydrophones.Hydrophones."""
+
+
 class Vehicle(Commandable, Protocol):
     """A vehicle as missions see it: readings and commands. Reading takes no simulated time; only `yield` does.
 
     estimate: position and motion to the best of the vehicle's knowledge, either the truth or a filter's estimate. pose,
-    velocity: taken from the estimate. sonar: the first multibeam. sonars, imaging_sonars, sensors, cameras, lamps:
-    dictionaries keyed by name.
+    velocity: taken from the estimate. sonar: the first multibeam. sonars, imaging_sonars, hydrophones, sensors,
+    cameras, lamps: dictionaries keyed by name.
     """
 
     @property
@@ -127,6 +134,8 @@ class Vehicle(Commandable, Protocol):
     def sonars(self) -> Mapping[str, SonarLike]: ...
     @property
     def imaging_sonars(self) -> Mapping[str, ImagingSonarLike]: ...
+    @property
+    def hydrophones(self) -> Mapping[str, HydrophonesLike]: ...
     @property
     def cameras(self) -> Mapping[str, CameraLike]: ...
     @property

@@ -17,6 +17,7 @@ from uwsim.base.arguments import checked_threads, number
 from uwsim.base.journal import Journal
 from uwsim.base.named import Named
 from uwsim.base.saved_state import SavedState
+from uwsim.instruments.acoustics.pinger_sound import PingerSound
 from uwsim.instruments.cameras import Camera
 from uwsim.instruments.cameras.mounted import camera_mounts, change_cameras, station_cameras, vehicle_cameras
 from uwsim.instruments.cameras.saved import SavedHeads, SavedLamps
@@ -211,6 +212,8 @@ class Simulator(SimulatorProperties):
             imaging_sonars=imaging_sonars(self, entry, self._imaging_models(index, entry)),
             journal=self.journal,
             mounts=entry.model.sensors,
+            arrays=entry.model.hydrophones,
+            sound=PingerSound(self.scenario.pingers, self.scenario.sound, lambda: self.world),
             seed=lambda: self.seed,
             chain_of=partial(self._chain_of, index),
             water_column=entry.sonar.water_column,

@@ -13,6 +13,8 @@ from uwsim.base.axes import AXES
 from uwsim.base.journal import Journal
 from uwsim.base.motion import Pose, Velocity
 from uwsim.base.named import Named
+from uwsim.instruments.acoustics.hydrophones import Hydrophones
+from uwsim.instruments.acoustics.pinger_sound import PingerSound
 from uwsim.instruments.cameras import Camera, Lamp
 from uwsim.instruments.sensors import Sensor, Sensors
 from uwsim.instruments.sonars.imaging import Acoustics
@@ -20,6 +22,7 @@ from uwsim.instruments.sonars.mounted import ImagingSonar
 from uwsim.instruments.sonars.multibeam import ChainOf, Sonar
 from uwsim.scenario.build.control import ControlSettings, floating_text
 from uwsim.scenario.build.vehicle import authority
+from uwsim.scenario.spec.hydrophones import HydrophoneArray
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.simulator.arm import Arm, Sensed
@@ -41,9 +44,9 @@ class Vehicle(CommandedVehicle):
     """One vehicle of a simulator; see Simulator.vehicles.
 
     sensors: sensors by name, such as "imu" or "depth". sonars: the multibeams by name; sonar: the first of them.
-    cameras, imaging_sonars: by name. lamps: keyed by switch name. control: the model and gains from its file, for a
-    Controller; later changes of parameters are not included. tether, arm: None without one. A docked vehicle's
-    thrusters are off: if simulated time passes while it is commanded, a DockedWarning is issued once.
+    cameras, imaging_sonars, hydrophones: by name. lamps: keyed by switch name. control: the model and gains from its
+    file, for a Controller; later changes of parameters are not included. tether, arm: None without one. A docked
+    vehicle's thrusters are off: if simulated time passes while it is commanded, a DockedWarning is issued once.
     """
 
     name: str
@@ -52,6 +55,7 @@ class Vehicle(CommandedVehicle):
     cameras: Named[Camera]
     lamps: Named[Lamp]
     imaging_sonars: Named[ImagingSonar]
+    hydrophones: Named[Hydrophones]
     control: ControlSettings
     tether: Tether | None
     arm: Arm | None
@@ -91,6 +95,8 @@ class Vehicle(CommandedVehicle):
         imaging_sonars: Mapping[str, ImagingSonar],
         journal: Journal,
         mounts: Mapping[str, SensorMount],
+        arrays: Mapping[str, HydrophoneArray],
+        sound: PingerSound,
         seed: Callable[[], int],
         chain_of: ChainOf,
         water_column: bool = False,
@@ -112,7 +118,7 @@ class Vehicle(CommandedVehicle):
         self.tether = tether
         self.arm = Arm(simulation, index, spec.arm, self.set_joints, joints) if spec.arm else None
         sensors: dict[str, Sensor[Any]] = {
-            s.name: Sensor(simulation, index, k, s, step_s, mounts[s.name], f"{spec.name}/{s.name}", seed)
+            s.name: Sensor(simulation, index, k, s, step_s, mounts[s.name], f"{spec.name}/{s.name}", seed, sound)
             for k, s in enumerate(spec.sensors)
         }
         sonars = {
@@ -136,6 +142,11 @@ class Vehicle(CommandedVehicle):
         self.cameras = Named(cameras, f"{spec.name}.cameras")
         self.lamps = Named(lamps, f"{spec.name}.lamps")
         self.imaging_sonars = Named(imaging_sonars, f"{spec.name}.imaging_sonars")
+        heard = {
+            name: Hydrophones(self, name, array, sound, lambda: 1e-9 * simulation.time_ns, seed)
+            for name, array in arrays.items()
+        }
+        self.hydrophones = Named(heard, f"{spec.name}.hydrophones")
         self._dock = dock
         self._journal = journal
         for lamp in lamps.values():

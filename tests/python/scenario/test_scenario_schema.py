@@ -125,7 +125,7 @@ def test_an_unknown_part_is_named() -> None:
 
 
 def test_the_cores_kinds_of_sensors_and_sonars_are_registered() -> None:
-    assert sensor_kinds() == list(_core.sensor_kinds()), "pyproject.toml, uwsim.kinds.sensor"
+    assert sensor_kinds() == [*_core.sensor_kinds(), "bearing"], "pyproject.toml, uwsim.kinds.sensor"
     assert imaging_kinds() == list(_core.imaging_kinds()), "pyproject.toml, uwsim.kinds.imaging_sonar"
 
 

@@ -81,6 +81,8 @@ def body_frames(model: VehicleModel) -> Iterator[Frame]:
     for name, sonar in model.imaging_sonars.items():
         turn = build.turned_xyzw(of_yaw_pitch_roll_deg(sonar.yaw_pitch_roll_deg), build.FAN_XYZW)
         yield Frame(BASE, f"{name}_link", sonar.position_m, turn)
+    for name, array in model.hydrophones.items():
+        yield Frame(BASE, f"{name}_link", array.position_m, of_yaw_pitch_roll_deg(array.yaw_pitch_roll_deg))
     for name, camera in model.cameras.items():
         if camera.follows == "body":
             yield from _camera(name, camera)

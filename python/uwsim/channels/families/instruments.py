@@ -318,6 +318,13 @@ def _usbl(value: Any, header: Any, errors: Errors) -> Any:
     )
 
 
+def _bearing(value: Any, header: Any, errors: Errors) -> Any:
+    """Return a message with the unit vector to the pinger, in the sensor's frame."""
+    level = math.cos(value.elevation_rad)
+    way = (level * math.cos(value.azimuth_rad), level * math.sin(value.azimuth_rad), math.sin(value.elevation_rad))
+    return build.message("geometry_msgs/msg/Vector3Stamped", header=header, vector=build.vector(way))
+
+
 def _depth_pose(value: float, header: Any, errors: Errors, origin_m: Any) -> Any:
     covariance = np.diag([UNOBSERVED, UNOBSERVED, errors.variance("depth"), *[UNOBSERVED] * 3])
     pose = build.pose((0.0, 0.0, origin_m[2] - value), build.IDENTITY_XYZW)
@@ -389,12 +396,13 @@ KINDS: dict[str, Kind] = {
     "adcp": Kind("marine_acoustic_msgs/msg/Dvl", _water_track, even_invalid=True),
     GPS: Kind("sensor_msgs/msg/NavSatFix", nav_sat_fix, even_invalid=True),
     "usbl": Kind("geometry_msgs/msg/PointStamped", _usbl),
+    "bearing": Kind("geometry_msgs/msg/Vector3Stamped", _bearing),
     "depth": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
     "compass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
     "ctd": Kind("std_msgs/msg/Float64MultiArray", _numbers),
     "contact": Kind("std_msgs/msg/Bool", _bare("std_msgs/msg/Bool", bool)),
 }
-"""The message for each of the core's kinds of sensors; those in Python have their own.
+"""The message for each of uwsim's kinds of sensors; those of packages have their own.
 
 Kinds without an entry describe the true motion, which is published on /odom.
 """

@@ -13,6 +13,7 @@ LINK = "uwsim_msgs/msg/Link"
 FORCES = "uwsim_msgs/msg/Forces"
 SONAR_PING = "uwsim_msgs/msg/SonarPing"
 PLACED_PING = "uwsim_msgs/msg/PlacedPing"
+HYDROPHONE_PING = "uwsim_msgs/msg/HydrophonePing"
 NAMED_NUMBER = "uwsim_msgs/msg/NamedNumber"
 
 ALL_STOPPED = "all stop"
@@ -93,6 +94,13 @@ geometry_msgs/Vector3[] contact_forces # N, on the vehicle, at each point
 string[] contact_others        # what it touches there; empty: terrain or an obstacle
 string[] contact_links         # the link of its arm at each point; empty: the vehicle itself
 string[] contact_other_links   # likewise of what it touches
+""",
+    HYDROPHONE_PING: """\
+std_msgs/Header header         # of the first sample, in the array's frame (docs/guides/pingers.md)
+float64 rate                   # Hz, samples per second of each hydrophone
+uint8 phones                   # number of hydrophones
+float64 pascals_per_count      # pressure in the water for one count
+int16[] samples                # those of all hydrophones at one time, then those at the next; clipped at full scale
 """,
     PLACED_PING: """\
 std_msgs/Header header         # a ping and its pose, for mapping elsewhere; the pose is in this frame

@@ -16,6 +16,7 @@ from uwsim.scenario.spec.camera import Colour
 from uwsim.scenario.spec.fields import AssetName, Degrees, Model, Name, Point3, broken
 from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.obstacle import ObstacleModel, ObstacleSpec, Placed
+from uwsim.scenario.spec.pinger import Frequency, Pinger
 from uwsim.scenario.spec.tether import BodyAnchor
 
 FOLDER = "props"
@@ -28,7 +29,7 @@ class Prop(Model):
     """A set of obstacles and bodies, such as a bin with its lid, in a frame of its own: x ahead, y to the left, z up.
 
     source: after which rules or plans it is made, with their year, and what is assumed. obstacles, objects: as in a
-    scenario; kinds with a position_m of three numbers.
+    scenario; kinds with a position_m of three numbers. pingers: as in a scenario.
     """
 
     name: Name
@@ -36,6 +37,7 @@ class Prop(Model):
     source: str = Field(min_length=1)
     obstacles: Annotated[tuple[ObstacleSpec, ...], Field(max_length=200)] = ()
     objects: Annotated[tuple[LooseBody, ...], Field(max_length=50)] = ()
+    pingers: Annotated[tuple[Pinger, ...], Field(max_length=10)] = ()
 
     @model_validator(mode="after")
     def _can_be_moved(self) -> Prop:
@@ -67,6 +69,7 @@ class PropEntry(Model):
 
     model: the name of a packaged prop, or the path of its YAML file. position_m: the prop's origin in the world.
     yaw_deg: direction of its x, counter-clockwise from east. colour: albedo of its painted parts that state none.
+    frequency_hz: of its pingers, instead of the file's.
     """
 
     name: Name
@@ -74,6 +77,7 @@ class PropEntry(Model):
     position_m: Point3
     yaw_deg: Degrees = 0.0
     colour: Colour | None = None
+    frequency_hz: Frequency | None = None
 
     def obstacles(self) -> list[ObstacleModel]:
         """Return its obstacles in the world."""
@@ -82,6 +86,16 @@ class PropEntry(Model):
     def objects(self) -> list[LooseBody]:
         """Return its bodies in the world."""
         return [self._body(one) for one in self.model.objects]
+
+    def pingers(self) -> list[Pinger]:
+        """Return its pingers in the world."""
+        tone = {} if self.frequency_hz is None else {"frequency_hz": self.frequency_hz}
+        return [
+            one.model_copy(
+                update={"name": f"{self.name}_{one.name}", "position_m": self.in_world(one.position_m), **tone}
+            )
+            for one in self.model.pingers
+        ]
 
     def in_world(self, point_m: Point3) -> Point3:
         """Return a point of its frame in the world."""

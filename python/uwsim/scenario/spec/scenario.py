@@ -22,6 +22,7 @@ from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.material import Ground
 from uwsim.scenario.spec.obstacle import ObstacleSpec
 from uwsim.scenario.spec.optics import Optics
+from uwsim.scenario.spec.pinger import Pinger, Sound
 from uwsim.scenario.spec.prop import PropEntry
 from uwsim.scenario.spec.station import Station
 from uwsim.scenario.spec.survey import Survey
@@ -54,7 +55,8 @@ class Scenario(Model):
     cover: layers of stones, plants and animals on the bed: stones stop bodies, plants brake them. life: fish, which
     instruments meet. water_targets: fish and bubbles, which a multibeam in physics mode receives. station: the
     reference for distances; it has the dock. vehicles: at least one. objects: loose bodies and bodies on paths. props:
-    sets of obstacles and objects, such as a bin with its lid, each placed as one; those of a course, say.
+    sets of obstacles and objects, such as a bin with its lid, each placed as one; those of a course, say. pingers:
+    sources of sound for hydrophones; sound: what else those hear.
     warnings: when the panel issues warnings. survey: the survey flown by `uwsim survey`. mission_time_s: battery life
     after the release of a vehicle without a `battery`, and the default time limit of a flight. link: the link between
     station and vehicles; None: messages are delivered immediately. faults: what fails, and when. wire: the topics that
@@ -84,6 +86,8 @@ class Scenario(Model):
     vehicles: Annotated[tuple[VehicleEntry, ...], Field(min_length=1, max_length=64)]
     objects: Annotated[tuple[LooseBody, ...], Field(max_length=MOST_OBJECTS)] = ()
     props: Annotated[tuple[PropEntry, ...], Field(max_length=200)] = ()
+    pingers: Annotated[tuple[Pinger, ...], Field(max_length=100)] = ()
+    sound: Sound = Sound.model_construct()
     warnings: WarningLimits = WarningLimits.model_construct()
     link: LinkSpec | None = None
     survey: Survey | None = None
@@ -108,9 +112,10 @@ class Scenario(Model):
         objects = [*self.objects, *(one for prop in self.props for one in prop.objects())]
         if len(objects) > MOST_OBJECTS:
             raise broken(f"give {len(objects)} bodies with all objects: must be at most {MOST_OBJECTS}", at=("props",))
+        pingers = [*self.pingers, *(one for prop in self.props for one in prop.pingers())]
         self._placed_props = self.props
-        self.__dict__.update(obstacles=tuple(obstacles), objects=tuple(objects), props=())
-        self.model_fields_set.update(("obstacles", "objects"))
+        self.__dict__.update(obstacles=tuple(obstacles), objects=tuple(objects), pingers=tuple(pingers), props=())
+        self.model_fields_set.update(("obstacles", "objects", "pingers"))
         return self
 
     @model_validator(mode="after")
@@ -153,8 +158,21 @@ class Scenario(Model):
     def _has_one_wind(self) -> Scenario:
         if self.wind is not None:
             self.__dict__["optics"] = in_wind(self.optics, OPTICS_MOST_M_S, self.wind)
+            self.__dict__["sound"] = in_wind(self.sound, LINK_MOST_M_S, self.wind)
             if self.link is not None:
                 self.__dict__["link"] = in_wind(self.link, LINK_MOST_M_S, self.wind)
+        return self
+
+    @model_validator(mode="after")
+    def _pingers_are_heard(self) -> Scenario:
+        names = [each.name for each in self.pingers]
+        for index, each in enumerate(self.pingers):
+            if each.name in names[:index]:
+                raise broken("is already in use", at=("pingers", index, "name"), value=each.name)
+            if each.position_m[2] > 0:
+                raise broken("must be under water", at=("pingers", index, "position_m"), value=list(each.position_m))
+            if self.sound.pool is not None and not self.sound.pool.holds(each.position_m):
+                raise broken("must be in sound.pool", at=("pingers", index, "position_m"), value=list(each.position_m))
         return self
 
     @model_validator(mode="after")

@@ -30,6 +30,7 @@ from uwsim.scenario.spec.camera import CameraMounts, LampSwitches
 from uwsim.scenario.spec.control import Control
 from uwsim.scenario.spec.failsafe import Failsafe
 from uwsim.scenario.spec.fields import AssetFile, AssetName, Factor, InRange, Model, Name, Point3, broken
+from uwsim.scenario.spec.hydrophones import HydrophoneArray
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
 from uwsim.scenario.spec.material import Material, MaterialSpec
 from uwsim.scenario.spec.sensor import Sensors
@@ -42,7 +43,7 @@ VOLUMES_M3 = (1e-6, 1e5)
 
 MASSES = ("mass_kg", "density_kg_m3", "buoyancy")
 NEEDED = ("name", "mesh", "centre_of_mass_m")
-PARTS = ("thrusters", "fins", "sensors", "cameras", "lamps", "imaging_sonars")
+PARTS = ("thrusters", "fins", "sensors", "cameras", "lamps", "imaging_sonars", "hydrophones")
 """The fields that hold parts by name."""
 
 MOST_BASES = 5
@@ -115,14 +116,14 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     drag, so the strips are shortened where their drag in yaw or pitch would exceed it. 0, the default: the drag acts at
     the origin. inertia_kg_m2: principal moments about the centre of mass along the body axes. max_force_n,
     max_torque_nm: force and torque at full effort along and about x, y, z, for a vehicle without thrusters. control:
-    gains and limits of a Controller's loops. thrusters, fins, sensors, cameras, lamps, imaging_sonars: parts by name.
-    sonar: the multibeam's mount, if it has one. friction: Coulomb's coefficient; for two bodies in contact, the
-    geometric mean applies. restitution: the fraction of the approach speed that is kept; for two bodies in contact, the
-    larger value applies. material: material of the hull. failsafe: the reaction to loss of contact or to a fault. arm:
-    links by name, whose weight, buoyancy and water are beside the vehicle's own; by default none. radiation: the waves
-    that the floating hull makes and deflects, a file of Capytaine (NetCDF), WAMIT (.1) or WEC-Sim (.h5) for this hull
-    as it floats without trim and ballast; by default none are modelled. windage: what it offers the wind; by default
-    nothing.
+    gains and limits of a Controller's loops. thrusters, fins, sensors, cameras, lamps, imaging_sonars, hydrophones:
+    parts by name. sonar: the multibeam's mount, if it has one. friction: Coulomb's coefficient; for two bodies in
+    contact, the geometric mean applies. restitution: the fraction of the approach speed that is kept; for two
+    bodies in contact, the larger value applies. material: material of the hull. failsafe: the reaction to loss of
+    contact or to a fault. arm: links by name, whose weight, buoyancy and water are beside the vehicle's own; by
+    default none. radiation: the waves that the floating hull makes and deflects, a file of Capytaine (NetCDF),
+    WAMIT (.1) or WEC-Sim (.h5) for this hull as it floats without trim and ballast; by default none are modelled.
+    windage: what it offers the wind; by default nothing.
     """
 
     builds_on: VehicleName | None = None
@@ -174,6 +175,7 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     material: MaterialSpec = Material.model_construct(kind="paint")
     control: Control = Control.model_construct()
     imaging_sonars: dict[Name, ImagingMount] = Field(default_factory=dict)
+    hydrophones: Annotated[dict[Name, HydrophoneArray], Field(max_length=16)] = Field(default_factory=dict)
     failsafe: Failsafe | None = None
     arm: dict[Name, Link] | None = None
     radiation: AssetFile | None = None

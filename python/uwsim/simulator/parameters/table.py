@@ -54,6 +54,8 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "life",
             "objects",
             "props",
+            "pingers",
+            "sound",
             "wind",
             "water_targets",
             "link",
@@ -90,6 +92,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "radiation",
             "coefficients",
             "windage",
+            "hydrophones",
         ]
     ),
     ThrusterMount: frozenset({"position_m", "axis", "spin", "force", "moved_from_m", "ventilates"}),
