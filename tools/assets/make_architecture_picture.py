@@ -37,6 +37,7 @@ TEXTS = {
     "station": "the page, exercises, teleop",
     "learning": "Gymnasium environments",
     "campaigns": "sweeps, fleets, data sets",
+    "league": "teams' programs over courses",
     "evidence": "validation, reproductions",
 }
 """A line for each room of the heart, and for each add-on."""

@@ -75,16 +75,23 @@ def write_table(out: Path, rows: Sequence[Mapping[str, Any]], stem: str) -> list
     return [table_path, values_path, *figure_path]
 
 
-def mean_score(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the mean score of several attempts in words, with its 95 % interval by Student's t."""
+def mean_interval(values: Sequence[float]) -> tuple[float, float]:
+    """Return the mean of some values, and half the width of its 95 % interval by Student's t; 0 for one value."""
     from scipy.stats import t
 
-    scores = np.array([row["score"] for row in rows], np.float64)
-    half = float(t.ppf(0.975, len(scores) - 1) * scores.std(ddof=1) / np.sqrt(len(scores)))
-    low, high = max(scores.mean() - half, 0.0), min(scores.mean() + half, rows[0]["points"])
+    found = np.array(values, np.float64)
+    if len(found) < 2:
+        return float(found.mean()), 0.0
+    return float(found.mean()), float(t.ppf(0.975, len(found) - 1) * found.std(ddof=1) / np.sqrt(len(found)))
+
+
+def mean_score(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the mean score of several attempts in words, with its 95 % interval by Student's t."""
+    mean, half = mean_interval([row["score"] for row in rows])
+    low, high = max(mean - half, 0.0), min(mean + half, rows[0]["points"])
     passed = sum(bool(row["passed"]) for row in rows)
     return (
-        f"{len(scores)} seeds: {scores.mean():.1f} of {rows[0]['points']:g} on average, 95 % interval "
+        f"{len(rows)} seeds: {mean:.1f} of {rows[0]['points']:g} on average, 95 % interval "
         f"{low:.1f} to {high:.1f}; {passed} passed"
     )
 

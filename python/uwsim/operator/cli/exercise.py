@@ -16,6 +16,7 @@ from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED
 from uwsim.cli.flights import Out
 from uwsim.cli.groups import with_default
 from uwsim.cli.options import AsJson, Threads, print_json
+from uwsim.cli.seeds import listed_seeds
 from uwsim.cli.values import exercises
 from uwsim.operator.cli.station import KEPT, InstructorOptions, kept_flights, station_server
 from uwsim.recording.flight_options import RecordOptions
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from uwsim.exercises import Exercise
     from uwsim.operator.station.flights.flights import Bounds
 
-
-MOST_SEEDS = 1000
 
 app = with_default("exercise", "Fly an exercise with goals, limits and events; the log book.", "Fly")
 
@@ -119,7 +118,7 @@ def exercise(
         need("--serve", port=port, **tokens.arguments, **instructor.arguments, keep_flights=keep_flights)
     if serve == (pilot is not None):
         raise WithoutEffectError("needs either --pilot FILE, which flies it, or --serve, for a person")
-    lags, seeds = _lags(lag), _seeds(seed)
+    lags, seeds = _lags(lag), [] if seed is None else listed_seeds(seed, "--seed")
     found = load_exercise(name)
     if lags:
         found = found.model_copy(update={"lag_s": lags[0]})
@@ -188,21 +187,6 @@ def _lags(text: str | None) -> list[float]:
             raise OptionError(f"--lag {text}: {part.strip() or 'nothing'} s: must be in [0, {LAG_MAX_S:g}] s")
     if len(set(found)) < len(found):
         raise OptionError(f"--lag {text}: must be different lags")
-    return found
-
-
-def _seeds(text: str | None) -> list[int]:
-    """Return the seeds of an option. Raises OptionError."""
-    found: list[int] = []
-    for part in [] if text is None else text.split(","):
-        low, dash, high = part.strip().partition("-")
-        if not (low.isdigit() and (high.isdigit() if dash else not high)) or len(low + high) > 12:
-            raise OptionError(f"--seed {text}: '{part.strip()}': must be a whole number, or two as 5-20")
-        found += range(int(low), int(high if dash else low) + 1)
-        if not found or len(found) > MOST_SEEDS:
-            raise OptionError(f"--seed {text}: must be 1 to {MOST_SEEDS} seeds, and a range's smaller number first")
-    if len(set(found)) < len(found):
-        raise OptionError(f"--seed {text}: must be different seeds")
     return found
 
 

@@ -1,0 +1,1 @@
+"""The team's pilot, and what drives it."""

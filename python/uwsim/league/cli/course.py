@@ -1,0 +1,123 @@
+"""`uwsim course`: a team's folder, its score over many seeds, and the table of several teams."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from uwsim.campaigns.workers.options import RetriedOptions
+from uwsim.cli.bounds import readable
+from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED
+from uwsim.cli.groups import show_help
+from uwsim.cli.options import SETTINGS, AsJson, print_json
+from uwsim.cli.seeds import seeds_in
+from uwsim.cli.values import exercises
+
+if TYPE_CHECKING:
+    from uwsim.league.score import Scored
+
+app = typer.Typer(
+    name="uwsim course",
+    help="A team's workspace, its score, the table of a league.",
+    invoke_without_command=True,
+    callback=show_help,
+    rich_help_panel="Fly",
+    **SETTINGS,
+)
+Folder = Annotated[Path, typer.Argument(help="The team's folder.")]
+
+
+@app.command()
+def new(folder: Folder) -> None:
+    """Write a team's folder: a pilot that flies the pool's course.
+
+    It is a ROS 2 workspace with one node, a launch file and tests, and has a workflow that flies the course on every
+    push without ROS. An existing folder that is not empty is refused.
+    """
+    from uwsim.league.new import new_team
+
+    for path in new_team(folder):
+        typer.echo(path)
+
+
+@app.command()
+def score(
+    *,
+    folder: Folder,
+    seeds: Annotated[
+        Path,
+        typer.Option(help="File of seeds: lines of numbers and ranges, such as 1,2,5-20.", callback=readable),
+    ],
+    course: Annotated[
+        str | None,
+        typer.Option(help="The course: a packaged exercise, or a file. Default: the team's.", autocompletion=exercises),
+    ] = None,
+    user: Annotated[
+        str | None,
+        typer.Option(help="Run the program as this user of the machine, which takes root. Default: the same user."),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for result.json, sheets, and recordings.")] = Path("results"),
+    work: RetriedOptions,
+    as_json: AsJson = False,
+) -> None:
+    """Fly a team's program over a course, once for each seed.
+
+    The program is a process that sees the vehicle's topics and nothing else, and simulated time waits for it: a slow
+    machine scores the same. Writes result.json with its digest, a sheet for each seed, and recordings of the best and
+    of the worst run. Exits with 4 if the mean is too low to pass.
+    """
+    from uwsim.campaigns.workers.job_progress import job_progress
+    from uwsim.league.score import score_team
+
+    with job_progress("runs") as progress:
+        found = score_team(
+            folder, seeds_in(seeds), out, course=course, user=user, **work.arguments, **progress.arguments
+        )
+    if not found.result:
+        _exit_without(found)
+    print_json(found.result) if as_json else _print(found)
+    if found.result["mean"] < found.result["pass_points"]:
+        raise typer.Exit(INCOMPLETE)
+
+
+@app.command()
+def table(
+    results: Annotated[Path, typer.Argument(help="A folder with the results of several teams.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for table.html and table.md. Default: that of the results.")
+    ] = None,
+) -> None:
+    """Write the table of several teams' results on one course.
+
+    Each result is checked against its digest. Differences between teams are paired by seed.
+    """
+    from uwsim.flight.folder import made_folder
+    from uwsim.league.table import read_results, table_rows, write_league
+
+    found = read_results(results)
+    written = write_league(made_folder(results if out is None else out), found)
+    for row in table_rows(found):
+        typer.echo(f"{row[0]:>3}  {row[2]:>6} ({row[3]})  {row[1]}{f'  behind: {row[4]}' if row[4] else ''}")
+    typer.echo("  ".join(map(str, written)))
+
+
+def _exit_without(found: Scored) -> None:
+    if found.failed:
+        typer.echo(f"{len(found.failed)} of {found.count} runs failed: {found.failed[0]}", err=True)
+        raise typer.Exit(FAILED)
+    typer.echo(f"interrupted after {found.finished} of {found.count} runs; --resume continues", err=True)
+    raise typer.Exit(INTERRUPTED)
+
+
+def _print(found: Scored) -> None:
+    result = found.result
+    for run in result["runs"]:
+        missing = "; ".join(run["why"])
+        typer.echo(f"seed {run['seed']:6}  {run['score']:6.1f}  {run['time_s']:6.1f} s  {missing}")
+    typer.echo(
+        f"{result['team']}: {result['mean']:.1f} of {result['points']:g} on average over {len(result['runs'])} seeds, "
+        f"95 % interval {result['low']:.1f} to {result['high']:.1f}; {result['passed']} passed"
+    )
+    typer.echo(found.out / "result.json")

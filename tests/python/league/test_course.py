@@ -1,0 +1,179 @@
+"""A team's folder, its score over seeds in a world that is the referee's, and the table of several teams."""
+
+import json
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from command_line import error_line, uwsim
+from uwsim.exercises.certified import digest_of
+from uwsim.league import load_team, score_team
+from uwsim.league.aboard import Aboard
+from uwsim.league.table import paired, read_results
+from uwsim.league.team import load_course
+from uwsim.live import LiveSimulator
+
+GATE = """
+title: The gate
+brief: Pass the gate.
+scenario: course
+start: {position_m: [-10, 0, -1.1]}
+time_s: 60
+pass_points: 10
+layout: [{prop: gate, x_m: [-0.5, 0.5], y_m: [-1.5, 1.5], yaw_deg: [-20, 20]}]
+aids: [{kind: program}]
+goals:
+  - {kind: pass, name: gate, title: The gate, of: gate, position_m: [0, 0.76, 1.4], heading_deg: 180, within_m: 0.75}
+limits: [{kind: collision, cost: 5}]
+"""
+ANSWERS = """
+import json, os, socket
+peer = socket.socket(fileno=int(os.environ["UWSIM_COURSE_FD"])).makefile("rw")
+def answer(values):
+    print(json.dumps(values), file=peer, flush=True)
+answer({"reads": READS})
+for line in peer:
+    if "ended_because" in line:
+        break
+    answer({"commands": COMMANDS})
+"""
+SLOW = """
+import sys, time
+sys.path.insert(0, "src/pilot/pilot")
+import pilot, simulated
+quick = pilot.Pilot.commands
+pilot.Pilot.commands = lambda self: time.sleep(0.01) or quick(self)
+simulated.main()
+"""
+
+
+@pytest.fixture(scope="module")
+def team(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("teams") / "team"
+    assert uwsim("course", "new", folder).returncode == 0
+    (folder / "gate.yaml").write_text(GATE)
+    (folder / "slow.py").write_text(SLOW)
+    return folder
+
+
+def scored(team: Path, out: Path, seeds: list[int], program: str = "", time_s: float = 60.0, **changes: Any) -> Any:
+    """Score a copy of a team, with a program in place of its own."""
+    folder = out / "team"
+    shutil.copytree(team, folder)
+    (folder / "gate.yaml").write_text(GATE.replace("time_s: 60", f"time_s: {time_s:g}"))
+    text = (folder / "team.yaml").read_text().replace("pool-course", "gate.yaml")
+    if program:
+        (folder / "own.py").write_text(program)
+        text = text.replace("src/pilot/pilot/simulated.py", "own.py")
+    (folder / "team.yaml").write_text(text)
+    return score_team(folder, seeds, out / "results", workers=0, **changes).result
+
+
+def answering(reads: list[str], commands: list[Any]) -> str:
+    return ANSWERS.replace("READS", repr(reads)).replace("COMMANDS", repr(commands))
+
+
+def test_the_new_teams_own_tests_pass_and_an_existing_folder_is_refused(team: Path) -> None:
+    tests = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "src/pilot/test"]
+    done = subprocess.run(tests, cwd=team, env={"PYTHONPATH": "src/pilot"}, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+    assert load_course(load_team(team).course, team).points == 100.0
+    assert "must be a new folder, or an empty one" in error_line(uwsim("course", "new", team))
+    lines = sum(len(path.read_text().splitlines()) for path in (team / "src/pilot/pilot").glob("[nps]*.py"))
+    assert lines <= 300 and len((team / "src/pilot/pilot/pilot.py").read_text().splitlines()) <= 200
+
+
+def test_its_pilot_passes_the_gate_and_the_recording_stays(team: Path, tmp_path: Path) -> None:
+    result = scored(team, tmp_path, [5])
+    assert result["mean"] == 10.0 and result["passed"] == 1 and result["runs"][0]["why"] == []
+    assert (tmp_path / "results/seed-5.mcap").exists()
+
+
+def test_a_slow_program_flies_the_same_run(team: Path, tmp_path: Path) -> None:
+    for name, program in (("quick", ""), ("slow", SLOW)):
+        scored(team, tmp_path / name, [5], program, time_s=6.0)
+    recordings = [tmp_path / name / "results/seed-5.mcap" for name in ("quick", "slow")]
+    difference = uwsim("recording", "diff", *recordings)
+    assert difference.returncode == 0, difference.stdout
+
+
+@pytest.mark.parametrize(
+    ("program", "because"),
+    [
+        (answering(["odom"], [["cmd_vel", {"linear": {"x": 0.5}}]]), "the program is blind"),
+        (answering(["scan"], []), "has not commanded the vehicle once"),
+        (answering(["scans"], []), "topic 'scans': is none that is read"),
+        (answering(["ground_truth/odom"], []), "topic 'ground_truth/odom': is none that is read"),
+        (answering(["scan"], [["cmd_vel", {"linear": {"x": "fast"}}]]), "msg.linear.x = 'fast': must be a number"),
+        (answering(["scan"], [["simulation/reset", {}]]), "'simulation/reset': is no topic or service"),
+        (
+            answering(["scan"], [["apply_wrench", {"force_n": [9.0, 0.0, 0.0]}]]),
+            "apply_wrench: refused: an exercise is flown",
+        ),
+        (answering(["scan"], ["stop"]), "stop: must be a list of a name and an object"),
+        ("raise SystemExit('no camera')", "has ended, with exit code 1: no camera"),
+        ("import os, socket\nsocket.socket(fileno=int(os.environ['UWSIM_COURSE_FD'])).sendall(b'x\\n')\n", "answer"),
+    ],
+)
+def test_a_bad_program_gains_nothing_and_is_told_why(team: Path, tmp_path: Path, program: str, because: str) -> None:
+    result = scored(team, tmp_path, [1], program, time_s=1.0)
+    (run,) = result["runs"]
+    assert run["score"] == 0.0 and any(because in reason for reason in run["why"]), run["why"]
+
+
+def test_the_true_pose_and_the_world_are_closed(team: Path) -> None:
+    exercise = load_course("gate.yaml", team)
+    with LiveSimulator(exercise.made_scenario(), paused=True) as live, Aboard(live, exercise) as door:
+        names = {*door.outputs, *door.services}
+        assert not [name for name in names if "truth" in name or "map" in name or "simulation" in name]
+        assert {name.split("/")[1] for name in names if name.startswith("camera/")} == {"front"}
+        odom = door.outputs["odom"].read(live.simulator)
+        assert odom.pose.pose.orientation.z != live.simulator.rov.pose.orientation_xyzw[2]
+        with pytest.raises(ValueError, match="refused: an exercise is flown"):
+            live.step(1)
+
+
+def result_of(name: str, scores: Mapping[int, float], course: str = "a") -> dict[str, Any]:
+    found: dict[str, Any] = {
+        "version": 1, "team": name, "course": course, "title": "Gate", "points": 10.0, "passed": 0, "uwsim": "",
+        "build": "", "program": "", "mean": sum(scores.values()) / len(scores), "low": 0.0, "high": 10.0,
+        "runs": [{"seed": s, "score": p, "time_s": 1.0, "goals": {"gate": p}, "why": []} for s, p in scores.items()],
+    }  # fmt: skip
+    return {**found, "digest": digest_of(found)}
+
+
+def test_the_table_pairs_by_seed_and_refuses_what_was_changed(tmp_path: Path) -> None:
+    good, bad = result_of("good|one", {1: 9.0, 2: 5.0, 3: 7.0}), result_of("bad", {1: 7.0, 2: 3.0, 3: 5.0, 4: 9.0})
+    assert paired(good, bad) == (2.0, 0.0, 3)  # always two points behind: no spread, whatever that of the scores
+    for one in (bad, good):
+        (tmp_path / one["team"][:3]).mkdir()
+        (tmp_path / one["team"][:3] / "result.json").write_text(json.dumps(one))
+    assert uwsim("course", "table", tmp_path).returncode == 0
+    assert [one["team"] for one in read_results(tmp_path)] == ["good|one", "bad"]
+    assert "| 2 | bad | 6.0 | 0.0 to 10.0 | 2.0 ± 0.0 (3 seeds)" in (tmp_path / "table.md").read_text()
+    assert "good\\|one" in (tmp_path / "table.md").read_text()
+    changed = tmp_path / "bad/result.json"
+    changed.write_text(json.dumps({**bad, "mean": 10.0}))
+    assert "has been changed since it was written" in error_line(uwsim("course", "table", tmp_path))
+    changed.write_text(json.dumps(result_of("bad", {1: 1.0}, course="b")))
+    assert "must be the same as that of" in error_line(uwsim("course", "table", tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("text", "rule"),
+    [
+        ("name: a\ncourse: pool-course\nprogram: []\n", "program"),
+        ("name: a\ncourse: hover\nprogram: [x]\n", "aids: must have the kind program"),
+        ("name: a\ncourse: pool-course\nprogram: [no-such-program]\n", "cannot be started"),
+    ],
+)
+def test_a_wrong_team_is_refused_in_one_line(tmp_path: Path, text: str, rule: str) -> None:
+    (tmp_path / "team.yaml").write_text(text)
+    (tmp_path / "seeds.txt").write_text("# one\n1\n")
+    words = ("course", "score", tmp_path, "--seeds", tmp_path / "seeds.txt", "--out", tmp_path / "o", "--workers", "0")
+    assert rule in error_line(uwsim(*words))
