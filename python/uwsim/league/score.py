@@ -12,6 +12,7 @@ from typing import Any
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.folder_lock import alone_in
+from uwsim.base.signing import signed
 from uwsim.campaigns.workers import Campaign, Ledger, RetriedOptions
 from uwsim.campaigns.workers.work import Finished
 from uwsim.exercises import Exercise
@@ -48,16 +49,20 @@ def score_team(
     *,
     course: str | None = None,
     user: str | None = None,
+    key: str | Path | None = None,
     **options: Any,
 ) -> Scored:
     """Fly a team's program over a course once for each seed; write result.json, and sheets and recordings.
 
     folder: the team's. course: by default the one in the team's file. user: another user of this machine as whom the
-    program runs, so that it can read nothing of the referee's; takes root. options: as for
-    uwsim.campaigns.sweeps.run_sweep. The recordings of the best and of the worst run are kept. The result depends on
-    neither the workers nor the wall clock, unless the program does. Raises ScenarioError, ValueError or OSError.
+    program runs, so that it can read nothing of the referee's; takes root. key: the referee's, which signs the result
+    (see uwsim.base.signing). options: as for uwsim.campaigns.sweeps.run_sweep. The recordings of the best and of the
+    worst run are kept. The result depends on neither the workers nor the wall clock, unless the program does. Raises
+    ScenarioError, ValueError or OSError.
     """
     campaign = Campaign(RetriedOptions, **options)
+    if key is not None:
+        signed({}, Path(key))  # a mistake is met before the runs
     team = load_team(folder)
     exercise = load_course(team.course if course is None else course, folder)
     into = made_folder(Path(out), (RESULT,)).resolve()
@@ -80,7 +85,8 @@ def score_team(
         failed = [each["error"] for each in results.values() if each["error"]]
         if failed or len(results) < len(runs):
             return Scored(into, {}, len(results) - len(failed), len(runs), failed)
-        found = _signed(team, exercise, plan, [results[number] for number in runs])
+        found = _result(team, exercise, plan, [results[number] for number in runs])
+        found = found if key is None else signed(found, Path(key))
         _keep(runs, results, found)
         write_atomically(into / RESULT, (json.dumps(found, indent=1) + "\n").encode())
     return Scored(into, found, len(runs), len(runs))
@@ -90,7 +96,7 @@ def _result_of(each: Finished) -> Mapping[str, Any]:
     return {"error": each.error} if each.result is None else each.result
 
 
-def _signed(
+def _result(
     team: Team, exercise: Exercise, plan: Mapping[str, Any], results: Sequence[Mapping[str, Any]]
 ) -> dict[str, Any]:
     """Return the content of result.json."""

@@ -8,6 +8,7 @@ from typing import Any
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.own_files import require_own
+from uwsim.base.signing import SIGNATURE, signer_of
 from uwsim.base.texts.json_text import read_json
 from uwsim.exercises.certified import digest_of
 from uwsim.exercises.lag_table import mean_interval
@@ -18,15 +19,16 @@ TEMPLATE = Path(__file__).with_name("table.html.j2")
 COLUMNS = ("place", "team", "points", "95 % interval", "behind the first, by seed", "passed")
 
 
-def read_results(folder: Path) -> list[dict[str, Any]]:
+def read_results(folder: Path, key: Path | None = None) -> list[dict[str, Any]]:
     """Return the results in a folder and below, the best first.
 
-    Raises ValueError if there is none, one was changed since it was written, or they are of different courses.
+    key: the public key that must have signed each. Raises ValueError if there is none, one was changed since it was
+    written or is not signed with the key, or they are of different courses.
     """
     paths = sorted(folder.rglob(RESULT))
     if not paths:
         raise ValueError(f"'{folder}': must be a folder with results, {RESULT}")
-    results = [_read(path) for path in paths]
+    results = [_read(path, key) for path in paths]
     for path, one in zip(paths, results, strict=True):
         if one["course"] != results[0]["course"]:
             raise ValueError(
@@ -36,12 +38,14 @@ def read_results(folder: Path) -> list[dict[str, Any]]:
     return sorted(results, key=lambda one: (-one["mean"], one["team"]))
 
 
-def _read(path: Path) -> dict[str, Any]:
+def _read(path: Path, key: Path | None) -> dict[str, Any]:
     found = read_json(path)
     if not isinstance(found, dict) or found.get("version") != VERSION or not isinstance(found.get("digest"), str):
         raise ValueError(f"'{path}': is no result of `uwsim course score` of version {VERSION}")
-    if digest_of(found) != found["digest"]:
+    if digest_of({name: value for name, value in found.items() if name != SIGNATURE}) != found["digest"]:
         raise ValueError(f"'{path}': has been changed since it was written: its content does not have its digest")
+    if key is not None or SIGNATURE in found:
+        signer_of(found, f"'{path}'", key)
     return found
 
 

@@ -4,10 +4,9 @@ import json
 from datetime import datetime
 
 import pytest
-from cryptography.hazmat.primitives import serialization
-from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
 from command_line import uwsim
+from signing_keys import made_keys
 from test_sheet import exercise, still
 from uwsim.exercises.certificate import certificate_of, check_certificate
 from uwsim.exercises.flight import fly_exercise
@@ -21,11 +20,7 @@ def keys(tmp_path, monkeypatch):
     for title in ("Hover", "Hold <it>"):
         fly_exercise(exercise(title), still, person="Ada")
     for name in ("centre", "other"):
-        key = Ed25519PrivateKey.generate()
-        none, pem = serialization.NoEncryption(), serialization.Encoding.PEM
-        (tmp_path / f"{name}.pem").write_bytes(key.private_bytes(pem, serialization.PrivateFormat.PKCS8, none))
-        public = key.public_key().public_bytes(pem, serialization.PublicFormat.SubjectPublicKeyInfo)
-        (tmp_path / f"{name}.pub").write_bytes(public)
+        made_keys(tmp_path, name)
     return tmp_path
 
 

@@ -11,6 +11,8 @@ from typing import Any
 import pytest
 
 from command_line import error_line, uwsim
+from signing_keys import made_keys
+from uwsim.base.signing import signed
 from uwsim.exercises.certified import digest_of
 from uwsim.league import load_team, score_team
 from uwsim.league.aboard import Aboard
@@ -157,6 +159,12 @@ def test_the_table_pairs_by_seed_and_refuses_what_was_changed(tmp_path: Path) ->
     assert [one["team"] for one in read_results(tmp_path)] == ["good|one", "bad"]
     assert "| 2 | bad | 6.0 | 0.0 to 10.0 | 2.0 ± 0.0 (3 seeds)" in (tmp_path / "table.md").read_text()
     assert "good\\|one" in (tmp_path / "table.md").read_text()
+    key, public = made_keys(tmp_path, "referee")
+    signed_by = ("course", "table", tmp_path, "--signed-by", public)
+    assert "has no signature" in error_line(uwsim(*signed_by))
+    for one in (bad, good):
+        (tmp_path / one["team"][:3] / "result.json").write_text(json.dumps(signed(one, key)))
+    assert uwsim(*signed_by).returncode == 0
     changed = tmp_path / "bad/result.json"
     changed.write_text(json.dumps({**bad, "mean": 10.0}))
     assert "has been changed since it was written" in error_line(uwsim("course", "table", tmp_path))

@@ -58,6 +58,9 @@ def score(
         str | None,
         typer.Option(help="Run the program as this user of the machine, which takes root. Default: the same user."),
     ] = None,
+    sign: Annotated[
+        Path | None, typer.Option(help="Sign the result with this key, Ed25519 as PEM.", callback=readable)
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for result.json, sheets, and recordings.")] = Path("results"),
     work: RetriedOptions,
     as_json: AsJson = False,
@@ -73,7 +76,7 @@ def score(
 
     with job_progress("runs") as progress:
         found = score_team(
-            folder, seeds_in(seeds), out, course=course, user=user, **work.arguments, **progress.arguments
+            folder, seeds_in(seeds), out, course=course, user=user, key=sign, **work.arguments, **progress.arguments
         )
     if not found.result:
         _exit_without(found)
@@ -88,15 +91,20 @@ def table(
     out: Annotated[
         Path | None, typer.Option(help="Folder for table.html and table.md. Default: that of the results.")
     ] = None,
+    signed_by: Annotated[
+        Path | None,
+        typer.Option(help="The public key that must have signed each result, as PEM.", callback=readable),
+    ] = None,
 ) -> None:
     """Write the table of several teams' results on one course.
 
-    Each result is checked against its digest. Differences between teams are paired by seed.
+    Each result is checked against its digest, and its signature if it has one. Differences between teams are paired by
+    seed.
     """
     from uwsim.flight.folder import made_folder
     from uwsim.league.table import read_results, table_rows, write_league
 
-    found = read_results(results)
+    found = read_results(results, signed_by)
     written = write_league(made_folder(results if out is None else out), found)
     for row in table_rows(found):
         typer.echo(f"{row[0]:>3}  {row[2]:>6} ({row[3]})  {row[1]}{f'  behind: {row[4]}' if row[4] else ''}")
