@@ -1,4 +1,4 @@
-"""Generate assets/meshes/otter.obj, a small catamaran; needs numpy and manifold3d.
+"""Generate assets/meshes/otter.obj, a small catamaran; needs manifold3d and trimesh.
 
 Metres; x forward, y left, z up; origin on the waterline amidships. Each pontoon is 2 m long and 0.25 m wide, has a
 draught of 0.195 m, a waterplane of 0.75 and a block coefficient of 0.4, as assets/vehicles/otter.yaml has them from its
@@ -21,6 +21,8 @@ CENTRE_X_M = 0.153125
 """Where its weight is, so that it floats level."""
 FREEBOARD_M = 0.16
 SECTIONS = 41
+GREY, BLACK, ORANGE = (0.40, 0.41, 0.43), (0.02, 0.02, 0.022), (0.75, 0.16, 0.01)
+"""Of the beams, of case and mast, of the pontoons; linear."""
 
 
 def outline(x: np.ndarray) -> np.ndarray:
@@ -54,14 +56,14 @@ def pontoon(side: int) -> Manifold:
 def main() -> None:
     """Write the mesh."""
     top = FREEBOARD_M
-    parts = [
-        pontoon(1),
-        pontoon(-1),
-        *(box((x - 0.04, -0.46, top - 0.02), (x + 0.04, 0.46, top + 0.04)) for x in (-0.35, 0.65)),
-        box((-0.35, -0.22, top), (0.6, 0.22, top + 0.16)),
-        rod((-0.25, 0.0, top + 0.1), (-0.25, 0.0, top + 0.7), 0.02, 8),
-    ]
-    write_obj(united(parts), ASSETS / "meshes" / "otter.obj", "made by tools/assets/make_otter.py; metres, x forward")
+    pontoons = [pontoon(1), pontoon(-1)]
+    beams = [box((x - 0.04, -0.46, top - 0.02), (x + 0.04, 0.46, top + 0.04)) for x in (-0.35, 0.65)]
+    case = box((-0.35, -0.22, top), (0.6, 0.22, top + 0.16))
+    mast = rod((-0.25, 0.0, top + 0.1), (-0.25, 0.0, top + 0.7), 0.02, 8)
+    solid = united([*pontoons, *beams, case, mast])
+    colours = {GREY: beams, BLACK: [case, mast], ORANGE: pontoons}
+    comment = "made by tools/assets/make_otter.py; metres, x forward"
+    write_obj(solid, ASSETS / "meshes" / "otter.obj", comment, colours)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Generate assets/meshes/remus100.obj, a torpedo-shaped AUV; needs numpy and manifold3d.
+"""Generate assets/meshes/remus100.obj, a torpedo-shaped AUV; needs manifold3d and trimesh.
 
 Metres; x forward, y left, z up; 1.6 m long, 0.19 m across; origin at the centre of volume. A Myring hull (Myring 1976,
 Aeronautical Quarterly 27): elliptic nose, cylinder, pointed tail; four fins and a propeller.
@@ -13,6 +13,8 @@ from manifold3d import CrossSection, Manifold
 from solids import ball, box, centroid, hull, rod, united, write_obj
 
 ASSETS = Path(__file__).resolve().parents[2] / "assets"
+BLACK, YELLOW = (0.015, 0.015, 0.018), (0.72, 0.43, 0.02)
+"""Of nose, tail and fittings; of the hull. Linear."""
 LENGTH_M, DIAMETER_M = 1.6, 0.19
 NOSE_M, TAIL_M, TAIL_ANGLE = 0.62, 0.82, np.radians(20)
 """Nose and tail lengths for which the hull's volume is close to that of the spheroid in the vehicle's file."""
@@ -68,11 +70,15 @@ def fittings() -> list[Manifold]:
 
 def main() -> None:
     """Write the mesh."""
-    parts = [body(), *(fin(turn) for turn in (0, 90, 180, 270)), *propeller(), *fittings()]
+    whole = body()
+    black = [*(fin(turn) for turn in (0, 90, 180, 270)), *propeller(), *fittings()]
     comment = "made by tools/assets/make_remus100.py; metres, x forward, z up"
-    solid = united(parts)
-    x, y, z = centroid(solid)
-    write_obj(solid.translate((-x, -y, -z)), ASSETS / "meshes" / "remus100.obj", comment)
+    solid = united([whole, *black])
+    shift = tuple(-each for each in centroid(solid))
+    ends = [whole ^ box((low, -1, -1), (low + 1, 1, 1)) for low in (0.55, -1.6)]
+    colours = {BLACK: [*black, *ends], YELLOW: [whole]}
+    placed = {colour: [part.translate(shift) for part in parts] for colour, parts in colours.items()}
+    write_obj(solid.translate(shift), ASSETS / "meshes" / "remus100.obj", comment, placed)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Generate assets/meshes/rov.obj, an open-frame ROV, and paper_rov.glb, the same in colour; needs manifold3d, trimesh.
+"""Generate assets/meshes/rov.obj, an open-frame ROV, and paper_rov.glb, as the paper has it; needs manifold3d, trimesh.
 
 Metres; x forward, y left, z up; 1.2 x 0.8 x 0.7 m. The hull is everything that displaces water (foam block, pods,
 thrusters and frame bars), united into a closed solid. The origin is the intended centre of mass, 0.10 m below the
@@ -106,7 +106,8 @@ def main() -> None:
     x, _, z = centroid(solid)
     shift = (-x, 0, BUOYANCY_ARM_M - z)
     comment = "made by tools/assets/make_rov.py; metres, x forward, z up"
-    write_obj(solid.translate(shift), ASSETS / "meshes" / "rov.obj", comment)
+    placed = {colour: [part.translate(shift) for part in parts] for colour, parts in by_colour().items()}
+    write_obj(solid.translate(shift), ASSETS / "meshes" / "rov.obj", comment, placed)
     coloured, colours = united_by_colour(by_colour())
     write_glb(coloured.translate(shift), colours, ASSETS / "meshes" / "paper_rov.glb")
 

@@ -60,18 +60,41 @@ def centroid(solid: Manifold) -> Point:
     return tuple(volumes @ corners.sum(axis=1) / (4 * volumes.sum()))
 
 
-def write_obj(solid: Manifold, path: Path, comment: str) -> None:
-    """Write the solid with vertices rounded to 0.01 mm, and print its size."""
+def write_obj(solid: Manifold, path: Path, comment: str, parts: dict[Colour, list[Manifold]] | None = None) -> None:
+    """Write the solid with vertices rounded to 0.01 mm, and print its size.
+
+    parts: solids by colour. Each triangle has the colour of the nearest, the first of several, by a material in a
+    library beside the file; the triangles and their order are the same without.
+    """
     mesh = solid.to_mesh()
     vertices = np.round(np.asarray(mesh.vert_properties, np.float64)[:, :3], 5) + 0.0
+    triangles = np.asarray(mesh.tri_verts, np.int64)
     lines = [f"# {comment}", *("v {:.5f} {:.5f} {:.5f}".format(*vertex) for vertex in vertices)]
-    lines += ["f {} {} {}".format(*(triangle + 1)) for triangle in np.asarray(mesh.tri_verts, np.int64)]
-    path.write_text("\n".join(lines) + "\n")
+    faces = ["f {} {} {}".format(*(triangle + 1)) for triangle in triangles]
+    if parts:
+        paints = [f"newmtl paint_{k}\nKd {' '.join(map(str, colour))}\n" for k, colour in enumerate(parts)]
+        path.with_suffix(".mtl").write_text("".join(paints))
+        lines.insert(1, f"mtllib {path.stem}.mtl")
+        nearest = _nearest_part(vertices[triangles].mean(axis=1), list(parts.values()))
+        changes = np.flatnonzero(np.diff(nearest, prepend=-1))
+        for at in changes[::-1]:
+            faces.insert(at, f"usemtl paint_{nearest[at]}")
+    path.write_text("\n".join([*lines, *faces]) + "\n")
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     print(
         f"{path.name}: {solid.num_tri()} triangles, {solid.volume():.4f} m3, from {low} to {high} m, "
         f"centre of volume {np.round(centroid(solid), 4)} m"
     )
+
+
+def _nearest_part(places: np.ndarray, parts: list[list[Manifold]]) -> np.ndarray:
+    """Return the part whose surface is nearest to each place (n, 3), the first within 0.1 mm."""
+    away = []
+    for part in parts:
+        mesh = united(part).to_mesh()
+        surface = trimesh.Trimesh(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts), process=False)
+        away.append(trimesh.proximity.closest_point_naive(surface, places)[1])
+    return np.argmin(np.round(away, 4), axis=0)
 
 
 def write_glb(solid: Manifold, colours: dict[int, Colour], path: Path) -> None:

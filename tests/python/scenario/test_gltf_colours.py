@@ -1,4 +1,4 @@
-"""Cameras show the material and vertex colours of glTF files."""
+"""Cameras show the material and vertex colours of glTF files, and the materials of OBJ files."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from trimesh.visual.material import PBRMaterial
 from uwsim import Simulator
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.read.mesh_file import load_mesh
-from uwsim.scenario.read.textures import load_texture
+from uwsim.scenario.read.textures import load_texture, triangle_means
 
 
 def block(east_m: float, colour: tuple[int, int, int] | None) -> trimesh.Trimesh:
@@ -34,6 +34,20 @@ def test_each_triangle_has_the_colour_of_its_material(tmp_path: Path) -> None:
     seen = image[places[:, 1], places[:, 0]].astype(int)
     assert {tuple(colour) for colour in seen.tolist()} == {(255, 0, 0), (0, 188, 0)}
     assert np.ptp(corners, axis=1).max() == 0.0, "no triangle reaches into another's colour"
+
+
+def test_the_materials_of_an_obj_file_colour_its_triangles_and_change_nothing_else(tmp_path: Path) -> None:
+    plain = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n"
+    (tmp_path / "plain.obj").write_text(plain)
+    painted = plain.replace("f 1 3", "usemtl red\nf 1 3").replace("f 2", "usemtl none\nf 2")
+    (tmp_path / "painted.obj").write_text("mtllib paints.mtl\n" + painted)
+    assert load_texture(tmp_path / "painted.obj") is None, "its library is absent"
+    (tmp_path / "paints.mtl").write_text("newmtl red\nNs 10\nKd 0.5 0 0\nnewmtl none\n")
+    texture = load_texture(tmp_path / "painted.obj")
+    assert texture is not None
+    np.testing.assert_allclose(triangle_means(texture), [[0.5, 0, 0], [0.5, 0, 0], [1, 1, 1]], atol=4e-3)
+    for one, other in zip(load_mesh(tmp_path / "plain.obj"), load_mesh(tmp_path / "painted.obj"), strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_colours_of_vertices_count_and_a_file_without_colours_has_none(tmp_path: Path) -> None:

@@ -133,6 +133,8 @@ def _read_with_trimesh(path: Path, suffix: str, content: bytes) -> tuple[Vertice
     if suffix == ".obj":  # comments and names may be in any encoding
         text = content.decode("utf-8", errors="replace")
         _require_indices_from_one(path, text)
+        if not has_places_on_images(content):
+            text = re.sub(r"^usemtl.*$", "", text, flags=re.MULTILINE)  # each would be a mesh of its own
         scene = trimesh.load_scene(io.StringIO(text), file_type="obj", process=False, skip_materials=True)
     elif suffix == ".stl":
         scene = trimesh.load_scene(io.BytesIO(_sound_stl(path, content)), file_type="stl", process=False)
@@ -141,6 +143,11 @@ def _read_with_trimesh(path: Path, suffix: str, content: bytes) -> tuple[Vertice
         scene = trimesh.load_scene(source, file_type=suffix[1:], process=False)
     mesh = scene.to_mesh()
     return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces)
+
+
+def has_places_on_images(content: bytes) -> bool:
+    """Return whether an OBJ file gives vertices places on an image."""
+    return re.search(rb"^[ \t]*vt[ \t]", content, re.MULTILINE) is not None
 
 
 def _require_indices_from_one(path: Path, text: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.scenario.read.disk_cache import Arrays, cached_arrays
-from uwsim.scenario.read.mesh_file import Y_UP_SUFFIXES, load_mesh
+from uwsim.scenario.read.mesh_file import Y_UP_SUFFIXES, has_places_on_images, load_mesh
 
 TEXTURED_SUFFIXES = (".obj", ".glb", ".gltf")
 MAX_SIDE = 4096
@@ -44,18 +45,51 @@ def load_texture(path: Path) -> Texture | None:
     From glTF files, it has normal maps, roughness and metalness, where a material gives any of them, and the normals of
     the vertices. For a glTF file without images whose materials or vertices have colours, the image contains one patch
     per colour. Returns None for files with neither, for unreadable images, and for formats other than glTF and OBJ.
-    Several images are placed side by side. Images are reduced to at most 4,096 pixels per side.
+    Likewise, one per material, for an OBJ file of triangles without places on images. Several images are placed side by
+    side. Images are reduced to at most 4,096 pixels per side.
     """
     suffix = path.suffix.lower()
     if suffix not in TEXTURED_SUFFIXES:
         return None
     content = path.read_bytes()
     if suffix == ".obj":
-        return _read_texture(path) if b"mtllib" in content else None
+        if b"mtllib" not in content:
+            return None
+        return _read_texture(path) if has_places_on_images(content) else _painted(path, content)
     if b'"uri"' in content:  # it depends on other files
         return _read_texture(path)
     parts: Any = cached_arrays(lambda: _parts_of(_read_texture(path)), "texture", content)
     return Texture(*parts) if parts else None
+
+
+def _painted(path: Path, content: bytes) -> Texture | None:
+    """Return the colours that the materials of an OBJ file of triangles give them; None without any."""
+    text = content.decode("utf-8", errors="replace")
+    known: dict[str, NDArray[np.float64]] = {}
+    try:
+        for library in re.findall(r"^mtllib[ \t]+(.*\S)", text, re.MULTILINE):
+            known |= _diffuse_colours((path.parent / library).read_text("utf-8", "replace"))
+    except (OSError, ValueError):
+        return None
+    now, colours = UNCOLOURED, []
+    for kind, rest in re.findall(r"^[ \t]*(usemtl|f)[ \t]+(.*\S)", text, re.MULTILINE):
+        if kind == "usemtl":
+            now = known.get(rest, UNCOLOURED)
+        else:
+            colours.append(now)
+    return palette_texture(np.array(colours)) if known and len(colours) == len(load_mesh(path)[1]) else None
+
+
+def _diffuse_colours(library: str) -> dict[str, NDArray[np.float64]]:
+    """Return the albedo (3,) of each material in a library's text that has one: Kd, taken as linear."""
+    entry = r"^[ \t]*(?:newmtl[ \t]+(.*\S)|Kd[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+))"
+    found, name = {}, ""
+    for begun, *kd in re.findall(entry, library, re.MULTILINE):
+        if begun:
+            name = begun
+        else:
+            found[name] = np.clip([float(each) for each in kd], 0.0, 1.0)
+    return found
 
 
 def _parts_of(texture: Texture | None) -> Arrays:
