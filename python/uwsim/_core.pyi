@@ -3363,7 +3363,7 @@ class NavigationFilter:
     arms from the IMU.
     """
 
-    save_version: typing.ClassVar[int] = 7
+    save_version: typing.ClassVar[int] = 8
     def __init__(
         self,
         *,
@@ -3386,7 +3386,6 @@ class NavigationFilter:
     def add_acoustic_fix(
         self,
         lever_body_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
-        station_world_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
         range_std: typing.SupportsFloat | typing.SupportsIndex,
         bearing_std: typing.SupportsFloat | typing.SupportsIndex,
         range_step: typing.SupportsFloat | typing.SupportsIndex,
@@ -3394,11 +3393,14 @@ class NavigationFilter:
         range_bias: BiasModel,
         scale: BiasModel,
         bearing_bias: BiasModel,
+        station_std: typing.SupportsFloat | typing.SupportsIndex,
+        station_bias: BiasModel,
     ) -> int:
         """
-        Add an aid that measures the position relative to the station, world axes [m]. range_step: that to which
+        Add an aid that measures the position relative to the station, world axes, then has that of the station itself
+        [m]. station_std: white noise of the latter. range_step: that to which
         ranges are rounded, or 0 if their noise is larger. period_s: time between fixes. Its biases: of the range [m],
-        its scale, and two of the bearing [rad], as far as they exist.
+        its scale, two of the bearing [rad], and three of the station's place, as far as they exist.
         """
     def add_depth(
         self,
@@ -4011,6 +4013,7 @@ class BodyPath:
         progress: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 4]"],
         closed: bool,
         climbs: bool,
+        turns: bool,
         position_m: typing.Any,
         orientation_xyzw: typing.Any,
     ) -> None:
@@ -4018,7 +4021,7 @@ class BodyPath:
         breaks: (n + 1,), ascending, of the curve's parameter u. curve_m: x, y and z, each (n, 4): coefficients
         of 1, h, h^2 and h^3 in each piece, where h = u - break. times_s: (m + 1,) from 0, ascending. progress:
         (m, 4), u in powers of the time since the break. closed: it begins again after the last time. climbs: x
-        is along the curve; otherwise along its horizontal part. position_m, orientation_xyzw: of the body in
+        is along the curve; otherwise along its horizontal part. turns: otherwise x keeps pointing east. position_m, orientation_xyzw: of the body in
         path axes. Raises ValueError.
         """
     def at(self, time_s: typing.SupportsFloat | typing.SupportsIndex) -> BodyState:

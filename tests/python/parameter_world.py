@@ -41,6 +41,7 @@ SENSORS: dict[str, Any] = {
     "dvl": {"kind": "dvl", "channels": {"beam_velocity": NOISE}, "noise": NOISE, "range_max_m": 20, "range_min_m": 0.1},
     "usbl": {"kind": "usbl", "channels": {"bearing": NOISE}, "noise": NOISE, "range_max_m": 50},
     "compass": {"kind": "compass", "noise": NOISE, "hard_iron_ut": [1, 2, 3]},
+    "gyrocompass": {"kind": "gyrocompass", "noise": NOISE, "latitude_deg": 60},
     "contact": {"kind": "contact"},
     "ctd": {"kind": "ctd", **TIMES, "channels": {"temperature": NOISE}},
     "ins": {"kind": "ins", **TIMES, "grade": "mems", "noise": NOISE},

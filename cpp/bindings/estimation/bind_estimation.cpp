@@ -121,18 +121,21 @@ void bind_aids(py::class_<NavigationFilter>& filter) {
           "Add an aid that measures the angle of axis_body from east, counter-clockwise [rad].")
       .def(
           "add_acoustic_fix",
-          [](NavigationFilter& f, const Eigen::Vector3d& lever, const Eigen::Vector3d& station, double range_std,
-             double bearing_std, double range_step, double period_s, const BiasModel& range_bias,
-             const BiasModel& scale, const BiasModel& bearing_bias) {
-            return f.add_aid(acoustic_fix_aid(
-                lever, station, {range_std, bearing_std, range_step, period_s, range_bias, scale, bearing_bias}));
+          [](NavigationFilter& f, const Eigen::Vector3d& lever, double range_std, double bearing_std, double range_step,
+             double period_s, const BiasModel& range_bias, const BiasModel& scale, const BiasModel& bearing_bias,
+             double station_std, const BiasModel& station_bias) {
+            return f.add_aid(acoustic_fix_aid(lever, {range_std, bearing_std, range_step, period_s, range_bias, scale,
+                                                      bearing_bias, station_std, station_bias}));
           },
-          py::arg("lever_body_m"), py::arg("station_world_m"), py::arg("range_std"), py::arg("bearing_std"),
-          py::arg("range_step"), py::arg("period_s"), py::arg("range_bias"), py::arg("scale"), py::arg("bearing_bias"),
-          "Add an aid that measures the position relative to the station, world axes [m]. range_step: that to which\n"
+          py::arg("lever_body_m"), py::arg("range_std"), py::arg("bearing_std"), py::arg("range_step"),
+          py::arg("period_s"), py::arg("range_bias"), py::arg("scale"), py::arg("bearing_bias"), py::arg("station_std"),
+          py::arg("station_bias"),
+          "Add an aid that measures the position relative to the station, world axes, then has that of the station "
+          "itself\n"
+          "[m]. station_std: white noise of the latter. range_step: that to which\n"
           "ranges are rounded, or 0 if their noise is larger. period_s: time between fixes. Its biases: of the range "
           "[m],\n"
-          "its scale, and two of the bearing [rad], as far as they exist.")
+          "its scale, two of the bearing [rad], and three of the station's place, as far as they exist.")
       .def(
           "add_satellites",
           [](NavigationFilter& f, const Eigen::Vector3d& lever, double horizontal_std, double vertical_std,

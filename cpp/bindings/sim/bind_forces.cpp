@@ -74,7 +74,7 @@ void bind_object_spec(py::module_& m) {
   using Cubics = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
   py::class_<BodyPath, std::shared_ptr<BodyPath>>(m, "BodyPath", "The motion of a body that nothing can push.")
       .def(py::init([](std::vector<double> breaks, const std::array<Cubics, 3>& curve_m, std::vector<double> times_s,
-                       const Cubics& progress, bool closed, bool climbs, const py::object& position_m,
+                       const Cubics& progress, bool closed, bool climbs, bool turns, const py::object& position_m,
                        const py::object& orientation_xyzw) {
              BodyPathSpec spec{.breaks = std::move(breaks),
                                .curve_m = {},
@@ -82,6 +82,7 @@ void bind_object_spec(py::module_& m) {
                                .progress = {},
                                .closed = closed,
                                .climbs = climbs,
+                               .turns = turns,
                                .path_from_body = as_pose(position_m, orientation_xyzw, "path_from_body")};
              for (Eigen::Index k = 0; k < curve_m[0].rows(); ++k) {
                Eigen::Matrix<double, 4, 3>& piece = spec.curve_m.emplace_back();
@@ -95,11 +96,12 @@ void bind_object_spec(py::module_& m) {
              return std::make_shared<BodyPath>(std::move(spec));
            }),
            py::arg("breaks"), py::arg("curve_m"), py::arg("times_s"), py::arg("progress"), py::arg("closed"),
-           py::arg("climbs"), py::arg("position_m"), py::arg("orientation_xyzw"),
+           py::arg("climbs"), py::arg("turns"), py::arg("position_m"), py::arg("orientation_xyzw"),
            "breaks: (n + 1,), ascending, of the curve's parameter u. curve_m: x, y and z, each (n, 4): coefficients\n"
            "of 1, h, h^2 and h^3 in each piece, where h = u - break. times_s: (m + 1,) from 0, ascending. progress:\n"
            "(m, 4), u in powers of the time since the break. closed: it begins again after the last time. climbs: x\n"
-           "is along the curve; otherwise along its horizontal part. position_m, orientation_xyzw: of the body in\n"
+           "is along the curve; otherwise along its horizontal part. turns: otherwise x keeps pointing east. "
+           "position_m, orientation_xyzw: of the body in\n"
            "path axes. Raises ValueError.")
       .def("at", &BodyPath::at, py::arg("time_s"), "Return the BodyState at a time from 0 on.");
   py::class_<ObjectSpec, std::shared_ptr<ObjectSpec>>(m, "ObjectSpec", "A loose body.")

@@ -23,8 +23,9 @@ void require_ascending(const char* name, const std::vector<double>& breaks, std:
 
 /// Heading and climb of the horizontal's axis system, and their rates by the curve's parameter.
 struct Direction {
-  double heading_rad, climb_rad = 0, turn = 0, pull_up = 0;
+  double heading_rad = 0, climb_rad = 0, turn = 0, pull_up = 0;
 
+  Direction() = default;
   Direction(const Eigen::Vector3d& first, const Eigen::Vector3d& second, bool climbs)
       : heading_rad(std::atan2(first.y(), first.x())) {
     const double level2 = first.head<2>().squaredNorm();
@@ -69,7 +70,7 @@ BodyState BodyPath::at(double time_s) const {
   const Eigen::Vector3d position = p.row(0) + h * (p.row(1) + h * (p.row(2) + h * p.row(3)));
   const Eigen::Vector3d first = p.row(1) + h * (2 * p.row(2) + h * 3 * p.row(3));
   const Eigen::Vector3d second = 2 * p.row(2) + h * 6 * p.row(3);
-  const Direction along(first, second, spec_.climbs);
+  const Direction along = spec_.turns ? Direction(first, second, spec_.climbs) : Direction();
 
   const Eigen::Quaterniond level(Eigen::AngleAxisd(along.heading_rad, Eigen::Vector3d::UnitZ()));
   const Pose world_from_path{position, level * Eigen::AngleAxisd(-along.climb_rad, Eigen::Vector3d::UnitY())};

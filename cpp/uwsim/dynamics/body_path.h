@@ -15,6 +15,7 @@ struct BodyPathSpec {
   std::vector<Eigen::Vector4d> progress;             ///< of each piece: u as coefficients of powers of t - break
   bool closed = false;                               ///< begins again after the last time; otherwise it ends there
   bool climbs = false;                               ///< x is along the curve; otherwise along its horizontal part
+  bool turns = true;                                 ///< otherwise x keeps pointing east, wherever the curve leads
   Pose path_from_body;                               ///< path axes: origin on the curve, x along it, y level, z up
 
   /// Throws InvalidValue naming the field.

@@ -10,15 +10,15 @@ namespace {
 /// across it, with independent errors.
 class AcousticFixAid final : public Aid {
  public:
-  AcousticFixAid(const Eigen::Vector3d& lever, const Eigen::Vector3d& station, const FixErrors& errors)
-      : lever_(lever), station_(station), errors_(errors) {}
+  AcousticFixAid(const Eigen::Vector3d& lever, const FixErrors& errors) : lever_(lever), errors_(errors) {}
 
-  int width() const override { return 3; }
+  int width() const override { return 6; }
   std::vector<BiasModel> biases() const override {
     std::vector<BiasModel> all;
     if (errors_.range_bias.exists()) all.push_back(errors_.range_bias);
     if (errors_.scale.exists()) all.push_back(errors_.scale);
     if (errors_.bearing_bias.exists()) all.insert(all.end(), 2, errors_.bearing_bias);
+    if (errors_.station_bias.exists()) all.insert(all.end(), 3, errors_.station_bias);
     return all;
   }
   ErrorIndex seen() const override { return kPosition; }
@@ -26,10 +26,10 @@ class AcousticFixAid final : public Aid {
   bool is_credible(const FilterState& state, const double* reading) const override {
     if (!is_height_judged_) return true;
     const Eigen::Vector3d fix = Eigen::Vector3d::Map(reading);
-    const double range = fix.norm(), off = std::abs(fix.z() - expected(state).z());
+    const double range = fix.norm(), off = std::abs(fix.z() - expected(state, reading).z());
     const double known = state.covariance(kPosition + 2, kPosition + 2);
     const double bearing = errors_.bearing_std_rad * errors_.bearing_std_rad + errors_.bearing_bias.variance();
-    const double measured = bearing * range * range;
+    const double measured = bearing * range * range + station_variance() + errors_.station_bias.variance();
     return known > measured || off < kMirrored * range || off * off < kGate * kGate * (known + measured);
   }
 
@@ -42,23 +42,25 @@ class AcousticFixAid final : public Aid {
     // than R.
     const double position_variance = state.covariance.diagonal().segment<3>(kPosition).sum();
     const bool is_known = position_variance < kKnown * kKnown * range * range;
-    const Eigen::Vector3d sight = is_known ? expected(state).normalized() : (fix / range).eval();
+    const Eigen::Vector3d seen = expected(state, reading), sight = (is_known ? seen : fix).normalized();
     const Eigen::Vector3d across = across_of(sight), up = sight.cross(across);
-    const double along = is_known ? range - expected(state).norm() : sight.dot(fix - expected(state));
+    const double along = is_known ? range - seen.norm() : sight.dot(fix - seen);
     const double sideways = errors_.bearing_std_rad * range, rounding = rounding_std_m(state, sight);
     correct_along(state, along, sight, {errors_.range_std_m, rounding, ranging(range)});
-    correct_along(state, across.dot(fix - expected(state)), across, {sideways, 0, bearing(0, range)});
-    correct_along(state, up.dot(fix - expected(state)), up, {sideways, 0, bearing(1, range)});
+    correct_along(state, across.dot(fix - expected(state, reading)), across, {sideways, 0, bearing(0, range)});
+    correct_along(state, up.dot(fix - expected(state, reading)), up, {sideways, 0, bearing(1, range)});
   }
 
   void exchange_parameters(StateArchive& archive) override {
     exchange_numbers(archive, lever_);
-    exchange_numbers(archive, station_);
     exchange_not_negative(archive, errors_.range_std_m);
     exchange_not_negative(archive, errors_.bearing_std_rad);
     exchange_not_negative(archive, errors_.range_step_m);
     exchange_not_negative(archive, errors_.period_s);
-    for (BiasModel* bias : {&errors_.range_bias, &errors_.scale, &errors_.bearing_bias}) exchange_bias(archive, *bias);
+    exchange_not_negative(archive, errors_.station_std_m);
+    for (BiasModel* bias : {&errors_.range_bias, &errors_.scale, &errors_.bearing_bias, &errors_.station_bias}) {
+      exchange_bias(archive, *bias);
+    }
     archive(is_height_judged_);
   }
 
@@ -91,8 +93,11 @@ class AcousticFixAid final : public Aid {
     return level.norm() > 1e-9 ? level.normalized() : Eigen::Vector3d::UnitY().eval();
   }
 
-  Eigen::Vector3d expected(const FilterState& state) const {
-    return state.position_m + state.orientation * lever_ - station_;
+  double station_variance() const { return errors_.station_std_m * errors_.station_std_m; }
+
+  /// The position relative to where the station takes itself to be.
+  Eigen::Vector3d expected(const FilterState& state, const double* reading) const {
+    return state.position_m + state.orientation * lever_ - Eigen::Vector3d::Map(reading + 3);
   }
 
   /// The standard deviation of the rounding's error if the range changes by less than half a step until the next fix.
@@ -112,21 +117,25 @@ class AcousticFixAid final : public Aid {
       h[bias] = weight;
       residual -= weight * state.aid_bias[bias - kAidBias];
     }
+    if (errors_.station_bias.exists()) {
+      const int station = first_bias + static_cast<int>(biases().size()) - 3;
+      h.segment<3>(station) = axis;
+      residual -= axis.dot(state.aid_bias.segment<3>(station - kAidBias));
+    }
     constexpr double kLeast = 1e-6;  // m2; so that an exact fix also has a gate
-    Aid::correct(state, residual, h, std::max(errors.white_std * errors.white_std, kLeast),
+    Aid::correct(state, residual, h, std::max(errors.white_std * errors.white_std + station_variance(), kLeast),
                  errors.constant_std * errors.constant_std);
   }
 
-  Eigen::Vector3d lever_, station_;
+  Eigen::Vector3d lever_;
   FixErrors errors_;
   bool is_height_judged_ = true;
 };
 
 }  // namespace
 
-std::unique_ptr<Aid> acoustic_fix_aid(const Eigen::Vector3d& lever_body_m, const Eigen::Vector3d& station_world_m,
-                                      const FixErrors& errors) {
-  return std::make_unique<AcousticFixAid>(lever_body_m, station_world_m, errors);
+std::unique_ptr<Aid> acoustic_fix_aid(const Eigen::Vector3d& lever_body_m, const FixErrors& errors) {
+  return std::make_unique<AcousticFixAid>(lever_body_m, errors);
 }
 
 }  // namespace uwsim

@@ -84,19 +84,21 @@ std::unique_ptr<Aid> depth_aid(const Eigen::Vector3d& lever_body_m, double std, 
 std::unique_ptr<Aid> heading_aid(const Eigen::Vector3d& axis_body, double std, const BiasModel& bias, double iron_std,
                                  double north_rad);
 /// The errors of an acoustic fix: white noise; the rounding of ranges to multiples of a step, which is white only while
-/// the range changes from fix to fix; biases of the range, of its scale (speed of sound) and of both bearings.
+/// the range changes from fix to fix; biases of the range, of its scale (speed of sound) and of both bearings; white
+/// noise and a bias of the station's own place along east, north and up.
 struct FixErrors {
   double range_std_m = 0, bearing_std_rad = 0;
   double range_step_m = 0;  ///< 0 if noise moves the ranges by more than a step
   double period_s = 1;
   BiasModel range_bias = {}, scale = {}, bearing_bias = {};
+  double station_std_m = 0;
+  BiasModel station_bias = {};
 };
-/// An aid whose reading is the position relative to a station along east, north and up, (3,) [m], with errors along and
-/// across the line of sight. Its biases: range, scale, two bearings, as far as they exist. A fix whose height
-/// contradicts the depth is not credible: the sound came by the bed or the surface, and its range and bearing are those
-/// of a mirrored station.
-std::unique_ptr<Aid> acoustic_fix_aid(const Eigen::Vector3d& lever_body_m, const Eigen::Vector3d& station_world_m,
-                                      const FixErrors& errors);
+/// An aid whose reading is the position relative to a station along east, north and up, with errors along and across
+/// the line of sight, then the station's place as it was meant to be, (6,) [m]. Its biases: range, scale, two bearings,
+/// three of the station, as far as they exist. A fix whose height contradicts the depth is not credible: the sound came
+/// by the bed or the surface, and its range and bearing are those of a mirrored station.
+std::unique_ptr<Aid> acoustic_fix_aid(const Eigen::Vector3d& lever_body_m, const FixErrors& errors);
 /// The errors of a satellite receiver: white noise, and biases along east and north, and up.
 struct SatelliteErrors {
   double horizontal_std_m = 0, vertical_std_m = 0, velocity_std_m_s = 0;

@@ -92,7 +92,7 @@ void NavigationFilter::correct(const Event& reading) {
   const auto aid = static_cast<std::size_t>(reading.source);
   AidCounts& counts = present_.counts[aid];
   if (!aids_[aid]->is_credible(present_, reading.values)) {
-    counts.rejected += static_cast<std::uint64_t>(aids_[aid]->width());
+    counts.rejected += 3;  // the errors that it sees, one by one
     return;
   }
   const std::uint64_t doubts = present_.doubts, accepted = counts.accepted, rejected = counts.rejected;

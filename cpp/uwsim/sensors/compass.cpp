@@ -6,8 +6,6 @@
 namespace uwsim {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-
 /// Magnetic heading of the sensor's x axis, clockwise from magnetic north, in [0, 2 pi). The sum of the earth's field
 /// (strength, inclination below the horizon, declination east of the world's north, +y) and the vehicle's own field in
 /// sensor axes ("hard iron") is levelled with the true roll and pitch; the heading is the atan2 of the level
@@ -34,9 +32,7 @@ class Compass final : public MountedSensor {
   }
 
   bool report(std::span<const double> raw, std::span<double> reading) const override {
-    const double turned = std::fmod(raw[0], kTurn);
-    const double heading = turned < 0 ? turned + kTurn : turned;
-    reading[0] = heading < kTurn ? heading : 0;
+    reading[0] = turned_once_rad(raw[0]);
     return true;
   }
 

@@ -22,7 +22,8 @@ constexpr std::uint64_t kOnce = std::numeric_limits<std::uint64_t>::max();  // k
 ///
 /// f: specific force; C: the sensor's attitude; b_a, b_g: biases, constant in a run; w_a, w_g: white noise; R: radius
 /// of the Earth. At rest, dv and phi oscillate with Schuler's period 2 pi sqrt(R / g) = 84.4 min. The Earth's rotation
-/// is left out: its coupling of the axes, with a period of 24 h, is small within the first hours.
+/// is left out: its coupling of the axes, with a period of 24 h, is small within the first hours. Where phi exceeds
+/// kLargest_rad, sin(phi) differs from phi by 0.5 %: the equations no longer hold, and all later readings are invalid.
 class Ins final : public MountedSensor {
  public:
   explicit Ins(const SensorSpec& spec)
@@ -56,6 +57,7 @@ class Ins final : public MountedSensor {
       return;
     }
     for (std::size_t k = kErrors; k < kEnd; ++k) raw[k] = past.raw[k];
+    if (phi.norm() > kLargest_rad) return;
     const double dt = past.elapsed_s, root = std::sqrt(dt);
     const auto draw = [&](std::uint32_t index) { return past.draws.normal(past.sample, index); };
     const Eigen::Matrix3d attitude = world_from_sensor(input).orientation.toRotationMatrix();
@@ -86,10 +88,11 @@ class Ins final : public MountedSensor {
     for (std::size_t k = 0; k < 2; ++k) reading[3 + k] = raw[kVelocity + k] + raw[kErrors + 2 + k];
     reading[5] = raw[kVelocity + 2];
     Eigen::Vector4d::Map(&reading[6]) = (error * attitude).normalized().coeffs();
-    return true;
+    return angle <= kLargest_rad;
   }
 
  private:
+  static constexpr double kLargest_rad = 10 * kDegree;
   static constexpr std::size_t kHeight = 0, kPlace = 1, kVelocity = 3, kAttitude = 6, kErrors = 10, kEnd = 17;
 
   /// Three draws that are the same in the whole run.

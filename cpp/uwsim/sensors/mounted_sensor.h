@@ -1,8 +1,18 @@
 #pragma once
 
+#include <cmath>
+#include <numbers>
+
 #include "uwsim/sensors/sensor.h"
 
 namespace uwsim {
+
+/// An angle in [0, 2 pi).
+inline double turned_once_rad(double angle) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  const double rest = std::fmod(angle, kTurn), turned = rest < 0 ? rest + kTurn : rest;
+  return turned < kTurn ? turned : 0;
+}
 
 /// A sensor mounted at a fixed pose on the body, and the motion of that point.
 class MountedSensor : public Sensor {

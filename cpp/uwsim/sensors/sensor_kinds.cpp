@@ -9,13 +9,13 @@ namespace uwsim {
 
 /// To add a sensor, add a file and list its kind in both places below.
 extern const SensorKind kImu, kPosition, kVelocity, kAcceleration, kDepth, kPressure, kTemperature, kAltitude,
-    kProximity, kDvl, kUsbl, kCompass, kContact, kCtd, kGps, kIns, kAdcp;
+    kProximity, kDvl, kUsbl, kCompass, kContact, kCtd, kGps, kIns, kAdcp, kGyrocompass;
 
 namespace {
 
 constexpr std::array kKinds = {&kImu,         &kPosition, &kVelocity,  &kAcceleration, &kDepth, &kPressure,
                                &kTemperature, &kAltitude, &kProximity, &kDvl,          &kUsbl,  &kCompass,
-                               &kContact,     &kCtd,      &kGps,       &kIns,          &kAdcp};
+                               &kContact,     &kCtd,      &kGps,       &kIns,          &kAdcp,  &kGyrocompass};
 
 }  // namespace
 

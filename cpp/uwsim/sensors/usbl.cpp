@@ -31,8 +31,9 @@ namespace {
 ///
 /// The range error acts along the line of sight, and so does `scale`, the relative error of the speed of sound that the
 /// station uses. The bearing error is two small angles across it, which cause an error
-/// of R x angle in position. If `shares_modem` is set and the link uses modems, ping and fix are sent as packets over
-/// the link instead (sim/position_exchange.h).
+/// of R x angle in position. The fix carries the place of the station, as its own navigation has it, with the errors of
+/// the channel `station`: of a survey, or of the boat that carries it. If `shares_modem` is set and the link uses
+/// modems, ping and fix are sent as packets over the link instead (sim/position_exchange.h).
 class Usbl final : public MountedSensor {
  public:
   explicit Usbl(const SensorSpec& spec)
@@ -52,6 +53,7 @@ class Usbl final : public MountedSensor {
     raw[1] = raw[2] = raw[kScale] = 0;
     Eigen::Vector3d::Map(&raw[kSight]) = raw[0] > 0 ? (seen / raw[0]).eval() : -Eigen::Vector3d::UnitZ().eval();
     raw[kFound] = fix.has_value();
+    Eigen::Vector3d::Map(&raw[kStation]) = input.vehicle.station_world_m;
   }
 
   bool report(std::span<const double> raw, std::span<double> reading) const override {
@@ -67,6 +69,7 @@ class Usbl final : public MountedSensor {
     reading[3] = in_range ? range_m : 0;
     reading[4] = in_range ? std::atan2(measured.y(), measured.x()) : 0;
     reading[5] = in_range ? std::asin(std::clamp(measured.z(), -1.0, 1.0)) : 0;
+    Eigen::Vector3d::Map(&reading[6]) = Eigen::Vector3d::Map(&raw[kStation]);
     return in_range;
   }
 
@@ -82,7 +85,7 @@ class Usbl final : public MountedSensor {
   bool shares_modem() const override { return shares_modem_; }
 
  private:
-  static constexpr std::size_t kScale = 3, kSight = 4, kFound = 7;
+  static constexpr std::size_t kScale = 3, kStation = 4, kSight = 7, kFound = 10;
   static constexpr double kSlowestSound_m_s = 1000;  // no water is slower (fresh water at 0 deg C: 1402 m/s)
 
   Eigen::Vector3d from_station(const SensorInput& input) const {
@@ -157,9 +160,12 @@ class Usbl final : public MountedSensor {
   mutable ArrivalCells cells_{8};  // its results do not depend on which cells it holds
 };
 
-constexpr Field kUsblFields[] = {
-    {"position_m", 3, "m"}, {"range_m", 1, "m"}, {"azimuth_rad", 1, "rad"}, {"elevation_rad", 1, "rad"}};
-constexpr Channel kUsblChannels[] = {{"range", 1, "m"}, {"bearing", 2, "rad"}, {"scale", 1, "1"}};
+constexpr Field kUsblFields[] = {{"position_m", 3, "m"},
+                                 {"range_m", 1, "m"},
+                                 {"azimuth_rad", 1, "rad"},
+                                 {"elevation_rad", 1, "rad"},
+                                 {"station_world_m", 3, "m"}};
+constexpr Channel kUsblChannels[] = {{"range", 1, "m"}, {"bearing", 2, "rad"}, {"scale", 1, "1"}, {"station", 3, "m"}};
 constexpr Parameter kUsblParameters[] = {
     {"range_max_m", 1, 1000, 1, 10000, "m", "from the station; no fix beyond"},
     {"frequency_hz", 1, 25000, 1000, 1e6, "Hz", "centre of the band"},
@@ -174,7 +180,7 @@ constexpr Parameter kUsblParameters[] = {
 extern const SensorKind kUsbl;
 constinit const SensorKind kUsbl = {
     "usbl",
-    "position from the station (world axes), range, azimuth from east to north, elevation (up is positive)",
+    "position from the station (world axes), range, azimuth from east to north, elevation; the station's place",
     kUsblFields,
     kUsblChannels,
     4,

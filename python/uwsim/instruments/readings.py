@@ -80,13 +80,15 @@ class DvlReading(Reading):
 class UsblReading(Reading):
     """Position relative to the station, position_m (3,), along east, north and up; its range, range_m; and two angles.
 
-    azimuth_rad: measured from east to north. elevation_rad: positive up.
+    azimuth_rad: measured from east to north. elevation_rad: positive up. station_world_m (3,): where the station takes
+    itself to be, at the time of the ping.
     """
 
     position_m: Floats
     range_m: float
     azimuth_rad: float
     elevation_rad: float
+    station_world_m: Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -36,7 +36,7 @@ R = TypeVar("R")
 """A sensor's reading: a float in its unit, or one of the classes of uwsim.instruments.readings."""
 
 
-ScalarKind = Literal["depth", "pressure", "temperature", "altitude", "proximity", "compass", "contact"]
+ScalarKind = Literal["depth", "pressure", "temperature", "altitude", "proximity", "compass", "gyrocompass", "contact"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,11 +69,12 @@ class Sensor(Attached, Generic[R]):
     - altitude [m, inf if out of range]; proximity [m, the maximum range if nothing is nearer]
     - dvl: velocity_m_s (3,), beam_ranges_m (4,) (inf: lost), beam_velocities_m_s (4,), bottom_lock (1 or 0)
     - usbl: position_m (3,) from the station along east, north and up, range_m, azimuth_rad (from east to north),
-      elevation_rad (up is positive)
+      elevation_rad (up is positive), station_world_m (3,), where the station takes itself to be
     - gps: position_m (3,), velocity_m_s (3,), fix (1 or 0); ins: position_m (3,), velocity_m_s (3,), orientation_xyzw
       (4,), all in world axes
     - adcp: velocity_m_s (3,), through the water, and cell_velocities_m_s (96,), water_lock (1 or 0)
-    - compass [rad, clockwise from magnetic north, in [0, 2 pi)]; contact: 1 while in contact, else 0
+    - compass [rad, clockwise from magnetic north, in [0, 2 pi)]; gyrocompass, the same from true north
+    - contact: 1 while in contact, else 0
     """
 
     name: str

@@ -47,15 +47,12 @@ class Use(IntEnum):
         return cls(names.index(name))
 
 
-def new_navigator(
-    vehicle: Instrumented, start: Start, water: _core.Water, station_world_m: tuple[float, float, float] | None
-) -> Navigator:
+def new_navigator(vehicle: Instrumented, start: Start, water: _core.Water) -> Navigator:
     """Create and start a Navigator for a vehicle in this water.
 
-    station_world_m: None for a station that moves, whose fixes are then not used. Of the water, it receives what an
-    operator has from a forecast and a chart: the surface's density, the waves' significant height, the largest height
-    of the tide, but not its phase, and how much heavier than the surface the water is anywhere below and between which
-    speeds of sound, but not where.
+    Of the water, it receives what an operator has from a forecast and a chart: the surface's density, the waves'
+    significant height, the largest height of the tide, but not its phase, and how much heavier than the surface the
+    water is anywhere below and between which speeds of sound, but not where.
     """
     from uwsim.navigation.estimation import Navigator  # imported here: few simulators estimate
 
@@ -66,7 +63,6 @@ def new_navigator(
     return Navigator(
         vehicle,
         start,
-        station_world_m=station_world_m,
         gravity_m_s2=water.gravity_m_s2,
         density_kg_m3=surface_kg_m3,
         compressibility_1_pa=_compressibility_1_pa(water),

@@ -34,7 +34,7 @@ from uwsim.scenario.build.loose_bodies import object_specs
 from uwsim.scenario.build.ping_chain import ping_chain
 from uwsim.scenario.build.short_waves import ShortWavesWarning, short_wave_warning
 from uwsim.scenario.build.simulation import simulation_spec
-from uwsim.scenario.build.station import carrier_index, dock_position, exit_position, fixed_station_m
+from uwsim.scenario.build.station import carrier_index, dock_position, exit_position
 from uwsim.scenario.build.tether import add_tethers
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.world import beyond_terrain, fill_with_water, scenario_water
@@ -219,7 +219,7 @@ class Simulator(SimulatorProperties):
             water_column=entry.sonar.water_column,
             threads=self.threads,
             step_s=self.step_s,
-            navigate=lambda rov, start: new_navigator(rov, start, self.world.water, fixed_station_m(self.scenario)),
+            navigate=lambda rov, start: new_navigator(rov, start, self.world.water),
             control=control,
             beyond_terrain=lambda *place_m: beyond_terrain(self._world, self.scenario, *place_m),
             temperature_is_known=lambda: temperature_is_known(self.parameters.scenario.water),

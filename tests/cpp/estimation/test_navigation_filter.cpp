@@ -233,12 +233,12 @@ TEST(NavigationFilter, TheOrderOfArrivalDoesNotMatter) {
                      .rate_bias = {1e-3, 0, 0, 0},
                      .force_bias = {0.02, 0, 0, 0}};
     auto filter = std::make_unique<NavigationFilter>(errors, Eigen::Vector3d::Zero(), kGravity);
-    const int fix = filter->add_aid(acoustic_fix_aid({0.1, 0, 0.2}, {5, 5, 0}, {0.1, 0.02}));
+    const int fix = filter->add_aid(acoustic_fix_aid({0.1, 0, 0.2}, {0.1, 0.02}));
     const int depth = filter->add_aid(depth_aid({0, 0, 0.1}, 0.01, {0.02, 0, 0, 0}, {.wave_std_m = 0.1}));
     filter->start(known(1, 0.1, 0.01));
     std::mt19937 random(3);
     std::normal_distribution<double> normal;
-    std::vector<std::pair<std::uint64_t, std::array<double, 3>>> waiting;
+    std::vector<std::pair<std::uint64_t, std::array<double, 6>>> waiting;
     for (std::uint64_t k = 1; k <= 4000; ++k) {
       const std::uint64_t t = k * kStep_ns;
       std::array<double, 6> imu = kAtRest;
@@ -248,7 +248,7 @@ TEST(NavigationFilter, TheOrderOfArrivalDoesNotMatter) {
         const double reading = 0.01 * normal(random);
         filter->add_reading(depth, t - 2'000'000, t, &reading);
       }
-      if (k % 200 == 0) waiting.push_back({t, {-5 + 0.1 * normal(random), -5, 0.1}});
+      if (k % 200 == 0) waiting.push_back({t, {-5 + 0.1 * normal(random), -5, 0.1, 5, 5, 0}});
       while (!waiting.empty() && waiting.front().first + (late ? 1'500'000'000u : 0u) <= t) {
         filter->add_reading(fix, waiting.front().first, t, waiting.front().second.data());
         waiting.erase(waiting.begin());
@@ -282,10 +282,10 @@ TEST(NavigationFilter, FixesByTheBedAreLeftOutHoweverOftenTheyRepeat) {
                          .force_bias = {1e-3, 0, 0, 0}};
   NavigationFilter filter(errors, Eigen::Vector3d::Zero(), kGravity);
   const double distance = 350, bed = 60;
-  const int fix = filter.add_aid(acoustic_fix_aid({0, 0, 0}, {distance, 0, 0}, {0.1, 0.02}));
+  const int fix = filter.add_aid(acoustic_fix_aid({0, 0, 0}, {0.1, 0.02}));
   const int depth = filter.add_aid(depth_aid({0, 0, 0}, 0.02, {0.02, 0, 0, 0}, {}));
   filter.start(known(1, 0.1, 0.01));
-  const std::array<double, 3> direct{-distance, 0, 0}, by_the_bed{-distance, 0, -2 * bed};
+  const std::array<double, 6> direct{-distance, 0, 0, distance}, by_the_bed{-distance, 0, -2 * bed, distance};
   for (std::uint64_t k = 1; k <= 12000; ++k) {
     filter.add_imu(k * kStep_ns, kAtRest.data());
     const double at_surface = 0;

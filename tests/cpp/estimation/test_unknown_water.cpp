@@ -43,7 +43,7 @@ Dived dived(const Dive& dive, unsigned seed = 1) {
   auto filter = std::make_unique<NavigationFilter>(imu, Eigen::Vector3d::Zero(), kWeight_m_s2);
   const int depth = filter->add_aid(depth_aid({0, 0, 0}, 0.01, {0.01, 0, 0, 0}, dive.water));
   const int dvl = filter->add_aid(doppler_aid(-Eigen::Matrix3d::Identity(), {0, 0, 0}, {0.01, {0.001, 0, 0, 0}}));
-  const int fix = filter->add_aid(acoustic_fix_aid({0, 0, 0}, {20, 0, 0}, {dive.fix_std, dive.fix_std / 20}));
+  const int fix = filter->add_aid(acoustic_fix_aid({0, 0, 0}, {dive.fix_std, dive.fix_std / 20}));
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   constexpr double kDt = 1e-9 * kSample_ns;
@@ -66,8 +66,8 @@ Dived dived(const Dive& dive, unsigned seed = 1) {
     const std::array<double, 3> beams = {0.01 * normal(random), 0.01 * normal(random),
                                          -speed(t) + 0.01 * normal(random)};
     if (k % 20 == 0) filter->add_reading(dvl, now, now, beams.data());
-    const std::array<double, 3> found = {-20 + dive.fix_std * normal(random), dive.fix_std * normal(random),
-                                         z + dive.fix_std * normal(random)};
+    const std::array<double, 6> found = {-20 + dive.fix_std * normal(random), dive.fix_std * normal(random),
+                                         z + dive.fix_std * normal(random), 20};
     if (k % 100 == 0 && dive.fix_std > 0) filter->add_reading(fix, now, now, found.data());
     filter->catch_up();
   }

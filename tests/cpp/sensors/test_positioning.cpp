@@ -76,6 +76,21 @@ TEST_F(InsErrors, AtRestGrowAsInTheClosedFormsOfTittertonAndWeston) {
               2e-4 * std::abs(moving[0].z() / w));
 }
 
+TEST_F(InsErrors, AreNotStatedOnceTheAttitudeIsOffByMoreThanSmallAngles) {
+  NoisySensor ins = sensor(spec("gyro_bias_deg_h", 36000));
+  bool ended = false;
+  for (std::uint64_t tick = 0; tick * kStepS <= 60; tick = ins.next_due()) {
+    snapshot.tick = tick;
+    const Sample read = ins.read(snapshot, around());
+    const double off_rad = 2 * std::acos(std::min(std::abs(read.values[9]), 1.0));
+    EXPECT_FALSE(ended && read.valid) << "it does not come back";
+    EXPECT_EQ(read.valid, off_rad <= 10 * std::numbers::pi / 180) << off_rad;
+    ended = !read.valid;
+    ins.record(snapshot, around());
+  }
+  EXPECT_TRUE(ended);
+}
+
 TEST_F(InsErrors, SpreadAsTheGradesFiguresState) {
   constexpr int kRuns = 100;
   const double t = 1800, w = schuler, us = 1e-6 * kG, hour = std::numbers::pi / 180 / 3600;

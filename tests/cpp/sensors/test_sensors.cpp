@@ -155,6 +155,7 @@ TEST_F(Sensors, AUsblFixIsThePositionFromTheStationWithinRange) {
   EXPECT_NEAR(fix[3], line.norm(), 1e-12);
   EXPECT_NEAR(fix[4], std::atan2(line.y(), line.x()), 1e-12);
   EXPECT_NEAR(fix[5], std::asin(line.z() / line.norm()), 1e-12);
+  EXPECT_EQ(Eigen::Vector3d::Map(&fix[6]), station_world_m);
   EXPECT_FALSE(truth(sensor_spec("usbl", {{"range_max_m", {line.norm() - 0.01}}})).valid);
 }
 
@@ -286,6 +287,18 @@ TEST_F(Sensors, ACompassMeasuresItsHeadingFromMagneticNorth) {
   snapshot.state.world_from_body.orientation = turn(kPi / 2);
   const double deflected = truth(sensor_spec("compass", {{"hard_iron_ut", {0, -5, 0}}})).values[0];
   EXPECT_NEAR(std::remainder(deflected + std::atan2(5, 50 * std::cos(kPi / 3)), 2 * kPi), 0, 1e-12);
+}
+
+TEST_F(Sensors, AGyrocompassPointsToTrueNorthAndItsErrorsGrowAsTheSecantOfTheLatitude) {
+  snapshot.state.world_from_body.orientation = turn(1.0, 0.3, -0.6);
+  EXPECT_NEAR(truth(sensor_spec("gyrocompass")).values[0], kPi / 2 - 1.0, 1e-12);
+  const auto error = [&](double latitude_deg) {
+    SensorSpec spec = sensor_spec("gyrocompass", {{"latitude_deg", {latitude_deg}}});
+    spec.noise["heading"].turn_on_std = 0.002;
+    return sensor(spec).read(snapshot, around()).values[0] - (kPi / 2 - 1.0);
+  };
+  EXPECT_GT(std::abs(error(0)), 1e-5);
+  EXPECT_NEAR(error(80) / error(0), 1 / std::cos(80 * kPi / 180), 1e-9);
 }
 
 TEST_F(Sensors, ACtdReturnsTheSalinityOfItsConductivity) {

@@ -80,7 +80,7 @@ def test_late_fixes_count_for_when_they_were_measured() -> None:
     sim.parameters["rov.sensors.dvl.on"] = False
     sim.rov.set_effort(surge=0.8)
     sim.advance(5.0)
-    estimate = Navigator(sim.rov, station_world_m=sim.scenario.station.position_m)
+    estimate = Navigator(sim.rov)
     sim.advance(40.0)
     speed = np.linalg.norm(sim.rov.velocity.linear_body_m_s)
     assert speed > 0.5 and np.linalg.norm(errors(sim, estimate)[:2]) < 0.35 * 2.0 * speed
@@ -90,8 +90,9 @@ def test_late_fixes_count_for_when_they_were_measured() -> None:
 def test_a_fix_that_is_far_off_or_from_a_ray_above_the_water_is_rejected() -> None:
     sim = undocked()
     before = flown(sim, 9.0, look=0.5).rov.estimate.counts["usbl"]
-    around = Surroundings(np.zeros(3), np.zeros(3), 9.8, 1000.0, 0.0, 0.1, 0.0, 0.0, (1480.0, 1480.0))
-    readings = np.array([[20.0, 0.0, -5.0, 20.6, 0.0, 0.0], [20.0, 0.0, 60.0, 63.2, 0.0, 0.0]])
+    around = Surroundings(np.zeros(3), 9.8, 1000.0, 0.0, 0.1, 0.0, 0.0, (1480.0, 1480.0))
+    readings = np.zeros((2, 9))
+    readings[:, :4] = [[20.0, 0.0, -5.0, 20.6], [20.0, 0.0, 60.0, 63.2]]
     samples = SimpleNamespace(valid=np.array([True, True]), readings=readings)
     assert AIDS["usbl"].readings(sim.rov.sensors["usbl"], samples, around)[0].tolist() == [True, False]
     sim.parameters["rov.sensors.usbl.channels.range.turn_on_std"] = 500.0
@@ -182,8 +183,8 @@ def test_a_sea_that_rises_beyond_what_was_expected_is_learned() -> None:
     """A filter that expects still water meets waves of 0.5 m height: its gates recover, and it goes on."""
     sim = lagoon(WAVES)
     start = Start(tuple(sim.rov.pose.position_world_m), 0.1, (0.0, 0.0, 0.0), 0.05)
-    station_m, density_kg_m3 = sim.scenario.station.position_m, float(sim.world.water.density_at_kg_m3(0.0))
-    estimate = Navigator(sim.rov, start, density_kg_m3=density_kg_m3, wave_std_m=0.0, station_world_m=station_m)
+    density_kg_m3 = float(sim.world.water.density_at_kg_m3(0.0))
+    estimate = Navigator(sim.rov, start, density_kg_m3=density_kg_m3, wave_std_m=0.0)
     sim.advance(15.0)
     rejected = estimate.counts["depth"][1]
     for _ in range(45):
@@ -267,7 +268,7 @@ def test_satellites_correct_a_vehicle_that_surfaces() -> None:
 
 def test_a_boat_knows_its_place_by_satellites() -> None:
     sim = Simulator(bay({"name": "boat", "model": "otter", "start": {"position_m": [0, 0, 0]}}), seed=3)
-    beside = Navigator(sim.rov, station_world_m=None)  # it begins by its first fixes
+    beside = Navigator(sim.rov)  # it begins by its first fixes
     for k in range(30):
         sim.rov.set_effort(surge=0.6, yaw=0.2 * (-1) ** k)
         sim.advance(4.0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from uwsim import ScenarioError, Simulator
-from uwsim.navigation.estimation.aids import magnetic_north_rad
+from uwsim.navigation.estimation.aids import north_rad
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.build.magnetic_field import compass_field
 from uwsim.scenario.build.sensor import sensor_spec
@@ -53,8 +53,8 @@ def test_a_compass_points_to_magnetic_north_and_its_own_figures_prevail() -> Non
     name = next(name for name, sensor in by_place.rov.sensors.items() if sensor.kind == "compass")
     declination_rad = math.radians(compass_field(Earth(**place))["declination_deg"][0])
     assert declination_rad == pytest.approx(math.radians(12.5), abs=math.radians(0.5))
-    assert magnetic_north_rad(by_place.rov.sensors[name]) == pytest.approx(math.pi / 2 - declination_rad)
-    assert magnetic_north_rad(without.rov.sensors[name]) == pytest.approx(math.pi / 2)
+    assert north_rad(by_place.rov.sensors[name]) == pytest.approx(math.pi / 2 - declination_rad)
+    assert north_rad(without.rov.sensors[name]) == pytest.approx(math.pi / 2)
     for sim in (by_place, without):
         sim.step(200)
     turned = math.remainder(without.rov.sensors[name].read() - by_place.rov.sensors[name].read(), math.tau)

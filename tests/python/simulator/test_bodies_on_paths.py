@@ -80,6 +80,18 @@ def test_a_closed_path_repeats_and_looks_along_itself() -> None:
     assert diver.velocity.angular_body_rad_s == pytest.approx([0, 0, 0.2], abs=0.01)
 
 
+def test_a_boat_at_anchor_heaves_in_place_with_its_own_heading() -> None:
+    boat = {"kind": "box", "name": "diver", "position_m": [2, 1, -5], "size_m": [1, 0.4, 0.3]}
+    sim = site(on_path(boat | {"yaw_pitch_roll_deg": [40, 0, 0]}, points_m=[[2, 1, -4]], times_s=[3.0, 6.0],
+                       closed=True, turns=False))  # fmt: skip
+    for until_s, height_m, climb_m_s in ((1.5, -4.5, None), (3.0, -4.0, 0.0), (4.5, -4.5, None), (6.0, -5.0, 0.0)):
+        sim.advance(until_s - sim.time_s)
+        pose, velocity = sim.objects["diver"].pose, sim.objects["diver"].velocity
+        assert pose.position_world_m == pytest.approx([2, 1, height_m], abs=1e-9)
+        assert pose.yaw_rad == pytest.approx(np.radians(40)) and not velocity.angular_body_rad_s.any()
+        assert climb_m_s is None or velocity.linear_body_m_s == pytest.approx([0, 0, climb_m_s], abs=1e-9)
+
+
 def test_a_vehicle_is_pushed_and_the_body_is_not() -> None:
     hammer = {"kind": "box", "name": "diver", "position_m": [-12, 0, -5], "size_m": [1, 2, 2]}
     path = {"points_m": [[20, 0, -5]], "speed_m_s": 0.5}

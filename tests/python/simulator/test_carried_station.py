@@ -58,10 +58,11 @@ def test_distances_and_travel_times_are_to_where_the_boat_has_carried_it(sim: Si
 def test_a_usbl_measures_from_the_boat(sim: Simulator) -> None:
     rov = sim.vehicles["rov"]
     usbl = next(one for one in rov.sensors.values() if one.kind == "usbl")
-    seen = usbl.read(noise=False).position_m
+    seen, station = usbl.read(noise=False).position_m, usbl.read(noise=False).station_world_m
     turn = rov.pose.world_from_body[:3, :3]
     mounted = rov.pose.position_world_m + turn @ usbl.spec.position_m
     assert np.allclose(seen, mounted - on_boat(sim, AT), atol=1e-3)
+    assert np.allclose(station, on_boat(sim, AT), atol=1e-9)
 
 
 def test_what_is_docked_rides_along_and_leaves_from_where_the_boat_is() -> None:

@@ -399,6 +399,7 @@ KINDS: dict[str, Kind] = {
     "bearing": Kind("geometry_msgs/msg/Vector3Stamped", _bearing),
     "depth": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
     "compass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
+    "gyrocompass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
     "ctd": Kind("std_msgs/msg/Float64MultiArray", _numbers),
     "contact": Kind("std_msgs/msg/Bool", _bare("std_msgs/msg/Bool", bool)),
 }

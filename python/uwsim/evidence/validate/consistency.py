@@ -14,7 +14,6 @@ from scipy.stats import chi2
 
 from uwsim.evidence.validate.check import Check, within
 from uwsim.navigation.estimation import Navigator, Start
-from uwsim.scenario.build.station import fixed_station_m
 from uwsim.simulator.onboard_navigation import new_navigator
 from uwsim.simulator.simulator import Simulator
 
@@ -43,7 +42,7 @@ def start_navigation(
     position = np.asarray(start_world_m) + position_std_m * draws.standard_normal(3)
     velocity = np.asarray(velocity_m_s) + velocity_std_m_s * draws.standard_normal(3)
     start = Start(tuple(position.tolist()), position_std_m, tuple(velocity.tolist()), velocity_std_m_s)
-    return new_navigator(sim.rov, start, sim.world.water, fixed_station_m(sim.scenario)), draws
+    return new_navigator(sim.rov, start, sim.world.water), draws
 
 
 def errors(sim: Simulator, navigator: Navigator) -> Array:

@@ -2,7 +2,8 @@
 
 Tides and fresh water change the weight of the water above a depth gauge, and the speed of sound by which a DVL makes
 velocities of its shifts; waves move gauge and vehicle; near the pole, the field that a compass points along is a few
-microteslas; a ship takes the origin of the fixes with it.
+microteslas, and a gyrocompass errs by the secant of the latitude; a ship takes the origin of the fixes with it, and
+sends with them where its satellite receiver has it.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import Any
 
 from uwsim.scenario import Scenario, VehicleModel, load_vehicle
 from uwsim.scenario.read.assets import assets_folder
-from uwsim.scenario.spec.sensor import Noise
+from uwsim.scenario.spec.sensor import Noise, SensorMount
 from uwsim.simulator.simulator import Simulator
 
 WITH_DVL = (
@@ -29,8 +30,19 @@ AS_MOUNTED = {
     "usbl": {"scale": Noise(turn_on_std=0.003), "bearing": Noise(std=0.01, turn_on_std=0.01)},
 }
 """Assumed: a DVL of 0.3 % (Teledyne RDI: 0.2 to 0.6 %) and a USBL of 0.3 %, within 0.6 deg, before a calibration."""
+ON_A_SHIP = {"usbl": {"station": Noise(std=0.05, turn_on_std=0.3), "bearing": Noise(std=0.005, turn_on_std=0.002)}}
+"""Assumed: a receiver with differential corrections, and an attitude within 0.1 deg."""
 POLAR = {"compass": {"field_ut": (55.0,), "inclination_deg": (83.0,)}}
 """Assumed, of the order of the earth's field at 80 degrees north, 20 degrees east."""
+BY_GYRO = {
+    "gyrocompass": SensorMount(
+        kind="gyrocompass",
+        rate_hz=10.0,
+        noise=Noise(std=0.0005, turn_on_std=0.00175),
+        parameters={"latitude_deg": (80.0,)},
+    )
+}
+"""0.1 deg times the secant of the latitude, as makers of optical ones state."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +51,8 @@ class Place:
 
     tide_m: amplitude of the M2 tide, of which each vehicle meets another phase. levels: depths [m] and salinities
     [psu]. surface: of the scenario's water. settings: parameters and errors of channels, by sensor. lost: sensors
-    that are off in the second half of a flight. ship: whether a boat carries the station. vehicles: those that fly.
+    that are off in the second half of a flight. ship: whether a boat carries the station, which drifts with a current.
+    added: more sensors. vehicles: those that fly.
     """
 
     depth_m: float
@@ -49,6 +62,7 @@ class Place:
     settings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     lost: tuple[str, ...] = ()
     ship: bool = False
+    added: Mapping[str, SensorMount] = field(default_factory=dict)
     vehicles: tuple[str, ...] = WITH_DVL
 
     @property
@@ -72,6 +86,7 @@ class Place:
         ]
         station: dict[str, Any] = {"position_m": [30.0, 20.0, -5.0]}
         if self.ship:
+            water["current_world_m_s"] = [0.2, -0.1, 0.0]
             station = {"carrier": "ship", "position_m": [-0.5, 0.0, -0.5]}
             vehicles.append({"name": "ship", "model": "otter", "start": {"position_m": [30.0, 20.0, 0.0]}})
         terrain = {"source": "noise", "size_m": [400, 400], "spacing_m": 10, "bed_depth_m": self.depth_m + 15}
@@ -81,7 +96,7 @@ class Place:
     def model(self, name: str) -> VehicleModel:
         """Return a packaged vehicle with the settings of those of its sensors that have any."""
         model = load_vehicle(name)
-        mounts = dict(model.sensors)
+        mounts = {**model.sensors, **self.added}
         for sensor in mounts.keys() & self.settings.keys():
             mount, own = mounts[sensor], self.settings[sensor]
             channels = {key: value for key, value in own.items() if isinstance(value, Noise)}
@@ -113,7 +128,8 @@ PLACES = {
     ),
     "the sea, 985 m deep": Place(985.0, vehicles=WITH_GAUGE),
     "DVL and USBL as mounted": Place(20.0, settings=AS_MOUNTED),
-    "a ship's USBL": Place(20.0, ship=True),
+    "a ship's USBL": Place(20.0, settings=ON_A_SHIP, ship=True),
     "a keel's shade, half of the time without DVL": Place(10.0, lost=("dvl",)),
     "80 degrees north, by compass": Place(20.0, settings=POLAR),
+    "80 degrees north, by gyrocompass": Place(20.0, settings=POLAR, added=BY_GYRO),
 }

@@ -22,6 +22,8 @@ GHOST_STDS, GHOST_M = 5.0, 10.0
 """A fix that is this many standard deviations plus this distance above the water is that of a reflected ray; the
 distance leaves room for docks above the water and for high waves.
 """
+STATION = (6, 7, 8)
+"""The columns of a USBL's reading with the station's place."""
 SOUND_TIME_S = 600.0
 """Assumed: the time after which a vehicle has come to water of another speed of sound."""
 
@@ -37,7 +39,6 @@ class Surroundings:
     """
 
     imu_body_m: Array
-    station_world_m: Array
     gravity_m_s2: float
     density_kg_m3: float
     compressibility_1_pa: float
@@ -189,7 +190,7 @@ class Compass:
             white_std(sensor, "heading"),
             bias_model(sensor, "heading"),
             iron_ut / math.sqrt(3.0) / level_ut,
-            magnetic_north_rad(sensor),
+            north_rad(sensor),
         )
 
     def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
@@ -198,39 +199,65 @@ class Compass:
 
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
         """See Aid."""
-        return samples.valid, magnetic_north_rad(sensor) - samples.readings
+        return samples.valid, north_rad(sensor) - samples.readings
 
 
-def magnetic_north_rad(compass: InstrumentLike) -> float:
-    """Return the direction of magnetic north, counterclockwise from east."""
-    return 0.5 * math.pi - math.radians(compass.spec.parameters["declination_deg"][0])
+def north_rad(compass: InstrumentLike) -> float:
+    """Return where a compass of either kind would point without errors, counterclockwise from east."""
+    return 0.5 * math.pi - math.radians(compass.spec.parameters.get("declination_deg", [0.0])[0])
+
+
+class Gyrocompass:
+    """A gyrocompass, whose errors grow as the secant of the latitude. It has no iron, and points to true north."""
+
+    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
+        """See Aid."""
+        secant = 1.0 / math.cos(math.radians(sensor.spec.parameters["latitude_deg"][0]))
+        return filter_.add_heading(
+            body_from_sensor(sensor).apply([1.0, 0.0, 0.0]),
+            white_std(sensor, "heading") * secant,
+            bias_model(sensor, "heading", secant),
+            0.0,
+            north_rad(sensor),
+        )
+
+    def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
+        """See Aid."""
+        return {"drift": 1}
+
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+        """See Aid."""
+        return samples.valid, north_rad(sensor) - samples.readings
 
 
 class AcousticFix:
-    """The fixes of a USBL, which arrive with a delay."""
+    """The fixes of a USBL, which arrive with a delay, and with the place where its station takes itself to be."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
         return filter_.add_acoustic_fix(
             lever(sensor, around),
-            around.station_world_m,
             white_std(sensor, "range"),
             white_std(sensor, "bearing"),
             rounding_step(sensor, "range"),
             sensor.period_s,
-            *(bias_model(sensor, channel) for channel in ("range", "scale", "bearing")),
+            range_bias=bias_model(sensor, "range"),
+            scale=bias_model(sensor, "scale"),
+            bearing_bias=bias_model(sensor, "bearing"),
+            station_std=white_std(sensor, "station"),
+            station_bias=bias_model(sensor, "station"),
         )
 
     def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
         """See Aid."""
-        widths = {"range": 1, "scale": 1, "bearing": 2}
+        widths = {"range": 1, "scale": 1, "bearing": 2, "station": 3}
         return existing(*((channel, n, bias_model(sensor, channel)) for channel, n in widths.items()))
 
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
         """See Aid."""
-        fixes_m = samples.readings[:, :3]
+        fixes_m = samples.readings[:, [0, 1, 2, *STATION]]
         errors_m = whole_std(sensor, "bearing") * samples.readings[:, 3] + whole_std(sensor, "range")
-        heights_m = around.station_world_m[2] + fixes_m[:, 2]
+        heights_m = fixes_m[:, 2] + fixes_m[:, 5]
         return samples.valid & (heights_m < GHOST_STDS * errors_m + GHOST_M), fixes_m
 
 
@@ -280,12 +307,15 @@ AIDS: dict[str, Aid] = {
     "dvl": Doppler(),
     "depth": Depth(),
     "pressure": Pressure(),
+    "gyrocompass": Gyrocompass(),
     "compass": Compass(),
     "usbl": AcousticFix(),
     "gps": Satellites(),
     "imu": Orientation(),
 }
 """The aids by sensor kind."""
+COMPASSES = ("gyrocompass", "compass")
+"""The kinds that measure a heading, the better one first."""
 GAUGES, LEVEL = ("depth", "pressure"), 3
 """The kinds whose biases include those of the water above, and the position of the surface's height among them."""
 
@@ -293,7 +323,8 @@ GAUGES, LEVEL = ("depth", "pressure"), 3
 def chosen_aids(sensors: dict[str, InstrumentLike]) -> dict[str, InstrumentLike]:
     """Return the sensors that aid the filter, keyed by name. They are the first of each kind.
 
-    Depth is preferred to the equivalent pressure, and the IMU's own orientation is used only without a compass.
+    Depth is preferred to the equivalent pressure, a gyrocompass to a compass, and the IMU's own orientation is used
+    only without either.
     """
     first: dict[str, tuple[str, InstrumentLike]] = {}
     for name, sensor in sensors.items():
@@ -301,6 +332,7 @@ def chosen_aids(sensors: dict[str, InstrumentLike]) -> dict[str, InstrumentLike]
             first.setdefault(sensor.kind, (name, sensor))
     if "depth" in first:
         first.pop("pressure", None)
-    if "compass" in first:
-        first.pop("imu", None)
+    for better, worse in (("gyrocompass", "compass"), ("gyrocompass", "imu"), ("compass", "imu")):
+        if better in first:
+            first.pop(worse, None)
     return dict(first.values())

@@ -6,7 +6,7 @@ import base64
 import json
 import math
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -20,12 +20,13 @@ from uwsim.base.saved_state import checked
 from uwsim.base.sealed import Attached
 from uwsim.navigation.estimation.aids import (
     AIDS,
+    COMPASSES,
     GAUGES,
     LEVEL,
     Surroundings,
     body_from_sensor,
     chosen_aids,
-    magnetic_north_rad,
+    north_rad,
 )
 from uwsim.navigation.estimation.budget import position_budget
 from uwsim.navigation.estimation.errors import bias_model, limit, white_std, whole_std
@@ -58,8 +59,7 @@ class Navigator(Attached):
     """An error-state Kalman filter on a vehicle's IMU, corrected by its DVL, depth, compass, USBL and GPS, if present.
 
     vehicle: provides named sensors; the first of each kind is used. start: the initial motion; by default, at rest at
-    the position of the first fixes of its USBL or GPS. station_world_m: the origin of the USBL fixes;
-    None: it moves, and they are not used. gravity_m_s2: the acceleration due to gravity. density_kg_m3,
+    the position of the first fixes of its USBL or GPS. gravity_m_s2: the acceleration due to gravity. density_kg_m3,
     compressibility_1_pa: of the water at its surface, by which pressure becomes depth. wave_std_m: expected standard
     deviation of the water's surface by waves, a quarter of the significant wave height; the filter starts with it and
     adapts to the waves that the depth or pressure sensor then measures. tide_std_m: expected standard deviation of the
@@ -80,7 +80,6 @@ class Navigator(Attached):
         vehicle: Instrumented,
         start: Start | None = None,
         *,
-        station_world_m: Sequence[float] | Array | None = (0.0, 0.0, 0.0),
         gravity_m_s2: float = 9.80665,
         density_kg_m3: float = 1000.0,
         compressibility_1_pa: float = COMPRESSIBILITY_1_PA,
@@ -94,14 +93,12 @@ class Navigator(Attached):
         if not imus:
             raise ValueError(f"vehicle '{vehicle.name}': has no sensor of kind imu, which navigation needs")
         self._imu = imus[0]
-        fixed = station_world_m is not None
-        self._aids = chosen_aids({name: one for name, one in sensors.items() if fixed or one.kind != "usbl"})
+        self._aids = chosen_aids(dict(sensors))
         self._silence_ns = max(SILENCE_NS, round(20e9 * self._imu.period_s))
         if start is None and not any(aid.kind in ("usbl", "gps") for aid in self._aids.values()):
             raise ValueError(f"vehicle '{vehicle.name}': has no USBL and no GPS, so navigation needs start=Start(...)")
         self._around = Surroundings(
             np.asarray(self._imu.spec.position_m),
-            np.zeros(3) if station_world_m is None else np.asarray(station_world_m, float),
             gravity_m_s2,
             density_kg_m3,
             compressibility_1_pa,
@@ -147,7 +144,7 @@ class Navigator(Attached):
         from scipy.spatial.transform import Rotation  # slow to import
 
         now_ns = self._imu.time_ns
-        start = start or Start(tuple(self._around.station_world_m), UNKNOWN_M)
+        start = start or Start((0.0, 0.0, 0.0), UNKNOWN_M)
         tilt_std = max(whole_std(self._imu, "orientation"), LEVEL_STD_RAD)
         self._filter.start(
             time_ns=now_ns,
@@ -189,9 +186,9 @@ class Navigator(Attached):
         value = self._imu.read()
         world_from_body = Rotation.from_quat(value.orientation_xyzw) * body_from_sensor(self._imu).inv()
         for compass in self._aids.values():
-            if compass.kind == "compass" and compass.on:
+            if compass.kind in COMPASSES and compass.on:
                 ahead = world_from_body.apply(body_from_sensor(compass).apply([1.0, 0.0, 0.0]))
-                turn = magnetic_north_rad(compass) - compass.read() - math.atan2(ahead[1], ahead[0])
+                turn = north_rad(compass) - compass.read() - math.atan2(ahead[1], ahead[0])
                 return Rotation.from_rotvec([0.0, 0.0, turn]) * world_from_body
         return world_from_body
 

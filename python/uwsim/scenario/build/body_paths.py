@@ -54,14 +54,16 @@ def body_path(path: BodyPath, start_m: Floats, position_m: Floats, orientation_x
         raise ScenarioError(f"path: is followed at up to {speed.max():.3g} m/s: must be at most {FASTEST_M_S:g} m/s")
     return _core.BodyPath(
         curve.x, [np.ascontiguousarray(curve.c[::-1, :, axis].T) for axis in range(3)], steps.x,
-        np.ascontiguousarray(steps.c[::-1].T), path.closed, path.climbs, position_m, orientation_xyzw,
+        np.ascontiguousarray(steps.c[::-1].T), path.closed, path.climbs, path.turns, position_m, orientation_xyzw,
     )  # fmt: skip
 
 
 def standing(position_m: Floats, orientation_xyzw: Floats) -> _core.BodyPath:
     """Return the path of a body that stands still with this pose in the world: (3,) and (4,)."""
     here = [np.array([[at, 0.0, 0.0, 0.0]]) for at in position_m]
-    return _core.BodyPath([0.0, 1.0], here, [0.0, 1.0], np.zeros((1, 4)), True, False, np.zeros(3), orientation_xyzw)
+    return _core.BodyPath(
+        [0.0, 1.0], here, [0.0, 1.0], np.zeros((1, 4)), True, False, True, np.zeros(3), orientation_xyzw
+    )
 
 
 def points_on(path: BodyPath, start_m: Floats) -> Floats:
@@ -80,14 +82,19 @@ def _curve(path: BodyPath, start_m: Floats) -> CubicSpline:
         raise ScenarioError(f"path: a point lies within 1 mm of {place}: must be farther away")
     u = np.concatenate([[0.0], np.cumsum(chords)])
     curve = CubicSpline(u, points, bc_type="periodic" if path.closed else "natural")
+    if not path.turns and path.times_s is not None:
+        return curve
     along = curve(_sampled(curve), 1)
-    level = np.linalg.norm(along[:, :2], axis=1)
-    if (bad := np.flatnonzero(level < LEAST_LEVEL * np.maximum(np.linalg.norm(along, axis=1), 1))).size:
+    led = np.linalg.norm(along[:, :2] if path.turns else along, axis=1)
+    if (bad := np.flatnonzero(led < LEAST_LEVEL * np.maximum(np.linalg.norm(along, axis=1), 1))).size:
         x, y, z = curve(_sampled(curve)[bad[0]])
-        raise ScenarioError(
-            f"path: turns back or runs straight up or down near ({x:.3g}, {y:.3g}, {z:.3g}) m: must always lead "
-            f"sideways, along which the body looks"
+        rule = (
+            "turns back or runs straight up or down near {}: must always lead sideways, along which the body looks; "
+            "turns: false keeps its heading"
+            if path.turns
+            else "turns back near {}: must be followed by times_s"
         )
+        raise ScenarioError(f"path: {rule.format(f'({x:.3g}, {y:.3g}, {z:.3g}) m')}")
     return curve
 
 

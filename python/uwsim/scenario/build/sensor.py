@@ -11,8 +11,6 @@ from uwsim.scenario.spec.earth import Earth
 from uwsim.scenario.spec.sensor import OWN_NOISE, Noise, SensorMount
 from uwsim.scenario.spec.sensor_kind import DerivedKind, sensor_kind
 
-COMPASS = "compass"
-
 
 def sensor_spec(name: str, sensor: SensorMount, earth: Earth | None = None) -> _core.SensorSpec:
     """Return the sensor's spec, including the errors of each channel. Raises ScenarioError or ValueError.
@@ -29,7 +27,7 @@ def sensor_spec(name: str, sensor: SensorMount, earth: Earth | None = None) -> _
         source,
         sensor.position_m,
         of_yaw_pitch_roll_deg(sensor.yaw_pitch_roll_deg),
-        parameters=(compass_field(earth) | given) if source == COMPASS else given,
+        parameters=_of_place(source, earth) | given,
         noise={
             channel: _noise_spec(sensor.channels.get(channel, Noise() if channel in OWN_NOISE else overall))
             for channel in (() if is_derived else kind.channels)
@@ -38,6 +36,13 @@ def sensor_spec(name: str, sensor: SensorMount, earth: Earth | None = None) -> _
         latency_s=sensor.latency_s,
         drop_out=sensor.drop_out,
     )
+
+
+def _of_place(source: str, earth: Earth | None) -> dict[str, list[float]]:
+    """Return the parameters of a kind of sensor that the world's place implies. Raises ScenarioError."""
+    if source == "compass":
+        return compass_field(earth)
+    return {"latitude_deg": [earth.latitude_deg]} if source == "gyrocompass" and earth is not None else {}
 
 
 def measures_temperature(sensor: SensorMount) -> bool:

@@ -52,8 +52,3 @@ def station_mesh(station: Station) -> tuple[Vertices, Triangles]:
     assert station.mesh is not None
     vertices, triangles = load_mesh(station.mesh)
     return in_world(station, vertices), triangles
-
-
-def fixed_station_m(scenario: Scenario) -> tuple[float, float, float] | None:
-    """Return the station's position in the world, or None if it moves."""
-    return None if scenario.station.carrier is not None else scenario.station.position_m

@@ -26,8 +26,8 @@ from uwsim.scenario.spec.sensor_kind import DerivedKind, sensor_kind, sensor_kin
 
 SensorSetName = Annotated[str, AssetName("sensors")]
 Magnitude = Annotated[float, InRange(0, 1e9)]
-OWN_NOISE = ("scale", "misalignment")
-"""Errors of the whole instrument: they take no noise but their own."""
+OWN_NOISE = ("scale", "misalignment", "station")
+"""Errors of the whole instrument, and of the station's place: they take no noise but their own."""
 STATEFUL = ("bias_std", "walk", "instability")  # errors that depend on earlier ones
 Limit = Annotated[float, InRange(-1e12, 1e12)]
 
@@ -70,9 +70,8 @@ class SensorMount(Model):
     Python, the parameters of the kind; in YAML, they are next to the other keys. on: whether it is powered; without
     power it has no readings. rate_hz: sampling rate; every step by default. latency_s: delay from the measurement to
     its arrival. drop_out: the fraction of samples that is lost; a read then returns the last sample that was not lost,
-    marked invalid. noise: noise of all channels but scale and misalignment, if they have the same unit; noise_std:
-    short for noise: {std: ...}.
-    channels: noise by channel, instead of `noise`.
+    marked invalid. noise: noise of all channels but scale, misalignment and station, if they have the same unit;
+    noise_std: short for noise: {std: ...}. channels: noise by channel, instead of `noise`.
     """
 
     kind: str

@@ -31,7 +31,7 @@ from uwsim.evidence.validate.consistency import (
 from uwsim.evidence.validate.peers import group
 from uwsim.instruments.sample_stream import SampleStream
 from uwsim.navigation.estimation import Navigator
-from uwsim.navigation.estimation.aids import magnetic_north_rad
+from uwsim.navigation.estimation.aids import north_rad
 from uwsim.navigation.estimation.errors import whole_std
 from uwsim.simulator.simulator import Simulator
 
@@ -93,15 +93,10 @@ def flight(sim: Simulator, seed: int) -> list[list[list[float]]]:
 
 
 class Beside:
-    """The EKF with PROCESS_NOISE beside a navigator that has just started, on the same samples.
-
-    It has no fixes where the station moves, of whose place it knows nothing.
-    """
+    """The EKF with PROCESS_NOISE beside a navigator that has just started, on the same samples."""
 
     def __init__(self, sim: Simulator, navigator: Navigator) -> None:
         self._sim, self._filter, self._streams = sim, StandardFilter(sim, navigator, PROCESS_NOISE), opened(sim)
-        if sim.scenario.station.carrier is not None:
-            self._streams.pop("usbl").close()
 
     def __call__(self) -> Array:
         """Return the error of its position (3,) [m], now."""
@@ -133,7 +128,7 @@ class StandardFilter(ExtendedKalmanFilter):  # type: ignore[misc]  # filterpy ha
     def __init__(self, sim: Simulator, navigator: Navigator, process_noise: Array):
         """Start at the pose of a navigator that has just started. process_noise (15,): variances per second."""
         super().__init__(15, 3)
-        self._sensors, self._station_m = sim.rov.sensors, np.asarray(sim.scenario.station.position_m)
+        self._sensors = sim.rov.sensors
         self._gravity_m_s2, self._noise, self._time_s = sim.world.water.gravity_m_s2, process_noise, sim.time_s
         self.x = np.zeros(15)
         self.x[POSITION] = navigator.pose.position_world_m
@@ -187,12 +182,12 @@ class StandardFilter(ExtendedKalmanFilter):  # type: ignore[misc]  # filterpy ha
                 np.array([at]), lambda x: (x[..., POSITION] + turn(x) @ lever)[..., 2:], whole_std(sensor, "depth")
             )
         elif kind == "compass":
-            yaw = magnetic_north_rad(sensor) - float(reading[0])
+            yaw = north_rad(sensor) - float(reading[0])
             yaw += 2 * math.pi * round((self.x[5] - yaw) / (2 * math.pi))
             iron = np.hypot.reduce(sensor.spec.parameters["hard_iron_ut"][:2]) / 20.0
             self._correct(np.array([yaw]), lambda x: x[..., 5:6], math.hypot(whole_std(sensor, "heading"), iron))
         else:
-            fix, range_m = reading[:3] + self._station_m, float(reading[3])
+            fix, range_m = reading[:3] + reading[6:9], float(reading[3])
             sight = reading[:3] / range_m
             along, across = whole_std(sensor, "range"), whole_std(sensor, "bearing") * range_m
             variance = across**2 * np.eye(3) + (along**2 - across**2) * np.outer(sight, sight)
