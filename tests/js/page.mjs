@@ -133,6 +133,14 @@ assert.equal(log.entries.length, 0);
 near(inUnit(1.8288, 'fathoms'), 1, 1e-12);
 near(inUnit(1.8288, 'feet'), 6, 1e-12);
 
+// Number keys. A key enlarges the same kind of view in every scenario; further views take the keys that are left.
+const { numberKeys } = await import('../../python/uwsim/operator/station/page/views/number_keys.js');
+const keysOf = (...kinds) => [...numberKeys(kinds.map((kind, k) => ({ kind, name: `${kind} ${k}` }))).values()];
+assert.deepEqual(keysOf('camera', 'chase', 'scene', 'chart', 'fan', 'side_scan'), [1, 3, 4, 5, 6, 7]);
+assert.deepEqual(keysOf('scene', 'chart', 'station'), [4, 5, 9]);
+assert.deepEqual(new Set(keysOf('camera', 'camera', 'camera', 'scene')), new Set([1, 2, 3, 4]));
+assert.equal(new Set(keysOf(...Array(12).fill('camera'))).size, 10);
+
 // Gamepads. A pad of an unknown layout moves nothing, whatever its axes are at rest; one of the standard layout drives.
 const pressed = (...values) => values.map((value) => ({ value, pressed: value > 0.5 }));
 const odd = { id: 'odd', mapping: '', axes: [0.5, 0, -1, -1], buttons: pressed(1, 1) };

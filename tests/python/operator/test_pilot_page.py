@@ -86,6 +86,10 @@ def test_the_display_follows_the_camera_and_stays_off_fixed_ones(here, page):
     page.wait_for_timeout(300)
     kinds = page.evaluate("station.views.names.map((name) => [name, Boolean(station.views.hudOf(name))])")
     assert {name for name, has in kinds if has} == {"front", "down"}
+    page.evaluate("station.station.setView({ name: 'front', width: 320 })")  # as if the machine were too slow for more
+    shows(page, ".view.is-large .over", "the machine is busy")
+    page.evaluate("station.station.setView({ name: 'front', width: 0 })")
+    when(page, "document.querySelector('.view.is-large .over').hidden")
 
 
 def test_a_collision_stays_until_it_is_acknowledged_and_lengths_and_colours_change(here, page):

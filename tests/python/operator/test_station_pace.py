@@ -2,12 +2,18 @@
 
 import itertools
 import threading
+from collections import Counter, deque
+from concurrent.futures import Future
+from unittest.mock import Mock
 
+import numpy as np
 import pytest
 
 from uwsim import Simulator
+from uwsim.channels.table import Table
 from uwsim.operator.station.start.prepared import Prepared
 from uwsim.operator.station.views.picture_size import LEAST_BEHIND, PATIENCE, SHARES, Fit
+from uwsim.operator.station.views.views import SMALL_PATIENCE_S, Views
 from uwsim.scenario import load
 
 
@@ -59,6 +65,43 @@ def test_a_size_that_failed_is_tried_less_and_less_often():
         was_small = fit.share < 1.0
     waits = [later - before for before, later in itertools.pairwise(trials)]
     assert len(waits) >= 3 and all(later > 1.5 * before for before, later in itertools.pairwise(waits[:4]))
+
+
+def made(wanted, took_s, for_s=20.0):
+    """Return how many pictures of wanted views, (name, large or small), are made in a time of the test's own clock."""
+    sim = Simulator("pool")
+    live = Mock(is_behind=True, **{"read.side_effect": lambda snapshot: done(), "simulator.vehicles": sim.vehicles})
+    views = Views(Mock(simulator=sim), Table(sim), Mock(), Mock())
+    asked = {getattr(views.views[name], size).topic: size for name, size in wanted}
+    begun, queue, counts, ready_s = [], deque(), Counter(), 0.0
+    views._live, views._node, views._pictures = live, Mock(), Mock()
+    views._node.is_wanted.side_effect = asked.__contains__
+    views._pictures.submit.side_effect = lambda make: begun.append(Future()) or begun[-1]
+    streams = {stream.topic: stream for stream in views._streams()}
+    for now_s in np.arange(1.0, 1.0 + for_s, 0.05):
+        live.simulator.version = now_s
+        before = {topic: streams[topic].begun_s for topic in asked}
+        views.beat(now_s)
+        queue += [topic for topic in asked if streams[topic].begun_s != before[topic]]
+        if queue and now_s >= ready_s + took_s[asked[queue[0]]]:  # one worker makes them in the order of their begin
+            counts[queue.popleft()] += 1
+            begun.pop(0).set_result(None)
+            ready_s = now_s
+    return [counts[topic] for topic in asked]
+
+
+def done():
+    future = Future()
+    future.set_result(None)
+    return future
+
+
+@pytest.mark.parametrize("took_s", [{"large": 1.6, "small": 0.4}, {"large": 0.05, "small": 0.01}], ids=["slow", "fast"])
+def test_no_view_starves_another_however_long_pictures_take(took_s):
+    wanted = [("front", "large"), ("down", "large"), ("front", "small"), ("down", "small")]
+    front, down, first, second = made(wanted, took_s)
+    assert abs(front - down) <= 1 and abs(first - second) <= 1
+    assert min(first, second) >= min(0.4 * front, 20.0 / (2 * SMALL_PATIENCE_S)) - 1
 
 
 def test_what_is_prepared_is_what_would_be_made_and_what_cannot_be_made_says_so():

@@ -276,10 +276,7 @@ function showNotes() {
 }
 
 function openKeys() {
-  showKeys(
-    bindings,
-    [...byId('views').children].map((view) => view.getAttribute('aria-label')),
-  );
+  showKeys(bindings, views.keyed);
 }
 
 function openMenu() {

@@ -202,6 +202,7 @@ export class TopBar {
     );
     select.addEventListener('change', () => {
       const { rate_hz, width, quality } = QUALITIES[select.value];
+      this.views.widths.set(this.views.large, width);
       attempt(this.station.setView({ name: this.views.large, rate_hz, width, quality }));
       select.blur();
     });

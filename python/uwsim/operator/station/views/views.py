@@ -26,6 +26,7 @@ RATE_HZ, RATE_MAX_HZ = 10.0, 15.0
 LARGE_WIDTH = 960  # of a picture that is larger than its camera's
 ON_PACE = 0.98  # share of the requested speed that steps must reach beside large pictures
 SMALL_WIDTH, SMALL_PERIOD_S, SMALL_QUALITY = 240, 0.5, 70
+REDUCED_QUALITY = 92  # of a picture smaller than its camera's, which the page enlarges: without blocks
 UNAWAITED_PERIOD_S = 0.5  # extra delay of pictures that no viewer is waiting for, or in which nothing can have changed
 SMALL_PATIENCE_S = 1.0  # longest time that a small picture waits for large ones
 POLL_S = 0.03  # interval between checks whether a due picture can be rendered
@@ -226,6 +227,8 @@ class Views:
         stream.due_s = max(stream.due_s + period_s, now_s - period_s)
         quality, fit = int(stream.size.quality), stream.fit
         camera = stream.fitted()
+        if camera.mount.width < stream.camera.mount.width:
+            quality = max(quality, REDUCED_QUALITY)
 
         def make(snapshot: Any) -> None:
             begun_s = time.monotonic()

@@ -8,7 +8,8 @@ const WORDS = STRINGS.keysDialog;
 
 const fixedLine = (key, text) => el('div', { className: 'key-line' }, el('span', {}, text), el('kbd', {}, key));
 
-export function showKeys(bindings, viewNames) {
+// views: see Views.keyed.
+export function showKeys(bindings, views) {
   const message = el('p', { role: 'status' }, WORDS.how);
   let ending = null;
 
@@ -84,7 +85,7 @@ export function showKeys(bindings, viewNames) {
           'section',
           {},
           el('h3', {}, WORDS.views),
-          ...viewNames.slice(0, 10).map((name, k) => fixedLine(String((k + 1) % 10), name)),
+          ...views.map(({ key, title }) => fixedLine(key, title)),
           fixedLine('?', WORDS.theseKeys),
           fixedLine(WORDS.esc, WORDS.menu),
         ),

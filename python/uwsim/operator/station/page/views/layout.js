@@ -4,6 +4,7 @@ import { covered, isHandheld } from '../handheld.js';
 import { has, smallOnes, unchosen } from './arrangement.js';
 import { cameraAxis, focalPixels } from './camera_axis.js';
 import { Hud } from './hud.js';
+import { numberKeys } from './number_keys.js';
 import { Previews } from './previews.js';
 import { Picture } from './picture.js';
 import { SonarScreen } from './sonar_screen.js';
@@ -19,7 +20,7 @@ const SMALL_LATE_MS = 20000;
 const KINDS = ['camera', 'chase', 'scene', 'chart', 'fan', ...SONAR_KINDS, 'station'];
 const AHEAD = /front/; // cameras that look ahead, where the server does not describe them
 const CAMERAS = new Set(['camera', 'station', 'chase']);
-const KEYS = 10;
+const REDUCED = 0.95; // share of its width below which a picture is reduced
 const LARGE = { credit: 2 };
 const LATE_PERIODS = 3; // in periods of the pictures that arrive over a link
 const OVER_REM = { held: 4, else: 1.5 }; // margin below which the line about the link lies
@@ -46,6 +47,8 @@ export class Views extends EventTarget {
   #cameras = new Previews();
   #sonars = new Previews();
   armShown = () => /** @type {{ short: string, text: string }[]} */ ([]); // see ArmDrive
+  #keys = /** @type {Map<string, number>} */ (new Map()); // see numberKeys
+  widths = new Map(); // of large pictures, as last requested; 0 or none: their camera's
   #tools = el('div', { className: 'picture-tools' });
 
   // drawn: the views that this page draws itself, each { name, title, kind, element, setLarge(isLarge) }.
@@ -100,12 +103,13 @@ export class Views extends EventTarget {
     this.#views.clear();
     const all = [...views.map((view) => this.#pictureView(view)), ...this.drawn.map((own) => this.#drawnView(own))];
     for (const each of all.toSorted((a, b) => rank(a.view) - rank(b.view))) this.#views.set(each.view.name, each);
-    [...this.#views.values()].forEach(({ number, swap, title }, k) => {
-      const key = k < KEYS ? String((k + 1) % KEYS) : '';
+    this.#keys = numberKeys([...this.#views.values()].map(({ view }) => view));
+    for (const [name, { number, swap, title }] of this.#views) {
+      const key = String(this.#keys.get(name) ?? '');
       write(number, key);
       number.hidden = key === '';
       swap.setAttribute('aria-label', WORDS.enlarge(title, key));
-    });
+    }
     this.container.replaceChildren(...[...this.#views.values()].map(({ element }) => element));
     const shown = [...this.#views.values()].find(({ view }) => view.link?.period_s !== null);
     this.enlarge(this.#views.has(this.#large) ? this.#large : (shown?.view.name ?? this.names[0]));
@@ -161,9 +165,13 @@ export class Views extends EventTarget {
     return view?.kind === 'camera' && view.optics?.follows === 'body' ? view.name.slice(prefix.length) : '';
   }
 
-  // number: of the key; 0 is the tenth.
   enlargeNumber(number) {
-    this.enlarge(this.names[(number + KEYS - 1) % KEYS]);
+    this.enlarge([...this.#keys].find(([, key]) => key === number)?.[0] ?? '');
+  }
+
+  // The titles of the views that have number keys, by key.
+  get keyed() {
+    return [...this.#keys].map(([name, key]) => ({ key: String(key), title: this.#views.get(name)?.title ?? name }));
   }
 
   #fit() {
@@ -257,6 +265,12 @@ export class Views extends EventTarget {
     return link?.large_only && name !== this.#large ? WORDS.ask : WORDS.waiting;
   }
 
+  // Whether pictures are narrower than requested, because the server would otherwise not keep their rate.
+  #isReduced({ name, width = 0 }, { topic, canvas, drawn }) {
+    const wanted = this.widths.get(name) || width;
+    return topic !== '' && drawn > 0 && canvas.width < REDUCED * Math.min(wanted, width);
+  }
+
   #isFull(view) {
     return this.#isAboard && Boolean(view.aboard_topic);
   }
@@ -302,8 +316,10 @@ export class Views extends EventTarget {
     for (const [name, { element, view, picture, lost, over }] of this.#views) {
       if (!picture) continue;
       const isLinked = Boolean(view.link) && !this.#isFull(view);
-      over.hidden = !isLinked || name !== this.#large;
+      const isReduced = !isLinked && name === this.#large && this.#isReduced(view, picture);
+      over.hidden = (!isLinked && !isReduced) || name !== this.#large;
       if (isLinked) write(over, linkText(view.link));
+      else if (isReduced) write(over, WORDS.reduced);
       const periodMs = isLinked ? LATE_PERIODS * 1000 * (view.link.period_s ?? 0) : 0;
       const lateMs = Math.max(name === this.#large ? LATE_MS : SMALL_LATE_MS, periodMs);
       const isLate = isBlind || (!state.paused && performance.now() - picture.arrivedMs > lateMs);
