@@ -29,9 +29,9 @@ from uwsim.scenario.spec.vehicle_entry import StartPose
 
 FOLDER = "exercises"
 COURSE = (
-    "hover", "slalom", "pool-course", "approach", "docking", "gust", "pipeline", "reef-diver", "kelp-seal", "quay",
-    "net-inspection", "cable", "reef-pipeline", "wreck-dive", "night-gates", "tether", "depth-gauge", "dvl-loss",
-    "thruster-loss", "pin", "valve", "sample", "wet-mate",
+    "hover", "slalom", "pool-course", "sea-course", "reef-course", "approach", "docking", "gust", "pipeline",
+    "reef-diver", "kelp-seal", "quay", "net-inspection", "cable", "reef-pipeline", "wreck-dive", "night-gates",
+    "tether", "depth-gauge", "dvl-loss", "thruster-loss", "pin", "valve", "sample", "wet-mate",
 )  # fmt: skip
 """The packaged exercises in the order in which a beginner flies them: steering, inspection, failures, the arm."""
 EVENT_COMMANDS = (
@@ -107,26 +107,73 @@ class PropShift(Model):
     @model_validator(mode="after")
     def _are_ranges(self) -> PropShift:
         for key in ("x_m", "y_m", "z_m", "yaw_deg"):
-            low, high = getattr(self, key)
-            if low > high:
-                raise broken("must have the smaller number first", at=(key,), value=[low, high])
+            _require_range(key, getattr(self, key))
         return self
 
     def drawn(self, prop: PropEntry, seed: int) -> PropEntry:
         """Return the prop where the seed puts it, whatever other props there are."""
-        random = np.random.default_rng([seed, zlib.crc32(self.prop.encode())])
+        random = _random(seed, self.prop)
         x, y, z, yaw_deg = (random.uniform(*each) for each in (self.x_m, self.y_m, self.z_m, self.yaw_deg))
         at_m = (prop.position_m[0] + x, prop.position_m[1] + y, prop.position_m[2] + z)
         return prop.model_copy(update={"position_m": at_m, "yaw_deg": (prop.yaw_deg + yaw_deg + 180.0) % 360.0 - 180.0})
+
+
+Low = Annotated[float, InRange(0, 5, "m/s")]
+Sight = Annotated[float, InRange(0.1, 1000, "m")]
+Elevation = Annotated[float, InRange(-90, 90, "deg")]
+
+
+class Conditions(Model):
+    """The water and the light of an exercise: each from low to high, drawn evenly by the seed.
+
+    current_m_s: the speed of the current, whose direction is drawn, too. visibility_m: how far a diver sees a dark
+    object. sun_elevation_deg: the sun's height above the horizon.
+    """
+
+    current_m_s: tuple[Low, Low] | None = None
+    visibility_m: tuple[Sight, Sight] | None = None
+    sun_elevation_deg: tuple[Elevation, Elevation] | None = None
+
+    @model_validator(mode="after")
+    def _are_ranges(self) -> Conditions:
+        for key in ("current_m_s", "visibility_m", "sun_elevation_deg"):
+            if (limits := getattr(self, key)) is not None:
+                _require_range(key, limits)
+        return self
+
+    def drawn(self, found: Scenario, seed: int) -> dict[str, Any]:
+        """Return the values of a scenario's keys water and optics, as far as they change with the seed."""
+        made: dict[str, Any] = {}
+        if self.current_m_s is not None:
+            random = _random(seed, "current_m_s")
+            speed_m_s, turn = random.uniform(*self.current_m_s), random.uniform(0.0, 2.0 * np.pi)
+            current = (float(speed_m_s * np.cos(turn)), float(speed_m_s * np.sin(turn)), 0.0)
+            made["water"] = {**found.water.given(), "current_world_m_s": current}
+        seen = {
+            key: float(_random(seed, key).uniform(*limits))
+            for key in ("visibility_m", "sun_elevation_deg")
+            if (limits := getattr(self, key)) is not None
+        }
+        return {**made, "optics": {**found.optics.given(), **seen}} if seen else made
+
+
+def _random(seed: int, name: str) -> np.random.Generator:
+    """Return the draws of a seed for one name, whatever else is drawn."""
+    return np.random.default_rng([seed, zlib.crc32(name.encode())])
+
+
+def _require_range(key: str, limits: tuple[float, float]) -> None:
+    if limits[0] > limits[1]:
+        raise broken("must have the smaller number first", at=(key,), value=list(limits))
 
 
 class Exercise(Model):
     """An exercise for a pilot.
 
     title: one line. task: the kind of a pilot's work that it trains, under which a certificate lists it. brief: the
-    task in words. scenario: a packaged name, or the path of a YAML file. vehicle: a packaged model
-    that replaces the first vehicle's. obstacles: added to the scenario's. layout: how far its props may stand from
-    their places, by the seed. hidden: names of obstacles that the station's
+    task in words. scenario: a packaged name, or the path of a YAML file. vehicle: a packaged model that replaces the
+    first vehicle's. obstacles, props: added to the scenario's. layout: how far props may stand from their places, by
+    the seed. conditions: water and light by the seed. hidden: names of obstacles that the station's
     3D view and chart leave out. start: the pose of the first vehicle, by default as in the scenario. seed: seed of all
     random draws. time_s: time after which it ends. goals, limits, events: see their models. aids: those that the pilot
     may use; all others are refused. pass_points: points needed to pass. lag_s: the time that sound takes from the pilot
@@ -139,7 +186,9 @@ class Exercise(Model):
     scenario: str
     vehicle: str | None = None
     obstacles: list[ObstacleSpec] = Field(default_factory=list)
+    props: Annotated[list[PropEntry], Field(max_length=200)] = Field(default_factory=list)
     layout: Annotated[list[PropShift], Field(max_length=200)] = Field(default_factory=list)
+    conditions: Conditions | None = None
     hidden: list[Name] = Field(default_factory=list)
     start: StartPose | None = None
     seed: Annotated[int, InRange(0, 2**32 - 1)] = 0
@@ -180,8 +229,8 @@ class Exercise(Model):
         return self
 
     def _props(self, found: Scenario) -> dict[str, PropEntry]:
-        """Return the scenario's props by name, where the seed puts them. Raises ScenarioError."""
-        props = {one.name: one for one in found.placed_props}
+        """Return the scenario's and the exercise's props by name, where the seed puts them. Raises ScenarioError."""
+        props = {one.name: one for one in (*found.placed_props, *self.props)}
         for index, each in enumerate(self.layout):
             if each.prop not in props:
                 raise _no_prop(f"layout[{index}].prop", each.prop, props, self.scenario)
@@ -209,9 +258,11 @@ class Exercise(Model):
         data["seed"] = self.seed
         data["mission_time_s"] = max(found.mission_time_s, 2 * self.time_s)
         data["obstacles"] = [*found.obstacles, *self.obstacles]
-        if self.layout:
+        if self.conditions is not None:
+            data.update(self.conditions.drawn(found, self.seed))
+        if self.layout or self.props:
             for key in ("obstacles", "objects", "pingers"):  # those of the props are the last
-                own = len(getattr(found, key)) - sum(len(getattr(one.model, key)) for one in props.values())
+                own = len(getattr(found, key)) - sum(len(getattr(one.model, key)) for one in found.placed_props)
                 data[key] = getattr(found, key)[:own]
             data["obstacles"] = [*data["obstacles"], *self.obstacles]
             data["props"] = list(props.values())

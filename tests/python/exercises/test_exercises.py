@@ -80,13 +80,49 @@ def pool_course(vehicle):
     for goal in load_exercise("pool-course").in_world().goals:
         (x, y, z), ahead = goal.position_m, math.radians(getattr(goal, "heading_deg", 0.0))
         for along_m in (-0.6, 0.6) if goal.kind == "pass" else (0.0,):
-            at_m = (x + along_m * math.cos(ahead), y + along_m * math.sin(ahead), z)
+            at_m = (x + along_m * math.cos(ahead), y + along_m * math.sin(ahead), min(z, -0.1))
             yield from goto(vehicle, at_m, within_m=0.2)
 
 
 def pool_course_by_dead_reckoning(vehicle):
     """Flies straight to where the octagon is in the scenario."""
     yield from goto(vehicle, (9.5, 0, -1), within_m=0.5)
+
+
+def seen(vehicle, goal, back_m=1.2, up_m=0.5, ahead=0.0):
+    """Look at a goal's place from behind it, along a heading [rad]."""
+    x, y, z = goal.position_m
+    yield from goto(vehicle, (x - back_m * math.cos(ahead), y - back_m * math.sin(ahead), z + up_m + 1.5), within_m=0.3)
+    yield from turn_to(vehicle, ahead)
+    yield from hold(
+        vehicle, 6.0, position_world_m=(x - back_m * math.cos(ahead), y - back_m * math.sin(ahead), z + up_m)
+    )
+
+
+def sea_course(vehicle):
+    *places, _ = load_exercise("sea-course").in_world().goals
+    for goal in places:
+        yield from seen(vehicle, goal, up_m=0.4)
+    for k, y in enumerate((-5.5, -1.5, 2.5, 6.0)):
+        for x in (-8.0, 8.0) if k % 2 else (8.0, -8.0):
+            yield from goto(vehicle, (x, y, -1.5), within_m=0.5)
+
+
+def sea_course_without_a_look(vehicle):
+    yield from goto(vehicle, (8, -5.5, -1.5), within_m=0.5)
+
+
+def reef_course(vehicle):
+    for goal in load_exercise("reef-course").in_world().goals:
+        if goal.kind == "look_at":
+            yield from seen(vehicle, goal)
+        else:
+            yield from goto(vehicle, goal.position_m, within_m=0.2)
+            yield from hold(vehicle, 13.0, position_world_m=goal.position_m)
+
+
+def reef_course_by_the_plate_alone(vehicle):
+    yield from goto(vehicle, (-3, -4, -4), within_m=0.2)
 
 
 def approach(vehicle):
@@ -197,6 +233,8 @@ PILOTS = {
     "slalom": (slalom, slalom_past_the_third),
     "pipeline": (pipeline, pipeline_in_a_hurry),
     "pool-course": (pool_course, pool_course_by_dead_reckoning),
+    "sea-course": (sea_course, sea_course_without_a_look),
+    "reef-course": (reef_course, reef_course_by_the_plate_alone),
     "approach": (approach, approach_without_the_current),
     "depth-gauge": (depth_gauge, depth_gauge_believed),
     "gust": (gust, gust_without_holding),

@@ -65,3 +65,24 @@ def test_several_seeds_are_flown_and_joined(tmp_path: Path) -> None:
 @pytest.mark.parametrize("seeds", ["", "a", "5-2", "1,1", "-3", "1-9999"])
 def test_wrong_seeds_are_refused(seeds: str) -> None:
     assert "--seed" in error_line(uwsim("exercise", "pool-course", "--pilot", __file__, f"--seed={seeds}"))
+
+
+def test_conditions_are_drawn_by_the_seed_each_by_itself_and_within_their_ranges() -> None:
+    def drawn(seed: int, **only: object) -> tuple[float, float, float]:
+        exercise = load_exercise("sea-course").model_copy(update={"seed": seed})
+        if only:
+            exercise = Exercise.model_validate({**exercise.given(), "conditions": only})
+        scenario = exercise.made_scenario()
+        assert scenario.optics.visibility_m is not None
+        return (
+            math.hypot(*scenario.water.current_world_m_s),
+            scenario.optics.visibility_m,
+            scenario.optics.sun_elevation_deg,
+        )
+
+    all_of = np.array([drawn(seed) for seed in range(6)])
+    assert (all_of >= (0.0, 2.5, 15.0)).all() and (all_of <= (0.12, 5.0, 60.0)).all()
+    assert [len(np.unique(column)) for column in all_of.T] == [6, 6, 6]
+    assert drawn(3, visibility_m=[2.5, 5.0])[1] == all_of[3, 1]
+    with pytest.raises(ValueError, match="smaller number first"):
+        drawn(0, visibility_m=[5.0, 2.5])
