@@ -152,13 +152,13 @@ class Pilot:
     def opening(self):
         """Return the two posts between which to pass, from starboard to port, or None."""
         posts = self.posts.sure(self.pose[0] + 0.2)
-        if self.passed == 0:  # the starboard half of the gate, which has no post in its middle as a row has
+        if self.passed == 0:  # the starboard half of the gate
             gates = []
             for a in posts:
                 for b in posts:
                     middle = (0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]))
                     is_wide = b[1] > a[1] and abs(math.dist(a, b) - GATE_M) < 0.25 and abs(b[0] - a[0]) < 1.4
-                    if is_wide and middle[0] < GATE_X_M and all(math.dist(p, middle) > 0.5 for p in posts):
+                    if is_wide and middle[0] < GATE_X_M:
                         gates.append((middle[0], a, middle))
             return min(gates)[1:] if gates else None
         rows = []
