@@ -92,7 +92,7 @@ EXAMPLES: Mapping[str, Mapping[str, Any]] = {
     "cover kelp": {"density_per_m2": 0.3, "size_m": [2, 4]},
     "life": {"count": 20, "size_m": [0.2, 0.3]},
 }  # fmt: skip
-"""What a new part begins with, by section and kind, or by section."""
+"""Values with which a new part begins, by section and kind, or by section."""
 
 
 @cache

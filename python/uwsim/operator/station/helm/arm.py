@@ -98,10 +98,13 @@ class ArmPilot:
         """Read where the arm is, and command its joints by that."""
         commanded: Future[object] = Future()
 
-        def command(read: Future[Speeds]) -> None:  # on the simulator's thread
+        def command(read: Future[tuple[Speeds, Speeds]]) -> None:  # on the simulator's thread
             try:
-                speeds = read.result()
+                moving, stopping = read.result()
+                speeds = moving | stopping
                 done = self._steering[vehicle].ask(self._far, "set_joints", speeds=speeds) if speeds else nothing_done()
+                with self._lock:
+                    self._moving[vehicle] = moving  # only now: else what could not be stopped would be forgotten
                 done.add_done_callback(lambda done: _pass(done, commanded))
             except (ValueError, RuntimeError) as error:
                 commanded.set_exception(error)
@@ -109,8 +112,8 @@ class ArmPilot:
         self._live.read(lambda sim: self._speeds(sim, vehicle, motion)).add_done_callback(command)
         return commanded
 
-    def _speeds(self, sim: Simulator, vehicle: str, motion: Motion) -> Speeds:
-        """Return the speeds [rad/s or m/s] of the joints that are to move, or to stop."""
+    def _speeds(self, sim: Simulator, vehicle: str, motion: Motion) -> tuple[Speeds, Speeds]:
+        """Return the speeds [rad/s or m/s] of the joints that are to move, and of those that are to stop."""
         arm, limits = self._arm(vehicle), self._arm(vehicle).speed_limits
         wanted = {name: share * limits[name] for name, share in motion.joints.items() if share}
         if motion.hand.any():
@@ -121,9 +124,9 @@ class ArmPilot:
         if motion.grip:
             wanted |= {name: motion.grip * closes * limits[name] for name, closes in arm.jaws.items()}
         with self._lock:
-            before, self._moving[vehicle] = self._moving.get(vehicle, {}), dict(wanted)
+            before = self._moving.get(vehicle, {})
         held = {name for name, speed in before.items() if self._holds(arm, name, speed)}
-        return wanted | {name: 0.0 for name in before if name not in wanted and name not in held}
+        return wanted, {name: 0.0 for name in before if name not in wanted and name not in held}
 
     def _holds(self, arm: Arm, joint: str, speed: float) -> bool:
         """Return whether a jaw is to go on as it was: it closes on something, or over a link, where that is unknown."""

@@ -69,7 +69,7 @@ export class ArmDrive extends EventTarget {
     if (was) this.#send();
   }
 
-  // What the head-up display shows of the arm: { short, text } each. joints, torques: see Telemetry.
+  // Texts of the arm for the head-up display: { short, text } each. joints, torques: see Telemetry.
   shown({ joints, torques }, nameOf) {
     const found = [];
     const chosen = this.#joints.find((joint) => joint.name === this.part);

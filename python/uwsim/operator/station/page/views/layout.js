@@ -265,7 +265,7 @@ export class Views extends EventTarget {
     return link?.large_only && name !== this.#large ? WORDS.ask : WORDS.waiting;
   }
 
-  // Whether pictures are narrower than requested, because the server would otherwise not keep their rate.
+  // Test if pictures are narrower than requested, because the server would otherwise not keep their rate.
   #isReduced({ name, width = 0 }, { topic, canvas, drawn }) {
     const wanted = this.widths.get(name) || width;
     return topic !== '' && drawn > 0 && canvas.width < REDUCED * Math.min(wanted, width);
