@@ -4050,6 +4050,20 @@ class ObjectSpec:
         path: that it follows, from its own start. links: that joints hold on it; a path then stands still. round:
         the ball or drum, body frame, that the craft's mesh stands for: contacts are with it, without facets.
         """
+    def carry(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        link: typing.SupportsInt | typing.SupportsIndex,
+        position_m: typing.Any,
+        orientation_xyzw: typing.Any,
+        along_body: typing.Any,
+        spring_j: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None:
+        """
+        Let a vehicle carry it at a pose in the vehicle's frame until it is released, when a spring of this energy
+        pushes it along a unit vector (3,) of the vehicle's frame. link: index of the vehicle's fixed link with
+        its mass and water.
+        """
 
 class TetherEnd:
     """
@@ -4453,6 +4467,10 @@ class Simulation:
         """
         Return world_from_link of each link, (4, 4), as for `arm`.
         """
+    def load_object(self, object: typing.SupportsInt | typing.SupportsIndex) -> None:
+        """
+        Put an object back to where its vehicle carries it. Raises ValueError if it is there.
+        """
     def motion(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex
     ) -> tuple[
@@ -4470,6 +4488,10 @@ class Simulation:
     def object_forces(
         self, object: typing.SupportsInt | typing.SupportsIndex
     ) -> list[tuple[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]]]: ...
+    def object_loaded(self, object: typing.SupportsInt | typing.SupportsIndex) -> bool:
+        """
+        Return whether a vehicle carries an object now.
+        """
     def object_state(self, object: typing.SupportsInt | typing.SupportsIndex) -> BodyState: ...
     def object_wet_surface(
         self, object: typing.SupportsInt | typing.SupportsIndex
@@ -4527,6 +4549,10 @@ class Simulation:
         value, without errors, rate, latency or drop-outs.
         """
     def release(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    def release_object(self, object: typing.SupportsInt | typing.SupportsIndex) -> None:
+        """
+        Let go of an object that a vehicle carries. Raises ValueError unless it is loaded.
+        """
     def released(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> bool: ...
     def restart(self, world: World, spec: SimulationSpec) -> None:
         """

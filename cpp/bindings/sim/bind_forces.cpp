@@ -123,7 +123,19 @@ void bind_object_spec(py::module_& m) {
           py::arg("start"), py::arg("wrenches") = std::vector<AppliedWrench>{}, py::arg("path") = py::none(),
           py::arg("links") = std::vector<ArmLink>{}, py::arg("round") = py::none(),
           "path: that it follows, from its own start. links: that joints hold on it; a path then stands still. round:\n"
-          "the ball or drum, body frame, that the craft's mesh stands for: contacts are with it, without facets.");
+          "the ball or drum, body frame, that the craft's mesh stands for: contacts are with it, without facets.")
+      .def(
+          "carry",
+          [](ObjectSpec& spec, std::size_t vehicle, std::size_t link, const py::object& position_m,
+             const py::object& orientation_xyzw, const py::object& along_body, double spring_j) {
+            spec.carrying = Carrying{vehicle, link, as_pose(position_m, orientation_xyzw, "carried"),
+                                     as_vector3(along_body, "along_body"), spring_j};
+          },
+          py::arg("vehicle"), py::arg("link"), py::arg("position_m"), py::arg("orientation_xyzw"),
+          py::arg("along_body"), py::arg("spring_j") = 0.0,
+          "Let a vehicle carry it at a pose in the vehicle's frame until it is released, when a spring of this energy\n"
+          "pushes it along a unit vector (3,) of the vehicle's frame. link: index of the vehicle's fixed link with\n"
+          "its mass and water.");
 }
 
 void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
@@ -144,6 +156,19 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
           py::arg("vehicle"), py::arg("wrench"), py::arg("in_world_axes"), py::arg("duration_s"),
           "Exert a wrench (6,) on a vehicle at its origin, besides those by schedule, for a duration, which may be\n"
           "inf, or until the next call. Raises ValueError.")
+      .def(
+          "release_object",
+          [](OwnedSimulation& o, std::size_t k) { o.with([&](Simulation& s) { s.release_object(k); }); },
+          py::arg("object"), "Let go of an object that a vehicle carries. Raises ValueError unless it is loaded.")
+      .def(
+          "load_object", [](OwnedSimulation& o, std::size_t k) { o.with([&](Simulation& s) { s.load_object(k); }); },
+          py::arg("object"), "Put an object back to where its vehicle carries it. Raises ValueError if it is there.")
+      .def(
+          "object_loaded",
+          [](OwnedSimulation& o, std::size_t k) {
+            return o.with_briefly([&](Simulation& s) { return s.object_loaded(k); });
+          },
+          py::arg("object"), "Return whether a vehicle carries an object now.")
       .def(
           "apply_object_wrench",
           [](OwnedSimulation& o, std::size_t k, const Vector6d& wrench, bool in_world_axes, double duration_s) {

@@ -304,6 +304,12 @@ Vector6d ArticulatedBody::momentum_base() const {
   return sum;
 }
 
+Matrix6d ArticulatedBody::locked_inertia() const {
+  Matrix6d sum = fixed_.inertia;
+  for (const std::size_t k : moving_) sum += work_[k].mass;
+  return sum;
+}
+
 double ArticulatedBody::kinetic_energy_j() const {
   double sum = 0.5 * base_.velocity_body.dot(fixed_.inertia * base_.velocity_body);
   for (const std::size_t k : moving_) {

@@ -71,6 +71,8 @@ class ArticulatedBody {
   Pose world_from_link(std::size_t link) const;
   /// Momentum of the links at the base's origin along its axes, with that of the water that they move. After place().
   Vector6d momentum_base() const;
+  /// The links' inertia at the base's origin, with that of the water that they move, if no joint moved. After place().
+  Matrix6d locked_inertia() const;
   /// Kinetic energy of the links, the rotors and the still water around [J]. After place().
   double kinetic_energy_j() const;
   /// Energy of height of weight less buoyancy, in water of the density at each link [J]. After place().

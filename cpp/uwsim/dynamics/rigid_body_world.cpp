@@ -86,6 +86,23 @@ void RigidBodyWorld::change_bodies(std::vector<BodySpec> specs, const Water& wat
   for (Tether& tether : tethers_) tether.set_bodies(bodies_);
 }
 
+void RigidBodyWorld::change_links(std::size_t body, std::vector<ArmLink> links) {
+  MovedBody& changed = bodies_.at(body);
+  require(changed.arm.has_value(), "arm", "none", "must be there");
+  changed.arm = changed.arm->with_links(links, step_s_);
+  changed.spec.arm = std::move(links);
+  changed.forget_step();
+  engine_->forget(body);
+}
+
+Matrix6d RigidBodyWorld::inverse_mass(std::size_t body, const WaterField& water, double time_s) {
+  MovedBody& moved = bodies_.at(body);
+  if (moved.held) return Matrix6d::Zero();
+  Matrix6d mass = moved.base_mass(moved.state.world_from_body, water, time_s);
+  if (moved.arm) mass += moved.arm->placed(moved.state, water, time_s).locked_inertia();
+  return mass.llt().solve(Matrix6d::Identity());
+}
+
 void RigidBodyWorld::set_state(std::size_t body, const BodyState& state) {
   bodies_.at(body).state = state;
   bodies_[body].acceleration_body.setZero();

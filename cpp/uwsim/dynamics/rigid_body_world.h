@@ -43,6 +43,12 @@ class RigidBodyWorld {
   Arm* arm(std::size_t body) { return bodies_.at(body).arm ? &*bodies_[body].arm : nullptr; }
   const Arm* arm(std::size_t body) const { return bodies_.at(body).arm ? &*bodies_[body].arm : nullptr; }
 
+  /// Replaces the properties of a body's links: as many, with the same names, parents and kinds of joint. Throws
+  /// InvalidValue.
+  void change_links(std::size_t body, std::vector<ArmLink> links);
+  /// The inverse of a body's mass with added mass, and with its links as if no joint moved; zero for a held body.
+  Matrix6d inverse_mass(std::size_t body, const WaterField& water, double time_s);
+
   /// The waves that the body's hull makes; null without a Radiation.
   const HullWaves* hull_waves(std::size_t body) const {
     return bodies_.at(body).hull_waves ? &*bodies_[body].hull_waves : nullptr;
@@ -52,6 +58,8 @@ class RigidBodyWorld {
   void set_state(std::size_t body, const BodyState& state);
   /// A held body, such as a docked vehicle, neither moves nor collides.
   void hold(std::size_t body, bool held);
+  /// Moves a held body along with what holds it.
+  void carry(std::size_t body, const BodyState& state) { bodies_.at(body).state = state; }
   bool held(std::size_t body) const { return bodies_.at(body).held; }
   /// Sets the actuators' wrench for the following steps, body frame, at the origin [N, N m].
   void set_wrench(std::size_t body, const Vector6d& tau_body) { bodies_.at(body).tau_body = tau_body; }

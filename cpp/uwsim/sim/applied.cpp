@@ -51,7 +51,7 @@ void Simulation::apply_object_wrench(std::size_t object, const Vector6d& wrench,
   const std::string name = "object '" + body_name(body_of(object)) + "'";
   require(!bodies_.spec(body_of(object)).path, name + " wrench", wrench.transpose(),
           "must not be for a body on a path");
-  object_pushes_.at(object).command(name, wrench, in_world_axes, tick_, duration_s, spec_.step_s);
+  objects_.at(object).pushes.command(name, wrench, in_world_axes, tick_, duration_s, spec_.step_s);
 }
 
 Arm& Simulation::arm(std::size_t body) {

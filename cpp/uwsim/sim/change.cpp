@@ -38,6 +38,9 @@ void Simulation::change(const Water& water, const SimulationSpec& spec, const st
   for (std::size_t k = 0; k < vehicles.size(); ++k) {
     require(vehicles[k].craft != nullptr, "vehicles.craft", "none", "must be set");
     bodies.push_back(vehicles[k].body());
+    require(bodies[k].arm.size() == bodies_.spec(vehicles_[k].body).arm.size(), "arm.links", bodies[k].arm.size(),
+            "cannot be changed");
+    bodies[k].arm = links_left(k, std::move(bodies[k].arm));
     changed.push_back(equipped(vehicles[k], spec, water));
     changed[k].body = vehicles_[k].body;
     StateArchive present;
@@ -69,6 +72,9 @@ void Simulation::change(const Water& water, const SimulationSpec& spec, const st
   world_.water = water;
   sound_ = std::move(sound);
   spec_ = spec;
+  for (LooseObject& one : objects_) {
+    if (one.cargo) one.cargo->link = vehicles[one.cargo->carrying.vehicle].arm[one.cargo->carrying.link];
+  }
   vehicles_ = std::move(changed);
   if (link_) join_instruments();
   hulls_ = std::move(hulls);

@@ -18,6 +18,7 @@ void Simulation::dock(std::size_t index, const Pose& world_from_body) {
   bodies_.set_state(free.body, held);
   bodies_.hold(free.body, true);
   bodies_.lay_tethers(free.body, world_.water, time_s());
+  carry_cargo();
   free.battery.end_mission();
   free.actuators.set_effort(Vector6d::Zero());
   free.touching = false;

@@ -41,6 +41,7 @@ void Simulation::set_state(std::size_t index, const BodyState& state) {
   release(index);  // otherwise, a docked vehicle would be held in place
   bodies_.set_state(moved.body, state);
   bodies_.lay_tethers(moved.body, world_.water, time_s());
+  carry_cargo();
   moved.touching = false;
   ++version_;
 }

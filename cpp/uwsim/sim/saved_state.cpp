@@ -55,6 +55,7 @@ void Simulation::exchange_state(StateArchive& archive) {
   require(tick_ <= kLastNs / step_ns_, "state.tick", tick_, "must be a time that nanoseconds can count");
   archive.same("vehicles", vehicles_.size());
   for (Vehicle& vehicle : vehicles_) exchange_vehicle(archive, vehicle);
+  exchange_cargo(archive);
   bodies_.exchange_state(archive);
   std::uint64_t layout = link_ ? PacketNetwork::kLayout : 0;
   archive(layout);
@@ -78,7 +79,7 @@ void Simulation::exchange_applied(StateArchive& archive) {
   bodies_.exchange_tethers(archive);
   bodies_.exchange_arms(archive);
   bodies_.exchange_hull_waves(archive);
-  for (Pushes& pushes : object_pushes_) pushes.exchange_state(archive);
+  for (LooseObject& one : objects_) one.pushes.exchange_state(archive);
   if (stirring_) stirring_->exchange_state(archive);
 }
 

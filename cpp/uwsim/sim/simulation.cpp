@@ -77,9 +77,10 @@ std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
 std::size_t Simulation::add_object(const ObjectSpec& spec) {
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     require(body_name(k) != spec.body.name, "objects.name", spec.body.name, "must be unique");
-  require_free("object '" + spec.body.name + "' start", spec.start.world_from_body.position_m);
+  if (!spec.carrying) require_free("object '" + spec.body.name + "' start", spec.start.world_from_body.position_m);
   bodies_.add_body(spec.body, spec.start);
-  object_pushes_.push_back({spec.wrenches, {}});
+  objects_.push_back({{spec.wrenches, {}}});
+  if (spec.carrying) add_cargo(objects() - 1, *spec.carrying);
   hulls_->add(spec.body.craft->hull().mesh_body());
   hulls_version_ = kUnplaced;
   return objects() - 1;
@@ -130,10 +131,10 @@ void Simulation::step_once() {
   }
   if (link_) transmit();
   for (Vehicle& vehicle : vehicles_) drive(vehicle);
-  for (std::size_t k = 0; k < object_pushes_.size(); ++k)
-    bodies_.apply(vehicles_.size() + k, object_pushes_[k].at(tick_));
+  for (std::size_t k = 0; k < objects_.size(); ++k) bodies_.apply(vehicles_.size() + k, objects_[k].pushes.at(tick_));
   bodies_.step(world_.water, time_s());
   if (spec_.carried_station) carry_docked();
+  carry_cargo();
   for (Vehicle& vehicle : vehicles_) {
     const bool touches = bodies_.in_contact(vehicle.body);
     if (touches && !vehicle.touching) ++vehicle.collisions;

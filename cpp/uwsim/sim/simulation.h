@@ -65,6 +65,15 @@ class Simulation {
 
   /// Adds a loose body, after all vehicles, and returns its index. Throws InvalidValue like add_vehicle.
   std::size_t add_object(const ObjectSpec& spec);
+  /// Lets go of a loose body that a vehicle carries: it keeps the velocity that it has there, and its spring pushes
+  /// both apart, so that momentum is conserved, and its energy becomes theirs and the water's that they move; the
+  /// joints of an arm count as locked. A docked vehicle does not recoil. Throws InvalidValue for one that is not
+  /// loaded.
+  void release_object(std::size_t object);
+  /// Puts a body back to where its vehicle carries it. Throws InvalidValue unless it is one that was released.
+  void load_object(std::size_t object);
+  /// False also for an object that no vehicle carries.
+  bool object_loaded(std::size_t object) const;
   /// Adds a tether, after all vehicles and objects, which are its bodies in that order, and returns its index. Throws
   /// InvalidValue.
   std::size_t add_tether(const TetherSpec& spec) { return bodies_.add_tether(spec, world_.water, time_s()); }
@@ -211,6 +220,14 @@ class Simulation {
   void drive(Vehicle& vehicle);
   Vector6d wind_load(const Vehicle& vehicle, const Wind& wind) const;
   void carry_docked();
+  Cargo& cargo_of(std::size_t object);
+  BodyState carried_state(const Carrying& carrying) const;
+  void add_cargo(std::size_t object, const Carrying& carrying);
+  void set_loaded(std::size_t object, bool loaded);
+  void carry_cargo();
+  void spring_apart(std::size_t object);
+  std::vector<ArmLink> links_left(std::size_t vehicle, std::vector<ArmLink> links) const;
+  void exchange_cargo(StateArchive& archive);
   void transmit();
   void receive();
   void join_instruments();
@@ -227,7 +244,7 @@ class Simulation {
   std::uint64_t version_ = 0;
   RigidBodyWorld bodies_;
   std::vector<Vehicle> vehicles_;
-  std::vector<Pushes> object_pushes_;  // one for each object
+  std::vector<LooseObject> objects_;
   std::optional<Link> link_;
   std::optional<Stirring> stirring_;
   std::shared_ptr<MovingBodies> hulls_;       // the bodies as ray targets

@@ -59,11 +59,34 @@ struct VehicleSpec {
   BodySpec body() const { return {name, craft, shape, friction, restitution, collision_pieces_body_m, arm}; }
 };
 
+/// How a vehicle carries a loose body until it is released.
+struct Carrying {
+  std::size_t vehicle = 0;
+  std::size_t link = 0;  ///< that is fixed to the vehicle, and has the body's mass and water
+  Pose body_from_object;
+  Eigen::Vector3d along_body = Eigen::Vector3d::UnitX();  ///< where its spring pushes the body when it is released
+  double spring_j = 0;                                    ///< the spring's energy
+};
+
 /// A loose body: a vehicle's body without equipment.
 struct ObjectSpec {
   BodySpec body;
   BodyState start;
   std::vector<AppliedWrench> wrenches;  ///< that act on it, by schedule
+  std::optional<Carrying> carrying;     ///< by which a vehicle carries it at the start, instead of `start`
+};
+
+/// What a vehicle carries or has carried.
+struct Cargo {
+  Carrying carrying;
+  ArmLink link;  ///< as it is while loaded
+  bool loaded = true;
+};
+
+/// A loose body in a simulation, except for the state of its body.
+struct LooseObject {
+  Pushes pushes;
+  std::optional<Cargo> cargo = {};  ///< empty: no vehicle carries it
 };
 
 /// A vehicle in a simulation: its equipment and state, except for the state of its body.

@@ -130,6 +130,17 @@ class CommandedBatch(Sealed):
 
         self._command(index, range(self.n), command, lambda k, rov: rov.set_joints(**row(k)))
 
+    def drop(self, dropper: str, *, mask: ArrayLike | None = None, vehicle: str | None = None) -> None:
+        """Let go of the next body in a dropper, like Dropper.release.
+
+        mask (n,) bool: selects members. Raises ValueError, with the member, for an empty one; the members before it
+        have let go.
+        """
+        name = self._names[self._vehicle(vehicle)]
+        for k in arguments.members(mask, self.n):
+            with named(k):
+                self.aboard(k).vehicles[name].droppers[dropper].release()
+
     def all_stop(self, on: bool = True, *, mask: ArrayLike | None = None, vehicle: str | None = None) -> None:
         """Stop thrusters and centre fins, overriding all commands until called with False, like Vehicle.all_stop.
 

@@ -57,6 +57,11 @@ class LooseBody:
         return Velocity(velocity[:3], velocity[3:])
 
     @property
+    def carried(self) -> bool:
+        """Whether a vehicle's dropper holds it."""
+        return self._simulation.object_loaded(self._index)
+
+    @property
     def forces(self) -> Named[Wrench]:
         """The wrenches on the body by name; see Vehicle.forces."""
         return forces_by_name(self._simulation.object_forces(self._index), self.name)

@@ -213,6 +213,8 @@ class Simulator(SimulatorProperties):
             journal=self.journal,
             mounts=entry.model.sensors,
             arrays=entry.model.hydrophones,
+            droppers=entry.droppers,
+            objects={body.name: body for body in self.scenario.objects},
             sound=PingerSound(self.scenario.pingers, self.scenario.sound, lambda: self.world),
             seed=lambda: self.seed,
             chain_of=partial(self._chain_of, index),

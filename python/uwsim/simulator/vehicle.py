@@ -21,12 +21,16 @@ from uwsim.instruments.sonars.imaging import Acoustics
 from uwsim.instruments.sonars.mounted import ImagingSonar
 from uwsim.instruments.sonars.multibeam import ChainOf, Sonar
 from uwsim.scenario.build.control import ControlSettings, floating_text
+from uwsim.scenario.build.loose_bodies import HELD
 from uwsim.scenario.build.vehicle import authority
+from uwsim.scenario.spec.dropper import Dropper as DropperModel
 from uwsim.scenario.spec.hydrophones import HydrophoneArray
+from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.simulator.arm import Arm, Sensed
 from uwsim.simulator.docking import Dock
+from uwsim.simulator.dropper import Dropper
 from uwsim.simulator.forces import Wrench, forces_by_name
 from uwsim.simulator.helm import Helm
 from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S, OnboardNavigation, Use
@@ -44,9 +48,10 @@ class Vehicle(CommandedVehicle):
     """One vehicle of a simulator; see Simulator.vehicles.
 
     sensors: sensors by name, such as "imu" or "depth". sonars: the multibeams by name; sonar: the first of them.
-    cameras, imaging_sonars, hydrophones: by name. lamps: keyed by switch name. control: the model and gains from its
-    file, for a Controller; later changes of parameters are not included. tether, arm: None without one. A docked
-    vehicle's thrusters are off: if simulated time passes while it is commanded, a DockedWarning is issued once.
+    cameras, imaging_sonars, hydrophones, droppers: by name. lamps: keyed by switch name. control: the model and
+    gains from its file, for a Controller; later changes of parameters are not included. tether, arm: None without
+    one. A docked vehicle's thrusters are off: if simulated time passes while it is commanded, a DockedWarning is
+    issued once.
     """
 
     name: str
@@ -56,6 +61,7 @@ class Vehicle(CommandedVehicle):
     lamps: Named[Lamp]
     imaging_sonars: Named[ImagingSonar]
     hydrophones: Named[Hydrophones]
+    droppers: Named[Dropper]
     control: ControlSettings
     tether: Tether | None
     arm: Arm | None
@@ -97,6 +103,8 @@ class Vehicle(CommandedVehicle):
         mounts: Mapping[str, SensorMount],
         arrays: Mapping[str, HydrophoneArray],
         sound: PingerSound,
+        droppers: Mapping[str, DropperModel],
+        objects: Mapping[str, LooseBody],
         seed: Callable[[], int],
         chain_of: ChainOf,
         water_column: bool = False,
@@ -116,7 +124,8 @@ class Vehicle(CommandedVehicle):
         self._beyond_terrain = beyond_terrain
         self._temperature_is_known = temperature_is_known
         self.tether = tether
-        self.arm = Arm(simulation, index, spec.arm, self.set_joints, joints) if spec.arm else None
+        links = [link for link in spec.arm if not link.name.startswith(HELD)]
+        self.arm = Arm(simulation, index, links, self.set_joints, joints) if links else None
         sensors: dict[str, Sensor[Any]] = {
             s.name: Sensor(simulation, index, k, s, step_s, mounts[s.name], f"{spec.name}/{s.name}", seed, sound)
             for k, s in enumerate(spec.sensors)
@@ -147,6 +156,11 @@ class Vehicle(CommandedVehicle):
             for name, array in arrays.items()
         }
         self.hydrophones = Named(heard, f"{spec.name}.hydrophones")
+        held = {
+            name: Dropper(simulation, spec.name, name, dropper, objects, journal, lambda: self.all_stopped)
+            for name, dropper in droppers.items()
+        }
+        self.droppers = Named(held, f"{spec.name}.droppers")
         self._dock = dock
         self._journal = journal
         for lamp in lamps.values():

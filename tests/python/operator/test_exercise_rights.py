@@ -34,6 +34,7 @@ VALUES = {
     "push_object": {"object": "crate", "force_n": [1.0, 0.0, 0.0]},
     "end_fault": {"name": "sonar"}, "set_optics": {"sun_elevation_deg": 10.0},
     "cut_tether": {"vehicle": "rov", "at_m": 1.0}, "cut_object_tether": {"object": "crate", "at_m": 1.0},
+    "reload": {"vehicle": "rov", "dropper": "bay"},
     "set_object_winch": {"object": "crate", "rate_m_s": 0.1},
     "set_parameter": {"name": "mission_time_s", "value": 9.0},
     "set_parameters": {"changes": {"mission_time_s": 9.0}}, "reset_parameters": {},

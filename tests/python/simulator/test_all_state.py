@@ -49,8 +49,11 @@ vehicles:
     start: {position_m: [0, 0, -5], yaw_deg: 180}
     battery: bluerov2_18ah
     tether: {anchor: [0, 2, -4], length_m: 20, winch: {longest_m: 30}}
+    droppers: {bay: {position_m: [0, 0.4, -0.3], holds: [marker, dart], spring_j: 0.5, jet_n: 1, jet_s: 0.5}}
   - {name: torpedo, model: remus100, start: {position_m: [0, 10, -5]}}
 objects:
+  - {shape: {kind: sphere, name: marker, position_m: [0, 0, -1], radius_m: 0.03}, density_kg_m3: 2000}
+  - {shape: {kind: sphere, name: dart, position_m: [0, 0, -1], radius_m: 0.03}, density_kg_m3: 1100}
   - shape: {kind: sphere, name: ball, position_m: [9, 9, -3], radius_m: 0.2}
     density_kg_m3: 1000
     tether: {anchor: [9, 6, -4], length_m: 5, winch: {longest_m: 8}}
@@ -111,6 +114,9 @@ EPISODE: list[tuple[str, dict[str, Any]]] = [
     ("set_object_winch", {"object": "ball", "rate_m_s": 0.4}),
     ("cut_object_tether", {"object": "ball", "at_m": 2.0}),
     ("set_joints", {"vehicle": "scout", "positions": {"shoulder": 0.4}, "torques": {"wrist": 0.3}}),
+    ("drop", {"vehicle": "scout", "dropper": "bay"}),
+    ("reload", {"vehicle": "scout", "dropper": "bay"}),
+    ("drop", {"vehicle": "scout", "dropper": "bay"}),
     ("apply_wrench", {"vehicle": "rov", "force_n": [40.0, 0.0, 10.0], "axes": "world", "duration_s": 0.3}),
     ("push_object", {"object": "ball", "force_n": [5.0, 0.0, 0.0], "torque_nm": [0.0, 0.1, 0.0], "duration_s": 2.0}),
 ]

@@ -33,15 +33,15 @@ MOVING: dict[str, tuple[str, dict[str, Any]]] = {
 """Commands that move a vehicle, each with a vehicle it moves."""
 FRAMES = "servo_frames"
 """The steps of an autopilot; tested separately below."""
-REFUSED = {"hold", "hold_at", "set_joints"}
-"""Commands that are refused while all stop is set; see test_holds.py and test_arm.py."""
+REFUSED = {"hold", "hold_at", "set_joints", "drop"}
+"""Commands that are refused while all stop is set; see test_holds.py, test_arm.py, test_droppers.py."""
 IN_DOCK = ("release", "undock")
 """Commands that release a vehicle from its dock; tested separately below."""
 FREE = {
     "dock", "override_failsafe", "all_stop", "aim", "set_lamp", "aim_camera",  # only into the dock
     "place", "inject_fault", "end_fault", "set_parameter", "set_parameters", "reset_parameters", "set_optics",  # world
     "apply_wrench", "push_object", "set_winch", "cut_tether", "set_object_winch", "cut_object_tether",
-    "start_navigation", "link_send", "note",
+    "start_navigation", "link_send", "note", "reload",
 }  # fmt: skip
 """Commands that all stop does not affect. Commands sent over a link are checked on arrival."""
 

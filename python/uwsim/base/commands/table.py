@@ -29,6 +29,17 @@ def _aim_camera(carrier: Any, camera: str, pan_rad: float | None = None, tilt_ra
     item(carrier.cameras, camera, what).aim(pan_rad, tilt_rad)
 
 
+def _drop(vehicle: Any, dropper: str | None = None) -> None:
+    chosen = dropper or next((name for name, one in vehicle.droppers.items() if one.loaded), None)
+    if chosen is None:
+        raise ValueError(f"vehicle '{vehicle.name}': no dropper holds anything")
+    item(vehicle.droppers, chosen, f"vehicle '{vehicle.name}' dropper").release()
+
+
+def _reload(vehicle: Any, dropper: str) -> None:
+    item(vehicle.droppers, dropper, f"vehicle '{vehicle.name}' dropper").reload()
+
+
 def _hold(vehicle: Any, **on: bool) -> None:
     vehicle.helm.holds.set(**on)
 
@@ -175,6 +186,17 @@ ARM = [
         crosses_link=True,
     ),
 ]  # fmt: skip
+DROPPERS = [
+    Command(
+        "drop", "let go of the next body in a dropper, by default the first that holds any",
+        (Argument("dropper", "text", default=None),), _drop,
+        notes_itself=True, crosses_link=True,
+    ),
+    Command(
+        "reload", "fill a dropper with all of its bodies again", (Argument("dropper", "text"),), _reload,
+        notes_itself=True, is_piloted=False, changes_world=True,
+    ),
+]  # fmt: skip
 INSTRUMENTS = [
     Command(
         "start_navigation", "start a vehicle's estimator, unless it is running for this use or a higher one",
@@ -264,7 +286,18 @@ LINK = [
 
 COMMANDS: dict[str, Command] = {
     command.name: command
-    for command in (*DOCKING, *SAFETY, *STEERING, *ARM, *AUTOPILOT, *INSTRUMENTS, *PARAMETERS, *ASHORE, *LINK)
+    for command in (
+        *DOCKING,
+        *SAFETY,
+        *STEERING,
+        *ARM,
+        *DROPPERS,
+        *AUTOPILOT,
+        *INSTRUMENTS,
+        *PARAMETERS,
+        *ASHORE,
+        *LINK,
+    )
 }
 """All commands by name, except `reset` and `restore_state`, which belong to the simulator itself."""
 

@@ -34,10 +34,7 @@ class Bring(GoalModel):
 
     def require(self, sim: Simulator) -> None:
         """See GoalModel."""
-        known = [body.name for body in sim.scenario.objects if body.path is None and not body.fixed]
-        if self.object not in known:
-            rule = f"must be one of {', '.join(known)}" if known else "no object is loose"
-            raise ValueError(f"object = '{self.object}': {rule}{did_you_mean(self.object, known)}")
+        require_loose(self.object, sim)
 
     def is_met_at(self, moment: Moment) -> bool:
         """Return whether the body is in its place and free."""
@@ -47,7 +44,17 @@ class Bring(GoalModel):
             return False
         if self.axis_world is not None and _apart_deg(pose.world_from_body[:3, 0], self.axis_world) > self.within_deg:
             return False
-        return not (self.let_go and any(contact.other == moment.vehicle.name for contact in body.contacts))
+        return not body.carried and not (
+            self.let_go and any(contact.other == moment.vehicle.name for contact in body.contacts)
+        )
+
+
+def require_loose(name: str, sim: Simulator) -> None:
+    """Raise ValueError unless this is the name of a loose body."""
+    known = [body.name for body in sim.scenario.objects if body.path is None and not body.fixed]
+    if name not in known:
+        rule = f"must be one of {', '.join(known)}" if known else "no object is loose"
+        raise ValueError(f"object = '{name}': {rule}{did_you_mean(name, known)}")
 
 
 def _apart_deg(axis: Floats, other: Point3) -> float:

@@ -1,4 +1,4 @@
-"""The goal `pass`: the vehicle passes through an opening."""
+"""The goal `pass`: the vehicle, or a loose body, passes through an opening."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from typing import Literal
 import numpy as np
 
 from uwsim.exercises.goal import GoalModel, Progress, Within
+from uwsim.exercises.goals.bring import require_loose
 from uwsim.exercises.moment import Moment
-from uwsim.scenario.spec.fields import Degrees, Point3
+from uwsim.scenario.spec.fields import Degrees, Name, Point3
+from uwsim.simulator.simulator import Simulator
 
 
 class _Passing(Progress):
@@ -21,7 +23,14 @@ class _Passing(Progress):
         self._has_before = False
 
     def judge(self, moment: Moment, period_s: float) -> None:
-        offset = moment.position_world_m - np.array(self._goal.position_m)
+        place_m = moment.position_world_m
+        if self._goal.object is not None:
+            body = moment.sim.objects[self._goal.object]
+            place_m = body.pose.position_world_m
+            if body.carried:
+                self._has_before = False
+                return
+        offset = place_m - np.array(self._goal.position_m)
         depth_m = float(offset @ self._ahead)
         (before_m, old), self._before = self._before, (depth_m, offset)
         if self._has_before and before_m < 0.0 <= depth_m:
@@ -37,6 +46,7 @@ class Pass(GoalModel):
     """Pass through an opening, such as a gate.
 
     position_m: its centre. heading_deg: the direction of passage, counter-clockwise from east. within_m: its radius.
+    object: the loose body that has to pass, such as a torpedo, once no dropper holds it; by default the vehicle.
     """
 
     progress = _Passing
@@ -45,3 +55,9 @@ class Pass(GoalModel):
     position_m: Point3
     heading_deg: Degrees
     within_m: Within = 1.0
+    object: Name | None = None
+
+    def require(self, sim: Simulator) -> None:
+        """See GoalModel."""
+        if self.object is not None:
+            require_loose(self.object, sim)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
+from uwsim.base.quaternions import of_yaw_pitch_roll_deg, product, turned
 from uwsim.scenario.build.applied_wrench import applied_wrench
 from uwsim.scenario.build.arm import link_specs
 from uwsim.scenario.build.body_paths import body_path, points_on, standing
@@ -24,9 +24,11 @@ from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.read.mesh_repair import closed_mesh
+from uwsim.scenario.spec.dropper import Dropper
 from uwsim.scenario.spec.loose_body import LooseBody
 from uwsim.scenario.spec.obstacle import LEVEL, Bed, ObstacleModel
 from uwsim.scenario.spec.scenario import Scenario
+from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 PANELS = 800
 """Panels for added mass, which is then at most 2 % too low for boxes, cylinders and plates: see `added_mass`."""
@@ -34,6 +36,9 @@ ELEMENTS = 2000
 SKIN_FRICTION = 0.005
 """That of a turbulent boundary layer at a Reynolds number of 7e5, 0.074 Re^(-1/5) (Schlichting 1979, "Boundary-Layer
 Theory", ch. 21)."""
+
+HELD = "held "
+"""How the names of links begin that stand for bodies in droppers; an arm's own names have no blank."""
 
 Floats = NDArray[np.float64]
 
@@ -58,7 +63,64 @@ def object_specs(scenario: Scenario) -> list[_core.ObjectSpec]:
     for index, body in enumerate(scenario.objects):
         with scenario.source_file.errors_at("objects", index):
             specs.append(_spec(body, scenario))
+    for number, vehicle in enumerate(scenario.vehicles):
+        for link, held in enumerate(held_bodies(scenario, vehicle), start=len(vehicle.model.arm or {})):
+            index = scenario.objects.index(held.body)
+            specs[index].carry(
+                number, link, held.position_m, held.orientation_xyzw, held.along_body, held.dropper.spring_j
+            )
     return specs
+
+
+class Held(NamedTuple):
+    """A body in a dropper, and its pose in the vehicle's frame, (3,) and (4,). along_body (3,): where it leaves."""
+
+    body: LooseBody
+    dropper: Dropper
+    position_m: Floats
+    orientation_xyzw: Floats
+    along_body: Floats
+
+
+def held_bodies(scenario: Scenario, vehicle: VehicleEntry) -> list[Held]:
+    """Return the bodies in a vehicle's droppers, in the order of the core's links for them."""
+    bodies, found = {body.name: body for body in scenario.objects}, []
+    for dropper in vehicle.droppers.values():
+        turn = of_yaw_pitch_roll_deg(dropper.yaw_pitch_roll_deg)
+        for number, name in enumerate(dropper.holds):
+            place = np.asarray(dropper.position_m) + turned(turn, number * np.asarray(dropper.spacing_m))
+            own = product(turn, own_turn(bodies[name]))
+            found.append(Held(bodies[name], dropper, place, own, turned(turn, np.array([1.0, 0.0, 0.0]))))
+    return found
+
+
+def leaving_along(body: LooseBody) -> Floats:
+    """Return the direction in a body's frame, (3,), in which it leaves a dropper."""
+    return turned(own_turn(body) * [-1.0, -1.0, -1.0, 1.0], np.array([1.0, 0.0, 0.0]))
+
+
+def own_turn(body: LooseBody) -> Floats:
+    """Return the orientation of a body's shape, (4,)."""
+    return of_yaw_pitch_roll_deg(getattr(body.shape, "yaw_pitch_roll_deg", LEVEL))
+
+
+def held_links(scenario: Scenario, vehicle: VehicleEntry) -> list[_core.ArmLink]:
+    """Return the fixed links that stand for the bodies in a vehicle's droppers. Raises ScenarioError.
+
+    They have the mass, the buoyancy, the added mass and the drag of the bodies.
+    """
+    links = []
+    for held in held_bodies(scenario, vehicle):
+        shape = _placed(held.body.shape, build_terrain(scenario.terrain))
+        parameters = _parameters(held.body, shape, surface_density_kg_m3(scenario.water))
+        link = _core.ArmLink()
+        link.name, link.parent, link.joint = f"{HELD}{held.body.name}", None, _core.JointKind.FIXED
+        link.set_pose(held.position_m, held.orientation_xyzw)
+        link.mass_kg, link.inertia_kg_m2 = parameters.mass_kg, parameters.inertia_kg_m2
+        link.volume_m3, link.added_mass = shape.solid.volume_m3, parameters.added_mass
+        link.quadratic_drag = np.diag(parameters.quadratic_damping).copy()
+        links.append(link)
+    return links
 
 
 def object_mesh(scenario: Scenario, body: LooseBody) -> tuple[Vertices, Triangles]:
@@ -75,13 +137,25 @@ def object_start(body: LooseBody, terrain: Bed) -> tuple[Vertices, Triangles]:
 
 def _spec(body: LooseBody, scenario: Scenario) -> _core.ObjectSpec:
     shape, water_kg_m3 = _placed(body.shape, build_terrain(scenario.terrain)), surface_density_kg_m3(scenario.water)
-    volume_m3 = shape.solid.volume_m3
     if body.path is not None:
         arm_m = turned(shape.orientation_xyzw, shape.solid.centroid_m)
         followed = body_path(body.path, shape.position_m - arm_m, arm_m, shape.orientation_xyzw)
         return _unpushed(body, followed, shape, water_kg_m3)
     if body.fixed:
         return _unpushed(body, standing(shape.position_m, shape.orientation_xyzw), shape, water_kg_m3)
+    parameters = _parameters(body, shape, water_kg_m3)
+    inverse = shape.orientation_xyzw * [-1.0, -1.0, -1.0, 1.0]
+    velocity = np.concatenate([turned(inverse, body.velocity_m_s), np.zeros(3)])
+    return _core.ObjectSpec(
+        body.name, _core.Craft(parameters, shape.vertices, shape.triangles), _core.CollisionShape.HULL, body.friction,
+        body.restitution, _core.BodyState(shape.position_m, shape.orientation_xyzw, velocity),
+        [applied_wrench(wrench, scenario.step_s) for wrench in body.wrenches or ()], round=shape.round,
+    )  # fmt: skip
+
+
+def _parameters(body: LooseBody, shape: _Shape, water_kg_m3: float) -> _core.CraftParameters:
+    """Return the mass of a body and its coefficients in water of a density."""
+    volume_m3 = shape.solid.volume_m3
     density = body.density_kg_m3 if body.density_kg_m3 is not None else (body.mass_kg or 0.0) / volume_m3
     added, areas, paddles, rubbing = (
         _flow_around_sphere(shape.round.radius_m)
@@ -95,13 +169,7 @@ def _spec(body: LooseBody, scenario: Scenario) -> _core.ObjectSpec:
     drag = body.drag_coefficient
     turning = drag * paddles + SKIN_FRICTION * rubbing
     parameters.quadratic_damping = np.diag(0.5 * water_kg_m3 * np.concatenate([drag * areas, turning]))
-    inverse = shape.orientation_xyzw * [-1.0, -1.0, -1.0, 1.0]
-    velocity = np.concatenate([turned(inverse, body.velocity_m_s), np.zeros(3)])
-    return _core.ObjectSpec(
-        body.name, _core.Craft(parameters, shape.vertices, shape.triangles), _core.CollisionShape.HULL, body.friction,
-        body.restitution, _core.BodyState(shape.position_m, shape.orientation_xyzw, velocity),
-        [applied_wrench(wrench, scenario.step_s) for wrench in body.wrenches or ()], round=shape.round,
-    )  # fmt: skip
+    return parameters
 
 
 def _unpushed(body: LooseBody, path: _core.BodyPath, shape: _Shape, water_kg_m3: float) -> _core.ObjectSpec:

@@ -20,6 +20,7 @@ from uwsim.scenario.build.control import ControlSettings, built_settings
 from uwsim.scenario.build.craft import craft
 from uwsim.scenario.build.gravity import gravity_m_s2
 from uwsim.scenario.build.labels import backscatter_by_label
+from uwsim.scenario.build.loose_bodies import held_links
 from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
 from uwsim.scenario.build.sensor import measures_temperature, sensor_spec
 from uwsim.scenario.build.start_pose import start_pose
@@ -64,8 +65,8 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
         if measures_temperature(sensor):
             require_temperature(scenario.water, f"sensor '{name}'", at=("sensors", name))
     spec.sensors = [sensor_spec(name, sensor, scenario.earth) for name, sensor in model.sensors.items()]
-    if model.arm is not None:
-        spec.arm = link_specs(model.arm)
+    if model.arm is not None or vehicle.droppers:
+        spec.arm = link_specs(model.arm or {}) + held_links(scenario, vehicle)
     if model.sonar is not None:
         spec.sonars = [_sonar(scenario, vehicle, model.sonar.position_m)]
     return spec

@@ -226,6 +226,24 @@ class Scenario(Model):
         return self
 
     @model_validator(mode="after")
+    def _droppers_hold_loose_bodies(self) -> Scenario:
+        loose = [one.name for one in self.objects if not (one.path or one.fixed or one.links or one.tether)]
+        taken: set[str] = set()
+        for index, vehicle in enumerate(self.vehicles):
+            if vehicle.droppers and vehicle.model.radiation is not None:
+                raise broken("must not be given for a vehicle with radiation", at=("vehicles", index, "droppers"))
+            for name, dropper in vehicle.droppers.items():
+                for number, held in enumerate(dropper.holds):
+                    at = ("vehicles", index, "droppers", name, "holds", number)
+                    if held not in loose:
+                        rule = f"must be an object that nothing else holds: {', '.join(loose) or 'there is none'}"
+                        raise broken(rule + did_you_mean(held, loose), at=at, value=held)
+                    if held in taken:
+                        raise broken("is already in a dropper", at=at, value=held)
+                    taken.add(held)
+        return self
+
+    @model_validator(mode="after")
     def _uncertainties_are_known(self) -> Scenario:
         limit_m = None if self.survey is None else self.survey.max_uncertainty_m
         multibeams = [vehicle.sonar for vehicle in self.vehicles if vehicle.model.sonar is not None]

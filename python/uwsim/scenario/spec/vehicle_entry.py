@@ -11,6 +11,7 @@ from pydantic_core.core_schema import ValidationInfo
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.applied_wrench import AppliedWrench
 from uwsim.scenario.spec.battery import BatterySpec
+from uwsim.scenario.spec.dropper import Dropper
 from uwsim.scenario.spec.failsafe import Failsafe
 from uwsim.scenario.spec.fields import Degrees, InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.sonar_setup import SonarSetup
@@ -52,7 +53,8 @@ class VehicleEntry(Model):
     as /cmd_vel, falls silent; 0: the last command is held. Commands by services, Python and the published topic `key`
     are held in any case. xy_goal_tolerance: the distance from a target that a program sends, also in depth, at which
     it counts as reached, by Nav2's name; at least 0.5 m for a vehicle that cannot stand still. yaw_goal_tolerance: the
-    same for its heading. wrenches: what pushes it from outside, by schedule. tether: by default none.
+    same for its heading. wrenches: what pushes it from outside, by schedule. tether: by default none. droppers:
+    of markers and torpedoes, by name.
     """
 
     name: Name
@@ -69,6 +71,7 @@ class VehicleEntry(Model):
     battery: BatterySpec | None = None
     wrenches: Annotated[tuple[AppliedWrench, ...], Field(max_length=1000)] = ()
     tether: Tether | None = None
+    droppers: Annotated[dict[Name, Dropper], Field(max_length=16)] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _has_thrusters_for_its_battery(self) -> VehicleEntry:

@@ -69,7 +69,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
     FieldProfile: frozenset({"file"}),
     TableProfile: frozenset({"file"}),
     Station: frozenset(["position_m", "yaw_deg", "mesh", "dock_m", "exit_m", "material", "carrier"]),
-    VehicleEntry: frozenset({"name", "start", "failsafe", "trim", "wrenches", "tether"}),
+    VehicleEntry: frozenset({"name", "start", "failsafe", "trim", "wrenches", "tether", "droppers"}),
     VehicleModel: frozenset(
         [
             "builds_on",

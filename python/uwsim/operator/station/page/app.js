@@ -247,6 +247,7 @@ function act(action, isPressed) {
     zero: () => pilot.stop(),
     release: () => topbar.releaseOrDock(),
     undock: () => topbar.undock(),
+    drop: () => topbar.drop(),
     frontOn: () => topbar.light('front', true),
     frontOff: () => topbar.light('front', false),
     downOn: () => topbar.light('down', true),

@@ -101,6 +101,11 @@ export class TopBar {
     attempt(this.station.command('undock', this.#vehicle?.name), WORDS.undocked);
   }
 
+  // Of the first dropper that holds a body.
+  drop() {
+    attempt(this.station.command('drop', this.#vehicle?.name), WORDS.dropped);
+  }
+
   light(name, on) {
     if (this.#vehicle?.lamps.includes(name))
       attempt(this.station.command('set_lamp', this.#vehicle?.name, { lamp: name, on }));

@@ -59,6 +59,7 @@ export const COMMANDS = {
   hold_at: ['heading_rad', 'z_world_m'],
   set_winch: ['rate_m_s', 'tension_n'],
   set_joints: ['positions', 'speeds', 'torques'],
+  drop: ['dropper'],
   start_navigation: ['use'],
   aim: ['elevation_rad', 'sonar'],
   set_lamp: ['lamp', 'on'],
