@@ -50,15 +50,16 @@ def score_team(
     course: str | None = None,
     user: str | None = None,
     key: str | Path | None = None,
+    films: bool = False,
     **options: Any,
 ) -> Scored:
     """Fly a team's program over a course once for each seed; write result.json, and sheets and recordings.
 
     folder: the team's. course: by default the one in the team's file. user: another user of this machine as whom the
     program runs, so that it can read nothing of the referee's; takes root. key: the referee's, which signs the result
-    (see uwsim.base.signing). options: as for uwsim.campaigns.sweeps.run_sweep. The recordings of the best and of the
-    worst run are kept. The result depends on neither the workers nor the wall clock, unless the program does. Raises
-    ScenarioError, ValueError or OSError.
+    (see uwsim.base.signing). films: whether each goal of the best and of the worst run is filmed, whose recordings are
+    kept in any case. options: as for uwsim.campaigns.sweeps.run_sweep. The result depends on neither the workers nor
+    the wall clock, unless the program does. Raises ScenarioError, ValueError or OSError.
     """
     campaign = Campaign(RetriedOptions, **options)
     if key is not None:
@@ -87,8 +88,10 @@ def score_team(
             return Scored(into, {}, len(results) - len(failed), len(runs), failed)
         found = _result(team, exercise, plan, [results[number] for number in runs])
         found = found if key is None else signed(found, Path(key))
-        _keep(runs, results, found)
+        kept = _keep(runs, results, found)
         write_atomically(into / RESULT, (json.dumps(found, indent=1) + "\n").encode())
+        if films:
+            _film([runs[number] for number in kept], [results[number] for number in kept], campaign)
     return Scored(into, found, len(runs), len(runs))
 
 
@@ -121,8 +124,17 @@ def _run(result: Mapping[str, Any]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _keep(runs: Mapping[int, Run], results: Mapping[int, Mapping[str, Any]], found: dict[str, Any]) -> None:
-    """Write a sheet for each run, and remove the recordings but those of the best and of the worst."""
+def _film(runs: Sequence[Run], results: Sequence[Mapping[str, Any]], campaign: Campaign) -> None:
+    from uwsim.league.films import film_goals  # here, since SciPy takes half a second
+
+    for run, result in zip(runs, results, strict=True):
+        with campaign.show(f"filming seed {run.seed}"):
+            seeded = run.exercise.model_copy(update={"seed": run.seed})
+            film_goals(seeded, result["sheet"], result["track"], run.file(".mcap"), run.file(""))
+
+
+def _keep(runs: Mapping[int, Run], results: Mapping[int, Mapping[str, Any]], found: dict[str, Any]) -> list[int]:
+    """Write a sheet for each run, and keep the recordings of the best and of the worst, whose numbers are returned."""
     order = sorted(runs, key=lambda number: (found["runs"][number]["score"], -number))
     for number, run in runs.items():
         sheet = results[number]["sheet"]
@@ -131,6 +143,7 @@ def _keep(runs: Mapping[int, Run], results: Mapping[int, Mapping[str, Any]], fou
         write_atomically(run.file(".txt"), ("\n".join(lines) + "\n").encode())
         if number not in (order[0], order[-1]):
             run.file(".mcap").unlink(missing_ok=True)
+    return list(dict.fromkeys((order[-1], order[0])))
 
 
 def course_digest(exercise: Exercise) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from PIL import Image
 
 from command_line import error_line, uwsim
 from signing_keys import made_keys
@@ -16,6 +17,7 @@ from uwsim.base.signing import signed
 from uwsim.exercises.certified import digest_of
 from uwsim.league import load_team, score_team
 from uwsim.league.aboard import Aboard
+from uwsim.league.films import film_goals
 from uwsim.league.table import paired, read_results
 from uwsim.league.team import load_course
 from uwsim.live import LiveSimulator
@@ -94,6 +96,19 @@ def test_its_pilot_passes_the_gate_and_the_recording_stays(team: Path, tmp_path:
     result = scored(team, tmp_path, [5])
     assert result["mean"] == 10.0 and result["passed"] == 1 and result["runs"][0]["why"] == []
     assert (tmp_path / "results/seed-5.mcap").exists()
+
+
+def test_a_goal_is_filmed_with_its_chart_and_judgement(team: Path, tmp_path: Path) -> None:
+    scored(team, tmp_path, [1], answering(["scan"], []), time_s=1.0)
+    (line,) = (json.loads(line) for line in (tmp_path / "results/ledger.jsonl").read_text().splitlines()[1:])
+    exercise, seed = load_course("gate.yaml", tmp_path / "team"), {"seed": 1}
+    recording, out = tmp_path / "results/seed-1.mcap", tmp_path / "seed-1"
+    (film,) = film_goals(
+        exercise.model_copy(update=seed), line["sheet"], line["track"], recording, out, length_s=0.4, size=(32, 18)
+    )
+    with Image.open(film) as opened:
+        assert film.name == "seed-1-gate.webp" and opened.n_frames == 2  # type: ignore[attr-defined]
+        assert opened.size == (32 + 270, 270 + 60)
 
 
 def test_a_slow_program_flies_the_same_run(team: Path, tmp_path: Path) -> None:
