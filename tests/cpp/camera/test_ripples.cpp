@@ -51,7 +51,7 @@ TEST(Ripples, FocusedLightFadesWithDepthAndScattering) {
     const auto most = std::ranges::max_element(cv);
     if (b > 0) {
       EXPECT_TRUE(std::ranges::is_sorted(most, cv.end(), std::greater())) << b;
-      EXPECT_LE(most - cv.begin(), 3) << b;                // at most 4 m deep
+      EXPECT_LE(most - cv.begin(), 3) << b;                   // at most 4 m deep
       EXPECT_GT(*most, (b > 0.1 ? 1.4 : 1.05) * cv[5]) << b;  // at 16 m
     }
     for (int level = 0; level < camera::kCausticLevels; ++level) EXPECT_LT(cv[level], clearer[level]) << b << level;
