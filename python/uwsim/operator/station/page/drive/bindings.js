@@ -66,7 +66,7 @@ const SHARED = {
   stop: ['KeyX', 'KeyC'],
   release: ['KeyR'],
   undock: ['KeyY'],
-  drop: ['Backslash'],
+  drop: ['Delete'],
   frontOff: ['BracketLeft'],
   frontOn: ['BracketRight'],
   downOff: ['Semicolon'],
