@@ -1,6 +1,7 @@
 // The page's logic that needs neither a document nor a server. node page.mjs
 import assert from 'node:assert/strict';
 
+import { PRESETS } from '../../python/uwsim/operator/station/page/drive/bindings.js';
 import { shownHolds, switched } from '../../python/uwsim/operator/station/page/drive/holds.js';
 import {
   Arming,
@@ -40,6 +41,12 @@ import { strip } from '../../python/uwsim/operator/station/page/views/strip.js';
 
 const near = (got, expected, tolerance) => assert.ok(Math.abs(got - expected) <= tolerance, `${got}: not ${expected}`);
 const RAD = Math.PI / 180;
+
+// No key of a set of keys does two things.
+for (const { keys } of Object.values(PRESETS)) {
+  const codes = Object.values(keys).flat();
+  assert.deepEqual(codes, [...new Set(codes)]);
+}
 
 // Holds: one press switches one, and replaces the one that sets the same axes.
 const on = (active, name) => Object.entries(switched(active, name)).flatMap(([each, is]) => (is ? [each] : []));
