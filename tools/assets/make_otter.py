@@ -22,7 +22,7 @@ CENTRE_X_M = 0.153125
 FREEBOARD_M = 0.16
 SECTIONS = 41
 GREY, BLACK, ORANGE = (0.40, 0.41, 0.43), (0.02, 0.02, 0.022), (0.75, 0.16, 0.01)
-"""Of the beams, of case and mast, of the pontoons; linear."""
+"""Colours of the beams, of case and mast, of the pontoons; linear."""
 
 
 def outline(x: np.ndarray) -> np.ndarray:

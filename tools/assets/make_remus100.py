@@ -14,7 +14,7 @@ from solids import ball, box, centroid, hull, rod, united, write_obj
 
 ASSETS = Path(__file__).resolve().parents[2] / "assets"
 BLACK, YELLOW = (0.015, 0.015, 0.018), (0.72, 0.43, 0.02)
-"""Of nose, tail and fittings; of the hull. Linear."""
+"""Colours of nose, tail and fittings, and of the hull; linear."""
 LENGTH_M, DIAMETER_M = 1.6, 0.19
 NOSE_M, TAIL_M, TAIL_ANGLE = 0.62, 0.82, np.radians(20)
 """Nose and tail lengths for which the hull's volume is close to that of the spheroid in the vehicle's file."""

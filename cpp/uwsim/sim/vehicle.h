@@ -76,7 +76,7 @@ struct ObjectSpec {
   std::optional<Carrying> carrying;     ///< by which a vehicle carries it at the start, instead of `start`
 };
 
-/// What a vehicle carries or has carried.
+/// The role of a body that a vehicle carries or has carried.
 struct Cargo {
   Carrying carrying;
   ArmLink link;  ///< as it is while loaded

@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 class Derivation:
     """Computes a sensor's readings. name: "vehicle/sensor", of its random stream. rate_hz: of its samples.
 
-    seed: returns the run's. sound: of the pingers, for a kind that hears them.
+    seed: returns the run's. sound: of the pingers, for a kind that listens to them.
     """
 
     kind: DerivedKind
@@ -41,7 +41,7 @@ class Derivation:
         """Return the quantities by name, numbers or arrays (n,), from those of the source. Raises ValueError."""
         with blaming(GROUP, self.kind.name, "measure"):
             time_s = 1e-9 * stamp_ns
-            heard = (partial(self._ping, time_s),) if self.kind.hears else ()
+            heard = (partial(self._ping, time_s),) if self.kind.listens else ()
             given = self.kind.measure(values, figures_of(self.kind, self.mount.parameters), time_s, *heard)
         if set(given) != set(self.kind.fields):
             rule = f"must measure {', '.join(self.kind.fields)}"

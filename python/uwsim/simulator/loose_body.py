@@ -58,7 +58,7 @@ class LooseBody:
 
     @property
     def carried(self) -> bool:
-        """Whether a vehicle's dropper holds it."""
+        """True while a vehicle's dropper holds it."""
         return self._simulation.object_loaded(self._index)
 
     @property

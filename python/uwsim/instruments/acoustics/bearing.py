@@ -41,10 +41,10 @@ BEARING = DerivedKind(
     source="ins",
     fields=FIELDS,
     measure=measure,
-    hears=True,
+    listens=True,
     parameters={
-        "low_hz": Figure(200.0, 0.0, 1e6, "Hz", "lowest frequency that it hears"),
-        "high_hz": Figure(250e3, 0.0, 1e6, "Hz", "highest frequency that it hears"),
-        "threshold_db": Figure(100.0, 0.0, 300.0, "dB re 1 uPa", "lowest level of a burst that it hears"),
+        "low_hz": Figure(200.0, 0.0, 1e6, "Hz", "lowest frequency that it detects"),
+        "high_hz": Figure(250e3, 0.0, 1e6, "Hz", "highest frequency that it detects"),
+        "threshold_db": Figure(100.0, 0.0, 300.0, "dB re 1 uPa", "lowest level of a burst that it detects"),
     },
 )

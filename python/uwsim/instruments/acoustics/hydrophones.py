@@ -94,7 +94,7 @@ class HydrophonePing(ShortRepr):
 class Hydrophones(Attached):
     """An array of one to four hydrophones on a vehicle.
 
-    What it hears is computed when it is read, and depends on the vehicle's motion at that time: where the vehicle was
+    Its samples are computed when it is read, and depends on the vehicle's motion at that time: where the vehicle was
     when the sound arrived follows from its present pose and velocity. Read it soon after each ping, or subscribe to its
     topic, which reads it 20 times per second. spec: its mount and its electronics.
     """

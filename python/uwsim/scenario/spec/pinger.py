@@ -68,7 +68,7 @@ class Pool(Model):
 
 
 class Sound(Model):
-    """What hydrophones hear besides the pingers' direct sound.
+    """The noise that hydrophones have besides the pingers' direct sound.
 
     pool: reflects the sound; without it, the surface and a flat bed do, at its depth half-way, by the arrivals in
     layered water. bottom: the material of that bed. wind_m_s, shipping: sources of ambient noise, by Wenz's curves; the

@@ -67,7 +67,7 @@ class DerivedKind:
     with their widths and units. measure(values, figures, time_s): returns them by name; `values` are the source's
     quantities, numbers or arrays (n,), `figures` the sensor's own keys, and time_s the time of the measurement. It must
     depend on nothing else, so that a sample is the same whenever and however often it is read. A sample with NaN is
-    invalid. hears: whether measure is also given a function of a place (3,) and of the lowest and the highest
+    invalid. listens: whether measure is also given a function of a place (3,) and of the lowest and the highest
     frequency [Hz], which returns the pingers' last burst that has arrived there since the sample before, or None.
     parameters: its own keys. type, write(value, header, variance): the ROS message, by its name and as a dict of its
     fields, of a reading and the error variance of each quantity by name; without a type, the sensor has no
@@ -80,7 +80,7 @@ class DerivedKind:
     fields: Widths
     measure: Callable[..., Mapping[str, Any]]
     parameters: Mapping[str, Figure] = field(default_factory=dict)
-    hears: bool = False
+    listens: bool = False
     type: str = ""
     write: Callable[[Any, Any, Mapping[str, float]], Mapping[str, Any]] | None = None
 
