@@ -101,7 +101,7 @@ export class TopBar {
     attempt(this.station.command('undock', this.#vehicle?.name), WORDS.undocked);
   }
 
-  // Of the first dropper that holds a body.
+  // The first dropper that holds a body lets it go.
   drop() {
     attempt(this.station.command('drop', this.#vehicle?.name), WORDS.dropped);
   }
