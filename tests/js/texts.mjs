@@ -15,7 +15,7 @@ const WORDS =
   /\p{L}{2,}[,:;]?[ ’']\p{L}|^\p{Lu}\p{Ll}+[.:]?$|\p{L}{2,}( …|[.!?…])$|\uE000 \p{L}{2,}|\p{L}{2,}:? \uE000|^ \p{L}/u;
 const UNITS = /(?<!\p{L})(m|cm|km|s|ms|min|h|dB|Hz|kHz|MB|kPa|m\/s|x)(?!\p{L})/gu;
 const CODES =
-  /^(Key[A-Z]|Digit\d|Semicolon|Quote|Comma|Period|Equal|Minus|Backquote|Backslash|Backspace|Space|Escape|Enter|Tab)$/; // of keys
+  /^(Key[A-Z]|Digit\d|Semicolon|Quote|Comma|Period|Equal|Minus|Backquote|Backslash|Backspace|Delete|Space|Escape|Enter|Tab)$/; // of keys
 const GENERATED = /wire[\\/]messages\.js$/;
 const NONE = /^\n(uniform|precision) |^input, select, textarea, |^big-values small$/; // shaders, a selector, classes
 

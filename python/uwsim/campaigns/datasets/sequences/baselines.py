@@ -100,8 +100,9 @@ class Baselines:
 
 def _navigators(vehicle: Vehicle, sim: Simulator) -> dict[str, Navigator]:
     velocity = vehicle.pose.world_from_body[:3, :3] @ vehicle.velocity.linear_body_m_s
-    position_m, station_m = tuple(vehicle.pose.position_world_m.tolist()), sim.scenario.station.position_m
-    start = Start(position_m, ALIGNMENT_STD_M, tuple(velocity.tolist()), ALIGNMENT_STD_M_S)
+    start = Start(
+        tuple(vehicle.pose.position_world_m.tolist()), ALIGNMENT_STD_M, tuple(velocity.tolist()), ALIGNMENT_STD_M_S
+    )
     relative = {name: sensor for name, sensor in vehicle.sensors.items() if sensor.kind != ABSOLUTE}
     aboard: dict[str, Instrumented] = {RECKONING: _Without(vehicle.name, relative), FILTER: vehicle}
-    return {name: new_navigator(each, start, sim.world.water, station_m) for name, each in aboard.items()}
+    return {name: new_navigator(each, start, sim.world.water) for name, each in aboard.items()}
