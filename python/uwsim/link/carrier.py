@@ -15,7 +15,7 @@ from uwsim.base.agenda import NEVER, Rank
 from uwsim.base.commands import COMMANDS
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.channels import Channel, Service, Table
-from uwsim.channels.calls.request import Request, following
+from uwsim.channels.request import Request, following
 from uwsim.link import remote
 from uwsim.link.carried import Carried, carried_channels, is_chosen
 from uwsim.link.offline import Offline

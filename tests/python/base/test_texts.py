@@ -11,7 +11,7 @@ from uwsim.base.arguments import is_number
 from uwsim.base.texts.csv_table import read_csv
 from uwsim.base.texts.json_text import json_object, json_value, read_json
 from uwsim.base.texts.yaml_document import read_yaml
-from uwsim.channels.calls.request import field
+from uwsim.channels.request import field
 from uwsim.live.pace import checked_speed
 from uwsim.operator.station.helm.plan import Plan
 

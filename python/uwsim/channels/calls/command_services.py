@@ -10,8 +10,8 @@ from uwsim.base.arguments import plain
 from uwsim.base.commands import COMMANDS, SET_BOOL, Command
 from uwsim.base.commands.command import VEHICLE
 from uwsim.channels.authority.steering import Steering, require_link
-from uwsim.channels.calls.request import Request, answered, answered_later, field
 from uwsim.channels.channel import Service
+from uwsim.channels.request import Request, answered, answered_later, field
 from uwsim.channels.ros.service_types import SERVICE_TYPES, field_names, halves
 from uwsim.channels.source import Source
 from uwsim.live import LiveSimulator

@@ -9,10 +9,10 @@ from pathlib import Path
 from uwsim.base.commands import SET_BOOL, TRIGGER
 from uwsim.channels.authority.steering import Steering, require_link
 from uwsim.channels.calls.command_services import command_services
-from uwsim.channels.calls.request import Request, answered, field
 from uwsim.channels.channel import Service
 from uwsim.channels.delivery.pictures import RATE_HZ, Pictures, Stream
 from uwsim.channels.families.map import PingMap
+from uwsim.channels.request import Request, answered, field
 from uwsim.channels.source import Source
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator

@@ -7,8 +7,8 @@ from typing import Any
 
 from uwsim.base.commands.command import TRIGGER
 from uwsim.channels.authority.steering import Steering, require_link
-from uwsim.channels.calls.request import Request, answered
 from uwsim.channels.channel import COMMAND, Channel, OverLink, Service
+from uwsim.channels.request import Request, answered
 from uwsim.channels.ros import build
 from uwsim.channels.source import Source
 from uwsim.live import LiveSimulator

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from uwsim.channels import Channel, OverLink, Service
-from uwsim.channels.calls.request import Request, answered
+from uwsim.channels.request import Request, answered
 from uwsim.channels.ros import build
 from uwsim.channels.source import Source
 from uwsim.live import LiveSimulator
