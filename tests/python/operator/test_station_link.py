@@ -94,5 +94,5 @@ def test_the_operator_reads_how_often_pictures_come_and_may_see_what_the_vehicle
         assert look.evaluate("station.views.picture('front').canvas.width") == 96
         look.click("text=Show what the vehicle sees")
         when(look, "station.views.picture('front').canvas.width > 96")
-        assert not look.is_visible(".is-large .over")
+        look.wait_for_selector(".is-large .over", state="hidden")
         assert not here.complaints

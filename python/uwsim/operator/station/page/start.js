@@ -35,6 +35,7 @@ export class StartScreen {
   #fields = new Map(); // name: { box, input, hint, wrong }
   #timer = 0;
   #checks = 0;
+  #errors = {}; // those that are shown, by field
   #isNew = true; // the choice, since Start reported its errors
   #preview = new Preview();
   /** @type {HTMLButtonElement} */
@@ -83,7 +84,7 @@ export class StartScreen {
     }
     this.#build();
     this.onCatalog(this.catalog);
-    this.#showMessage('');
+    this.#mark(this.#errors); // the fields are new; a list that comes late must not erase the errors of Start
     this.#check(); // the server builds the simulator for a valid choice in advance, so that it is ready at Start
   }
 
@@ -183,7 +184,7 @@ export class StartScreen {
     this.otherSet.hidden = !isElsewhere;
     for (const name of OF_SCENARIO) this.#fields.get(name).box.hidden = this.#isBuilding;
     write(this.button, this.#isBuilding ? WORDS.edit : isElsewhere ? WORDS.connect : WORDS.start);
-    this.#later();
+    this.#soon();
   }
 
   #set(title, ...fields) {
@@ -291,6 +292,10 @@ export class StartScreen {
 
   #later() {
     this.#isNew = true;
+    this.#soon();
+  }
+
+  #soon() {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => this.#check(), CHECK_MS);
   }
@@ -318,6 +323,7 @@ export class StartScreen {
 
   // Show each error at its field; return whether there are any.
   #mark(errors) {
+    this.#errors = errors;
     for (const [name, { box, input, wrong }] of this.#fields) {
       const text = errors[name] ?? '';
       write(wrong, text);
