@@ -138,6 +138,14 @@ def test_in_3d_the_same_parts_are_moved_turned_added_and_undone_and_a_reload_kee
     when(page, "station.editor.state.is_saved && " + SENT.format("box", "position_m[1] === 0"))
 
 
+def test_what_is_opened_again_in_the_frame_in_which_it_was_closed_can_be_edited(page):
+    page.evaluate("document.querySelector('#editor-dialog').close(), document.querySelector('button.edit').click()")
+    when(page, "document.querySelector('#editor-dialog').open")
+    page.get_by_label("Kind").select_option("sphere")
+    page.click(".editor-bar >> text=Add")
+    when(page, SENT.format("sphere", "position_m"))
+
+
 def test_with_nothing_chosen_the_chart_pans_and_marks_and_add_lands_where_one_looks(page):
     def added(kind: str) -> list[float]:
         page.get_by_label("Kind").select_option(kind)
@@ -319,6 +327,7 @@ def test_a_scenario_is_edited_by_mouse_and_by_keys_saved_and_started(here, page)
 
 def test_a_paused_world_is_rebuilt_around_the_vehicle(here, start_page):
     page = start_page
+    page.evaluate("document.querySelector('#editor-dialog').close()")
     if here.station.sessions.running is None:  # another process may have started it in the test before
         here.station.start({"scenario": "pool", "seed": 7})
         when(page, "station.station.isPilot && station.telemetry.message")

@@ -176,6 +176,11 @@ class Editor:
             found = checked(lambda: scenario, self._threads)
         return list(found.mistakes or found.warnings)
 
+    def solid(self, edition: int, number: int) -> bytes:
+        """Return an obstacle of the plan; see `GroundPlan.solid`. b"" after the editing has ended."""
+        draft = self._draft
+        return b"" if draft is None else draft.plan.solid(edition, number)
+
     @property
     def draft(self) -> Draft:
         """The scenario being edited. Raises ValueError if there is none."""

@@ -89,7 +89,7 @@ class Site:
             return File(self._sessions.editor.draft.plan.heights(), "application/octet-stream")
         solid = SOLID.fullmatch(path)
         if solid is not None:
-            return File(self._sessions.editor.draft.plan.solid(int(solid[1]), int(solid[2])), TYPES[".glb"])
+            return File(self._sessions.editor.solid(int(solid[1]), int(solid[2])), TYPES[".glb"])
         running = self._sessions.present()
         for pattern, make in ROUTES:
             match = re.fullmatch(pattern, path)

@@ -69,6 +69,7 @@ export class SceneEditor {
       this.chart.canvas,
     );
     station.addEventListener('state', () => this.#goOn());
+    byId('editor-dialog').addEventListener('close', () => this.#left());
     // On the window, since the element that has the focus may vanish with a change.
     addEventListener('keydown', (event) => this.#isShown && editorKey(event, this.acts));
     this.element = el(
@@ -92,10 +93,14 @@ export class SceneEditor {
    * @param {string | null} scenario
    * @param {(name: string) => void} onClose
    */
-  async open(scenario, onClose = () => {}) {
+  open(scenario, onClose = () => {}) {
+    this.#queue = this.#queue.then(() => this.#open(scenario, onClose)); // a closing that comes late is after it
+    return this.#queue;
+  }
+
+  async #open(scenario, onClose) {
     const { bridge } = this.station;
     try {
-      await this.#queue;
       if (!this.bar.sections.length) {
         const found = await editForms(bridge);
         if (!found.success) throw new Error(found.message);
@@ -105,9 +110,7 @@ export class SceneEditor {
       if (!state.success) throw new Error(state.message);
       [this.savedName, this.#onClose, this.#bed, this.#opened] = ['', onClose, '', scenario];
       [this.parts.selected, this.parts.changes, this.parts.mark, this.#client] = [-1, {}, null, this.station.id];
-      const dialog = byId('editor-dialog');
-      openDialog(dialog, WORDS.title(state.name), this.element);
-      dialog.addEventListener('close', () => this.#left(), { once: true });
+      openDialog(byId('editor-dialog'), WORDS.title(state.name), this.element);
       this.bar.name.defaultValue = this.bar.name.value = (state.name ?? '').replace(/\.ya?ml$/, '').replace(/.*\//, '');
       this.#say(state.message);
       await this.#show(state);
@@ -146,10 +149,12 @@ export class SceneEditor {
     this.#flush();
   }
 
-  // Send what is left, and let others edit if nothing is unsaved.
+  // Send what is left, and let others edit if nothing is unsaved. A dialog's event comes with the next frame of the
+  // page, when it may be open again.
   #left() {
     this.#flush();
     this.#queue = this.#queue.then(() => {
+      if (this.#isShown) return null;
       this.#onClose(this.savedName);
       return this.state?.is_saved ? edit(this.station.bridge, { action: 'close' }).catch(() => null) : null;
     });
