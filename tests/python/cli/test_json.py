@@ -20,9 +20,9 @@ ELSEWHERE = {
     "vision.json of --out": ["range"],
     "flights.csv of --out": ["ardusub check"],
     "the file or the pictures that it writes": [
-        "sonar", "camera", "film", "vehicle decompose", "ros package", "scenario new", "scenario from", "scenario plan",
-        "course new", "course table", "map convert", "map merge", "map render", "map slice", "map build", "map from",
-        "map film", "map waterfall",
+        "sonar", "camera", "film", "vehicle decompose", "ros package", "scenario new", "scenario from",
+        "scenario export", "scenario plan", "course new", "course table", "map convert", "map merge", "map render",
+        "map slice", "map build", "map from", "map film", "map waterfall",
     ],
     "a server or a vehicle, until Ctrl-C": [
         "serve", "station", "teleop", "ardusub start", "ros connect", "ros nodes", "map view",

@@ -1,0 +1,1 @@
+"""Writes scenarios for other simulators."""
