@@ -18,6 +18,7 @@ from uwsim.exercises.certified import digest_of
 from uwsim.league import load_team, score_team
 from uwsim.league.aboard import Aboard
 from uwsim.league.films import film_goals
+from uwsim.league.new import COURSES, new_team
 from uwsim.league.table import paired, read_results
 from uwsim.league.team import load_course
 from uwsim.live import LiveSimulator
@@ -35,6 +36,20 @@ goals:
   - {kind: pass, name: gate, title: The gate, of: gate, position_m: [0, 0.76, 1.4], heading_deg: 180, within_m: 0.75}
 limits: [{kind: collision, cost: 5}]
 """
+BUOY = """
+title: The buoy
+brief: Look at the buoy.
+scenario: pool
+vehicle: bluerov2_heavy_outfit
+start: {position_m: [-4, -6, -1.5]}
+time_s: 90
+pass_points: 10
+props: [{name: red_buoy, model: buoy, position_m: [-1, -6, -5]}]
+layout: [{prop: red_buoy, x_m: [-1, 1], y_m: [-1, 1]}]
+aids: [{kind: program}]
+goals: [{kind: look_at, name: red, title: The buoy, of: red_buoy, position_m: [0, 0, 1.1], within_m: 1.5, points: 10}]
+limits: [{kind: collision, cost: 5}]
+"""
 ANSWERS = """
 import json, os, socket
 peer = socket.socket(fileno=int(os.environ["UWSIM_COURSE_FD"])).makefile("rw")
@@ -48,8 +63,8 @@ for line in peer:
 """
 SLOW = """
 import sys, time
-sys.path.insert(0, "src/pilot/pilot")
-import pilot, simulated
+sys.path.insert(0, "src/pilot")
+from pilot import pilot, simulated
 quick = pilot.Pilot.commands
 pilot.Pilot.commands = lambda self: time.sleep(0.01) or quick(self)
 simulated.main()
@@ -82,14 +97,28 @@ def answering(reads: list[str], commands: list[Any]) -> str:
     return ANSWERS.replace("READS", repr(reads)).replace("COMMANDS", repr(commands))
 
 
-def test_the_new_teams_own_tests_pass_and_an_existing_folder_is_refused(team: Path) -> None:
+@pytest.mark.parametrize("course", COURSES)
+def test_the_new_teams_own_tests_pass_and_an_existing_folder_is_refused(course: str, tmp_path: Path) -> None:
+    team = tmp_path / "team"
+    assert uwsim("course", "new", team, "--course", course).returncode == 0
     tests = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "src/pilot/test"]
     done = subprocess.run(tests, cwd=team, env={"PYTHONPATH": "src/pilot"}, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
-    assert load_course(load_team(team).course, team).points == 100.0
+    assert load_team(team).course == course and load_course(course, team).points == 100.0
     assert "must be a new folder, or an empty one" in error_line(uwsim("course", "new", team))
     lines = sum(len(path.read_text().splitlines()) for path in (team / "src/pilot/pilot").glob("[nps]*.py"))
     assert lines <= 300 and len((team / "src/pilot/pilot/pilot.py").read_text().splitlines()) <= 200
+
+
+def test_the_seas_pilot_finds_the_buoy_that_the_seed_moved(tmp_path: Path) -> None:
+    team = tmp_path / "sea"
+    new_team(team, "sea-course")
+    (team / "buoy.yaml").write_text(BUOY)
+    text = (team / "team.yaml").read_text().replace("sea-course", "buoy.yaml")
+    (team / "team.yaml").write_text(text)
+    pilot = team / "src/pilot/pilot/pilot.py"
+    pilot.write_text(pilot.read_text().replace("self.map_bed,", "", 1))
+    assert score_team(team, [3], tmp_path / "results", workers=0).result["mean"] == 10.0
 
 
 def test_its_pilot_passes_the_gate_and_the_recording_stays(team: Path, tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -30,15 +30,20 @@ Folder = Annotated[Path, typer.Argument(help="The team's folder.")]
 
 
 @app.command()
-def new(folder: Folder) -> None:
-    """Write a team's folder: a pilot that flies the pool's course.
+def new(
+    folder: Folder,
+    course: Annotated[
+        Literal["pool-course", "sea-course"], typer.Option(help="The course that its pilot flies.")
+    ] = "pool-course",
+) -> None:
+    """Write a team's folder: a pilot that flies a course.
 
     It is a ROS 2 workspace with one node, a launch file and tests, and has a workflow that flies the course on every
     push without ROS. An existing folder that is not empty is refused.
     """
     from uwsim.league.new import new_team
 
-    for path in new_team(folder):
+    for path in new_team(folder, course):
         typer.echo(path)
 
 

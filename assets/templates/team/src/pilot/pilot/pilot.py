@@ -7,6 +7,8 @@ drivers use is READS, WRITES, PERIOD_S, `receive` and `commands`.
 
 import math
 
+from pilot.steering import Steering
+
 READS = {"odom": "nav_msgs/msg/Odometry", "scan": "sensor_msgs/msg/LaserScan"}
 WRITES = {"cmd_vel": "geometry_msgs/msg/Twist", "cmd_tilt": "std_msgs/msg/Float64"}
 PERIOD_S = 0.1
@@ -15,15 +17,9 @@ DEPTH_M = 1.1  # at which the scan meets the gate's legs and the poles, and pass
 SONAR_M = (0.24, -0.06)  # the sonar's place ahead of and above the vehicle's origin
 POST_M, RANGE_M, SAME_M = 0.3, 9.0, 0.35  # widest post, farthest one that is used, distance that makes two of them one
 GATE_M, ROW_M = 3.05, 1.5  # distance between the gate's legs, and between the poles of a row
-SPEED_M_S, TURN_RAD_S = 0.4, 0.35
 GATE_X_M = -4.0  # it stands west of this, as the rules state
 OCTAGON_X_M, PIPES_M = 9.5, (1.25, 1.55)  # where it is, as the rules state, and how far its pipes are from its middle
 SHALLOW_M, UP_RAD = 0.8, 0.3  # depth and tilt with which the sonar meets the surface 2.8 m ahead
-
-
-def turn(angle_rad):
-    """Return an angle in [-pi, pi)."""
-    return (angle_rad + math.pi) % (2.0 * math.pi) - math.pi
 
 
 class Posts:
@@ -55,10 +51,8 @@ class Pilot:
     def __init__(self, log=print):
         self.log = log
         self.posts = Posts()
-        self.pose = None  # x, y, z, yaw
-        self.yaw_rate = 0.0
+        self.steering = Steering()
         self.passed = 0  # openings: the gate, then the rows
-        self.way = []  # points still to be flown to: (x, y, depth, heading)
         self.looking = [0.0, 0.6, -0.6, 0.0]  # headings still to be looked at
         self.looked = 0
         self.up_rad = 0.0  # the sonar's tilt
@@ -67,16 +61,13 @@ class Pilot:
     def receive(self, topic, message):
         """Take a message of one of READS."""
         if topic == "odom":
-            place, q = message.pose.pose.position, message.pose.pose.orientation
-            yaw = math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
-            self.pose = (place.x, place.y, place.z, yaw)
-            self.yaw_rate = message.twist.twist.angular.z
-        elif self.pose is not None and abs(self.yaw_rate) < 0.15:  # a turning sonar smears
+            self.steering.see(message)
+        elif self.steering.pose is not None and self.steering.is_steady:
             self.see(message)
 
     def see(self, scan):
         """Add the scan's posts: a few beams that are nearer than those on both sides."""
-        x, y, z, yaw = self.pose
+        x, y, z, yaw = self.steering.pose
         x += SONAR_M[0] * math.cos(yaw)
         y += SONAR_M[0] * math.sin(yaw)
         ranges = [r if r and scan.range_min < r < scan.range_max else 99.0 for r in scan.ranges]
@@ -109,49 +100,45 @@ class Pilot:
 
     def commands(self):
         """Return the messages to publish now, a list of pairs of a topic and plain values."""
-        if self.pose is None:
+        if self.steering.pose is None:
             return []
-        if not self.way:
-            self.choose()
+        if not self.steering.way:
+            self.steering.way = self.choose()
         tilt = {"data": -self.up_rad}  # positive: nose down
-        return [("cmd_vel", self.towards(*self.way[0])), ("cmd_tilt", tilt)]
+        return [("cmd_vel", self.steering.command()), ("cmd_tilt", tilt)]
 
     def choose(self):
-        """Choose where to fly to next."""
-        x, y, _, _ = self.pose
+        """Return the points to fly to next."""
+        x, y, _, _ = self.steering.pose
         if self.looking:
-            self.way = [(x, y, DEPTH_M, self.looking.pop(0))]
-            return
+            return [(x, y, DEPTH_M, self.looking.pop(0))]
         if self.passed == 4:
             self.passed, self.up_rad = 5, UP_RAD
             turns = [(6.2 + d, 0.0, SHALLOW_M, a) for d in (0.0, 0.5, 1.0) for a in (-0.5, 0.0, 0.5)]
-            self.way = [(x + 0.6, y, SHALLOW_M, 0.0), *turns]
-            return
+            return [(x + 0.6, y, SHALLOW_M, 0.0), *turns]
         if self.passed == 5:
             self.passed = 6
             side = self.octagon()
             self.log(f"octagon at {side:.2f}, from {len(self.pipes)} echoes")
-            self.way = [(OCTAGON_X_M, side, SHALLOW_M, 0.0), (OCTAGON_X_M, side, -0.1, 0.0)]
-            return
+            return [(OCTAGON_X_M, side, SHALLOW_M, 0.0), (OCTAGON_X_M, side, -0.1, 0.0)]
         opening = self.opening()
         if opening is None:
             self.looked += 1
             side = 0.5 if self.looked % 2 else -0.5
-            self.way = [(x + (0.0 if self.passed else 0.4), y + side, DEPTH_M, 0.0)]
             self.looking = [0.6, -0.6, 0.0]
-            return
+            return [(x + (0.0 if self.passed else 0.4), y + side, DEPTH_M, 0.0)]
         (ax, ay), (bx, by) = opening  # from starboard to port: its normal points ahead
         width = math.dist(*opening)
         nx, ny = (by - ay) / width, (ax - bx) / width
         mx, my, heading = 0.5 * (ax + bx), 0.5 * (ay + by), math.atan2(ny, nx)
         self.log(f"opening {self.passed} at {mx:.2f}, {my:.2f}, heading {math.degrees(heading):.0f} degrees")
-        self.way = [(mx + d * nx, my + d * ny, DEPTH_M, heading) for d in (-0.9, 0.5)]
         self.passed += 1
         self.looking = [0.6, -0.6, 0.0]
+        return [(mx + d * nx, my + d * ny, DEPTH_M, heading) for d in (-0.9, 0.5)]
 
     def opening(self):
         """Return the two posts between which to pass, from starboard to port, or None."""
-        posts = self.posts.sure(self.pose[0] + 0.2)
+        posts = self.posts.sure(self.steering.pose[0] + 0.2)
         if self.passed == 0:  # the starboard half of the gate
             gates = []
             for a in posts:
@@ -177,18 +164,3 @@ class Pilot:
             return sum(PIPES_M[0] < math.dist(pipe, (OCTAGON_X_M, y_m)) < PIPES_M[1] for pipe in self.pipes)
 
         return max((0.05 * k for k in range(-45, 46)), key=fitting)
-
-    def towards(self, x_m, y_m, depth_m, heading_rad):
-        """Return the velocity towards a point, and drop the point once it is reached."""
-        x, y, z, yaw = self.pose
-        dx, dy, dz, turning = x_m - x, y_m - y, -depth_m - z, turn(heading_rad - yaw)
-        far = math.hypot(dx, dy)
-        if far < 0.12 and abs(dz) < 0.15 and abs(turning) < 0.08 and abs(self.yaw_rate) < 0.05:
-            self.way.pop(0)
-        speed = min(SPEED_M_S, 0.6 * far) / max(far, 1e-6)
-        ahead, left = speed * dx, speed * dy
-        forward, sideways = ahead * math.cos(yaw) + left * math.sin(yaw), left * math.cos(yaw) - ahead * math.sin(yaw)
-        return {
-            "linear": {"x": forward, "y": sideways, "z": max(min(0.8 * dz, 0.3), -0.3)},
-            "angular": {"x": 0.0, "y": 0.0, "z": max(min(1.2 * turning, TURN_RAD_S), -TURN_RAD_S)},
-        }

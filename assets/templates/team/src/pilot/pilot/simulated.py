@@ -7,9 +7,13 @@ the program its commands, until a line states why the run has ended.
 import json
 import os
 import socket
+import sys
+from pathlib import Path
 from types import SimpleNamespace
 
-from pilot import READS, Pilot
+sys.path[0] = str(Path(__file__).resolve().parents[1])  # where the package is, as ROS has it
+
+from pilot.pilot import READS, Pilot  # noqa: E402
 
 
 def main():
