@@ -1,13 +1,19 @@
 """ROS 2 message bytes: built once, equal to those of rosbags, and described as ROS 2 does."""
 
+import dataclasses
 import re
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
+import numpy as np
 import pytest
+from rosbags.serde import SerdeError
 
 from channel_tools import table
 from uwsim.channels.delivery.feed import Feed, Reading
 from uwsim.channels.ros import cdr
+from uwsim.channels.ros.cdr_layout import writer
+from uwsim.channels.ros.message_out import default_message
 from uwsim.channels.ros.message_types import typestore
 from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
@@ -52,3 +58,35 @@ def test_a_feed_reads_once_for_all_and_only_while_somebody_listens() -> None:
         feed.listen(static, late.append)
         assert late == early and len(late) == 1
         assert typestore().types["tf2_msgs/msg/TFMessage"] is type(late[0].message)
+
+
+def test_messages_that_are_written_at_once_are_those_of_rosbags() -> None:
+    """Of every type, with texts of other lengths and arrays of other values, which move and fill what follows them."""
+    store, at_once = typestore(), []
+    for name in store.fielddefs:
+        for length in (0, 1, 6):
+            message = filled(default_message(name), length)
+            if (write := writer(name, store, cdr.HEADER)) is not None:
+                data = store.serialize_cdr(message, name)
+                assert write(message) == bytes(data) + b"\0" * (-len(data) % 4), name
+                at_once.append(name)
+    assert {"sensor_msgs/msg/Imu", "nav_msgs/msg/Odometry", "std_msgs/msg/Float64"} <= set(at_once)
+    imu = default_message("sensor_msgs/msg/Imu")
+    imu.orientation_covariance = np.zeros(8)
+    with pytest.raises(SerdeError, match="array length"):
+        cdr.encode(imu)
+
+
+def filled(message: Any, length: int) -> Any:
+    """Return a message with texts of a length, and arrays and floats of ones, at any depth."""
+    for field in dataclasses.fields(message):
+        value = getattr(message, field.name)
+        if isinstance(value, str):
+            setattr(message, field.name, "ä" * length)
+        elif isinstance(value, np.ndarray):
+            value[:] = 1
+        elif isinstance(value, float):
+            setattr(message, field.name, 1.0 + length)
+        elif dataclasses.is_dataclass(value):
+            filled(value, length)
+    return message

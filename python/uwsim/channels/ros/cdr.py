@@ -11,6 +11,7 @@ import numpy as np
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
+from uwsim.channels.ros.cdr_layout import writer
 from uwsim.channels.ros.message_types import typestore
 from uwsim.channels.ros.type_hash import type_hash
 
@@ -55,7 +56,9 @@ def encode(message: Any, distro: Distro = "jazzy") -> memoryview:
 
     The returned bytes are read-only. Readers ignore the padding.
     """
-    store, size_of, write = _encoder(message.__msgtype__, distro)
+    store, size_of, write, at_once = _encoder(message.__msgtype__, distro)
+    if at_once is not None and (encoded := at_once(message)) is not None:
+        return memoryview(encoded)
     size = len(HEADER) + size_of(0, message, store)
     data = _blank(-(-size // 4) * 4, message)
     data[:4] = HEADER
@@ -64,12 +67,17 @@ def encode(message: Any, distro: Distro = "jazzy") -> memoryview:
 
 
 @cache
-def _encoder(name: str, distro: Distro) -> tuple[Typestore, Callable[..., int], Callable[..., int]]:
-    """Return the types of a distribution, and the functions that give a message's size and write it."""
+def _encoder(
+    name: str, distro: Distro
+) -> tuple[Typestore, Callable[..., int], Callable[..., int], Callable[[Any], bytes | None] | None]:
+    """Return the types of a distribution, and the functions that give a message's size, write it, and do both at once.
+
+    The last is None for types with sequences.
+    """
     store = store_of(distro)
     definition = store.get_msgdef(name)
     write = definition.serialize_cdr_le if sys.byteorder == "little" else definition.serialize_cdr_be
-    return store, definition.getsize_cdr, write
+    return store, definition.getsize_cdr, write, writer(name, store, HEADER)
 
 
 def _blank(size: int, message: Any) -> memoryview:
