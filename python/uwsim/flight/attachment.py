@@ -26,6 +26,7 @@ from uwsim.base.registered_options import RegisteredOptions
 
 if TYPE_CHECKING:
     from uwsim.base.journal import Observer
+    from uwsim.base.wall_timer import WallTimer
     from uwsim.flight.pinging import TakePing
     from uwsim.flight.record import FlightRecord
     from uwsim.flight.request import FlightRequest
@@ -56,10 +57,12 @@ class Attachment:
     """Takes part in one flight, in the order of these methods. It is made before anything is written.
 
     on_ping: called with each mapped ping. table: the simulator's channels, if it uses them, for attachments after it.
+    timer: the flight's stages, set before `start`.
     """
 
     on_ping: TakePing | None = None
     table: Any = None
+    timer: WallTimer | None = None
 
     def start(self) -> None:
         """Begin, before the mission does; files may be created. Raises OSError."""

@@ -68,6 +68,7 @@ class Flight:
         attachments = list(setup.attachments.values())
         try:
             for each in attachments:
+                each.timer = self._timer
                 each.start()
             with setup.screen.flight(f"flying {setup.mission.title} in {self._sim.scenario.name}") as show:
                 flown = self._flown(show)

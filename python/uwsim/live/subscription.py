@@ -58,13 +58,14 @@ class Subscription:
         self.due_tick = tick
 
     def act(self, tick: int) -> None:
-        """Take a reading and pass it to the sink, then become due at the next multiple of the period.
-
-        A repeated error is logged only once.
-        """
+        """Take a reading and pass it to the sink, then become due at the next multiple of the period."""
         if self.cancelled:
             return
         self.due_tick = NEVER if self._period_ns is None else next_tick(tick, self._period_ns, self._step_ns)
+        self.take(tick)
+
+    def take(self, tick: int) -> None:
+        """Take a reading and pass it to the sink. A repeated error is logged only once."""
         try:
             self._sink(self._read(self._sim))
         except Exception as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from functools import partial
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from uwsim.channels.ros.own_types import SONAR_PING
 from uwsim.flight.attachment import Attachment, Departure
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import FlightRequest
+from uwsim.flight.stages import RECORDING
 from uwsim.flight.vehicle_chain import ping_interval_s
 from uwsim.recording.mcap_sink import SURVEY
 from uwsim.recording.ping_channel import NAME, ping_message
@@ -34,11 +35,18 @@ class FlightRecorder(Attachment):
 
     def __init__(self, recorder: Recorder, table: Table | None) -> None:
         self._recorder, self.table = recorder, table
-        self.on_ping = partial(record_ping, recorder) if table is None else None
+        self.on_ping = self._record_ping if table is None else None
+        self._measured: AbstractContextManager[object] = nullcontext()
 
     def start(self) -> None:
         """Start recording. Raises OSError."""
-        self._recorder.start()
+        if self.timer is not None:
+            self._measured = self.timer.measure(RECORDING)
+        self._recorder.start(self._measured)
+
+    def _record_ping(self, ping: _core.Ping, panel: _core.Telemetry, world_from_body: Any) -> None:
+        with self._measured:
+            record_ping(self._recorder, ping, panel, world_from_body)
 
     def ended(self, flown: FlightRecord) -> FlightRecord:
         """Append to a recording of pings those values that cannot be derived from them."""

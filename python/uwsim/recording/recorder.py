@@ -10,6 +10,7 @@ import os
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -145,11 +146,14 @@ class Recorder:
         """Why nothing more can be written, such as a full disk, or None."""
         return None if self._queue is None else self._queue.error
 
-    def start(self) -> Self:
-        """Create the file and start recording; return self. Raises OSError or ValueError."""
+    def start(self, measured: AbstractContextManager[object] | None = None) -> Self:
+        """Create the file and start recording; return self. Raises OSError or ValueError.
+
+        measured: entered while channels are read and messages encoded, such as a stage's measurement.
+        """
         if self._queue is not None:
             raise RuntimeError("the recorder has been started already")
-        self._on_simulator(self._begin)
+        self._on_simulator(lambda sim: self._begin(sim, measured))
         return self
 
     def close(self) -> None:
@@ -222,14 +226,14 @@ class Recorder:
             return self._live.read(function).result()
         return function(self._sim)
 
-    def _begin(self, sim: Simulator) -> None:
+    def _begin(self, sim: Simulator, measured: AbstractContextManager[object] | None) -> None:
         self._table.refresh()  # a replay has no data from before the recording
         self._sink = self._new_sink(sim)
         self._descriptor = os.open(self.path, os.O_RDONLY | os.O_CLOEXEC)
         for channel in (self._commands, *self._written, *self._channels):
             self._sink.add_channel(channel)
         self._queue = WritingQueue(self._sink, self._queue_bytes)
-        self._watch = Watch(sim, self._channels, self._record_reading, self._record_command)
+        self._watch = Watch(sim, self._channels, self._record_reading, self._record_command, measured)
         self._watch.start()
 
     def _end(self, sim: Simulator) -> dict[str, str]:
