@@ -23,10 +23,19 @@ def variance(mount: SensorMount, channel: str, rate_hz: float, time_s: float) ->
 
     rate_hz: the sensor's sampling rate.
     """
-    noise = mount.channels.get(channel) or mount.noise or _white(mount.noise_std or 0.0)
+    noise = _noise(mount, channel)
     white = noise.std**2 + noise.density**2 * rate_hz
     bias = noise.turn_on_std**2 + noise.bias_std**2 + _flicker_std(noise.instability) ** 2
     return white + (bias + noise.walk**2 * max(time_s, 0.0)) + noise.quantum**2 / 12.0
+
+
+def is_steady(mount: SensorMount, channel: str) -> bool:
+    """Return whether a channel's variance is the same at all times."""
+    return _noise(mount, channel).walk == 0.0
+
+
+def _noise(mount: SensorMount, channel: str) -> Noise:
+    return mount.channels.get(channel) or mount.noise or _white(mount.noise_std or 0.0)
 
 
 @lru_cache(256)
@@ -40,8 +49,16 @@ def _flicker_std(instability: float) -> float:
 
 
 def isotropic(value: float) -> NDArray[np.float64]:
-    """Return the row-major covariance (9,) of three axes with equal, independent errors."""
-    return np.array([value, 0.0, 0.0, 0.0, value, 0.0, 0.0, 0.0, value])
+    """Return the row-major covariance (9,), read-only, of three axes with equal, independent errors."""
+    return independent(value, value, value)
+
+
+@lru_cache(256)
+def independent(*values: float) -> NDArray[np.float64]:
+    """Return the row-major covariance (n * n,), read-only, of independent errors with these variances."""
+    found = np.diag(values).ravel()
+    found.setflags(write=False)
+    return found
 
 
 def of_velocity(beams: NDArray[np.float64], value: float) -> NDArray[np.float64]:

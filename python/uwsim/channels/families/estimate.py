@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.channels.channel import Channel, OverLink
+from uwsim.channels.families.covariance import independent
 from uwsim.channels.families.frames import Tf
 from uwsim.channels.ros import build
 from uwsim.channels.source import Source
@@ -79,4 +80,4 @@ def covariances(estimate: Navigator) -> tuple[NDArray[np.float64], NDArray[np.fl
     to_twist[:3, :3], to_twist[:3, 3:6] = turn.T, [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
     to_twist[3:, 6:] = -np.eye(3)
     twist = to_twist @ errors[3:12, 3:12] @ to_twist.T
-    return pose, twist + np.diag([0.0, 0.0, 0.0, *np.full(3, estimate.rate_std_rad_s**2)])
+    return pose, twist + independent(0.0, 0.0, 0.0, *[estimate.rate_std_rad_s**2] * 3).reshape(6, 6)

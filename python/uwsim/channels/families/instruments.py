@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.base.quaternions import about_z
 from uwsim.channels.channel import Channel, Delivery, OverLink
-from uwsim.channels.families.covariance import UNKNOWN, isotropic, of_velocity, variance
+from uwsim.channels.families.covariance import UNKNOWN, independent, is_steady, isotropic, of_velocity, variance
 from uwsim.channels.families.positioning import ins_odometry, nav_sat_fix
 from uwsim.channels.ros import build
 from uwsim.channels.ros.cdr import encode
 from uwsim.channels.source import Source
 from uwsim.instruments.sensors import Sample
 from uwsim.mapping.files.georeference import Georeference
+from uwsim.scenario import Scenario
 from uwsim.scenario.georeference import georeference
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.sensor_kind import DerivedKind, sensor_kind
@@ -36,18 +37,24 @@ SAMPLED = Delivery(is_sampled=True)
 
 
 class Errors(NamedTuple):
-    """A sensor's error statistics at one time."""
+    """A sensor's error statistics at one time. steady: the variances that no time changes, as far as known."""
 
     mount: SensorMount
     rate_hz: float
     time_s: float
+    steady: dict[str, float]
     sound_speed_m_s: float = math.nan  # for a DVL, at its vehicle's depth
     frame_id: str = ""  # the sensor's own
     place: Georeference = Georeference()  # the world's, for a GPS
 
     def variance(self, channel: str) -> float:
         """Return the error variance of a channel [unit^2]."""
-        return variance(self.mount, channel, self.rate_hz, self.time_s)
+        found = self.steady.get(channel)
+        if found is None:
+            found = variance(self.mount, channel, self.rate_hz, self.time_s)
+            if is_steady(self.mount, channel):
+                self.steady[channel] = found
+        return found
 
 
 Write = Callable[[Any, Any, Errors], Any]
@@ -139,6 +146,7 @@ def filter_input(
 
 
 def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[Simulator], Any]:
+    mounted = _Mounted(source, name, kind, frame_id)
     last: tuple[int, Any] = (-1, None)  # time of the sample, message
 
     def read(sim: Simulator) -> Any:
@@ -150,7 +158,7 @@ def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[S
         sample: Sample[Any] = sensor.sample()
         if not sample.valid and not (kind.even_invalid and _is_out_of_reach(sample.value)):
             return None
-        message = _message(source, sim, name, kind, frame_id, sample)
+        message = mounted.message(sim, sample)
         if sample.stamp_ns == last[0] and encode(message) == encode(last[1]):  # a reset may repeat the time alone
             return last[1]
         last = sample.stamp_ns, message
@@ -164,17 +172,34 @@ def sample_message(source: Source, sim: Simulator, name: str, sample: Sample[Any
     kind = _kind(source.of(sim).sensors[name].kind)
     if kind is None or not (sample.valid or (kind.even_invalid and _is_out_of_reach(sample.value))):
         return None
-    return _message(source, sim, name, kind, source.frame(f"{name}_link"), sample)
+    return _Mounted(source, name, kind, source.frame(f"{name}_link")).message(sim, sample)
 
 
-def _message(source: Source, sim: Simulator, name: str, kind: Kind, frame_id: str, sample: Sample[Any]) -> Any:
-    mount = source.model(sim).sensors[name]
-    is_doppler = mount.kind in ("dvl", "adcp")
-    speed_m_s = sim.world.water.sound_speed_m_s(_height_m(source, sim)) if is_doppler else math.nan
-    place = georeference(sim.scenario) if mount.kind == GPS else Georeference()
-    own_frame = source.frame(f"{name}_link")
-    errors = Errors(mount, mount.rate_hz or 1.0 / sim.step_s, sample.stamp_s, speed_m_s, own_frame, place)
-    return kind.write(sample.value, build.header(sample.stamp_ns, frame_id), errors)
+class _Mounted:
+    """Builds the messages of one sensor, whose mount is looked up when the vehicle's parameters have changed."""
+
+    def __init__(self, source: Source, name: str, kind: Kind, frame_id: str) -> None:
+        self._source, self._name, self._kind, self._frame_id = source, name, kind, frame_id
+        self._own_frame = source.frame(f"{name}_link")
+        self._scenario: Scenario | None = None
+
+    def message(self, sim: Simulator, sample: Sample[Any]) -> Any:
+        """Return the message for a sample."""
+        if self._scenario is not sim.parameters.scenario:
+            self._look_up(sim)
+        speed_m_s = sim.world.water.sound_speed_m_s(_height_m(self._source, sim)) if self._is_doppler else math.nan
+        errors = Errors(
+            self._mount, self._rate_hz, sample.stamp_s, self._steady, speed_m_s, self._own_frame, self._place
+        )
+        return self._kind.write(sample.value, build.header(sample.stamp_ns, self._frame_id), errors)
+
+    def _look_up(self, sim: Simulator) -> None:
+        self._scenario = sim.parameters.scenario
+        self._mount = mount = self._source.model(sim).sensors[self._name]
+        self._rate_hz = mount.rate_hz or 1.0 / sim.step_s
+        self._is_doppler = mount.kind in ("dvl", "adcp")
+        self._place = georeference(sim.scenario) if mount.kind == GPS else Georeference()
+        self._steady: dict[str, float] = {}
 
 
 def _height_m(source: Source, sim: Simulator) -> float:
@@ -326,12 +351,12 @@ def _bearing(value: Any, header: Any, errors: Errors) -> Any:
 
 
 def _depth_pose(value: float, header: Any, errors: Errors, origin_m: Any) -> Any:
-    covariance = np.diag([UNOBSERVED, UNOBSERVED, errors.variance("depth"), *[UNOBSERVED] * 3])
+    covariance = independent(UNOBSERVED, UNOBSERVED, errors.variance("depth"), *[UNOBSERVED] * 3)
     pose = build.pose((0.0, 0.0, origin_m[2] - value), build.IDENTITY_XYZW)
     return build.message(
         "geometry_msgs/msg/PoseWithCovarianceStamped",
         header=header,
-        pose=build.message("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=covariance.ravel()),
+        pose=build.message("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=covariance),
     )
 
 
@@ -342,7 +367,7 @@ def _heading(value: float, header: Any, errors: Errors, origin_m: Any) -> Any:
         "sensor_msgs/msg/Imu",
         header=header,
         orientation=build.quaternion(about_z(0.5 * math.pi - value)),
-        orientation_covariance=np.diag([UNOBSERVED, UNOBSERVED, errors.variance("heading")]).ravel(),
+        orientation_covariance=independent(UNOBSERVED, UNOBSERVED, errors.variance("heading")),
         angular_velocity_covariance=unknown,
         linear_acceleration_covariance=unknown,
     )

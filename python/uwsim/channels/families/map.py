@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -236,12 +237,19 @@ def insert_ping(occupancy: OccupancyMap, head: Head, taken: TakenPing) -> None:
 
 def on_hull(scan: ranging.LaserScan, taken: TakenPing, hull: Box) -> NDArray[np.bool_]:
     """Return a mask (n,) of the beams of a scan that hit the vehicle's own hull."""
-    angles_rad = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+    across, up = _directions(scan.angle_min, scan.angle_increment, len(scan.ranges))
     met = np.where(np.isfinite(scan.ranges), scan.ranges, 0.0).astype(np.float64)
-    sonar = np.column_stack([met * np.cos(angles_rad), met * np.sin(angles_rad), np.zeros_like(met), np.ones_like(met)])
+    sonar = np.column_stack([met * across, met * up, np.zeros_like(met), np.ones_like(met)])
     body_from_sonar = ranging.relative_transform(taken.odom_from_body, taken.odom_from_sonar)
     body = (sonar @ body_from_sonar.T)[:, :3]
     return np.logical_and.reduce((body >= hull[0]) & (body <= hull[1]), axis=1) & (met > 0.0)  # type: ignore[no-any-return]
+
+
+@lru_cache(16)
+def _directions(first_rad: float, step_rad: float, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the cosines and sines (n,) of a scan's angles, which seldom change."""
+    angles_rad = first_rad + step_rad * np.arange(count)
+    return np.cos(angles_rad), np.sin(angles_rad)
 
 
 def binary(occupancy: OccupancyMap | None) -> bytes:
