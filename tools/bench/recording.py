@@ -1,7 +1,8 @@
 """The wall-clock cost of a recording: scans at 50 Hz and pictures (JPEG) at 10 Hz, with and without it.
 
 The simulator runs in real time on the lake with one true ping of 513 beams and one true picture. Also the time of its
-thread per message, and of all channels except pictures as fast as possible, where the steps wait for the file.
+thread per message, of all channels except pictures as fast as possible, where the steps wait for the file, and of the
+pool's survey with and without `--record`.
 """
 
 from __future__ import annotations
@@ -20,6 +21,10 @@ from _harness import PICTURE, SCAN, SWITCH_S, alternated, cores_used, medians, s
 
 from uwsim import recording
 from uwsim.channels import Channel, Table
+from uwsim.flight.record import FlightRecord
+from uwsim.flight.stages import RECORDING
+from uwsim.flight.survey import run_survey
+from uwsim.flight.terminal import Silent
 from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder
 from uwsim.recording.watch import Watch
@@ -53,6 +58,7 @@ def main(
             results |= {f"{case}: {key}": value for key, value in middle.items()}
         results["more cores"] = results["with: cores"] - results["without: cores"]
         results |= message_cost_us(sim, shared, folder) | flat_out(folder)
+        results |= medians(survey_s(folder, rounds))
     show("scans at 50 Hz and pictures at 10 Hz in real time, and flat out", results, {"more cores": "<= 0.05"})
     return results
 
@@ -89,6 +95,27 @@ def message_cost_us(sim: Simulator, shared: Table, folder: Path) -> dict[str, fl
                 spent_s(write, time.perf_counter) for _ in range(300)
             )
     return costs
+
+
+def survey_s(folder: Path, rounds: int) -> dict[str, list[float]]:
+    """Return the wall times of the pool's survey [s], alternately with and without a recording, and their ratios."""
+
+    def flown(name: str, **options: Any) -> FlightRecord:
+        return run_survey("pool", folder / f"{name}{next(numbers)}", report="json", screen=Silent(), **options)
+
+    numbers = itertools.count()
+    cases = {
+        "alone": lambda: flown("alone"),
+        "recorded": lambda: flown("recorded", record=folder / f"survey{next(numbers)}.mcap"),
+    }
+    records = alternated(cases, rounds)
+    alone, recorded = ([one.wall_s for one in records[case]] for case in cases)
+    return {
+        "survey of the pool [s]": alone,
+        "survey of the pool, recorded [s]": recorded,
+        "of which the stage 'recording' [s]": [one.stage_wall_s[RECORDING] for one in records["recorded"]],
+        "survey of the pool, recorded / alone": [b / a for a, b in zip(alone, recorded, strict=True)],
+    }
 
 
 def flat_out(folder: Path) -> dict[str, float]:

@@ -178,7 +178,8 @@ def test_the_settings_matter_in_this_world(folder: Path) -> None:
 def test_a_survey_s_map_is_rebuilt_from_its_recording_with_the_same_bytes(tmp_path: Path, setting: str) -> None:
     path = tmp_path / "survey.mcap"
     scenario = lake(**SETTINGS[setting])
-    fly(None, scenario, tmp_path / "out", map=True, report="none", record=path, time_limit_s=3.0)
+    flown = fly(None, scenario, tmp_path / "out", map=True, report="none", record=path, time_limit_s=3.0)
+    assert flown.stage_wall_s["recording"] > 0.0
     survey_from(recording.open(path), tmp_path / "again.bt", None)
     assert len([*recorded_pings(recording.open(path), "sonar_ping")]) > 25
     assert (tmp_path / "again.bt").read_bytes() == (tmp_path / "out/map.bt").read_bytes()
