@@ -76,8 +76,27 @@ def pipeline_in_a_hurry(vehicle):
     yield from follow(vehicle, [(*place, -5.0) for place in PIPE], speed_m_s=1.0)
 
 
+def released(vehicle, dropper, mount_m, aim_m, ahead, back_m=0.0):
+    """Bring a dropper over a place, or a launcher before it, along a heading, and let go of what it holds."""
+    (mx, my, mz), (x, y, z) = mount_m, aim_m
+    x -= (mx + back_m) * math.cos(ahead) - my * math.sin(ahead)
+    y -= (mx + back_m) * math.sin(ahead) + my * math.cos(ahead)
+    yield from goto(vehicle, (x, y, z - mz), heading_rad=ahead, within_m=0.2)
+    yield from hold(vehicle, 12.0, position_world_m=(x, y, z - mz), heading_rad=ahead)
+    vehicle.command("drop", dropper=dropper)
+    yield from hold(vehicle, 8.0, position_world_m=(x, y, z - mz), heading_rad=ahead)
+
+
 def pool_course(vehicle):
     for goal in load_exercise("pool-course").in_world().goals:
+        if goal.kind == "bring":
+            x, y, z = goal.position_m
+            yield from released(vehicle, "marker_dropper", (-0.1, 0.0, -0.2), (x, y, z + 0.5), 0.0)
+            continue
+        if goal.name == "torpedo":
+            ahead = math.radians(goal.heading_deg)
+            yield from released(vehicle, "torpedo_tube", (0.1, -0.32, -0.05), goal.position_m, ahead, back_m=0.8)
+            continue
         (x, y, z), ahead = goal.position_m, math.radians(getattr(goal, "heading_deg", 0.0))
         for along_m in (-0.6, 0.6) if goal.kind == "pass" else (0.0,):
             at_m = (x + along_m * math.cos(ahead), y + along_m * math.sin(ahead), min(z, -0.1))

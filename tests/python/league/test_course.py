@@ -1,6 +1,7 @@
 """A team's folder, its score over seeds in a world that is the referee's, and the table of several teams."""
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -18,10 +19,11 @@ from uwsim.exercises.certified import digest_of
 from uwsim.league import load_team, score_team
 from uwsim.league.aboard import Aboard
 from uwsim.league.films import film_goals
-from uwsim.league.new import COURSES, new_team
+from uwsim.league.new import new_team
 from uwsim.league.table import paired, read_results
 from uwsim.league.team import load_course
 from uwsim.live import LiveSimulator
+from uwsim.scenario.read.assets import find_yaml
 
 GATE = """
 title: The gate
@@ -34,20 +36,6 @@ layout: [{prop: gate, x_m: [-0.5, 0.5], y_m: [-1.5, 1.5], yaw_deg: [-20, 20]}]
 aids: [{kind: program}]
 goals:
   - {kind: pass, name: gate, title: The gate, of: gate, position_m: [0, 0.76, 1.4], heading_deg: 180, within_m: 0.75}
-limits: [{kind: collision, cost: 5}]
-"""
-BUOY = """
-title: The buoy
-brief: Look at the buoy.
-scenario: pool
-vehicle: bluerov2_heavy_outfit
-start: {position_m: [-4, -6, -1.5]}
-time_s: 90
-pass_points: 10
-props: [{name: red_buoy, model: buoy, position_m: [-1, -6, -5]}]
-layout: [{prop: red_buoy, x_m: [-1, 1], y_m: [-1, 1]}]
-aids: [{kind: program}]
-goals: [{kind: look_at, name: red, title: The buoy, of: red_buoy, position_m: [0, 0, 1.1], within_m: 1.5, points: 10}]
 limits: [{kind: collision, cost: 5}]
 """
 ANSWERS = """
@@ -97,28 +85,34 @@ def answering(reads: list[str], commands: list[Any]) -> str:
     return ANSWERS.replace("READS", repr(reads)).replace("COMMANDS", repr(commands))
 
 
-@pytest.mark.parametrize("course", COURSES)
-def test_the_new_teams_own_tests_pass_and_an_existing_folder_is_refused(course: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("course", ["pool-course", "sea-course", "reef-course"])
+def test_the_new_teams_own_tests_pass_and_an_existing_folder_is_refused(tmp_path: Path, course: str) -> None:
     team = tmp_path / "team"
-    assert uwsim("course", "new", team, "--course", course).returncode == 0
+    new_team(team, course)
     tests = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "src/pilot/test"]
     done = subprocess.run(tests, cwd=team, env={"PYTHONPATH": "src/pilot"}, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
     assert load_team(team).course == course and load_course(course, team).points == 100.0
     assert "must be a new folder, or an empty one" in error_line(uwsim("course", "new", team))
     lines = sum(len(path.read_text().splitlines()) for path in (team / "src/pilot/pilot").glob("[nps]*.py"))
-    assert lines <= 300 and len((team / "src/pilot/pilot/pilot.py").read_text().splitlines()) <= 200
+    assert lines <= 350 and len((team / "src/pilot/pilot/pilot.py").read_text().splitlines()) <= 200
 
 
-def test_the_seas_pilot_finds_the_buoy_that_the_seed_moved(tmp_path: Path) -> None:
-    team = tmp_path / "sea"
-    new_team(team, "sea-course")
-    (team / "buoy.yaml").write_text(BUOY)
-    text = (team / "team.yaml").read_text().replace("sea-course", "buoy.yaml")
-    (team / "team.yaml").write_text(text)
-    pilot = team / "src/pilot/pilot/pilot.py"
-    pilot.write_text(pilot.read_text().replace("self.map_bed,", "", 1))
-    assert score_team(team, [3], tmp_path / "results", workers=0).result["mean"] == 10.0
+def test_a_course_without_a_pilot_is_refused(tmp_path: Path) -> None:
+    refused = error_line(uwsim("course", "new", tmp_path / "team", "--course", "sea-cours"))
+    assert "must be one of pool-course, reef-course, sea-course; did you mean 'sea-course'?" in refused
+    assert not (tmp_path / "team").exists()
+
+
+@pytest.mark.parametrize("course", ["sea-course", "reef-course"])
+def test_its_pilot_gains_points_from_the_first_lanes_on(tmp_path: Path, course: str) -> None:
+    new_team(tmp_path / "team", course)
+    whole = find_yaml(course, "exercises").read_text()
+    short = tmp_path / "short.yaml"
+    short.write_text(re.sub("^time_s: .*", "time_s: 70", whole, flags=re.MULTILINE))
+    (run,) = score_team(tmp_path / "team", [5], tmp_path / "results", course=str(short), workers=0).result["runs"]
+    assert run["score"] >= 10.0 and run["why"][-1] == "it ended since the time is over", run["why"]
+    assert all(reason.startswith("not met: ") for reason in run["why"][:-1]), run["why"]
 
 
 def test_its_pilot_passes_the_gate_and_the_recording_stays(team: Path, tmp_path: Path) -> None:

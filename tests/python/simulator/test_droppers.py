@@ -122,6 +122,20 @@ def test_a_jet_drives_a_torpedo_and_goals_see_it_pass_only_when_it_is_free() -> 
             Pass.model_validate({**goal, "object": "two"}).require(sim)
 
 
+def test_a_torpedo_flies_straight_by_its_fins_and_without_them_turns_broadside() -> None:
+    def turned_rad(share: float) -> float:
+        rod = {"kind": "cylinder", "name": "one", "position_m": [0, 20, -5], "yaw_pitch_roll_deg": [10, 90, 0],
+               "radius_m": 0.02, "length_m": 0.2}  # fmt: skip
+        along = [3.0 * math.cos(math.radians(12)), 3.0 * math.sin(math.radians(12)), 0.0]  # 2 degrees off its axis
+        body = {"shape": rod, "density_kg_m3": 1010, "munk_share": share, "velocity_m_s": along}
+        sim = uwsim.Simulator(site({}, body))
+        before = sim.objects["one"].pose.world_from_body[:3, 2]
+        sim.advance(1.0)
+        return float(np.arccos(abs(before @ sim.objects["one"].pose.world_from_body[:3, 2])))
+
+    assert turned_rad(0.0) < 0.01 and turned_rad(1.0) > 0.5
+
+
 def test_it_is_saved_reset_replayed_and_batched(tmp_path: Path) -> None:
     scenario = site({"left": LEFT, "tube": {**TUBE, "holds": ["three"]}}, *map(marker, ("one", "two", "three")))
 

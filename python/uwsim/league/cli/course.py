@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -33,7 +33,7 @@ Folder = Annotated[Path, typer.Argument(help="The team's folder.")]
 def new(
     folder: Folder,
     course: Annotated[
-        Literal["pool-course", "sea-course"], typer.Option(help="The course that its pilot flies.")
+        str, typer.Option(help="pool-course, sea-course or reef-course.", autocompletion=exercises)
     ] = "pool-course",
 ) -> None:
     """Write a team's folder: a pilot that flies a course.

@@ -165,7 +165,7 @@ def _parameters(body: LooseBody, shape: _Shape, water_kg_m3: float) -> _core.Cra
     parameters = _core.CraftParameters()
     parameters.mass_kg = density * volume_m3
     parameters.inertia_kg_m2 = density * shape.solid.inertia_per_density_m5
-    parameters.added_mass = water_kg_m3 * added
+    parameters.added_mass, parameters.munk_share = water_kg_m3 * added, body.munk_share
     drag = body.drag_coefficient
     turning = drag * paddles + SKIN_FRICTION * rubbing
     parameters.quadratic_damping = np.diag(0.5 * water_kg_m3 * np.concatenate([drag * areas, turning]))

@@ -24,7 +24,9 @@ class LooseBody(Model):
     shape: a box, sphere, cylinder or mesh as under `obstacles`, with its name, place and material. density_kg_m3,
     mass_kg: one of them; the mass fills the shape, so that the centre of mass is that of its volume. drag_coefficient:
     of the area that faces the flow: 0.47 for a sphere, 1.05 for a cube, 1.2 for a plate (Hoerner 1965, "Fluid-Dynamic
-    Drag", ch. 3, at Reynolds numbers of 1e4 to 2e5). friction, restitution: as for vehicles. velocity_m_s: along the
+    Drag", ch. 3, at Reynolds numbers of 1e4 to 2e5). munk_share: how much is left of the Munk moment of
+    its added mass, by which a long body turns broadside: none of one with fins that balance it. friction, restitution:
+    as for vehicles. velocity_m_s: along the
     world's axes. wrenches: what pushes it from outside, by schedule.
     path: what the body follows instead, such as a diver or a boat: no force moves it, so it has neither density nor
     mass, and it pushes what it meets. fixed: it stands where its shape is, like an obstacle. links: of a fixed body,
@@ -37,6 +39,7 @@ class LooseBody(Model):
     density_kg_m3: Annotated[float, InRange(1, 25_000, "kg/m3")] | None = None
     mass_kg: Annotated[float, InRange(1e-3, 1e7, "kg")] | None = None
     drag_coefficient: Annotated[float, InRange(0, 10)] = 1.0
+    munk_share: Annotated[float, InRange(0, 1)] = 1.0
     friction: Annotated[float, InRange(0, 10)] = 0.5
     restitution: Annotated[float, InRange(0, 1)] = 0.1
     velocity_m_s: tuple[Speed, Speed, Speed] = (0.0, 0.0, 0.0)
