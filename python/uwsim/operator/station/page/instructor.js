@@ -11,8 +11,9 @@ import { TraineeView } from './instructor_view.js';
 import { inWords } from './said.js';
 import { STRINGS } from './strings.js';
 import * as messages from './wire/messages.js';
+import { InstructorStation } from './wire/instructor_station.js';
 import { accepted } from './wire/rosbridge.js';
-import { bridgeUrl, Station } from './wire/station.js';
+import { bridgeUrl } from './wire/station.js';
 
 const WORDS = STRINGS.instructor;
 const ASK_MS = 500;
@@ -27,51 +28,6 @@ const SLIDERS = {
 const WATER = 'optics.jerlov';
 const CURRENT = ['water.current_world_m_s.x', 'water.current_world_m_s.y'];
 const RAD = Math.PI / 180;
-
-// The station with parameters accessed through the instructor's own services.
-class InstructorStation extends Station {
-  isAdmitted = false;
-  /** @type {Record<string, number>} */
-  visibility_m = {}; // by type of water
-
-  get isPilot() {
-    return this.isAdmitted;
-  }
-
-  instruct(action, args = {}) {
-    return messages.instruct(this.bridge, { action, args });
-  }
-
-  command(name, args) {
-    return this.instruct('command', { name, args });
-  }
-
-  async described() {
-    const found = await accepted(messages.parameters(this.bridge));
-    this.visibility_m = found.visibility_m;
-    return JSON.parse(found.descriptions_json);
-  }
-
-  async parameterNames() {
-    return (await this.described()).map(({ name }) => name);
-  }
-
-  describeParameters() {
-    return this.described();
-  }
-
-  async parameterValues() {
-    return Object.fromEntries((await this.described()).map(({ name, value }) => [name, value]));
-  }
-
-  setParameters(changes) {
-    return this.command('set_parameters', { changes });
-  }
-
-  resetParameters(name) {
-    return this.command('reset_parameters', { name });
-  }
-}
 
 const token = decodeURIComponent(location.hash.slice(1));
 const station = new InstructorStation(bridgeUrl(location), WORDS.title);
@@ -175,6 +131,9 @@ byId('instructor').append(
 );
 write(byId('inspect'), WORDS.parameters);
 write(byId('title'), WORDS.title);
+const all = el('a', {}, STRINGS.trainees.title);
+all.href = `trainees.html${location.search}${location.hash}`;
+byId('clock').before(all);
 
 let seen = null; // the last overview
 let offered = ''; // the vehicle's parts that the form of faults offers
@@ -193,18 +152,7 @@ function complain(text) {
 }
 
 async function supervise() {
-  station.isAdmitted = false;
-  if (!token) {
-    complain(WORDS.noToken);
-    return;
-  }
-  try {
-    const answer = await messages.supervise(station.bridge, { token });
-    station.isAdmitted = answer.success;
-    complain(answer.success ? '' : answer.message);
-  } catch (error) {
-    complain(error.message);
-  }
+  complain(await station.supervise(token));
   if (station.isAdmitted && station.description) showParameters();
   station.dispatchEvent(new Event('state'));
 }

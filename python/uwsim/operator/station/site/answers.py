@@ -19,7 +19,10 @@ TYPES = {
     ".txt": "text/plain", ".json": "application/json", ".glb": "model/gltf-binary", ".tif": "image/tiff",
     ".csv": "text/csv", ".geojson": "application/geo+json",
 }  # fmt: skip
-OTHER_BRIDGE = re.compile(r"wss?://[A-Za-z0-9.\-]{1,253}(:\d{1,5})?|wss?://\[[0-9A-Fa-f:]{2,39}\](:\d{1,5})?")
+OTHER_BRIDGE = re.compile(
+    r"(wss?://(?:[A-Za-z0-9.\-]{1,253}|\[[0-9A-Fa-f:]{2,39}\])(?::\d{1,5})?)/?(?:\?token=[A-Za-z0-9_.~-]{8,256})?"
+)
+BRIDGES_MAX = 40  # other servers to which a page may connect
 POLICY, FRAMES, NO_PAGES = "Content-Security-Policy", "frame-ancestors ", "'none'"
 
 
@@ -94,9 +97,9 @@ def _safe(request: Request) -> dict[str, str]:
     """Return headers that forbid the page to use scripts, pictures, sockets or frames of other servers."""
     host = request.headers["Host"]  # a known name or an address, as checked by the door
     sockets = [f"ws://{host}", f"wss://{host}"]
-    other = parse_qs(urlsplit(request.path).query).get("rosbridge", [""])[0].rstrip("/")
-    if OTHER_BRIDGE.fullmatch(other):
-        sockets += [other, other.replace("ws", "http", 1)]
+    for other in parse_qs(urlsplit(request.path).query).get("rosbridge", [])[:BRIDGES_MAX]:
+        if found := OTHER_BRIDGE.fullmatch(other):
+            sockets += [found[1], found[1].replace("ws", "http", 1)]
     policy = (
         "default-src 'none'; script-src 'self'; style-src 'self'; font-src 'self'; img-src 'self' blob: data:; "
         f"media-src 'self' blob:; worker-src 'self'; connect-src 'self' blob: {' '.join(sockets)}; "
