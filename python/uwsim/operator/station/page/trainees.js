@@ -19,6 +19,9 @@ const others = asked.getAll(OTHERS).filter((address) => URL.canParse(address));
 asked.delete(OTHERS);
 const own = bridgeUrl({ protocol: location.protocol, host: location.host, search: `?${asked}` });
 
+// Whether all stop is set for any vehicle.
+const isStopped = (seen) => Boolean(seen?.vehicles.some(({ is_stopped }) => is_stopped));
+
 function list(addresses) {
   const query = new URLSearchParams(asked);
   for (const address of addresses) query.append(OTHERS, address);
@@ -27,9 +30,6 @@ function list(addresses) {
 
 // One station: a row of the table.
 class Trainee {
-  /** @type {(() => void) | null} */
-  #end = null;
-  #isStopped = false;
   #trouble = '';
   /** @type {any} */
   #seen = null; // the last overview
@@ -63,7 +63,6 @@ class Trainee {
       el('td', {}, row),
     );
     this.station.addEventListener('open', async () => (this.#trouble = await this.station.supervise(token)));
-    this.station.addEventListener('session', () => this.#begin());
   }
 
   // Ask for what has happened, and show it.
@@ -74,18 +73,6 @@ class Trainee {
       if (found?.success) this.#seen = found;
     }
     this.#show();
-  }
-
-  #begin() {
-    this.#end?.();
-    this.#isStopped = false;
-    const [vehicle] = this.station.description?.vehicles ?? [];
-    this.#end = this.station.bridge.subscribe(
-      vehicle.telemetry,
-      messages.TYPES.Telemetry,
-      ({ alarms }) => (this.#isStopped = (alarms ?? []).includes(messages.ALL_STOPPED)),
-      { throttle_rate: ASK_MS },
-    );
   }
 
   #show() {
@@ -101,7 +88,7 @@ class Trainee {
     write(this.pause, state.paused ? STRINGS.instructor.resume : STRINGS.instructor.pause);
     this.pause.disabled = !seen || this.station.isBlind;
     this.element.classList.toggle('is-stale', this.station.isBlind);
-    this.element.classList.toggle('is-stopped', this.#isStopped);
+    this.element.classList.toggle('is-stopped', isStopped(seen));
   }
 
   // The most urgent of what is to be known of the trainee, in words.
@@ -111,7 +98,7 @@ class Trainee {
     if (!seen) return STRINGS.instructor.waiting;
     const { exercise, faults } = seen;
     const found = [];
-    if (this.#isStopped) found.push(STRINGS.allStop.allStop);
+    if (isStopped(seen)) found.push(STRINGS.allStop.allStop);
     if (exercise?.is_over) found.push(exercise.has_passed ? WORDS.passed : WORDS.notPassed);
     else if (exercise && !exercise.has_begun) found.push(WORDS.notBegun);
     else if (this.station.state.paused) found.push(WORDS.paused);

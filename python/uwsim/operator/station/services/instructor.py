@@ -197,6 +197,7 @@ def _truth(sim: Any) -> Values:
                 "altitude_m": panel.distance_to_seabed_m if math.isfinite(panel.distance_to_seabed_m) else None,
                 "battery_percent": panel.battery_percent,
                 "collisions": vehicle.collisions,
+                "is_stopped": vehicle.all_stopped,
                 "sensors": [each.name for each in vehicle.sensors.values()],
                 "thrusters": list(vehicle.thrusters),
                 "cameras": list(models[name].cameras),

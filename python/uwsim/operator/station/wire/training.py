@@ -85,7 +85,7 @@ class Instruct(Message):
 
 
 class VehicleTruth(Message):
-    """A vehicle's true state."""
+    """A vehicle's true state. is_stopped: whether all stop is set, paused or not."""
 
     name: str
     position_world_m: list[float]
@@ -94,6 +94,7 @@ class VehicleTruth(Message):
     altitude_m: float | None
     battery_percent: float
     collisions: int
+    is_stopped: bool
     sensors: list[str]
     thrusters: list[str]
     cameras: list[str]

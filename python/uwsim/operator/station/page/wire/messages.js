@@ -503,7 +503,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {Record<string, any> | null} [args]
  */
 
-/** A vehicle's true state.
+/** A vehicle's true state. is_stopped: whether all stop is set, paused or not.
  * @typedef {object} VehicleTruth
  * @property {string} name
  * @property {number[]} position_world_m
@@ -512,6 +512,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number | null} altitude_m
  * @property {number} battery_percent
  * @property {number} collisions
+ * @property {boolean} is_stopped
  * @property {string[]} sensors
  * @property {string[]} thrusters
  * @property {string[]} cameras
