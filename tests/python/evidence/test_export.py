@@ -85,6 +85,14 @@ def test_a_camera_and_the_multibeam_look_the_same_way(tmp_path, suffix):
     np.testing.assert_allclose(sonar, [0.24, 0, -0.06], atol=1e-6)
 
 
+@pytest.mark.parametrize("suffix", READERS)
+def test_a_body_with_a_name_that_scenarios_reserve_is_read_under_another(tmp_path, suffix):
+    written(tmp_path, "bluerov2_heavy", suffix)
+    path = tmp_path / f"bay.{suffix}"
+    path.write_text(path.read_text().replace('name="post"', 'name="terrain"'))
+    assert [each["name"] for each in READERS[suffix](path).obstacles] == ["bed", "terrain_2"]
+
+
 def test_libsdformat_reads_it(tmp_path):
     drake = pytest.importorskip("pydrake.all", reason="pip install drake, which reads SDF by libsdformat")
     own, _, _ = written(tmp_path, "bluerov2_heavy", "sdf")

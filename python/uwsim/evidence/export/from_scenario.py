@@ -23,7 +23,8 @@ from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.scenario.spec.water import UniformCurrent
 
-BED = "bed"
+COLOUR, BED_COLOUR = (0.6, 0.6, 0.6), (0.5, 0.45, 0.38)
+"""Of bodies whose material states none, and of the bed."""
 NODES_MAX = 513
 """Nodes along an edge of a bed that is written; of a larger one, every second, third ... node."""
 IN_WORLD = ("name", "description", "seed", "step_s", "water", "terrain", "obstacles", "station", "vehicles")
@@ -69,15 +70,17 @@ def exported(scenario: Scenario) -> Exported:
     found.density_kg_m3 = surface_density_kg_m3(scenario.water)
     found.current_m_s = steady_current_m_s(scenario.water)
     terrain = build_terrain(scenario.terrain)
-    found.meshes[BED] = _bed(terrain, found)
-    colours = {each.name: each.material.colour for each in scenario.obstacles}
+    names = [each.name for each in scenario.obstacles]
+    bed, dock = plain_name("bed", names), plain_name("station", names)
+    found.meshes[bed] = _bed(terrain, found)
+    colours = {each.name: each.material.colour for each in scenario.obstacles} | {bed: BED_COLOUR}
     for obstacle in scenario.obstacles:
         vertices, triangles, _ = obstacle_solid(obstacle, terrain)
         found.meshes[obstacle.name] = _mesh(vertices, triangles)
     station = station_at_start(scenario)
     if station.mesh is not None:
-        found.meshes[plain_name("station", found.meshes)] = _mesh(*station_mesh(station))
-        colours["station"] = station.material.colour
+        found.meshes[dock] = _mesh(*station_mesh(station))
+        colours[dock] = station.material.colour
     _note_others(found, "", scenario, IN_WORLD)
     steady = all(isinstance(each, UniformCurrent) for each in scenario.water.current)
     _note_others(found, "water.", scenario.water, (*IN_WATER, *(("current",) if steady else ())))
@@ -219,4 +222,4 @@ def ends_n(thruster: Thruster) -> tuple[float, float]:
 def meshes_of(world: Exported) -> Iterator[tuple[str, Mesh, tuple[float, ...]]]:
     """Yield the fixed bodies: name, mesh in the world, and colour."""
     for name, mesh in world.found.meshes.items():
-        yield name, mesh, world.colours.get(name, (0.5, 0.45, 0.38) if name == BED else (0.6, 0.6, 0.6))
+        yield name, mesh, world.colours.get(name, COLOUR)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.evidence.robots.xml_file import Element, Floats, Pose
+from uwsim.scenario.spec.scenario import RESERVED_NAMES
 
 Mesh = tuple[Floats, NDArray[np.int64]]
 """Vertices (n, 3) [m] and triangles (m, 3)."""
@@ -192,6 +193,10 @@ class Found:
             raise self.refusals[0]
         if not (self.robots or self.obstacles):
             raise root.error(rule)
+
+    def body_name(self, text: str) -> str:
+        """Return a text as a name for a fixed body that is none of the others' and none that scenarios reserve."""
+        return plain_name(text, [*RESERVED_NAMES, *(body["name"] for body in self.obstacles)])
 
     def noted(self, what: str) -> None:
         """Note what is worth knowing, once."""

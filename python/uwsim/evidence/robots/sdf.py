@@ -265,7 +265,7 @@ class _Reader:
                     self._plane(plane, pose.then(links.poses[link.needed("name")]).then(collision.pose()))
         for key, solids in links.solids.items():
             for solid in solids:
-                name = plain_name(model.name, [item["name"] for item in self.found.obstacles])
+                name = self.found.body_name(model.name)
                 self.found.meshes[name] = shapes.placed(solid, pose.then(links.poses[key]))
                 self.found.obstacles.append(
                     {"kind": "mesh", "name": name, "file": f"{name}.ply", "position_m": [0.0, 0.0, 0.0]}

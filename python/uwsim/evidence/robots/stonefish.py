@@ -189,7 +189,7 @@ class _Reader:
             return
         mesh, _, _ = self._solid(static, is_body=False)
         vertices, triangles = shapes.placed(mesh, static.origin("world_transform"))
-        name = plain_name(static.name, [item["name"] for item in self.found.obstacles])
+        name = self.found.body_name(static.name)
         self.found.meshes[name] = (vertices @ ENU_FROM_NED.T, triangles)  # NED to ENU turns, and does not mirror
         self.found.obstacles.append(
             {"kind": "mesh", "name": name, "file": f"{name}.ply", "position_m": [0.0, 0.0, 0.0]}
