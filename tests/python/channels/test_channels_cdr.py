@@ -61,7 +61,7 @@ def test_a_feed_reads_once_for_all_and_only_while_somebody_listens() -> None:
 
 
 def test_messages_that_are_written_at_once_are_those_of_rosbags() -> None:
-    """Of every type, with texts of other lengths and arrays of other values, which move and fill what follows them."""
+    """Messages of every type with other texts and arrays, which move and fill what follows them."""
     store, at_once = typestore(), []
     for name in store.fielddefs:
         for length in (0, 1, 6):

@@ -24,7 +24,7 @@ from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 from uwsim.scenario.spec.water import UniformCurrent
 
 COLOUR, BED_COLOUR = (0.6, 0.6, 0.6), (0.5, 0.45, 0.38)
-"""Of bodies whose material states none, and of the bed."""
+"""Colours of bodies whose material states none, and of the bed."""
 NODES_MAX = 513
 """Nodes along an edge of a bed that is written; of a larger one, every second, third ... node."""
 IN_WORLD = ("name", "description", "seed", "step_s", "water", "terrain", "obstacles", "station", "vehicles")

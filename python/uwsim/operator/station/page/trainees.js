@@ -19,7 +19,7 @@ const others = asked.getAll(OTHERS).filter((address) => URL.canParse(address));
 asked.delete(OTHERS);
 const own = bridgeUrl({ protocol: location.protocol, host: location.host, search: `?${asked}` });
 
-// Whether all stop is set for any vehicle.
+// True if all stop is set for any vehicle.
 const isStopped = (seen) => Boolean(seen?.vehicles.some(({ is_stopped }) => is_stopped));
 
 function list(addresses) {

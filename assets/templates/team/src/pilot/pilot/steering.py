@@ -39,7 +39,7 @@ class Steering:
 
     @property
     def is_steady(self):
-        """Whether a sonar's picture does not smear."""
+        """True if a sonar does not smear."""
         return self.pose is not None and abs(self.yaw_rate) < STEADY_RAD_S
 
     def world(self, ahead, left, up):
