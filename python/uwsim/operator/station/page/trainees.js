@@ -112,7 +112,7 @@ class Trainee {
 }
 
 const trainees = [...new Set([own, ...others])].map((address) => new Trainee(address));
-const address = el('input', { type: 'text', 'aria-label': WORDS.address, placeholder: 'ws://192.168.1.7:9090' });
+const address = el('input', { type: 'text', 'aria-label': WORDS.address, placeholder: WORDS.addressExample });
 const add = (event) => {
   event.preventDefault();
   const given = address.value.trim();
