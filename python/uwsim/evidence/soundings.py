@@ -33,7 +33,7 @@ NAMES = (
 )
 """Names of the columns x, y and z in a first line."""
 DOWN = re.compile(r"^(d|depth|tiefe|prof)", re.IGNORECASE)
-NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,2})?")
+NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d{1,2})?")
 DEGREES = re.compile(r"^(lon|lat)", re.IGNORECASE)
 
 

@@ -5,6 +5,7 @@ in C do is not counted.
 """
 
 import io
+import re
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -16,7 +17,11 @@ import pytest
 
 import uwsim
 from uwsim.base.texts.csv_table import read_csv
+from uwsim.evidence import soundings
+from uwsim.evidence.robots import stonefish_text
 from uwsim.scenario import load
+from uwsim.scenario.read import cast_file
+from uwsim.scenario.terrains.elevations import GRID_NUMBER
 
 OWN = str(Path(uwsim.__file__).parent)
 K = 20
@@ -153,3 +158,13 @@ def test_twice_as_much_is_twice_the_work(tmp_path: Path, name: str) -> None:
         counts.append(work(read, path))
     _, one, two, four = counts
     assert four - two < 2.5 * (two - one), counts
+
+
+NUMBERS = (GRID_NUMBER, cast_file.NUMBER, soundings.NUMBER, stonefish_text.WORD)
+
+
+@pytest.mark.parametrize("pattern", NUMBERS, ids=lambda pattern: str(pattern.pattern))
+def test_a_number_of_a_million_digits_is_read_once(pattern: re.Pattern[Any]) -> None:
+    """Read again from each digit, it would take hours, and a test is ended after minutes."""
+    word = b"1" * 1_000_000 + b"x!"
+    assert not pattern.fullmatch(word if isinstance(pattern.pattern, bytes) else word.decode())

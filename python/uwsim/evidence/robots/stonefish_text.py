@@ -14,7 +14,7 @@ DATA = ("", "data", "resources", "share", "assets")
 """Folders of data, in those above a file."""
 ARGUMENT = re.compile(r"\$\((\w+)\s*([^()]*)\)")
 FORMULA = re.compile(r"\$\{([^}]*)\}")
-WORD = re.compile(r"\s*((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[A-Za-z]\w*|\S)")
+WORD = re.compile(r"\s*((?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?|[A-Za-z]\w*|\S)")
 CONSTANTS = {"pi": math.pi, "e": math.e}
 LEVELS: tuple[dict[str, Callable[[float, float], float]], ...] = (
     {"+": lambda a, b: a + b, "-": lambda a, b: a - b},

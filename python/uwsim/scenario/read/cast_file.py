@@ -27,7 +27,7 @@ from uwsim.scenario.read.netcdf_file import CLASSIC, read_netcdf
 
 Floats = NDArray[np.float64]
 MOST_BYTES = 1 << 27
-NUMBER = re.compile(r"[-+]?(\d+[.,]?\d*|[.,]\d+)([eE][-+]?\d+)?")
+NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?")
 COMMENT = ("#", "%", "*", "!")
 WIDTH = 11
 """Characters of a column in a .cnv, where columns may touch."""

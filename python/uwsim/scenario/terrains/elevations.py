@@ -38,7 +38,7 @@ DEGREE_CELL = 0.1
 WHOLE = {"GTiff": require_whole_tiff, "netCDF": require_whole_netcdf}
 """By GDAL's name: checks of formats whose missing parts GDAL reads as zeros."""
 GRID_HEADER = (b"ncols", b"nrows", b"xllcorner", b"xllcenter", b"yllcorner", b"yllcenter", b"cellsize", b"dx", b"dy")
-GRID_NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+GRID_NUMBER = re.compile(rb"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?")
 
 
 def chart_raster(spec: RasterTerrain) -> Raster:
