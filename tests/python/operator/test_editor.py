@@ -27,8 +27,9 @@ ROV = ("vehicles", 0, "model")
 EACH = [
     *(("obstacles", kind) for kind in forms()["obstacles"]),
     ("props", ""), ("currents", "layers"), ("sensors", "dvl"), ("cameras", ""), ("lamps", ""),
-    ("imaging_sonars", "side_scan"), ("surface", "jonswap"), ("tide", ""), ("wind", ""), ("optics", ""),
-    ("cover", "kelp"), ("life", "school"), ("vehicles", ""),
+    ("imaging_sonars", "side_scan"),
+    ("surface", "jonswap"), ("tide", ""), ("wind", ""), ("optics", ""),
+    ("cover", "kelp"), ("life", "school"), ("vehicles", ""), ("strokes", ""),
 ]  # fmt: skip
 
 
@@ -93,6 +94,22 @@ def test_a_solid_of_an_older_edition_is_empty_and_one_that_never_was_is_refused(
     for edition, number in ((older + 2, 0), (older + 1, len(found.scenario.obstacles))):
         with pytest.raises(ValueError, match="does not exist"):
             found.plan.solid(edition, number)
+
+
+def test_strokes_change_the_bed_in_one_step_each_and_outlive_its_source() -> None:
+    found = draft()
+    before, edition = found.plan.heights(), found.plan.grid["edition"]
+    values = {"line_m": [[0, 0], [2, 0]], "width_m": 3, "height_m": 1}
+    place = found.add("strokes", "", 0, [0, 0], values)
+    assert found.part("strokes", place) == values and found.plan.grid["edition"] == edition + 1
+    rise = np.frombuffer(found.plan.heights(), "<f4") - np.frombuffer(before, "<f4")
+    assert rise.max() == pytest.approx(1, abs=1e-5) and rise.min() == 0
+    found.add("terrain", "raster", 0, [0, 0])
+    assert found.part("strokes", place) == values
+    found.undo(2)
+    assert found.plan.heights() == before
+    with pytest.raises(ValueError, match="depth: unknown key"):
+        found.add("strokes", "", 0, [0, 0], {"depth": 1})
 
 
 def test_comments_and_untouched_lines_stay() -> None:

@@ -89,6 +89,43 @@ def test_a_new_scene_is_built_saved_and_chosen_on_the_start_screen(start_page, h
     page.click("[data-task=fly]")
 
 
+def test_hills_and_trenches_are_drawn_on_the_bed_by_a_brush_and_by_keys(page):
+    depth = """([x, y]) => {
+        const { rows, columns, west_m, south_m, spacing_m: [dx, dy] } = station.editor.state.grid;
+        const at = [Math.round((y - south_m) / dy), Math.round((x - west_m) / dx)];
+        return station.editor.heights[at[0] * columns + at[1]];
+    }"""
+    view = page.evaluate("station.editor.view.frame.scale")
+    before = page.evaluate(depth, [-5, 5])
+    page.locator(".editor-canvas").press("b")
+    page.get_by_label("Height of a stroke").fill("3")
+    page.mouse.move(*chart_pixel(page, (-5, 2)))
+    page.mouse.down()
+    page.mouse.move(*chart_pixel(page, (-5, 8)), steps=8)
+    page.mouse.up()
+    when(page, "station.editor.part?.section === 'strokes'")
+    strokes = "station.editor.state.parts.filter(({ section }) => section === 'strokes')"
+    line = page.evaluate(f"{strokes}[0].values.line_m")
+    np.testing.assert_allclose([line[0], line[-1]], [[-5, 2], [-5, 8]], atol=2.6)
+    when(page, f"Math.abs(({depth})([-5, 5]) - {before} - 3) < 0.3")
+    assert page.evaluate("station.editor.view.frame.scale") == view  # the view of a person who draws stays
+    judge(page, "the brush")
+    page.locator(".editor-canvas").press("b")  # lower
+    page.locator(".editor-canvas").press("]")
+    page.locator(".editor-canvas").press("a")  # at the mark or in the middle
+    when(page, f"{strokes}.length === 2")
+    assert page.evaluate(f"{strokes}[1].values") == {
+        "line_m": [page.evaluate("station.editor.view.middle.map((each) => Math.round(10 * each) / 10)")],
+        "width_m": 12.5, "height_m": -3,
+    }  # fmt: skip
+    page.locator(".editor-canvas").press("ArrowLeft")
+    when(page, f"{strokes}[1].values.line_m[0][0] <= -0.9")
+    for _ in range(3):
+        page.keyboard.press("Control+z")
+    when(page, f"{strokes}.length === 0 && Math.abs(({depth})([-5, 5]) - {before}) < 1e-4")
+    page.evaluate("while (station.editor.brush.isOn) station.editor.brush.next()")
+
+
 def test_in_3d_the_same_parts_are_moved_turned_added_and_undone_and_a_reload_keeps_them(page):
     page.locator(".editor-canvas").press("v")
     when(page, "station.editor.scene.gate.frames > 0 && station.editor.scene.isWhole")

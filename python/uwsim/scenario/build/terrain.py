@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uwsim.scenario.build.strokes import with_strokes
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.terrain import MAX_NODES, TerrainModel
 
@@ -81,9 +82,10 @@ def build_terrain(spec: TerrainModel) -> Terrain:
 
     With the same build of the libraries, the same spec produces the same bytes.
     """
-    heights = np.ascontiguousarray(spec.heights(), np.float32)
+    heights = np.asarray(spec.heights())
     if heights.ndim != 2 or min(heights.shape) < 2 or heights.size > MAX_NODES:
         raise ScenarioError(f"terrain: heights of shape {heights.shape}: must be 2 x 2 to {MAX_NODES} nodes")
+    heights = np.ascontiguousarray(with_strokes(heights, spec.strokes, spec.spacing_m), np.float32)
     if not np.isfinite(heights).all():
         raise ScenarioError(f"terrain: {np.count_nonzero(~np.isfinite(heights))} heights are not finite")
     ny, nx = heights.shape

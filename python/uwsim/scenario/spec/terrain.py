@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from uwsim.mapping.files.georeference import Georeference
-from uwsim.scenario.spec.fields import InRange, Model, Point2, broken
+from uwsim.scenario.spec.fields import InRange, Model, Point2, Size, broken
 from uwsim.scenario.spec.kinds import Kinds
 
 MAX_NODES = 16_000_000
@@ -21,7 +21,25 @@ MAX_NODES = 16_000_000
 LOCAL = "local"
 """The coordinate system of plain metres."""
 
+STROKES_MAX = 1000
+MAX_DRAWN = 200_000_000
+"""Nodes that strokes may reach, counted for each piece of their lines and once more for the whole: some 10 s."""
+
 Spacing = Annotated[float, InRange(0.02, 100, "m")]
+
+
+class Stroke(Model):
+    """A stroke of a brush on the bed: a hill or a hole if its line is one point, else a ridge or a trench.
+
+    line_m: the points (x, y) of its middle. width_m: across it, from foot to foot. height_m: of its middle above the
+    bed as it was, negative below. smooth: share by which the bed under it first comes closer to its mean within
+    a square of half that width; 0 leaves the bed, 1 takes its mean. Height and share fade towards the feet.
+    """
+
+    line_m: Annotated[tuple[Point2, ...], Field(min_length=1, max_length=200)]
+    width_m: Size
+    height_m: Annotated[float, InRange(-1000, 1000, "m")] = 0.0
+    smooth: Annotated[float, InRange(0, 1)] = 0.0
 
 
 class TerrainModel(Model):
@@ -31,10 +49,11 @@ class TerrainModel(Model):
     heights. source: source of the heights; each source has its own keys. window_m: corners (x, y), south-west and
     north-east, of the part that is built, extended to whole cells; the heights and the world's origin are those of the
     whole terrain. It allows parts of a very large survey to be flown in separate processes, none of which holds the
-    whole terrain.
+    whole terrain. strokes: drawn on the source's heights, one after another.
     """
 
     spacing_m: Spacing = 0.5
+    strokes: Annotated[tuple[Stroke, ...], Field(max_length=STROKES_MAX)] = ()
     window_m: tuple[Point2, Point2] | None = None
 
     if TYPE_CHECKING:
@@ -58,7 +77,19 @@ class TerrainModel(Model):
         size_m = getattr(self, "size_m", None)  # a field of sources that have it
         if size_m is not None:
             self._check_grid(size_m)
+        self._check_strokes()
         return self
+
+    def _check_strokes(self) -> None:
+        drawn = 0.0
+        for k, stroke in enumerate(self.strokes):
+            line_m = np.asarray(stroke.line_m)
+            pieces_m = np.abs(np.diff(line_m[[0, *range(len(line_m))]], axis=0))
+            sides_m = np.vstack([pieces_m, np.ptp(line_m, axis=0)]) + stroke.width_m
+            drawn += float(np.minimum(np.prod(sides_m, axis=1) / self.spacing_m**2, MAX_NODES).sum())
+            if drawn > MAX_DRAWN:
+                rule = f"those up to this one reach more than {MAX_DRAWN} heights: make them narrower, shorter or fewer"
+                raise broken(rule, at=("strokes", k, "width_m"), value=stroke.width_m, unit="m")
 
     def _check_grid(self, size_m: tuple[float, float]) -> None:
         cells = [size / self.spacing_m for size in size_m]
@@ -72,7 +103,7 @@ class TerrainModel(Model):
             raise broken(rule, at=("spacing_m",), value=self.spacing_m, unit="m")
 
     def heights(self) -> NDArray[np.floating]:
-        """Return z (ny, nx) at the nodes of the whole grid, from south to north and west to east.
+        """Return z (ny, nx) at the nodes of the whole grid without strokes, from south to north and west to east.
 
         It must depend on the fields and their files alone. Raises ScenarioError.
         """

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from uwsim.scenario.build.simplex_noise import fractal_noise
-from uwsim.scenario.build.terrain_grid import FloatGrid, grid_axes
+from uwsim.scenario.build.terrain_grid import FloatGrid, grid_axes, perlin_step
 from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.spec.fields import InRange, Model, Point2, Size
 from uwsim.scenario.spec.terrain import TerrainModel
@@ -66,7 +66,7 @@ class NoiseTerrain(TerrainModel):
 
     def heights(self) -> NDArray[np.floating]:
         """See TerrainModel."""
-        by = self.model_dump_json(exclude={"window_m", *(() if self.scour else ("scour",))})
+        by = self.model_dump_json(exclude={"window_m", "strokes", *(() if self.scour else ("scour",))})
         (heights,) = cached_arrays(lambda: (_noise_heights(self).astype(np.float32),), "noise", by)
         return cast("NDArray[np.float32]", heights)
 
@@ -88,14 +88,12 @@ def _noise_heights(spec: NoiseTerrain) -> FloatGrid:
 def _rim_share(x: FloatGrid, y: FloatGrid, rim: Rim, variation: FloatGrid) -> FloatGrid:
     """Return the rim's weight: 1 outside the superellipse that touches the terrain edges, 0 from width_m inside it.
 
-    The variation, in [-0.5, 0.5], creates bays and headlands. In between, the weight follows Perlin's step (2002),
-    whose continuous second derivative avoids a crease that would produce echoes.
+    The variation, in [-0.5, 0.5], creates bays and headlands.
     """
     half_x, half_y = x.max(), y.max()
     radius = (np.abs(x / half_x) ** SHORE_EXPONENT + np.abs(y / half_y) ** SHORE_EXPONENT) ** (1 / SHORE_EXPONENT)
     inset_m = (1 - radius) * min(half_x, half_y) * (1 + variation)
-    t = np.clip(inset_m / rim.width_m, 0, 1)
-    return np.asarray(1 - t**3 * (t * (6 * t - 15) + 10))
+    return np.asarray(1 - perlin_step(inset_m / rim.width_m))
 
 
 def _noise(x: FloatGrid, y: FloatGrid, spec: NoiseTerrain, seed: int) -> FloatGrid:

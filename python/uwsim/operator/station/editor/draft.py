@@ -101,15 +101,22 @@ class Draft:
                 text = without(text, self.name, at)
         self._take(text)
 
-    def add(self, section: str, kind: str, vehicle: int, at_m: Sequence[float]) -> Place:
-        """Add a part of a kind near a place (x, y) and return its place in the scenario. Raises ValueError."""
+    def add(
+        self, section: str, kind: str, vehicle: int, at_m: Sequence[float], own: Mapping[str, Any] | None = None
+    ) -> Place:
+        """Add a part of a kind near a place (x, y) and return its place in the scenario. Raises ValueError.
+
+        own: fields that it has in place of those with which a new part begins.
+        """
         found = self._section(section)
         if kind not in forms()[section]:
             raise ValueError(f"kind = {kind[:40]!r}: must be one of {', '.join(forms()[section])}")
         x, y = (
             (0.0, 0.0) if found.of_vehicle else (round(float(at_m[0]), 3), round(float(at_m[1]), 3))
         )  # in the vehicle's frame
-        values = start_values(section, kind, (x, y))
+        model = {field["name"]: field for field in forms()[section][kind]}
+        given = {key: _given(model[key], value) for key, value in self._known(model, own or {})}
+        values = start_values(section, kind, (x, y)) | given
         above = found.below(vehicle)
         self._require_vehicle(above)
         if found.holds == "names":
@@ -121,6 +128,7 @@ class Draft:
             present = _at(self.values, above)
             if present is not None and (not kind or present.get(found.key) == kind):
                 raise ValueError(f"{dotted(above)}: exists already")
+            values |= {key: present[key] for key in found.without if present and key in present}
             self._take(with_value(self.text, self.name, above, values))  # in place of one of another kind
             return above
         items = _at(self.values, above) or []

@@ -136,21 +136,20 @@ class Editor:
             if action == "revert":
                 draft.replace(self._base)
                 return ()
-            section = str(request.get("section") or "")
+            section, values = str(request.get("section") or ""), request.get("values") or {}
+            if not isinstance(values, dict) or (action == "set" and not values):
+                raise ValueError("values: must be fields and their values")
             if action == "add":
                 at_m, vehicle = request.get("at_m") or [0.0, 0.0], request.get("vehicle") or 0
                 if not (isinstance(at_m, list) and len(at_m) == 2 and all(map(is_number, at_m))):
                     raise ValueError("at_m: must be two numbers")
                 if not is_number(vehicle) or vehicle % 1:
                     raise ValueError(f"vehicle = {str(vehicle)[:40]}: must be a whole number")
-                return draft.add(section, str(request.get("kind") or ""), int(vehicle), at_m)
+                return draft.add(section, str(request.get("kind") or ""), int(vehicle), at_m, values)
             place = _place(request.get("place"))
             if action == "remove":
                 draft.remove(section, place)
             else:
-                values = request.get("values")
-                if not isinstance(values, dict) or not values:
-                    raise ValueError("values: must be fields and their values")
                 draft.set(section, place, values)
             return ()
 

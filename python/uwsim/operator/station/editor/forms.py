@@ -15,6 +15,7 @@ from uwsim.scenario.spec.camera import Lamps
 from uwsim.scenario.spec.json_schema import UNIT
 from uwsim.scenario.spec.obstacle import OBSTACLES
 from uwsim.scenario.spec.prop import PropEntry
+from uwsim.scenario.spec.terrain import Stroke
 from uwsim.scenario.spec.tides import Tide
 from uwsim.scenario.spec.vehicle_entry import StartPose, VehicleEntry
 from uwsim.scenario.spec.water import CurrentSpec, SurfaceSpec
@@ -51,7 +52,8 @@ SECTIONS = {
     "props": Section("placed_prop", ("props",), "list"),
     "currents": Section("current", ("water", "current"), "list"),
     "survey": Section("survey", ("survey",), "one"),
-    "terrain": Section("terrain", ("terrain",), "one", key="source"),
+    "terrain": Section("terrain", ("terrain",), "one", key="source", without=("strokes",)),
+    "strokes": Section("stroke", ("terrain", "strokes"), "list"),
     "water": Section("water", ("water",), "one", without=("surface", "current", "tide")),
     "surface": Section("surface", ("water", "surface"), "one", key="kind"),
     "tide": Section("tide", ("water", "tide"), "one"),
@@ -70,7 +72,7 @@ SECTIONS = {
 }  # fmt: skip
 OTHER_SCHEMAS: Mapping[str, Any] = {
     "surface": SurfaceSpec, "tide": Tide, "wind": Wind, "vehicle_entry": VehicleEntry, "lamps": Lamps,
-    "current": CurrentSpec, "start": StartPose, "placed_prop": PropEntry,
+    "current": CurrentSpec, "start": StartPose, "placed_prop": PropEntry, "stroke": Stroke,
 }  # fmt: skip
 EXAMPLES: Mapping[str, Mapping[str, Any]] = {
     "lamps": Lamps.example,
@@ -84,6 +86,7 @@ EXAMPLES: Mapping[str, Mapping[str, Any]] = {
         "file": "terrains/jacksboro_srtm.asc", "crs": "EPSG:4326", "water_level_m": 550, "horizontal_scale": 0.05,
         "vertical_scale": 0.11, "centre": [-84.19, 36.6], "size_m": [440, 320], "spacing_m": 1,
     },
+    "strokes": {"width_m": 10, "height_m": 2},
     "tide": {"constituents": [{"constituent": "M2", "amplitude_m": 1}]},
     "surface airy": {"amplitude_m": 0.3, "period_s": 6},
     "surface jonswap": {"significant_height_m": 0.5, "peak_period_s": 6},
@@ -128,9 +131,8 @@ def start_values(section: str, kind: str, at_m: tuple[float, float]) -> Values:
         if field["role"] == "place":
             found[name] = under_water if section == "life" else [*at_m, 0.0][:width]
         elif field["role"] == "line" and field["columns"] == ["x", "y"]:
-            found[name] = [
-                [round(at_m[0] + dx, 3), round(at_m[1] + dy, 3)] for dx, dy in ((-5.0, -5.0), (5.0, -5.0), (5.0, 5.0))
-            ]
+            corners = ((0.0, 0.0),) if section == "strokes" else ((-5.0, -5.0), (5.0, -5.0), (5.0, 5.0))
+            found[name] = [[round(at_m[0] + dx, 3), round(at_m[1] + dy, 3)] for dx, dy in corners]
         elif field["columns"]:
             found[name] = unflattened(field, [[0.0] * len(field["columns"])])
         elif field["type"] == "number":

@@ -19,12 +19,12 @@ from uwsim.scenario.spec.terrain import TerrainSpec
 class GroundPlan:
     """The bed, solids and outlines of a scenario's obstacles, of which only those that have changed are made again.
 
-    edition: increases with each change of an obstacle.
+    edition: increases with each change of an obstacle, bed_edition with each of the bed.
     """
 
     def __init__(self) -> None:
         self.outlines_m: list[list[list[float]]] = []
-        self.edition = 0
+        self.edition = self.bed_edition = 0
         self._solids: list[tuple[Vertices, Triangles]] = []
         self._obstacles: tuple[ObstacleModel, ...] = ()
         self._spec: TerrainSpec | None = None
@@ -47,6 +47,7 @@ class GroundPlan:
             outlines.append(made[0])
             solids.append(made[1])
         self.edition += scenario.obstacles != self._obstacles or not is_same
+        self.bed_edition += not is_same
         self._spec, self._terrain = scenario.terrain, terrain
         self._obstacles, self.outlines_m, self._solids = scenario.obstacles, outlines, solids
 
@@ -66,7 +67,7 @@ class GroundPlan:
         west_m, south_m = (float(value) for value in grid.origin_m[:2])
         return {
             "rows": rows, "columns": columns, "west_m": west_m, "south_m": south_m,
-            "spacing_m": [grid.spacing_m, grid.spacing_m],
+            "spacing_m": [grid.spacing_m, grid.spacing_m], "edition": self.bed_edition,
         }  # fmt: skip
 
     def heights(self) -> bytes:

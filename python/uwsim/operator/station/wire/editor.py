@@ -13,7 +13,7 @@ class Edit(Message):
     action: new, open, report, set, add, remove, undo, redo, revert, check, save, apply or close.
 
     scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to
-    add. values: fields to set; null removes one. name: under which it is saved.
+    add. values: fields to set, also of one to add; null removes one. name: under which it is saved.
     """
 
     action: str
@@ -28,13 +28,14 @@ class Edit(Message):
 
 
 class BedGrid(Message):
-    """The grid of heights in /edit/terrain.f32, in the world."""
+    """The grid of heights in /edit/terrain.f32, in the world. edition: changes with the heights."""
 
     rows: int
     columns: int
     west_m: float
     south_m: float
     spacing_m: list[float]
+    edition: int
 
 
 class EditedPart(Message):

@@ -8,8 +8,10 @@ const button = (text, act, more = {}) => el('button', { type: 'button', onclick:
 export class EditorBar {
   sections = []; // as in EditForms
 
-  /** @param {Record<'add' | 'remove' | 'undo' | 'redo' | 'revert' | 'turn' | 'fit' | 'save' | 'apply', () => void>} acts */
-  constructor(acts) {
+  /** @param {import('./brush.js').Brush} brush
+   * @param {Record<'add' | 'remove' | 'undo' | 'redo' | 'revert' | 'turn' | 'fit' | 'save' | 'apply', () => void>} acts
+   */
+  constructor(brush, acts) {
     this.section = el('select', { 'aria-label': WORDS.section, onchange: () => this.#showKinds() });
     this.kind = el('select', { 'aria-label': WORDS.kind });
     this.vehicle = el('select', { 'aria-label': WORDS.vehicle });
@@ -33,6 +35,7 @@ export class EditorBar {
       this.revert,
       this.turn,
       button(WORDS.fit, acts.fit),
+      brush.element,
       el('span', { className: 'spring' }),
       el('label', {}, WORDS.name, this.name),
       button(WORDS.save, acts.save, { className: 'primary', tip: WORDS.saveKey }),

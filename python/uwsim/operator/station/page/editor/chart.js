@@ -26,9 +26,11 @@ export class EditorChart {
 
   /** fieldsOf(part): the fields of its kind.
    * @param {import('./parts.js').EditedParts} parts
+   * @param {import('./brush.js').Brush} brush
    */
-  constructor(parts, fieldsOf) {
+  constructor(parts, fieldsOf, brush) {
     this.parts = parts;
+    this.brush = brush;
     this.#fieldsOf = fieldsOf;
     parts.addEventListener('change', () => this.draw());
     this.canvas = el('canvas', {
@@ -45,9 +47,10 @@ export class EditorChart {
     });
   }
 
-  showBed(heights, grid) {
+  // isOther: another grid than before, not just other heights: it is shown whole.
+  showBed(heights, grid, isOther) {
     this.#ground = new ChartGround(heights, grid, 0, []);
-    this.#fitted = '';
+    if (isOther) this.#fitted = '';
     this.draw();
   }
 
@@ -98,15 +101,23 @@ export class EditorChart {
     canvas.addEventListener('pointerdown', (event) => {
       const at = [event.offsetX, event.offsetY];
       canvas.setPointerCapture(event.pointerId);
+      if (this.brush.isOn) {
+        this.#paint(at);
+        return;
+      }
       const corner = this.#cornerAt(at);
       const hit = corner >= 0 ? this.parts.selected : this.#partAt(at);
       this.parts.pick(hit);
       this.#drag = { from: at, corner, isPart: hit >= 0, moved: 0, start: this.parts.at(hit) };
     });
     canvas.addEventListener('pointermove', (event) => {
-      if (this.#drag) this.#move([event.offsetX, event.offsetY]);
+      const at = [event.offsetX, event.offsetY];
+      if (this.brush.line.length) this.#paint(at);
+      else if (this.#drag) this.#move(at);
     });
     canvas.addEventListener('pointerup', () => {
+      const line = this.brush.end();
+      if (line.length) this.parts.painted(line);
       const drag = this.#drag;
       this.#drag = null;
       const isMoved = drag && drag.moved > CLICK_PX;
@@ -114,6 +125,11 @@ export class EditorChart {
       else if (drag && !isMoved) this.parts.markAt(drag.isPart ? null : this.frame.place(drag.from));
     });
     canvas.addEventListener('wheel', (event) => this.#wheel(event), { passive: false });
+  }
+
+  #paint(at) {
+    this.brush.to(this.frame.place(at));
+    this.draw();
   }
 
   #move(at) {
@@ -146,6 +162,7 @@ export class EditorChart {
 
   #isShown(index) {
     const { section } = this.parts.list[index];
+    if (section === 'strokes') return index === this.parts.selected; // the bed shows what they have made of it
     const isAboard = this.parts.list[index].vehicle !== null && section !== 'starts';
     return !isAboard || index === this.parts.selected || this.frame.scale >= PARTS_PX_M;
   }
@@ -224,6 +241,7 @@ export class EditorChart {
     if (this.parts.list[this.parts.selected]) this.#drawPart(c, this.parts.selected); // its name comes first ...
     this.parts.list.forEach((_, k) => k !== this.parts.selected && this.#isShown(k) && this.#drawPart(c, k));
     if (this.parts.list[this.parts.selected]) this.#drawPart(c, this.parts.selected); // ... and it lies on top
+    if (this.brush.line.length) this.#drawStroke(c, this.brush.line, this.brush.width_m);
     if (this.parts.mark) this.#drawMark(c, frame.at(this.parts.mark));
     drawScale(c, frame, this.#ground.colours, STRINGS.chart.north);
   }
@@ -234,7 +252,7 @@ export class EditorChart {
     const { colours } = this.#ground;
     const isSelected = index === this.parts.selected;
     const colour = isSelected ? colours.flown : part.section === 'survey' ? colours.ink : colours.obstacle;
-    const outline = this.#outline(index);
+    const outline = part.section === 'strokes' ? [] : this.#outline(index);
     c.strokeStyle = c.fillStyle = colour;
     c.lineWidth = isSelected ? 2.5 : 1.4;
     if (outline.length > 1) {
@@ -247,6 +265,7 @@ export class EditorChart {
       c.stroke();
     }
     const corners = cornersOf(part, fields);
+    if (part.section === 'strokes') this.#drawStroke(c, corners, part.values.width_m);
     if (isSelected && corners.length) this.#drawCorners(c, corners, part.section !== 'survey');
     const place = placeOf(part, fields);
     if (!place) return;
@@ -255,6 +274,19 @@ export class EditorChart {
     if (part.section === 'starts') drawVessel(c, at, 90 - (yaw ?? 0), VESSEL);
     else if (isSelected || part.vehicle !== null) this.#drawMount(c, at, corners.length ? null : yaw, colours);
     if (isSelected || part.section === 'obstacles' || part.vehicle !== null) this.#label(c, part.name, at);
+  }
+
+  // The ground under the brush along a line.
+  #drawStroke(c, line, width_m) {
+    c.save();
+    c.globalAlpha = 0.3;
+    c.strokeStyle = this.#ground.colours.flown;
+    c.lineCap = c.lineJoin = 'round';
+    c.lineWidth = width_m * this.frame.scale;
+    c.beginPath();
+    for (const point of [line[0], ...line]) c.lineTo(...this.frame.at(point));
+    c.stroke();
+    c.restore();
   }
 
   // Write a name where no other is in its way.

@@ -4,6 +4,7 @@ import { byId, el, toast, write } from '../dom.js';
 import { STRINGS } from '../strings.js';
 import { edit, editForms } from '../wire/messages.js';
 import { EditorBar } from './bar.js';
+import { Brush } from './brush.js';
 import { EditorChart } from './chart.js';
 import { PartForm } from './form.js';
 import { chartKey, editorKey } from './keys.js';
@@ -31,9 +32,10 @@ export class SceneEditor {
   #timers = { send: 0, check: 0 };
   /** @type {Promise<any>} */
   #queue = Promise.resolve();
-  #bed = '';
+  /** @type {import('../wire/messages.js').BedGrid | null} */
+  #bed = null;
   /** @type {Float32Array | null} */
-  #heights = null;
+  heights = null; // of the grid
   /** @type {string | null} */
   #opened = ''; // see open
   /** @type {(name: string) => void} */
@@ -53,15 +55,17 @@ export class SceneEditor {
       save: () => this.#save(),
       apply: () => this.#apply(),
     };
-    this.bar = new EditorBar(this.acts);
+    this.brush = new Brush();
+    this.bar = new EditorBar(this.brush, this.acts);
     this.parts = new EditedParts();
-    this.chart = new EditorChart(this.parts, fieldsOf);
+    this.chart = new EditorChart(this.parts, fieldsOf, this.brush);
     this.form = new PartForm((values) => this.#set(values, true));
     this.table = new PartTable((index) => this.pick(index), fieldsOf);
     this.message = el('p', { className: 'editor-message', role: 'status' });
     this.source = el('pre', { className: 'editor-source', tabIndex: 0 });
     this.parts.addEventListener('pick', (event) => this.pick(/** @type {CustomEvent} */ (event).detail, true));
     this.parts.addEventListener('draft', (event) => this.form.update(/** @type {CustomEvent} */ (event).detail));
+    this.parts.addEventListener('painted', (event) => this.#paint(/** @type {CustomEvent} */ (event).detail));
     this.parts.addEventListener('done', () => this.#sendLater());
     this.ground = el(
       'div',
@@ -108,7 +112,7 @@ export class SceneEditor {
       }
       const state = await edit(bridge, requestTo(scenario));
       if (!state.success) throw new Error(state.message);
-      [this.savedName, this.#onClose, this.#bed, this.#opened] = ['', onClose, '', scenario];
+      [this.savedName, this.#onClose, this.#bed, this.#opened] = ['', onClose, null, scenario];
       [this.parts.selected, this.parts.changes, this.parts.mark, this.#client] = [-1, {}, null, this.station.id];
       openDialog(byId('editor-dialog'), WORDS.title(state.name), this.element);
       this.bar.name.defaultValue = this.bar.name.value = (state.name ?? '').replace(/\.ya?ml$/, '').replace(/.*\//, '');
@@ -192,14 +196,14 @@ export class SceneEditor {
     const isScene = this.view === this.chart;
     this.ground.replaceChildren(...(isScene ? this.scene.element : [this.chart.canvas]));
     this.bar.showScene(isScene);
-    if (isScene) this.#showScene(true);
+    if (isScene) this.#showScene(true, true);
     this.view.reveal();
     this.view.canvas.focus();
   }
 
-  #showScene(isNewBed) {
-    if (!this.state?.grid || !this.#heights || this.view === this.chart) return;
-    if (isNewBed) this.scene?.showBed(this.#heights, this.state.grid);
+  #showScene(isNewBed, isOther) {
+    if (!this.state?.grid || !this.heights || this.view === this.chart) return;
+    if (isNewBed) this.scene?.showBed(this.heights, this.state.grid, isOther);
     this.scene?.showSolids(this.state);
   }
 
@@ -218,14 +222,14 @@ export class SceneEditor {
     this.bar.show(state);
     this.source.textContent = state.text;
     this.#showParts();
-    const bed = JSON.stringify(grid);
-    const isNewBed = bed !== this.#bed;
+    const isNewBed = JSON.stringify(grid) !== JSON.stringify(this.#bed);
+    const isOther = JSON.stringify({ ...grid, edition: 0 }) !== JSON.stringify({ ...this.#bed, edition: 0 });
     if (isNewBed) {
-      this.#bed = bed;
-      this.#heights = new Float32Array(await (await this.station.load('/edit/terrain.f32')).arrayBuffer());
-      this.chart.showBed(this.#heights, grid);
+      this.#bed = grid;
+      this.heights = new Float32Array(await (await this.station.load('/edit/terrain.f32')).arrayBuffer());
+      this.chart.showBed(this.heights, grid, isOther);
     }
-    this.#showScene(isNewBed);
+    this.#showScene(isNewBed, isOther);
     if (isNew) {
       clearTimeout(this.#timers.check);
       this.#timers.check = setTimeout(() => this.#check(), CHECK_MS);
@@ -294,8 +298,13 @@ export class SceneEditor {
     this.#flush();
     const { mark } = this.parts;
     const at_m = mark && this.view.sees(mark) ? mark : this.view.middle.map((value) => Math.round(value * 10) / 10);
-    await this.#act({ action: 'add', ...this.bar.chosen, at_m });
+    if (this.brush.isOn) this.#paint([at_m]);
+    else await this.#act({ action: 'add', ...this.bar.chosen, at_m });
     this.view.reveal();
+  }
+
+  #paint(line_m) {
+    this.#act({ action: 'add', section: 'strokes', at_m: line_m[0], values: this.brush.stroke(line_m) });
   }
 
   #step(action) {

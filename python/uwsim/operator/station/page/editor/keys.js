@@ -51,6 +51,9 @@ function actOf({ key, shiftKey, altKey }, editor, acts) {
     f: acts.fit,
     a: acts.add,
     v: acts.turn,
+    b: () => editor.brush.next(),
+    '[': () => editor.brush.widen(false),
+    ']': () => editor.brush.widen(true),
   };
   if (views[key]) return views[key];
   if (PICKS[key] && count) {

@@ -1,7 +1,7 @@
 // The parts of the edited scenario, the chosen one, and what is not yet sent. The chart and the 3D view both show it.
 
 // Events: 'pick' (detail: a part's index, or -1), 'draft' (detail: values of the chosen part while they change), 'done'
-// (the change is to be sent), 'change' (what is shown has changed).
+// (the change is to be sent), 'painted' (detail: the line of a stroke), 'change' (what is shown has changed).
 export class EditedParts extends EventTarget {
   /** @type {import('../wire/messages.js').EditedPart[]} */
   list = [];
@@ -36,6 +36,10 @@ export class EditedParts extends EventTarget {
     this.changes = { ...this.changes, ...values };
     this.dispatchEvent(new CustomEvent('draft', { detail: values }));
     this.#changed();
+  }
+
+  painted(line) {
+    this.dispatchEvent(new CustomEvent('painted', { detail: line }));
   }
 
   done() {

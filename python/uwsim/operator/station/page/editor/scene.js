@@ -69,7 +69,8 @@ export class EditorScene extends Stage {
     return isWithin(pixel, [this.canvas.clientWidth, this.canvas.clientHeight]);
   }
 
-  showBed(heights, grid) {
+  // isOther: as in EditorChart.
+  showBed(heights, grid, isOther) {
     if (!this.scene) return;
     this.hide(...this.#ground);
     const { mesh, high_m } = makeTerrain(heights, grid, 0);
@@ -78,7 +79,7 @@ export class EditorScene extends Stage {
     this.show(...this.#ground);
     this.#grid = grid;
     this.#solids.ground(mesh.geometry);
-    this.fit();
+    if (isOther) this.fit();
   }
 
   // Show the solids of a state's obstacles.

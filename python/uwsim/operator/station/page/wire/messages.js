@@ -779,7 +779,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {FormSection[]} sections
  */
 
-/** A request to the editor. action: new, open, report, set, add, remove, undo, redo, revert, check, save, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add. values: fields to set; null removes one. name: under which it is saved.
+/** A request to the editor. action: new, open, report, set, add, remove, undo, redo, revert, check, save, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add. values: fields to set, also of one to add; null removes one. name: under which it is saved.
  * @typedef {object} Edit
  * @property {string} action
  * @property {string | null} [scenario]
@@ -792,13 +792,14 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string | null} [name]
  */
 
-/** The grid of heights in /edit/terrain.f32, in the world.
+/** The grid of heights in /edit/terrain.f32, in the world. edition: changes with the heights.
  * @typedef {object} BedGrid
  * @property {number} rows
  * @property {number} columns
  * @property {number} west_m
  * @property {number} south_m
  * @property {number[]} spacing_m
+ * @property {number} edition
  */
 
 /** A part of the edited scenario. place: its keys in the file. vehicle: the number of the vehicle that carries it. is_inherited: whether it comes from the vehicle's own file, or is a start at the station. frame: x, y [m], yaw [deg] and z [m] in the world of the axes of its position. values: as written, tables as rows of numbers. outline_m: of an obstacle.
