@@ -1,16 +1,20 @@
 """A scenario written for Gazebo and for Stonefish is the same world and vehicle when it is read back."""
 
+import io
 from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
 
 from uwsim.base.options import OptionError
 from uwsim.evidence.export.from_scenario import exported
-from uwsim.evidence.export.write import export
+from uwsim.evidence.export.write import write_export
 from uwsim.evidence.robots.sdf import read_sdf
 from uwsim.evidence.robots.stonefish import read_stonefish
+from uwsim.operator.station.editor import Editor
 from uwsim.scenario import load
+from uwsim.scenario.read.assets import find_yaml
 
 WORLD = """\
 name: bay
@@ -29,7 +33,7 @@ def written(tmp_path, vehicle, suffix):
     """Return a scenario as it is, as it is read back, and the notes of its export."""
     path = tmp_path / "bay.yaml"
     path.write_text(WORLD.format(vehicle))
-    notes = export(str(path), tmp_path / f"bay.{suffix}")
+    notes = write_export(str(path), tmp_path / f"bay.{suffix}")
     return exported(load(path)), READERS[suffix](tmp_path / f"bay.{suffix}"), notes
 
 
@@ -108,7 +112,24 @@ def test_libsdformat_reads_it(tmp_path):
 def test_nothing_of_others_is_replaced_and_the_format_is_that_of_the_suffix(tmp_path):
     (tmp_path / "bay.sdf").write_text("mine")
     with pytest.raises(OSError, match=r"bay\.sdf"):
-        export("pool", tmp_path / "bay.sdf")
+        write_export("pool", tmp_path / "bay.sdf")
     assert [each.name for each in tmp_path.iterdir()] == ["bay.sdf"]
     with pytest.raises(OptionError, match=r"must end in \.sdf"):
-        export("pool", Path("pool.urdf"))
+        write_export("pool", Path("pool.urdf"))
+
+
+def test_the_scene_editor_exports_the_files_of_the_command_and_tells_what_is_left_out(tmp_path):
+    write_export("pool", tmp_path / "pool.sdf")
+    editor = Editor(tmp_path, None)
+    editor.open("anna", "pool", find_yaml("pool", "scenarios"), is_of_same=False)
+    made = editor.export("sdf")
+    name = made["file"].removeprefix("/edit/export/")
+    with ZipFile(io.BytesIO(editor.archive(name))) as archive:
+        files = {each: archive.read(each) for each in archive.namelist()}
+    assert files == {each: (tmp_path / each).read_bytes() for each in files}
+    assert "pool_sdf/bed.obj" in files and any("survey" in note for note in made["notes"])
+    editor.export("scn")
+    with pytest.raises(ValueError, match="is no more: export it again"):
+        editor.archive(name)
+    with pytest.raises(ValueError, match=r"must end in \.sdf, for Gazebo or \.scn, for Stonefish"):
+        editor.export("urdf")

@@ -21,8 +21,8 @@ def scenario_export(
     mass, inertia, thrusters, cameras and sensors, in SDF its added mass and drag, in Stonefish its drag along its axes.
     All that is left out or assumed is printed.
     """
-    from uwsim.evidence.export.write import export
+    from uwsim.evidence.export.write import write_export
 
-    for note in export(scenario, out):
+    for note in write_export(scenario, out):
         typer.echo(note)
     typer.echo(str(out))

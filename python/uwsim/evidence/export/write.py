@@ -10,27 +10,38 @@ from uwsim.base.own_files import require_own
 from uwsim.evidence.export.from_scenario import exported
 from uwsim.evidence.export.sdf import sdf_files
 from uwsim.evidence.export.stonefish import stonefish_files
-from uwsim.scenario import load
-
-FORMATS = {".sdf": "Gazebo", ".world": "Gazebo", ".scn": "Stonefish"}
+from uwsim.scenario import Scenario, exports, load
 
 
-def export(source: str, out: Path) -> list[str]:
+def write_export(source: str, out: Path) -> list[str]:
     """Write a scenario, by its name or path, for the simulator that `out` names by its suffix.
 
     Return a line for all that is left out or assumed. Raises OptionError, ScenarioError or OSError; nothing is written
     then.
     """
-    simulator = FORMATS.get(out.suffix.lower())
-    if simulator is None:
-        raise OptionError(f"--out {out}: must end in .sdf, for Gazebo, or .scn, for Stonefish")
-    scenario = load(source)
-    world, folder = exported(scenario), f"{out.stem}_{out.suffix[1:]}"
-    files = sdf_files(world, folder) if simulator == "Gazebo" else stonefish_files(world, folder, scenario)
-    paths = {out.parent / folder / name if name else out: content for name, content in files.items()}
+    suffix = out.suffix[1:]
+    try:
+        exports.require_known(suffix)
+    except ValueError as error:
+        raise OptionError(f"--out {out}: {error}") from None
+    made = exports.export(load(source), out.stem, suffix)
+    paths = {out.parent / name: content for name, content in made.files.items()}
     for path in paths:
         require_own(path)
-    (out.parent / folder).mkdir(parents=True, exist_ok=True)
     for path in reversed(paths):  # the file that names the others is the last
+        path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, paths[path])
-    return world.found.notes
+    return made.notes
+
+
+def _gazebo(scenario: Scenario, folder: str) -> exports.Exported:
+    world = exported(scenario)
+    return exports.Exported(sdf_files(world, folder), world.found.notes)
+
+
+def _stonefish(scenario: Scenario, folder: str) -> exports.Exported:
+    world = exported(scenario)
+    return exports.Exported(stonefish_files(world, folder, scenario), world.found.notes)
+
+
+GAZEBO, STONEFISH = exports.ScenarioExport("Gazebo", _gazebo), exports.ScenarioExport("Stonefish", _stonefish)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import secrets
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -20,7 +21,7 @@ from uwsim.flight.survey_check import checked
 from uwsim.operator.station.editor.draft import MAX_BYTES, Draft, Place
 from uwsim.operator.station.editor.forms import SECTIONS
 from uwsim.operator.station.editor.vehicle_parts import is_inherited
-from uwsim.scenario import Scenario, start_pose
+from uwsim.scenario import Scenario, exports, start_pose
 from uwsim.scenario.dump import plain, yaml_text
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.spec.fields import NAME
@@ -48,6 +49,7 @@ class Editor:
         self._draft: Draft | None = None
         self._base = ""  # the text that was opened or saved last
         self._by = self._opened = self._name = ""
+        self._archive = ("", b"")
 
     @property
     def by(self) -> str:
@@ -113,7 +115,7 @@ class Editor:
         """End a client's editing, and forget what was not saved."""
         with self._lock:
             if client == self._by:
-                self._draft, self._by = None, ""
+                self._draft, self._by, self._archive = None, "", ("", b"")
 
     def left(self, client: str) -> None:
         """End a client's editing, and keep what was not saved; a change that is being made is not waited for."""
@@ -174,6 +176,24 @@ class Editor:
         with self._building:
             found = checked(lambda: scenario, self._threads)
         return list(found.mistakes or found.warnings)
+
+    def export(self, suffix: object) -> Values:
+        """Make the scenario's files for another simulator; return their archive's address, and what was left out.
+
+        The address cannot be guessed, since a trainee must not see what an instructor edits. Raises ValueError.
+        """
+        scenario = self.draft.scenario
+        with self._building:
+            made = exports.export(scenario, scenario.name, str(suffix)[:40])
+            self._archive = (f"{secrets.token_hex(16)}/{scenario.name}_{suffix}.zip", exports.zipped(made.files))
+        return {"file": f"/edit/export/{self._archive[0]}", "notes": made.notes}
+
+    def archive(self, name: str) -> bytes:
+        """Return the archive that was exported last. Raises ValueError if it has another name."""
+        known, content = self._archive
+        if not known or name != known:
+            raise ValueError("this archive is no more: export it again")
+        return content
 
     def solid(self, edition: int, number: int) -> bytes:
         """Return an obstacle of the plan; see `GroundPlan.solid`. b"" after the editing has ended."""

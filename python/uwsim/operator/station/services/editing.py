@@ -16,7 +16,7 @@ from uwsim.scenario.read.assets import find_yaml
 CHANGES = ("set", "add", "remove", "undo", "redo", "revert")
 GONE_S = 3.0  # a client that sends nothing for this long, not even replies to pings, edits no longer
 OPENS = ("open", "new")
-ACTIONS = (*OPENS, "report", *CHANGES, "check", "save", "apply", "close")
+ACTIONS = (*OPENS, "report", *CHANGES, "check", "save", "export", "apply", "close")
 
 
 class EditService:
@@ -48,6 +48,8 @@ class EditService:
             more = {"mistakes": self._editor.mistakes()}
         elif action == "save":
             message = f"saved as {self._editor.save(request.get('name'))}"
+        elif action == "export":
+            more = self._editor.export(request.get("kind"))
         elif action == "apply":
             if self._sessions.present() is not self._of:
                 raise ValueError("the edited scenario is not the running simulator's: open that one")

@@ -38,7 +38,7 @@ from uwsim.operator.station.start.choice import (
     described,
 )
 from uwsim.operator.station.wire.calls import CALLS
-from uwsim.scenario import ScenarioError
+from uwsim.scenario import ScenarioError, exports
 from uwsim.simulator.helm import Reason
 from uwsim.simulator.notes import comment_of
 
@@ -306,7 +306,8 @@ class Services:
         return self._editing.answer(caller, request)
 
     def _edit_forms(self, caller: str, request: Values) -> Values:
-        return {"success": True, "sections": described_forms()}
+        formats = [{"suffix": name, "simulator": each.simulator} for name, each in exports.formats().items()]
+        return {"success": True, "sections": described_forms(), "exports": formats}
 
     def _start(self, caller: str, request: Values) -> Values:
         if self._sessions.running is not None:

@@ -32,6 +32,7 @@ from uwsim.operator.station.station import Station
 WAITING_MAX = 40  # maximum number of requests waiting for generated content
 DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|flight|edit)/")
 PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
+ARCHIVE = re.compile(r"/edit/export/([0-9a-f]{32}/[^/]{1,100}\.zip)")
 SOLID = re.compile(r"/edit/(\d{1,9})/(\d{1,5})\.glb")
 
 
@@ -90,6 +91,9 @@ class Site:
         solid = SOLID.fullmatch(path)
         if solid is not None:
             return File(self._sessions.editor.solid(int(solid[1]), int(solid[2])), TYPES[".glb"])
+        archive = ARCHIVE.fullmatch(path)
+        if archive is not None:
+            return File(self._sessions.editor.archive(archive[1]), TYPES[".zip"], Path(path).name)
         running = self._sessions.present()
         for pattern, make in ROUTES:
             match = re.fullmatch(pattern, path)

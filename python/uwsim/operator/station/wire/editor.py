@@ -10,10 +10,12 @@ from uwsim.operator.station.wire.messages import Message
 class Edit(Message):
     """A request to the editor.
 
-    action: new, open, report, set, add, remove, undo, redo, revert, check, save, apply or close.
+    action: new, open, report, set, add, remove, undo, redo, revert, check, save, export,
+    apply or close.
 
     scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to
-    add. values: fields to set, also of one to add; null removes one. name: under which it is saved.
+    add; kind is also the format to export. values: fields to set, also of one to add; null removes one. name: under
+    which it is saved.
     """
 
     action: str
@@ -61,7 +63,8 @@ class EditState(Message):
     """The editor's state; without a scenario, only is_open, false. by: the name of the client that edits.
 
     edition: changes with the text. plan: changes with the obstacles, whose solids are /edit/PLAN/NUMBER.glb. added: the
-    place of the part that was added, or empty. mistakes: found by `check`. path: where the scenario was saved, or "".
+    place of the part that was added, or empty. mistakes: found by `check`. file, notes: of `export`: the
+    address of a ZIP archive, and what was left out of it or assumed.
     """
 
     success: Literal[True]
@@ -81,6 +84,8 @@ class EditState(Message):
     text: str | None = None
     added: list[Any] | None = None
     mistakes: list[str] | None = None
+    file: str | None = None
+    notes: list[str] | None = None
 
 
 class FormField(Message):
@@ -120,8 +125,16 @@ class FormSection(Message):
     kinds: list[FormKind]
 
 
+class ExportFormat(Message):
+    """A format in which a scenario can be exported, by the suffix of its file."""
+
+    suffix: str
+    simulator: str
+
+
 class EditForms(Message):
-    """The sections of a scenario that can be edited, with their kinds and fields, from its schema."""
+    """The sections of a scenario that can be edited, with their kinds and fields, from its schema; and the formats."""
 
     success: Literal[True]
     sections: list[FormSection]
+    exports: list[ExportFormat]

@@ -6,6 +6,7 @@ import { edit, editForms } from '../wire/messages.js';
 import { EditorBar } from './bar.js';
 import { Brush } from './brush.js';
 import { EditorChart } from './chart.js';
+import { EditorExport } from './export.js';
 import { PartForm } from './form.js';
 import { chartKey, editorKey } from './keys.js';
 import { EditedParts } from './parts.js';
@@ -62,6 +63,10 @@ export class SceneEditor {
     this.form = new PartForm((values) => this.#set(values, true));
     this.table = new PartTable((index) => this.pick(index), fieldsOf);
     this.message = el('p', { className: 'editor-message', role: 'status' });
+    this.exports = new EditorExport(
+      (suffix) => this.#act({ action: 'export', kind: suffix }),
+      (path) => this.station.href(path),
+    );
     this.source = el('pre', { className: 'editor-source', tabIndex: 0 });
     this.parts.addEventListener('pick', (event) => this.pick(/** @type {CustomEvent} */ (event).detail, true));
     this.parts.addEventListener('draft', (event) => this.form.update(/** @type {CustomEvent} */ (event).detail));
@@ -86,7 +91,8 @@ export class SceneEditor {
         { className: 'editor-side' },
         this.table.element,
         this.form.element,
-        el('details', {}, el('summary', {}, WORDS.source), this.source),
+        el('details', { name: 'editor-file' }, el('summary', {}, WORDS.source), this.source),
+        this.exports.element,
       ),
       el('footer', { className: 'editor-foot' }, this.message, el('p', { className: 'hint' }, WORDS.keys)),
     );
@@ -109,6 +115,7 @@ export class SceneEditor {
         const found = await editForms(bridge);
         if (!found.success) throw new Error(found.message);
         this.bar.sections = found.sections;
+        this.exports.offer(found.exports);
       }
       const state = await edit(bridge, requestTo(scenario));
       if (!state.success) throw new Error(state.message);
@@ -231,6 +238,7 @@ export class SceneEditor {
     }
     this.#showScene(isNewBed, isOther);
     if (isNew) {
+      this.exports.clear();
       clearTimeout(this.#timers.check);
       this.#timers.check = setTimeout(() => this.#check(), CHECK_MS);
     }

@@ -773,13 +773,20 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {FormKind[]} kinds
  */
 
-/** The sections of a scenario that can be edited, with their kinds and fields, from its schema.
+/** A format in which a scenario can be exported, by the suffix of its file.
+ * @typedef {object} ExportFormat
+ * @property {string} suffix
+ * @property {string} simulator
+ */
+
+/** The sections of a scenario that can be edited, with their kinds and fields, from its schema; and the formats.
  * @typedef {object} EditForms
  * @property {true} success
  * @property {FormSection[]} sections
+ * @property {ExportFormat[]} exports
  */
 
-/** A request to the editor. action: new, open, report, set, add, remove, undo, redo, revert, check, save, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add. values: fields to set, also of one to add; null removes one. name: under which it is saved.
+/** A request to the editor. action: new, open, report, set, add, remove, undo, redo, revert, check, save, export, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add; kind is also the format to export. values: fields to set, also of one to add; null removes one. name: under which it is saved.
  * @typedef {object} Edit
  * @property {string} action
  * @property {string | null} [scenario]
@@ -815,7 +822,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number[][]} outline_m
  */
 
-/** The editor's state; without a scenario, only is_open, false. by: the name of the client that edits. edition: changes with the text. plan: changes with the obstacles, whose solids are /edit/PLAN/NUMBER.glb. added: the place of the part that was added, or empty. mistakes: found by `check`. path: where the scenario was saved, or "".
+/** The editor's state; without a scenario, only is_open, false. by: the name of the client that edits. edition: changes with the text. plan: changes with the obstacles, whose solids are /edit/PLAN/NUMBER.glb. added: the place of the part that was added, or empty. mistakes: found by `check`. file, notes: of `export`: the address of a ZIP archive, and what was left out of it or assumed.
  * @typedef {object} EditState
  * @property {true} success
  * @property {string} message
@@ -834,6 +841,8 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string | null} [text]
  * @property {any[] | null} [added]
  * @property {string[] | null} [mistakes]
+ * @property {string | null} [file]
+ * @property {string[] | null} [notes]
  */
 
 /** A request to control the simulation. action: one of the controls listed in the description. steps, speed, name, time_s: for the actions that need them.
