@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import base64
 import difflib
+import io
+import struct
 import threading
 from pathlib import Path
 from unittest.mock import Mock
 
 import numpy as np
 import pytest
+import trimesh
+from PIL import Image
 
 from station_pages import require_described
 from uwsim.evidence.scenario_check import check_file
@@ -17,6 +22,7 @@ from uwsim.operator.station import Station
 from uwsim.operator.station.editor import Editor
 from uwsim.operator.station.editor.draft import MAX_BYTES, Draft
 from uwsim.operator.station.editor.forms import SECTIONS, forms
+from uwsim.operator.station.editor.meshes import MESH_BYTES_MAX
 from uwsim.operator.station.services import rebuild
 from uwsim.operator.station.sessions.saves import continue_maps
 from uwsim.operator.station.wire.calls import CALLS
@@ -414,3 +420,59 @@ def test_a_rebuilt_world_keeps_vehicle_and_time(station: Station, monkeypatch: p
     assert station.present().live is again
     anna("edit", action="open", scenario="pool")
     assert "is not the running simulator's" in anna("edit", action="apply")["message"]
+
+
+FOREIGN = rb'{"buffers": [{"\u0075ri": "../secret.bin"}]}'
+
+
+def sent(client: Member, name: str, content: bytes, parts: int = 1) -> dict[str, object]:
+    step = -(-len(content) // parts)
+    for at in range(0, len(content), step):
+        data = base64.b64encode(content[at : at + step]).decode()
+        answer = client("edit", action="upload", name=name, size=len(content), at=at, data=data)
+    return answer
+
+
+def test_a_mesh_is_uploaded_in_parts_replaces_nothing_and_has_a_still(station: Station, tmp_path: Path) -> None:
+    anna = Member(station, "anna")
+    anna("edit", action="open", scenario="pool")
+    box = trimesh.creation.box((1, 2, 3))
+    content = box.export(file_type="stl")
+    names = [
+        sent(anna, each, content, 3)["mesh"] for each in ("my box.stl", "../my box.stl", "tyre.STL", "tyre.obj.stl")
+    ]
+    assert names == ["meshes/my_box.stl", "meshes/my_box_2.stl", "meshes/tyre.stl", "meshes/tyre_obj.stl"]
+    obj = b"mtllib /secret.mtl\nusemtl red\n" + box.export(file_type="obj").encode()
+    named = str(sent(anna, "tyre.obj", obj)["mesh"])
+    assert named == "meshes/tyre_2.obj" and b"mtllib" not in (tmp_path / named).read_bytes()  # of another file
+    listed = anna("edit", action="meshes")["meshes"]
+    assert {named, *names} <= set(listed) and "meshes/wreck.glb" in listed
+    still = np.asarray(Image.open(io.BytesIO(station.sessions.editor.meshes.still(named))))
+    assert len(np.unique(still.reshape(-1, 3), axis=0)) > 3 and np.ptp(still) > 60  # sides in their own light
+    answer = anna(
+        "edit", action="add", section="obstacles", kind="mesh", at_m=[1, 2], values={"file": named, "scale": 1}
+    )
+    assert answer["success"] and anna("edit", action="save", name="with_mesh")["is_saved"]
+    assert load(tmp_path / "with_mesh.yaml").obstacles[-1].file == tmp_path / named
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("a.exe", b"MZ", "must end in .glb"),
+        ("a.stl", b"solid a\nendsolid a\n", "mesh 'a.stl': "),
+        ("a.stl", b"x" * (MESH_BYTES_MAX + 1), "size = 20000001 bytes: must be 1 to 20000000"),
+        ("a.glb", b"glTF" + bytes(8) + struct.pack("<I4s", len(FOREIGN), b"JSON") + FOREIGN, "takes data from other"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "mesh 'a.obj': line 4: a face names vertex 0"),
+    ],
+)
+def test_what_is_no_sound_mesh_is_refused_at_the_door(
+    station: Station, tmp_path: Path, name: str, content: bytes, message: str
+) -> None:
+    anna = Member(station, "anna")
+    anna("edit", action="open", scenario="pool")
+    answer = sent(anna, name, content)
+    assert not answer["success"] and message in answer["message"] and str(tmp_path) not in answer["message"]
+    assert list(tmp_path.rglob("*.*")) == []
+    again = anna("edit", action="upload", name="a.stl", size=9, at=3, data="AAAA")
+    assert "is not the next part" in again["message"]

@@ -1,7 +1,10 @@
 """The scene editor in a real browser: by mouse and by keys, saved, started, and put into a paused simulator."""
 
+import base64
+
 import numpy as np
 import pytest
+import trimesh
 
 from browser import desk, judge, shows, until, when
 from uwsim.scenario import load
@@ -179,6 +182,36 @@ def test_in_3d_the_same_parts_are_moved_turned_added_and_undone_and_a_reload_kee
     when(page, SENT.format("buoy", "radius_m"))
     page.click("text=Revert")
     when(page, "station.editor.state.is_saved && " + SENT.format("box", "position_m[1] === 0"))
+
+
+def test_a_mesh_is_dropped_on_the_chart_and_another_chosen_by_its_still(page, here, tmp_path):
+    content = base64.b64encode(trimesh.creation.box((2, 1, 1)).export(file_type="glb")).decode()
+    at = chart_pixel(page, (-3, 4))
+    page.evaluate(
+        """([content, x, y]) => {
+            const bytes = Uint8Array.from(atob(content), (each) => each.charCodeAt(0));
+            const dataTransfer = new DataTransfer();
+            dataTransfer.items.add(new File([bytes], 'crate.glb'));
+            const more = { bubbles: true, cancelable: true, clientX: x, clientY: y, dataTransfer };
+            document.elementFromPoint(x, y).dispatchEvent(new DragEvent('drop', more));
+        }""",
+        [content, *at],
+    )
+    when(page, SENT.format("mesh", "file === 'meshes/crate.glb'"))
+    np.testing.assert_allclose(sent(page, "mesh", "position_m"), [-3, 4, 0], atol=0.2)
+    assert (here.station.sessions.folder / "meshes/crate.glb").is_file()
+    still = ".editor-stills img[alt='{}']"
+    page.wait_for_selector(still.format("crate.glb"))
+    when(
+        page, "[...document.querySelectorAll('.editor-stills img')].slice(0, 4).every((each) => each.naturalWidth > 0)"
+    )
+    judge(page, "the list of meshes")
+    page.click(still.format("bluerov2.glb"))
+    when(page, SENT.format("mesh", "file === 'meshes/bluerov2.glb'"))
+    path = tmp_path / "broken.stl"
+    path.write_bytes(b"solid a\nendsolid a\n")
+    page.set_input_files(".editor-upload input", path)
+    page.wait_for_selector(".editor-field[data-wrong] .wrong:has-text('broken.stl')")
 
 
 def test_what_is_opened_again_in_the_frame_in_which_it_was_closed_can_be_edited(page):

@@ -20,6 +20,7 @@ from uwsim.channels.guest import Values
 from uwsim.flight.survey_check import checked
 from uwsim.operator.station.editor.draft import MAX_BYTES, Draft, Place
 from uwsim.operator.station.editor.forms import SECTIONS
+from uwsim.operator.station.editor.meshes import Meshes
 from uwsim.operator.station.editor.vehicle_parts import is_inherited
 from uwsim.scenario import Scenario, exports, start_pose
 from uwsim.scenario.dump import plain, yaml_text
@@ -50,6 +51,7 @@ class Editor:
         self._base = ""  # the text that was opened or saved last
         self._by = self._opened = self._name = ""
         self._archive = ("", b"")
+        self.meshes = Meshes(folder)
 
     @property
     def by(self) -> str:
@@ -62,7 +64,7 @@ class Editor:
         is_of_same: whether the scenario being edited was opened from a file, too. If it is this one, and has unsaved
         changes, editing continues, and the result is True.
         """
-        make = partial(_of_file, path)
+        make = partial(self._of_file, path)
         return self._take(client, name, make, is_of_same)
 
     def open_new(self, client: str) -> bool:
@@ -87,6 +89,11 @@ class Editor:
             return Draft(yaml_text(plain(scenario)), f"{scenario.name}.yaml", self._folder)
 
         return self._take(client, scenario.name, make, is_of_same)
+
+    def _of_file(self, path: Path) -> Draft:
+        """Return a file's draft; a packaged one, which names packaged files only, may also name those in the folder."""
+        folder = self._folder if assets_folder() in path.parents else path.resolve().parent
+        return Draft(read_yaml(path, path.name).text, path.name, folder)
 
     def _take(self, client: str, name: str, make: Callable[[], Draft], is_of_same: bool) -> bool:
         with self._alone():
@@ -116,6 +123,7 @@ class Editor:
         with self._lock:
             if client == self._by:
                 self._draft, self._by, self._archive = None, "", ("", b"")
+                self.meshes.forget()
 
     def left(self, client: str) -> None:
         """End a client's editing, and keep what was not saved; a change that is being made is not waited for."""
@@ -266,10 +274,6 @@ def _frame(scenario: Scenario, vehicle: int) -> list[float]:
     """Return the place and direction, x, y [m], yaw [deg], z [m], of the frame of a vehicle's parts."""
     (x, y, z), yaw_rad = start_pose(scenario, scenario.vehicles[vehicle])
     return [x, y, math.degrees(yaw_rad), z]
-
-
-def _of_file(path: Path) -> Draft:
-    return Draft(read_yaml(path, path.name).text, path.name, path.resolve().parent)
 
 
 def _place(value: object) -> Place:

@@ -203,8 +203,10 @@ def _kinds(section: Section) -> Iterator[tuple[str, list[Values]]]:
 
 
 def _packaged(section: Section, field: Values) -> Values:
-    """Return a field, with the packaged files as choices if it names a vehicle's or a prop's model."""
+    """Return a field, with packaged files as choices if it names a vehicle's or a prop's model, or marked as a mesh."""
     folder = str(section.place[0])
+    if folder in ("obstacles", "cover") and field["name"] == "file":
+        return field | {"role": "mesh"}
     if section.of_vehicle or folder not in ("vehicles", "props") or field["name"] != "model":
         return field
     return field | {"type": "choice", "choices": packaged_names(folder)}

@@ -16,7 +16,7 @@ from uwsim.scenario.read.assets import find_yaml
 CHANGES = ("set", "add", "remove", "undo", "redo", "revert")
 GONE_S = 3.0  # a client that sends nothing for this long, not even replies to pings, edits no longer
 OPENS = ("open", "new")
-ACTIONS = (*OPENS, "report", *CHANGES, "check", "save", "export", "apply", "close")
+ACTIONS = (*OPENS, "report", *CHANGES, "check", "save", "export", "meshes", "upload", "apply", "close")
 
 
 class EditService:
@@ -50,6 +50,10 @@ class EditService:
             message = f"saved as {self._editor.save(request.get('name'))}"
         elif action == "export":
             more = self._editor.export(request.get("kind"))
+        elif action == "meshes":
+            more = {"meshes": self._editor.meshes.names()}
+        elif action == "upload":
+            more = self._editor.meshes.receive(request)
         elif action == "apply":
             if self._sessions.present() is not self._of:
                 raise ValueError("the edited scenario is not the running simulator's: open that one")

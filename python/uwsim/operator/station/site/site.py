@@ -33,6 +33,7 @@ WAITING_MAX = 40  # maximum number of requests waiting for generated content
 DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|flight|edit)/")
 PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
 ARCHIVE = re.compile(r"/edit/export/([0-9a-f]{32}/[^/]{1,100}\.zip)")
+MESH = re.compile(r"/edit/mesh/([^?]{1,100})\.png")
 SOLID = re.compile(r"/edit/(\d{1,9})/(\d{1,5})\.glb")
 
 
@@ -94,6 +95,9 @@ class Site:
         archive = ARCHIVE.fullmatch(path)
         if archive is not None:
             return File(self._sessions.editor.archive(archive[1]), TYPES[".zip"], Path(path).name)
+        mesh = MESH.fullmatch(path)
+        if mesh is not None:
+            return File(self._sessions.editor.meshes.still(mesh[1]), TYPES[".png"])
         running = self._sessions.present()
         for pattern, make in ROUTES:
             match = re.fullmatch(pattern, path)

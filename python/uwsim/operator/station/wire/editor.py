@@ -11,11 +11,11 @@ class Edit(Message):
     """A request to the editor.
 
     action: new, open, report, set, add, remove, undo, redo, revert, check, save, export,
-    apply or close.
+    meshes, upload, apply or close.
 
     scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to
     add; kind is also the format to export. values: fields to set, also of one to add; null removes one. name: under
-    which it is saved.
+    which it is saved, or of a mesh to upload. size, at, data: bytes of the whole mesh, and a part of it in Base64.
     """
 
     action: str
@@ -27,6 +27,9 @@ class Edit(Message):
     at_m: list[float] | None = None
     values: dict[str, Any] | None = None
     name: str | None = None
+    size: int | None = None
+    at: int | None = None
+    data: str | None = None
 
 
 class BedGrid(Message):
@@ -64,7 +67,8 @@ class EditState(Message):
 
     edition: changes with the text. plan: changes with the obstacles, whose solids are /edit/PLAN/NUMBER.glb. added: the
     place of the part that was added, or empty. mistakes: found by `check`. file, notes: of `export`: the
-    address of a ZIP archive, and what was left out of it or assumed.
+    address of a ZIP archive, and what was left out of it or assumed. meshes: the files of which solids can
+    be made, with a still at /edit/mesh/FILE.png. mesh: the file of a finished upload, "" before.
     """
 
     success: Literal[True]
@@ -86,13 +90,15 @@ class EditState(Message):
     mistakes: list[str] | None = None
     file: str | None = None
     notes: list[str] | None = None
+    meshes: list[str] | None = None
+    mesh: str | None = None
 
 
 class FormField(Message):
     """A field of a kind of part. type: number (width: how many), flag, choice, text, table (columns) or yaml.
 
     low, high: bounds in unit, or null. by_default: its value if it is left out; of a table, one for each column. role:
-    place, turn or line for what the chart moves, or "".
+    place, turn or line for what the chart moves, mesh for a mesh's file, or "".
     """
 
     name: str
@@ -106,7 +112,7 @@ class FormField(Message):
     choices: list[Any]
     by_default: Any
     is_required: bool
-    role: Literal["", "place", "turn", "line"]
+    role: Literal["", "place", "turn", "line", "mesh"]
 
 
 class FormKind(Message):

@@ -9,6 +9,7 @@ import { EditorChart } from './chart.js';
 import { EditorExport } from './export.js';
 import { PartForm } from './form.js';
 import { chartKey, editorKey } from './keys.js';
+import { EditorMeshes } from './meshes.js';
 import { EditedParts } from './parts.js';
 import { EditorScene } from './scene.js';
 import { PartTable } from './table.js';
@@ -20,6 +21,7 @@ const AGAIN_MS = 2000; // between attempts to continue after a lost connection
 
 /** @typedef {import('../wire/messages.js').EditState} EditState */
 
+const tenths = (place) => place.map((value) => Math.round(value * 10) / 10);
 const requestTo = (scenario) =>
   scenario === null ? { action: 'new' } : { action: 'open', ...(scenario ? { scenario } : {}) };
 
@@ -60,7 +62,8 @@ export class SceneEditor {
     this.bar = new EditorBar(this.brush, this.acts);
     this.parts = new EditedParts();
     this.chart = new EditorChart(this.parts, fieldsOf, this.brush);
-    this.form = new PartForm((values) => this.#set(values, true));
+    this.meshes = new EditorMeshes(station.bridge, (path) => station.href(path));
+    this.form = new PartForm((values) => this.#set(values, true), this.meshes);
     this.table = new PartTable((index) => this.pick(index), fieldsOf);
     this.message = el('p', { className: 'editor-message', role: 'status' });
     this.exports = new EditorExport(
@@ -74,7 +77,12 @@ export class SceneEditor {
     this.parts.addEventListener('done', () => this.#sendLater());
     this.ground = el(
       'div',
-      { className: 'editor-ground', onkeydown: (event) => chartKey(event, this, this.acts) },
+      {
+        className: 'editor-ground',
+        onkeydown: (event) => chartKey(event, this, this.acts),
+        ondragover: (event) => event.preventDefault(),
+        ondrop: (event) => this.#drop(event),
+      },
       this.chart.canvas,
     );
     station.addEventListener('state', () => this.#goOn());
@@ -305,10 +313,26 @@ export class SceneEditor {
   async #add() {
     this.#flush();
     const { mark } = this.parts;
-    const at_m = mark && this.view.sees(mark) ? mark : this.view.middle.map((value) => Math.round(value * 10) / 10);
+    const at_m = mark && this.view.sees(mark) ? mark : tenths(this.view.middle);
     if (this.brush.isOn) this.#paint([at_m]);
     else await this.#act({ action: 'add', ...this.bar.chosen, at_m });
     this.view.reveal();
+  }
+
+  // Upload a mesh that was dropped, and add an obstacle of it there.
+  async #drop(event) {
+    event.preventDefault();
+    const [file] = event.dataTransfer?.files ?? [];
+    if (!file) return;
+    const { view } = this;
+    const at_m = tenths(view === this.chart ? this.chart.frame.place([event.offsetX, event.offsetY]) : view.middle);
+    try {
+      this.#say(WORDS.uploading(file.name));
+      const values = { file: await this.meshes.upload(file), scale: 1 };
+      await this.#act({ action: 'add', section: 'obstacles', kind: 'mesh', at_m, values });
+    } catch (error) {
+      this.#say(error.message, 'error');
+    }
   }
 
   #paint(line_m) {

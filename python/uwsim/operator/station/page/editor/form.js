@@ -19,10 +19,12 @@ function sent({ target }) {
 
 export class PartForm {
   #set;
+  #meshes;
 
-  // set(values): called with the field that was changed; null for one that is to have its default again.
-  constructor(set) {
-    this.#set = set;
+  // set(values): called with the field that was changed; null for one that is to have its default again. meshes: the
+  // EditorMeshes.
+  constructor(set, meshes) {
+    [this.#set, this.#meshes] = [set, meshes];
     this.element = el('div', { className: 'editor-form', onchange: sent });
   }
 
@@ -66,7 +68,7 @@ export class PartForm {
   }
 
   #field(part, field) {
-    const { name, unit, meaning, type, width } = field;
+    const { name, unit, meaning, type, width, role } = field;
     const given = part.values[name];
     const send = (value) => this.#set({ [name]: value });
     const inputs =
@@ -83,6 +85,7 @@ export class PartForm {
       el('legend', {}, name, unit ? el('span', { className: 'unit' }, ` ${unit}`) : null),
       el('div', { className: 'editor-inputs' }, ...inputs),
       el('p', { className: 'wrong', role: 'alert' }),
+      ...(role === 'mesh' ? this.#meshes.list(given, send, (error) => this.refuse(name, error.message)) : []),
     );
   }
 

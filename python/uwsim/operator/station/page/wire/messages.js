@@ -743,7 +743,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {Record<string, string>} errors
  */
 
-/** A field of a kind of part. type: number (width: how many), flag, choice, text, table (columns) or yaml. low, high: bounds in unit, or null. by_default: its value if it is left out; of a table, one for each column. role: place, turn or line for what the chart moves, or "".
+/** A field of a kind of part. type: number (width: how many), flag, choice, text, table (columns) or yaml. low, high: bounds in unit, or null. by_default: its value if it is left out; of a table, one for each column. role: place, turn or line for what the chart moves, mesh for a mesh's file, or "".
  * @typedef {object} FormField
  * @property {string} name
  * @property {string} meaning
@@ -756,7 +756,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {any[]} choices
  * @property {any} by_default
  * @property {boolean} is_required
- * @property {'' | 'place' | 'turn' | 'line'} role
+ * @property {'' | 'place' | 'turn' | 'line' | 'mesh'} role
  */
 
 /** A kind of part, "" if its section has no kinds, and its fields.
@@ -786,7 +786,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {ExportFormat[]} exports
  */
 
-/** A request to the editor. action: new, open, report, set, add, remove, undo, redo, revert, check, save, export, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add; kind is also the format to export. values: fields to set, also of one to add; null removes one. name: under which it is saved.
+/** A request to the editor. action: new, open, report, set, add, remove, undo, redo, revert, check, save, export, meshes, upload, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add; kind is also the format to export. values: fields to set, also of one to add; null removes one. name: under which it is saved, or of a mesh to upload. size, at, data: bytes of the whole mesh, and a part of it in Base64.
  * @typedef {object} Edit
  * @property {string} action
  * @property {string | null} [scenario]
@@ -797,6 +797,9 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number[] | null} [at_m]
  * @property {Record<string, any> | null} [values]
  * @property {string | null} [name]
+ * @property {number | null} [size]
+ * @property {number | null} [at]
+ * @property {string | null} [data]
  */
 
 /** The grid of heights in /edit/terrain.f32, in the world. edition: changes with the heights.
@@ -822,7 +825,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number[][]} outline_m
  */
 
-/** The editor's state; without a scenario, only is_open, false. by: the name of the client that edits. edition: changes with the text. plan: changes with the obstacles, whose solids are /edit/PLAN/NUMBER.glb. added: the place of the part that was added, or empty. mistakes: found by `check`. file, notes: of `export`: the address of a ZIP archive, and what was left out of it or assumed.
+/** The editor's state; without a scenario, only is_open, false. by: the name of the client that edits. edition: changes with the text. plan: changes with the obstacles, whose solids are /edit/PLAN/NUMBER.glb. added: the place of the part that was added, or empty. mistakes: found by `check`. file, notes: of `export`: the address of a ZIP archive, and what was left out of it or assumed. meshes: the files of which solids can be made, with a still at /edit/mesh/FILE.png. mesh: the file of a finished upload, "" before.
  * @typedef {object} EditState
  * @property {true} success
  * @property {string} message
@@ -843,6 +846,8 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string[] | null} [mistakes]
  * @property {string | null} [file]
  * @property {string[] | null} [notes]
+ * @property {string[] | null} [meshes]
+ * @property {string | null} [mesh]
  */
 
 /** A request to control the simulation. action: one of the controls listed in the description. steps, speed, name, time_s: for the actions that need them.
@@ -1080,8 +1085,8 @@ export const editForms = (bridge) => bridge.call('/station/edit_forms');
  * @param {Edit} request
  * @returns {Promise<EditState | Refused>}
  */
-export const edit = (bridge, { action, scenario, section, place, kind, vehicle, at_m, values, name }) =>
-  bridge.call('/station/edit', { action, scenario, section, place, kind, vehicle, at_m, values, name });
+export const edit = (bridge, { action, scenario, section, place, kind, vehicle, at_m, values, name, size, at, data }) =>
+  bridge.call('/station/edit', { action, scenario, section, place, kind, vehicle, at_m, values, name, size, at, data });
 
 /** Pause, step, restart, save, record and similar actions; for the pilot only.
  * @param {Caller} bridge
