@@ -35,7 +35,7 @@ EACH = [
     ("props", ""), ("currents", "layers"), ("sensors", "dvl"), ("cameras", ""), ("lamps", ""),
     ("imaging_sonars", "side_scan"),
     ("surface", "jonswap"), ("tide", ""), ("wind", ""), ("optics", ""),
-    ("cover", "kelp"), ("life", "school"), ("vehicles", ""), ("strokes", ""),
+    ("cover", "kelp"), ("life", "school"), ("vehicles", ""), ("strokes", ""), ("objects", "box"), ("objects", "mesh"),
 ]  # fmt: skip
 
 
@@ -77,7 +77,10 @@ def test_each_kind_is_added_read_again_and_removed_without_a_trace(
     place = found.add(section, kind, 0, [0.5, -1.0])
     again = Draft(found.text, "again.yaml", tmp_path)
     assert again.scenario == found.scenario and again.part(section, place) == found.part(section, place)
-    fields = {field["name"] for field in forms()[section][kind]} | {"kind", *SECTIONS[section].without}
+    fields = {field["name"].partition(".")[0] for field in forms()[section][kind]} | {
+        "kind",
+        *SECTIONS[section].without,
+    }
     assert fields >= found.part(section, place).keys()
     added = found.text
     found.remove(section, place)
@@ -100,6 +103,25 @@ def test_a_solid_of_an_older_edition_is_empty_and_one_that_never_was_is_refused(
     for edition, number in ((older + 2, 0), (older + 1, len(found.scenario.obstacles))):
         with pytest.raises(ValueError, match="does not exist"):
             found.plan.solid(edition, number)
+
+
+def test_a_loose_bodys_shape_and_its_own_fields_are_one_part() -> None:
+    found = draft("harbour")
+    before, place = found.text, ("objects", 0)
+    assert found.shown("objects", place)["shape.name"] == "workboat"
+    found.set("objects", place, {"shape.position_m": [-20, 10, 0], "shape.name": "launch"})
+    assert (found.scenario.objects[0].name, found.scenario.objects[0].shape.position_m) == (
+        "launch",
+        (-20.0, 10.0, 0.0),
+    )
+    assert [len(each) for each in lines(before, found.text)] == [1, 1]
+    with pytest.raises(ScenarioError, match=r"density_kg_m3 = 900.*: must be left out for a body on a path"):
+        found.set("objects", place, {"density_kg_m3": 900})
+    found.set("objects", place, {"shape.material": None, "path": None, "density_kg_m3": 900})
+    assert "shape.material" not in found.shown("objects", place)
+    assert found.add("objects", "sphere", 0, [3, 4]) == ("objects", 1) and found.scenario.objects[1].name == "sphere"
+    found.undo(3)
+    assert found.text == before
 
 
 def test_strokes_change_the_bed_in_one_step_each_and_outlive_its_source() -> None:

@@ -214,6 +214,23 @@ def test_a_mesh_is_dropped_on_the_chart_and_another_chosen_by_its_still(page, he
     page.wait_for_selector(".editor-field[data-wrong] .wrong:has-text('broken.stl')")
 
 
+def test_a_loose_body_is_added_moved_and_named_as_an_obstacle_is(page):
+    page.get_by_label("What to add").select_option("objects")
+    page.get_by_label("Kind").select_option("sphere")
+    page.locator(".editor-canvas").press("a")
+    body = "station.editor.part?.section === 'objects' && station.editor.part.values"
+    when(page, f"({body})['shape.name'] === 'sphere'")
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("PageUp")
+    when(page, f"JSON.stringify(({body})['shape.position_m']) === '[-1,0,0.5]'")
+    page.keyboard.press("F2")
+    page.keyboard.press("ControlOrMeta+a")
+    page.keyboard.type("ball")
+    page.keyboard.press("Enter")
+    when(page, "station.editor.state.parts.some(({ section, name }) => section === 'objects' && name === 'ball')")
+    judge(page, "a loose body")
+
+
 def test_what_is_opened_again_in_the_frame_in_which_it_was_closed_can_be_edited(page):
     page.evaluate("document.querySelector('#editor-dialog').close(), document.querySelector('button.edit').click()")
     when(page, "document.querySelector('#editor-dialog').open")

@@ -21,7 +21,7 @@ MAX_BYTES = 64_000
 """The largest text that is edited: each change reads it twice, which takes 14 to 30 ms per 1000 bytes."""
 STEPS_MAX = 200
 TEXT_MAX = 4000
-NAMED = ("obstacles", "props", "cover", "life", "vehicles")
+NAMED = ("obstacles", "objects", "props", "cover", "life", "vehicles")
 """Sections whose parts have names, which are unique among them."""
 DEPTH_MAX = 20
 """Brackets within brackets in a value: the parser's time rises with their square, to 7 s for TEXT_MAX of them."""
@@ -94,10 +94,10 @@ class Draft:
             self._take(self._with_part(text, place, whole))
             return
         for key, value in self._known(model, values):
-            at = (*place, key)
+            at = (*place, *key.split("."))
             if value is not None:
                 text = with_value(text, self.name, at, _given(model[key], value))
-            elif key in own:
+            elif key in SECTIONS[section].flat(own):
                 text = without(text, self.name, at)
         self._take(text)
 
@@ -136,10 +136,16 @@ class Draft:
         if isinstance(items, Mapping):  # one current, written without a list
             text, items = with_value(without(text, self.name, above), self.name, above, [dict(items)]), [items]
         if section in NAMED:
-            taken = [each.get("name") for key in NAMED for each in self.values.get(key, [])]
+            taken = [
+                SECTIONS[key].flat(each).get(SECTIONS[key].field("name"))
+                for key in NAMED
+                for each in self.values.get(key, [])
+            ]
             taken += [body.name for body in self.scenario.objects]
+            named = values.get(found.inner, values)
             first = {"kind": kind} if kind else {}
-            values = {**first, "name": self._free(kind or str(values["model"]), taken), **values}
+            named = {**first, "name": self._free(kind or str(values["model"]), taken), **named}
+            values = values | {found.inner: named} if found.inner else named
         place = (*above, len(items))
         self._take(with_value(text, self.name, place, values))
         return place
@@ -183,14 +189,15 @@ class Draft:
 
     def shown(self, section: str, place: Place) -> dict[str, Any]:
         """Return a part's own values as forms show them: tables by rows of numbers."""
-        own, model = self.part(section, place), self._form(section, place)
+        own, model = self._section(section).flat(self.part(section, place)), self._form(section, place)
         return {
             key: flattened(model[key], value) if key in model and model[key]["columns"] else value
             for key, value in own.items()
         }
 
     def _form(self, section: str, place: Place) -> dict[str, Values]:
-        kind = str(self.part(section, place).get(self._section(section).key, ""))
+        found = self._section(section)
+        kind = str(found.flat(self.part(section, place)).get(found.field(found.key), ""))
         fields = forms()[section].get(kind)
         if fields is None:
             raise ValueError(f"{dotted(place)}: of kind {kind[:40]!r}: cannot be edited here")

@@ -245,8 +245,8 @@ def _parts(draft: Draft) -> Iterator[Values]:
                     position_m, yaw_rad = start_pose(scenario, scenario.vehicles[vehicle])
                     own = {"position_m": list(position_m), "yaw_deg": math.degrees(yaw_rad)}
                 yield {
-                    "section": section, "place": list(place), "name": str(own.get("name", name)),
-                    "kind": str(own.get(found.key, "")), "vehicle": vehicle if found.of_vehicle else None,
+                    "section": section, "place": list(place), "name": str(own.get(found.field("name"), name)),
+                    "kind": str(own.get(found.field(found.key), "")), "vehicle": vehicle if found.of_vehicle else None,
                     "is_inherited": is_docked or is_inherited(values, place),
                     "frame": frame, "values": own, "outline_m": outline,
                 }  # fmt: skip

@@ -13,6 +13,7 @@ from uwsim.scenario.read.assets import packaged_names
 from uwsim.scenario.schema import schema
 from uwsim.scenario.spec.camera import Lamps
 from uwsim.scenario.spec.json_schema import UNIT
+from uwsim.scenario.spec.loose_body import LOOSE_KINDS, LooseBody
 from uwsim.scenario.spec.obstacle import OBSTACLES
 from uwsim.scenario.spec.prop import PropEntry
 from uwsim.scenario.spec.terrain import Stroke
@@ -32,7 +33,8 @@ class Section:
     """A section of a scenario: its schema, and the place of its parts, below each vehicle if of_vehicle.
 
     holds: whether the place holds a list of parts, parts by name, or one part. key: of a part's kind. without: fields
-    that are sections of their own.
+    that are sections of their own. inner: the field that holds an obstacle, with the part's kind, name and place: its
+    fields are those of the part, as INNER.NAME.
     """
 
     schema: str
@@ -41,6 +43,17 @@ class Section:
     of_vehicle: bool = False
     key: str = "kind"
     without: tuple[str, ...] = ()
+    inner: str = ""
+
+    def field(self, name: str) -> str:
+        """Return the name of the field that has a part's kind (`key`) or its name (`name`)."""
+        return f"{self.inner}.{name}" if self.inner else name
+
+    def flat(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return a part's values by the names of its fields."""
+        own = values.get(self.inner) or {}
+        inner = {f"{self.inner}.{name}": value for name, value in own.items()}
+        return inner | {name: value for name, value in values.items() if name != self.inner}
 
     def below(self, vehicle: int) -> tuple[Key, ...]:
         """Return the section's place, of a vehicle if it has one for each."""
@@ -49,6 +62,7 @@ class Section:
 
 SECTIONS = {
     "obstacles": Section("obstacle", ("obstacles",), "list"),
+    "objects": Section("loose_body", ("objects",), "list", without=("shape",), inner="shape"),
     "props": Section("placed_prop", ("props",), "list"),
     "currents": Section("current", ("water", "current"), "list"),
     "survey": Section("survey", ("survey",), "one"),
@@ -72,11 +86,12 @@ SECTIONS = {
 }  # fmt: skip
 OTHER_SCHEMAS: Mapping[str, Any] = {
     "surface": SurfaceSpec, "tide": Tide, "wind": Wind, "vehicle_entry": VehicleEntry, "lamps": Lamps,
-    "current": CurrentSpec, "start": StartPose, "placed_prop": PropEntry, "stroke": Stroke,
+    "current": CurrentSpec, "start": StartPose, "placed_prop": PropEntry, "stroke": Stroke, "loose_body": LooseBody,
 }  # fmt: skip
 EXAMPLES: Mapping[str, Mapping[str, Any]] = {
     "lamps": Lamps.example,
     "props": {"model": "drum"},
+    "objects": {"density_kg_m3": 1100},
     "vehicles": {"model": "bluerov2_heavy_outfit"},
     "terrain noise": {"size_m": [100, 100], "spacing_m": 1, "bed_depth_m": 10, "hill_height_m": 3},
     "terrain image": {
@@ -117,6 +132,8 @@ def described_forms() -> list[Values]:
 
 def start_values(section: str, kind: str, at_m: tuple[float, float]) -> Values:
     """Return the values of a new part at a place (x, y), which a person then changes."""
+    if inner := SECTIONS[section].inner:
+        return {inner: start_values("obstacles", kind, at_m), **EXAMPLES[section]}
     found: Values = {SECTIONS[section].key: kind} if kind else {}
     usual = EXAMPLES.get(f"{section} {kind}") or EXAMPLES.get(section, {})
     found |= OBSTACLES.models()[kind].example if section == "obstacles" else usual
@@ -199,7 +216,13 @@ def _kinds(section: Section) -> Iterator[tuple[str, list[Values]]]:
             for name, part in model["properties"].items()
             if "const" not in part and name not in section.without
         ]
-        yield kind, sorted(fields, key=lambda field: (field["name"] != "name", not field["is_required"]))
+        fields.sort(key=lambda field: (field["name"] != "name", not field["is_required"]))
+        if not section.inner:
+            yield kind, fields
+            continue
+        for kind, shape in _kinds(SECTIONS["obstacles"]):
+            if kind in LOOSE_KINDS:
+                yield kind, [*(field | {"name": section.field(field["name"])} for field in shape), *fields]
 
 
 def _packaged(section: Section, field: Values) -> Values:

@@ -272,8 +272,8 @@ export class EditorChart {
     const at = this.frame.at(place);
     const yaw = yawOf(part, fields);
     if (part.section === 'starts') drawVessel(c, at, 90 - (yaw ?? 0), VESSEL);
-    else if (isSelected || part.vehicle !== null) this.#drawMount(c, at, corners.length ? null : yaw, colours);
-    if (isSelected || part.section === 'obstacles' || part.vehicle !== null) this.#label(c, part.name, at);
+    else if (isSelected || !outline.length) this.#drawMount(c, at, corners.length ? null : yaw, colours);
+    if (isSelected || part.section !== 'survey') this.#label(c, part.name, at);
   }
 
   // The ground under the brush along a line.

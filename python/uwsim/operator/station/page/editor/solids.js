@@ -135,7 +135,8 @@ export class PartSolids {
     const field = this.#fieldsOf(part).find(({ role }) => role === 'place');
     const own = field && (part.values[field.name] ?? field.by_default);
     const z = Array.isArray(own) && own.length > 2 ? own[2] : NaN;
-    if (part.section === 'obstacles') return part.values.on_bed || Number.isNaN(z) ? this.bedAt(place) + (z || 0) : z;
+    const isOnBed = part.values.on_bed ?? part.values['shape.on_bed'];
+    if (part.section === 'obstacles' || isOnBed) return isOnBed || Number.isNaN(z) ? this.bedAt(place) + (z || 0) : z;
     return Number.isNaN(z) ? 0 : z + (part.frame[3] ?? 0);
   }
 
@@ -149,7 +150,7 @@ export class PartSolids {
       const solid = part.section === 'obstacles' ? this.#solids[k] : undefined;
       if (solid) this.#showSolid(solid.node, k, k === selected);
       this.#showLines(k, k === selected);
-      if (part.section === 'starts' || part.vehicle !== null) this.#showMark(k, k === selected);
+      if (part.vehicle !== null || ['starts', 'objects'].includes(part.section)) this.#showMark(k, k === selected);
     });
     if (mark) this.#add(new LineSegments(this.#cross, this.#materials.mark), [...mark, this.bedAt(mark)], -1);
     this.#redraw();
@@ -196,7 +197,7 @@ export class PartSolids {
       isChosen ? this.#materials.chosen : this.#materials[isStart ? 'vessel' : 'plain'],
     );
     cone.rotation.z = (yawOf(part, this.#fieldsOf(part)) ?? 0) * RAD;
-    cone.userData.isAboard = !isStart && !isChosen;
+    cone.userData.isAboard = part.vehicle !== null && !isStart && !isChosen;
     cone.userData.isStart = isStart;
     this.#add(cone, place.toArray(), index);
   }
