@@ -118,7 +118,7 @@ def test_nothing_of_others_is_replaced_and_the_format_is_that_of_the_suffix(tmp_
         write_export("pool", Path("pool.urdf"))
 
 
-def test_the_scene_editor_exports_the_files_of_the_command_and_tells_what_is_left_out(tmp_path):
+def test_the_scene_editor_exports_the_files_of_the_command_with_a_list_of_all_left_out(tmp_path):
     write_export("pool", tmp_path / "pool.sdf")
     editor = Editor(tmp_path, None)
     editor.open("anna", "pool", find_yaml("pool", "scenarios"), is_of_same=False)

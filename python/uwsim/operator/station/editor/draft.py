@@ -111,9 +111,7 @@ class Draft:
         found = self._section(section)
         if kind not in forms()[section]:
             raise ValueError(f"kind = {kind[:40]!r}: must be one of {', '.join(forms()[section])}")
-        x, y = (
-            (0.0, 0.0) if found.of_vehicle else (round(float(at_m[0]), 3), round(float(at_m[1]), 3))
-        )  # in the vehicle's frame
+        x, y = (0.0 if found.of_vehicle else round(float(each), 3) for each in at_m)  # in the vehicle's frame
         model = {field["name"]: field for field in forms()[section][kind]}
         given = {key: _given(model[key], value) for key, value in self._known(model, own or {})}
         values = start_values(section, kind, (x, y)) | given
