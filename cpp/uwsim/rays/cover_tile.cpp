@@ -78,6 +78,15 @@ CoverTile::CoverTile(RTCDeviceTy* device, std::span<const CoverShape> shapes, Co
   }
   soft_middle_m_ = middle_m_ + soft_middle_m_ / std::max<double>(1, static_cast<double>(soft_));
   still_ = target(Which::kAll);
+  box_ = still_.box;
+  for (const CoverPiece& piece : pieces_) {
+    const CoverShape& shape = shapes_[piece.mesh];
+    if (!shape.layer->sways()) continue;
+    // What leans keeps its distance from the foot, except for the width of its stem.
+    const double reach = kWider * piece.size_m * (shape.across + std::max(-shape.low, shape.high));
+    const Eigen::Vector3d foot = middle_m_ + piece.at_m.cast<double>(), far = Eigen::Vector3d::Constant(reach);
+    box_.extend(foot - far), box_.extend(foot + far);
+  }
 }
 
 CoverTile::Target CoverTile::target(Which which, std::span<const Lean> leans) const {

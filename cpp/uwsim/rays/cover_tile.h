@@ -65,6 +65,8 @@ class CoverTile {
   std::size_t items() const { return pieces_.size(); }
   const Eigen::Vector3d& middle_m() const { return middle_m_; }
   bool sways() const { return soft_ > 0; }
+  /// Holds all pieces, however they lean.
+  const Eigen::AlignedBox3d& box() const { return box_; }
 
   /// Some of the pieces, and the box around them.
   struct Target {
@@ -114,6 +116,7 @@ class CoverTile {
   std::vector<CoverPiece> pieces_;
   std::size_t soft_ = 0;  // how many of these sway
   Target still_;
+  Eigen::AlignedBox3d box_;
   BuiltWhenUsed<Target> stiff_;
   mutable ForkSafeMutex<std::mutex> changing_;
   mutable std::shared_ptr<const Plants> plants_;

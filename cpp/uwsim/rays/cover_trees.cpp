@@ -74,7 +74,7 @@ void CoverTrees::for_each_tile(Walk& walk, const std::shared_ptr<const Sway>& sw
   Eigen::AlignedBox3d whole(box_of(0, 0)), way;
   whole.extend(box_of(plan_.columns() - 1, plan_.rows() - 1));
   whole.min().z() = lowest_m_ - reach, whole.max().z() = highest_m_ + reach;
-  Walk::Lanes first_m, last_m;
+  Walk::Lanes first_m, last_m, lane_m;
   if (walk.enter(whole, first_m) == kInfinity) return;
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     const double start = first_m[k];
@@ -89,6 +89,7 @@ void CoverTrees::for_each_tile(Walk& walk, const std::shared_ptr<const Sway>& sw
     }
   }
   if (way.isEmpty()) return;
+  const Walk::Bounds all = walk.bounds();
   const auto number = [&](double at, int axis, double beyond, std::uint32_t count) {
     const double n = std::floor((at + beyond - plan_.origin_m()(axis)) / width);
     return static_cast<std::uint32_t>(std::clamp(n, 0.0, count - 1.0));
@@ -119,11 +120,14 @@ void CoverTrees::for_each_tile(Walk& walk, const std::shared_ptr<const Sway>& sw
                         right = number(east, 0, reach, plan_.columns());
     for (std::uint32_t column = left; column <= right; ++column) {
       // A tile in memory has the smaller box.
-      const bool is_made = tiles_.is_made(std::size_t{row} * plan_.columns() + column);
-      if (!is_made && walk.enter(box_of(column, row)) == kInfinity) continue;
+      if (!tiles_.is_made(std::size_t{row} * plan_.columns() + column)) {
+        const Eigen::AlignedBox3d box = box_of(column, row);
+        if (all.enter(box) == kInfinity || walk.enter(box, lane_m) == kInfinity) continue;
+      }
       const CoverTile& next = tile(column, row);
+      if (all.enter(next.box()) == kInfinity) continue;
       const auto consider = [&](const Eigen::AlignedBox3d& box, Entered as) {
-        as.first_m = box.isEmpty() ? kInfinity : walk.enter(box);
+        as.first_m = box.isEmpty() ? kInfinity : all.enter(box);
         if (as.first_m == kInfinity) return;
         as.box = &box;
         entered.insert(std::ranges::upper_bound(entered, as.first_m, {}, &Entered::first_m), std::move(as));
@@ -138,8 +142,8 @@ void CoverTrees::for_each_tile(Walk& walk, const std::shared_ptr<const Sway>& sw
   }
   for (const Entered& next : entered) {
     alignas(64) std::array<std::int32_t, kPacketRays> lanes;  // as Embree requires
-    if (walk.enter(*next.box, first_m) == kInfinity) continue;
-    for (std::size_t k = 0; k < kPacketRays; ++k) lanes[k] = first_m[k] < kInfinity ? -1 : 0;
+    if (walk.enter(*next.box, lane_m) == kInfinity) continue;
+    for (std::size_t k = 0; k < kPacketRays; ++k) lanes[k] = lane_m[k] < kInfinity ? -1 : 0;
     const CoverTile::Target& target = next.plants ? next.plants->target() : *next.target;
     visit(CoverTarget{*next.tile, target.tree.get(), next.plants ? next.plants->leans() : std::span<const Lean>()},
           lanes);

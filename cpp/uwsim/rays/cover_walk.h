@@ -52,9 +52,47 @@ struct CoverTrees::Walk {
                           active.data()};
     return kernels.enter_box(slabs, box.min().data(), box.max().data(), first_m.data());
   }
-  double enter(const Eigen::AlignedBox3d& box) const {
-    Lanes first_m;
-    return enter(box, first_m);
+
+  /// What the active lanes have in common, for a quick test of all of them at once.
+  struct Bounds {
+    struct Axis {
+      double first_origin = kInfinity, last_origin = -kInfinity, least_inverse = kInfinity, most_inverse = -kInfinity;
+    };
+    Axis axes[3];
+    double near_m = kInfinity, far_m = -kInfinity;
+
+    /// No lane enters a box before this; infinity if none does. Differences and products are monotonic, rounded as
+    /// well, so that no lane for which Walk::enter finds a way is left out.
+    double enter(const Eigen::AlignedBox3d& box) const {
+      double first = near_m, last = far_m;
+      for (int k = 0; k < 3; ++k) {
+        const Axis& axis = axes[k];
+        const bool ahead = axis.least_inverse > 0;
+        if (!ahead && !(axis.most_inverse < 0)) continue;  // lanes of both signs
+        if (axis.least_inverse == -kInfinity || axis.most_inverse == kInfinity) continue;
+        // The least way to the nearer side and the greatest to the farther side.
+        const double in = ahead ? box.min()(k) - axis.last_origin : box.max()(k) - axis.first_origin;
+        const double out = ahead ? box.max()(k) - axis.first_origin : box.min()(k) - axis.last_origin;
+        first = std::max(first, in * (in > 0 ? axis.least_inverse : axis.most_inverse));
+        last = std::min(last, out * (out > 0 ? axis.most_inverse : axis.least_inverse));
+      }
+      return first <= last ? first : kInfinity;
+    }
+  };
+  Bounds bounds() const {
+    Bounds all;
+    for (std::size_t k = 0; k < kPacketRays; ++k) {
+      if (active[k] == 0) continue;
+      all.near_m = std::min(all.near_m, near_m[k]), all.far_m = std::max(all.far_m, far_m[k]);
+      for (std::size_t a = 0; a < 3; ++a) {
+        Bounds::Axis& axis = all.axes[a];
+        axis.first_origin = std::min(axis.first_origin, origin[a][k]);
+        axis.last_origin = std::max(axis.last_origin, origin[a][k]);
+        axis.least_inverse = std::min(axis.least_inverse, inverse[a][k]);
+        axis.most_inverse = std::max(axis.most_inverse, inverse[a][k]);
+      }
+    }
+    return all;
   }
 
   /// The least and the greatest x of the lanes within a strip from south to north, each between its own limits.
