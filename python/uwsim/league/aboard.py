@@ -12,6 +12,7 @@ from uwsim.bridges.bridge import Bridge
 from uwsim.channels import Channel, Table
 from uwsim.channels.authority.rights import OF_EXERCISE
 from uwsim.channels.delivery.feed import Reading
+from uwsim.channels.delivery.pictures import Stream
 from uwsim.channels.ros.message_in import from_plain
 from uwsim.channels.ros.message_out import to_plain
 from uwsim.exercises import Exercise
@@ -40,8 +41,12 @@ class Aboard(Bridge):
 
     peer = "the team's program"
 
-    def __init__(self, live: LiveSimulator, exercise: Exercise) -> None:
+    def __init__(self, live: LiveSimulator, exercise: Exercise, pictures_hz: float | None = None) -> None:
+        """pictures_hz: the rate of the vehicle's pictures; by default each camera's own."""
         table = Table(live.simulator, truth=False, wire="standard")
+        if pictures_hz is not None:
+            for name in live.simulator.rov.cameras:
+                table.pictures.set_stream(table.sources[0].topic(name), Stream(rate_hz=pictures_hz))
         table.rights.close_world(live, OF_EXERCISE)
         table.rights.allow_only([aid.kind for aid in exercise.aids])
         services = [each for each in table.services if each.permit is not None]

@@ -14,6 +14,7 @@ from uwsim.exercises.certified import certified_sheet
 from uwsim.exercises.course import PERIOD_S
 from uwsim.league.aboard import Aboard
 from uwsim.league.program import Program, ProgramError
+from uwsim.league.team import Team
 from uwsim.live import LiveSimulator
 from uwsim.recording.recorder import Recorder
 from uwsim.simulator.simulator import Simulator
@@ -24,15 +25,14 @@ SIGHT = ("camera/", "scan", "ping", "points", "forward_looking", "scanning", "la
 
 @dataclass(frozen=True)
 class Run:
-    """A run to be flown. program, period_s: see Team. folder: the team's. out: receives the recording and the log.
+    """A run to be flown. folder: the team's. out: receives the recording and the log.
 
     user: see Program.
     """
 
     exercise: Exercise
     seed: int
-    program: tuple[str, ...]
-    period_s: float
+    team: Team
     folder: Path
     out: Path
     user: str | None = None
@@ -61,10 +61,10 @@ def fly_run(run: Run) -> dict[str, Any]:
         recorder = Recorder(live, recording, topics=["odom"]).start()
         stack.callback(recorder.close)
         live.every(PERIOD_S, lambda sim: None, lambda nothing: course.judge())
-        door = stack.enter_context(Aboard(live, exercise))
-        program = stack.enter_context(Program(run.program, run.folder, run.file(".log"), run.user))
+        door = stack.enter_context(Aboard(live, exercise, run.team.pictures_hz))
+        program = stack.enter_context(Program(run.team.program, run.folder, run.file(".log"), run.user))
         try:
-            _converse(program, door, live, course, run.period_s)
+            _converse(program, door, live, course, run.team.period_s)
         except ProgramError as error:
             course.finish(str(error))
         sheet = certified_sheet(course, script=run.folder.name)

@@ -66,11 +66,10 @@ def score_team(
         signed({}, Path(key))  # a mistake is met before the runs
     team = load_team(folder)
     exercise = load_course(team.course if course is None else course, folder)
+    team.require_rate(exercise.made_scenario())
     into = made_folder(Path(out), (RESULT,)).resolve()
     runs = {
-        number: Run(
-            exercise, seed, tuple(team.program), team.period_s, Path(folder).resolve(), into, user, campaign.job_threads
-        )
+        number: Run(exercise, seed, team, Path(folder).resolve(), into, user, campaign.job_threads)
         for number, seed in enumerate(seeds)
     }
     plan = {

@@ -11,6 +11,7 @@ from uwsim.exercises import Exercise, load_exercise
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.fields import InRange, Model
+from uwsim.scenario.spec.scenario import Scenario
 
 TEAM = "team.yaml"
 
@@ -20,13 +21,22 @@ class Team(Model):
 
     name: on the results. course: a packaged exercise, or the path of one, that the program flies. program: the words of
     its command, started in the team's folder; python3 is the Python that runs uwsim. period_s: the simulated time
-    between two answers of the program.
+    between two answers of the program. pictures_hz: the rate of the vehicle's pictures, at most that of each camera,
+    rate_hz, which is the default.
     """
 
     name: str = Field(min_length=1, max_length=80)
     course: str
     program: Annotated[list[str], Field(min_length=1, max_length=100)]
     period_s: Annotated[float, InRange(0.01, 1.0, "s")] = 0.1
+    pictures_hz: Annotated[float, InRange(0.01, 10, "Hz")] | None = None
+
+    def require_rate(self, scenario: Scenario) -> None:
+        """Raise ScenarioError if a camera of a scenario's first vehicle takes fewer pictures."""
+        for name, camera in scenario.vehicles[0].model.cameras.items():
+            if self.pictures_hz is not None and self.pictures_hz > camera.rate_hz:
+                rule = f"must be at most {camera.rate_hz:g} Hz, the rate of the course's camera '{name}'"
+                raise ScenarioError(f"team: pictures_hz = {self.pictures_hz:g} Hz: {rule}")
 
 
 def load_team(folder: str | Path) -> Team:

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from uwsim.league.table import paired, read_results
 from uwsim.league.team import load_course
 from uwsim.live import LiveSimulator
 from uwsim.scenario.read.assets import find_yaml
+from uwsim.scenario.read.errors import ScenarioError
 
 GATE = """
 title: The gate
@@ -176,6 +178,28 @@ def test_the_true_pose_and_the_world_are_closed(team: Path) -> None:
         assert odom.pose.pose.orientation.z != live.simulator.rov.pose.orientation_xyzw[2]
         with pytest.raises(ValueError, match="refused: an exercise is flown"):
             live.step(1)
+
+
+def test_pictures_come_at_the_rate_of_the_camera_or_at_the_teams(tmp_path: Path) -> None:
+    camera = "cameras: {front: {position_m: [0.2, 0, 0.06], width: 32, height: 24, rate_hz: 5}}"
+    world = (
+        find_yaml("course", "scenarios").read_text().replace("sensors: {bearing", f"{camera}\n      sensors: {{bearing")
+    )
+    (tmp_path / "course.yaml").write_text(world)
+    (tmp_path / "gate.yaml").write_text(GATE.replace("scenario: course", f"scenario: {tmp_path / 'course.yaml'}"))
+    exercise = load_course("gate.yaml", tmp_path)
+    for pictures_hz, apart_ns in ((None, 200_000_000), (2.0, 500_000_000)):
+        with LiveSimulator(exercise.made_scenario(), paused=True) as live, Aboard(live, exercise, pictures_hz) as door:
+            door.read_topics(["camera/front/camera_info"])
+            with live.privileged():
+                live.step(round(1.5 / live.simulator.step_s))
+            stamps = [message["header"]["stamp"] for _, message in door.look()["messages"]]
+            times_ns = sorted({10**9 * stamp["sec"] + stamp["nanosec"] for stamp in stamps})
+            assert len(times_ns) >= 3 and {b - a for a, b in pairwise(times_ns)} == {apart_ns}
+    (tmp_path / "team.yaml").write_text("name: a\ncourse: gate.yaml\nprogram: [x]\npictures_hz: 6\n")
+    with pytest.raises(ScenarioError, match=r"pictures_hz = 6 Hz: must be at most 5 Hz, the rate of .* camera 'front'"):
+        score_team(tmp_path, [1], tmp_path / "results")
+    assert not (tmp_path / "results").exists()
 
 
 def result_of(name: str, scores: Mapping[int, float], course: str = "a") -> dict[str, Any]:

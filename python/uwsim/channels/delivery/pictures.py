@@ -157,6 +157,11 @@ class Pictures:
         """Return a camera's stream settings."""
         return self._streams.get(name, Stream())
 
+    def begin_stream(self, name: str, camera: Camera) -> None:
+        """Give a camera's stream the camera's own rate."""
+        if camera.mount.rate_hz != RATE_HZ:
+            self._streams[name] = Stream(rate_hz=camera.mount.rate_hz)
+
     def set_stream(self, name: str, stream: Stream) -> None:
         """Change a camera's stream settings, starting with the next picture."""
         self._streams[name] = stream

@@ -26,6 +26,8 @@ Write = Callable[[Picture, str], Any]
 
 def station_cameras(sim: Simulator, pictures: Pictures, frame_prefix: str = "") -> list[Channel]:
     """Return the channels of the station's cameras."""
+    for name, camera in sim.cameras.items():
+        pictures.begin_stream(name, camera)
     return [
         channel
         for name in sim.cameras
@@ -38,6 +40,8 @@ def station_cameras(sim: Simulator, pictures: Pictures, frame_prefix: str = "") 
 
 def vehicle_cameras(source: Source, sim: Simulator, pictures: Pictures) -> list[Channel]:
     """Return the channels of a vehicle's cameras."""
+    for name, camera in source.of(sim).cameras.items():
+        pictures.begin_stream(source.prefix + name, camera)
     return [
         channel
         for name, camera in source.of(sim).cameras.items()

@@ -88,8 +88,9 @@ class CameraMount(Model):
     time for which each row collects light, during which the camera's own motion blurs the picture. readout_ms: time
     from the first row's exposure to the last's, for a rolling shutter. The time stamp is the middle of both. follows:
     its carrier; `body`: fixed to the hull, which does not appear in its pictures; `heading`: it follows the vehicle's
-    position and heading from outside, level, and stays above the ground. pan_tilt: its motor, if any. on: a camera that
-    is off produces black pictures.
+    position and heading from outside, level, and stays above the ground. pan_tilt: its motor, if any. rate_hz: pictures
+    in a second on its topics, in simulated time; the service set_stream changes it. on: a camera that is off produces
+    black pictures.
     """
 
     position_m: Point3
@@ -114,6 +115,7 @@ class CameraMount(Model):
     readout_ms: Annotated[float, InRange(0, 1000, "ms")] = 0.0
     follows: Literal["body", "heading"] = "body"
     pan_tilt: PanTilt | None = None
+    rate_hz: Annotated[float, InRange(0.01, 10, "Hz")] = 10.0
     on: StrictBool = True
 
     @model_validator(mode="before")

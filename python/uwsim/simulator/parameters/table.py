@@ -115,7 +115,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
                 "distortion",
                 "port",
             ),
-            *("follows", "pan_tilt"),
+            *("follows", "pan_tilt", "rate_hz"),
         ]
     ),
     Lamps: frozenset({"spots"}),
