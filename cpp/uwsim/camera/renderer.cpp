@@ -64,6 +64,8 @@ class Rendering {
         kernels_(request.kernels != nullptr ? *request.kernels : camera::kernels()),
         classes_(scene.classes_by_label()),
         thin_from_m_(classes_.size(), std::numeric_limits<float>::infinity()),
+        thin_around_(scene.thin_solids(), prepared_.anchor_world_m,
+                     kBlockSide * static_cast<double>(view_.pixel_rad)),
         keeps_geometry_(!request.colours_only || on(Effect::kParticles) || !request.clouds.all.empty()) {
     for (const ThinSolid& solid : scene_.thin_solids()) {
       thin_from_m_[solid.label] = solid.thickness_m / (kThinPixels * view_.pixel_rad);
@@ -237,11 +239,7 @@ class Rendering {
   }
 
   bool may_see_thin(const Block& block) const {
-    const double block_rad = kBlockSide * static_cast<double>(view_.pixel_rad);
-    const Eigen::Vector3f direction = camera::lane(block.direction, kBlockPixels / 2);
-    return std::ranges::any_of(scene_.thin_solids(), [&](const ThinSolid& solid) {
-      return solid.may_be_seen(prepared_.anchor_world_m, direction, block_rad);
-    });
+    return thin_around_.are_met(camera::lane(block.direction, kBlockPixels / 2));
   }
 
   bool sees_thin(const Block& block) const {
@@ -415,6 +413,7 @@ class Rendering {
   const camera::Kernels& kernels_;
   std::vector<std::uint8_t> classes_;
   std::vector<float> thin_from_m_;                        // by label: where it is seen in parts of pixels
+  ThinSolidsAround thin_around_;                          // seen from the camera
   std::array<camera::View, kPixelParts.size()> shifted_;  // through these parts
   const bool keeps_geometry_;                             // without it, neither particles nor sediment can be drawn
   Picture picture_;

@@ -11,17 +11,36 @@ constexpr double kThin_m = 0.1;
 
 }  // namespace
 
-bool ThinSolid::may_be_seen(const Eigen::Vector3d& eye_m, const Eigen::Vector3f& direction, double angle_rad) const {
-  const Eigen::Array3d low = (low_m - eye_m).array(), high = (high_m - eye_m).array();
-  const double wider_m = angle_rad * low.abs().max(high.abs()).matrix().norm();
-  double enters = 0, leaves = std::numeric_limits<double>::infinity();
-  for (int axis = 0; axis < 3; ++axis) {
-    const double slope = static_cast<double>(direction(axis));
-    if (slope == 0) continue;  // such a ray is within some other block's angle
-    const double one = (low(axis) - wider_m) / slope, other = (high(axis) + wider_m) / slope;
-    enters = std::max(enters, std::min(one, other)), leaves = std::min(leaves, std::max(one, other));
+ThinSolidsAround::ThinSolidsAround(const std::vector<ThinSolid>& solids, const Eigen::Vector3d& eye_m,
+                                   double angle_rad) {
+  constexpr float kRounding = 1e-4f;
+  for (const ThinSolid& solid : solids) {
+    const Eigen::Array3d low = (solid.low_m - eye_m).array(), high = (solid.high_m - eye_m).array();
+    const double wider_m = angle_rad * low.abs().max(high.abs()).matrix().norm();
+    Box box{low - wider_m, high + wider_m, Eigen::Vector3f::UnitX(), -2};
+    const Eigen::Vector3d middle = 0.5 * (box.low_m + box.high_m).matrix();
+    const double radius_m = 0.5 * (box.high_m - box.low_m).matrix().norm(), away_m = middle.norm();
+    if (away_m > radius_m) {
+      box.towards = (middle / away_m).cast<float>();
+      box.least_cosine = static_cast<float>(std::sqrt(1 - std::pow(radius_m / away_m, 2))) - kRounding;
+    }
+    boxes_.push_back(box);
   }
-  return enters <= leaves;
+}
+
+bool ThinSolidsAround::are_met(const Eigen::Vector3f& direction) const {
+  const auto is_met = [&](const Box& box) {
+    if (direction.dot(box.towards) < box.least_cosine) return false;
+    double enters = 0, leaves = std::numeric_limits<double>::infinity();
+    for (int axis = 0; axis < 3; ++axis) {
+      const double slope = static_cast<double>(direction(axis));
+      if (slope == 0) continue;  // such a ray is within some other block's angle
+      const double one = box.low_m(axis) / slope, other = box.high_m(axis) / slope;
+      enters = std::max(enters, std::min(one, other)), leaves = std::min(leaves, std::max(one, other));
+    }
+    return enters <= leaves;
+  };
+  return std::ranges::any_of(boxes_, is_met);
 }
 
 double mean_thickness_m(const TriangleMesh& mesh) {
