@@ -66,6 +66,8 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "exercise fly": (["hover"], {"pilot": "mission.py", "out": "out"}),
     "exercise logbook": ([], {}),
     "course new": (["team"], {}),
+    "course world": (["pool-course", "world.yaml"], {}),
+    "course bag": (["folder", "first.mcap"], {}),
     "course score": (["folder"], {"seeds": "seeds.txt", "out": "out", "workers": "0"}),
     "course table": (["folder"], {"out": "out"}),
     "vehicle identify": (["run.mcap"], {"vehicle": "rov", "out": "out"}),

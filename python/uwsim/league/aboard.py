@@ -17,6 +17,7 @@ from uwsim.channels.ros.message_in import from_plain
 from uwsim.channels.ros.message_out import to_plain
 from uwsim.exercises import Exercise
 from uwsim.live import LiveSimulator
+from uwsim.simulator.simulator import Simulator
 
 MAPS = ("octomap_binary", "map_changes", "placed_ping")
 """Pings at their true places."""
@@ -24,11 +25,14 @@ CALL_S, KINDS_MAX = 5.0, 50
 """Wall time that a call may take; the number of different complaints that are kept."""
 
 
+def outside_cameras(sim: Simulator) -> list[str]:
+    """Return the cameras that are not on the vehicle's hull."""
+    return [*sim.cameras, *(name for name, one in sim.rov.cameras.items() if one.mount.follows != "body")]
+
+
 def open_channels(table: Table, live: LiveSimulator) -> list[Channel]:
     """Return what a real vehicle would have: no true pose, no map by it, and no camera that floats beside it."""
-    sim = live.simulator
-    outside = [*sim.cameras, *(n for n, one in sim.rov.cameras.items() if one.mount.follows != "body")]
-    closed = tuple(f"camera/{name}/" for name in outside)
+    closed = tuple(f"camera/{name}/" for name in outside_cameras(live.simulator))
     return [each for each in table.channels if not each.name.startswith(closed) and not each.name.endswith(MAPS)]
 
 

@@ -27,10 +27,10 @@ def new_team(folder: str | Path, course: str = POOL) -> list[Path]:
         raise FileExistsError(f"'{to}': must be a new folder, or an empty one")
     source = assets_folder() / "templates" / "team"
     shutil.copytree(source, to, dirs_exist_ok=True, ignore=shutil.ignore_patterns("__pycache__"))
-    file = to / TEAM
     name = "".join(c for c in to.resolve().name if c.isalnum() or c in " -_") or "our team"
-    text = file.read_text(encoding="utf-8").replace("our team", f'"{name[:80]}"', 1).replace(POOL, course, 1)
-    file.write_text(text, encoding="utf-8")
+    for file in (to / TEAM, to / "src/pilot/launch/course.launch.py"):
+        text = file.read_text(encoding="utf-8").replace("our team", f'"{name[:80]}"', 1).replace(POOL, course, 1)
+        file.write_text(text, encoding="utf-8")
     if course != POOL:
         shutil.copyfile(pilots / f"{course}.py", to / "src/pilot/pilot/pilot.py")
         shutil.copyfile(pilots / "test_pilot.py", to / "src/pilot/test/test_pilot.py")

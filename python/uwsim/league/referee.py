@@ -9,10 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from uwsim.channels import Table
+from uwsim.channels.delivery.pictures import Stream
 from uwsim.exercises import Course, Exercise
 from uwsim.exercises.certified import certified_sheet
 from uwsim.exercises.course import PERIOD_S
-from uwsim.league.aboard import Aboard
+from uwsim.league.aboard import Aboard, outside_cameras
 from uwsim.league.program import Program, ProgramError
 from uwsim.league.team import Team
 from uwsim.live import LiveSimulator
@@ -21,13 +23,15 @@ from uwsim.simulator.simulator import Simulator
 
 SIGHT = ("camera/", "scan", "ping", "points", "forward_looking", "scanning", "laserPointCloud", "proximity", "sonar")
 """Beginnings of the topics that show where things are."""
+SMALL = Stream(rate_hz=2.0, width=320)
+"""Pictures in a recording."""
 
 
 @dataclass(frozen=True)
 class Run:
     """A run to be flown. folder: the team's. out: receives the recording and the log.
 
-    user: see Program.
+    user: see Program. topics: what is recorded.
     """
 
     exercise: Exercise
@@ -37,6 +41,7 @@ class Run:
     out: Path
     user: str | None = None
     threads: int | None = 1
+    topics: tuple[str, ...] = ("odom",)
 
     def file(self, suffix: str) -> Path:
         """Return the path of one of its files."""
@@ -58,7 +63,11 @@ def fly_run(run: Run) -> dict[str, Any]:
         live = stack.enter_context(LiveSimulator(sim, speed="max", paused=True))
         course = Course(exercise, sim, _privileged(live), outsider=Aboard.peer, aids=lambda: {"program"})
         stack.callback(course.detach)
-        recorder = Recorder(live, recording, topics=["odom"]).start()
+        table = Table(sim)
+        for name in sim.rov.cameras:
+            table.pictures.set_stream(table.sources[0].topic(name), SMALL)
+        hidden = ["*/depth/*", *(f"camera/{name}/*" for name in outside_cameras(sim))]
+        recorder = Recorder(live, recording, topics=run.topics, without=hidden, shared=table).start()
         stack.callback(recorder.close)
         live.every(PERIOD_S, lambda sim: None, lambda nothing: course.judge())
         door = stack.enter_context(Aboard(live, exercise, run.team.pictures_hz))

@@ -21,7 +21,8 @@ ELSEWHERE = {
     "flights.csv of --out": ["ardusub check"],
     "the file or the pictures that it writes": [
         "sonar", "camera", "film", "vehicle decompose", "ros package", "scenario new", "scenario from",
-        "scenario export", "scenario plan", "course new", "course table", "map convert", "map merge", "map render",
+        "scenario export", "scenario plan", "course new", "course world", "course bag",
+        "course table", "map convert", "map merge", "map render",
         "map slice", "map build", "map from", "map film", "map waterfall",
     ],
     "a server or a vehicle, until Ctrl-C": [

@@ -2,28 +2,35 @@
 
 import json
 import re
+import runpy
 import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from mcap.reader import make_reader
 from PIL import Image
 
 from command_line import error_line, uwsim
 from signing_keys import made_keys
 from uwsim.base.signing import signed
+from uwsim.exercises import load_exercise
 from uwsim.exercises.certified import digest_of
 from uwsim.league import load_team, score_team
 from uwsim.league.aboard import Aboard
+from uwsim.league.bag import record_bag
 from uwsim.league.films import film_goals
 from uwsim.league.new import new_team
 from uwsim.league.table import paired, read_results
 from uwsim.league.team import load_course
 from uwsim.live import LiveSimulator
+from uwsim.scenario.fingerprint import scenario_fingerprint
+from uwsim.scenario.load import load
 from uwsim.scenario.read.assets import find_yaml
 from uwsim.scenario.read.errors import ScenarioError
 
@@ -121,6 +128,45 @@ def test_its_pilot_passes_the_gate_and_the_recording_stays(team: Path, tmp_path:
     result = scored(team, tmp_path, [5])
     assert result["mean"] == 10.0 and result["passed"] == 1 and result["runs"][0]["why"] == []
     assert (tmp_path / "results/seed-5.mcap").exists()
+
+
+@pytest.mark.parametrize("course", ["pool-course", "sea-course", "reef-course"])
+def test_its_launch_file_serves_the_courses_world(tmp_path: Path, course: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The words of its process, without ROS: stand-ins for `launch` keep what they are given."""
+    given: dict[str, Any] = {}
+    values = {"simulator": "true", "seed": "3"}
+    parts: dict[str, Any] = {
+        "DeclareLaunchArgument": lambda name, default_value: values.setdefault(name, default_value),
+        "ExecuteProcess": lambda **keys: given.update(keys),
+        "LaunchConfiguration": lambda name: lambda: values[name],
+        **dict.fromkeys(("IfCondition", "Node", "LaunchDescription"), lambda *some, **keys: some),
+    }
+    for name in ("launch", "launch.actions", "launch.conditions", "launch.substitutions", "launch_ros.actions"):
+        monkeypatch.setitem(sys.modules, name, SimpleNamespace(**parts))
+    new_team(tmp_path / "team", course)
+    made = runpy.run_path(str(tmp_path / "team/src/pilot/launch/course.launch.py"))
+    made["generate_launch_description"]()
+    shell, option, words = given["cmd"]
+    write, serve = "".join(each() if callable(each) else each for each in words).split(" && exec ")
+    assert (shell, option) == ("sh", "-c") and write.startswith(f"uwsim course world {course} ")
+    assert uwsim(*write.split()[1:]).returncode == 0
+    world = serve.split()[2]
+    seeded = load_exercise(course).model_copy(update={"seed": 3}).made_scenario()
+    assert serve == f"uwsim serve {world} --ros2 --tf odom"
+    assert scenario_fingerprint(load(world)) == scenario_fingerprint(seeded)
+
+
+def test_a_bag_has_the_beginning_of_a_run_with_scans_and_pictures(team: Path, tmp_path: Path) -> None:
+    bag = tmp_path / "first.mcap"
+    missing = record_bag(team, 1, bag, until_s=1.0)
+    assert missing.endswith("it ended since the time is over") and bag.stat().st_size < 1e6
+    with bag.open("rb") as stream:
+        found = make_reader(stream).get_summary()
+    assert found is not None and found.statistics is not None
+    counts = {found.channels[k].topic: n for k, n in found.statistics.channel_message_counts.items()}
+    assert counts["/scan"] >= 5 and counts["/odom"] >= 40 and counts["/tf"] >= 40
+    assert [n for topic, n in counts.items() if topic.startswith("/camera/")] == [3, 3]
+    assert [topic for topic in counts if topic.startswith("/camera/") and "front" not in topic] == []
 
 
 def test_a_goal_is_filmed_with_its_chart_and_judgement(team: Path, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uwsim.campaigns.workers.options import RetriedOptions
-from uwsim.cli.bounds import readable
+from uwsim.cli.bounds import readable, within, writable
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED
 from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS, AsJson, print_json
@@ -45,6 +45,48 @@ def new(
 
     for path in new_team(folder, course):
         typer.echo(path)
+
+
+@app.command()
+def world(
+    course: Annotated[
+        str, typer.Argument(help="A packaged exercise, or a file.", autocompletion=exercises, metavar="COURSE")
+    ],
+    out: Annotated[Path, typer.Argument(help="The file to write, .yaml.", callback=writable)],
+    seed: Annotated[int, typer.Option(help="Places the props.", callback=within(0, 2**32 - 1))] = 0,
+) -> None:
+    """Write the world of a course and a seed as a scenario.
+
+    `uwsim serve` then starts it for ROS 2, rosbridge and Foxglove, to practise in: nothing is judged.
+    """
+    from uwsim.base.own_files import require_own
+    from uwsim.exercises import load_exercise
+    from uwsim.scenario.dump import write_scenario
+
+    require_own(out)
+    write_scenario(out, load_exercise(course).model_copy(update={"seed": seed}).made_scenario())
+    typer.echo(out)
+
+
+@app.command()
+def bag(
+    folder: Folder,
+    out: Annotated[Path, typer.Argument(help="The file to write, .mcap.", callback=writable)] = Path("first.mcap"),
+    course: Annotated[
+        str | None,
+        typer.Option(help="The course: a packaged exercise, or a file. Default: the team's.", autocompletion=exercises),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Places the props.", callback=within(0, 2**32 - 1))] = 1,
+    until: Annotated[float, typer.Option(help="Simulated time to end at [s].", callback=within(1, 1e5, "s"))] = 60.0,
+) -> None:
+    """Fly the beginning of a run; write a bag for Foxglove.
+
+    It has the pose, the frames, the vehicle's shape, scans and small pictures.
+    """
+    from uwsim.league.bag import record_bag
+
+    missing = record_bag(folder, seed, out, course=course, until_s=until)
+    typer.echo(f"{out}{f'  {missing}' if missing else ''}")
 
 
 @app.command()

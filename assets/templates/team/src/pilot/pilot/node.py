@@ -1,4 +1,4 @@
-"""Drives the pilot as a ROS 2 node, with the simulator (`uwsim serve course --ros2`) or with the vehicle itself."""
+"""Drives the pilot as a ROS 2 node, with the simulator (`uwsim serve --ros2`) or with the vehicle itself."""
 
 from functools import partial
 
