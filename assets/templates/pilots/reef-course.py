@@ -3,7 +3,8 @@
 It flies lanes over the area with the sonar tilted down, and the camera at the bed. Echoes above the bed are the console
 where they are tall, the plate where they are wide, else coral. Then it looks down at the coral on both sides of the
 line, the first twice, since a sonar does not show which end is west, and at the console from both sides, and stays
-over the plate. Change it as you like; what the drivers use is READS, WRITES, PERIOD_S, `receive` and `commands`.
+over the plate. It notes the coral and the console. Change it as you like; what the drivers use is READS, WRITES,
+PERIOD_S, `receive` and `commands`.
 """
 
 import math
@@ -53,6 +54,7 @@ class Pilot:
         self.steering = Steering(SPEED_M_S, TURN_RAD_S)
         self.echoes = {}  # the height of what stands on the bed, by (x, y), to 5 cm
         self.stage = 0
+        self.notes = []  # of what has been found, still to be sent
 
     def receive(self, topic, message):
         """Take a message of one of READS."""
@@ -82,7 +84,8 @@ class Pilot:
             self.choose()
         tilt_rad = self.steering.way[0][-1]
         tilts = [("cmd_tilt", {"data": TILT_RAD}), ("camera/front/cmd_tilt", {"data": tilt_rad})]
-        return [("cmd_vel", self.steering.command()), *tilts]
+        notes, self.notes = self.notes, []
+        return [("cmd_vel", self.steering.command()), *tilts, *notes]
 
     def choose(self):
         """Choose where to fly to next: the lanes, then what they have shown, then nowhere."""
@@ -101,6 +104,7 @@ class Pilot:
                 size = f"{math.dist(far, at):.2f} m around, {tall:.2f} m tall"
                 self.log(f"{len(group)} echoes at {at[0]:.2f}, {at[1]:.2f}, {size}")
                 if tall > TALL_M:
+                    self.note("console", "observation", at, tall - BED_M - 0.5)
                     along = math.atan2(far[1] - at[1], far[0] - at[0])
                     for side in (0.5 * math.pi, -0.5 * math.pi):
                         self.look(at, along + side, *CONSOLE_M)
@@ -108,6 +112,7 @@ class Pilot:
                     plate += group  # its two guides are two groups
                 elif tall < BOX_M:
                     coral.append(at)
+                    self.note("coral", "growth", at, 0.2 - BED_M)
             for at in coral + coral[:-1]:
                 self.steering.way.append((*at, CRUISE_M, 0.0, LOOK_S, DOWN_RAD))
             if plate:
@@ -115,6 +120,10 @@ class Pilot:
                 self.steering.way += [(*middle(plate), depth, 0.0, stay_s, DOWN_RAD) for depth, stay_s in stops]
         if not self.steering.way:
             self.steering.way = [(x, y, CRUISE_M, yaw, 10.0, DOWN_RAD)]
+
+    def note(self, text, category, at, z_m):
+        """Note what stands at a place."""
+        self.notes.append(("note", {"text": text, "category": category, "position_world_m": [*at, z_m]}))
 
     def look(self, at, direction_rad, distance_m, depth_m):
         """Add the way to where a place is seen from a direction, from above and up again."""

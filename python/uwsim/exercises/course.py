@@ -277,19 +277,19 @@ class Course:
             return moment.time_s >= event.at_s - 1e-9
         if event.near is not None:
             return moment.distance_m(event.near.position_m) <= event.near.within_m
-        return self._is_met(event.after)
+        return event.after is not None and self._are_met([event.after])
 
-    def _is_met(self, name: str | None) -> bool:
+    def _are_met(self, names: Collection[str]) -> bool:
         goals = zip(self.exercise.goals, self._now.progress, strict=True)
-        return name is None or any(goal.name == name and one.is_met for goal, one in goals)
+        return all(one.is_met for goal, one in goals if goal.name in names)
 
     def _judge_goals(self, moment: Moment) -> None:
         for goal, one in zip(self.exercise.goals, self._now.progress, strict=True):
-            if one.is_met or not self._is_met(goal.after):
+            if one.is_met or not self._are_met(goal.earlier):
                 continue
             one.judge(moment, PERIOD_S)
             if one.is_met:
-                self._note(moment, "goal", goal.title, goal.points)
+                self._note(moment, "goal", goal.title, goal.points * one.share)
 
     def _judge_limits(self, moment: Moment, collisions_before: int) -> None:
         now = self._now

@@ -212,8 +212,9 @@ class Exercise(Model):
             if name in names[:index]:
                 raise broken(f"there is already a goal '{name}'", at=("goals", index, "name"), value=name)
         for index, goal in enumerate(self.goals):
-            if goal.after is not None and goal.after not in names[:index]:
-                raise broken("must be the name of an earlier goal", at=("goals", index, "after"), value=goal.after)
+            for name in goal.earlier:
+                if name not in names[:index]:
+                    raise broken("must be the name of an earlier goal", at=("goals", index, "after"), value=name)
         for index, event in enumerate(self.events):
             if event.after is not None and event.after not in names:
                 raise broken("must be the name of a goal", at=("events", index, "after"), value=event.after)

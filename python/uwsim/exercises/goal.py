@@ -57,9 +57,9 @@ class Progress:
 class GoalModel(Model):
     """The keys that all goals share.
 
-    name: used in `after`. title: shown to the pilot. points: awarded for meeting it. after: the name of a goal that
-    must be met before this one counts. of: a prop of the scenario, in whose frame the goal's position_m and heading_deg
-    are; by default the world.
+    name: used in `after`. title: shown to the pilot. points: awarded for meeting it. after: the name of a goal, or of
+    several, that must be met before this one counts. of: a prop of the scenario, in whose frame the goal's position_m
+    and heading_deg are; by default the world.
     """
 
     progress: ClassVar[type[Progress]] = Progress
@@ -67,11 +67,16 @@ class GoalModel(Model):
     name: Name
     title: str = Field(min_length=1, max_length=120)
     points: Points = 10.0
-    after: Name | None = None
+    after: Name | list[Name] | None = None
     of: Name | None = None
 
     if TYPE_CHECKING:
         kind: str
+
+    @property
+    def earlier(self) -> list[str]:
+        """The names of the goals in `after`."""
+        return [self.after] if isinstance(self.after, str) else list(self.after or ())
 
     def in_world(self, prop: PropEntry) -> Self:
         """Return a copy in the world for a goal in the frame of a prop."""

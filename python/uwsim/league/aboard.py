@@ -7,10 +7,12 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
+from uwsim.base.commands import COMMANDS, NOTE
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.bridges.bridge import Bridge
-from uwsim.channels import Channel, Table
+from uwsim.channels import Channel, Table, require_live
 from uwsim.channels.authority.rights import OF_EXERCISE
+from uwsim.channels.calls.command_services import arguments_of
 from uwsim.channels.delivery.feed import Reading
 from uwsim.channels.delivery.pictures import Stream
 from uwsim.channels.ros.message_in import from_plain
@@ -79,7 +81,10 @@ class Aboard(Bridge):
         return {"messages": [[each.channel.name, to_plain(each.message)] for each in arrived], "answers": answers}
 
     def obey(self, commands: Any) -> None:
-        """Apply commands, pairs of a topic or service and plain values, in order."""
+        """Apply commands, pairs of a topic or service and plain values, in order.
+
+        `note` reports what the program has found, with the arguments of the command; it goes to the referee.
+        """
         for pair in commands if isinstance(commands, list) else [commands]:
             name, values = pair if isinstance(pair, list) and len(pair) == 2 else (None, None)
             try:
@@ -89,8 +94,11 @@ class Aboard(Bridge):
                     self.apply(self.inputs[name], from_plain(self.inputs[name].type, values))
                 elif name in self.services:
                     self._call(name, dict(values))
+                elif name == NOTE:
+                    live, arguments = require_live(self.live), arguments_of(COMMANDS[NOTE], dict(values))
+                    live.command(NOTE, vehicle=live.simulator.rov.name, **arguments).result(CALL_S)
                 else:
-                    names = (*self.inputs, *self.services)
+                    names = (*self.inputs, *self.services, NOTE)
                     raise ValueError(f"'{name}': is no topic or service of the vehicle{did_you_mean(name, names)}")
                 self.commands[name] += 1
             except (ValueError, RuntimeError) as error:

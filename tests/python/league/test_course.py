@@ -248,6 +248,31 @@ def test_pictures_come_at_the_rate_of_the_camera_or_at_the_teams(tmp_path: Path)
     assert not (tmp_path / "results").exists()
 
 
+def test_a_program_reports_what_it_has_found_and_time_left_counts_once_all_is_met(team: Path, tmp_path: Path) -> None:
+    text = (
+        GATE[: GATE.index("goals:")].replace("pass_points: 10", "pass_points: 1")
+        + """
+goals:
+  - {kind: report, name: here, title: A note, position_m: [1, 2, -1], within_m: 0.5, category: growth, points: 4}
+  - {kind: time_left, name: early, title: Early, after: [here], full_s: 0, none_s: 2, points: 8}
+limits: [{kind: reports, category: growth, most: 5, cost: 1}]
+"""
+    )
+    note = ["note", {"text": "coral", "category": "growth", "position_world_m": [1.0, 2.3, -1.0]}]
+    bare = ["note", {"category": "growth", "position_world_m": [1.0, 2.3]}]
+    for name, command in (("near", note), ("wrong", bare)):
+        folder = tmp_path / name
+        shutil.copytree(team, folder)
+        (folder / "gate.yaml").write_text(text.replace("time_s: 60", "time_s: 1"))
+        (folder / "own.py").write_text(answering(["scan"], [command]))
+        (folder / "team.yaml").write_text("name: a\ncourse: gate.yaml\nprogram: [python3, own.py]\n")
+    (run,) = score_team(tmp_path / "near", [1], tmp_path / "a", workers=0).result["runs"]
+    assert run["ended_because"] == "all goals are met" and run["goals"]["here"] == 4.0
+    assert run["goals"]["early"] == pytest.approx(8.0 * (1.0 - run["time_s"] / 2.0))  # a straight line from 8 to 0
+    (run,) = score_team(tmp_path / "wrong", [1], tmp_path / "b", workers=0).result["runs"]
+    assert run["score"] == 0.0 and any("text: must be given" in reason for reason in run["why"]), run["why"]
+
+
 def result_of(name: str, scores: Mapping[int, float], course: str = "a") -> dict[str, Any]:
     found: dict[str, Any] = {
         "version": 1, "team": name, "course": course, "title": "Gate", "points": 10.0, "passed": 0, "uwsim": "",
