@@ -52,7 +52,8 @@ class Program:
                 )  # fmt: skip
             except (OSError, ValueError) as error:
                 own.close()
-                raise OSError(f"program '{words[0]}': cannot be started: {error}") from error
+                whose = "" if user is None else f" as user '{user}', who must be able to read it and its folders"
+                raise OSError(f"program '{words[0]}': cannot be started{whose}: {error}") from error
 
     def send(self, values: Mapping[str, Any]) -> None:
         """Send a line. Raises ProgramError."""
