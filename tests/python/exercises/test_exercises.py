@@ -135,7 +135,9 @@ def reef_course(vehicle):
     for goal in load_exercise("reef-course").in_world().goals:
         if goal.kind == "look_at":
             yield from seen(vehicle, goal)
-        else:
+        elif goal.kind == "report":
+            vehicle.command("note", text=goal.title, category=goal.category, position_world_m=goal.position_m)
+        elif goal.kind == "hold":
             yield from goto(vehicle, goal.position_m, within_m=0.2)
             yield from hold(vehicle, 13.0, position_world_m=goal.position_m)
 
