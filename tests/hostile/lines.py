@@ -64,6 +64,7 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "compare": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "seeds": "0", "time_limit_s": "2"}),
     "sweep": (["sweep.yaml"], {"out": "out", "workers": "0"}),
     "exercise fly": (["hover"], {"pilot": "mission.py", "out": "out"}),
+    "exercise film": (["run.mcap"], {"out": "debrief.webp"}),
     "exercise logbook": ([], {}),
     "course new": (["team"], {}),
     "course world": (["pool-course", "world.yaml"], {}),

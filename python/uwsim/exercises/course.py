@@ -343,7 +343,8 @@ class Course:
         goals = [
             {
                 "name": goal.name, "title": goal.title, "kind": goal.kind, "points": goal.points, "share": one.share,
-                "scored": goal.points * one.share, **_error_figures(one.errors_m),
+                "scored": goal.points * one.share, "places_m": [list(place) for place in goal.places_m],
+                **_error_figures(one.errors_m),
             }
             for goal, one in zip(self.exercise.goals, self._now.progress, strict=True)
         ]  # fmt: skip

@@ -87,6 +87,12 @@ class GoalModel(Model):
             changes["heading_deg"] = (heading_deg + prop.yaw_deg + 180.0) % 360.0 - 180.0
         return self.model_copy(update=changes)
 
+    @property
+    def places_m(self) -> list[tuple[float, float, float]]:
+        """The points of a goal that has a position or a path, else none."""
+        place = getattr(self, "position_m", None)
+        return list(getattr(self, "points_m", ())) if place is None else [place]
+
     def begun(self) -> Progress:
         """Return the goal's progress at the beginning."""
         return self.progress(self)

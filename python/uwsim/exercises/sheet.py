@@ -81,13 +81,14 @@ def _figures(course: Course) -> list[SheetFigure]:
     from uwsim.figures.flight import draw_depth
 
     track, marks = course.track, _marks(course.sheet())
+    places = {goal.name: goal.places_m for goal in course.exercise.goals if goal.places_m}
     figures = []
     if len(track) > 1:
         figures.append(
             _drawn(
                 "Where it went",
                 "From the circle to the square, with goals and what happened.",
-                lambda path: draw_exercise_track(path, course.sim.world, track[:, 1:4], _places(course), marks),
+                lambda path: draw_exercise_track(path, course.sim.world, track[:, 1:4], places, marks),
             )
         )
         figures.append(
@@ -115,17 +116,6 @@ def _drawn(title: str, caption: str, draw: Callable[[Path], None]) -> SheetFigur
     except Exception as error:
         LOGGER.exception("the score sheet's figure '%s' could not be drawn", title)
         return SheetFigure(title, f"This figure could not be drawn: {error}")
-
-
-def _places(course: Course) -> dict[str, list[tuple[float, ...]]]:
-    """Return the points of those goals that have a position, keyed by the goal's name."""
-    found: dict[str, list[tuple[float, ...]]] = {}
-    for goal in course.exercise.goals:
-        if (place := getattr(goal, "position_m", None)) is not None:
-            found[goal.name] = [place]
-        elif (points := getattr(goal, "points_m", None)) is not None:
-            found[goal.name] = points
-    return found
 
 
 def _marks(sheet: dict[str, object]) -> list[tuple[str, float, float]]:

@@ -49,7 +49,7 @@ class Run:
 
 
 def fly_run(run: Run) -> dict[str, Any]:
-    """Fly a run; return its certified sheet, why points are missing, the true track (time, x, y) and the wall time.
+    """Fly a run; return its certified sheet, why points are missing and the wall time.
 
     Raises OSError and MemoryError, which may be transient.
     """
@@ -77,8 +77,8 @@ def fly_run(run: Run) -> dict[str, Any]:
         except ProgramError as error:
             course.finish(str(error))
         sheet = certified_sheet(course, script=run.folder.name)
-        why, track = reasons(sheet, door), course.track[::5, :3].round(3).tolist()
-    return {"sheet": sheet, "why": why, "track": track, "run_wall_s": time.perf_counter() - begun_s, "error": None}
+        why = reasons(sheet, door)
+    return {"sheet": sheet, "why": why, "run_wall_s": time.perf_counter() - begun_s, "error": None}
 
 
 def _privileged(live: LiveSimulator) -> Any:

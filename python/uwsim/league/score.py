@@ -57,7 +57,7 @@ def score_team(
 
     folder: the team's. course: by default the one in the team's file. user: another user of this machine as whom the
     program runs, so that it can read nothing of the referee's; takes root. key: the referee's, which signs the result
-    (see uwsim.base.signing). films: whether each goal of the best and of the worst run is filmed, whose recordings are
+    (see uwsim.base.signing). films: whether what decided the best and the worst run is filmed, whose recordings are
     kept in any case. options: as for uwsim.campaigns.sweeps.run_sweep. The result depends on neither the workers nor
     the wall clock, unless the program does. Raises ScenarioError, ValueError or OSError.
     """
@@ -124,12 +124,11 @@ def _run(result: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _film(runs: Sequence[Run], results: Sequence[Mapping[str, Any]], campaign: Campaign) -> None:
-    from uwsim.league.films import film_goals  # here, since SciPy takes half a second
+    from uwsim.exercises.debrief import film_debrief  # here, since SciPy takes half a second
 
     for run, result in zip(runs, results, strict=True):
         with campaign.show(f"filming seed {run.seed}"):
-            seeded = run.exercise.model_copy(update={"seed": run.seed})
-            film_goals(seeded, result["sheet"], result["track"], run.file(".mcap"), run.file(""))
+            film_debrief(run.file(".mcap"), run.file(".webp"), result["sheet"], threads=run.threads)
 
 
 def _keep(runs: Mapping[int, Run], results: Mapping[int, Mapping[str, Any]], found: dict[str, Any]) -> list[int]:

@@ -11,11 +11,12 @@ from PIL import Image
 
 import uwsim
 from elsewhere import Elsewhere
-from uwsim.campaigns.film import Film, make, make_film, shot
-from uwsim.campaigns.film.shot import FilmCamera, between, developed
-from uwsim.campaigns.film.views import along_path
+from uwsim.campaigns.film import Film, make, make_film
 from uwsim.campaigns.workers import campaign
 from uwsim.missions import goto
+from uwsim.recording.filming import shot
+from uwsim.recording.filming.shot import FilmCamera, between, developed
+from uwsim.recording.filming.views import along_path
 from uwsim.scenario.spec.camera import CameraMount
 
 OPTIONS = {"size": (48, 28), "fps": 5.0, "from_s": 2.0, "until_s": 2.6, "workers": 0}

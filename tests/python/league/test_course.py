@@ -14,7 +14,6 @@ from typing import Any
 
 import pytest
 from mcap.reader import make_reader
-from PIL import Image
 
 from command_line import error_line, uwsim
 from signing_keys import made_keys
@@ -24,7 +23,6 @@ from uwsim.exercises.certified import digest_of
 from uwsim.league import load_team, score_team
 from uwsim.league.aboard import Aboard
 from uwsim.league.bag import record_bag
-from uwsim.league.films import film_goals
 from uwsim.league.new import new_team
 from uwsim.league.table import paired, read_results
 from uwsim.league.team import load_course
@@ -167,19 +165,6 @@ def test_a_bag_has_the_beginning_of_a_run_with_scans_and_pictures(team: Path, tm
     assert counts["/scan"] >= 5 and counts["/odom"] >= 40 and counts["/tf"] >= 40
     assert [n for topic, n in counts.items() if topic.startswith("/camera/")] == [3, 3]
     assert [topic for topic in counts if topic.startswith("/camera/") and "front" not in topic] == []
-
-
-def test_a_goal_is_filmed_with_its_chart_and_judgement(team: Path, tmp_path: Path) -> None:
-    scored(team, tmp_path, [1], answering(["scan"], []), time_s=1.0)
-    (line,) = (json.loads(line) for line in (tmp_path / "results/ledger.jsonl").read_text().splitlines()[1:])
-    exercise, seed = load_course("gate.yaml", tmp_path / "team"), {"seed": 1}
-    recording, out = tmp_path / "results/seed-1.mcap", tmp_path / "seed-1"
-    (film,) = film_goals(
-        exercise.model_copy(update=seed), line["sheet"], line["track"], recording, out, length_s=0.4, size=(32, 18)
-    )
-    with Image.open(film) as opened:
-        assert film.name == "seed-1-gate.webp" and opened.n_frames == 2  # type: ignore[attr-defined]
-        assert opened.size == (32 + 270, 270 + 60)
 
 
 def test_a_slow_program_flies_the_same_run(team: Path, tmp_path: Path) -> None:

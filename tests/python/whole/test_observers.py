@@ -15,12 +15,12 @@ from uwsim.bridges.imc.readings import Instruments, Place
 from uwsim.bridges.mavlink import state
 from uwsim.bridges.moos import variables
 from uwsim.bridges.nmea import readings as nmea
-from uwsim.campaigns.film.roll import Roll
 from uwsim.channels import Table
 from uwsim.channels.delivery.feed import Feed
 from uwsim.channels.families.estimate import has_estimate
 from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder
+from uwsim.recording.filming.roll import Roll
 from uwsim.recording.replay import replay
 from uwsim.scenario.georeference import georeference
 from uwsim.scenario.load import packaged_scenarios

@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from uwsim.campaigns.film.options import FilmOptions
 from uwsim.campaigns.workers.options import CampaignOptions
 from uwsim.cli.exit_codes import INTERRUPTED
 from uwsim.cli.groups import under
+from uwsim.recording.filming.options import FilmOptions
 
 
 @under("Look")

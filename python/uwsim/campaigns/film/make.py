@@ -12,31 +12,23 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
-from scipy.ndimage import gaussian_filter1d
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.ffmpeg import encoder_path
 from uwsim.base.folder_lock import alone_in
 from uwsim.base.own_files import is_own, remove_own, require_own
-from uwsim.campaigns.film import views
-from uwsim.campaigns.film.options import QUALITIES, FilmOptions
-from uwsim.campaigns.film.roll import Roll, scene_of
-from uwsim.campaigns.film.shot import WITHOUT, FilmCamera, Shot, shoot
 from uwsim.campaigns.workers import Campaign, Ledger
 from uwsim.figures.reel import Reel
 from uwsim.flight.folder import made_folder
+from uwsim.recording.filming.options import FilmOptions
+from uwsim.recording.filming.roll import Roll
+from uwsim.recording.filming.shot import Shot, shoot
+from uwsim.recording.filming.shots import shots_of
 from uwsim.scenario.fingerprint import build_fingerprint
-from uwsim.scenario.spec.camera import CameraMount
-from uwsim.simulator.simulator import Simulator
 
 SUFFIXES = (".mp4", ".webp")
-FOV_DEG = 75.0
-METERED_S, METERED_PIXELS, STEADY_S = 0.2, 96, 1.0
-"""Exposure: time between its measurements, their width, and the standard deviation of the Gaussian that steadies it."""
 RUN = "run.mcap"
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +81,7 @@ def make_film(
             with show("flying"):
                 recording = _recorded(source, folder, scenario, wanted.until_s + 1 / fps, resume=resume)
             with show("repeating the run"):
-                shots = _shots(recording, folder, wanted, campaign.job_threads)
+                shots = shots_of(recording, Roll.of(recording, wanted), folder, wanted, campaign.job_threads)
             if not resume:
                 for shot in shots:
                     require_own(Path(shot.path))
@@ -138,53 +130,6 @@ def _flight(source: str | Path, scenario: str, until_s: float) -> str | None:
         mission = hashlib.blake2b(Path(source).read_bytes(), digest_size=8).hexdigest()
         return f"{Path(source).name} ({mission}) in {scenario} until {until_s:g} s"
     return f"the survey of {source} until {until_s:g} s"
-
-
-def _shots(recording: Path, folder: Path, wanted: FilmOptions, threads: int | None) -> list[Shot]:
-    """Return all frames."""
-    view, fps, size, samples = wanted.camera, wanted.fps, wanted.pixels, QUALITIES[wanted.quality]
-    is_path = Path(view).suffix == ".csv"
-    carried = None if view in ("chase", "orbit") or is_path else view
-    roll, sim = Roll.of(recording, wanted.from_s, wanted.until_s, fps, carried, wanted.vehicle)
-    positions = np.array([state.positions_m[roll.vehicle] for state in roll.states])
-    lens: dict[str, Any] = {"width": size[0], "height": size[1]}
-    mount, hidden = CameraMount(position_m=(0.0, 0.0, 0.0), field_of_view_deg=FOV_DEG, **lens), None
-    if roll.camera is not None:
-        level = {"position_m": (0.0, 0.0, 0.0), "yaw_pitch_roll_deg": (0.0, 0.0, 0.0), "follows": "body"}
-        mount = roll.camera.mount.resized(*size).model_copy(update={**level, "pan_tilt": None, "on": True})
-        hidden, poses = roll.camera.hidden, roll.poses
-    elif is_path:
-        poses = views.along_path(Path(view), np.array([1e-9 * state.time_ns for state in roll.states]))
-    elif view == "chase":
-        turns = np.array([state.orientations_xyzw[roll.vehicle] for state in roll.states])
-        poses = views.chase(sim, positions, turns, fps)
-    else:
-        poses = views.orbit(sim, positions, fps)
-    gains = _gains(sim, roll, poses, mount, hidden, fps)
-    return [
-        Shot(
-            str(recording.resolve()), str((folder / f"{k:06d}.png").resolve()), (roll.states[k], roll.states[k + 1]),
-            poses[k : k + 2], mount, hidden, float(gains[k]), samples, threads,
-        )
-        for k in range(len(roll.states) - 1)
-    ]  # fmt: skip
-
-
-def _gains(sim: Simulator, roll: Roll, poses: Floats, mount: CameraMount, hidden: int | None, fps: float) -> Floats:
-    """Return a steady exposure for each frame, from small pictures of some."""
-    every = max(round(METERED_S * fps), 1)
-    small = mount.resized(METERED_PIXELS, max(METERED_PIXELS * mount.height // mount.width, 1))
-    scene = scene_of(sim)
-    at = np.arange(0, len(poses), every)
-    seen = [
-        FilmCamera(small, scene, poses[k], hidden)
-        .capture(without=WITHOUT, at=roll.states[k], dark_below_ground=True)
-        .gain
-        for k in at
-    ]
-    return np.asarray(np.exp(np.interp(
-        np.arange(len(poses)), at, gaussian_filter1d(np.log(seen), STEADY_S / METERED_S, mode="nearest")
-    )))  # fmt: skip
 
 
 def _digest(shots: list[Shot]) -> str:

@@ -108,7 +108,7 @@ def score(
     sign: Annotated[
         Path | None, typer.Option(help="Sign the result with this key, Ed25519 as PEM.", callback=readable)
     ] = None,
-    films: Annotated[bool, typer.Option("--films", help="Film each goal of the best and of the worst run.")] = False,
+    films: Annotated[bool, typer.Option("--films", help="Film what decided the best and the worst run.")] = False,
     out: Annotated[Path, typer.Option(help="Folder for result.json, sheets, and recordings.")] = Path("results"),
     work: RetriedOptions,
     as_json: AsJson = False,

@@ -46,3 +46,8 @@ class FilmOptions(Options):
         if found is None:
             raise OptionError(f"--size = {text[:40]}: must be WxH, such as 1920x1080")
         return int(found[1]), int(found[2])
+
+    @property
+    def carried_camera(self) -> str | None:
+        """The name of the vehicle's camera that films, or None if another does."""
+        return None if self.camera in ("chase", "orbit") or self.camera.endswith(".csv") else self.camera

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, product
-from uwsim.campaigns.film.roll import scene_of
 from uwsim.instruments.cameras.camera import Camera
 from uwsim.instruments.cameras.image_file import encode_png
 from uwsim.instruments.cameras.shared_scene import SharedScene, Snapshot
+from uwsim.recording.filming.roll import scene_of
 from uwsim.recording.reader import Recording
 from uwsim.recording.replay import new_simulator
 from uwsim.scenario.spec.camera import CameraMount
