@@ -7,14 +7,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from uwsim.base.arguments import is_number
 from uwsim.channels.guest import Values
+from uwsim.flight.flyable_lanes import STEP_M, flyable_lanes, required_survey, survey_plan
 from uwsim.live import LiveSimulator
 from uwsim.live.clock import MissionClock
 from uwsim.missions import StoppedError
+from uwsim.missions.heights import HIGHEST_Z_M
 from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.run import run
 from uwsim.missions.waypoints import visit
+from uwsim.scenario import start_pose
+from uwsim.simulator.simulator import Simulator
 
 POINTS_MAX = 200
 FAR_M = 10_000.0
@@ -57,6 +63,11 @@ class Plan:
             raise ValueError(f"speed_m_s = {str(speed)[:40]}: must be in {list(SPEEDS_M_S)} m/s")
         x, y, z = (float(value) for value in origin_m)
         return cls([(p[0] - x, p[1] - y, min(p[2] - z, 0.0)) for p in points], float(speed))
+
+    def in_odom(self, origin_m: Sequence[float]) -> list[list[float]]:
+        """Return the points in the odom frame at origin_m."""
+        x, y, z = (float(value) for value in origin_m)
+        return [[round(each, 3) for each in (p[0] + x, p[1] + y, p[2] + z)] for p in self.points_world_m]
 
     def file(self, name: str, scenario: str) -> str:
         """Return the text of a mission's file."""
@@ -131,6 +142,25 @@ class PlanFlight:
             self._hull.set_effort()
         except Exception as error:
             self.stopped_because = str(error)
+
+
+def survey_lanes(sim: Simulator) -> Plan:
+    """Return the ends of the lanes of a scenario's survey, each level at the survey's altitude above what lies below.
+
+    Raises ScenarioError if it has none, or if its lanes cannot be flown.
+    """
+    survey = required_survey(sim.scenario)
+    start_m, _ = start_pose(sim.scenario, sim.scenario.vehicles[0])
+    lanes = flyable_lanes(sim, survey_plan(survey).lanes_near(np.array(start_m[:2]))).lanes
+    points = []
+    for lane in lanes[: POINTS_MAX // 2]:
+        along_m = np.arange(0.0, lane.length_m + STEP_M, STEP_M)
+        from_m = np.column_stack([lane.start_m + along_m[:, None] * lane.direction, np.full(len(along_m), HIGHEST_Z_M)])
+        down = np.tile([0.0, 0.0, -1.0], (len(from_m), 1))
+        clear_m = float(sim.scene.cast(from_m, down, FAR_M).ranges_m.min())
+        z_m = min(HIGHEST_Z_M - clear_m + survey.altitude_m, HIGHEST_Z_M)
+        points += [(float(x), float(y), z_m) for x, y in (lane.start_m, lane.end_m)]
+    return Plan(points, survey.speed_m_s)
 
 
 def mission_of(plan: Plan) -> Any:

@@ -177,6 +177,11 @@ function begin() {
     .then(showNotes)
     .catch((error) => toast(WORDS.noScene(error.message), 'error'));
   chart.begin(load, vehicle.name, description.scene).catch((error) => toast(error.message, 'error'));
+  chart.lanes.hidden = !description.has_survey;
+  if (start.takesSurvey()) {
+    views.enlarge('chart');
+    chart.layLanes();
+  }
   objects.begin(load, description).catch((error) => toast(error.message, 'error'));
   ends = description.vehicles.flatMap((each) => watch(each));
   ends.push(...tethers.begin(station.bridge, description, SCAN));

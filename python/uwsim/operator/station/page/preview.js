@@ -1,4 +1,4 @@
-// A picture of the chosen scenario from above.
+// Pictures of the chosen scenario: what its vehicle sees, and the scenario from above.
 import { el } from './dom.js';
 import { STRINGS } from './strings.js';
 
@@ -24,24 +24,39 @@ export class Preview {
     const legend = Object.entries(LEGEND).map(([kind, text]) =>
       el('li', {}, el('span', { className: `mark mark-${kind}`, 'aria-hidden': 'true' }), text),
     );
+    this.still = el('img', {
+      alt: '',
+      hidden: true,
+      onload: () => (this.still.hidden = false),
+      onerror: () => (this.still.hidden = true),
+    });
     this.element = el(
       'figure',
       { className: 'preview', hidden: true },
+      this.still,
       this.image,
       el('figcaption', {}, el('p', {}, WORDS.fromAboveNorthUp), el('ul', {}, ...legend)),
     );
   }
 
-  // Show the picture of a scenario; '' for none. The previous one stays until the next has loaded.
-  show(scenario, url) {
+  // Show the pictures of a scenario; '' for none. href(suffix): the address of one. What is seen from above
+  // stays until the next has loaded.
+  show(scenario, href) {
     if (scenario === this.#shown) return;
     this.#shown = scenario;
     if (!scenario) {
       this.#show(false);
       return;
     }
+    this.still.hidden = true;
+    this.still.alt = WORDS.still(scenario);
     this.image.alt = WORDS.picture(scenario);
-    this.image.src = this.#edition ? `${url}${url.includes('?') ? '&' : '?'}edition=${this.#edition}` : url;
+    this.still.src = this.#newest(href('.jpg'));
+    this.image.src = this.#newest(href('.png'));
+  }
+
+  #newest(url) {
+    return this.#edition ? `${url}${url.includes('?') ? '&' : '?'}edition=${this.#edition}` : url;
   }
 
   // Ask for the picture again, as the scenario's file has changed.

@@ -52,7 +52,8 @@ export class StartScreen {
   rosSet;
   /** @type {HTMLElement} */
   otherSet;
-  #isBuilding = false; // a scene, rather than flying in it
+  #task = 'fly';
+  #isToSurvey = false; // what was started
   #isOld = false; // whether the catalog's list of saved sessions is outdated
 
   // onCatalog(catalog): called when the catalog has arrived. editor: edits the chosen scenario.
@@ -144,6 +145,7 @@ export class StartScreen {
       const { input } = this.#fields.get(name);
       if (!input.options || [...input.options].some((option) => option.value === value)) input.value = value;
     }
+    if (this.#task === 'survey') this.#showScenes();
     this.#showWhere();
     this.#showHints();
   }
@@ -266,10 +268,35 @@ export class StartScreen {
     };
   }
 
-  // To build, the button is the one that edits the chosen scene.
+  // To build, the button is the one that edits the chosen scene. To survey, only scenes with a survey can be chosen, and
+  // the sonar's head is down.
   showTask(task) {
-    this.#isBuilding = task === 'build';
-    if (this.catalog) this.#showWhere();
+    const hasTurned = (task === 'survey') !== (this.#task === 'survey');
+    this.#task = task;
+    if (!this.catalog) return;
+    if (hasTurned) this.#showScenes();
+    this.#showWhere();
+  }
+
+  get #isBuilding() {
+    return this.#task === 'build';
+  }
+
+  #showScenes() {
+    const isSurvey = this.#task === 'survey';
+    const { input } = this.#fields.get('scenario');
+    const surveyed = this.catalog.scenarios.filter(({ has_survey }) => has_survey).map(({ name }) => name);
+    for (const option of input.options) option.hidden = option.disabled = isSurvey && !surveyed.includes(option.value);
+    if (input.selectedOptions[0]?.disabled) [input.value] = surveyed;
+    this.#fields.get('tilt_deg').input.value = isSurvey ? Math.max(...this.catalog.tilts_deg) : '';
+    this.#later();
+  }
+
+  // Whether the session that begins was started to survey; true once.
+  takesSurvey() {
+    const isToSurvey = this.#isToSurvey;
+    this.#isToSurvey = false;
+    return isToSurvey;
   }
 
   // Edit the chosen scenario, or a new one for null; one that is saved is then chosen.
@@ -310,7 +337,7 @@ export class StartScreen {
     if (!answer || count !== this.#checks) return;
     if (this.#isNew) this.#mark(answer.errors ?? {});
     const scenario = this.isElsewhere || this.savedName ? '' : this.#fields.get('scenario').input.value;
-    this.#preview.show(scenario, scenario && this.station.href(`/preview/${encodeURIComponent(scenario)}.png`));
+    this.#preview.show(scenario, (suffix) => this.station.href(`/preview/${encodeURIComponent(scenario)}${suffix}`));
   }
 
   #addressErrors() {
@@ -355,8 +382,10 @@ export class StartScreen {
     }
     this.button.disabled = true;
     this.#showMessage(WORDS.starting);
+    this.#isToSurvey = this.#task === 'survey';
     try {
       const answer = await this.station.start(this.choice);
+      this.#isToSurvey &&= answer.success;
       if (answer.success) this.#showMessage('');
       else if (this.#mark(answer.errors ?? {})) first(this.form, '[aria-invalid=true]')?.focus();
       if (!answer.success && answer.message) this.#showMessage(answer.message, 'error');

@@ -1,9 +1,9 @@
-// The start screen's question what to do: fly, train, build a scene, or replay. It decides which parts are shown.
+// The start screen's question what to do: fly, train, survey, build a scene, or replay. It decides which parts are shown.
 import { byId, el } from './dom.js';
 import { STRINGS } from './strings.js';
 
 const WORDS = STRINGS.tasks;
-const TASKS = /** @type {const} */ (['fly', 'train', 'build', 'replay']);
+const TASKS = /** @type {const} */ (['fly', 'train', 'survey', 'build', 'replay']);
 
 // act(task): called when a task is chosen.
 export function offerTasks(act) {

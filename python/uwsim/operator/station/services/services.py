@@ -19,7 +19,7 @@ from uwsim.operator.station.editor.forms import described_forms
 from uwsim.operator.station.flights.replay import REFUSAL
 from uwsim.operator.station.helm.lease import Lease
 from uwsim.operator.station.helm.pilot import answered, is_stop
-from uwsim.operator.station.helm.plan import Plan, PlanFlight
+from uwsim.operator.station.helm.plan import Plan, PlanFlight, survey_lanes
 from uwsim.operator.station.services.control import CONTROLS, NOT_OF_REPLAYS, OF_EXERCISES, OF_REPLAYS, new_path
 from uwsim.operator.station.services.editing import EditService
 from uwsim.operator.station.services.fault_kinds import fault_kinds
@@ -177,6 +177,10 @@ class Services:
         running, action = self._sessions.present(), request.get("action")
         if action == "report":
             return self._planned(running)
+        if action == "lanes":
+            plan = running.live.read(survey_lanes).result()
+            origin_m = running.table.sources[0].origin_m.tolist()
+            return {**self._planned(running), "points_m": plan.in_odom(origin_m), "speed_m_s": plan.speed_m_s}
         self._lease.require_pilot(caller)
         if action == "stop":
             running.end_plan("stopped")
@@ -190,7 +194,7 @@ class Services:
         if running.replay is not None:
             raise ValueError(REFUSAL)
         if action != "fly":
-            raise ValueError(f"action = {str(action)[:40]!r}: must be one of report, save, fly, stop")
+            raise ValueError(f"action = {str(action)[:40]!r}: must be one of report, lanes, save, fly, stop")
         running.table.rights.require_aid("autopilot")
         if running.judged is not None:
             running.judged.require_begun("plan")

@@ -53,6 +53,7 @@ def describe(running: Running) -> Values:
         "is_supervised": running.is_supervised,
         "is_recorded": running.flight is not None,
         "has_exercise": running.judged is not None,
+        "has_survey": scenario.survey is not None,
         "replay": None if running.replay is None else running.replay.describe(),
         "branched_from": running.branched_from,
     }

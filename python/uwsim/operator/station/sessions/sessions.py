@@ -36,6 +36,7 @@ from uwsim.operator.station.start.choice import (
 )
 from uwsim.operator.station.start.prepared import Prepared
 from uwsim.operator.station.start.preview import draw, preview_png
+from uwsim.operator.station.start.still import still, still_jpg
 from uwsim.operator.station.start.user_rosbridge import UserRosbridge
 from uwsim.scenario import ScenarioError, load
 from uwsim.simulator.simulator import Simulator
@@ -303,13 +304,18 @@ class Sessions:
             raise ValueError("no simulator is running: start one")
         return self.running
 
-    def preview(self, scenario: str) -> bytes:
-        """Return a PNG of an offered scenario seen from above. Raises LookupError, ScenarioError or OSError."""
-        if not self.is_fixed and (path := self.editor.saved.get(scenario)) is not None:
-            return self.prepared.afterwards(lambda: draw(load(path)))
-        if self.is_fixed or scenario not in scenarios(self.offered):
+    def preview(self, scenario: str, suffix: str) -> bytes:
+        """Return a picture of an offered scenario: a PNG from above, or a JPEG from its view.
+
+        Raises LookupError, ScenarioError or OSError.
+        """
+        path = None if self.is_fixed else self.editor.saved.get(scenario)
+        if self.is_fixed or (path is None and scenario not in scenarios(self.offered)):
             raise LookupError(scenario)
-        return self.prepared.afterwards(lambda: preview_png(scenario))  # preparing a simulator has priority
+        self.prepared.afterwards(lambda: None)  # preparing a simulator has priority
+        if suffix == "png":
+            return preview_png(scenario) if path is None else draw(load(path))
+        return still_jpg(scenario) if path is None else still(load(path))
 
     def connect(self, node: Node) -> None:
         """Set the node through which simulators take part in the graph."""

@@ -16,8 +16,9 @@ from websockets.http11 import Request, Response
 PAGE = Path(__file__).resolve().parents[1] / "page"
 TYPES = {
     ".js": "text/javascript", ".css": "text/css", ".html": "text/html", ".svg": "image/svg+xml", ".png": "image/png",
-    ".txt": "text/plain", ".json": "application/json", ".glb": "model/gltf-binary", ".tif": "image/tiff",
-    ".csv": "text/csv", ".geojson": "application/geo+json", ".zip": "application/zip",
+    ".jpg": "image/jpeg", ".txt": "text/plain", ".json": "application/json", ".glb": "model/gltf-binary",
+    ".tif": "image/tiff", ".csv": "text/csv", ".geojson": "application/geo+json",
+    ".zip": "application/zip",
 }  # fmt: skip
 OTHER_BRIDGE = re.compile(
     r"(wss?://(?:[A-Za-z0-9.\-]{1,253}|\[[0-9A-Fa-f:]{2,39}\])(?::\d{1,5})?)/?(?:\?token=[A-Za-z0-9_.~-]{8,256})?"

@@ -31,7 +31,7 @@ from uwsim.operator.station.station import Station
 
 WAITING_MAX = 40  # maximum number of requests waiting for generated content
 DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|flight|edit)/")
-PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
+PREVIEW = re.compile(r"/preview/(.{1,1000})\.(png|jpg)")
 ARCHIVE = re.compile(r"/edit/export/([0-9a-f]{32}/[^/]{1,100}\.zip)")
 MESH = re.compile(r"/edit/mesh/([^?]{1,100})\.png")
 SOLID = re.compile(r"/edit/(\d{1,9})/(\d{1,5})\.glb")
@@ -86,7 +86,7 @@ class Site:
         """
         asked = PREVIEW.fullmatch(path)
         if asked is not None:
-            return File(self._sessions.preview(asked[1]), TYPES[".png"])
+            return File(self._sessions.preview(asked[1], asked[2]), TYPES[f".{asked[2]}"])
         if path == "/edit/terrain.f32":
             return File(self._sessions.editor.draft.plan.heights(), "application/octet-stream")
         solid = SOLID.fullmatch(path)

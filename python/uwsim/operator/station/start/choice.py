@@ -172,6 +172,7 @@ def described(name: str, path: Path | None = None) -> Values:
         "name": name,
         "group": next((group for group, names in GROUPS.items() if path is None and name in names), "own"),
         "description": " ".join(scenario.description.split()),
+        "has_survey": scenario.survey is not None,
         "seed": scenario.seed,
         "mission_time_s": scenario.mission_time_s,
         "vehicles": [{"name": entry.name, "model": entry.model.name} for entry in scenario.vehicles],

@@ -258,6 +258,7 @@ class Description(Message):
     life: LifeDescription | None
     commands: list[str]
     has_exercise: bool
+    has_survey: bool
     is_supervised: bool
     is_recorded: bool
     replay: ReplayDescription | None

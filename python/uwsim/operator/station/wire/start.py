@@ -53,6 +53,7 @@ class OfferedScenario(Offered):
     """A scenario that can be chosen."""
 
     group: Literal["own", "lakes", "sea", "structures", "basins"]
+    has_survey: bool
     seed: int
     mission_time_s: float
     vehicles: list[OfferedVehicle]

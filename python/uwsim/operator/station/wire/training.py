@@ -193,7 +193,7 @@ class FaultKinds(Message):
 
 
 class PlanRequest(Message):
-    """A request about a plan. action: report, save, fly or stop. points_m: x, y, z in odom. name: the file's name."""
+    """A request about a plan. action: report, lanes, save, fly or stop. points_m: x, y, z in odom. name: the file's."""
 
     action: str
     vehicle: str | None = None
@@ -203,13 +203,18 @@ class PlanRequest(Message):
 
 
 class PlanState(Message):
-    """The state of the plan. reached: the number of the last waypoint reached."""
+    """The state of the plan. reached: the number of the last waypoint reached.
+
+    points_m, speed_m_s: of the scenario's survey, in the answer about its lanes.
+    """
 
     success: Literal[True]
     message: str
     is_flying: bool
     reached: int
     ended_because: str
+    points_m: list[list[float]] | None = None
+    speed_m_s: float | None = None
 
 
 # Inspection

@@ -58,12 +58,14 @@ export class ChartView {
     this.depth = number(WORDS.depth, 2, 0, 1000, 0.5);
     this.speed = number(WORDS.speed, 0.5, ...PLAN_SPEEDS_M_S, 0.05);
     this.planName = el('input', { type: 'text', 'aria-label': WORDS.name, tip: WORDS.name, value: 'plan' });
+    this.lanes = el('button', { type: 'button', hidden: true, onclick: () => this.layLanes() }, WORDS.lanes);
     this.fly = button(WORDS.fly, () => this.#ask('fly'));
     this.stop = button(WORDS.stop, () => this.#ask('stop'));
     this.tools = el(
       'div',
       { className: 'scene-tools chart-tools', role: 'group', 'aria-label': WORDS.tools },
       tool('add', WORDS.add),
+      this.lanes,
       tool('measure', WORDS.measure),
       button(WORDS.undo, () => this.#change(() => this.points.pop())),
       button(WORDS.clear, () => this.#change(() => ([this.points, this.#ruler] = [[], []]))),
@@ -175,6 +177,14 @@ export class ChartView {
       this.draw();
       this.#describe();
     }
+  }
+
+  // Plan the lanes of the scenario's survey.
+  async layLanes() {
+    const answer = await attempt(request(this.station.bridge, { action: 'lanes' }));
+    if (!answer) return;
+    this.speed.value = answer.speed_m_s;
+    this.#change(() => (this.points = answer.points_m));
   }
 
   async #ask(action) {

@@ -361,6 +361,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {LifeDescription | null} life
  * @property {string[]} commands
  * @property {boolean} has_exercise
+ * @property {boolean} has_survey
  * @property {boolean} is_supervised
  * @property {boolean} is_recorded
  * @property {ReplayDescription | null} replay
@@ -592,7 +593,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {Record<string, number>} visibility_m
  */
 
-/** A request about a plan. action: report, save, fly or stop. points_m: x, y, z in odom. name: the file's name.
+/** A request about a plan. action: report, lanes, save, fly or stop. points_m: x, y, z in odom. name: the file's.
  * @typedef {object} PlanRequest
  * @property {string} action
  * @property {string | null} [vehicle]
@@ -601,13 +602,15 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string | null} [name]
  */
 
-/** The state of the plan. reached: the number of the last waypoint reached.
+/** The state of the plan. reached: the number of the last waypoint reached. points_m, speed_m_s: of the scenario's survey, in the answer about its lanes.
  * @typedef {object} PlanState
  * @property {true} success
  * @property {string} message
  * @property {boolean} is_flying
  * @property {number} reached
  * @property {string} ended_because
+ * @property {number[][] | null} [points_m]
+ * @property {number | null} [speed_m_s]
  */
 
 /** A request about notes. action: list, add or comment. view: a camera's, to add a picture. place: view or vehicle.
@@ -658,6 +661,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string} name
  * @property {string} description
  * @property {'own' | 'lakes' | 'sea' | 'structures' | 'basins'} group
+ * @property {boolean} has_survey
  * @property {number} seed
  * @property {number} mission_time_s
  * @property {OfferedVehicle[]} vehicles
