@@ -37,6 +37,7 @@ import {
   ringStep,
   Waterfall,
 } from '../../python/uwsim/operator/station/page/views/sonar_geometry.js';
+import { Previews } from '../../python/uwsim/operator/station/page/views/previews.js';
 import { strip } from '../../python/uwsim/operator/station/page/views/strip.js';
 
 const near = (got, expected, tolerance) => assert.ok(Math.abs(got - expected) <= tolerance, `${got}: not ${expected}`);
@@ -317,3 +318,24 @@ const triangle = [5, -1, -1, 5, 1, -1, 5, 0, 2];
 assert.ok(crosses(triangle, null, [0, 0, 0], [10, 0, 0]));
 assert.ok(!crosses(triangle, [0, 1, 2], [0, 0, 0], [4, 0, 0]));
 assert.ok(!crosses(triangle, [0, 1, 2], [0, 3, 0], [10, 3, 0]));
+
+// The small view that has waited longest is next, however often and in whatever order the views are shown anew.
+{
+  const { setTimeout: later } = globalThis;
+  const timers = [];
+  globalThis.setTimeout = /** @type {any} */ ((act) => timers.push(act));
+  const served = [];
+  const streams = ['front', 'down', 'chase'].map((topic) => {
+    const picture = Object.assign(new EventTarget(), { topic: '', show: (wanted) => wanted && served.push(wanted) });
+    return { topic, picture };
+  });
+  const previews = new Previews();
+  for (let k = 0; k < 30; k += 1) {
+    previews.show(k % 4 ? [...streams] : streams.toReversed());
+    streams.find(({ topic }) => topic === served.at(-1))?.picture.dispatchEvent(new Event('drawn'));
+    if (k % 2) timers.at(-1)();
+  }
+  for (let k = 0; k + 3 <= served.length; k += 1) assert.equal(new Set(served.slice(k, k + 3)).size, 3);
+  assert.ok(served.length >= 30);
+  globalThis.setTimeout = later;
+}

@@ -1,5 +1,6 @@
-// The small views, refreshed one after the other. Each pause is a multiple of the time that the last one took, so that
-// most of the time is left for the large view; on a busy machine, where that is long, it is bounded.
+// The small views, refreshed one after the other: the one that has waited longest is next. Each pause is a multiple of
+// the time that the last one took, so that most of the time is left for the large view; on a busy machine, where that is
+// long, it is bounded.
 
 const REST = 3; // times the duration of the last picture
 const LEAST_REST_MS = 100;
@@ -7,7 +8,10 @@ const MOST_REST_MS = 1000;
 const PATIENCE_MS = 8000; // maximum wait for a picture
 
 export class Previews {
-  #streams = []; // { picture, topic }, the next one first
+  #streams = []; // { picture, topic }
+  /** @type {Map<string, number>} */
+  #turns = new Map(); // the turn at which a topic was last asked for
+  #turn = 0;
   /** @type {{ picture: any, topic: string } | null} */
   #current = null;
   #begunMs = 0;
@@ -23,9 +27,10 @@ export class Previews {
 
   #next() {
     clearTimeout(this.#timer);
-    const stream = this.#streams.shift();
+    const turnOf = ({ topic }) => this.#turns.get(topic) ?? 0;
+    const [stream] = this.#streams.toSorted((a, b) => turnOf(a) - turnOf(b));
     if (!stream) return;
-    this.#streams.push(stream);
+    this.#turns.set(stream.topic, (this.#turn += 1));
     this.#current = stream;
     this.#begunMs = performance.now();
     stream.picture.addEventListener('drawn', this.#drawn);
