@@ -124,6 +124,8 @@ addEventListener('keydown', (event) => {
   const isOpen = document.querySelector('dialog[open]');
   if (event.key === '?' && !isOpen) openKeys();
   else if (event.key === 'Escape' && !isOpen) openMenu();
+  else if (event.key === 'Enter' && !isOpen && station.awaitsBegin && event.target === document.body)
+    panel.exercise.beginAttempt();
   else if (/^Digit\d$/.test(event.code) && !event.shiftKey && !isOpen) views.enlargeNumber(Number(event.code.slice(5)));
   else return;
   event.preventDefault();

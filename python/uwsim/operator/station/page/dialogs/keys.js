@@ -87,6 +87,7 @@ export function showKeys(bindings, views) {
           el('h3', {}, WORDS.views),
           ...views.map(({ key, title }) => fixedLine(key, title)),
           fixedLine('?', WORDS.theseKeys),
+          fixedLine('Enter', WORDS.begin),
           fixedLine(WORDS.esc, WORDS.menu),
         ),
         el(

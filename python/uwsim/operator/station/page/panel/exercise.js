@@ -34,7 +34,12 @@ export class ExercisePanel {
     this.goals = el('ul', { className: 'exercise-goals' });
     this.begins = el(
       'button',
-      { type: 'button', className: 'primary exercise-begin', onclick: () => this.#begin() },
+      {
+        type: 'button',
+        className: 'primary exercise-begin',
+        onclick: () => this.beginAttempt(),
+        'aria-keyshortcuts': 'Enter',
+      },
       WORDS.begin,
     );
     this.waits = el('div', { hidden: true }, el('p', {}, WORDS.waits), this.begins);
@@ -73,7 +78,8 @@ export class ExercisePanel {
     this.#ask();
   }
 
-  async #begin() {
+  // Begin the attempt.
+  async beginAttempt() {
     await attempt(this.station.control('begin'));
     this.#ask();
   }

@@ -21,6 +21,7 @@ const WATCH_MS = 250;
 // Events: 'open', 'close', 'state', 'session' (another simulator, or a restart of the same), 'description' (its
 // parameters have changed), 'trouble' (detail: a sentence).
 export class Station extends EventTarget {
+  awaitsBegin = false; // an exercise, by its pilot
   /** @type {any} */
   state = { phase: '', session: -1, pilot: '', member_ids: [], member_names: [], asking: [], driver: '', lost_by: '' };
   /** @type {import('./messages.js').Description | null} */
