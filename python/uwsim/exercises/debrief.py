@@ -21,7 +21,7 @@ from uwsim.recording.filming.shot import shoot
 from uwsim.recording.filming.shots import shots_of
 
 BEFORE_S, AFTER_S, LONGEST_S = 20.0, 10.0, 120.0
-"""What is shown before and after a moment, and of all of them."""
+"""Times shown before and after a moment, and the longest film."""
 FPS, PICTURE = 5.0, (480, 270)
 TEXT, BAR, SHOWN_S = 62, 14, 4.0
 """Pixels of the height of the text and of the time line, and how long a moment's words stay."""

@@ -292,7 +292,7 @@ export class StartScreen {
     this.#later();
   }
 
-  // Whether the session that begins was started to survey; true once.
+  // Test if the session that begins was started to survey; true once.
   takesSurvey() {
     const isToSurvey = this.#isToSurvey;
     this.#isToSurvey = false;

@@ -49,16 +49,16 @@ export class ChartView {
     this.station = station;
     this.canvas = el('canvas', { role: 'img', 'aria-label': WORDS.picture });
     this.note = el('p', { className: 'scene-note', role: 'status' }, WORDS.noPlan);
-    const tool = (name, text) =>
-      el(
-        'button',
-        { type: 'button', 'aria-pressed': 'false', 'data-tool': name, onclick: () => this.#choose(name) },
-        text,
-      );
+    const tool = (name, text) => {
+      const found = button(text, () => this.#choose(name));
+      found.dataset.tool = name;
+      found.setAttribute('aria-pressed', 'false');
+      return found;
+    };
     this.depth = number(WORDS.depth, 2, 0, 1000, 0.5);
     this.speed = number(WORDS.speed, 0.5, ...PLAN_SPEEDS_M_S, 0.05);
     this.planName = el('input', { type: 'text', 'aria-label': WORDS.name, tip: WORDS.name, value: 'plan' });
-    this.lanes = el('button', { type: 'button', hidden: true, onclick: () => this.layLanes() }, WORDS.lanes);
+    this.lanes = button(WORDS.lanes, () => this.layLanes());
     this.fly = button(WORDS.fly, () => this.#ask('fly'));
     this.stop = button(WORDS.stop, () => this.#ask('stop'));
     this.tools = el(
@@ -128,10 +128,8 @@ export class ChartView {
   }
 
   #choose(name) {
-    this.#tool = this.#tool === name ? '' : name;
-    this.#ruler = [];
-    for (const each of all(this.tools, '[data-tool]'))
-      each.setAttribute('aria-pressed', String(each.dataset.tool === this.#tool));
+    [this.#tool, this.#ruler] = [this.#tool === name ? '' : name, []];
+    for (const each of all(this.tools, '[data-tool]')) each.ariaPressed = String(each.dataset.tool === this.#tool);
     this.draw();
   }
 
@@ -267,15 +265,9 @@ export class ChartView {
     for (const note of this.#notes) drawNote(c, frame, note, this.#isLarge, colours);
     this.#drawRuler(c, colours.ink);
     for (const layer of this.layers) layer(c, frame, this.#isLarge, colours);
-    if (this.#message && Number.isFinite(this.#message.position[0]))
-      drawVehicle(
-        c,
-        frame,
-        [...this.#message.position],
-        attitude(this.#message.orientation).heading_deg,
-        VEHICLE,
-        colours,
-      );
+    const { position = [NaN], orientation = [] } = this.#message ?? {};
+    if (Number.isFinite(position[0]))
+      drawVehicle(c, frame, [...position], attitude(orientation).heading_deg, VEHICLE, colours);
     if (this.#isLarge) drawScale(c, frame, colours, WORDS.north, this.#margins());
   }
 
