@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rosbags.interfaces import Connection
@@ -13,6 +13,7 @@ from uwsim.channels import Channel
 from uwsim.channels.delivery.feed import Reading
 from uwsim.channels.ros.message_types import ros1_typestore
 from uwsim.channels.ros.messages import numbered, to_bytes
+from uwsim.recording.sink import Item
 
 
 class BagSink:
@@ -45,13 +46,14 @@ class BagSink:
             latching=int(channel.delivery.latched),
         )
 
-    def write(self, topic: str, time_ns: int, sequence: int, data: bytes | memoryview) -> None:
-        """Append a message, with its number as header.seq.
+    def write(self, messages: Sequence[Item]) -> None:
+        """Append messages, each with its number as header.seq.
 
         Time 0 is written as 1 ns, since time 0 means "no time" in ROS 1.
         """
-        connection = self._connections[topic]
-        self._writer.write(connection, max(time_ns, 1), numbered(data, connection.msgtype, sequence))
+        for topic, time_ns, sequence, data in messages:
+            connection = self._connections[topic]
+            self._writer.write(connection, max(time_ns, 1), numbered(data, connection.msgtype, sequence))
 
     def flush(self) -> None:
         """Do nothing, since chunks are written as they fill up."""

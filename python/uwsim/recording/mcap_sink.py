@@ -1,8 +1,7 @@
 """Writes a recording as MCAP in rosbag2 format: CDR, ros2msg schemas, type hashes, QoS, index and metadata.
 
-This uses the `mcap` library, because the writer in `rosbags` cannot end a chunk before it is full, has neither
-checksums nor attachments, and creates a folder. If the process were killed, up to a megabyte would be lost, which is
-minutes of a run with few messages.
+The writer in `rosbags` cannot end a chunk before it is full, has neither checksums nor attachments, and creates a
+folder. If the process were killed, up to a megabyte would be lost, which is minutes of a run with few messages.
 """
 
 from __future__ import annotations
@@ -14,13 +13,13 @@ import io
 import os
 import re
 import zlib
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from mcap.data_stream import RecordBuilder
 from mcap.records import Metadata
-from mcap.writer import CompressionType, Writer
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
 from ruamel.yaml import YAML
@@ -29,9 +28,10 @@ from uwsim.base.own_files import mark
 from uwsim.channels import Channel
 from uwsim.channels.delivery.feed import Reading
 from uwsim.channels.ros.cdr import schema
+from uwsim.recording.mcap_file import McapFile
 from uwsim.recording.records import HEAD_BYTES
+from uwsim.recording.sink import Item
 
-CHUNK_BYTES = 1 << 20
 START, END, ROSBAG2 = "uwsim", "uwsim.end", "rosbag2"
 """Names of metadata records: the one written at the beginning, the one at the end, and rosbag2's own."""
 VERSION = "1"
@@ -58,10 +58,6 @@ class McapSink:
         mark(path, unfinished=True)
         with contextlib.suppress(OSError):  # a file system without locks
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # see is_being_written
-        # LZ4 takes a tenth of the time of zstd, and all MCAP readers support it.
-        self._writer = Writer(
-            self._file, chunk_size=CHUNK_BYTES, compression=CompressionType.LZ4, enable_data_crcs=True
-        )
         self._ids: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, Channel] = {}
@@ -69,10 +65,10 @@ class McapSink:
         self._first_ns, self._last_ns = 2**63 - 1, 0
         self._flushed = 0  # bytes
         try:
-            self._writer.start(profile=PROFILE, library=f"uwsim, start {_checksum(START, start):08x}")
-            self._writer.add_metadata(START, dict(start))
+            self._writer = McapFile(self._file, PROFILE, f"uwsim, start {_checksum(START, start):08x}")
+            self._writer.add_metadata(START, start)
             for name, content in attachments.items():
-                self._writer.add_attachment(0, 0, name, "application/octet-stream", content)
+                self._writer.add_attachment(name, "application/octet-stream", content)
             self.flush()
         except BaseException:
             self._file.close()
@@ -88,29 +84,32 @@ class McapSink:
         """Register a channel before its first message."""
         known = schema(channel.type)
         if channel.type not in self._schemas:
-            self._schemas[channel.type] = self._writer.register_schema(known.name, "ros2msg", known.text.encode())
+            self._schemas[channel.type] = self._writer.add_schema(known.name, "ros2msg", known.text.encode())
         topic, metadata = "/" + channel.name, metadata_of(channel)
-        self._ids[channel.name] = self._writer.register_channel(topic, "cdr", self._schemas[channel.type], metadata)
+        self._ids[channel.name] = self._writer.add_channel(topic, "cdr", self._schemas[channel.type], metadata)
         self._channels[channel.name] = channel
         self._counts[channel.name] = 0
 
-    def write(self, topic: str, time_ns: int, sequence: int, data: bytes | memoryview) -> None:
-        """Append a message at its simulated time. Raises OSError."""
-        self._writer.add_message(self._ids[topic], time_ns, bytes(data), time_ns, sequence & 0xFFFFFFFF)
-        self._counts[topic] += 1
-        self._first_ns, self._last_ns = min(self._first_ns, time_ns), max(self._last_ns, time_ns)
+    def write(self, messages: Sequence[Item]) -> None:
+        """Append messages at their simulated times. Raises OSError."""
+        topics, times_ns, sequences, data = zip(*messages, strict=True)
+        channels = [self._ids[topic] for topic in topics]
+        self._writer.add_messages(channels, times_ns, [each & 0xFFFFFFFF for each in sequences], data)
+        for topic, count in Counter(topics).items():
+            self._counts[topic] += count
+        self._first_ns, self._last_ns = min(self._first_ns, *times_ns), max(self._last_ns, *times_ns)
 
     def flush(self) -> None:
         """End the chunk and hand it to the operating system. Raises OSError."""
-        self._writer.flush()  # type: ignore[no-untyped-call]
+        self._writer.flush()
         self._flushed = self._file.tell()
 
     def close(self, end: Mapping[str, str]) -> None:
         """Write the metadata and index, and close the file. Raises OSError."""
         with self._file:
-            self._writer.add_metadata(END, dict(end))
+            self._writer.add_metadata(END, end)
             self._writer.add_metadata(ROSBAG2, {"serialized_metadata": _yaml(self._rosbag2_metadata())})
-            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._writer.finish()
             self._file.flush()
             os.fsync(self._file.fileno())
         mark(self._path)

@@ -6,9 +6,9 @@ import logging
 import threading
 import time
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from uwsim.recording.sink import Sink
+from uwsim.recording.sink import Item, Sink
 
 WAITING_BYTES = 64 << 20
 """Maximum number of queued bytes; beyond it, messages are dropped or, at maximum speed, steps wait."""
@@ -18,8 +18,6 @@ FLUSH_S = 1.0
 GATHER_S = 0.1
 
 logger = logging.getLogger("uwsim.recording")
-
-Item = tuple[str, int, int, bytes | memoryview]  # topic, time_ns, sequence, data
 
 
 class WritingQueue:
@@ -58,6 +56,17 @@ class WritingQueue:
                 self._changed.notify_all()
         return True
 
+    def put_all(self, items: Sequence[Item]) -> None:
+        """Queue messages; wait while the queue is full. After an error, they are left out."""
+        size = sum(len(item[3]) for item in items) + MESSAGE_BYTES * len(items)
+        with self._changed:
+            while self._bytes > self._limit_bytes // 2 and self.error is None:
+                self._changed.wait()
+            if self.error is None:
+                self._items.extend(items)
+                self._bytes += size
+                self._changed.notify_all()
+
     def close(self, end: Mapping[str, str]) -> None:
         """Write all queued messages and close the sink. Raises OSError if that fails or an earlier write failed."""
         with self._changed:
@@ -80,8 +89,8 @@ class WritingQueue:
                 self._changed.notify_all()
                 ends = self._ends and not items
             try:
-                for item in items:
-                    self._sink.write(*item)
+                if items:
+                    self._sink.write(items)
                 if ends or time.monotonic() >= flush_at_s:
                     self._sink.flush()
                     flush_at_s = time.monotonic() + FLUSH_S

@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 from uwsim.channels import Channel
 from uwsim.channels.delivery.feed import Reading
 
+Data = bytes | memoryview
+Item = tuple[str, int, int, Data]
+"""A message: topic, time [ns], sequence number, data."""
+
 
 class Sink(Protocol):
     """A file that accepts messages. All methods except `encode` are called by one thread at a time."""
 
-    def encode(self, reading: Reading) -> bytes | memoryview:
+    def encode(self, reading: Reading) -> Data:
         """Return a message in the format's serialization."""
 
     def add_channel(self, channel: Channel) -> None:
         """Register a channel before its first message."""
 
-    def write(self, topic: str, time_ns: int, sequence: int, data: bytes | memoryview) -> None:
-        """Append a message at its simulated time. Raises OSError."""
+    def write(self, messages: Sequence[Item]) -> None:
+        """Append messages, at least one, at their simulated times. Raises OSError."""
 
     def flush(self) -> None:
         """Pass all written data to the operating system, so that they are safe if the process is killed.

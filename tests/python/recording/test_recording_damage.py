@@ -12,7 +12,7 @@ from mcap.opcode import Opcode
 
 from command_line import error_line, uwsim
 from uwsim import Simulator
-from uwsim.recording import Recorder, mcap_sink
+from uwsim.recording import Recorder, mcap_file, mcap_sink
 from uwsim.recording.reader import Recording
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -34,7 +34,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A finished one-second recording with a dozen chunks."""
     path = tmp_path_factory.mktemp("damage") / "run.mcap"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(mcap_sink, "CHUNK_BYTES", 20_000)
+        patch.setattr(mcap_file, "CHUNK_BYTES", 20_000)
         sim = Simulator("pool", seed=3)
         with Recorder(sim, path, topics=["odom", "imu", "scan", "sonar_ping"]):
             sim.rov.undock()
@@ -241,11 +241,11 @@ def test_what_a_full_disk_left_reads_as_cut_off_even_if_there_is_room_at_the_end
     """A failed write may leave a partial record: nothing may follow it."""
     path, sim, write = tmp_path / "run.mcap", Simulator("pool"), mcap_sink.McapSink.write
 
-    def full(self: Any, topic: str, time_ns: int, *rest: Any) -> None:
-        if time_ns > 5e8:
+    def full(self: Any, messages: Any) -> None:
+        if messages[-1][1] > 5e8:
             self._file.write(b"\x06" + bytes(20))
             raise OSError(28, "No space left on device")
-        write(self, topic, time_ns, *rest)
+        write(self, messages)
 
     monkeypatch.setattr(mcap_sink.McapSink, "write", full)
     recorder = Recorder(sim, path, topics=["odom"]).start()

@@ -253,7 +253,7 @@ class _Taken:
         number = self._bag_channels[channel.name]
         self._bag_channels[channel.name] = number + 1
         data = self._bag.encode(Reading(channel, message, time_ns, self._sim.tick))
-        self._bag.write(channel.name, time_ns, number, data)
+        self._bag.write([(channel.name, time_ns, number, data)])
 
 
 def _numbered(mav: Path, kind: str) -> str:
