@@ -104,6 +104,7 @@ __all__: list[str] = [
     "SpotLamp",
     "SurfaceSampler",
     "SurfaceVoxels",
+    "Tape",
     "Telemetry",
     "TetherEnd",
     "TetherReading",
@@ -4246,6 +4247,32 @@ class VehicleSpec:
     @wrenches.setter
     def wrenches(self, arg0: collections.abc.Sequence[AppliedWrench]) -> None: ...
 
+class Tape:
+    """
+    What a simulation reads by itself at multiples of periods; see tape.h.
+    """
+    def __init__(self) -> None: ...
+    def add_motion(
+        self, vehicle: typing.SupportsInt | typing.SupportsIndex, period_ns: typing.SupportsInt | typing.SupportsIndex
+    ) -> int:
+        """
+        Add a track: position (3,) [m], orientation_xyzw (4,), linear and angular velocity (3,) each, in body
+        axes, and the elevation [rad] of each sonar.
+        """
+    def add_sensor(
+        self,
+        vehicle: typing.SupportsInt | typing.SupportsIndex,
+        sensor: typing.SupportsInt | typing.SupportsIndex,
+        period_ns: typing.SupportsInt | typing.SupportsIndex,
+    ) -> int:
+        """
+        Add a track of what read_sensor returns.
+        """
+    def add_time(self, period_ns: typing.SupportsInt | typing.SupportsIndex) -> int:
+        """
+        Add a track of times without values.
+        """
+
 class Simulation:
     """
     A world with vehicles, which are identified by index, advanced by fixed steps.
@@ -4307,6 +4334,10 @@ class Simulation:
         """
         Return the arm's ArmReading: of a vehicle or, after those, of an object. Raises ValueError.
         """
+    def attach_tape(self, tape: Tape) -> None:
+        """
+        Write a tape, before a restart or detach_tape, at the end of each step at which it is due.
+        """
     def attached_surfaces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 7]"]:
         """
         Return those of links, and then where the tubes of all tethers are, (n, 7).
@@ -4361,6 +4392,7 @@ class Simulation:
         """
         Cut it at this length from the winch. Raises ValueError.
         """
+    def detach_tape(self, tape: Tape) -> None: ...
     def dock(
         self,
         vehicle: typing.SupportsInt | typing.SupportsIndex,
@@ -4640,6 +4672,18 @@ class Simulation:
     def step(self, count: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
         """
         Advance by fixed steps. Releases the GIL. Can be interrupted by Ctrl-C.
+        """
+    def take_rows(
+        self, tape: Tape, track: typing.SupportsInt | typing.SupportsIndex
+    ) -> tuple[
+        numpy.typing.NDArray[numpy.uint64],
+        numpy.typing.NDArray[numpy.uint64],
+        numpy.typing.NDArray[numpy.float64],
+        numpy.typing.NDArray[numpy.bool],
+    ]:
+        """
+        Return stamps_ns (n,), times_ns (n,), values (n, width) and valid (n,) of a track since the last call.
+        Raises IndexError.
         """
     def take_samples(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sensor: typing.SupportsInt | typing.SupportsIndex

@@ -31,6 +31,13 @@ SensorReading read_sensor(OwnedSimulation& owned, std::size_t vehicle, std::size
 using TakenSamples =
     py::typing::Tuple<py::array_t<std::uint64_t>, py::array_t<std::uint64_t>, py::array_t<double>, py::array_t<bool>>;
 
+TakenSamples moved_out(SampleBatch&& batch, std::size_t width) {
+  const auto n = static_cast<py::ssize_t>(batch.stamps_ns.size());
+  const py::array_t<bool> valid(n, reinterpret_cast<const bool*>(batch.valid.data()));
+  return py::make_tuple(move_out(std::move(batch.stamps_ns)), move_out(std::move(batch.arrivals_ns)),
+                        move_out(std::move(batch.values), {n, static_cast<py::ssize_t>(width)}), valid);
+}
+
 TakenSamples take_samples(OwnedSimulation& owned, std::size_t vehicle, std::size_t sensor) {
   SampleBatch batch;
   std::size_t width = 0;
@@ -38,10 +45,13 @@ TakenSamples take_samples(OwnedSimulation& owned, std::size_t vehicle, std::size
     batch = sim.take_samples(vehicle, sensor);
     width = sim.vehicle(vehicle).sensors.at(sensor).kind().reading_width();
   });
-  const auto n = static_cast<py::ssize_t>(batch.stamps_ns.size());
-  const py::array_t<bool> valid(n, reinterpret_cast<const bool*>(batch.valid.data()));
-  return py::make_tuple(move_out(std::move(batch.stamps_ns)), move_out(std::move(batch.arrivals_ns)),
-                        move_out(std::move(batch.values), {n, static_cast<py::ssize_t>(width)}), valid);
+  return moved_out(std::move(batch), width);
+}
+
+TakenSamples take_rows(OwnedSimulation& owned, Tape& tape, std::size_t track) {
+  SampleBatch rows = owned.with([&](Simulation&) { return tape.take(track); });
+  const std::size_t width = rows.valid.empty() ? 0 : rows.values.size() / rows.valid.size();
+  return moved_out(std::move(rows), width);
 }
 
 void bind_specs(py::module_& m) {
@@ -159,6 +169,15 @@ void bind_specs(py::module_& m) {
 
 void bind_sim(py::module_& m) {
   bind_specs(m);
+  py::class_<Tape, std::shared_ptr<Tape>>(m, "Tape",
+                                          "What a simulation reads by itself at multiples of periods; see tape.h.")
+      .def(py::init<>())
+      .def("add_time", &Tape::add_time, py::arg("period_ns"), "Add a track of times without values.")
+      .def("add_motion", &Tape::add_motion, py::arg("vehicle"), py::arg("period_ns"),
+           "Add a track: position (3,) [m], orientation_xyzw (4,), linear and angular velocity (3,) each, in body\n"
+           "axes, and the elevation [rad] of each sonar.")
+      .def("add_sensor", &Tape::add_sensor, py::arg("vehicle"), py::arg("sensor"), py::arg("period_ns"),
+           "Add a track of what read_sensor returns.");
   m.def(
       "saved_notes",
       [](const py::bytes& state, const std::string& scenario, const std::string& build) {
@@ -276,6 +295,19 @@ void bind_sim(py::module_& m) {
       .def("take_samples", &take_samples, py::arg("vehicle"), py::arg("sensor"),
            "Return stamps_ns (n,), arrivals_ns (n,), readings (n, width) and valid (n,) of the samples that have\n"
            "arrived since the last call, except dropped ones. Raises ValueError unless the sensor is watched.")
+      .def(
+          "attach_tape",
+          [](OwnedSimulation& o, std::shared_ptr<Tape> tape) {
+            o.with([&](Simulation& s) { s.attach(std::move(tape)); });
+          },
+          py::arg("tape"), "Write a tape, before a restart or detach_tape, at the end of each step at which it is due.")
+      .def(
+          "detach_tape",
+          [](OwnedSimulation& o, const std::shared_ptr<Tape>& tape) { o.with([&](Simulation& s) { s.detach(tape); }); },
+          py::arg("tape"))
+      .def("take_rows", &take_rows, py::arg("tape"), py::arg("track"),
+           "Return stamps_ns (n,), times_ns (n,), values (n, width) and valid (n,) of a track since the last call.\n"
+           "Raises IndexError.")
       .def("read_sensor", &read_sensor, py::arg("vehicle"), py::arg("sensor"), py::arg("with_noise") = true,
            "Read a sensor. Reading again at the same time returns the same sample. Without noise: the present\n"
            "value, without errors, rate, latency or drop-outs.")

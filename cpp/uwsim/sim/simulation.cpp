@@ -145,6 +145,9 @@ void Simulation::step_once() {
   ++version_;
   if (stirring_) stirring_->advance(vehicles_, bodies_, world_, *scene_, tick_, spec_.step_s);
   if (link_) receive();
+  for (const std::shared_ptr<Tape>& tape : tapes_) {
+    if (tape->due(tick_)) tape->write(*this);
+  }
 }
 
 void Simulation::drive(Vehicle& vehicle) {
@@ -276,6 +279,11 @@ SampleBatch Simulation::take_samples(std::size_t index, std::size_t sensor) {
   Vehicle& watched = changeable(index);
   watched.sensors.collect(snapshot(watched), {scene_around(watched), world_.water, sound_, &world_});
   return watched.sensors.at(sensor).take_samples();
+}
+
+void Simulation::attach(std::shared_ptr<Tape> tape) {
+  tape->begin(*this);
+  tapes_.push_back(std::move(tape));
 }
 
 void Simulation::aim(std::size_t index, std::size_t sonar, double elevation_rad) {

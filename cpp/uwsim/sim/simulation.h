@@ -13,6 +13,7 @@
 #include "uwsim/sim/link.h"
 #include "uwsim/sim/saved_state_format.h"
 #include "uwsim/sim/stirring.h"
+#include "uwsim/sim/tape.h"
 #include "uwsim/sim/telemetry.h"
 #include "uwsim/sim/vehicle.h"
 #include "uwsim/world/wind.h"
@@ -111,6 +112,7 @@ class Simulation {
   /// changes.
   std::uint64_t version() const { return version_; }
   std::uint64_t time_ns() const { return tick_ * step_ns_; }
+  std::uint64_t step_ns() const { return step_ns_; }
   double time_s() const { return 1e-9 * static_cast<double>(time_ns()); }
   const SimulationSpec& spec() const { return spec_; }
 
@@ -169,6 +171,9 @@ class Simulation {
   void watch_sensor(std::size_t vehicle, std::size_t sensor, std::optional<std::uint64_t> from_ns);
   /// Returns the samples that have arrived since the last call. Throws InvalidValue unless the sensor is watched.
   SampleBatch take_samples(std::size_t vehicle, std::size_t sensor);
+  /// Writes a tape at the end of each step at which it is due, until it is detached.
+  void attach(std::shared_ptr<Tape> tape);
+  void detach(const std::shared_ptr<Tape>& tape) { std::erase(tapes_, tape); }
   void aim(std::size_t vehicle, std::size_t sonar, double elevation_rad);
   const SonarHead& sonar(std::size_t vehicle, std::size_t sonar) const;
   Pose world_from_sonar(std::size_t vehicle, std::size_t sonar) const;
@@ -247,6 +252,7 @@ class Simulation {
   std::vector<LooseObject> objects_;
   std::optional<Link> link_;
   std::optional<Stirring> stirring_;
+  std::vector<std::shared_ptr<Tape>> tapes_;
   std::shared_ptr<MovingBodies> hulls_;       // the bodies as ray targets
   mutable std::uint64_t hulls_version_;       // the version for which they were placed
   mutable std::shared_ptr<const Sway> sway_;  // of plants; null if they stand still

@@ -14,15 +14,19 @@ from numpy.typing import ArrayLike, NDArray
 
 
 def product(first_xyzw: ArrayLike, then_xyzw: ArrayLike) -> NDArray[np.float64]:
-    """Return the Hamilton product (4,) of two unit quaternions, such as a_from_c from a_from_b and b_from_c."""
-    x, y, z, w = np.asarray(first_xyzw, np.float64).tolist()
+    """Return the Hamilton product (4,) of two unit quaternions, such as a_from_c from a_from_b and b_from_c.
+
+    The first may be n quaternions (n, 4); so is the result then.
+    """
+    first = np.asarray(first_xyzw, np.float64)
+    x, y, z, w = first.T if first.ndim == 2 else first.tolist()
     p, q, r, s = np.asarray(then_xyzw, np.float64).tolist()
     return np.array([
         w * p + x * s + y * r - z * q,
         w * q - x * r + y * s + z * p,
         w * r + x * q - y * p + z * s,
         w * s - x * p - y * q - z * r,
-    ])  # fmt: skip
+    ]).T  # fmt: skip
 
 
 def of_yaw_pitch_roll_deg(angles_deg: Sequence[float]) -> NDArray[np.float64]:
@@ -75,8 +79,10 @@ def about_y(angle_rad: float) -> NDArray[np.float64]:
     return np.array([0.0, math.sin(0.5 * angle_rad), 0.0, math.cos(0.5 * angle_rad)])
 
 
-def about_z(angle_rad: float) -> NDArray[np.float64]:
-    """Return the rotation about z, (4,)."""
+def about_z(angle_rad: float | NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotation about z, (4,), or (n, 4) by n angles."""
+    if isinstance(angle_rad, np.ndarray):
+        return np.array([about_z(each) for each in angle_rad.tolist()])  # as sines of the C library
     return np.array([0.0, 0.0, math.sin(0.5 * angle_rad), math.cos(0.5 * angle_rad)])
 
 

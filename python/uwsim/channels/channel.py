@@ -8,6 +8,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
+from uwsim.channels.taped import Taped
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
 from uwsim.simulator.simulator import Simulator
 
@@ -118,7 +119,8 @@ class Channel:
     channels that do not cross the acoustic link. drops: counted by the sinks and reported on /diagnostics.
 
     read: for direction "out", called between two steps on the simulator's thread. It returns a message of
-    `ros.message_types.typestore()`, stamped with simulated time, or None if there is no message. apply: for direction
+    `ros.message_types.typestore()`, stamped with simulated time, or None if there is no message. taped: how many
+    messages are made at once, the same as `read` would have returned; None if they must be read. apply: for direction
     "in", called on any thread. It must not block, and raises ValueError for impossible commands.
     """
 
@@ -129,6 +131,7 @@ class Channel:
     rate_hz: float | None = None
     frame_id: str = ""
     read: Callable[[Simulator], Any] = _no_message
+    taped: Taped | None = None
     apply: Callable[[LiveSimulator, Any], object] = _no_command
     delivery: Delivery = Delivery()
     over_link: OverLink | None = None

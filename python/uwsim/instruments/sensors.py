@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, cast, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.named import Named
@@ -219,11 +220,24 @@ class Sensor(Attached, Generic[R]):
         """
         return self._source.stream(self._simulation.time_ns + 1 if from_ns is None else from_ns)
 
+    @property
+    def is_plain(self) -> bool:
+        """Whether its readings are those of the core: it is on, no fault distorts them, and its kind is the core's."""
+        return self.on and self._distortion is None and self._derived is None
+
+    def _columns(self, readings: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+        """Return the columns of each quantity, (n, width), from those of all, (n, sum of widths)."""
+        return np.split(readings, np.cumsum([width for width, _ in self._fields.values()])[:-1], axis=1)
+
+    def reading_of(self, readings: NDArray[np.float64]) -> Any:
+        """Return a reading whose quantities are columns, (n,) or (n, width), from their numbers side by side."""
+        columns = [column[:, 0] if column.shape[1] == 1 else column for column in self._columns(readings)]
+        return columns[0] if self._reading is None else self._reading(**dict(zip(self._fields, columns, strict=True)))
+
     def samples_of(self, rows: Samples) -> list[Sample[R]]:
         """Return a stream's samples one by one."""
-        widths = [width for width, _ in self._fields.values()]
-        columns = np.split(rows.readings, np.cumsum(widths)[:-1], axis=1)
-        scalars = [width == 1 for width in widths]
+        columns = self._columns(rows.readings)
+        scalars = [column.shape[1] == 1 for column in columns]
         found = []
         for k in range(len(rows)):
             values: dict[str, Any] = {

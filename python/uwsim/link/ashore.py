@@ -130,7 +130,7 @@ def with_scans(seen: Iterable[Channel]) -> list[Channel]:
                 channel, name=ping, type="sensor_msgs/msg/LaserScan", frame_id=f"{prefix}/base_scan".lstrip("/"),
                 description="the beams of the placed pings that have arrived",
             )  # fmt: skip
-            found.append(replace(scan, read=_scan_reader(channel, scan.frame_id)))
+            found.append(replace(scan, read=_scan_reader(channel, scan.frame_id), taped=None))
     return found
 
 

@@ -59,4 +59,4 @@ def _seen(one: Carried, network: Network, on_read: OnRead | None) -> Channel:
         return one.packing.unpack(found[-1].payload, one.channel) if found else None
 
     delivery = replace(one.channel.delivery, late=False, update=None, catch_up=None)
-    return replace(one.channel, rate_hz=rate_hz, read=read, delivery=delivery)
+    return replace(one.channel, rate_hz=rate_hz, read=read, taped=None, delivery=delivery)

@@ -28,11 +28,13 @@ from uwsim.recording.bag_sink import BagSink
 from uwsim.recording.capsule import fingerprint, pack
 from uwsim.recording.commands import COMMANDS, Command, command_message
 from uwsim.recording.derived import FROM_PINGS
+from uwsim.recording.held import LAST, Held
 from uwsim.recording.joined_frames import JoinedFrames, end_tick
 from uwsim.recording.mcap_sink import LIVE, VERSION, McapSink
 from uwsim.recording.ping_channel import ping_channel
 from uwsim.recording.queue import WAITING_BYTES, WritingQueue
-from uwsim.recording.sink import Sink
+from uwsim.recording.sink import Data, Sink
+from uwsim.recording.tape import Messages
 from uwsim.recording.watch import Watch
 from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.simulator.simulator import Simulator
@@ -100,6 +102,9 @@ class Recorder:
         self._queue: WritingQueue | None = None
         self._sink: Sink | None = None
         self._frames = JoinedFrames()
+        self._tapes = self._live is None and feed is None and self.path.suffix == ".mcap"  # nothing else waits for them
+        self._ranks = {channel.name: rank for rank, channel in enumerate(self._channels)}
+        self._held = Held()
         self._commands = Channel(COMMANDS, "std_msgs/msg/String", "out", "each command with its tick, as JSON")
 
     def __repr__(self) -> str:
@@ -233,7 +238,8 @@ class Recorder:
         for channel in (self._commands, *self._written, *self._channels):
             self._sink.add_channel(channel)
         self._queue = WritingQueue(self._sink, self._queue_bytes)
-        self._watch = Watch(sim, self._channels, self._record_reading, self._record_command, measured)
+        tape = self._record_taped if self._tapes else None
+        self._watch = Watch(sim, self._channels, self._record_reading, self._record_command, measured, tape)
         self._watch.start()
 
     def _end(self, sim: Simulator) -> dict[str, str]:
@@ -241,6 +247,7 @@ class Recorder:
         self._watch.stop()
         with self._lock:
             self._put_frames(self._frames.taken())
+            self._put_all(self._held.taken())
         return {
             "tick": str(sim.tick),
             "state": state_digest(sim),
@@ -297,10 +304,17 @@ class Recorder:
         reading = self._reading(channel, message)
         if self._feed is not None:
             self._feed.share(reading)
-        self._put(reading, needed=False)
+        self._put(reading, needed=False, rank=self._ranks[channel.name])
 
     def _record(self, channel: Channel, message: Any) -> None:
         self._put(self._reading(channel, message), needed=False)
+
+    def _record_taped(self, stretches: Iterable[Messages]) -> None:
+        """Queue the messages of a stretch of tape among those that have been held meanwhile."""
+        with self._lock:
+            for channel, times_ns, data in stretches:
+                self._held.add_all(channel.name, times_ns, data, self._ranks[channel.name])
+            self._put_all(self._held.taken())
 
     def _record_command(self, name: str, arguments: dict[str, Any]) -> None:
         if name == SERVO_FRAMES:
@@ -321,10 +335,25 @@ class Recorder:
     def _reading(self, channel: Channel, message: Any) -> Reading:
         return Reading(channel, message, self._sim.time_ns, self._sim.tick)
 
-    def _put(self, reading: Reading, *, needed: bool) -> None:
+    def _put(self, reading: Reading, *, needed: bool, rank: int = LAST) -> None:
+        """Queue a message, or hold it until those on the tape before it are known. rank: see `Held`."""
         with self._lock:  # received messages come from other threads, and sequence numbers must follow the queue order
             self._put_frames(self._frames.taken())  # they end at this tick, before its readings and commands
-            self._enqueue(reading, needed=needed)
+            if self._tapes and self._sink is not None:
+                self._held.add(reading.channel.name, reading.time_ns, self._sink.encode(reading), rank)
+            else:
+                self._enqueue(reading, needed=needed)
+
+    def _put_all(self, messages: Sequence[tuple[str, int, Data]]) -> None:
+        """Queue messages that have been held. Called with the lock held."""
+        if self._queue is not None and messages:
+            self._queue.put_all([(topic, time_ns, self._next(topic), data) for topic, time_ns, data in messages])
+
+    def _next(self, topic: str) -> int:
+        """Return the number of a topic's next message."""
+        number = self._sequences[topic]
+        self._sequences[topic] = number + 1
+        return number
 
     def _enqueue(self, reading: Reading, *, needed: bool) -> None:
         queue, sink = self._queue, self._sink
@@ -332,9 +361,7 @@ class Recorder:
             return
         topic, data, waits = reading.channel.name, sink.encode(reading), self._may_wait()
         self._on_wall_clock |= not waits
-        item = (topic, reading.time_ns, self._sequences[topic], data)
-        self._sequences[topic] += 1
-        is_put = queue.put(item, waits=waits, needed=needed)
+        is_put = queue.put((topic, reading.time_ns, self._next(topic), data), waits=waits, needed=needed)
         if not is_put:
             if not self.dropped and queue.error is None:
                 logger.warning("%s: messages are left out: writing is too slow", self.path)

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 from uwsim.base.agenda import NEVER, Rank, next_tick
-from uwsim.base.journal import JUMPS
+from uwsim.base.journal import EFFORT, JUMPS
 from uwsim.channels import Channel
 from uwsim.live import Subscription
+from uwsim.recording.tape import Messages, Notes, Tape
 from uwsim.simulator.simulator import Simulator
 
 OnMessage = Callable[[Channel, Any], object]
 OnCommand = Callable[[str, dict[str, Any]], object]
+OnTape = Callable[[Iterable[Messages]], object]
+STRETCH_S = 10.0
+"""The longest simulated time after which what has been taped is passed on."""
+STRETCH_WALL_S = 0.5
+"""The same in wall time, as far as any channel is read meanwhile."""
 
 
 class Watch:
@@ -32,21 +39,33 @@ class Watch:
         receive: OnMessage,
         command: OnCommand | None = None,
         measured: AbstractContextManager[object] | None = None,
+        tape: OnTape | None = None,
     ) -> None:
-        """measured: entered around readings and commands, such as a stage's measurement."""
+        """Create a watch.
+
+        measured: entered around readings and commands, such as a stage's measurement. tape: if given, channels that can
+        be are taped instead of read, and it is called from time to time, and before any command except efforts, with
+        the messages since: those until then of all channels are complete.
+        """
         self._sim = sim
         self._receive = receive
         self._command = command
         self._measured = measured or nullcontext()
+        self._on_tape = tape
         self._step_ns = round(sim.step_s * 1e9)
-        self._subscriptions = [(_period_ns(channel), self._subscription(channel)) for channel in channels]
+        self._channels = list(channels)
+        self._subscriptions = [self._subscription(channel) for channel in self._channels]
+        self._read_together: dict[tuple[int | None, ...], list[Subscription | Notes]] = {}
         self._due_ticks = dict.fromkeys((period_ns for period_ns, _ in self._subscriptions), NEVER)
-        self._read_together: dict[tuple[int | None, ...], list[Subscription]] = {}
+        self._read_now: list[tuple[int | None, Subscription | Notes]] = list(self._subscriptions)
+        self._tape: Tape | None = None
+        self._stretch_tick, self._stretch_wall_s = NEVER, 0.0
         self.due_tick = NEVER
 
     def start(self) -> None:
         """Read all channels now, and start watching. Call this on the simulator's thread."""
-        self._read_all()
+        with self._measured:
+            self._read_all()
         self._sim.journal.listen(self)
         self._sim.agenda.add(self, Rank.OBSERVER, self.act)
 
@@ -54,42 +73,91 @@ class Watch:
         """Stop watching."""
         self._sim.journal.detach(self)
         self._sim.agenda.remove(self)
+        with self._measured:
+            self._end_tape()
 
     def act(self, tick: int) -> None:
-        """Read the channels that are due, in order."""
-        self._read(tuple(period_ns for period_ns, due_tick in self._due_ticks.items() if due_tick <= tick), tick)
+        """Read the channels that are due, in order, and pass on what has been taped, if it is time."""
+        with self._measured:
+            self._read(tuple(period_ns for period_ns, due_tick in self._due_ticks.items() if due_tick <= tick), tick)
+            if self._tape is not None and (tick >= self._stretch_tick or time.monotonic() >= self._stretch_wall_s):
+                self._end_tape()
+                self._begin_tape()
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
         """Forward a command; after a jump in time, read all channels again."""
-        if self._command is not None:
-            with self._measured:
+        with self._measured:
+            if name != EFFORT:
+                self._end_tape()  # it may have changed what the messages depend on
+            if self._command is not None:
                 self._command(name, arguments)
-        if name in JUMPS:
-            self._read_all()
+            if name in JUMPS:
+                self._read_all()
+            elif self._tape is None:
+                self._begin_tape()
 
     def _read_all(self) -> None:
+        self._choose(None)
         self._read(tuple(self._due_ticks), self._sim.tick)
+        self._begin_tape()
+
+    def _begin_tape(self) -> None:
+        """Start a stretch of tape, and read only the channels that are not on it."""
+        if self._on_tape is not None:
+            self._end_tape()
+            self._tape = Tape(self._sim, self._channels, _period_ns)
+            self._stretch_tick = self._sim.tick + round(STRETCH_S / self._sim.step_s)
+            self._stretch_wall_s = time.monotonic() + STRETCH_WALL_S
+            self._choose(self._tape)
+
+    def _end_tape(self) -> None:
+        tape, self._tape = self._tape, None
+        if self._on_tape is not None and tape is not None:
+            self._on_tape(tape.end())
+
+    def _choose(self, tape: Tape | None) -> None:
+        """Read from now on all channels but those that are taped, and note what is to be noted of these."""
+        taped, notes = (frozenset[int](), dict[int, Notes]()) if tape is None else (tape.taped, tape.notes)
+        self._read_now = [
+            (period_ns, notes.get(rank, one))
+            for rank, (period_ns, one) in enumerate(self._subscriptions)
+            if rank not in taped or rank in notes
+        ]
+        self._read_together.clear()
+        before, tick = self._due_ticks, self._sim.tick
+        periods_ns = dict.fromkeys(period_ns for period_ns, _ in self._read_now)
+        self._due_ticks = {
+            period_ns: before.get(period_ns, self._tick_after(period_ns, tick)) for period_ns in periods_ns
+        }
+        self._schedule()
+
+    def _tick_after(self, period_ns: int | None, tick: int) -> int:
+        return NEVER if period_ns is None else next_tick(tick, period_ns, self._step_ns)
+
+    def _schedule(self) -> None:
+        self.due_tick = min(self._due_ticks.values(), default=NEVER)
+        if self._tape is not None:
+            self.due_tick = min(self.due_tick, self._stretch_tick)
 
     def _read(self, periods_ns: tuple[int | None, ...], tick: int) -> None:
-        """Read all channels with these periods."""
+        """Read the channels with these periods that are not taped."""
         for period_ns in periods_ns:
-            if period_ns is not None:
-                self._due_ticks[period_ns] = next_tick(tick, period_ns, self._step_ns)
-        self.due_tick = min(self._due_ticks.values(), default=NEVER)
+            self._due_ticks[period_ns] = self._tick_after(period_ns, tick)
+        self._schedule()
         together = self._read_together.get(periods_ns)
         if together is None:
-            together = [one for period_ns, one in self._subscriptions if period_ns in periods_ns]
+            together = [one for period_ns, one in self._read_now if period_ns in periods_ns]
             self._read_together[periods_ns] = together
-        with self._measured:
-            for one in together:
-                one.take(tick)
+        for one in together:
+            one.take(tick)
 
-    def _subscription(self, channel: Channel) -> Subscription:
+    def _subscription(self, channel: Channel) -> tuple[int | None, Subscription]:
         def receive(message: Any) -> None:
             if message is not None:
                 self._receive(channel, message)
 
-        return Subscription(self._sim, _period_ns(channel), channel.read, receive)
+        period_ns = _period_ns(channel)
+        return period_ns, Subscription(self._sim, period_ns, channel.read, receive)
 
 
 def _period_ns(channel: Channel) -> int | None:

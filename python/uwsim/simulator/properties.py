@@ -48,6 +48,20 @@ class SimulatorProperties(Attached):
         """The current terrain, obstacles and water; read-only."""
         return self._fixed_world
 
+    def attach_tape(self, tape: native.Tape) -> None:
+        """Let the simulation write a tape at the end of each step at which it is due, until detached or reset."""
+        self._core.attach_tape(tape)
+
+    def detach_tape(self, tape: native.Tape) -> None:
+        """Stop writing a tape."""
+        self._core.detach_tape(tape)
+
+    def take_rows(
+        self, tape: native.Tape, track: int
+    ) -> tuple[NDArray[np.uint64], NDArray[np.uint64], NDArray[np.float64], NDArray[np.bool_]]:
+        """Return the rows of a tape's track since the last call: see `Rows` of uwsim.channels.taped."""
+        return self._core.take_rows(tape, track)
+
     @property
     def link(self) -> Network | None:
         """The link between station and vehicles, or None if messages are delivered immediately."""

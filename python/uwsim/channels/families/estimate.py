@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.channels.channel import Channel, OverLink
-from uwsim.channels.families.covariance import independent
 from uwsim.channels.families.frames import Tf
 from uwsim.channels.ros import build
 from uwsim.channels.source import Source
-from uwsim.navigation.estimation import Navigator
+from uwsim.channels.taped import Stretch, Taped
 from uwsim.simulator.simulator import Simulator
 
 RATE_HZ = 20.0
 TOPIC = "odometry/estimate"
-POSE_ERRORS = np.ix_([0, 1, 2, 6, 7, 8], [0, 1, 2, 6, 7, 8])  # of Navigator.covariance
+RATES = np.arange(3, 6)  # of a twist
+POSE_ERRORS = np.array([0, 1, 2, 6, 7, 8])  # of Navigator.covariance
 
 
 def has_estimate(source: Source) -> bool:
@@ -32,52 +32,85 @@ def estimate_channels(source: Source, tf: Tf = "truth") -> list[Channel]:
     """
     if not has_estimate(source):
         return []
+    taped = Taped(
+        (),
+        lambda sim: lambda rows: Stretch(rows[0].times_ns, _odometry(source, rows[0].values)),
+        note=lambda sim: _noted(source, sim),
+    )
     return [
         Channel(
             source.topic(name), "nav_msgs/msg/Odometry", "out",
             "pose and velocity by the vehicle's own instruments, with covariances", rate_hz=RATE_HZ,
-            frame_id=source.frame("odom"), over_link=OverLink(), read=lambda sim: _odometry(source, sim),
+            frame_id=source.frame("odom"), over_link=OverLink(),
+            read=lambda sim: _odometry(source, _noted(source, sim)), taped=taped,
         )
         for name in (TOPIC, *(("odom",) if tf == "odom" else ()))
     ]  # fmt: skip
 
 
-def _odometry(source: Source, sim: Simulator) -> Any:
+def _noted(source: Source, sim: Simulator) -> NDArray[np.float64]:
+    """Return the numbers of the message: what `_odometry` takes."""
     estimate = source.of(sim).navigation.shown
     pose, velocity = estimate.pose, estimate.velocity
-    twist = build.message(
-        "geometry_msgs/msg/Twist",
-        linear=build.vector(velocity.linear_body_m_s),
-        angular=build.vector(velocity.angular_body_rad_s),
+    parts = (
+        (estimate.time_s,), pose.position_world_m, pose.orientation_xyzw, velocity.linear_body_m_s,
+        velocity.angular_body_rad_s, (estimate.rate_std_rad_s**2,), pose.world_from_body[:3, :3].ravel(),
+        estimate.covariance.ravel(),
+    )  # fmt: skip
+    return np.concatenate(parts)
+
+
+def _odometry(source: Source, noted: NDArray[np.float64]) -> Any:
+    """Return the message of `_noted` numbers, or that of columns for n rows of them."""
+    time_s, position_m, orientation_xyzw, linear_m_s, angular_rad_s, rate_variance, turn, errors = np.split(
+        noted, (1, 4, 8, 11, 14, 15, 24), axis=-1
     )
-    stamp_ns = round(estimate.time_s * 1e9)
-    pose_covariance, twist_covariance = covariances(estimate)
+    twist = build.message(
+        "geometry_msgs/msg/Twist", linear=build.vector(linear_m_s), angular=build.vector(angular_rad_s)
+    )
+    rows = noted.shape[:-1]
+    pose_covariance, twist_covariance = covariances(
+        errors.reshape(*rows, 15, 15), turn.reshape(*rows, 3, 3), linear_m_s, rate_variance
+    )
+    stamp_ns = np.rint(time_s[..., 0] * 1e9).astype(np.uint64)
     return build.message(
         "nav_msgs/msg/Odometry",
         header=build.header(stamp_ns, source.frame("odom")),
         child_frame_id=source.frame("base_footprint"),
         pose=build.message(
             "geometry_msgs/msg/PoseWithCovariance",
-            pose=build.pose(pose.position_world_m + source.origin_m, pose.orientation_xyzw),
-            covariance=pose_covariance.ravel(),
+            pose=build.pose(position_m + source.origin_m, orientation_xyzw),
+            covariance=pose_covariance.reshape(*rows, 36),
         ),
-        twist=build.message("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=twist_covariance.ravel()),
+        twist=build.message(
+            "geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=twist_covariance.reshape(*rows, 36)
+        ),
     )
 
 
-def covariances(estimate: Navigator) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the pose and twist covariances, each (6, 6), as ROS defines them.
+def covariances(
+    errors: NDArray[np.float64],
+    turn: NDArray[np.float64],
+    linear_m_s: NDArray[np.float64],
+    rate_variance: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the pose and twist covariances, each (6, 6), as ROS defines them, or (n, 6, 6) for n estimates.
 
     Pose: position, then rotation about the fixed axes of odom. Twist: in body axes, so that the attitude error adds to
-    the velocity error.
+    the velocity error. errors: (15, 15), see Navigator. turn: world from body, (3, 3). linear_m_s: (3,).
+    rate_variance: of the white noise in the rates, (1,) [rad2/s2].
     """
-    errors, turn = estimate.covariance, estimate.pose.world_from_body[:3, :3]
-    x, y, z = estimate.velocity.linear_body_m_s.tolist()
-    to_pose = np.eye(6)
-    to_pose[3:, 3:] = turn
-    pose = to_pose @ errors[POSE_ERRORS] @ to_pose.T
-    to_twist = np.zeros((6, 9))
-    to_twist[:3, :3], to_twist[:3, 3:6] = turn.T, [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
-    to_twist[3:, 6:] = -np.eye(3)
-    twist = to_twist @ errors[3:12, 3:12] @ to_twist.T
-    return pose, twist + independent(0.0, 0.0, 0.0, *[estimate.rate_std_rad_s**2] * 3).reshape(6, 6)
+    rows = errors.shape[:-2]
+    x, y, z = np.moveaxis(linear_m_s, -1, 0)
+    to_pose = np.tile(np.eye(6), (*rows, 1, 1))
+    to_pose[..., 3:, 3:] = turn
+    pose = to_pose @ errors[..., POSE_ERRORS[:, None], POSE_ERRORS] @ np.swapaxes(to_pose, -1, -2)
+    to_twist = np.zeros((*rows, 6, 9))
+    to_twist[..., :3, :3] = np.swapaxes(turn, -1, -2)
+    to_twist[..., 0, 4], to_twist[..., 0, 5], to_twist[..., 1, 5] = -z, y, -x
+    to_twist[..., 1, 3], to_twist[..., 2, 3], to_twist[..., 2, 4] = z, -y, x
+    to_twist[..., 3:, 6:] = -np.eye(3)
+    twist = to_twist @ errors[..., 3:12, 3:12] @ np.swapaxes(to_twist, -1, -2)
+    white = np.zeros((*rows, 6, 6))
+    white[..., RATES, RATES] = rate_variance
+    return pose, twist + white

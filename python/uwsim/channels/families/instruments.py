@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -18,6 +18,7 @@ from uwsim.channels.families.positioning import ins_odometry, nav_sat_fix
 from uwsim.channels.ros import build
 from uwsim.channels.ros.cdr import encode
 from uwsim.channels.source import Source
+from uwsim.channels.taped import Make, Rows, Stretch, Taped, Track
 from uwsim.instruments.sensors import Sample
 from uwsim.mapping.files.georeference import Georeference
 from uwsim.scenario import Scenario
@@ -73,17 +74,20 @@ class FilterInput(NamedTuple):
     write: Callable[[Any, Any, Errors, Any], Any]
     frame: str = ""
     even_invalid: bool = False
+    takes_columns: bool = False
 
 
 class Kind(NamedTuple):
     """The publication of one kind of sensor. write(value, header, errors): builds a message.
 
-    even_invalid: whether samples without an echo are published as well.
+    even_invalid: whether samples without an echo are published as well. takes_columns: whether `write` also makes a
+    message of columns, from a reading and a header of columns.
     """
 
     type: str
     write: Write
     even_invalid: bool = False
+    takes_columns: bool = False
 
 
 def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
@@ -106,7 +110,7 @@ def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
                 Channel(
                     source.topic(name), kind.type, "out", sensor.meaning, rate_hz=sensor.rate_hz or DEFAULT_HZ,
                     frame_id=frame_id, over_link=OverLink(), delivery=SAMPLED,
-                    read=_reader(source, name, kind, frame_id),
+                    read=_reader(source, name, kind, frame_id), taped=_taped(source, name, kind, frame_id),
                 )
             )  # fmt: skip
         if sensor.kind in FILTER_INPUTS:
@@ -137,11 +141,11 @@ def filter_input(
     def write(value: Any, header: Any, errors: Errors) -> Any:
         return input_.write(value, header, errors, source.origin_m)
 
-    kind = Kind(input_.type, write, input_.even_invalid)
+    kind = Kind(input_.type, write, input_.even_invalid, input_.takes_columns)
     return Channel(
         source.topic(f"{name}/{input_.suffix}"), input_.type, "out", input_.description, rate_hz=rate_hz,
         frame_id=frame_id, over_link=OverLink(packing=""), delivery=delivery,
-        read=_reader(source, name, kind, frame_id),
+        read=_reader(source, name, kind, frame_id), taped=_taped(source, name, kind, frame_id),
     )  # fmt: skip
 
 
@@ -167,6 +171,31 @@ def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[S
     return read
 
 
+def _taped(source: Source, name: str, kind: Kind, frame_id: str) -> Taped | None:
+    """Return how the messages of a sensor follow from a tape; None for kinds whose messages have no columns."""
+    if not kind.takes_columns:
+        return None
+
+    def begin(sim: Simulator) -> Make | None:
+        sensor, mount = source.of(sim).sensors[name], source.model(sim).sensors[name]
+        if not (
+            sensor.is_plain and all(is_steady(mount, channel) for channel in _core.sensor_kind(mount.kind).channels)
+        ):
+            return None
+        mounted = _Mounted(source, name, kind, frame_id)
+        mounted.look_up(sim)
+
+        def make(tracks: Sequence[Rows]) -> Stretch:
+            (rows,) = tracks
+            is_sent = rows.valid if not kind.even_invalid else rows.valid | ~np.isfinite(rows.values[:, 0])
+            sent = rows if is_sent.all() else rows.only(is_sent)
+            return Stretch(sent.times_ns, mounted.write(sensor.reading_of(sent.values), sent.stamps_ns, 0.0))
+
+        return make
+
+    return Taped((Track(source.name, name),), begin)
+
+
 def sample_message(source: Source, sim: Simulator, name: str, sample: Sample[Any]) -> Any:
     """Return the message for a sensor's sample, or None if the sensor's channel does not publish the sample."""
     kind = _kind(source.of(sim).sensors[name].kind)
@@ -186,14 +215,21 @@ class _Mounted:
     def message(self, sim: Simulator, sample: Sample[Any]) -> Any:
         """Return the message for a sample."""
         if self._scenario is not sim.parameters.scenario:
-            self._look_up(sim)
+            self.look_up(sim)
         speed_m_s = sim.world.water.sound_speed_m_s(_height_m(self._source, sim)) if self._is_doppler else math.nan
-        errors = Errors(
-            self._mount, self._rate_hz, sample.stamp_s, self._steady, speed_m_s, self._own_frame, self._place
-        )
-        return self._kind.write(sample.value, build.header(sample.stamp_ns, self._frame_id), errors)
+        return self.write(sample.value, sample.stamp_ns, sample.stamp_s, speed_m_s)
 
-    def _look_up(self, sim: Simulator) -> None:
+    def write(self, value: Any, stamp_ns: Any, time_s: float, speed_m_s: float = math.nan) -> Any:
+        """Return the message for a reading, or that of columns for a reading and time stamps (n,) in columns.
+
+        time_s: for its error statistics.
+        """
+        frame = self._own_frame
+        errors = Errors(self._mount, self._rate_hz, time_s, self._steady, speed_m_s, frame, self._place)
+        return self._kind.write(value, build.header(stamp_ns, self._frame_id), errors)
+
+    def look_up(self, sim: Simulator) -> None:
+        """Keep the mount as it is now."""
         self._scenario = sim.parameters.scenario
         self._mount = mount = self._source.model(sim).sensors[self._name]
         self._rate_hz = mount.rate_hz or 1.0 / sim.step_s
@@ -325,9 +361,11 @@ def _plain(name: str, field: str, channel: str) -> Write:
     )
 
 
-def _bare(name: str, convert: Callable[[float], Any]) -> Write:
+def _bare(name: str, type_: type[float | bool]) -> Write:
     """Return a function that builds a message that contains only a scalar."""
-    return lambda value, header, errors: build.message(name, data=convert(value))
+    return lambda value, header, errors: build.message(
+        name, data=value.astype(type_) if isinstance(value, np.ndarray) else type_(value)
+    )
 
 
 def _numbers(value: Any, header: Any, errors: Errors) -> Any:
@@ -390,11 +428,11 @@ def _dvl_twist(value: Any, header: Any, errors: Errors, origin_m: Any) -> Any:
 FILTER_INPUTS: dict[str, FilterInput] = {
     "depth": FilterInput(
         "pose", "geometry_msgs/msg/PoseWithCovarianceStamped", "depth as a height in odom; only z is measured",
-        _depth_pose, "odom",
+        _depth_pose, "odom", takes_columns=True,
     ),
     "compass": FilterInput(
         "imu", "sensor_msgs/msg/Imu", "magnetic heading as a yaw, counter-clockwise from east; only yaw is measured",
-        _heading, "base_link",
+        _heading, "base_link", takes_columns=True,
     ),
     "dvl": FilterInput(
         "twist", "geometry_msgs/msg/TwistWithCovarianceStamped", "velocity over the bed; no rate is measured",
@@ -408,25 +446,29 @@ FILTER_INPUTS: dict[str, FilterInput] = {
 """Messages for filters, by kind of sensor, on the topic NAME/suffix."""
 
 KINDS: dict[str, Kind] = {
-    "imu": Kind("sensor_msgs/msg/Imu", _imu),
+    "imu": Kind("sensor_msgs/msg/Imu", _imu, takes_columns=True),
     "pressure": Kind(
-        "sensor_msgs/msg/FluidPressure", _plain("sensor_msgs/msg/FluidPressure", "fluid_pressure", "pressure")
+        "sensor_msgs/msg/FluidPressure",
+        _plain("sensor_msgs/msg/FluidPressure", "fluid_pressure", "pressure"),
+        takes_columns=True,
     ),
     "temperature": Kind(
-        "sensor_msgs/msg/Temperature", _plain("sensor_msgs/msg/Temperature", "temperature", "temperature")
+        "sensor_msgs/msg/Temperature",
+        _plain("sensor_msgs/msg/Temperature", "temperature", "temperature"),
+        takes_columns=True,
     ),
-    "altitude": Kind("sensor_msgs/msg/Range", _range, even_invalid=True),
-    "proximity": Kind("sensor_msgs/msg/Range", _range, even_invalid=True),
+    "altitude": Kind("sensor_msgs/msg/Range", _range, even_invalid=True, takes_columns=True),
+    "proximity": Kind("sensor_msgs/msg/Range", _range, even_invalid=True, takes_columns=True),
     "dvl": Kind("marine_acoustic_msgs/msg/Dvl", dvl_message, even_invalid=True),
     "adcp": Kind("marine_acoustic_msgs/msg/Dvl", _water_track, even_invalid=True),
     GPS: Kind("sensor_msgs/msg/NavSatFix", nav_sat_fix, even_invalid=True),
     "usbl": Kind("geometry_msgs/msg/PointStamped", _usbl),
     "bearing": Kind("geometry_msgs/msg/Vector3Stamped", _bearing),
-    "depth": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
-    "compass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
-    "gyrocompass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
+    "depth": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float), takes_columns=True),
+    "compass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float), takes_columns=True),
+    "gyrocompass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float), takes_columns=True),
     "ctd": Kind("std_msgs/msg/Float64MultiArray", _numbers),
-    "contact": Kind("std_msgs/msg/Bool", _bare("std_msgs/msg/Bool", bool)),
+    "contact": Kind("std_msgs/msg/Bool", _bare("std_msgs/msg/Bool", bool), takes_columns=True),
 }
 """The message for each of uwsim's kinds of sensors; those of packages have their own.
 

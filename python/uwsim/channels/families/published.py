@@ -20,6 +20,7 @@ from uwsim.channels.families.pings import Pings
 from uwsim.channels.families.scans import DEPTH_ARRAY
 from uwsim.channels.ros import build
 from uwsim.channels.source import Source
+from uwsim.channels.taped import of_motion
 from uwsim.live import LiveSimulator
 from uwsim.mapping import ranging
 from uwsim.navigation.sensor_choice import port_proximity
@@ -79,7 +80,7 @@ def published_channels(
         Channel(
             topic("propPos"), POSE, "out", "pose, odom -> base_footprint", rate_hz=POSE_HZ,
             frame_id=source.frame("odom"), over_link=OverLink(PANEL, "pose"),
-            read=lambda sim: build.pose(source.position_odom_m(sim), source.of(sim).pose.orientation_xyzw),
+            **of_motion(source, lambda at: build.pose(at.position_m + source.origin_m, at.orientation_xyzw)),
         ),
         Channel(
             topic("stateData"), TEXT, "out",
@@ -121,7 +122,7 @@ def _sonar_channels(source: Source, pings: Pings) -> list[Channel]:
         Channel(
             topic("scanPos"), POSE, "out", "the sonar's head, base_footprint -> base_scan", rate_hz=POSE_HZ,
             frame_id=source.frame("base_footprint"), over_link=OverLink(packing="pose"),
-            read=lambda sim: build.pose(source.scan_mount_m, build.tilt_xyzw(source.of(sim).sonar.elevation_rad)),
+            **of_motion(source, lambda at: build.pose(source.scan_mount_m, at.tilt_xyzw)),
         ),
         Channel(
             topic("hFOV"), TEXT, "out", "the sonar's field of view [deg]", rate_hz=SLOW_HZ, delivery=LATCHED,

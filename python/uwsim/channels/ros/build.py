@@ -1,9 +1,13 @@
-"""Helpers that build messages from arrays: headers, times, poses and transforms."""
+"""Helpers that build messages from arrays: headers, times, poses and transforms.
+
+Given columns, they build one message that stands for n: see `columns`. Times are then (n,), vectors (n, 3), quaternions
+(n, 4), and a vector's part may be a column, too.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache, partial
+from collections.abc import Callable, Iterable
+from functools import cache, lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -59,9 +63,10 @@ def _class(name: str) -> Callable[..., Any]:
     return _plan(name)[0]
 
 
-def time(stamp_ns: int) -> Any:
+def time(stamp_ns: int | NDArray[np.uint64]) -> Any:
     """Return a builtin_interfaces/Time."""
-    sec, nanosec = divmod(int(stamp_ns), 1_000_000_000)
+    ns = stamp_ns.astype(np.int64) if isinstance(stamp_ns, np.ndarray) else int(stamp_ns)
+    sec, nanosec = divmod(ns, 1_000_000_000)
     return _class("builtin_interfaces/msg/Time")(sec, nanosec)
 
 
@@ -71,7 +76,7 @@ def duration(duration_s: float) -> Any:
     return message("builtin_interfaces/msg/Duration", sec=sec, nanosec=nanosec)
 
 
-def header(stamp_ns: int, frame_id: str) -> Any:
+def header(stamp_ns: int | NDArray[np.uint64], frame_id: str) -> Any:
     """Return a std_msgs/Header."""
     return _class("std_msgs/msg/Header")(time(stamp_ns), frame_id)
 
@@ -83,8 +88,7 @@ def text(data: str) -> Any:
 
 def xyz(name: str, values: ArrayLike) -> Any:
     """Return a message with fields x, y and z, such as geometry_msgs/msg/Point, from (3,)."""
-    x, y, z = np.asarray(values, np.float64).tolist()
-    return _class(name)(x, y, z)
+    return _class(name)(*_parts(values))
 
 
 def vector(values: ArrayLike) -> Any:
@@ -94,8 +98,15 @@ def vector(values: ArrayLike) -> Any:
 
 def quaternion(orientation_xyzw: ArrayLike) -> Any:
     """Return a geometry_msgs/Quaternion from (4,)."""
-    x, y, z, w = np.asarray(orientation_xyzw, np.float64).tolist()
-    return _class("geometry_msgs/msg/Quaternion")(x, y, z, w)
+    return _class("geometry_msgs/msg/Quaternion")(*_parts(orientation_xyzw))
+
+
+def _parts(values: ArrayLike) -> Iterable[Any]:
+    """Return the components of a vector, each a float or a column."""
+    if isinstance(values, tuple):
+        return values
+    array = np.asarray(values, np.float64)
+    return array.T if array.ndim == 2 else array.tolist()
 
 
 def pose(position_m: ArrayLike, orientation_xyzw: ArrayLike) -> Any:
@@ -105,7 +116,11 @@ def pose(position_m: ArrayLike, orientation_xyzw: ArrayLike) -> Any:
 
 
 def transform(
-    stamp_ns: int, parent: str, child: str, position_m: ArrayLike, orientation_xyzw: ArrayLike = IDENTITY_XYZW
+    stamp_ns: int | NDArray[np.uint64],
+    parent: str,
+    child: str,
+    position_m: ArrayLike,
+    orientation_xyzw: ArrayLike = IDENTITY_XYZW,
 ) -> Any:
     """Return the geometry_msgs/TransformStamped parent_from_child."""
     moved = _class("geometry_msgs/msg/Transform")(vector(position_m), quaternion(orientation_xyzw))
@@ -117,7 +132,13 @@ def turned_xyzw(first_xyzw: ArrayLike, then_xyzw: ArrayLike) -> NDArray[np.float
     return product(first_xyzw, then_xyzw)
 
 
+@lru_cache(256)  # a head stands still for most of the time
 def tilt_xyzw(elevation_rad: float) -> tuple[float, float, float, float]:
     """Return the rotation about y of a sonar head that is tilted to an elevation (positive: nose up)."""
     half = -0.5 * elevation_rad
     return 0.0, float(np.sin(half)), 0.0, float(np.cos(half))
+
+
+def tilts_xyzw(elevations_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return `tilt_xyzw` of each, (n, 4)."""
+    return np.array([tilt_xyzw(each) for each in elevations_rad.tolist()])

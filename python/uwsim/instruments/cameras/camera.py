@@ -312,8 +312,25 @@ class Camera(Attached):
 
         snapshot: the state to use; None for the current one.
         """
-        carrier, mount = self._carrier_pose(snapshot), (self.mount.position_m, self.mounting_xyzw(snapshot))
-        position, orientation, world_from_camera = _core.mounted_pose(*carrier, *mount)
+        return self._mounted(*self._carrier_pose(snapshot), self.mounting_xyzw(snapshot))
+
+    def carried(self, position_m: Floats, orientation_xyzw: Floats) -> tuple[Floats, Floats]:
+        """Return `pose` as it is with the vehicle that carries the camera at another pose, or (n, 3), (n, 4) at n."""
+        mounting = self.mounting_xyzw()
+        if position_m.ndim == 1:
+            return self._mounted(position_m, self._heading(orientation_xyzw), mounting)[:2]
+        carriers = zip(position_m, orientation_xyzw, strict=True)
+        poses = [self._mounted(place_m, self._heading(turn), mounting)[:2] for place_m, turn in carriers]
+        return np.array([pose[0] for pose in poses]), np.array([pose[1] for pose in poses])
+
+    def _heading(self, orientation_xyzw: Floats) -> Floats:
+        return heading_xyzw(orientation_xyzw) if self.mount.follows == "heading" else orientation_xyzw
+
+    def _mounted(
+        self, position_m: Floats, orientation_xyzw: Floats, mounting_xyzw: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        mount = self.mount.position_m, mounting_xyzw
+        position, orientation, world_from_camera = _core.mounted_pose(position_m, orientation_xyzw, *mount)
         if self.mount.follows == "heading":
             position[2] = world_from_camera[2, 3] = max(position[2], self._scene.ground_m(position) + CLEARANCE_M)
         return position, orientation, world_from_camera
@@ -345,7 +362,7 @@ class Camera(Attached):
             position, orientation = self._scene.vehicle_pose(self._carrier)
         else:
             position, orientation = snapshot.positions_m[self._carrier], snapshot.orientations_xyzw[self._carrier]
-        return position, heading_xyzw(orientation) if self.mount.follows == "heading" else orientation
+        return position, self._heading(orientation)
 
 
 def heading_xyzw(orientation_xyzw: Floats) -> Floats:
