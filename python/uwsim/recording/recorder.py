@@ -61,7 +61,8 @@ class Recorder:
 
     Messages are encoded on the simulator's thread and written on another. At wall-clock speed, steps never wait:
     messages that do not fit into the queue (queue_bytes) are dropped, counted in `dropped` and reported. At maximum
-    speed, steps wait instead, and nothing is lost. If the process is killed, all but the last second survives. Raises
+    speed, steps wait instead, and nothing is lost. For a Simulator, most messages are made from a tape, some time after
+    they were read (see Watch). If the process is killed, all but the last second of its steps survives. Raises
     ValueError or OSError.
     """
 
@@ -339,7 +340,7 @@ class Recorder:
         """Queue a message, or hold it until those on the tape before it are known. rank: see `Held`."""
         with self._lock:  # received messages come from other threads, and sequence numbers must follow the queue order
             self._put_frames(self._frames.taken())  # they end at this tick, before its readings and commands
-            if self._tapes and self._sink is not None:
+            if self._tapes and self._sink is not None and self._queue is not None:
                 self._held.add(reading.channel.name, reading.time_ns, self._sink.encode(reading), rank)
             else:
                 self._enqueue(reading, needed=needed)

@@ -16,7 +16,7 @@ from uwsim.simulator.simulator import Simulator
 
 RATE_HZ = 20.0
 TOPIC = "odometry/estimate"
-RATES = np.arange(3, 6)  # of a twist
+POSITIONS, RATES = np.arange(3), np.arange(3, 6)  # the first and last three of a pose or twist
 POSE_ERRORS = np.array([0, 1, 2, 6, 7, 8])  # of Navigator.covariance
 
 
@@ -62,17 +62,15 @@ def _noted(source: Source, sim: Simulator) -> NDArray[np.float64]:
 
 def _odometry(source: Source, noted: NDArray[np.float64]) -> Any:
     """Return the message of `_noted` numbers, or that of columns for n rows of them."""
-    time_s, position_m, orientation_xyzw, linear_m_s, angular_rad_s, rate_variance, turn, errors = np.split(
-        noted, (1, 4, 8, 11, 14, 15, 24), axis=-1
-    )
-    twist = build.message(
-        "geometry_msgs/msg/Twist", linear=build.vector(linear_m_s), angular=build.vector(angular_rad_s)
-    )
+    position_m, orientation_xyzw, linear_m_s = noted[..., 1:4], noted[..., 4:8], noted[..., 8:11]
     rows = noted.shape[:-1]
-    pose_covariance, twist_covariance = covariances(
-        errors.reshape(*rows, 15, 15), turn.reshape(*rows, 3, 3), linear_m_s, rate_variance
+    twist = build.message(
+        "geometry_msgs/msg/Twist", linear=build.vector(linear_m_s), angular=build.vector(noted[..., 11:14])
     )
-    stamp_ns = np.rint(time_s[..., 0] * 1e9).astype(np.uint64)
+    pose_covariance, twist_covariance = covariances(
+        noted[..., 24:].reshape(*rows, 15, 15), noted[..., 15:24].reshape(*rows, 3, 3), linear_m_s, noted[..., 14:15]
+    )
+    stamp_ns = np.rint(noted[..., 0] * 1e9).astype(np.uint64)
     return build.message(
         "nav_msgs/msg/Odometry",
         header=build.header(stamp_ns, source.frame("odom")),
@@ -101,8 +99,9 @@ def covariances(
     rate_variance: of the white noise in the rates, (1,) [rad2/s2].
     """
     rows = errors.shape[:-2]
-    x, y, z = np.moveaxis(linear_m_s, -1, 0)
-    to_pose = np.tile(np.eye(6), (*rows, 1, 1))
+    x, y, z = linear_m_s.T
+    to_pose = np.zeros((*rows, 6, 6))
+    to_pose[..., POSITIONS, POSITIONS] = 1.0
     to_pose[..., 3:, 3:] = turn
     pose = to_pose @ errors[..., POSE_ERRORS[:, None], POSE_ERRORS] @ np.swapaxes(to_pose, -1, -2)
     to_twist = np.zeros((*rows, 6, 9))

@@ -299,11 +299,8 @@ def _default(kind: str, parameter: str) -> float:
 
 def dvl_message(value: Any, header: Any, errors: Errors) -> Any:
     """Return a marine_acoustic_msgs/Dvl in axes with x forward, y to starboard and z along the beams."""
-    mount = errors.mount
     velocity = DOWN * value.velocity_m_s
-    (slant_deg,) = mount.parameters.get("beam_slant_deg") or (_default("dvl", "beam_slant_deg"),)
-    (first_deg,) = mount.parameters.get("beam_azimuth_deg") or (_default("dvl", "beam_azimuth_deg"),)
-    slant, beams = _beams_of(slant_deg, first_deg)
+    slant, beams = _dvl_beams(errors.mount)
     good = np.isfinite(value.beam_ranges_m)
     velocity_variance = errors.variance("beam_velocity")
     return build.message(
@@ -311,7 +308,7 @@ def dvl_message(value: Any, header: Any, errors: Errors) -> Any:
         header=header,
         velocity_mode=DVL_MODE_BOTTOM,
         velocity=build.vector(velocity),
-        velocity_covar=of_velocity(beams[good], velocity_variance),
+        velocity_covar=_dvl_covariance(value, beams, errors),
         altitude=float(np.cos(slant) * value.beam_ranges_m[good].mean()) if good.any() else math.nan,
         course_gnd=math.atan2(velocity[1], velocity[0]),
         speed_gnd=math.hypot(velocity[0], velocity[1]),
@@ -343,6 +340,18 @@ def _water_track(value: Any, header: Any, errors: Errors) -> Any:
         num_good_beams=4 if value.water_lock else 0,
         sound_speed=errors.sound_speed_m_s,
     )
+
+
+def _dvl_beams(mount: SensorMount) -> tuple[float, NDArray[np.float64]]:
+    """Return `_beams_of` a DVL's mount."""
+    (slant_deg,) = mount.parameters.get("beam_slant_deg") or (_default("dvl", "beam_slant_deg"),)
+    (first_deg,) = mount.parameters.get("beam_azimuth_deg") or (_default("dvl", "beam_azimuth_deg"),)
+    return _beams_of(slant_deg, first_deg)
+
+
+def _dvl_covariance(value: Any, beams: NDArray[np.float64], errors: Errors) -> NDArray[np.float64]:
+    """Return the row-major covariance (9,) of a velocity over the bed."""
+    return of_velocity(beams[np.isfinite(value.beam_ranges_m)], errors.variance("beam_velocity"))
 
 
 @lru_cache(64)
@@ -412,12 +421,12 @@ def _heading(value: float, header: Any, errors: Errors, origin_m: Any) -> Any:
 
 
 def _dvl_twist(value: Any, header: Any, errors: Errors, origin_m: Any) -> Any:
-    dvl = dvl_message(value, header, errors)
+    _, beams = _dvl_beams(errors.mount)
     covariance = np.diag([UNOBSERVED] * 6)
-    covariance[:3, :3] = dvl.velocity_covar.reshape(3, 3)
+    covariance[:3, :3] = _dvl_covariance(value, beams, errors).reshape(3, 3)
     if covariance[0, 0] < 0.0:
         return None  # too few beams
-    twist = build.message("geometry_msgs/msg/Twist", linear=dvl.velocity)
+    twist = build.message("geometry_msgs/msg/Twist", linear=build.vector(DOWN * value.velocity_m_s))
     return build.message(
         "geometry_msgs/msg/TwistWithCovarianceStamped",
         header=header,

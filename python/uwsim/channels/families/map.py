@@ -237,10 +237,13 @@ def insert_ping(occupancy: OccupancyMap, head: Head, taken: TakenPing) -> None:
 
 def on_hull(scan: ranging.LaserScan, taken: TakenPing, hull: Box) -> NDArray[np.bool_]:
     """Return a mask (n,) of the beams of a scan that hit the vehicle's own hull."""
+    body_from_sonar = ranging.relative_transform(taken.odom_from_body, taken.odom_from_sonar)
+    farthest_m = np.linalg.norm(np.maximum(*np.abs(np.asarray(hull) - body_from_sonar[:3, 3])))  # the hull's corner
+    if not ((scan.ranges > 0.0) & (scan.ranges < 1.001 * farthest_m)).any():
+        return np.zeros(len(scan.ranges), bool)
     across, up = _directions(scan.angle_min, scan.angle_increment, len(scan.ranges))
     met = np.where(np.isfinite(scan.ranges), scan.ranges, 0.0).astype(np.float64)
     sonar = np.column_stack([met * across, met * up, np.zeros_like(met), np.ones_like(met)])
-    body_from_sonar = ranging.relative_transform(taken.odom_from_body, taken.odom_from_sonar)
     body = (sonar @ body_from_sonar.T)[:, :3]
     return np.logical_and.reduce((body >= hull[0]) & (body <= hull[1]), axis=1) & (met > 0.0)  # type: ignore[no-any-return]
 
