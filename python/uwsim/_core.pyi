@@ -4249,7 +4249,7 @@ class VehicleSpec:
 
 class Tape:
     """
-    What a simulation reads by itself at multiples of periods; see tape.h.
+    Rows that a simulation appends at multiples of periods; see tape.h.
     """
     def __init__(self) -> None: ...
     def add_motion(

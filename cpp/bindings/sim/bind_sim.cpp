@@ -170,7 +170,7 @@ void bind_specs(py::module_& m) {
 void bind_sim(py::module_& m) {
   bind_specs(m);
   py::class_<Tape, std::shared_ptr<Tape>>(m, "Tape",
-                                          "What a simulation reads by itself at multiples of periods; see tape.h.")
+                                          "Rows that a simulation appends at multiples of periods; see tape.h.")
       .def(py::init<>())
       .def("add_time", &Tape::add_time, py::arg("period_ns"), "Add a track of times without values.")
       .def("add_motion", &Tape::add_motion, py::arg("vehicle"), py::arg("period_ns"),

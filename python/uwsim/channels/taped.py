@@ -18,7 +18,7 @@ Column = NDArray[np.float64]
 
 
 class Track(NamedTuple):
-    """What is written: a sensor's readings, a vehicle's motion if there is no sensor, or the time alone."""
+    """The content of rows: a sensor's readings, a vehicle's motion if there is no sensor, or the time alone."""
 
     vehicle: str = ""
     sensor: str = ""

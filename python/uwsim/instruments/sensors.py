@@ -222,7 +222,7 @@ class Sensor(Attached, Generic[R]):
 
     @property
     def is_plain(self) -> bool:
-        """Whether its readings are those of the core: it is on, no fault distorts them, and its kind is the core's."""
+        """True if its readings are those of the core: it is on, no fault distorts them, and its kind is the core's."""
         return self.on and self._distortion is None and self._derived is None
 
     def _columns(self, readings: NDArray[np.float64]) -> list[NDArray[np.float64]]:

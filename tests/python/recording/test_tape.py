@@ -1,4 +1,4 @@
-"""What is taped is what a reading at each tick would have been, and a file of many messages at once is a usual one."""
+"""A tape has what a reading at each tick would have been, and a file of many messages at once is a usual one."""
 
 import io
 from collections.abc import Callable
