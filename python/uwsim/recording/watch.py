@@ -60,6 +60,7 @@ class Watch:
         self._read_now: list[tuple[int | None, Subscription | Notes]] = list(self._subscriptions)
         self._tape: Tape | None = None
         self._stretch_tick, self._stretch_wall_s = NEVER, 0.0
+        self._is_reading = False
         self.due_tick = NEVER
 
     def start(self) -> None:
@@ -87,13 +88,14 @@ class Watch:
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
         """Forward a command; after a jump in time, read all channels again."""
         with self._measured:
-            if name != EFFORT:
-                self._end_tape()  # it may have changed what the messages depend on
+            changes = name != EFFORT and not self._is_reading  # a reading may only start an estimate
+            if changes:
+                self._end_tape()  # the command may have changed what the messages depend on
             if self._command is not None:
                 self._command(name, arguments)
             if name in JUMPS:
                 self._read_all()
-            elif self._tape is None:
+            elif changes:
                 self._begin_tape()
 
     def _read_all(self) -> None:
@@ -148,8 +150,10 @@ class Watch:
         if together is None:
             together = [one for period_ns, one in self._read_now if period_ns in periods_ns]
             self._read_together[periods_ns] = together
+        self._is_reading = True
         for one in together:
             one.take(tick)
+        self._is_reading = False
 
     def _subscription(self, channel: Channel) -> tuple[int | None, Subscription]:
         def receive(message: Any) -> None:
