@@ -64,8 +64,7 @@ class Rendering {
         kernels_(request.kernels != nullptr ? *request.kernels : camera::kernels()),
         classes_(scene.classes_by_label()),
         thin_from_m_(classes_.size(), std::numeric_limits<float>::infinity()),
-        thin_around_(scene.thin_solids(), prepared_.anchor_world_m,
-                     kBlockSide * static_cast<double>(view_.pixel_rad)),
+        thin_around_(scene.thin_solids(), prepared_.anchor_world_m, kBlockSide * static_cast<double>(view_.pixel_rad)),
         keeps_geometry_(!request.colours_only || on(Effect::kParticles) || !request.clouds.all.empty()) {
     for (const ThinSolid& solid : scene_.thin_solids()) {
       thin_from_m_[solid.label] = solid.thickness_m / (kThinPixels * view_.pixel_rad);

@@ -82,7 +82,7 @@ CoverTile::CoverTile(RTCDeviceTy* device, std::span<const CoverShape> shapes, Co
   for (const CoverPiece& piece : pieces_) {
     const CoverShape& shape = shapes_[piece.mesh];
     if (!shape.layer->sways()) continue;
-    // What leans keeps its distance from the foot, except for the width of its stem.
+    // A leaning plant keeps its distance from the foot, except for the width of its stem.
     const double reach = kWider * piece.size_m * (shape.across + std::max(-shape.low, shape.high));
     const Eigen::Vector3d foot = middle_m_ + piece.at_m.cast<double>(), far = Eigen::Vector3d::Constant(reach);
     box_.extend(foot - far), box_.extend(foot + far);

@@ -53,7 +53,7 @@ struct CoverTrees::Walk {
     return kernels.enter_box(slabs, box.min().data(), box.max().data(), first_m.data());
   }
 
-  /// What the active lanes have in common, for a quick test of all of them at once.
+  /// Bounds of all active lanes, for a quick test of them at once.
   struct Bounds {
     struct Axis {
       double first_origin = kInfinity, last_origin = -kInfinity, least_inverse = kInfinity, most_inverse = -kInfinity;

@@ -68,6 +68,7 @@ class LiveSimulator:
         self._pace = Pace(speed, self.simulator.step_s)
         self._loop = StepLoop(self.simulator, self._pace, self.log, paused=paused)
         self._thread: threading.Thread | None = None
+        self._end: weakref.finalize[Any, Any] | None = None
         self.refusal_of: Callable[[str], str] = lambda act: ""
         self._privileges = threading.local()
 
@@ -114,7 +115,7 @@ class LiveSimulator:
         self._thread = threading.Thread(target=self._loop.run, name="uwsim-live", daemon=True)
         self._thread.start()
         # A thread in native code at the interpreter's shutdown would abort the process.
-        weakref.finalize(self, _end, self._loop, self._thread)
+        self._end = weakref.finalize(self, _end, self._loop, self._thread)
         return self
 
     def stop(self) -> None:
@@ -126,6 +127,8 @@ class LiveSimulator:
         self.simulator.journal.detach(self._loop)
         if self._thread.is_alive():
             logger.warning("the live simulator stops as soon as a call ends that has lasted for %g s", STOP_S)
+        elif self._end is not None:
+            self._end.detach()  # it keeps the loop, and all that the loop's readers hold
 
     def __enter__(self) -> Self:
         return self.start()
