@@ -1,5 +1,6 @@
 """A live simulator steps like a simulator, responds while paused, and survives every error."""
 
+import gc
 import signal
 import subprocess
 import sys
@@ -7,7 +8,9 @@ import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import Future
+from types import SimpleNamespace
 from typing import Any
+from weakref import ref
 
 import numpy as np
 import pytest
@@ -39,6 +42,15 @@ def test_commands_between_steps_give_the_same_bytes_as_on_a_simulator(live: Live
         each.rov.sonar.aim(-0.4)
         each.step(200)
     assert live.simulator.save_state() == sim.save_state()
+
+
+def test_a_stopped_one_is_freed_although_its_simulators_observers_hold_it() -> None:
+    with LiveSimulator("pool", paused=True) as live:
+        live.simulator.journal.attach(SimpleNamespace(live=live))  # as the judge of an exercise does
+    gone = ref(live)
+    del live
+    gc.collect()
+    assert gone() is None
 
 
 def test_what_several_threads_command_replays_to_the_same_bytes(live: LiveSimulator) -> None:
