@@ -53,8 +53,9 @@ class Tape:
     """The readings of some channels at all multiples of their periods, from its creation until `end`.
 
     taped: the places of those channels among all that were given. The others must be read: those without `taped`, those
-    of which something moves that no tape has, and all while a fault or a broken tether may cut off a vehicle. notes: by
-    place, those of the taped channels of which numbers must be noted whenever they are due.
+    of which something moves that no tape has, and all while a fault or a broken tether may cut off a vehicle, or a
+    source such as an autopilot makes the steps, whose frames a file has between its messages. notes: by place, those of
+    the taped channels of which numbers must be noted whenever they are due.
     """
 
     def __init__(self, sim: Simulator, channels: Sequence[Channel], period_ns: Callable[[Channel], int | None]) -> None:
@@ -62,7 +63,8 @@ class Tape:
         self._tracks: dict[tuple[Track, int], int] = {}
         self._taped: list[tuple[int, Channel, Make, list[int]]] = []
         self.notes: dict[int, Notes] = {}
-        if not sim.tethers and sim.faults.due_tick == NEVER and not sim.faults.active:
+        alone = sim.lockstep.is_free and not sim.tethers
+        if alone and sim.faults.due_tick == NEVER and not sim.faults.active:
             for rank, channel in enumerate(channels):
                 period = period_ns(channel)
                 if channel.taped is not None and period is not None and (make := channel.taped.begin(sim)) is not None:

@@ -69,11 +69,13 @@ class Watch:
             self._read_all()
         self._sim.journal.listen(self)
         self._sim.agenda.add(self, Rank.OBSERVER, self.act)
+        self._sim.lockstep.listeners += (self._begin_tape,)
 
     def stop(self) -> None:
         """Stop watching."""
         self._sim.journal.detach(self)
         self._sim.agenda.remove(self)
+        self._sim.lockstep.listeners = tuple(one for one in self._sim.lockstep.listeners if one != self._begin_tape)
         with self._measured:
             self._end_tape()
 

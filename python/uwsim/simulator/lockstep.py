@@ -26,12 +26,16 @@ class StepSource(Protocol):
 
 
 class Lockstep:
-    """Advances the native simulation, either freely or by another source. source: None if every step is made."""
+    """Advances the native simulation, either freely or by another source.
+
+    source: None if every step is made. listeners: called when a source has begun to make the steps, or has ended.
+    """
 
     def __init__(self, core: _core.Simulation) -> None:
         self._free = core.step
         self.source: StepSource | None = None
         self.advance: Callable[[int], object] = self._free
+        self.listeners: tuple[Callable[[], object], ...] = ()
 
     @property
     def is_free(self) -> bool:
@@ -40,11 +44,18 @@ class Lockstep:
 
     def attach(self, source: StepSource) -> None:
         """Let a source make all steps from now on."""
-        self.source, self.advance = source, source.advance
+        self._switch(source, source.advance)
 
     def detach(self) -> None:
         """Make every requested step again."""
-        self.source, self.advance = None, self._free
+        self._switch(None, self._free)
+
+    def _switch(self, source: StepSource | None, advance: Callable[[int], object]) -> None:
+        was_free = self.is_free
+        self.source, self.advance = source, advance
+        if self.is_free != was_free:
+            for listener in self.listeners:
+                listener()
 
     def play(self, sim: Any, **arguments: Any) -> None:
         """Repeat a source that was recorded: the command `servo_frames`. Raises ValueError, changing nothing."""
