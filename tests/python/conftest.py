@@ -1,7 +1,9 @@
 """Settings for all tests: Hypothesis uses the same examples in every run; figures are small and open no window."""
 
+import ctypes
 import gc
 import os
+import sys
 from collections.abc import Generator, Iterator
 
 import pytest
@@ -41,6 +43,15 @@ def shared_trees() -> Iterator[None]:
     kept = _core.RayScene(build_world(load("lake"))) if "PYTEST_XDIST_WORKER" in os.environ else None
     yield
     del kept
+
+
+@pytest.fixture(autouse=True, scope="module")
+def small_memory() -> Iterator[None]:
+    """Return what a file's tests have freed to the system, which otherwise stays with the process."""
+    yield
+    gc.collect()
+    if sys.platform == "linux" and hasattr(libc := ctypes.CDLL(None), "malloc_trim"):
+        libc.malloc_trim(0)
 
 
 @pytest.fixture(autouse=True)
