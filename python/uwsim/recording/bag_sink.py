@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 from rosbags.interfaces import Connection
@@ -13,7 +13,7 @@ from uwsim.channels import Channel
 from uwsim.channels.delivery.feed import Reading
 from uwsim.channels.ros.message_types import ros1_typestore
 from uwsim.channels.ros.messages import numbered, to_bytes
-from uwsim.recording.sink import Item
+from uwsim.recording.sink import Batch
 
 
 class BagSink:
@@ -46,13 +46,16 @@ class BagSink:
             latching=int(channel.delivery.latched),
         )
 
-    def write(self, messages: Sequence[Item]) -> None:
+    def write(self, messages: Batch) -> None:
         """Append messages, each with its number as header.seq.
 
         Time 0 is written as 1 ns, since time 0 means "no time" in ROS 1.
         """
-        for topic, time_ns, sequence, data in messages:
-            connection = self._connections[topic]
+        connections = [self._connections[topic] for topic in messages.topics]
+        for which, time_ns, sequence, data in zip(
+            *(part.tolist() for part in messages[1:4]), messages.data, strict=True
+        ):
+            connection = connections[which]
             self._writer.write(connection, max(time_ns, 1), numbered(data, connection.msgtype, sequence))
 
     def flush(self) -> None:

@@ -57,7 +57,7 @@ class McapFile:
         self._write(_bytes(records.Header(profile, library)))
 
     def _begin_chunk(self) -> None:
-        self._pieces: list[bytes] = []
+        self._pieces: list[bytes | memoryview] = []
         self._size = 0
         self._index: list[tuple[NDArray[np.uint16], NDArray[np.uint64], NDArray[np.uint64]]] = []
 
@@ -96,7 +96,11 @@ class McapFile:
         self._size += len(data)
 
     def add_messages(
-        self, channels: Sequence[int], times_ns: Sequence[int], sequences: Sequence[int], data: Sequence[bytes]
+        self,
+        channels: Sequence[int] | NDArray[np.integer[Any]],
+        times_ns: Sequence[int] | NDArray[np.integer[Any]],
+        sequences: Sequence[int] | NDArray[np.integer[Any]],
+        data: Sequence[bytes | memoryview],
     ) -> None:
         """Add messages to the present chunk and, whenever that is full, to another. times_ns: logged and published."""
         heads = np.empty(len(data), HEAD)
@@ -113,7 +117,9 @@ class McapFile:
             part = slice(first, min(last, len(data)))
             offsets = ends[part] - lengths[part] - (HEAD.itemsize + before - self._size)
             self._index.append((heads["channel"][part], heads["logged"][part], offsets.astype(np.uint64)))
-            self._pieces += [piece for pair in zip(texts[part], data[part], strict=True) for piece in pair]
+            pieces: list[bytes | memoryview] = [b""] * (2 * (part.stop - part.start))
+            pieces[::2], pieces[1::2] = texts[part], data[part]
+            self._pieces += pieces
             self._size += int(ends[part][-1]) - before
             first, before = part.stop, int(ends[part.stop - 1])
             if self._size > CHUNK_BYTES:

@@ -13,11 +13,11 @@ import io
 import os
 import re
 import zlib
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from mcap.data_stream import RecordBuilder
 from mcap.records import Metadata
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
@@ -30,7 +30,7 @@ from uwsim.channels.delivery.feed import Reading
 from uwsim.channels.ros.cdr import schema
 from uwsim.recording.mcap_file import McapFile
 from uwsim.recording.records import HEAD_BYTES
-from uwsim.recording.sink import Item
+from uwsim.recording.sink import Batch
 
 START, END, ROSBAG2 = "uwsim", "uwsim.end", "rosbag2"
 """Names of metadata records: the one written at the beginning, the one at the end, and rosbag2's own."""
@@ -90,14 +90,15 @@ class McapSink:
         self._channels[channel.name] = channel
         self._counts[channel.name] = 0
 
-    def write(self, messages: Sequence[Item]) -> None:
+    def write(self, messages: Batch) -> None:
         """Append messages at their simulated times. Raises OSError."""
-        topics, times_ns, sequences, data = zip(*messages, strict=True)
-        channels = [self._ids[topic] for topic in topics]
-        self._writer.add_messages(channels, times_ns, [each & 0xFFFFFFFF for each in sequences], data)
-        for topic, count in Counter(topics).items():
+        topics, which, times_ns, sequences, data = messages
+        channels = np.array([self._ids[topic] for topic in topics])[which]
+        self._writer.add_messages(channels, times_ns, sequences & 0xFFFFFFFF, data)
+        for topic, count in zip(topics, np.bincount(which, minlength=len(topics)).tolist(), strict=True):
             self._counts[topic] += count
-        self._first_ns, self._last_ns = min(self._first_ns, *times_ns), max(self._last_ns, *times_ns)
+        self._first_ns = min(self._first_ns, int(times_ns.min()))
+        self._last_ns = max(self._last_ns, int(times_ns.max()))
 
     def flush(self) -> None:
         """End the chunk and hand it to the operating system. Raises OSError."""

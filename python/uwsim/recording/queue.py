@@ -6,9 +6,9 @@ import logging
 import threading
 import time
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 
-from uwsim.recording.sink import Item, Sink
+from uwsim.recording.sink import Batch, Item, Sink
 
 WAITING_BYTES = 64 << 20
 """Maximum number of queued bytes; beyond it, messages are dropped or, at maximum speed, steps wait."""
@@ -30,7 +30,7 @@ class WritingQueue:
         self.error: OSError | None = None
         self._sink = sink
         self._limit_bytes = limit_bytes
-        self._items: deque[Item] = deque()
+        self._items: deque[Item | Batch] = deque()
         self._bytes = 0
         self._changed = threading.Condition()
         self._ends = False
@@ -56,14 +56,14 @@ class WritingQueue:
                 self._changed.notify_all()
         return True
 
-    def put_all(self, items: Sequence[Item]) -> None:
+    def put_all(self, messages: Batch) -> None:
         """Queue messages; wait while the queue is full. After an error, they are left out."""
-        size = sum(len(item[3]) for item in items) + MESSAGE_BYTES * len(items)
+        size = sum(map(len, messages.data)) + MESSAGE_BYTES * len(messages.data)
         with self._changed:
             while self._bytes > self._limit_bytes // 2 and self.error is None:
                 self._changed.wait()
             if self.error is None:
-                self._items.extend(items)
+                self._items.append(messages)
                 self._bytes += size
                 self._changed.notify_all()
 
@@ -84,13 +84,13 @@ class WritingQueue:
             with self._changed:
                 if not self._ends and self._bytes <= self._limit_bytes // 2:
                     self._changed.wait(GATHER_S)  # waking the thread for each message would slow down the steps
-                items, self._items = self._items, deque()
+                items, self._items = self._items, deque[Item | Batch]()
                 self._bytes = 0
                 self._changed.notify_all()
                 ends = self._ends and not items
             try:
-                if items:
-                    self._sink.write(items)
+                for batch in _batches(items):
+                    self._sink.write(batch)
                 if ends or time.monotonic() >= flush_at_s:
                     self._sink.flush()
                     flush_at_s = time.monotonic() + FLUSH_S
@@ -103,3 +103,18 @@ class WritingQueue:
                 return
             if ends:
                 return
+
+
+def _batches(items: Iterable[Item | Batch]) -> Iterator[Batch]:
+    """Return batches in the same order, in which neighbouring messages are together."""
+    single: list[Item] = []
+    for item in items:
+        if not isinstance(item, Batch):
+            single.append(item)
+            continue
+        if single:
+            yield Batch.of(single)
+            single = []
+        yield item
+    if single:
+        yield Batch.of(single)

@@ -33,7 +33,7 @@ from uwsim.recording.joined_frames import JoinedFrames, end_tick
 from uwsim.recording.mcap_sink import LIVE, VERSION, McapSink
 from uwsim.recording.ping_channel import ping_channel
 from uwsim.recording.queue import WAITING_BYTES, WritingQueue
-from uwsim.recording.sink import Data, Sink
+from uwsim.recording.sink import Sink
 from uwsim.recording.tape import Messages
 from uwsim.recording.watch import Watch
 from uwsim.scenario.fingerprint import build_fingerprint
@@ -248,7 +248,7 @@ class Recorder:
         self._watch.stop()
         with self._lock:
             self._put_frames(self._frames.taken())
-            self._put_all(self._held.taken())
+            self._put_held()
         return {
             "tick": str(sim.tick),
             "state": state_digest(sim),
@@ -315,7 +315,7 @@ class Recorder:
         with self._lock:
             for channel, times_ns, data in stretches:
                 self._held.add_all(channel.name, times_ns, data, self._ranks[channel.name])
-            self._put_all(self._held.taken())
+            self._put_held()
 
     def _record_command(self, name: str, arguments: dict[str, Any]) -> None:
         if name == SERVO_FRAMES:
@@ -345,10 +345,11 @@ class Recorder:
             else:
                 self._enqueue(reading, needed=needed)
 
-    def _put_all(self, messages: Sequence[tuple[str, int, Data]]) -> None:
+    def _put_held(self) -> None:
         """Queue messages that have been held. Called with the lock held."""
-        if self._queue is not None and messages:
-            self._queue.put_all([(topic, time_ns, self._next(topic), data) for topic, time_ns, data in messages])
+        messages = self._held.taken(self._sequences)
+        if self._queue is not None and messages is not None:
+            self._queue.put_all(messages)
 
     def _next(self, topic: str) -> int:
         """Return the number of a topic's next message."""

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from uwsim.channels import Channel
 from uwsim.channels.delivery.feed import Reading
@@ -11,6 +14,27 @@ from uwsim.channels.delivery.feed import Reading
 Data = bytes | memoryview
 Item = tuple[str, int, int, Data]
 """A message: topic, time [ns], sequence number, data."""
+
+
+class Batch(NamedTuple):
+    """Messages in order.
+
+    which: (n,), the place of each one's topic among `topics`. times_ns, sequences, data: n each.
+    """
+
+    topics: Sequence[str]
+    which: NDArray[np.intp]
+    times_ns: NDArray[np.int64]
+    sequences: NDArray[np.int64]
+    data: Sequence[Data]
+
+    @classmethod
+    def of(cls, items: Sequence[Item]) -> Batch:
+        """Return the batch of some messages, at least one."""
+        topics, times_ns, sequences, data = zip(*items, strict=True)
+        places = {topic: place for place, topic in enumerate(dict.fromkeys(topics))}
+        which = np.array([places[topic] for topic in topics])
+        return cls(list(places), which, np.array(times_ns), np.array(sequences), data)
 
 
 class Sink(Protocol):
@@ -22,7 +46,7 @@ class Sink(Protocol):
     def add_channel(self, channel: Channel) -> None:
         """Register a channel before its first message."""
 
-    def write(self, messages: Sequence[Item]) -> None:
+    def write(self, messages: Batch) -> None:
         """Append messages, at least one, at their simulated times. Raises OSError."""
 
     def flush(self) -> None:

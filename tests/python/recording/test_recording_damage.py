@@ -242,7 +242,7 @@ def test_what_a_full_disk_left_reads_as_cut_off_even_if_there_is_room_at_the_end
     path, sim, write = tmp_path / "run.mcap", Simulator("pool"), mcap_sink.McapSink.write
 
     def full(self: Any, messages: Any) -> None:
-        if messages[-1][1] > 5e8:
+        if messages.times_ns[-1] > 5e8:
             self._file.write(b"\x06" + bytes(20))
             raise OSError(28, "No space left on device")
         write(self, messages)

@@ -35,6 +35,7 @@ from uwsim.flight.record import FlightRecord
 from uwsim.flight.terminal import Silent
 from uwsim.live import Subscription
 from uwsim.recording.bag_sink import BagSink
+from uwsim.recording.sink import Batch
 from uwsim.scenario import AnyScenario, load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.simulator.simulator import Simulator
@@ -253,7 +254,7 @@ class _Taken:
         number = self._bag_channels[channel.name]
         self._bag_channels[channel.name] = number + 1
         data = self._bag.encode(Reading(channel, message, time_ns, self._sim.tick))
-        self._bag.write([(channel.name, time_ns, number, data)])
+        self._bag.write(Batch.of([(channel.name, time_ns, number, data)]))
 
 
 def _numbered(mav: Path, kind: str) -> str:
