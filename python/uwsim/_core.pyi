@@ -3542,6 +3542,12 @@ class NavigationFilter:
         (3,), of the body's origin
         """
     @property
+    def numbers(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (248,): time [s], position, quaternion x, y, z, w, linear and angular velocity as above, the rotation
+        (3, 3) and the covariance of the first 15 errors, both row by row
+        """
+    @property
     def orientation_xyzw(self) -> numpy.typing.NDArray[numpy.float64]: ...
     @property
     def position_world_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:

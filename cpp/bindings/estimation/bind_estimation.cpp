@@ -42,6 +42,24 @@ void add_readings(NavigationFilter& filter, int aid, const Times& times_ns, cons
 
 py::array_t<double> copied(const double* values, py::ssize_t n) { return py::array_t<double>(n, values); }
 
+/// The motion and its errors side by side, for those who keep many estimates.
+py::array_t<double> numbers(const NavigationFilter& filter) {
+  using Errors = Eigen::Matrix<double, kAidBias, kAidBias, Eigen::RowMajor>;
+  using Turn = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  constexpr int kTurn = 14, kErrors = kTurn + 9;
+  const FilterState& state = filter.state();
+  py::array_t<double> found(kErrors + kAidBias * kAidBias);
+  double* to = found.mutable_data();
+  to[0] = static_cast<double>(state.time_ns) * 1e-9;
+  Eigen::Map<Eigen::Vector3d>{to + 1} = filter.position_body_origin_m();
+  Eigen::Map<Eigen::Vector4d>{to + 4} = state.orientation.coeffs();
+  Eigen::Map<Eigen::Vector3d>{to + 8} = filter.velocity_body_m_s();
+  Eigen::Map<Eigen::Vector3d>{to + 11} = state.rate_rad_s();
+  Eigen::Map<Turn>{to + kTurn} = Pose{filter.position_body_origin_m(), state.orientation}.matrix().topLeftCorner<3, 3>();
+  Eigen::Map<Errors>{to + kErrors} = state.covariance.topLeftCorner<kAidBias, kAidBias>();
+  return found;
+}
+
 void bind_state(py::class_<NavigationFilter>& filter) {
   filter
       .def_property_readonly(
@@ -63,6 +81,10 @@ void bind_state(py::class_<NavigationFilter>& filter) {
           "covariance", [](const NavigationFilter& f) { return Eigen::MatrixXd(f.state().covariance); },
           "Covariance (n, n) of the errors of position and velocity (world axes), attitude (body axes, rad), the\n"
           "biases of gyroscope and accelerometer (body axes), and the biases of the aids; of the IMU's centre")
+      .def_property_readonly(
+          "numbers", &numbers,
+          "(248,): time [s], position, quaternion x, y, z, w, linear and angular velocity as above, the rotation\n"
+          "(3, 3) and the covariance of the first 15 errors, both row by row")
       .def_property_readonly("rate_bias_rad_s", [](const NavigationFilter& f) { return f.state().rate_bias_rad_s; })
       .def_property_readonly("force_bias_m_s2", [](const NavigationFilter& f) { return f.state().force_bias_m_s2; })
       .def_property_readonly("aid_biases",

@@ -37,6 +37,7 @@ def disturb(sim: Simulator) -> None:
     sim.advance(0.3)
     sim.faults.end(name)
     next(camera for camera in sim.rov.cameras.values() if camera.mount.pan_tilt is not None).aim(pan_rad=0.2)
+    sim.parameters["rov.sonar.model"] = 4  # the last ping has another number of beams
     sim.advance(0.2)
     sim.reset(seed=5)
     dive(sim)

@@ -11,7 +11,8 @@ from uwsim.channels.channel import Channel, OverLink
 from uwsim.channels.families.frames import Tf
 from uwsim.channels.ros import build
 from uwsim.channels.source import Source
-from uwsim.channels.taped import Stretch, Taped
+from uwsim.channels.taped import Make, Stretch, Taped
+from uwsim.navigation.estimation import Navigator
 from uwsim.simulator.simulator import Simulator
 
 RATE_HZ = 20.0
@@ -32,43 +33,40 @@ def estimate_channels(source: Source, tf: Tf = "truth") -> list[Channel]:
     """
     if not has_estimate(source):
         return []
-    taped = Taped(
-        (),
-        lambda sim: lambda rows: Stretch(rows[0].times_ns, _odometry(source, rows[0].values)),
-        note=lambda sim: _noted(source, sim),
-    )
+
+    def begin(sim: Simulator) -> Make:
+        rate_variance = _shown(source, sim).rate_std_rad_s ** 2
+        return lambda rows: Stretch(rows[0].times_ns, _odometry(source, rows[0].values, rate_variance))
+
+    def read(sim: Simulator) -> Any:
+        estimate = _shown(source, sim)
+        return _odometry(source, estimate.numbers, estimate.rate_std_rad_s**2)
+
+    taped = Taped((), begin, note=lambda sim: _shown(source, sim).numbers)
     return [
         Channel(
             source.topic(name), "nav_msgs/msg/Odometry", "out",
             "pose and velocity by the vehicle's own instruments, with covariances", rate_hz=RATE_HZ,
             frame_id=source.frame("odom"), over_link=OverLink(),
-            read=lambda sim: _odometry(source, _noted(source, sim)), taped=taped,
+            read=read, taped=taped,
         )
         for name in (TOPIC, *(("odom",) if tf == "odom" else ()))
     ]  # fmt: skip
 
 
-def _noted(source: Source, sim: Simulator) -> NDArray[np.float64]:
-    """Return the numbers of the message: what `_odometry` takes."""
-    estimate = source.of(sim).navigation.shown
-    pose, velocity = estimate.pose, estimate.velocity
-    parts = (
-        (estimate.time_s,), pose.position_world_m, pose.orientation_xyzw, velocity.linear_body_m_s,
-        velocity.angular_body_rad_s, (estimate.rate_std_rad_s**2,), pose.world_from_body[:3, :3].ravel(),
-        estimate.covariance.ravel(),
-    )  # fmt: skip
-    return np.concatenate(parts)
+def _shown(source: Source, sim: Simulator) -> Navigator:
+    return source.of(sim).navigation.shown
 
 
-def _odometry(source: Source, noted: NDArray[np.float64]) -> Any:
-    """Return the message of `_noted` numbers, or that of columns for n rows of them."""
+def _odometry(source: Source, noted: NDArray[np.float64], rate_variance: float) -> Any:
+    """Return the message of `Navigator.numbers`, or that of columns for n rows of them."""
     position_m, orientation_xyzw, linear_m_s = noted[..., 1:4], noted[..., 4:8], noted[..., 8:11]
     rows = noted.shape[:-1]
     twist = build.message(
         "geometry_msgs/msg/Twist", linear=build.vector(linear_m_s), angular=build.vector(noted[..., 11:14])
     )
     pose_covariance, twist_covariance = covariances(
-        noted[..., 24:].reshape(*rows, 15, 15), noted[..., 15:24].reshape(*rows, 3, 3), linear_m_s, noted[..., 14:15]
+        noted[..., 23:].reshape(*rows, 15, 15), noted[..., 14:23].reshape(*rows, 3, 3), linear_m_s, rate_variance
     )
     stamp_ns = np.rint(noted[..., 0] * 1e9).astype(np.uint64)
     return build.message(
@@ -90,13 +88,13 @@ def covariances(
     errors: NDArray[np.float64],
     turn: NDArray[np.float64],
     linear_m_s: NDArray[np.float64],
-    rate_variance: NDArray[np.float64],
+    rate_variance: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the pose and twist covariances, each (6, 6), as ROS defines them, or (n, 6, 6) for n estimates.
 
     Pose: position, then rotation about the fixed axes of odom. Twist: in body axes, so that the attitude error adds to
     the velocity error. errors: (15, 15), see Navigator. turn: world from body, (3, 3). linear_m_s: (3,).
-    rate_variance: of the white noise in the rates, (1,) [rad2/s2].
+    rate_variance: of the white noise in the rates [rad2/s2].
     """
     rows = errors.shape[:-2]
     x, y, z = linear_m_s.T

@@ -28,6 +28,8 @@ from uwsim.simulator.simulator import Simulator
 NAN = math.nan
 KINDS = ("depth", "pressure", "temperature", "altitude", "proximity", "acceleration")
 """The kinds of sensors that measure gauges, in the order of /telemetry's list `gauges`."""
+MEASURED = [gauge for kind in KINDS for gauge in GAUGES if gauge.sensor == kind]
+UNKNOWN = np.full(3, NAN)
 MOST = 6
 """The most numbers of a sensor that are gauges; one with more, such as a profile, is no row of numbers for a pilot."""
 SPEEDS = {"linear": "speed", "angular": "angular_speed"}
@@ -58,20 +60,19 @@ def gauges(sim: Simulator, source: Source, estimate: Navigator | None) -> Gauges
         found.ages_s[field] = _age_s(sim, sample, value)
         found.values[field] = missing if math.isinf(found.ages_s[field]) else value
 
-    def first(kind: str) -> str | None:
-        return next((name for name, sensor in sensors.items() if sensor.kind == kind), None)
-
+    first: dict[str, str | None] = {}
+    for each, sensor in sensors.items():
+        first.setdefault(sensor.kind, each)
     to_port = port_proximity(sensors)
-    for kind, gauge in ((kind, gauge) for kind in KINDS for gauge in GAUGES if gauge.sensor == kind):
-        name = first(kind) if kind != "proximity" else to_port.name if to_port is not None else None
-        fill(gauge.name, name, *(() if gauge.width == 1 else (np.full(gauge.width, NAN), gauge.attribute)))
-    if (name := first("position")) is not None:
-        fill("position", name, np.full(3, NAN), "position_m")
+    first["proximity"] = None if to_port is None else to_port.name
+    for gauge in MEASURED:
+        fill(gauge.name, first.get(gauge.sensor), *(() if gauge.width == 1 else (UNKNOWN, gauge.attribute)))
+    if (name := first.get("position")) is not None:
+        fill("position", name, UNKNOWN, "position_m")
         found.values["position_std"] = np.full(3, getattr(sensors[name].spec.noise.get("position"), "std", 0.0))
-        velocity = first("velocity")
         for field in ("linear", "angular"):
             unit = "m_s" if field == "linear" else "rad_s"
-            fill(SPEEDS[field], velocity, np.full(3, NAN), f"{field}_velocity_{unit}")
+            fill(SPEEDS[field], first.get("velocity"), UNKNOWN, f"{field}_velocity_{unit}")
     else:
         _estimate(found, sim, estimate)
     _derive(found, sim)
@@ -120,13 +121,12 @@ def values_by_name(message: Any) -> dict[str, Any]:
 
 def _estimate(found: Gauges, sim: Simulator, estimate: Navigator | None) -> None:
     """Add position and velocities by the estimate."""
-    unknown = np.full(3, NAN)
     age_s = math.inf if estimate is None else sim.time_s - estimate.time_s
     found.values |= {
-        "position": unknown if estimate is None else estimate.pose.position_world_m,
-        "position_std": unknown if estimate is None else estimate.position_std_m,
-        "speed": unknown if estimate is None else estimate.velocity.linear_body_m_s,
-        "angular_speed": unknown if estimate is None else estimate.velocity.angular_body_rad_s,
+        "position": UNKNOWN if estimate is None else estimate.pose.position_world_m,
+        "position_std": UNKNOWN if estimate is None else estimate.position_std_m,
+        "speed": UNKNOWN if estimate is None else estimate.velocity.linear_body_m_s,
+        "angular_speed": UNKNOWN if estimate is None else estimate.velocity.angular_body_rad_s,
     }
     found.ages_s |= dict.fromkeys(("position", "speed", "angular_speed"), age_s)
 

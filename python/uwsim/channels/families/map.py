@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim import _core
 from uwsim.base.quaternions import of_matrix
 from uwsim.channels.channel import PING, Channel, Delivery, OverLink
 from uwsim.channels.families.map_changes import MapChanges
@@ -20,6 +21,7 @@ from uwsim.channels.families.scans import Head, scan_of
 from uwsim.channels.ros import build
 from uwsim.channels.ros.own_types import MAP_CHANGES, PLACED_PING
 from uwsim.channels.source import Source
+from uwsim.channels.taped import Make, Stretch, Taped
 from uwsim.mapping import OccupancyMap, ranging
 from uwsim.mapping.ping_to_map import Box
 from uwsim.scenario import Scenario
@@ -84,7 +86,8 @@ class PingMap:
         placed = Channel(
             self._source.topic(PLACED), PLACED_PING, "out", "each ping with the sonar's pose, for building a map",
             rate_hz=self._pings.rate_hz, frame_id=self._source.frame("odom"),
-            over_link=OverLink(PING, "placed"), read=self._read_placed,
+            over_link=OverLink(PING, "placed"), read=lambda sim: self._placed(self._noted(sim), self._pings.model),
+            taped=Taped((), self._begin_placed, note=self._noted),
         )  # fmt: skip
         return [*self.map_channels(), placed]
 
@@ -164,16 +167,30 @@ class PingMap:
         while len(self._waiting) > WAITING_MAX or (self._waiting and self._waiting[0].done()):
             self._waiting.popleft().result()
 
-    def _read_placed(self, sim: Simulator) -> Any:
-        """Return the latest ping together with the pose of the sonar."""
+    def _noted(self, sim: Simulator) -> NDArray[np.float64]:
+        """Return the numbers of the latest ping and of the sonar's pose: what `_placed` takes."""
         taken = self._pings.newest(sim)
-        stamp_ns, sonar = taken.ping.time_ns, taken.odom_from_sonar
-        header = build.header(stamp_ns, self._source.frame("odom"))
-        pose = build.pose(sonar[:3, 3], of_matrix(sonar[:3, :3]))
-        scan = scan_of(self._pings, taken)
+        sonar, scan = taken.odom_from_sonar, scan_of(self._pings, taken)
         ranges_m = np.where(on_hull(scan, taken, self._pings.chain.hull), np.float32(np.inf), scan.ranges)
-        angles = {"angle_min": scan.angle_min, "angle_increment": scan.angle_increment}
-        return build.message(PLACED_PING, header=header, sonar=pose, ranges=ranges_m, **angles)
+        return np.concatenate(((taken.ping.time_ns,), sonar[:3, 3], of_matrix(sonar[:3, :3]), ranges_m))
+
+    def _begin_placed(self, sim: Simulator) -> Make | None:
+        """See Taped. A ping from before the model changed may have another number of beams."""
+        model = self._pings.model
+        if self._source.of(sim).sonar.model is not model:
+            return None
+        return lambda rows: Stretch(rows[0].times_ns, self._placed(rows[0].values, model))
+
+    def _placed(self, noted: NDArray[np.float64], model: _core.MultibeamModel) -> Any:
+        """Return the message of `_noted` numbers, or that of columns for n rows of them."""
+        return build.message(
+            PLACED_PING,
+            header=build.header(noted[..., 0].astype(np.uint64), self._source.frame("odom")),
+            sonar=build.pose(noted[..., 1:4], noted[..., 4:8]),
+            ranges=noted[..., 8:].astype(np.float32),
+            angle_min=model.angle_min_rad,
+            angle_increment=model.angle_increment_rad,
+        )
 
     def _note_changes(self) -> Any:
         """Move changes from the map to the list of changes, on the worker thread."""

@@ -302,6 +302,12 @@ class Navigator(Attached):
             return np.asarray(self._current().covariance[:15, :15])
 
     @property
+    def numbers(self) -> Array:
+        """Time, motion and covariance side by side, (248,): see `_core.NavigationFilter.numbers`."""
+        with self._lock:
+            return self._current().numbers
+
+    @property
     def position_std_m(self) -> Array:
         """Standard deviations of the position along east, north and up, (3,)."""
         return np.sqrt(np.diagonal(self.covariance)[:3])
