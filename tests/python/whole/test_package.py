@@ -187,6 +187,25 @@ def test_without_any_extra_a_survey_ends_with_a_map(tmp_path: Path, monkeypatch:
     assert (tmp_path / "out/summary.json").is_file() and not (tmp_path / "out/report.html").exists()
 
 
+START = """
+    import sys
+
+    from uwsim.simulator.simulator import Simulator
+
+    Simulator("lake").step()
+    own = [name for name in sys.modules if name.partition(".")[0] == "uwsim"]
+    unused = {"scipy", "PIL", "typer", "mcap", "rosbags", "uwsim.flight", "uwsim.channels"}
+    assert not unused & sys.modules.keys(), f"a first step imports {unused & sys.modules.keys()}"
+    assert len(own) <= 300, f"a first step imports {len(own)} of our modules"
+"""
+
+
+def test_a_first_step_imports_no_more_than_it_needs() -> None:
+    command = [sys.executable, "-c", textwrap.dedent(START)]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
+    assert not ran.returncode, ran.stderr
+
+
 def test_an_import_of_another_program_that_fails_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(EXTRA_OF, "no_such_module", "figures")
     with pytest.raises(ModuleNotFoundError) as caught:
