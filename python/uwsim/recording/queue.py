@@ -7,6 +7,8 @@ import threading
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import groupby
+from typing import Any
 
 from uwsim.recording.sink import Batch, Item, Sink
 
@@ -107,14 +109,6 @@ class WritingQueue:
 
 def _batches(items: Iterable[Item | Batch]) -> Iterator[Batch]:
     """Return batches in the same order, in which neighbouring messages are together."""
-    single: list[Item] = []
-    for item in items:
-        if not isinstance(item, Batch):
-            single.append(item)
-            continue
-        if single:
-            yield Batch.of(single)
-            single = []
-        yield item
-    if single:
-        yield Batch.of(single)
+    for kind, group in groupby(items, key=type):
+        together: list[Any] = list(group)
+        yield from together if kind is Batch else [Batch.of(together)]
