@@ -5,13 +5,16 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <memory>
 #include <numbers>
 
 #include "uwsim/camera/parallel_rows.h"
 #include "uwsim/camera/particle_scattering.h"
 #include "uwsim/camera/plane_transform.h"
 #include "uwsim/camera/ripples.h"
+#include "uwsim/core/built_when_used.h"
 #include "uwsim/core/image_buffer.h"
+#include "uwsim/core/recently_made.h"
 
 namespace uwsim {
 namespace {
@@ -26,6 +29,8 @@ constexpr int kFine = 2;  // rays per cell along an axis
 constexpr int kRays = kFine * kCells;
 
 using Grid = std::vector<float>;
+
+double path_m(int level) { return kFirstCausticLevel_m * std::exp2(level); }
 
 /// Where the rays of a lattice of kRays x kRays arrive on a level plane, per metre along the beam, relative to a ray
 /// through level water.
@@ -135,6 +140,24 @@ struct WavesLeft {
   }
 };
 
+/// What spreads a beam's light at each level, which does not change with the waves of the tile.
+struct Spreading {
+  double short_slope;
+  FocusedSun sun;
+  std::array<BuiltWhenUsed<WavesLeft>, kLevels> levels = {};
+
+  const WavesLeft& at(int level) const {
+    return levels[static_cast<std::size_t>(level)].get([&] { return WavesLeft(short_slope, sun, path_m(level)); });
+  }
+};
+
+std::shared_ptr<const Spreading> spreading(double short_slope, const FocusedSun& sun) {
+  static auto& made = *new RecentlyMade<Spreading>;  // never destroyed: other threads may still draw
+  return made.find_or_make(
+      true, [&](const Spreading& known) { return known.short_slope == short_slope && known.sun == sun; },
+      [&] { return std::make_shared<const Spreading>(short_slope, sun); });
+}
+
 /// Spreads the light of two tiles, each of which repeats: together, as the real and the imaginary part of one.
 void spread(Grid& one, const WavesLeft& of_one, Grid& two, const WavesLeft& of_two) {
   std::vector<Complex> both(one.size());
@@ -197,12 +220,12 @@ std::vector<float> caustics_under(const std::vector<float>& slopes, double short
     refract(sun, row, rays);
   });
   std::vector<float> caustics(static_cast<std::size_t>(kCells) * kCells * kLevels);
-  const auto path_m = [](int level) { return kFirstCausticLevel_m * std::exp2(level); };
+  const std::shared_ptr<const Spreading> spreads = spreading(short_slope, sun);
   static_assert(kLevels % 2 == 0);  // each level has the same partner, and so the same rounding
   for_rows(kLevels / 2 - first_level / 2, threads, [&](int pair, int) {
     const int upper = 2 * (first_level / 2 + pair), lower = upper + 1;
     Grid one = focused(rays, path_m(upper)), two = focused(rays, path_m(lower));
-    spread(one, WavesLeft(short_slope, sun, path_m(upper)), two, WavesLeft(short_slope, sun, path_m(lower)));
+    spread(one, spreads->at(upper), two, spreads->at(lower));
     for (std::size_t k = 0; k < one.size(); ++k) {
       caustics[k * kLevels + lower] = two[k];
       caustics[k * kLevels + upper] = one[k];

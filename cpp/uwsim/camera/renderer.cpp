@@ -64,11 +64,8 @@ class Rendering {
         kernels_(request.kernels != nullptr ? *request.kernels : camera::kernels()),
         classes_(scene.classes_by_label()),
         thin_from_m_(classes_.size(), std::numeric_limits<float>::infinity()),
-        thin_around_(scene.thin_solids(), prepared_.anchor_world_m, kBlockSide * static_cast<double>(view_.pixel_rad)),
         keeps_geometry_(!request.colours_only || on(Effect::kParticles) || !request.clouds.all.empty()) {
-    for (const ThinSolid& solid : scene_.thin_solids()) {
-      thin_from_m_[solid.label] = solid.thickness_m / (kThinPixels * view_.pixel_rad);
-    }
+    find_thin_solids();
     timer_.add(kPrepare);
   }
 
@@ -116,6 +113,18 @@ class Rendering {
 
  private:
   bool on(Effect effect) const { return request_.effects.has(effect); }
+
+  /// Rays of a block and through other places in its pixels are at most its side away from one at its middle.
+  void find_thin_solids() {
+    const std::vector<ThinSolid>& solids = scene_.thin_solids();
+    if (solids.empty()) return;
+    std::vector<float> from_m;
+    for (const ThinSolid& solid : solids) {
+      from_m.push_back(solid.thickness_m / (kThinPixels * view_.pixel_rad));
+      thin_from_m_[solid.label] = from_m.back();
+    }
+    thin_around_.emplace(solids, from_m, prepared_.anchor_world_m, kBlockSide * view_.pixel_rad);
+  }
 
   void allocate() {
     const auto pixels = static_cast<std::size_t>(view_.width) * static_cast<std::size_t>(view_.height);
@@ -238,7 +247,9 @@ class Rendering {
   }
 
   bool may_see_thin(const Block& block) const {
-    return thin_around_.are_met(camera::lane(block.direction, kBlockPixels / 2));
+    constexpr std::size_t kMiddle = kBlockPixels / 2 + 1;  // in the third row and the second column of four
+    return thin_around_ && thin_around_->may_be_met(kernels_, camera::lane(block.origin, kMiddle),
+                                                    camera::lane(block.direction, kMiddle));
   }
 
   bool sees_thin(const Block& block) const {
@@ -412,7 +423,7 @@ class Rendering {
   const camera::Kernels& kernels_;
   std::vector<std::uint8_t> classes_;
   std::vector<float> thin_from_m_;                        // by label: where it is seen in parts of pixels
-  ThinSolidsAround thin_around_;                          // seen from the camera
+  std::optional<ThinSolidsAround> thin_around_;           // seen from the camera
   std::array<camera::View, kPixelParts.size()> shifted_;  // through these parts
   const bool keeps_geometry_;                             // without it, neither particles nor sediment can be drawn
   Picture picture_;

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+
+#include "uwsim/camera/block_lane.h"
 
 namespace uwsim {
 namespace {
@@ -11,36 +14,31 @@ constexpr double kThin_m = 0.1;
 
 }  // namespace
 
-ThinSolidsAround::ThinSolidsAround(const std::vector<ThinSolid>& solids, const Eigen::Vector3d& eye_m,
-                                   double angle_rad) {
-  constexpr float kRounding = 1e-4f;
-  for (const ThinSolid& solid : solids) {
-    const Eigen::Array3d low = (solid.low_m - eye_m).array(), high = (solid.high_m - eye_m).array();
-    const double wider_m = angle_rad * low.abs().max(high.abs()).matrix().norm();
-    Box box{low - wider_m, high + wider_m, Eigen::Vector3f::UnitX(), -2};
-    const Eigen::Vector3d middle = 0.5 * (box.low_m + box.high_m).matrix();
-    const double radius_m = 0.5 * (box.high_m - box.low_m).matrix().norm(), away_m = middle.norm();
-    if (away_m > radius_m) {
-      box.towards = (middle / away_m).cast<float>();
-      box.least_cosine = static_cast<float>(std::sqrt(1 - std::pow(radius_m / away_m, 2))) - kRounding;
-    }
-    boxes_.push_back(box);
+ThinSolidsAround::ThinSolidsAround(const std::vector<ThinSolid>& solids, const std::vector<float>& least_m,
+                                   const Eigen::Vector3d& eye_m, float aside)
+    : aside_(aside) {
+  constexpr double kRounding = 1e-4;
+  const auto set = [](camera::BlockVectors& sides, std::size_t lane, const Eigen::Vector3d& corner_m) {
+    camera::set_lane(corner_m.cast<float>(), lane, sides);
+  };
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < solids.size(); ++k) {
+    const Eigen::Vector3d low = solids[k].low_m - eye_m, high = solids[k].high_m - eye_m;
+    const double farthest_m = low.cwiseAbs().cwiseMax(high.cwiseAbs()).norm();
+    if (farthest_m < static_cast<double>(least_m[k])) continue;
+    const std::size_t lane = count++ % camera::kBlockPixels;
+    if (lane == 0) std::ranges::fill(boxes_.emplace_back().least.at, std::numeric_limits<float>::infinity());
+    const Eigen::Vector3d wider_m = Eigen::Vector3d::Constant(kRounding * farthest_m);
+    set(boxes_.back().low, lane, low - wider_m), set(boxes_.back().high, lane, high + wider_m);
+    boxes_.back().least.at[lane] = static_cast<float>(1 - kRounding) * least_m[k];
   }
 }
 
-bool ThinSolidsAround::are_met(const Eigen::Vector3f& direction) const {
-  const auto is_met = [&](const Box& box) {
-    if (direction.dot(box.towards) < box.least_cosine) return false;
-    double enters = 0, leaves = std::numeric_limits<double>::infinity();
-    for (int axis = 0; axis < 3; ++axis) {
-      const double slope = static_cast<double>(direction(axis));
-      if (slope == 0) continue;  // such a ray is within some other block's angle
-      const double one = box.low_m(axis) / slope, other = box.high_m(axis) / slope;
-      enters = std::max(enters, std::min(one, other)), leaves = std::min(leaves, std::max(one, other));
-    }
-    return enters <= leaves;
-  };
-  return std::ranges::any_of(boxes_, is_met);
+bool ThinSolidsAround::may_be_met(const camera::Kernels& kernels, const Eigen::Vector3f& origin_m,
+                                  const Eigen::Vector3f& direction) const {
+  return std::ranges::any_of(boxes_, [&](const camera::BoxLanes& boxes) {
+    return kernels.may_meet(boxes, origin_m.data(), direction.data(), aside_);
+  });
 }
 
 double mean_thickness_m(const TriangleMesh& mesh) {

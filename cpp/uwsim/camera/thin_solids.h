@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "uwsim/camera/kernels/kernels.h"
 #include "uwsim/world/world.h"
 
 namespace uwsim {
@@ -15,22 +16,22 @@ struct ThinSolid {
   Eigen::Vector3d low_m, high_m;  ///< its box in the world
 };
 
-/// The boxes of thin solids about an eye, each made larger by an angle times the distance of its far corner.
+/// The boxes of thin solids about an eye, for a quick test of many rays.
 class ThinSolidsAround {
  public:
-  ThinSolidsAround() = default;
-  ThinSolidsAround(const std::vector<ThinSolid>& solids, const Eigen::Vector3d& eye_m, double angle_rad);
+  /// least_m: how far away each solid begins to matter. aside: at most how far, along each axis, the directions of the
+  /// rays that are asked about together are from the one that is asked.
+  ThinSolidsAround(const std::vector<ThinSolid>& solids, const std::vector<float>& least_m,
+                   const Eigen::Vector3d& eye_m, float aside);
 
-  /// True if a ray from the eye along a unit vector meets one of the boxes.
-  bool are_met(const Eigen::Vector3f& direction) const;
+  /// False if no ray that starts at a point (from the eye) along a unit vector, or along one `aside` of it, meets a box
+  /// as far away as its solid matters.
+  bool may_be_met(const camera::Kernels& kernels, const Eigen::Vector3f& origin_m,
+                  const Eigen::Vector3f& direction) const;
 
  private:
-  struct Box {
-    Eigen::Array3d low_m, high_m;  // from the eye
-    Eigen::Vector3f towards;       // its middle, unit
-    float least_cosine;            // of the angle between `towards` and a ray that may meet it
-  };
-  std::vector<Box> boxes_;
+  std::vector<camera::BoxLanes> boxes_;
+  float aside_;
 };
 
 /// Four times the volume of a closed mesh over its surface: the diameter of a long cylinder.

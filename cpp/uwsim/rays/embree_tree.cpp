@@ -1,5 +1,6 @@
 #include "uwsim/rays/embree_tree.h"
 
+#include <algorithm>
 #include <cmath>
 #include <new>
 
@@ -39,9 +40,13 @@ Corners about(const Eigen::Vector3d& middle_m, Corners corners) {
 /// widened.
 void discard_widened_edges(const RTCFilterFunctionNArguments* args) {
   if (detail_of(args->context).exact != nullptr) return;
-  const auto& surfaces = *static_cast<const TileSurfaces*>(args->geometryUserPtr);
+  const auto& triangles = *static_cast<const WidenedTriangles*>(args->geometryUserPtr);
+  const TileSurfaces& surfaces = triangles.surfaces;
   for (unsigned k = 0; k < args->N; ++k) {
     if (args->valid[k] == 0) continue;
+    const std::uint32_t primitive = RTCHitN_primID(args->hit, args->N, k);
+    const float u = RTCHitN_u(args->hit, args->N, k), v = RTCHitN_v(args->hit, args->N, k);
+    if (std::min({u, v, 1 - u - v}) > triangles.margin[primitive]) continue;
     const Eigen::Vector3d origin(RTCRayN_org_x(args->ray, args->N, k), RTCRayN_org_y(args->ray, args->N, k),
                                  RTCRayN_org_z(args->ray, args->N, k));
     const Eigen::Vector3d direction(RTCRayN_dir_x(args->ray, args->N, k), RTCRayN_dir_y(args->ray, args->N, k),
@@ -50,8 +55,7 @@ void discard_widened_edges(const RTCFilterFunctionNArguments* args) {
         surfaces.middle_m() + origin + double{RTCRayN_tfar(args->ray, args->N, k)} * direction;
     const Eigen::Vector3d normal(RTCHitN_Ng_x(args->hit, args->N, k), RTCHitN_Ng_y(args->hit, args->N, k),
                                  RTCHitN_Ng_z(args->hit, args->N, k));
-    const Corners corners =
-        surfaces.corners(RTCHitN_geomID(args->hit, args->N, k), RTCHitN_primID(args->hit, args->N, k));
+    const Corners corners = surfaces.corners(RTCHitN_geomID(args->hit, args->N, k), primitive);
     const double sine = std::abs(normal.stableNormalized().dot(direction));
     const double outside_m = (closest_on_triangle(point, corners) - point).norm();
     if (outside_m > surfaces.tolerances().picture_edge_m(sine)) args->valid[k] = 0;
@@ -94,11 +98,16 @@ void attach(RTCSceneTy* tree, const GeometryOwner& geometry, std::uint32_t geome
   rtcAttachGeometryByID(tree, geometry.get(), geometry_id);
 }
 
-void attach_triangles(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::uint32_t geometry) {
+void attach_triangles(RTCDeviceTy* device, RTCSceneTy* tree, std::uint32_t geometry, WidenedTriangles& triangles) {
+  const TileSurfaces& surfaces = triangles.surfaces;
+  triangles.margin.reserve(surfaces.count(geometry));
   const GeometryOwner owner = separate_triangles(device, surfaces.count(geometry), [&](std::uint32_t k) {
-    return widened(about(surfaces.middle_m(), surfaces.corners(geometry, k)), surfaces.tolerances().widening_m);
+    const Corners corners = about(surfaces.middle_m(), surfaces.corners(geometry, k));
+    const Corners wide = widened(corners, surfaces.tolerances().widening_m);
+    triangles.margin.push_back(margin_within(wide, corners));
+    return wide;
   });
-  rtcSetGeometryUserData(owner.get(), const_cast<TileSurfaces*>(&surfaces));
+  rtcSetGeometryUserData(owner.get(), &triangles);
   rtcSetGeometryIntersectFilterFunction(owner.get(), &discard_widened_edges);
   rtcSetGeometryOccludedFilterFunction(owner.get(), &discard_widened_edges);
   attach(tree, owner, geometry);

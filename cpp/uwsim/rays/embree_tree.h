@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "uwsim/rays/tile_surfaces.h"
 
@@ -32,8 +33,13 @@ void commit(RTCDeviceTy* device, RTCSceneTy* tree, std::size_t triangles);
 
 /// Adds a finished geometry to a tree, under its number.
 void attach(RTCSceneTy* tree, const GeometryOwner& geometry, std::uint32_t geometry_id);
-/// Adds a solid's triangles, widened; geometry and primitive numbers are surface numbers.
-void attach_triangles(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::uint32_t geometry);
+/// The widened triangles of one solid within a tile, for Embree's filter. It must outlive the tree.
+struct WidenedTriangles {
+  const TileSurfaces& surfaces;
+  std::vector<float> margin = {};  ///< by primitive, see margin_within
+};
+/// Adds a solid's triangles, widened; geometry and primitive numbers are surface numbers. Sets their margins.
+void attach_triangles(RTCDeviceTy* device, RTCSceneTy* tree, std::uint32_t geometry, WidenedTriangles& triangles);
 /// Adds the mesh of a solid whose round shapes rays hit instead; primitives are numbered within the tile's share of the
 /// mesh.
 void attach_mesh(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::size_t mesh);

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <functional>
 #include <limits>
+#include <type_traits>
 
 #include "uwsim/rays/moving_bodies.h"
 #include "uwsim/rays/ray_lanes.h"
@@ -17,29 +20,23 @@ class RayBundle {
   /// hit so far; anything behind it is irrelevant.
   template <typename Packet, typename Distances>
   RayBundle(const Eigen::Vector3d& anchor_world_m, const Packet& rays, const Distances& distance_m) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    std::size_t first = kPacketRays;
-    for (std::size_t k = 0; k < kPacketRays; ++k) {
-      if (rays.active[k] == 0) continue;
-      first = std::min(first, k);
-      sum += direction_of(rays, k).template cast<double>();
-      far_m_ = std::max(far_m_, static_cast<double>(std::min(rays.far_m[k], distance_m[k])));
+    static_assert(offsetof(Packet, direction_z) == 5 * sizeof(typename Packet::Lanes));
+    static const RayKernels& kernels = ray_kernels();
+    LaneBundle bundle;
+    if constexpr (std::is_same_v<Packet, RayPacket>) {
+      bundle = kernels.bundle_floats(rays.origin_x.data(), rays.far_m.data(), distance_m.data(), rays.active.data());
+    } else {
+      bundle = kernels.bundle_doubles(rays.origin_x.data(), rays.far_m.data(), distance_m.data(), rays.active.data());
     }
+    const auto first =
+        static_cast<std::size_t>(std::ranges::find_if(rays.active, std::identity()) - rays.active.begin());
     if (first == kPacketRays) return;
-    const Eigen::Vector3d apex = origin_of(rays, first).template cast<double>();
-    const double length = sum.norm();
-    if (length > 0) axis_ = sum / length;
-    double spread2 = 0;
-    cosine_ = length > 0 ? 1 : -1;
-    for (std::size_t k = first; k < kPacketRays; ++k) {
-      if (rays.active[k] == 0) continue;
-      spread2 = std::max(spread2, (origin_of(rays, k).template cast<double>() - apex).squaredNorm());
-      cosine_ = std::min(cosine_, axis_.dot(direction_of(rays, k).template cast<double>()));
-    }
-    apex_world_m_ = anchor_world_m + apex;
-    spread_m_ = std::sqrt(spread2);
-    cosine_ -= kRounding;
+    apex_world_m_ = anchor_world_m + origin_of(rays, first);
+    axis_ = Eigen::Map<const Eigen::Vector3d>(bundle.axis);
+    spread_m_ = std::sqrt(bundle.spread2);
+    cosine_ = bundle.cosine - kRounding;
     sine_ = std::sqrt(std::max(0.0, 1 - cosine_ * cosine_));
+    far_m_ = bundle.far_m;
   }
 
   explicit RayBundle(const RayCone& cone)

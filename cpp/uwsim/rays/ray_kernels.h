@@ -74,6 +74,12 @@ struct LaneWall {
 /// The result of intersecting a ray with a wall. A ray along the axis is left to the caller.
 enum LaneMeeting : std::int32_t { kMisses = 0, kMeets = -1, kAlong = 1 };
 
+/// The cone around a packet's active rays (RayBundle): its axis, and of all rays the least cosine to it, the greatest
+/// square of an origin's distance from the first, and the farthest end; -infinity without any.
+struct LaneBundle {
+  double axis[3], cosine, spread2, far_m;
+};
+
 /// The loops over sixteen lanes, compiled for each instruction set. All versions produce the same bits.
 struct RayKernels {
   /// Whether every active ray starts within `distance_m` of the point along each axis.
@@ -116,6 +122,11 @@ struct RayKernels {
   /// Sets first_m[k] to where ray k enters a box (low and high: (3,)) between its limits, or to infinity if it does
   /// not. Returns the least of them.
   double (*enter_box)(const LaneSlabs& rays, const double* low, const double* high, double* first_m);
+  /// The cone around rays (six rows of sixteen: origins, then directions), each as long as the lesser of two lengths.
+  LaneBundle (*bundle_floats)(const float* rays, const float* far_m, const float* distance_m,
+                              const std::int32_t* active);
+  LaneBundle (*bundle_doubles)(const double* rays, const double* far_m, const double* distance_m,
+                               const std::int32_t* active);
 };
 
 const RayKernels& baseline_ray_kernels();

@@ -286,6 +286,54 @@ double enter_box(const LaneSlabs& rays, const double* low, const double* high, d
   return least;
 }
 
+/// Combines sixteen values: halves first, which vector units do at once, and in the same order everywhere.
+template <typename Operation>
+double folded(double (&values)[kLanes], const Operation& operation) {
+  for (int half = kLanes / 2; half > 0; half /= 2) {
+    for (int k = 0; k < half; ++k) values[k] = operation(values[k], values[k + half]);
+  }
+  return values[0];
+}
+
+template <typename Real>
+LaneBundle bundle(const Real* rays, const Real* far_m, const Real* distance_m, const std::int32_t* active) {
+  LaneBundle found{{1, 0, 0}, -1, 0, -__builtin_inf()};
+  int first = 0;
+  while (first < kLanes && active[first] == 0) ++first;
+  if (first == kLanes) return found;
+  const Real *const from = rays, *const along = rays + 3 * kLanes;
+  const double x = from[first], y = from[kLanes + first], z = from[2 * kLanes + first];
+  const double dx = along[first], dy = along[kLanes + first], dz = along[2 * kLanes + first];
+  // Idle lanes repeat the first active one, so that the loops need no branches.
+  alignas(64) double ways[3][kLanes], sums[3][kLanes], spread2[kLanes], cosines[kLanes], ends[kLanes];
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) {
+    const bool idle = active[k] == 0;
+    const double end = distance_m[k] < far_m[k] ? distance_m[k] : far_m[k];
+    const double one = along[k], two = along[kLanes + k], three = along[2 * kLanes + k];
+    const double aside_x = from[k] - x, aside_y = from[kLanes + k] - y, aside_z = from[2 * kLanes + k] - z;
+    sums[0][k] = ways[0][k] = idle ? dx : one;
+    sums[1][k] = ways[1][k] = idle ? dy : two;
+    sums[2][k] = ways[2][k] = idle ? dz : three;
+    spread2[k] = idle ? 0 : aside_x * aside_x + aside_y * aside_y + aside_z * aside_z;
+    ends[k] = idle ? -__builtin_inf() : end;
+  }
+  const auto sum = [](double one, double two) { return one + two; };
+  const auto least = [](double one, double two) { return two < one ? two : one; };
+  const auto most = [](double one, double two) { return one < two ? two : one; };
+  const double ax = folded(sums[0], sum), ay = folded(sums[1], sum), az = folded(sums[2], sum);
+  found.spread2 = folded(spread2, most);
+  found.far_m = folded(ends, most);
+  const double length = std::sqrt(ax * ax + ay * ay + az * az);
+  if (!(length > 0)) return found;
+  const double axis_x = ax / length, axis_y = ay / length, axis_z = az / length;
+#pragma GCC ivdep
+  for (int k = 0; k < kLanes; ++k) cosines[k] = axis_x * ways[0][k] + axis_y * ways[1][k] + axis_z * ways[2][k];
+  found.axis[0] = axis_x, found.axis[1] = axis_y, found.axis[2] = axis_z;
+  found.cosine = folded(cosines, least);
+  return found;
+}
+
 constexpr RayKernels kKernels{.all_near = &all_near,
                               .find_low_starts = &find_low_starts,
                               .to_float = &to_float,
@@ -297,7 +345,9 @@ constexpr RayKernels kKernels{.all_near = &all_near,
                               .locate_heights = &locate_heights,
                               .refine_terrain = &refine_terrain,
                               .label_terrain = &label_terrain,
-                              .enter_box = &enter_box};
+                              .enter_box = &enter_box,
+                              .bundle_floats = &bundle<float>,
+                              .bundle_doubles = &bundle<double>};
 
 }  // namespace
 }  // namespace uwsim

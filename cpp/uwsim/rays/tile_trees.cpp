@@ -10,7 +10,7 @@ namespace uwsim {
 TileTrees::TileTrees(RTCDeviceTy* device, const World& world, TileContents contents)
     : surfaces(world, std::move(contents)), tree(make_ray_tree(device, true)), mesh_tree(make_ray_tree(device, false)) {
   const auto geometries = static_cast<std::uint32_t>(world.solids().size() + kTerrain + 1);
-  round.reserve(geometries);
+  round.reserve(geometries), widened.reserve(geometries);
   std::size_t triangles = 0;
   for (std::uint32_t geometry = 0; geometry < geometries; ++geometry) {
     if (surfaces.count(geometry) == 0) continue;
@@ -21,7 +21,7 @@ TileTrees::TileTrees(RTCDeviceTy* device, const World& world, TileContents conte
     } else if (TileSurfaces::is_terrain(geometry)) {
       attach_terrain(device, tree.get(), surfaces, geometry);
     } else {
-      attach_triangles(device, tree.get(), surfaces, geometry);
+      attach_triangles(device, tree.get(), geometry, widened.emplace_back(surfaces));
     }
   }
   for (std::size_t k = 0; k < surfaces.contents().meshes.size(); ++k) attach_mesh(device, mesh_tree.get(), surfaces, k);

@@ -13,9 +13,10 @@ namespace uwsim {
 /// be moved, because Embree's callbacks hold pointers to it.
 struct TileTrees {
   TileSurfaces surfaces;
-  TerrainBlock block{};              ///< heights_m is null without terrain
-  std::vector<RoundGeometry> round;  ///< data of the callbacks for round shapes
-  RayTree tree;                      ///< target of rays: raised terrain, widened triangles, round shapes
+  TerrainBlock block{};                   ///< heights_m is null without terrain
+  std::vector<RoundGeometry> round;       ///< data of the callbacks for round shapes
+  std::vector<WidenedTriangles> widened;  ///< data of the filter for solids' triangles
+  RayTree tree;                           ///< target of rays: raised terrain, widened triangles, round shapes
   /// For computing distances: the meshes of solids whose round shapes rays hit
   RayTree mesh_tree;
   std::vector<std::vector<std::uint8_t>> crowded;  ///< by geometry and primitive: whether another surface is near

@@ -54,4 +54,19 @@ Corners widened(const Corners& triangle, double widening_m) {
   return wide;
 }
 
+/// The triangle's sides are where one coordinate is at most this, so that none crosses the triangle where all are more.
+float margin_within(const Corners& wide, const Corners& triangle) {
+  constexpr double kRounding = 1e-4;
+  const Eigen::Vector3d normal = (wide[1] - wide[0]).cross(wide[2] - wide[0]);
+  double most = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::Vector3d &one = wide[(k + 1) % 3], &two = wide[(k + 2) % 3];
+    for (const std::size_t j : {k + 1, k + 2}) {
+      const Eigen::Vector3d& corner = triangle[j % 3];
+      most = std::max(most, (one - corner).cross(two - corner).dot(normal) / normal.squaredNorm());
+    }
+  }
+  return most < 1.0 / 3 && normal.squaredNorm() > 0 ? static_cast<float>(most + kRounding) : 1;
+}
+
 }  // namespace uwsim

@@ -7,6 +7,7 @@
 
 #include "meshes.h"
 #include "uwsim/camera/renderer.h"
+#include "uwsim/core/random.h"
 
 namespace uwsim {
 namespace {
@@ -37,6 +38,43 @@ Picture view_of(double width_m, double lean_rad, int threads = 1) {
 TEST(ThinSolids, ThicknessIsTheDiameterOfAStrand) {
   EXPECT_NEAR(mean_thickness_m(testing::box(0.02, 0.02, 50)), 0.02, 1e-5);  // four times a square over its sides
   EXPECT_GT(mean_thickness_m(testing::sphere(1, 20)), 1.2);                 // 4 / 3 of the radius
+}
+
+// A ray that meets a box where its solid matters is never left out, nor one that differs from it by less than `aside`;
+// few others are let in, and all kernels agree.
+TEST(ThinSolids, RaysThatMayMeetThemAreFoundByTheirBoxes) {
+  const RandomStream random(3, "boxes");
+  constexpr float kAside = 0.02f, kLeast_m = 2;
+  std::vector<ThinSolid> solids;
+  for (std::uint64_t k = 0; k < 20; ++k) {
+    const Eigen::Vector3d middle(4 * random.normal(k, 0), 4 * random.normal(k, 1), 4 * random.normal(k, 2));
+    const Eigen::Vector3d half(0.3 * random.uniform(k, 3), 0.3 * random.uniform(k, 4), 0.02);
+    solids.push_back({static_cast<std::uint32_t>(k + 2), 0.02f, middle - half, middle + half});
+  }
+  const Eigen::Vector3f from(0.1f, -0.2f, 0.05f);
+  const ThinSolidsAround around(solids, std::vector<float>(solids.size(), kLeast_m), Eigen::Vector3d::Zero(), kAside);
+  int met = 0, found = 0;
+  for (std::uint64_t k = 0; k < 4000; ++k) {
+    const ThinSolid& solid = solids[k % solids.size()];
+    Eigen::Vector3d to;  // a point of a box in half of the cases
+    for (int axis = 0; axis < 3; ++axis) {
+      const double share = random.uniform(k, static_cast<std::uint32_t>(20 + axis));
+      to(axis) = k % 2 == 0 ? solid.low_m(axis) + share * (solid.high_m(axis) - solid.low_m(axis)) : share - 0.5;
+    }
+    const Eigen::Vector3d way = to - from.cast<double>(), direction = way.normalized();
+    const Eigen::Vector3d off(random.uniform(k, 30) - 0.5, random.uniform(k, 31) - 0.5, random.uniform(k, 32) - 0.5);
+    const Eigen::Vector3f asked = (direction + 1.9 * double{kAside} * off).cast<float>();
+    const bool may_meet = around.may_be_met(camera::kernels(), from, asked);
+    EXPECT_EQ(around.may_be_met(camera::baseline_kernels(), from, asked), may_meet) << k;
+    if (k % 2 == 0 && way.norm() > double{kLeast_m}) {
+      EXPECT_TRUE(may_meet) << k;
+      ++met;
+    } else if (k % 2 == 1) {
+      found += may_meet ? 1 : 0;
+    }
+  }
+  EXPECT_GT(met, 1000);
+  EXPECT_LT(found, 400);
 }
 
 // A rope covers the share of its pixels that its width is of theirs, in each row, not all of one pixel in some rows.

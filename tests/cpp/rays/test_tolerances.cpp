@@ -39,6 +39,26 @@ TEST(Tolerances, AWidenedTriangleCoversADiscAroundEachPointOfTheTriangle) {
   }
 }
 
+TEST(Tolerances, ThePartOfAWidenedTriangleWithinItsMarginIsOnTheTriangle) {
+  const RandomStream random(4, "margins");
+  int with_inside = 0;
+  for (std::uint64_t k = 0; k < 3000; ++k) {
+    const double thin = k % 2 == 0 ? 1 : std::pow(10.0, -2 * random.uniform(k, 20));
+    const Eigen::Vector3d a = random_vector(random, k, 0), along = random_vector(random, k, 3);
+    const Eigen::Vector3d across = along.cross(random_vector(random, k, 6)).normalized();
+    const Corners t{a, a + along, a + 1.5 * random.uniform(k, 21) * along + thin * across};
+    const Corners wide = widened(t, 0.01);
+    const double margin = double{margin_within(wide, t)};
+    if (!(3 * margin < 1)) continue;
+    ++with_inside;
+    for (std::size_t n = 0; n < 3; ++n) {  // the corners of that part
+      const Eigen::Vector3d point = (1 - 2 * margin) * wide[n] + margin * (wide[(n + 1) % 3] + wide[(n + 2) % 3]);
+      EXPECT_LT((closest_on_triangle(point, t) - point).norm(), 1e-9) << "triangle " << k;
+    }
+  }
+  EXPECT_GT(with_inside, 2000);
+}
+
 TEST(Tolerances, RaisedTerrainIsOffEveryTriangleByTheRaiseAndBelowTheClearance) {
   const std::size_t n = 21;
   const RandomStream random(2, "heights");

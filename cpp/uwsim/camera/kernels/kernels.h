@@ -30,11 +30,20 @@ struct Development {
   std::uint32_t stream;
 };
 
+/// Sixteen boxes, relative to the camera, and how far along a ray each matters; infinity where there is none.
+struct BoxLanes {
+  BlockVectors low, high;
+  BlockFloats least;
+};
+
 struct Kernels {
   // Pixels to rays, and hits to geometry.
   void (*primary_rays)(const View&, int left, int top, Block&);
   void (*shaft_rays)(const View&, int left, int top, int scale, Block&);
   void (*start_paths)(const View&, Block&);
+  /// False if no ray from a point meets a box where that matters, for directions that differ from a unit vector by at
+  /// most `aside` along each axis.
+  bool (*may_meet)(const BoxLanes&, const float* from, const float* direction, float aside);
   void (*locate_hits)(const View&, Block&);
   void (*write_geometry)(const View&, int left, int top, const Block&, const GeometryPlanes&);
   // Light along one segment and at its end.

@@ -10,11 +10,11 @@
 namespace uwsim::camera {
 namespace {
 
-constexpr Kernels kKernels{&primary_rays,   &shaft_rays,         &start_paths,        &locate_hits,
-                           &write_geometry, &limit_to_sight,     &apply_water,        &refract_or_reflect,
-                           &add_sky,        &shade_daylight,     &shade_lamp,         &add_unblocked_light,
-                           &add_glow,       &shaft_sample_point, &shaft_sample_light, &write_radiance,
-                           &develop_row};
+constexpr Kernels kKernels{&primary_rays,        &shaft_rays,     &start_paths,        &may_meet,
+                           &locate_hits,         &write_geometry, &limit_to_sight,     &apply_water,
+                           &refract_or_reflect,  &add_sky,        &shade_daylight,     &shade_lamp,
+                           &add_unblocked_light, &add_glow,       &shaft_sample_point, &shaft_sample_light,
+                           &write_radiance,      &develop_row};
 
 }  // namespace
 }  // namespace uwsim::camera

@@ -104,6 +104,23 @@ void shaft_rays(const View& view, int left, int top, int scale, Block& block) {
   rays_through_pixels(view, left, top, scale, block);
 }
 
+/// A ray along d meets a box at t if low <= t d <= high along each axis: at least for one d between the limits.
+bool may_meet(const BoxLanes& boxes, const float* from, const float* direction, float aside) {
+  Float enters = load(boxes.least.at), leaves = splat(3e38f);
+  const auto limit = [&](const BlockFloats& sides, int axis, float slope, bool is_entry) {
+    const Float at = (load(sides.at) - from[axis]) * (1 / slope);
+    is_entry ? enters = max(enters, at) : leaves = min(leaves, at);
+  };
+  const auto limit_both = [&](const BlockFloats& low, const BlockFloats& high, int axis) {
+    const float most = direction[axis] + aside, least = direction[axis] - aside;
+    limit(low, axis, most, most > 0), limit(high, axis, least, least < 0);
+  };
+  limit_both(boxes.low.x, boxes.high.x, 0);
+  limit_both(boxes.low.y, boxes.high.y, 1);
+  limit_both(boxes.low.z, boxes.high.z, 2);
+  return any(enters <= leaves);
+}
+
 /// Initialises each path before its first segment: no light yet, and full throughput.
 void start_paths(const View& view, Block& block) {
   store(block.throughput, ones());
