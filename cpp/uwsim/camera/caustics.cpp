@@ -140,7 +140,7 @@ struct WavesLeft {
   }
 };
 
-/// What spreads a beam's light at each level, which does not change with the waves of the tile.
+/// The spreading of a beam's light at each level, which does not change with the waves of the tile.
 struct Spreading {
   double short_slope;
   FocusedSun sun;
