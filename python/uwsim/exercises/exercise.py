@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from uwsim.base.commands import COMMANDS
 from uwsim.base.did_you_mean import did_you_mean
@@ -171,13 +171,14 @@ class Exercise(Model):
     """An exercise for a pilot.
 
     title: one line. task: the kind of a pilot's work that it trains, under which a certificate lists it. brief: the
-    task in words. scenario: a packaged name, or the path of a YAML file. vehicle: a packaged model that replaces the
-    first vehicle's. obstacles, props: added to the scenario's. layout: how far props may stand from their places, by
-    the seed. conditions: water and light by the seed. hidden: names of obstacles that the station's
-    3D view and chart leave out. start: the pose of the first vehicle, by default as in the scenario. seed: seed of all
-    random draws. time_s: time after which it ends. goals, limits, events: see their models. aids: those that the pilot
-    may use; all others are refused. pass_points: points needed to pass. lag_s: the time that sound takes from the pilot
-    to the vehicle, and as long back, by which commands and sight are late; 0: none, nor a link.
+    task in words. scenario: a packaged name, or the path of a YAML file, looked for beside the exercise's first.
+    vehicle: a packaged model that replaces the first vehicle's. obstacles, props: added to the scenario's. layout: how
+    far props may stand from their places, by the seed. conditions: water and light by the seed. hidden: names of
+    obstacles that the station's 3D view and chart leave out. start: the pose of the first vehicle, by default as in the
+    scenario. seed: seed of all random draws. time_s: time after which it ends. goals, limits, events: see their models.
+    aids: those that the pilot may use; all others are refused. pass_points: points needed to pass. lag_s: the time that
+    sound takes from the pilot to the vehicle, and as long back, by which commands and sight are late; 0: none, nor a
+    link.
     """
 
     title: str = Field(min_length=1, max_length=120)
@@ -199,11 +200,17 @@ class Exercise(Model):
     aids: list[Aid] = Field(default_factory=list)
     pass_points: Points
     lag_s: Annotated[float, InRange(0, LAG_MAX_S, "s")] = 0.0
+    _folder: Path = PrivateAttr(Path())
 
     @property
     def points(self) -> float:
         """The maximum score."""
         return sum(goal.points for goal in self.goals)
+
+    @model_validator(mode="after")
+    def _lies_in_a_folder(self, info: ValidationInfo) -> Exercise:
+        self._folder = (info.context or {}).get("folder", Path())
+        return self
 
     @model_validator(mode="after")
     def _fits_together(self) -> Exercise:
@@ -238,20 +245,31 @@ class Exercise(Model):
             props[each.prop] = each.drawn(props[each.prop], self.seed)
         return props
 
-    def in_world(self) -> Exercise:
-        """Return a copy whose goals are all in the world, those of props where the seed puts them."""
+    def scene(self) -> Scenario:
+        """Return the scenario as its file has it. Raises ScenarioError."""
+        beside = self._folder / self.scenario
+        return load(beside if beside.is_file() else self.scenario)
+
+    def in_world(self, scene: Scenario | None = None) -> Exercise:
+        """Return a copy whose goals are all in the world, those of props where the seed puts them.
+
+        scene: the scenario, by default as its file has it. Raises ScenarioError.
+        """
         if all(goal.of is None for goal in self.goals):
             return self
-        props, goals = self._props(load(self.scenario)), []
+        props, goals = self._props(scene or self.scene()), []
         for index, goal in enumerate(self.goals):
             if goal.of is not None and goal.of not in props:
                 raise _no_prop(f"goals[{index}].of", goal.of, props, self.scenario)
             goals.append(goal if goal.of is None else goal.in_world(props[goal.of]))
         return self.model_copy(update={"goals": goals})
 
-    def made_scenario(self) -> Scenario:
-        """Return the scenario with the exercise's obstacles, start, seed and time. Raises ScenarioError."""
-        found = load(self.scenario)
+    def made_scenario(self, scene: Scenario | None = None) -> Scenario:
+        """Return the scenario with the exercise's obstacles, start, seed and time.
+
+        scene: see in_world. Raises ScenarioError.
+        """
+        found = scene or self.scene()
         props = self._props(found)
         if self.vehicle is not None:
             found = found.with_changes(vehicle_model=self.vehicle)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from uwsim.base.agenda import NEVER, Rank
 from uwsim.exercises import Course, Exercise, load_exercise
 from uwsim.exercises.certified import certified_sheet, checked_person
+from uwsim.exercises.flyable import flyable
 from uwsim.exercises.logbook import log_attempt
 from uwsim.exercises.seat import ashore
 from uwsim.exercises.sheet import remove_stale_sheet, require_room, write_sheet
@@ -47,15 +48,14 @@ def fly_exercise(
     the exercise's time is up. If the mission fails, its error is raised once the sheet has been written. Raises
     ValueError, ScenarioError or OSError.
     """
-    found = (exercise if isinstance(exercise, Exercise) else load_exercise(exercise)).in_world()
+    read = exercise if isinstance(exercise, Exercise) else load_exercise(exercise)
     person = checked_person(person) if person else ""
     if out is not None:
         require_room(Path(out))
-    sim = Simulator(found.made_scenario(), threads=threads)
+    found, sim = flyable(read, threads)
     script, flown = mission_title(mission, options), mission
     if found.lag_s:
         flown = ashore(_function(mission, options.pop("function", None)), sim)
-    Course.require_events(found, sim)
     course, begun_tick = Course(found, sim).attach(), sim.tick
     if out is not None:
         _StaleSheet(Path(out), sim)

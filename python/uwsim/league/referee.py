@@ -14,12 +14,12 @@ from uwsim.channels.delivery.pictures import Stream
 from uwsim.exercises import Course, Exercise
 from uwsim.exercises.certified import certified_sheet
 from uwsim.exercises.course import PERIOD_S
+from uwsim.exercises.flyable import flyable
 from uwsim.league.aboard import Aboard, outside_cameras
 from uwsim.league.program import Program, ProgramError
 from uwsim.league.team import Team
 from uwsim.live import LiveSimulator
 from uwsim.recording.recorder import Recorder
-from uwsim.simulator.simulator import Simulator
 
 SIGHT = ("camera/", "scan", "ping", "points", "forward_looking", "scanning", "laserPointCloud", "proximity", "sonar")
 """Beginnings of the topics that show where things are."""
@@ -54,9 +54,7 @@ def fly_run(run: Run) -> dict[str, Any]:
     Raises OSError and MemoryError, which may be transient.
     """
     begun_s = time.perf_counter()
-    exercise = run.exercise.model_copy(update={"seed": run.seed}).in_world()
-    sim = Simulator(exercise.made_scenario(), threads=run.threads)
-    Course.require_events(exercise, sim)
+    exercise, sim = flyable(run.exercise.model_copy(update={"seed": run.seed}), run.threads)
     recording = run.file(".mcap")
     recording.unlink(missing_ok=True)
     with ExitStack() as stack:

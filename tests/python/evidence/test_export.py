@@ -118,17 +118,18 @@ def test_nothing_of_others_is_replaced_and_the_format_is_that_of_the_suffix(tmp_
         write_export("pool", Path("pool.urdf"))
 
 
-def test_the_scene_editor_exports_the_files_of_the_command_with_a_list_of_all_left_out(tmp_path):
-    write_export("pool", tmp_path / "pool.sdf")
+@pytest.mark.parametrize("suffix", READERS)
+def test_the_scene_editor_exports_the_files_of_the_command_with_a_list_of_all_left_out(tmp_path, suffix):
+    write_export("pool", tmp_path / f"pool.{suffix}")
     editor = Editor(tmp_path, None)
     editor.open("anna", "pool", find_yaml("pool", "scenarios"), is_of_same=False)
-    made = editor.export("sdf")
-    name = made["file"].removeprefix("/edit/export/")
+    made = editor.export(suffix)
+    name = made["file"].removeprefix(f"{editor.address}/export/")
     with ZipFile(io.BytesIO(editor.archive(name))) as archive:
         files = {each: archive.read(each) for each in archive.namelist()}
     assert files == {each: (tmp_path / each).read_bytes() for each in files}
-    assert "pool_sdf/bed.obj" in files and any("survey" in note for note in made["notes"])
-    editor.export("scn")
+    assert f"pool_{suffix}/bed.obj" in files and any("survey" in note for note in made["notes"])
+    editor.export(next(each for each in READERS if each != suffix))
     with pytest.raises(ValueError, match="is no more: export it again"):
         editor.archive(name)
     with pytest.raises(ValueError, match=r"must end in \.sdf, for Gazebo or \.scn, for Stonefish"):

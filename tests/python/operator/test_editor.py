@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import difflib
 import io
+import json
 import struct
 import threading
 from pathlib import Path
@@ -17,10 +18,12 @@ from PIL import Image
 
 from station_pages import require_described
 from uwsim.evidence.scenario_check import check_file
+from uwsim.exercises.flight import fly_exercise
 from uwsim.flight.survey import run_survey
-from uwsim.operator.station import Station
+from uwsim.operator.station import Site, Station
 from uwsim.operator.station.editor import Editor
-from uwsim.operator.station.editor.draft import MAX_BYTES, Draft
+from uwsim.operator.station.editor.draft import Draft
+from uwsim.operator.station.editor.files import MAX_BYTES, SceneFiles
 from uwsim.operator.station.editor.forms import SECTIONS, forms
 from uwsim.operator.station.editor.meshes import MESH_BYTES_MAX
 from uwsim.operator.station.services import rebuild
@@ -44,7 +47,7 @@ SIZES = (("a", "&s [1, 1, 1]"), ("b", "*s"))
 
 def draft(name: str = "pool") -> Draft:
     path = assets_folder() / "scenarios" / f"{name}.yaml"
-    return Draft(path.read_text(), path.name, path.parent)
+    return Draft(SceneFiles.of(path, path.read_text()), path.parent)
 
 
 @pytest.fixture(scope="module")
@@ -61,12 +64,12 @@ def lines(before: str, after: str) -> tuple[list[str], list[str]]:
 @pytest.mark.parametrize("name", ["pair", "reef"])
 def test_a_packaged_scenario_is_edited_and_only_its_lines_change(name: str) -> None:
     found = draft(name)
-    before = found.text
+    before = found.files.scenario
     found.set("starts", ("vehicles", 0, "start"), {"position_m": [1.25, -2, -3], "yaw_deg": 30})
     assert found.scenario.vehicles[0].start.position_m == (1.25, -2.0, -3.0)
-    assert max(map(len, lines(before, found.text))) <= 2
+    assert max(map(len, lines(before, found.files.scenario))) <= 2
     found.undo()
-    assert found.text == before
+    assert found.files.scenario == before
 
 
 @pytest.mark.parametrize(("section", "kind"), EACH)
@@ -75,20 +78,20 @@ def test_each_kind_is_added_read_again_and_removed_without_a_trace(
 ) -> None:
     found = draft()
     place = found.add(section, kind, 0, [0.5, -1.0])
-    again = Draft(found.text, "again.yaml", tmp_path)
+    again = Draft(SceneFiles("again.yaml", found.files.scenario), tmp_path)
     assert again.scenario == found.scenario and again.part(section, place) == found.part(section, place)
     fields = {field["name"].partition(".")[0] for field in forms()[section][kind]} | {
         "kind",
         *SECTIONS[section].without,
     }
     assert fields >= found.part(section, place).keys()
-    added = found.text
+    added = found.files.scenario
     found.remove(section, place)
     assert found.scenario == pool.scenario
     found.undo()
-    assert found.text == added
+    assert found.files.scenario == added
     found.undo()
-    assert found.text == pool.text
+    assert found.files.scenario == pool.files.scenario
     found.undo(-2)
     assert found.scenario == pool.scenario
 
@@ -107,21 +110,21 @@ def test_a_solid_of_an_older_edition_is_empty_and_one_that_never_was_is_refused(
 
 def test_a_loose_bodys_shape_and_its_own_fields_are_one_part() -> None:
     found = draft("harbour")
-    before, place = found.text, ("objects", 0)
+    before, place = found.files.scenario, ("objects", 0)
     assert found.shown("objects", place)["shape.name"] == "workboat"
     found.set("objects", place, {"shape.position_m": [-20, 10, 0], "shape.name": "launch"})
     assert (found.scenario.objects[0].name, found.scenario.objects[0].shape.position_m) == (
         "launch",
         (-20.0, 10.0, 0.0),
     )
-    assert [len(each) for each in lines(before, found.text)] == [1, 1]
+    assert [len(each) for each in lines(before, found.files.scenario)] == [1, 1]
     with pytest.raises(ScenarioError, match=r"density_kg_m3 = 900.*: must be left out for a body on a path"):
         found.set("objects", place, {"density_kg_m3": 900})
     found.set("objects", place, {"shape.material": None, "path": None, "density_kg_m3": 900})
     assert "shape.material" not in found.shown("objects", place)
     assert found.add("objects", "sphere", 0, [3, 4]) == ("objects", 1) and found.scenario.objects[1].name == "sphere"
     found.undo(3)
-    assert found.text == before
+    assert found.files.scenario == before
 
 
 def test_strokes_change_the_bed_in_one_step_each_and_outlive_its_source() -> None:
@@ -140,19 +143,50 @@ def test_strokes_change_the_bed_in_one_step_each_and_outlive_its_source() -> Non
         found.add("strokes", "", 0, [0, 0], {"depth": 1})
 
 
+def test_goals_are_about_the_scene_and_follow_each_other_through_renaming_and_removal() -> None:
+    found = draft("panel")
+    assert found.exercise is None
+    for kind in forms()["goals"]:
+        if kind == "find":
+            with pytest.raises(ValueError, match="find: there is no obstacle that it can be about"):
+                found.add("goals", kind, 0, [1, 2])
+        else:
+            found.add("goals", kind, 0, [1, 2])
+    joint = next(goal for goal in found.goals if goal.kind == "move_joint")
+    assert (joint.object, joint.joint, joint.to_deg) == ("valve", "handle", 90)
+    names = [goal.name for goal in found.goals]
+    assert [goal.after for goal in found.goals] == [None, *names[:-1]]
+    found.set("goals", ("exercise", "goals", 0), {"name": "begin"})
+    found.remove("goals", ("exercise", "goals", 1))
+    assert [goal.after for goal in found.goals] == [None, "begin", *names[2:-1]]
+    look = ("exercise", "goals", [goal.kind for goal in found.goals].index("look_at"))
+    found.set("goals", look, {"object": "valve"})
+    assert found.part("goals", look).keys() == {"kind", "name", "title", "after", "object"}
+    found.set("goals", look, {"position_m": [1, 2, -3]})
+    assert "object" not in found.part("goals", look)
+    for section in ("limits", "events", "aids"):
+        for kind in forms()[section]:
+            place = found.add(section, kind, 0, [0, 0])
+            assert found.part(section, place)
+    found.remove("exercise", ("exercise",))
+    assert found.exercise is None and found.files.scenario == draft("panel").files.scenario
+    found.undo()
+    assert len(found.goals) == len(names) - 1
+
+
 def test_comments_and_untouched_lines_stay() -> None:
-    found, before = draft("lake"), draft("lake").text
+    found, before = draft("lake"), draft("lake").files.scenario
     found.set("obstacles", ("obstacles", 1), {"position_m": [-57.5, -54], "lower_bar_m": 1.5})
     found.set("survey", ("survey",), {"tilt_deg": 25})
     found.remove("obstacles", ("obstacles", 2))
-    removed, added = lines(before, found.text)
+    removed, added = lines(before, found.files.scenario)
     assert added == [
         "    position_m: [-57.5, -54]",
         "    lower_bar_m: 1.5",
         "  tilt_deg: 25                # nose down",
     ]
     assert removed[0] == "    position_m: [-58, -54]" and removed[-1] == "  tilt_deg: 30                # nose down"
-    assert "  - kind: gate                # inside the survey, 3 m below the flying height" in found.text
+    assert "  - kind: gate                # inside the survey, 3 m below the flying height" in found.files.scenario
 
 
 def test_a_part_of_a_packaged_vehicle_is_written_whole_into_the_scenario() -> None:
@@ -165,7 +199,7 @@ def test_a_part_of_a_packaged_vehicle_is_written_whole_into_the_scenario() -> No
     found.set("lamps", LAMP, {"spots": [[0.5, 0.3, 0.2, 0, 12, 0], [0.5, -0.3, 0.2, 0, 0, 0]]})
     assert [spot.yaw_pitch_roll_deg[1] for spot in found.scenario.vehicles[0].model.lamps["front"].spots] == [12, 0]
     found.remove("sensors", DVL)
-    assert "dvl" not in found.scenario.vehicles[0].model.sensors and "dvl: null" in found.text
+    assert "dvl" not in found.scenario.vehicles[0].model.sensors and "dvl: null" in found.files.scenario
 
 
 BOX, DVL, LAMP = ("obstacles", 0), (*ROV, "sensors", "dvl"), (*ROV, "lamps", "front")
@@ -195,20 +229,21 @@ BOX, DVL, LAMP = ("obstacles", 0), (*ROV, "sensors", "dvl"), (*ROV, "lamps", "fr
     ],
 )
 def test_a_wrong_value_is_refused_and_nothing_changes(pool, section, place, values, message) -> None:
-    before = pool.text
+    before = pool.files.scenario
     with pytest.raises(ValueError, match=message):
         pool.set(section, place, values)
-    assert pool.text == before and not pool.can_undo
+    assert pool.files.scenario == before and not pool.can_undo
 
 
 def test_an_alias_that_would_change_two_places_and_a_large_file_are_refused(pool) -> None:
     twins = [f"  - {{kind: box, name: {name}, size_m: {size}, position_m: [0, 0, -2]}}\n" for name, size in SIZES]
-    found = Draft(pool.text.replace("obstacles:\n", f"obstacles:\n{''.join(twins)}", 1), "pool.yaml", Path())
+    twice = pool.files.scenario.replace("obstacles:\n", f"obstacles:\n{''.join(twins)}", 1)
+    found = Draft(SceneFiles("pool.yaml", twice), Path())
     with pytest.raises(ValueError, match="edit it by hand"):
         found.set("obstacles", ("obstacles", 1), {"size_m": [1, 2, 1]})
     found.set("obstacles", ("obstacles", 1), {"position_m": [4, 0, -2]})
     with pytest.raises(ValueError, match=f"at most {MAX_BYTES}"):  # before it is read
-        Draft(pool.text + "#" * MAX_BYTES, "lake.yaml", Path())
+        SceneFiles("lake.yaml", "#" * (MAX_BYTES + 1))
 
 
 BOX_AT = "position_m: [3, 0, -4.5]\n    size_m: [1, 1, 1]"
@@ -222,7 +257,7 @@ OF_SURVEYS = {  # edits of the packaged pool, and the number of their mistakes
 
 @pytest.mark.parametrize("what", OF_SURVEYS)
 def test_the_editor_the_check_and_the_survey_have_one_verdict(what: str, tmp_path: Path) -> None:
-    path, text = tmp_path / "mine.yaml", draft().text
+    path, text = tmp_path / "mine.yaml", draft().files.scenario
     edits, count = OF_SURVEYS[what]
     for old, new in edits:
         assert text.count(old) == 1
@@ -315,6 +350,46 @@ def test_a_scene_is_built_from_nothing_and_has_the_verdict_of_a_file(station: St
     assert (scenario.terrain.source, scenario.optics.sun_elevation_deg) == ("noise", 20.0)
 
 
+def test_an_exercise_is_saved_beside_its_scene_replaces_none_and_is_flown_another_day(tmp_path: Path) -> None:
+    station = Station(offered="pool", folder=tmp_path)
+    station.connect(node())
+    anna = Member(station, "anna")
+    assert anna("edit", action="open", scenario="pool")["success"]
+    goal = {"section": "goals", "kind": "reach", "at_m": [2, 3]}
+    assert anna("edit", action="add", **goal)["added"] == ["exercise", "goals", 0]
+    assert anna("edit", action="check")["mistakes"] == []
+    anna("edit", action="add", section="limits", kind="tangled")
+    (mistake,) = anna("edit", action="check")["mistakes"]
+    assert anna("edit", action="save", name="bay")["is_saved"]
+    with pytest.raises(ValueError) as refused:  # the very line of `uwsim exercise`
+        fly_exercise(tmp_path / "bay.exercise.yaml", lambda vehicle: iter(()))
+    assert mistake.removeprefix("pool.exercise.yaml: ").replace("'pool'", "'bay'") == str(refused.value)
+    assert anna("edit", action="remove", section="limits", place=["exercise", "limits", 0])["success"]
+    assert anna("edit", action="save", name="bay")["is_saved"]
+    kept = (tmp_path / "bay.exercise.yaml").read_bytes()
+    anna("edit", action="new")
+    assert "is the exercise of another scene" in anna("edit", action="save", name="bay")["message"]
+    anna("edit", action="add", **goal)
+    assert "is the exercise of another scene" in anna("edit", action="save", name="bay")["message"]
+    assert (tmp_path / "bay.exercise.yaml").read_bytes() == kept
+    station.sessions.close()
+
+    again = Station(offered="pool", folder=tmp_path)  # another day
+    again.connect(node())
+    eve = Member(again, "eve")
+    first = eve("catalog")["exercises"][0]
+    assert (first["name"], first["scenario"], first["best"]) == ("bay.exercise.yaml", "bay.yaml", None)
+    assert "must be one of bay.exercise.yaml, hover" in eve("start", exercise_name="../bay")["message"]
+    assert eve("start", exercise_name=first["name"])["success"] and eve("control", action="begin")["success"]
+    again.sessions.quit()
+    assert json.loads((tmp_path / "sheet-1/score.json").read_text())["title"] == "New exercise"
+    opened = eve("edit", action="open", scenario="bay.yaml")
+    assert [each["place"] for each in opened["parts"]][-2:] == [["exercise"], ["exercise", "goals", 0]]
+    assert eve("edit", action="remove", section="exercise", place=["exercise"])["success"]
+    assert eve("edit", action="save", name="bay")["is_saved"] and not (tmp_path / "bay.exercise.yaml").exists()
+    again.sessions.close()
+
+
 def test_what_was_left_unsaved_is_there_for_whoever_opens_it_next_and_can_be_dropped(station: Station) -> None:
     before = Member(station, "anna")("edit", action="open", scenario="pool")["text"]
     Member(station, "anna")("edit", action="add", section="obstacles", kind="box", at_m=[2, 2])
@@ -336,7 +411,8 @@ def test_a_renamed_obstacle_keeps_its_place(pool) -> None:
     values = found.part("obstacles", BOX)
     found.set("obstacles", BOX, {"name": "buoy"})
     assert found.part("obstacles", BOX) == {**values, "name": "buoy"}
-    assert lines(pool.text, found.text)[0] == [each for each in pool.text.splitlines() if "name: box" in each]
+    before = pool.files.scenario
+    assert lines(before, found.files.scenario)[0] == [each for each in before.splitlines() if "name: box" in each]
 
 
 def test_a_file_that_was_removed_or_broken_leaves_the_start_screen_to_the_others(station: Station) -> None:
@@ -397,7 +473,13 @@ def test_what_the_instructor_edits_is_logged_and_not_reported_to_the_trainee(tmp
     assert anna("start", scenario="pool")["success"] and ben("instruct", action="pause", args={})["success"]
     assert ben("edit", action="open")["success"] and ben("edit", action="apply")["success"]
     assert anna("edit", action="report")["message"] == "for the instructor only"
-    assert ben("edit", action="report")["is_open"]
+    seen = ben("edit", action="report")["files"]
+    site = Site(station)
+    for name in ("terrain.f32", "1/0.glb", "mesh/meshes/wreck.glb.png"):  # an address that anna cannot guess
+        assert site._made(f"{seen}/{name}").body
+        for other in (f"/edit/{name}", f"/edit/{'0' * 32}/{name}", f"/edit/{seen[6:-1]}/{name}"):
+            with pytest.raises((ValueError, LookupError)):
+                site._made(other)
     station.instructor._writer.submit(lambda: None).result()
     assert [each["action"] for each in station.instructor.log] == ["pause", "rebuild"]
     station.sessions.close()
@@ -467,6 +549,8 @@ def test_a_mesh_is_uploaded_in_parts_replaces_nothing_and_has_a_still(station: S
     obj = b"mtllib /secret.mtl\nusemtl red\n" + box.export(file_type="obj").encode()
     named = str(sent(anna, "tyre.obj", obj)["mesh"])
     assert named == "meshes/tyre_2.obj" and b"mtllib" not in (tmp_path / named).read_bytes()  # of another file
+    assert "without its colours, which are in /secret.mtl" in str(sent(anna, "tyre.obj", obj)["lost"])
+    assert sent(anna, "plain.obj", box.export(file_type="obj").encode())["lost"] == ""
     listed = anna("edit", action="meshes")["meshes"]
     assert {named, *names} <= set(listed) and "meshes/wreck.glb" in listed
     still = np.asarray(Image.open(io.BytesIO(station.sessions.editor.meshes.still(named))))

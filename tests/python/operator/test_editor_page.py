@@ -98,6 +98,45 @@ def test_a_new_scene_is_built_saved_and_chosen_on_the_start_screen(start_page, h
     page.click("[data-task=fly]")
 
 
+def test_an_exercise_is_made_by_keys_alone_and_flown_from_the_start_screen(page, here):
+    def add(kind):
+        for label, word in (("What to add", "Goals"), ("Kind", kind)):
+            page.get_by_label(label, exact=True).focus()
+            page.keyboard.type(word)
+        page.locator(".editor-canvas").press("a")
+        when(page, f"station.editor.part?.section === 'goals' && station.editor.part.kind === '{kind}'")
+
+    add("reach")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("PageDown")
+    when(page, SENT.format("reach", "position_m.join() === '1,0,-1.5'"))
+    add("hold")
+    assert sent(page, "hold", "after") == "reach"
+    page.keyboard.press("q")
+    when(page, SENT.format("hold", "heading_deg === 5"))
+    assert page.locator("select[aria-label=after] option").all_inner_texts()[1:] == ["reach"]
+    shows(page, ".editor-message", "Its exercise can be flown")
+    judge(page, "goals")
+    page.get_by_label("Save as").fill("drill")
+    page.keyboard.press("Control+s")
+    when(page, "station.editor.state.is_saved")
+    page.keyboard.press("Escape")
+    page.locator("[data-task=train]").press("Enter")
+    own = page.locator("[data-exercise='drill.exercise.yaml']")
+    assert "New exercise" in own.inner_text()
+    judge(page, "an exercise of one's own")
+    own.get_by_role("button").press("Enter")
+    when(page, "station.station.isPilot && station.telemetry.message")
+    page.keyboard.press("Enter")
+    until(lambda: here.station.present().judged.course.has_begun, "an attempt")
+    assert [goal.kind for goal in here.station.present().judged.course.exercise.goals] == ["reach", "hold"]
+    here.station.sessions.quit()
+    until((here.station.sessions.folder / "sheet-1/score.json").is_file, "a score sheet")
+    page.wait_for_selector(".preview:not([hidden])", state="attached")
+    page.locator("[data-task=fly]").press("Enter")
+    page.select_option("#field-scenario", "pool")
+
+
 def test_hills_and_trenches_are_drawn_on_the_bed_by_a_brush_and_by_keys(page):
     depth = """([x, y]) => {
         const { rows, columns, west_m, south_m, spacing_m: [dx, dy] } = station.editor.state.grid;

@@ -1,4 +1,4 @@
-"""The scenario being edited: its text, which is valid after every change, and the texts before and after it."""
+"""The scene being edited: its files, which are valid after every change, and those before and after it."""
 
 from __future__ import annotations
 
@@ -7,45 +7,48 @@ from itertools import accumulate
 from pathlib import Path, PurePath
 from typing import Any
 
-from uwsim.base.texts.yaml_document import Key, YamlDocument, dotted, yaml_document
+from uwsim.base.texts.yaml_document import dotted, yaml_document
 from uwsim.channels.guest import Values
-from uwsim.operator.station.editor.forms import SECTIONS, Section, flattened, forms, start_values, unflattened
+from uwsim.exercises.goal import GoalModel
+from uwsim.operator.station.editor.files import EXERCISE, Place, SceneFiles
+from uwsim.operator.station.editor.forms import SECTIONS, Section, flattened, forms, unflattened
+from uwsim.operator.station.editor.goal_values import free_name, goal_values, one_of, referring
 from uwsim.operator.station.editor.ground_plan import GroundPlan
+from uwsim.operator.station.editor.start_values import EXAMPLES, start_values
 from uwsim.operator.station.editor.vehicle_parts import is_inherited, raw_parts
-from uwsim.operator.station.editor.yaml_change import flow, with_value, without
-from uwsim.scenario import Scenario, ScenarioError
-from uwsim.scenario.read.source_file import SourceFile
-from uwsim.scenario.read.validated import validated
+from uwsim.operator.station.editor.yaml_change import flow
 
-MAX_BYTES = 64_000
-"""The largest text that is edited: each change reads it twice, which takes 14 to 30 ms per 1000 bytes."""
 STEPS_MAX = 200
 TEXT_MAX = 4000
 NAMED = ("obstacles", "objects", "props", "cover", "life", "vehicles")
 """Sections whose parts have names, which are unique among them."""
 DEPTH_MAX = 20
 """Brackets within brackets in a value: the parser's time rises with their square, to 7 s for TEXT_MAX of them."""
-Place = tuple[Key, ...]
 
 
 class Draft:
-    """A scenario's text and its history. name: of the file, for messages. folder: of the files that it names.
+    """A scene's files and their history. folder: of the files that they name.
 
-    Every change is checked as a file would be, and raises ValueError, changing nothing, if the scenario would be wrong.
-    scenario, values, plan: of the present text; they must not be modified. edition: increases with its every change.
+    Every change is checked as a file would be, and raises ValueError, changing nothing, if it would be wrong. scenario,
+    exercise, values, plan: of the present files; they must not be modified. edition: increases with every change.
     """
 
-    def __init__(self, text: str, name: str, folder: Path) -> None:
-        self.name, self.folder, self.edition = name, folder, 0
-        self._texts = [_limited(text, name)]
+    def __init__(self, files: SceneFiles, folder: Path) -> None:
+        self.folder, self.edition = folder, 0
+        self._history = [files]
         self._at = 0
         self.plan = GroundPlan()
-        self._show(self.checked(text))
+        self._show()
 
     @property
-    def text(self) -> str:
-        """The YAML text as it is now."""
-        return self._texts[self._at]
+    def files(self) -> SceneFiles:
+        """The texts as they are now."""
+        return self._history[self._at]
+
+    @property
+    def goals(self) -> list[GoalModel]:
+        """The exercise's goals, none without one."""
+        return [] if self.exercise is None else self.exercise.goals
 
     @property
     def can_undo(self) -> bool:
@@ -55,51 +58,49 @@ class Draft:
     @property
     def can_redo(self) -> bool:
         """True if an undone change can be repeated."""
-        return self._at + 1 < len(self._texts)
+        return self._at + 1 < len(self._history)
 
-    def _show(self, scenario: Scenario) -> None:
-        """Hold what belongs to the present text. Raises ScenarioError if an obstacle cannot be built."""
+    def _show(self) -> None:
+        """Hold what belongs to the present files. Raises ScenarioError if an obstacle cannot be built."""
+        scenario, exercise = self.files.read(self.folder)
         self.plan.draw(scenario)
-        self.scenario, self.values = scenario, self._document(self.text).values
+        self.scenario, self.exercise, self.values = scenario, exercise, self.files.values
         self._raw: dict[Place, dict[str, Any]] = {}
-
-    def checked(self, text: str, folder: Path | None = None) -> Scenario:
-        """Return the scenario of a text, as if it were in a file in a folder. Raises ScenarioError."""
-        document, place = self._document(text), folder or self.folder
-        return validated(Scenario, document.values, document, folder=place).read_from(SourceFile(document))
 
     def undo(self, steps: int = 1) -> None:
         """Undo changes, or repeat undone ones if negative. Raises ValueError if there are none."""
-        if not 0 <= self._at - steps < len(self._texts):
+        if not 0 <= self._at - steps < len(self._history):
             raise ValueError("there is nothing to undo" if steps > 0 else "there is nothing to redo")
         self._at -= steps
-        self._show(self.checked(self.text))
+        self._show()
         self.edition += 1
 
     def rename(self, name: str) -> None:
         """Change the scenario's name. Raises ValueError."""
-        self._take(with_value(self.text, self.name, ("name",), name))
+        self._take(self.files.renamed(name))
 
-    def replace(self, text: str) -> None:
-        """Replace the whole text, as one change. Raises ValueError."""
-        self._take(text)
+    def replace(self, files: SceneFiles) -> None:
+        """Replace all, as one change. Raises ValueError."""
+        self._take(files)
 
     def set(self, section: str, place: Place, values: Mapping[str, Any]) -> None:
         """Set fields of a part; None removes a field. Raises ValueError."""
         own, model = self.part(section, place), self._form(section, place)
-        text = self.text
+        files = self.files
         if section == "starts" or is_inherited(self.values, place):  # written as a whole for the first time
             whole = {**own, **{key: _given(model[key], value) for key, value in self._known(model, values)}}
             whole = {key: value for key, value in whole.items() if value is not None}
-            self._take(self._with_part(text, place, whole))
+            self._take(self._with_part(files, place, whole))
             return
-        for key, value in self._known(model, values):
+        for key, value in self._known(model, one_of(section, own, values)):
             at = (*place, *key.split("."))
             if value is not None:
-                text = with_value(text, self.name, at, _given(model[key], value))
+                files = files.with_value(at, _given(model[key], value))
             elif key in SECTIONS[section].flat(own):
-                text = without(text, self.name, at)
-        self._take(text)
+                files = files.without(at)
+        if section == "goals" and isinstance(values.get("name"), str):
+            files = referring(files, own["name"], values["name"])
+        self._take(files)
 
     def add(
         self, section: str, kind: str, vehicle: int, at_m: Sequence[float], own: Mapping[str, Any] | None = None
@@ -117,22 +118,24 @@ class Draft:
         values = start_values(section, kind, (x, y)) | given
         above = found.below(vehicle)
         self._require_vehicle(above)
+        if above[0] == EXERCISE:
+            return self._add_to_exercise(section, above, values, own or {})
         if found.holds == "names":
-            name = self._free(kind or section.removesuffix("s"), self.names(above))
+            name = free_name(kind or section.removesuffix("s"), list(self.names(above)))
             place: Place = (*above, name)
-            self._take(self._with_part(self.text, place, values))
+            self._take(self._with_part(self.files, place, values))
             return place
         if found.holds == "one":
             present = _at(self.values, above)
             if present is not None and (not kind or present.get(found.key) == kind):
                 raise ValueError(f"{dotted(above)}: exists already")
             values |= {key: present[key] for key in found.without if present and key in present}
-            self._take(with_value(self.text, self.name, above, values))  # in place of one of another kind
+            self._take(self.files.with_value(above, values))  # in place of one of another kind
             return above
         items = _at(self.values, above) or []
-        text = self.text
+        files = self.files
         if isinstance(items, Mapping):  # one current, written without a list
-            text, items = with_value(without(text, self.name, above), self.name, above, [dict(items)]), [items]
+            files, items = files.without(above).with_value(above, [dict(items)]), [items]
         if section in NAMED:
             taken = [
                 SECTIONS[key].flat(each).get(SECTIONS[key].field("name"))
@@ -142,27 +145,42 @@ class Draft:
             taken += [body.name for body in self.scenario.objects]
             named = values.get(found.inner, values)
             first = {"kind": kind} if kind else {}
-            named = {**first, "name": self._free(kind or str(values["model"]), taken), **named}
+            named = {**first, "name": free_name(kind or str(values["model"]), taken), **named}
             values = values | {found.inner: named} if found.inner else named
         place = (*above, len(items))
-        self._take(with_value(text, self.name, place, values))
+        self._take(files.with_value(place, values))
         return place
+
+    def _add_to_exercise(self, section: str, above: Place, values: Values, own: Mapping[str, Any]) -> Place:
+        """Add a part of the exercise, which begins with its first part, and a goal."""
+        files, goals = self.files, self.goals
+        if section == "exercise" and goals:
+            raise ValueError(f"{EXERCISE}: exists already")
+        if section == "goals":
+            values = goal_values(self.scenario, goals, values, own)
+        if not goals:
+            files = files.with_value((EXERCISE,), {**EXAMPLES["exercise"], "scenario": files.name})
+            first = goal_values(self.scenario, (), start_values("goals", "reach", (0.0, 0.0)), {})
+            files = files if section == "goals" else files.with_value((EXERCISE, "goals", 0), first)
+        if section != "exercise":
+            above = (*above, len(_at(files.values, above) or ()))
+            files = files.with_value(above, values)
+        self._take(files)
+        return above
 
     def remove(self, section: str, place: Place) -> None:
         """Remove a part. Raises ValueError."""
-        self.part(section, place)
+        own, files = self.part(section, place), self.files
         if section == "starts":
             raise ValueError(f"{dotted(place)}: a vehicle has a start")
-        if not SECTIONS[section].of_vehicle:
-            self._take(without(self.text, self.name, place))
-            return
-        text = self.text
-        if _at(self.values, place) is not None:
-            text = without(text, self.name, place)
-        base = yaml_document(text, self.name).values
-        if place[-1] in raw_parts(base, place[:-1], self.folder):  # of the vehicle on which this one builds
-            text = self._with_part(text, place, None)
-        self._take(text)
+        if section == "goals":
+            before = own.get("after")
+            files = referring(files, own["name"], before if isinstance(before, str) else None)
+        if not SECTIONS[section].of_vehicle or _at(self.values, place) is not None:
+            files = files.without(place)
+        if SECTIONS[section].of_vehicle and place[-1] in raw_parts(files.values, place[:-1], self.folder):
+            files = self._with_part(files, place, None)  # of the vehicle on which this one builds
+        self._take(files)
 
     def part(self, section: str, place: Place) -> dict[str, Any]:
         """Return a part's own values, without defaults. Raises ValueError if there is none at this place."""
@@ -207,28 +225,31 @@ class Draft:
                 raise ValueError(f"{str(key)[:40]}: unknown key: must be one of {', '.join(model)}")
         return list(values.items())
 
-    def _with_part(self, text: str, place: Place, value: Any) -> str:
-        """Return a text with a vehicle's part, in a model that builds on the vehicle's own."""
+    def _with_part(self, files: SceneFiles, place: Place, value: Any) -> SceneFiles:
+        """Return the files with a vehicle's part, in a model that builds on the vehicle's own."""
         if place[-1] == "start":
-            return with_value(text, self.name, place, value)
-        values = yaml_document(text, self.name).values
+            return files.with_value(place, value)
+        values = files.values
         vehicle, key, name = place[:3], place[3], place[-1]
         model = _at(values, vehicle)
         if isinstance(model, str):
-            return with_value(text, self.name, vehicle, {"builds_on": model, key: {name: value}})
+            return files.with_value(vehicle, {"builds_on": model, key: {name: value}})
         if isinstance(model.get(key), str):  # a set of sensors in a file of its own
-            return with_value(text, self.name, place[:-1], {**raw_parts(values, place[:-1], self.folder), name: value})
-        return with_value(text, self.name, place, value)
+            return files.with_value(place[:-1], {**raw_parts(values, place[:-1], self.folder), name: value})
+        return files.with_value(place, value)
 
-    def _take(self, text: str) -> None:
-        """Take a changed text, if it is valid. Raises ValueError."""
-        scenario = self.checked(_limited(text, self.name))
-        if text == self.text:
+    def _take(self, files: SceneFiles) -> None:
+        """Take changed files, if they are valid. Raises ValueError."""
+        if files == self.files:
             return
-        self.plan.draw(scenario)
-        kept = self._texts[max(0, self._at + 1 - STEPS_MAX) : self._at + 1]
-        self._texts, self._at = [*kept, text], len(kept)
-        self._show(scenario)
+        before = self._history, self._at
+        kept = self._history[max(0, self._at + 1 - STEPS_MAX) : self._at + 1]
+        self._history, self._at = [*kept, files], len(kept)
+        try:
+            self._show()
+        except ValueError:
+            self._history, self._at = before
+            raise
         self.edition += 1
 
     def _section(self, section: str) -> Section:
@@ -240,16 +261,6 @@ class Draft:
         if place[0] == "vehicles" and len(place) > 1 and not 0 <= int(place[1]) < len(self.values["vehicles"]):
             raise ValueError(f"vehicle = {place[1]}: there are {len(self.values['vehicles'])}")
 
-    def _free(self, base: str, taken: Any) -> str:
-        names = (base if k == 1 else f"{base}_{k}" for k in range(1, len(taken) + 3))
-        return next(name for name in names if name not in taken)
-
-    def _document(self, text: str) -> YamlDocument:
-        try:
-            return yaml_document(text, self.name)
-        except ValueError as error:
-            raise ScenarioError(str(error)) from None
-
 
 def _at(values: Any, place: Place) -> Any:
     for key in place:
@@ -260,13 +271,6 @@ def _at(values: Any, place: Place) -> Any:
         else:
             return None
     return values
-
-
-def _limited(text: str, name: str) -> str:
-    size = len(text.encode())
-    if size > MAX_BYTES:
-        raise ScenarioError(f"{name}: has {size} bytes: at most {MAX_BYTES} can be edited here")
-    return text
 
 
 def _given(field: Mapping[str, Any], value: Any) -> Any:

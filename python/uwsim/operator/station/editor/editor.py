@@ -1,15 +1,13 @@
-"""The station's editor: who edits which scenario, its parts as the page shows them, and where it goes."""
+"""The station's editor: who edits which scene, its parts as the page shows them, and where its files go."""
 
 from __future__ import annotations
 
-import math
 import secrets
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import orjson
 
@@ -17,12 +15,13 @@ from uwsim.base.arguments import is_number
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.channels.guest import Values
+from uwsim.exercises.flyable import flyable
 from uwsim.flight.survey_check import checked
-from uwsim.operator.station.editor.draft import MAX_BYTES, Draft, Place
-from uwsim.operator.station.editor.forms import SECTIONS
+from uwsim.operator.station.editor.draft import Draft
+from uwsim.operator.station.editor.files import MAX_BYTES, Place, SceneFiles, exercise_file
 from uwsim.operator.station.editor.meshes import Meshes
-from uwsim.operator.station.editor.vehicle_parts import is_inherited
-from uwsim.scenario import Scenario, exports, start_pose
+from uwsim.operator.station.editor.parts import parts
+from uwsim.scenario import Scenario, exports
 from uwsim.scenario.dump import plain, yaml_text
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.spec.fields import NAME
@@ -38,18 +37,21 @@ class Editor:
     """One scenario being edited by one client at a time. folder: where it is saved. threads: of simulators.
 
     What a client leaves unsaved, for example as its page reloads, is there for the next who opens the same scenario.
-    saved: the paths of the scenarios in the folder, those of earlier stations too, by their names on the start screen.
-    Files that hold none are left out when they are listed. Methods may be called on any thread.
+    saved, exercises: the paths of the scenarios in the folder and of the exercises beside them, those of earlier
+    stations too, by their names on the start screen. Files that hold none are left out when they are listed. address:
+    of the files that belong to the scene, over HTTP. Methods may be called on any thread.
     """
 
     def __init__(self, folder: Path, threads: int | None) -> None:
         files = [path for path in sorted(folder.glob("*.yaml")) if NAME.fullmatch(path.stem) and path.is_file()]
         self.saved = {path.name: path for path in files[:SAVED_MAX]}
+        beside = [folder / exercise_file(path.name) for path in files[:SAVED_MAX]]
+        self.exercises = {path.name: path for path in beside if path.is_file()}
         self._folder, self._threads = folder, threads
         self._lock, self._changing, self._building = threading.Lock(), threading.Lock(), threading.Lock()
         self._draft: Draft | None = None
-        self._base = ""  # the text that was opened or saved last
-        self._by = self._opened = self._name = ""
+        self._base = SceneFiles("", "")  # those that were opened or saved last
+        self._by = self._opened = self._name = self._key = ""
         self._archive = ("", b"")
         self.meshes = Meshes(folder)
 
@@ -70,7 +72,7 @@ class Editor:
     def open_new(self, client: str) -> bool:
         """Open a new scene, with no more than a bed, water and a vehicle. If one is unsaved, editing continues."""
         text = (assets_folder() / "templates" / "scene.yaml").read_text(encoding="utf-8").replace("@NAME@", NEW)
-        return self._take(client, NEW, lambda: Draft(text, f"{NEW}.yaml", self._folder), is_of_same=True)
+        return self._take(client, NEW, lambda: Draft(SceneFiles(f"{NEW}.yaml", text), self._folder), is_of_same=True)
 
     def open_running(
         self, client: str, scenario: Scenario, is_of_file: Callable[[Scenario], bool], *, is_of_same: bool
@@ -83,27 +85,28 @@ class Editor:
         def make() -> Draft:
             document = scenario.source_file.document
             if document is not None:
-                found = Draft(document.text, Path(document.name).name, self._folder)
+                found = Draft(SceneFiles(Path(document.name).name, document.text), self._folder)
                 if is_of_file(found.scenario):
                     return found
-            return Draft(yaml_text(plain(scenario)), f"{scenario.name}.yaml", self._folder)
+            return Draft(SceneFiles(f"{scenario.name}.yaml", yaml_text(plain(scenario))), self._folder)
 
         return self._take(client, scenario.name, make, is_of_same)
 
     def _of_file(self, path: Path) -> Draft:
         """Return a file's draft; a packaged one, which names packaged files only, may also name those in the folder."""
         folder = self._folder if assets_folder() in path.parents else path.resolve().parent
-        return Draft(read_yaml(path, path.name).text, path.name, folder)
+        return Draft(SceneFiles.of(path, read_yaml(path, path.name).text), folder)
 
     def _take(self, client: str, name: str, make: Callable[[], Draft], is_of_same: bool) -> bool:
         with self._alone():
             kept = self._draft
             is_of_same = is_of_same and name in (self._opened, self._name)
-            if kept is not None and is_of_same and kept.text != self._base:
+            self._key = secrets.token_hex(16)
+            if kept is not None and is_of_same and kept.files != self._base:
                 self._by = client
                 return True
             draft = make()
-            self._draft, self._base, self._by = draft, draft.text, client
+            self._draft, self._base, self._by = draft, draft.files, client
             self._opened = self._name = name
             return False
 
@@ -122,7 +125,7 @@ class Editor:
         """End a client's editing, and forget what was not saved."""
         with self._lock:
             if client == self._by:
-                self._draft, self._by, self._archive = None, "", ("", b"")
+                self._draft, self._by, self._key, self._archive = None, "", "", ("", b"")
                 self.meshes.forget()
 
     def left(self, client: str) -> None:
@@ -164,37 +167,58 @@ class Editor:
             return ()
 
     def save(self, name: object) -> Path:
-        """Write the scenario under a name; return its path. Raises ValueError or OSError."""
+        """Write the scenario under a name, and beside it the exercise; return its path. Raises ValueError or OSError.
+
+        An exercise's file that is not the one that was opened or saved is not replaced.
+        """
         with self._lock:
             if not isinstance(name, str) or not NAME.fullmatch(name):
                 rule = "must be a letter followed by at most 39 letters, digits, '-' or '_'"
                 raise ValueError(f"name = {str(name)[:40]!r}: {rule}")
             path = self._folder / f"{name}.yaml"
-            self.draft.rename(name)
-            self.draft.checked(self.draft.text, self._folder)  # the files that it names may lie elsewhere
+            beside, draft, own = path.with_name(exercise_file(path.name)), self.draft, self._base.exercise
+            if beside.exists() and not (own and beside.read_bytes() == own.encode()):
+                raise ValueError(f"{beside.name}: is the exercise of another scene: save under another name")
+            draft.rename(name)
+            draft.files.read(self._folder)  # the files that it names may lie elsewhere
             self._folder.mkdir(parents=True, exist_ok=True)
-            write_atomically(path, self.draft.text.encode())
+            write_atomically(path, draft.files.scenario.encode())
             self.saved[path.name] = path
-            self._base, self._name = self.draft.text, path.name
+            if draft.exercise is not None:
+                write_atomically(beside, draft.files.exercise.encode())
+                self.exercises[beside.name] = beside
+            elif self.exercises.pop(beside.name, None):
+                beside.unlink(missing_ok=True)
+            self._base, self._name = draft.files, path.name
             return path
 
     def mistakes(self) -> list[str]:
-        """Return the scenario's mistakes or, if there are none, its warnings; see flight.survey_check."""
-        scenario = self.draft.scenario
+        """Return the mistakes of the scenario or else of its exercise or, if there are none, warnings.
+
+        See flight.survey_check, and exercises.flyable for what `uwsim exercise` refuses.
+        """
+        draft = self.draft
         with self._building:
-            found = checked(lambda: scenario, self._threads)
-        return list(found.mistakes or found.warnings)
+            found = checked(lambda: draft.scenario, self._threads)
+            wrong = list(found.mistakes)
+            if not wrong and draft.exercise is not None:
+                try:
+                    flyable(draft.exercise, self._threads, draft.scenario)
+                except ValueError as error:
+                    wrong = [f"{draft.files.exercise_name}: {each}" for each in getattr(error, "mistakes", (error,))]
+        return wrong or list(found.warnings)
 
     def export(self, suffix: object) -> Values:
         """Make the scenario's files for another simulator; return their archive's address, and what was left out.
 
-        The address cannot be guessed, since a trainee must not see what an instructor edits. Raises ValueError.
+        Raises ValueError.
         """
         scenario = self.draft.scenario
         with self._building:
             made = exports.export(scenario, scenario.name, str(suffix)[:40])
-            self._archive = (f"{secrets.token_hex(16)}/{scenario.name}_{suffix}.zip", exports.zipped(made.files))
-        return {"file": f"/edit/export/{self._archive[0]}", "notes": made.notes}
+            self._archive = (f"{scenario.name}_{suffix}.zip", exports.zipped(made.files))
+        left = [] if self.draft.exercise is None else [f"{self.draft.files.exercise_name}: is left out"]
+        return {"file": f"{self.address}/export/{self._archive[0]}", "notes": [*left, *made.notes]}
 
     def archive(self, name: str) -> bytes:
         """Return the archive that was exported last. Raises ValueError if it has another name."""
@@ -202,6 +226,16 @@ class Editor:
         if not known or name != known:
             raise ValueError("this archive is no more: export it again")
         return content
+
+    @property
+    def address(self) -> str:
+        """The address of the scene's files. It cannot be guessed: it is stated only to those who may edit."""
+        return f"/edit/{self._key}"
+
+    def require(self, key: str) -> None:
+        """Raise ValueError unless this is the key in the present address."""
+        if not self._key or not secrets.compare_digest(key, self._key):
+            raise ValueError("this scene is not edited any more, or not by you")
 
     def solid(self, edition: int, number: int) -> bytes:
         """Return an obstacle of the plan; see `GroundPlan.solid`. b"" after the editing has ended."""
@@ -223,57 +257,11 @@ class Editor:
                 return {"is_open": False, "by": ""}
             return {
                 "is_open": True, "by": by, "name": self._name, "edition": draft.edition, "can_undo": draft.can_undo,
-                "can_redo": draft.can_redo, "is_saved": draft.text == self._base,
+                "can_redo": draft.can_redo, "is_saved": draft.files == self._base, "files": self.address,
                 "grid": draft.plan.grid, "plan": draft.plan.edition,
-                "vehicles": [entry.name for entry in draft.scenario.vehicles], "parts": list(_parts(draft)),
-                "text": draft.text,
+                "vehicles": [entry.name for entry in draft.scenario.vehicles], "parts": list(parts(draft)),
+                "text": draft.files.shown,
             }  # fmt: skip
-
-
-def _parts(draft: Draft) -> Iterator[Values]:
-    """Yield the scenario's parts; see wire.editor.EditedPart."""
-    values, scenario = draft.values, draft.scenario
-    for section, found in SECTIONS.items():
-        for vehicle in range(len(scenario.vehicles) if found.of_vehicle else 1):
-            above = found.below(vehicle)
-            frame = _frame(scenario, vehicle) if found.of_vehicle and section != "starts" else [0.0, 0.0, 0.0, 0.0]
-            for place, name in _places(draft, section, above, values):
-                own = draft.shown(section, place)
-                is_docked = section == "starts" and not own
-                outline = draft.plan.outlines_m[int(place[1])] if section == "obstacles" else []
-                if is_docked:
-                    position_m, yaw_rad = start_pose(scenario, scenario.vehicles[vehicle])
-                    own = {"position_m": list(position_m), "yaw_deg": math.degrees(yaw_rad)}
-                yield {
-                    "section": section, "place": list(place), "name": str(own.get(found.field("name"), name)),
-                    "kind": str(own.get(found.field(found.key), "")), "vehicle": vehicle if found.of_vehicle else None,
-                    "is_inherited": is_docked or is_inherited(values, place),
-                    "frame": frame, "values": own, "outline_m": outline,
-                }  # fmt: skip
-
-
-def _places(draft: Draft, section: str, above: Place, values: Any) -> Iterator[tuple[Place, str]]:
-    """Yield the places of a section's parts, and names for those that have none of their own."""
-    holds = SECTIONS[section].holds
-    if holds == "names":
-        yield from (((*above, name), name) for name in draft.names(above))
-        return
-    for key in above:
-        values = values.get(key) if isinstance(values, dict) else values[int(key)]
-        if values is None:
-            break
-    if section == "starts":
-        yield above, draft.scenario.vehicles[int(above[1])].name
-    elif (holds == "one" and values is not None) or isinstance(values, dict):
-        yield above, section
-    else:
-        yield from (((*above, k), f"{section} {k + 1}") for k in range(len(values or ())))
-
-
-def _frame(scenario: Scenario, vehicle: int) -> list[float]:
-    """Return the place and direction, x, y [m], yaw [deg], z [m], of the frame of a vehicle's parts."""
-    (x, y, z), yaw_rad = start_pose(scenario, scenario.vehicles[vehicle])
-    return [x, y, math.degrees(yaw_rad), z]
 
 
 def _place(value: object) -> Place:

@@ -9,12 +9,14 @@ from typing import Any
 
 from uwsim.base.texts.yaml_document import Key
 from uwsim.channels.guest import Values
+from uwsim.exercises.exercise import EVENT_COMMANDS, Aid, Event, Exercise
+from uwsim.exercises.goal import Goal
+from uwsim.exercises.limits import Limit
 from uwsim.scenario.read.assets import packaged_names
 from uwsim.scenario.schema import schema
 from uwsim.scenario.spec.camera import Lamps
 from uwsim.scenario.spec.json_schema import UNIT
 from uwsim.scenario.spec.loose_body import LOOSE_KINDS, LooseBody
-from uwsim.scenario.spec.obstacle import OBSTACLES
 from uwsim.scenario.spec.prop import PropEntry
 from uwsim.scenario.spec.terrain import Stroke
 from uwsim.scenario.spec.tides import Tide
@@ -60,6 +62,8 @@ class Section:
         return ("vehicles", vehicle, *self.place) if self.of_vehicle else self.place
 
 
+OF_EXERCISE = {"goals": "kind", "limits": "kind", "events": "", "aids": ""}
+"""Sections of the exercise, and the keys of their kinds."""
 SECTIONS = {
     "obstacles": Section("obstacle", ("obstacles",), "list"),
     "objects": Section("loose_body", ("objects",), "list", without=("shape",), inner="shape"),
@@ -83,34 +87,18 @@ SECTIONS = {
             ("sensors", "sensor"), ("cameras", "camera"), ("lamps", "lamps"), ("imaging_sonars", "imaging_sonar"),
         )
     },
+    "exercise": Section("exercise", ("exercise",), "one", without=("scenario", *OF_EXERCISE)),
+    **{name: Section(name, ("exercise", name), "list", key=key) for name, key in OF_EXERCISE.items()},
 }  # fmt: skip
 OTHER_SCHEMAS: Mapping[str, Any] = {
     "surface": SurfaceSpec, "tide": Tide, "wind": Wind, "vehicle_entry": VehicleEntry, "lamps": Lamps,
     "current": CurrentSpec, "start": StartPose, "placed_prop": PropEntry, "stroke": Stroke, "loose_body": LooseBody,
+    "exercise": Exercise, "goals": Goal, "limits": Limit, "events": Event, "aids": Aid,
 }  # fmt: skip
-EXAMPLES: Mapping[str, Mapping[str, Any]] = {
-    "lamps": Lamps.example,
-    "props": {"model": "drum"},
-    "objects": {"density_kg_m3": 1100},
-    "vehicles": {"model": "bluerov2_heavy_outfit"},
-    "terrain noise": {"size_m": [100, 100], "spacing_m": 1, "bed_depth_m": 10, "hill_height_m": 3},
-    "terrain image": {
-        "file": "terrains/mountains.png", "size_m": [200, 200], "spacing_m": 1, "black_m": -20, "white_m": -5,
-    },
-    "terrain raster": {
-        "file": "terrains/jacksboro_srtm.asc", "crs": "EPSG:4326", "water_level_m": 550, "horizontal_scale": 0.05,
-        "vertical_scale": 0.11, "centre": [-84.19, 36.6], "size_m": [440, 320], "spacing_m": 1,
-    },
-    "strokes": {"width_m": 10, "height_m": 2},
-    "tide": {"constituents": [{"constituent": "M2", "amplitude_m": 1}]},
-    "surface airy": {"amplitude_m": 0.3, "period_s": 6},
-    "surface jonswap": {"significant_height_m": 0.5, "peak_period_s": 6},
-    "wind": {"speed_m_s": 5},
-    "cover": {"density_per_m2": 0.3, "size_m": [0.2, 0.5]},
-    "cover kelp": {"density_per_m2": 0.3, "size_m": [2, 4]},
-    "life": {"count": 20, "size_m": [0.2, 0.3]},
+PACKAGED = {
+    ("vehicle_entry", "model"): "vehicles", ("placed_prop", "model"): "props", ("exercise", "vehicle"): "vehicles",
 }  # fmt: skip
-"""Values with which a new part begins, by section and kind, or by section."""
+"""Folders of the packaged files that a field, by schema and name, can name."""
 
 
 @cache
@@ -128,35 +116,6 @@ def described_forms() -> list[Values]:
         }
         for name, section in SECTIONS.items()
     ]  # fmt: skip
-
-
-def start_values(section: str, kind: str, at_m: tuple[float, float]) -> Values:
-    """Return the values of a new part at a place (x, y), which a person then changes."""
-    if inner := SECTIONS[section].inner:
-        return {inner: start_values("obstacles", kind, at_m), **EXAMPLES[section]}
-    found: Values = {SECTIONS[section].key: kind} if kind else {}
-    usual = EXAMPLES.get(f"{section} {kind}") or EXAMPLES.get(section, {})
-    found |= OBSTACLES.models()[kind].example if section == "obstacles" else usual
-    under_water = [*at_m, -1.0]
-    if section == "vehicles":
-        found["start"] = {"position_m": under_water}
-    for field in forms()[section][kind]:
-        name, width = field["name"], field["width"]
-        if name in found or not (field["is_required"] or name == "position_m") or name == "name":
-            continue
-        number = _guess(field["low"], field["high"])
-        if field["role"] == "place":
-            found[name] = under_water if section == "life" else [*at_m, 0.0][:width]
-        elif field["role"] == "line" and field["columns"] == ["x", "y"]:
-            corners = ((0.0, 0.0),) if section == "strokes" else ((-5.0, -5.0), (5.0, -5.0), (5.0, 5.0))
-            found[name] = [[round(at_m[0] + dx, 3), round(at_m[1] + dy, 3)] for dx, dy in corners]
-        elif field["columns"]:
-            found[name] = unflattened(field, [[0.0] * len(field["columns"])])
-        elif field["type"] == "number":
-            found[name] = number if width == 1 else [number] * width
-        else:
-            found[name] = field["choices"][0] if field["choices"] else ""
-    return found
 
 
 def flattened(field: Values, rows: Any) -> Any:
@@ -199,11 +158,6 @@ def unflattened(field: Values, rows: Any) -> Any:
     return found
 
 
-def _guess(low: float | None, high: float | None) -> float:
-    """Return a number to start with: 0, or where that is too small, 1."""
-    return 0.0 if low is None or low <= 0.0 else min(max(1.0, low), high or 1.0)
-
-
 def _kinds(section: Section) -> Iterator[tuple[str, list[Values]]]:
     whole = schema(section.schema, OTHER_SCHEMAS)
     definitions = whole.get("definitions", {})
@@ -226,13 +180,15 @@ def _kinds(section: Section) -> Iterator[tuple[str, list[Values]]]:
 
 
 def _packaged(section: Section, field: Values) -> Values:
-    """Return a field, with packaged files as choices if it names a vehicle's or a prop's model, or marked as a mesh."""
-    folder = str(section.place[0])
-    if folder in ("obstacles", "cover") and field["name"] == "file":
+    """Return a field with what it has in its section alone: choices of files and commands, or another role."""
+    if section.schema in ("obstacle", "cover") and field["name"] == "file":
         return field | {"role": "mesh"}
-    if section.of_vehicle or folder not in ("vehicles", "props") or field["name"] != "model":
-        return field
-    return field | {"type": "choice", "choices": packaged_names(folder)}
+    if section.schema == "goals" and field["name"] == "heading_deg":
+        return field | {"role": "turn"}
+    if section.schema == "events" and field["name"] == "command":
+        return field | {"type": "choice", "choices": list(EVENT_COMMANDS)}
+    folder = PACKAGED.get((section.schema, field["name"]))
+    return field | {"type": "choice", "choices": packaged_names(folder)} if folder else field
 
 
 def _field(name: str, part: Schema, definitions: Schema, is_required: bool) -> Values:

@@ -35,6 +35,8 @@ SUFFIXES = (".glb", ".obj", ".stl", ".ply")
 MESH_BYTES_MAX = 20_000_000
 MESHES_MAX = 200
 NAME = re.compile(rf"{FOLDER}/[A-Za-z0-9_.-]{{1,80}}")
+LIBRARY = re.compile(rb"^[ \t]*mtllib[ \t](.*)$", re.MULTILINE)
+"""A line of an OBJ file that names the file of its materials."""
 SIDE_PX = 120
 YAW_RAD, PITCH_RAD = np.pi / 4, 0.5
 """The direction in which the camera of a still looks: to the north-east, and down."""
@@ -70,7 +72,7 @@ class Meshes:
     def receive(self, request: Values) -> Values:
         """Take a part of an upload: `name`, `size` of the whole, `at`: where it begins, `data` in Base64.
 
-        Return how much has come, and with the last part the `mesh`, as a scenario names it. Raises ValueError or
+        Return the `mesh`, as a scenario names it, with the last part, and what of it is `lost`. Raises ValueError or
         OSError; a file that is no sound mesh is not kept.
         """
         name, size, at = str(request.get("name") or "")[:200], request.get("size"), request.get("at")
@@ -93,7 +95,7 @@ class Meshes:
                 return {"mesh": ""}
             content = bytes(self._received)
             self.forget()
-        return {"mesh": self._keep(name, suffix, content)}
+        return {"mesh": self._keep(name, suffix, content), "lost": _lost(name, suffix, content)}
 
     def forget(self) -> None:
         """Forget an upload that was not finished."""
@@ -123,10 +125,17 @@ class Meshes:
         raise AssertionError
 
 
+def _lost(name: str, suffix: str, content: bytes) -> str:
+    """Return what `_alone` takes from a mesh, "" for nothing."""
+    found = LIBRARY.search(content) if suffix == ".obj" else None
+    library = "" if found is None else found[1].decode(errors="replace").strip()[:80]
+    return f"{name}: without its colours, which are in {library}: a .glb has them inside" if found else ""
+
+
 def _alone(name: str, suffix: str, content: bytes) -> bytes:
     """Return a mesh's content without what it takes from other files of this machine. Raises ValueError."""
     if suffix == ".obj":
-        return re.sub(rb"^[ \t]*mtllib[ \t].*$", b"", content, flags=re.MULTILINE)
+        return LIBRARY.sub(b"", content)
     if suffix == ".glb" and _names_files(content):
         raise ValueError(f"{name}: takes data from other files, or is no glTF: export it with all its data inside")
     return content

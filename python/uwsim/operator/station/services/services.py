@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from uwsim.base.atomic_file import write_atomically
@@ -36,6 +37,7 @@ from uwsim.operator.station.start.choice import (
     chosen_flight,
     chosen_save,
     described,
+    described_exercise,
 )
 from uwsim.operator.station.wire.calls import CALLS
 from uwsim.scenario import ScenarioError, exports
@@ -281,23 +283,18 @@ class Services:
         found = catalog(self._sessions.offered)
         defaults = found["defaults"] | ({"link": self._link} if self._link else {})
         flights = [] if self._sessions.flights is None else self._sessions.flights.listed()
-        own = []
-        offered = {each["name"] for each in found["scenarios"]}
-        for name, path in self._sessions.editor.saved.copy().items():
-            if name in offered:
-                continue
-            with suppress(ScenarioError, OSError):  # its file was removed, or changed by hand
-                own.append(described(name, path))
-        best = best_scores()
-        exercises = [{**each, "best": best.get(each["title"])} for each in found["exercises"]]
-        found = {**found, "scenarios": [*own, *found["scenarios"]], "exercises": exercises}
+        editor, offered = self._sessions.editor, [each["name"] for each in found["scenarios"]]
+        saved = {name: path for name, path in editor.saved.items() if name not in offered}
+        best, trained = best_scores(), [*_readable(editor.exercises, described_exercise), *found["exercises"]]
+        exercises = [{**each, "best": best.get(each["title"])} for each in trained]
+        found = {**found, "scenarios": [*_readable(saved, described), *found["scenarios"]], "exercises": exercises}
         return {**found, "defaults": defaults, "saves": saved_names(self._sessions.folder), "flights": flights}
 
     def _check(self, caller: str, request: Values) -> Values:
         if request.get("flight") is not None:
             chosen_flight(request)
         elif request.get("exercise_name") is not None:
-            chosen_exercise(request)
+            chosen_exercise(request, self._sessions.editor.exercises)
         elif request.get("saved") is None:
             scenario, _ = chosen(request, self._sessions.offered, self._sessions.editor.saved)
             if self._sessions.phase == "idle" and caller in self._lease.members:
@@ -341,6 +338,15 @@ def _require_open(running: Running, act: object) -> None:
     """Raise ValueError if an exercise has closed the world to this act."""
     if isinstance(act, str) and (reason := running.table.rights.refusal_of(act)):
         raise ValueError(reason)
+
+
+def _readable(saved: dict[str, Path], describe: Callable[[str, Path], Values]) -> list[Values]:
+    """Return what files hold, without those that were removed, or changed by hand to hold nothing."""
+    found = []
+    for name, path in saved.copy().items():
+        with suppress(ScenarioError, OSError):
+            found.append(describe(name, path))
+    return found
 
 
 def _sent(running: Running) -> str:

@@ -15,8 +15,9 @@ from uwsim.channels.delivery.feed import Feed
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.ros.own_types import STATION_STATE
 from uwsim.channels.served import default_origin
-from uwsim.exercises import Course, Exercise, load_exercise
+from uwsim.exercises import Exercise, load_exercise
 from uwsim.exercises.exercise import next_exercise
+from uwsim.exercises.flyable import flyable
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.editor import Editor
 from uwsim.operator.station.flights.flights import FlightRecording, Flights
@@ -109,14 +110,15 @@ class Sessions:
                 )
 
     def _train(self, choice: Values) -> None:
-        """Run a packaged exercise: from the start screen, or after another one."""
+        """Run an exercise that is packaged or beside a saved scene: from the start screen, or after another one."""
         follows = self.running is not None and self.running.judged is not None
         if self._is_supervised or (self.is_fixed and not follows):
             raise ValueError("exercise_name: this server runs one scenario, or its instructor decides")
-        name = chosen_exercise(choice)
+        own = self.editor.exercises
+        name = chosen_exercise(choice, own)
         self.prepared.forget()
         with _errors_of("exercise_name", ScenarioError, ValueError):
-            self.run_exercise(load_exercise(name), self._person if follows else "", name)
+            self.run_exercise(load_exercise(own.get(name, name)), self._person if follows else "", name)
 
     def _continue(self, choice: Values) -> None:
         """Continue a saved session; only the speed is taken from the choice."""
@@ -174,13 +176,12 @@ class Sessions:
         person: the name on the sheets and in the log book, by default that of the member who begins the attempt. name:
         of a packaged exercise, after which the pilot may start the next one unless an instructor decides.
         """
-        exercise = exercise.in_world()
         self._person = person
         following = ("", "") if self._is_supervised else next_exercise(name)
 
         def make() -> LiveSimulator:
-            sim = Simulator(exercise.made_scenario(), threads=self.threads)
-            Course.require_events(exercise, sim)
+            nonlocal exercise
+            exercise, sim = flyable(exercise, self.threads)
             return LiveSimulator(sim, paused=True)  # until the pilot begins
 
         def judge(running: Running) -> None:

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from http import HTTPStatus
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from websockets.http11 import Request, Response
@@ -30,11 +31,11 @@ from uwsim.operator.station.site.token_page import token_page
 from uwsim.operator.station.station import Station
 
 WAITING_MAX = 40  # maximum number of requests waiting for generated content
+Route = tuple[str, Callable[..., tuple[bytes, str]]]
+"""A pattern of paths, and what makes the content and the name of a download, "" for none."""
 DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|flight|edit)/")
 PREVIEW = re.compile(r"/preview/(.{1,1000})\.(png|jpg)")
-ARCHIVE = re.compile(r"/edit/export/([0-9a-f]{32}/[^/]{1,100}\.zip)")
-MESH = re.compile(r"/edit/mesh/([^?]{1,100})\.png")
-SOLID = re.compile(r"/edit/(\d{1,9})/(\d{1,5})\.glb")
+EDITED = re.compile(r"/edit/([0-9a-f]{1,64})/(.{1,200})")
 
 
 class Site:
@@ -87,25 +88,21 @@ class Site:
         asked = PREVIEW.fullmatch(path)
         if asked is not None:
             return File(self._sessions.preview(asked[1], asked[2]), TYPES[f".{asked[2]}"])
-        if path == "/edit/terrain.f32":
-            return File(self._sessions.editor.draft.plan.heights(), "application/octet-stream")
-        solid = SOLID.fullmatch(path)
-        if solid is not None:
-            return File(self._sessions.editor.solid(int(solid[1]), int(solid[2])), TYPES[".glb"])
-        archive = ARCHIVE.fullmatch(path)
-        if archive is not None:
-            return File(self._sessions.editor.archive(archive[1]), TYPES[".zip"], Path(path).name)
-        mesh = MESH.fullmatch(path)
-        if mesh is not None:
-            return File(self._sessions.editor.meshes.still(mesh[1]), TYPES[".png"])
-        running = self._sessions.present()
-        for pattern, make in ROUTES:
-            match = re.fullmatch(pattern, path)
-            if match is not None:
-                body, name = make(running, *match.groups())
-                suffix = Path(path).suffix
-                return File(body, TYPES.get(suffix, "application/octet-stream"), name)
-        raise LookupError(path)
+        edited = EDITED.fullmatch(path)
+        if edited is not None:  # for those who may edit alone
+            self._sessions.editor.require(edited[1])
+            return _routed(OF_EDITOR, self._sessions.editor, edited[2])
+        return _routed(ROUTES, self._sessions.present(), path)
+
+
+def _routed(routes: list[Route], of: Any, path: str) -> File:
+    """Return what a route makes of something for a path. Raises LookupError if none has it."""
+    for pattern, make in routes:
+        match = re.fullmatch(pattern, path)
+        if match is not None:
+            body, name = make(of, *match.groups())
+            return File(body, TYPES.get(Path(path).suffix, "application/octet-stream"), name)
+    raise LookupError(path)
 
 
 def _named(running: Running, vehicle: str, suffix: str) -> str:
@@ -113,7 +110,13 @@ def _named(running: Running, vehicle: str, suffix: str) -> str:
     return f"{running.live.simulator.scenario.name}-{vehicle}.{suffix}"
 
 
-ROUTES: list[tuple[str, Callable[..., tuple[bytes, str]]]] = [
+OF_EDITOR: list[Route] = [
+    (r"terrain\.f32", lambda editor: (editor.draft.plan.heights(), "")),
+    (r"(\d{1,9})/(\d{1,5})\.glb", lambda editor, plan, number: (editor.solid(int(plan), int(number)), "")),
+    (r"export/([^/]{1,100}\.zip)", lambda editor, name: (editor.archive(name), name)),
+    (r"mesh/([^?]{1,100})\.png", lambda editor, name: (editor.meshes.still(name), "")),
+]
+ROUTES: list[Route] = [
     (r"/scene/scene\.json", lambda running: (_scene(running), "")),
     (r"/scene/object/(\d{1,5})\.glb", lambda running, number: (_object(running, int(number)), "")),
     (r"/scene/terrain\.f32", lambda running: (running.scene.heights(), "")),

@@ -101,10 +101,10 @@ def chosen_flight(choice: Values) -> tuple[str, Speed]:
     return str(choice["flight"]), speed
 
 
-def chosen_exercise(choice: Values) -> str:
-    """Return the packaged exercise that a choice names, which decides all else. Raises ChoiceError."""
+def chosen_exercise(choice: Values, own: Mapping[str, Path] = MappingProxyType({})) -> str:
+    """Return the packaged exercise, or one of own, that a choice names, which decides all else. Raises ChoiceError."""
     errors = {name: "is the exercise's own" for name in FIELDS if choice.get(name) is not None}
-    name = _try(errors, "exercise_name", lambda: _name(choice["exercise_name"], exercise_names()))
+    name = _try(errors, "exercise_name", lambda: _name(choice["exercise_name"], [*own, *exercise_names()]))
     if errors:
         raise ChoiceError(errors)
     return str(name)
@@ -152,7 +152,7 @@ def catalog(offered: str = "lake") -> Values:
         ],
         "sonars": _sonars(),
         "tilts_deg": list(TILTS_DEG),
-        "exercises": [_exercise(name) for name in exercise_names()],
+        "exercises": [described_exercise(name) for name in exercise_names()],
         "links": [{"name": name, "description": load_modem(name).description} for name in _modems()],
         "speeds": list(SPEEDS),
         "defaults": {
@@ -181,8 +181,9 @@ def described(name: str, path: Path | None = None) -> Values:
     }
 
 
-def _exercise(name: str) -> Values:
-    found = load_exercise(name)
+def described_exercise(name: str, path: Path | None = None) -> Values:
+    """Return an exercise as the start screen lists it. path: of its file, if it is not packaged."""
+    found = load_exercise(path or name)
     brief = " ".join(found.brief.split())
     return {"name": name, "title": found.title, "brief": brief, "scenario": found.scenario, "time_s": found.time_s,
             "points": found.points, "pass_points": found.pass_points}  # fmt: skip

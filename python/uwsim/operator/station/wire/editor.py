@@ -33,7 +33,7 @@ class Edit(Message):
 
 
 class BedGrid(Message):
-    """The grid of heights in /edit/terrain.f32, in the world. edition: changes with the heights."""
+    """The grid of heights in FILES/terrain.f32, in the world. edition: changes with the heights."""
 
     rows: int
     columns: int
@@ -44,11 +44,12 @@ class BedGrid(Message):
 
 
 class EditedPart(Message):
-    """A part of the edited scenario. place: its keys in the file. vehicle: the number of the vehicle that carries it.
+    """A part of the edited scene. vehicle: the number of the vehicle that carries it.
 
-    is_inherited: whether it comes from the vehicle's own file, or is a start at the station. frame: x, y [m], yaw
-    [deg] and z [m] in the world of the axes of its position. values: as written, tables as rows of numbers. outline_m:
-    of an obstacle.
+    place: its keys in the file, after "exercise" for the exercise's. is_inherited: whether it comes from the vehicle's
+    own file, or is a start at the station. frame: x, y [m], yaw [deg] and z [m] in the world of the axes of its
+    position. values: as written, tables as rows of numbers. outline_m: of an obstacle. choices: names of the scene that
+    a field can have, by field.
     """
 
     section: str
@@ -60,15 +61,17 @@ class EditedPart(Message):
     frame: list[float]
     values: dict[str, Any]
     outline_m: list[list[float]]
+    choices: dict[str, list[str]]
 
 
 class EditState(Message):
     """The editor's state; without a scenario, only is_open, false. by: the name of the client that edits.
 
-    edition: changes with the text. plan: changes with the obstacles, whose solids are /edit/PLAN/NUMBER.glb. added: the
-    place of the part that was added, or empty. mistakes: found by `check`. file, notes: of `export`: the
-    address of a ZIP archive, and what was left out of it or assumed. meshes: the files of which solids can
-    be made, with a still at /edit/mesh/FILE.png. mesh: the file of a finished upload, "" before.
+    edition: changes with the text. files: the secret address FILES of what belongs to the scene. plan: changes with the
+    obstacles, whose solids are FILES/PLAN/NUMBER.glb. added: the place of the part that was added, or empty. mistakes:
+    found by `check`. file, notes: of `export`: the address of a ZIP archive, and what was left out of it or assumed.
+    meshes: the files of which solids can be made, with a still at FILES/mesh/FILE.png. mesh: the file of a finished
+    upload, "" before; lost: what of it was not taken along.
     """
 
     success: Literal[True]
@@ -90,8 +93,10 @@ class EditState(Message):
     mistakes: list[str] | None = None
     file: str | None = None
     notes: list[str] | None = None
+    files: str | None = None
     meshes: list[str] | None = None
     mesh: str | None = None
+    lost: str | None = None
 
 
 class FormField(Message):

@@ -12,7 +12,10 @@ const CLICK_PX = 4;
 const NOTCH_DEG = 5; // a notch of the wheel; with shift, a degree
 const PARTS_PX_M = 15; // the scale from which parts aboard are shown
 const LABEL_PX = 16; // above a part
+const EDGED = new Set(['survey', 'goals', 'limits']); // sections of which the edge alone is met by the pointer
 const VESSEL = '#ffd166';
+/** @type {Record<string, (colours: Record<string, string>) => string>} */
+const OWN_COLOUR = { survey: ({ ink }) => ink, goals: ({ planned }) => planned, limits: ({ ink }) => ink };
 
 export class EditorChart {
   frame = new ChartFrame();
@@ -190,7 +193,7 @@ export class EditorChart {
       return Math.hypot(x - at[0], y - at[1]);
     };
     const inside = (k) =>
-      this.parts.list[k].section === 'survey'
+      EDGED.has(this.parts.list[k].section)
         ? edgeDistance(this.#outline(k), point) * this.frame.scale < NEAR_PX
         : contains(this.#outline(k), point);
     if (this.parts.selected >= 0 && (away(this.parts.selected) < NEAR_PX || inside(this.parts.selected)))
@@ -251,14 +254,14 @@ export class EditorChart {
     const fields = this.#fieldsOf(part);
     const { colours } = this.#ground;
     const isSelected = index === this.parts.selected;
-    const colour = isSelected ? colours.flown : part.section === 'survey' ? colours.ink : colours.obstacle;
+    const colour = isSelected ? colours.flown : (OWN_COLOUR[part.section]?.(colours) ?? colours.obstacle);
     const outline = part.section === 'strokes' ? [] : this.#outline(index);
     c.strokeStyle = c.fillStyle = colour;
     c.lineWidth = isSelected ? 2.5 : 1.4;
     if (outline.length > 1) {
       c.beginPath();
       for (const point of outline) c.lineTo(...this.frame.at(point));
-      c.closePath();
+      if (part.kind !== 'follow') c.closePath();
       c.globalAlpha = part.section === 'survey' ? 0.06 : 0.3;
       if (part.outline_m.length || part.section === 'survey') c.fill();
       c.globalAlpha = 1;
@@ -271,6 +274,7 @@ export class EditorChart {
     if (!place) return;
     const at = this.frame.at(place);
     const yaw = yawOf(part, fields);
+    if (part.section === 'goals') this.#drawReach(c, at, part, fields);
     if (part.section === 'starts') drawVessel(c, at, 90 - (yaw ?? 0), VESSEL);
     else if (isSelected || !outline.length) this.#drawMount(c, at, corners.length ? null : yaw, colours);
     if (isSelected || part.section !== 'survey') this.#label(c, part.name, at);
@@ -287,6 +291,15 @@ export class EditorChart {
     for (const point of [line[0], ...line]) c.lineTo(...this.frame.at(point));
     c.stroke();
     c.restore();
+  }
+
+  // How near to a goal the vehicle has to come.
+  #drawReach(c, at, { values }, fields) {
+    const within_m = values.within_m ?? fields.find(({ name }) => name === 'within_m')?.by_default;
+    if (!within_m || !values.position_m) return;
+    c.beginPath();
+    c.arc(...at, within_m * this.frame.scale, 0, 2 * Math.PI);
+    c.stroke();
   }
 
   // Write a name where no other is in its way.

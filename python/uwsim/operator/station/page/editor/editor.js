@@ -17,6 +17,7 @@ import { PartTable } from './table.js';
 const WORDS = STRINGS.editor;
 const SEND_MS = 250; // after the last key or notch of the wheel
 const CHECK_MS = 800; // after the last change
+const ABOUT = { objects: 'object', obstacles: 'obstacle', props: 'of' }; // a goal's field, by section
 const AGAIN_MS = 2000; // between attempts to continue after a lost connection
 
 /** @typedef {import('../wire/messages.js').EditState} EditState */
@@ -62,7 +63,7 @@ export class SceneEditor {
     this.bar = new EditorBar(this.brush, this.acts);
     this.parts = new EditedParts();
     this.chart = new EditorChart(this.parts, fieldsOf, this.brush);
-    this.meshes = new EditorMeshes(station.bridge, (path) => station.href(path));
+    this.meshes = new EditorMeshes(station.bridge, (path) => station.href(`${this.state?.files}/${path}`));
     this.form = new PartForm((values) => this.#set(values, true), this.meshes);
     this.table = new PartTable((index) => this.pick(index), fieldsOf);
     this.message = el('p', { className: 'editor-message', role: 'status' });
@@ -241,7 +242,7 @@ export class SceneEditor {
     const isOther = JSON.stringify({ ...grid, edition: 0 }) !== JSON.stringify({ ...this.#bed, edition: 0 });
     if (isNewBed) {
       this.#bed = grid;
-      this.heights = new Float32Array(await (await this.station.load('/edit/terrain.f32')).arrayBuffer());
+      this.heights = new Float32Array(await (await this.station.load(`${state.files}/terrain.f32`)).arrayBuffer());
       this.chart.showBed(this.heights, grid, isOther);
     }
     this.#showScene(isNewBed, isOther);
@@ -315,8 +316,16 @@ export class SceneEditor {
     const { mark } = this.parts;
     const at_m = mark && this.view.sees(mark) ? mark : tenths(this.view.middle);
     if (this.brush.isOn) this.#paint([at_m]);
-    else await this.#act({ action: 'add', ...this.bar.chosen, at_m });
+    else await this.#act({ action: 'add', ...this.bar.chosen, at_m, ...this.#about(this.bar.chosen) });
     this.view.reveal();
+  }
+
+  // A goal that is added is about the chosen body, if its kind has a field for it.
+  #about(chosen) {
+    const { part } = this;
+    const field = chosen.section === 'goals' && part ? ABOUT[part.section] : undefined;
+    const isOne = this.fieldsOf(chosen).some(({ name }) => name === field);
+    return part && field && isOne ? { values: { [field]: part.name } } : {};
   }
 
   // Upload a mesh that was dropped, and add an obstacle of it there.
@@ -365,9 +374,12 @@ export class SceneEditor {
     const { state } = this;
     const found = await edit(this.station.bridge, { action: 'check' }).catch(() => null);
     if (!found?.success || found.edition !== state?.edition || this.message.dataset.kind === 'error') return;
-    const hasSurvey = state?.parts?.some(({ section }) => section === 'survey');
+    const has = (wanted) => state?.parts?.some(({ section }) => section === wanted);
     if (found.mistakes?.length) this.#say(found.mistakes.join(' '), 'warn');
-    else this.#say(hasSurvey ? WORDS.sound : WORDS.soundNoSurvey);
+    else
+      this.#say(
+        (has('survey') ? WORDS.sound : WORDS.soundNoSurvey) + (has('exercise') ? ` ${WORDS.soundExercise}` : ''),
+      );
   }
 
   #say(text, kind = '') {

@@ -69,13 +69,14 @@ export class PartForm {
 
   #field(part, field) {
     const { name, unit, meaning, type, width, role } = field;
+    const choices = part.choices[name];
     const given = part.values[name];
     const send = (value) => this.#set({ [name]: value });
     const inputs =
       type === 'table'
         ? [this.#table(field, Array.isArray(given) ? given : [], send)]
-        : type === 'flag' || type === 'choice'
-          ? [this.#choice(field, given, send)]
+        : type === 'flag' || type === 'choice' || choices
+          ? [this.#choice(choices ? { ...field, choices } : field, given, send)]
           : type === 'number' && width > 1
             ? this.#numbers(field, given, send)
             : [this.#text(field, given, send)];

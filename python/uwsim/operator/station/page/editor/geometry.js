@@ -5,7 +5,7 @@
  */
 const RAD = Math.PI / 180;
 const TURN = 'yaw_pitch_roll_deg[0]'; // the column of a row that has its own direction
-const HEIGHT = 'position_m[2]'; // and of one that has its own height
+const HEIGHTS = new Set(['position_m[2]', 'z']); // and of one that has its own height
 
 const rounded = (value) => Math.round(value * 1000) / 1000 + 0;
 const angle = (degrees) => rounded(((((degrees + 180) % 360) + 360) % 360) - 180);
@@ -104,7 +104,7 @@ export function raised(part, fields, dz) {
   const own = valueOf(part, place);
   if (place && isNumbers(own)) return own.length > 2 ? { [place.name]: own.with(2, rounded(own[2] + dz)) } : {};
   const line = having(fields, 'line');
-  const [rows, column] = [line && part.values[line.name], line?.columns.indexOf(HEIGHT) ?? -1];
+  const [rows, column] = [line && part.values[line.name], line?.columns.findIndex((each) => HEIGHTS.has(each)) ?? -1];
   return line && rows && column >= 0
     ? { [line.name]: rows.map((row) => row.with(column, rounded(row[column] + dz))) }
     : {};

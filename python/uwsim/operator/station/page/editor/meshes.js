@@ -12,8 +12,10 @@ export class EditorMeshes {
   #href;
   /** @type {string[] | null} */
   #names = null;
+  /** @type {Map<string, string>} */
+  #lost = new Map(); // what an upload did not take along, by mesh
 
-  // href(path): the address of a path of the server.
+  // href(path): the address of a file of the edited scene.
   constructor(bridge, href) {
     [this.#bridge, this.#href] = [bridge, href];
   }
@@ -25,7 +27,7 @@ export class EditorMeshes {
       el(
         'button',
         { type: 'button', 'aria-pressed': String(name === given), tip: name, onclick: () => pick(name) },
-        el('img', { src: this.#href(`/edit/mesh/${name}.png`), alt: nameOf(name), loading: 'lazy' }),
+        el('img', { src: this.#href(`mesh/${name}.png`), alt: nameOf(name), loading: 'lazy' }),
         el('span', {}, nameOf(name)),
       );
     const input = el('input', {
@@ -37,7 +39,8 @@ export class EditorMeshes {
     this.#known()
       .then((names) => box.replaceChildren(...names.map(still)))
       .catch(refuse);
-    return [box, el('label', { className: 'editor-upload' }, WORDS.upload, input)];
+    const lost = el('p', { className: 'hint', role: 'status' }, this.#lost.get(given) ?? '');
+    return [box, el('label', { className: 'editor-upload' }, WORDS.upload, input), lost];
   }
 
   async #known() {
@@ -55,6 +58,7 @@ export class EditorMeshes {
       answer = await accepted(edit(this.#bridge, { action: 'upload', name, size, at, data }));
     }
     this.#names = null;
+    if (answer?.lost) this.#lost.set(answer.mesh, answer.lost);
     return answer?.mesh ?? '';
   }
 }

@@ -16,6 +16,7 @@ import { cornersOf, placeOf, yawOf } from './geometry.js';
 const [PLAIN, CHOSEN, VESSEL, LINE, MARK] = [0xb9c4cc, 0xff9d5c, 0xffd166, 0x8fd3ff, 0xffffff];
 const ABOARD_M = 15; // from the camera, within which parts aboard are shown
 const MARK_PX = 9; // half the size of a mark
+const MARKED = new Set(['starts', 'objects', 'props', 'life', 'goals']); // sections of parts without a solid
 const RAD = Math.PI / 180;
 
 const lambert = (color) => new MeshLambertMaterial({ color, emissive: color, emissiveIntensity: 0.15 });
@@ -71,14 +72,14 @@ export class PartSolids {
   }
 
   // Load the solids that have changed. fetchSolid(path): returns one as a node.
-  load({ plan, parts }, fetchSolid) {
+  load({ files, plan, parts }, fetchSolid) {
     const obstacles = parts.filter(({ section }) => section === 'obstacles');
     const known = new Map(this.#solids.flatMap((each) => (each ? [[each.key, each]] : [])));
     const old = this.#solids;
     this.#solids = obstacles.map((part, k) => {
       const key = keyOf(part);
       if (known.has(key)) return known.get(key);
-      this.#fetch(k, key, () => fetchSolid(`/edit/${plan}/${k}.glb`));
+      this.#fetch(k, key, () => fetchSolid(`${files}/${plan}/${k}.glb`));
       return old.length === obstacles.length ? old[k] : undefined; // until the new one has come
     });
     this.show();
@@ -150,7 +151,7 @@ export class PartSolids {
       const solid = part.section === 'obstacles' ? this.#solids[k] : undefined;
       if (solid) this.#showSolid(solid.node, k, k === selected);
       this.#showLines(k, k === selected);
-      if (part.vehicle !== null || ['starts', 'objects'].includes(part.section)) this.#showMark(k, k === selected);
+      if (part.vehicle !== null || MARKED.has(part.section)) this.#showMark(k, k === selected);
     });
     if (mark) this.#add(new LineSegments(this.#cross, this.#materials.mark), [...mark, this.bedAt(mark)], -1);
     this.#redraw();

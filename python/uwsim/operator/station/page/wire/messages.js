@@ -806,7 +806,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string | null} [data]
  */
 
-/** The grid of heights in /edit/terrain.f32, in the world. edition: changes with the heights.
+/** The grid of heights in FILES/terrain.f32, in the world. edition: changes with the heights.
  * @typedef {object} BedGrid
  * @property {number} rows
  * @property {number} columns
@@ -816,7 +816,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} edition
  */
 
-/** A part of the edited scenario. place: its keys in the file. vehicle: the number of the vehicle that carries it. is_inherited: whether it comes from the vehicle's own file, or is a start at the station. frame: x, y [m], yaw [deg] and z [m] in the world of the axes of its position. values: as written, tables as rows of numbers. outline_m: of an obstacle.
+/** A part of the edited scene. vehicle: the number of the vehicle that carries it. place: its keys in the file, after "exercise" for the exercise's. is_inherited: whether it comes from the vehicle's own file, or is a start at the station. frame: x, y [m], yaw [deg] and z [m] in the world of the axes of its position. values: as written, tables as rows of numbers. outline_m: of an obstacle. choices: names of the scene that a field can have, by field.
  * @typedef {object} EditedPart
  * @property {string} section
  * @property {any[]} place
@@ -827,9 +827,10 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number[]} frame
  * @property {Record<string, any>} values
  * @property {number[][]} outline_m
+ * @property {Record<string, string[]>} choices
  */
 
-/** The editor's state; without a scenario, only is_open, false. by: the name of the client that edits. edition: changes with the text. plan: changes with the obstacles, whose solids are /edit/PLAN/NUMBER.glb. added: the place of the part that was added, or empty. mistakes: found by `check`. file, notes: of `export`: the address of a ZIP archive, and what was left out of it or assumed. meshes: the files of which solids can be made, with a still at /edit/mesh/FILE.png. mesh: the file of a finished upload, "" before.
+/** The editor's state; without a scenario, only is_open, false. by: the name of the client that edits. edition: changes with the text. files: the secret address FILES of what belongs to the scene. plan: changes with the obstacles, whose solids are FILES/PLAN/NUMBER.glb. added: the place of the part that was added, or empty. mistakes: found by `check`. file, notes: of `export`: the address of a ZIP archive, and what was left out of it or assumed. meshes: the files of which solids can be made, with a still at FILES/mesh/FILE.png. mesh: the file of a finished upload, "" before; lost: what of it was not taken along.
  * @typedef {object} EditState
  * @property {true} success
  * @property {string} message
@@ -850,8 +851,10 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string[] | null} [mistakes]
  * @property {string | null} [file]
  * @property {string[] | null} [notes]
+ * @property {string | null} [files]
  * @property {string[] | null} [meshes]
  * @property {string | null} [mesh]
+ * @property {string | null} [lost]
  */
 
 /** A request to control the simulation. action: one of the controls listed in the description. steps, speed, name, time_s: for the actions that need them.

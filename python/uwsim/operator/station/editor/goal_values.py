@@ -1,0 +1,88 @@
+"""New goals of an exercise: what they name in its scene, and the fields of which a part has exactly one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from uwsim.channels.guest import Values
+from uwsim.exercises.goal import GoalModel
+from uwsim.operator.station.editor.files import EXERCISE, SceneFiles
+from uwsim.scenario import Scenario
+
+ONE_OF = {
+    "goals look_at": ("position_m", "object"),
+    "goals move_joint": ("to_deg", "to_m"),
+    "events": ("at_s", "near", "after"),
+}
+MARKED = ("net", "pipeline")
+"""Kinds of obstacles on which there is something to find."""
+
+
+def one_of(section: str, own: Mapping[str, Any], values: Mapping[str, Any]) -> Values:
+    """Return values to set, with None for the fields of a part that must not stand beside them."""
+    group = ONE_OF.get(f"{section} {own.get('kind')}") or ONE_OF.get(section, ())
+    given = any(values.get(key) is not None for key in group)
+    return {**(dict.fromkeys(group) if given else {}), **values}
+
+
+def goal_values(scenario: Scenario, goals: Sequence[GoalModel], values: Values, own: Mapping[str, Any]) -> Values:
+    """Return the values of a goal that follows others.
+
+    values: those with which its kind begins. own: those that were chosen. A body, an obstacle or a joint that it needs
+    is the first of the scene that it can be about. Raises ValueError if there is none.
+    """
+    kind, names = str(values["kind"]), [goal.name for goal in goals]
+    first = {"kind": kind, "name": free_name(kind, names), "title": kind.replace("_", " ").capitalize()}
+    after = {"after": names[-1]} if names else {}
+    in_prop = {"position_m": [0.0, 0.0, 0.0]} if own.get("of") and "position_m" in values else {}
+    found = {**first, **values, **first, **after, **in_prop, **one_of("goals", values, own)}
+    bodies = {body.name: body for body in scenario.objects if _is_for(kind, body)}
+    marked = [each.name for each in scenario.obstacles if each.kind in MARKED]
+    for key, known in (("object", list(bodies)), ("obstacle", marked)):
+        if found.get(key) == "" and not known:
+            raise ValueError(f"{kind}: there is no {key} that it can be about: add one first")
+        if found.get(key) == "":
+            found[key] = known[0]
+    if found.get("joint") == "" and found["object"] in bodies:
+        found["joint"] = next(iter(bodies[found["object"]].links or ()), "")
+    return {key: value for key, value in found.items() if value is not None}
+
+
+def choices(scenario: Scenario, goals: Sequence[GoalModel], own: Mapping[str, Any]) -> dict[str, list[str]]:
+    """Return what the fields of a goal or an event may name, by field; a list of goals is written as text."""
+    kind, names = str(own.get("kind", "")), [goal.name for goal in goals]
+    earlier = names[: names.index(own["name"])] if own.get("name") in names else names
+    body = next((each for each in scenario.objects if each.name == own.get("object")), None)
+    return {
+        "object": [each.name for each in scenario.objects if _is_for(kind, each)],
+        "obstacle": [each.name for each in scenario.obstacles if each.kind in MARKED],
+        "joint": list(body.links or ()) if body else [],
+        "of": [each.name for each in scenario.placed_props],
+        **({} if kind == "time_left" or isinstance(own.get("after"), list) else {"after": earlier}),
+    }
+
+
+def referring(files: SceneFiles, old: str, new: str | None) -> SceneFiles:
+    """Return files in which what comes after a goal comes after another one, or after none."""
+    for section in ("goals", "events"):
+        for k, part in enumerate(files.values[EXERCISE].get(section) or ()):
+            place, after = (EXERCISE, section, k, "after"), part.get("after")
+            if isinstance(after, list) and old in after:
+                files = files.with_value(place, [new if each == old else each for each in after if each != old or new])
+            elif after == old:
+                files = files.without(place) if new is None else files.with_value(place, new)
+    return files
+
+
+def free_name(base: str, taken: Sequence[Any]) -> str:
+    """Return a name that is not taken: base, or with a number after it."""
+    names = (base if k == 1 else f"{base}_{k}" for k in range(1, len(taken) + 3))
+    return next(name for name in names if name not in taken)
+
+
+def _is_for(kind: str, body: Any) -> bool:
+    """Return whether a goal of a kind can be about a body."""
+    if kind == "move_joint":
+        return body.links is not None
+    return kind != "bring" or (body.path is None and not body.fixed)
