@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from uwsim.base.commands import COMMANDS
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.channels.authority.rights import AidKind
+from uwsim.exercises.by_seed import Conditions, PropShift
 from uwsim.exercises.goal import Goal, Points
 from uwsim.exercises.lag import LAG_MAX_S, with_lag
 from uwsim.exercises.limits import Limit
@@ -86,85 +85,6 @@ class Aid(Model):
 
     kind: AidKind
     cost_per_s: Points = 0.0
-
-
-Shift = Annotated[float, InRange(-1000, 1000, "m")]
-Turn = Annotated[float, InRange(-180, 180, "deg")]
-
-
-class PropShift(Model):
-    """How far a prop may stand from its place in the scenario: from low to high, drawn evenly by the seed.
-
-    prop: its name. x_m, y_m, z_m: along the world's axes. yaw_deg: counter-clockwise.
-    """
-
-    prop: Name
-    x_m: tuple[Shift, Shift] = (0.0, 0.0)
-    y_m: tuple[Shift, Shift] = (0.0, 0.0)
-    z_m: tuple[Shift, Shift] = (0.0, 0.0)
-    yaw_deg: tuple[Turn, Turn] = (0.0, 0.0)
-
-    @model_validator(mode="after")
-    def _are_ranges(self) -> PropShift:
-        for key in ("x_m", "y_m", "z_m", "yaw_deg"):
-            _require_range(key, getattr(self, key))
-        return self
-
-    def drawn(self, prop: PropEntry, seed: int) -> PropEntry:
-        """Return the prop where the seed puts it, whatever other props there are."""
-        random = _random(seed, self.prop)
-        x, y, z, yaw_deg = (random.uniform(*each) for each in (self.x_m, self.y_m, self.z_m, self.yaw_deg))
-        at_m = (prop.position_m[0] + x, prop.position_m[1] + y, prop.position_m[2] + z)
-        return prop.model_copy(update={"position_m": at_m, "yaw_deg": (prop.yaw_deg + yaw_deg + 180.0) % 360.0 - 180.0})
-
-
-Low = Annotated[float, InRange(0, 5, "m/s")]
-Sight = Annotated[float, InRange(0.1, 1000, "m")]
-Elevation = Annotated[float, InRange(-90, 90, "deg")]
-
-
-class Conditions(Model):
-    """The water and the light of an exercise: each from low to high, drawn evenly by the seed.
-
-    current_m_s: the speed of the current, whose direction is drawn, too. visibility_m: how far a diver sees a dark
-    object. sun_elevation_deg: the sun's height above the horizon.
-    """
-
-    current_m_s: tuple[Low, Low] | None = None
-    visibility_m: tuple[Sight, Sight] | None = None
-    sun_elevation_deg: tuple[Elevation, Elevation] | None = None
-
-    @model_validator(mode="after")
-    def _are_ranges(self) -> Conditions:
-        for key in ("current_m_s", "visibility_m", "sun_elevation_deg"):
-            if (limits := getattr(self, key)) is not None:
-                _require_range(key, limits)
-        return self
-
-    def drawn(self, found: Scenario, seed: int) -> dict[str, Any]:
-        """Return the values of a scenario's keys water and optics, as far as they change with the seed."""
-        made: dict[str, Any] = {}
-        if self.current_m_s is not None:
-            random = _random(seed, "current_m_s")
-            speed_m_s, turn = random.uniform(*self.current_m_s), random.uniform(0.0, 2.0 * np.pi)
-            current = (float(speed_m_s * np.cos(turn)), float(speed_m_s * np.sin(turn)), 0.0)
-            made["water"] = {**found.water.given(), "current_world_m_s": current}
-        seen = {
-            key: float(_random(seed, key).uniform(*limits))
-            for key in ("visibility_m", "sun_elevation_deg")
-            if (limits := getattr(self, key)) is not None
-        }
-        return {**made, "optics": {**found.optics.given(), **seen}} if seen else made
-
-
-def _random(seed: int, name: str) -> np.random.Generator:
-    """Return the draws of a seed for one name, whatever else is drawn."""
-    return np.random.default_rng([seed, zlib.crc32(name.encode())])
-
-
-def _require_range(key: str, limits: tuple[float, float]) -> None:
-    if limits[0] > limits[1]:
-        raise broken("must have the smaller number first", at=(key,), value=list(limits))
 
 
 class Exercise(Model):

@@ -18,6 +18,10 @@ MAX_VALUES = 200_000
 """Counted with aliases expanded: a few lines of nested aliases can expand to billions of values."""
 
 
+KEPT = 4
+_nodes: dict[str, Any] = {}  # of the texts parsed last, whose changes begin with them
+
+
 @functools.lru_cache(maxsize=64)
 def parsed(text: str, name: str) -> CommentedMap:
     """Parse a document, which must not be modified. name: for messages. Raises ValueError with name and line."""
@@ -28,6 +32,7 @@ def parsed(text: str, name: str) -> CommentedMap:
             _refuse_tags(text, name)
         with caught_warnings():  # such as ReusedAnchorWarning: YAML 1.2 allows reused anchors
             root = reader.load(StringIO(text))
+        _keep(text, reader.constructor.node)
     except DuplicateKeyError as error:
         raise ValueError(
             f"{name}:{_line(error)}: {str(error.problem).split(' with ')[0].removeprefix('found ')}"
@@ -50,13 +55,31 @@ def parsed(text: str, name: str) -> CommentedMap:
     return root
 
 
+def node_of(text: str) -> Any:
+    """Return the root node of a text: as `parsed` has left it if it was parsed lately. Raises YAMLError."""
+    found = _nodes.get(text)
+    return YAML(typ="rt").compose(StringIO(text)) if found is None else found
+
+
+def _keep(text: str, node: Any) -> None:
+    """Keep a text's nodes for `node_of`, but of one with merged keys, which are lost as it is read."""
+    if "<<" not in text:
+        for old in list(_nodes)[: 1 - KEPT]:
+            _nodes.pop(old, None)
+        _nodes[text] = node
+
+
 def plain_values(text: str, name: str) -> dict[str, Any]:
     """Return the document's content: only dicts, lists, text, numbers, booleans and None. Raises ValueError."""
     return _Plain(name).mapping(parsed(text, name))
 
 
 class _Constructor(RoundTripConstructor):
-    """Adds line numbers to the errors for values that YAML accepts as numbers or dates but Python does not."""
+    """Keeps the root `node`, and adds line numbers to the errors for numbers or dates that Python does not read."""
+
+    def get_single_data(self) -> Any:
+        self.node = self.composer.get_single_node()
+        return None if self.node is None else self.construct_document(self.node)
 
     def construct_object(self, node: Any, deep: bool = False) -> Any:
         try:

@@ -75,14 +75,6 @@ class Draft:
         self._show()
         self.edition += 1
 
-    def rename(self, name: str) -> None:
-        """Change the scenario's name. Raises ValueError."""
-        self._take(self.files.renamed(name))
-
-    def replace(self, files: SceneFiles) -> None:
-        """Replace all, as one change. Raises ValueError."""
-        self._take(files)
-
     def set(self, section: str, place: Place, values: Mapping[str, Any]) -> None:
         """Set fields of a part; None removes a field. Raises ValueError."""
         own, model = self.part(section, place), self._form(section, place)
@@ -90,7 +82,7 @@ class Draft:
         if section == "starts" or is_inherited(self.values, place):  # written as a whole for the first time
             whole = {**own, **{key: _given(model[key], value) for key, value in self._known(model, values)}}
             whole = {key: value for key, value in whole.items() if value is not None}
-            self._take(self._with_part(files, place, whole))
+            self.take(self._with_part(files, place, whole))
             return
         for key, value in self._known(model, one_of(section, own, values)):
             at = (*place, *key.split("."))
@@ -100,7 +92,7 @@ class Draft:
                 files = files.without(at)
         if section == "goals" and isinstance(values.get("name"), str):
             files = referring(files, own["name"], values["name"])
-        self._take(files)
+        self.take(files)
 
     def add(
         self, section: str, kind: str, vehicle: int, at_m: Sequence[float], own: Mapping[str, Any] | None = None
@@ -123,14 +115,14 @@ class Draft:
         if found.holds == "names":
             name = free_name(kind or section.removesuffix("s"), list(self.names(above)))
             place: Place = (*above, name)
-            self._take(self._with_part(self.files, place, values))
+            self.take(self._with_part(self.files, place, values))
             return place
         if found.holds == "one":
             present = _at(self.values, above)
             if present is not None and (not kind or present.get(found.key) == kind):
                 raise ValueError(f"{dotted(above)}: exists already")
             values |= {key: present[key] for key in found.without if present and key in present}
-            self._take(self.files.with_value(above, values))  # in place of one of another kind
+            self.take(self.files.with_value(above, values))  # in place of one of another kind
             return above
         items = _at(self.values, above) or []
         files = self.files
@@ -148,7 +140,7 @@ class Draft:
             named = {**first, "name": free_name(kind or str(values["model"]), taken), **named}
             values = values | {found.inner: named} if found.inner else named
         place = (*above, len(items))
-        self._take(files.with_value(place, values))
+        self.take(files.with_value(place, values))
         return place
 
     def _add_to_exercise(self, section: str, above: Place, values: Values, own: Mapping[str, Any]) -> Place:
@@ -165,7 +157,7 @@ class Draft:
         if section != "exercise":
             above = (*above, len(_at(files.values, above) or ()))
             files = files.with_value(above, values)
-        self._take(files)
+        self.take(files)
         return above
 
     def remove(self, section: str, place: Place) -> None:
@@ -180,7 +172,7 @@ class Draft:
             files = files.without(place)
         if SECTIONS[section].of_vehicle and place[-1] in raw_parts(files.values, place[:-1], self.folder):
             files = self._with_part(files, place, None)  # of the vehicle on which this one builds
-        self._take(files)
+        self.take(files)
 
     def part(self, section: str, place: Place) -> dict[str, Any]:
         """Return a part's own values, without defaults. Raises ValueError if there is none at this place."""
@@ -238,8 +230,8 @@ class Draft:
             return files.with_value(place[:-1], {**raw_parts(values, place[:-1], self.folder), name: value})
         return files.with_value(place, value)
 
-    def _take(self, files: SceneFiles) -> None:
-        """Take changed files, if they are valid. Raises ValueError."""
+    def take(self, files: SceneFiles) -> None:
+        """Take changed files as one change, if they are valid. Raises ValueError."""
         if files == self.files:
             return
         before = self._history, self._at

@@ -147,7 +147,7 @@ class Editor:
                 draft.undo(1 if action == "undo" else -1)
                 return ()
             if action == "revert":
-                draft.replace(self._base)
+                draft.take(self._base)
                 return ()
             section, values = str(request.get("section") or ""), request.get("values") or {}
             if not isinstance(values, dict) or (action == "set" and not values):
@@ -179,7 +179,7 @@ class Editor:
             beside, draft, own = path.with_name(exercise_file(path.name)), self.draft, self._base.exercise
             if beside.exists() and not (own and beside.read_bytes() == own.encode()):
                 raise ValueError(f"{beside.name}: is the exercise of another scene: save under another name")
-            draft.rename(name)
+            draft.take(draft.files.renamed(name))
             draft.files.read(self._folder)  # the files that it names may lie elsewhere
             self._folder.mkdir(parents=True, exist_ok=True)
             write_atomically(path, draft.files.scenario.encode())

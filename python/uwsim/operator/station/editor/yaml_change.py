@@ -12,18 +12,16 @@ import copy
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from io import StringIO
 from itertools import pairwise
 from typing import Any
 
 import orjson
-from ruamel.yaml import YAML
 from ruamel.yaml.error import StringMark
 from ruamel.yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
 from uwsim.base.texts.yaml_document import Key, dotted
 from uwsim.base.texts.yaml_edit import Place, child
-from uwsim.base.texts.yaml_parser import plain_values
+from uwsim.base.texts.yaml_parser import node_of, plain_values
 
 PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_./ -]*(?<! )")
 WORDS = ("true", "false", "null", "yes", "no", "on", "off", "y", "n")
@@ -163,7 +161,7 @@ class _Text:
     def __init__(self, text: str) -> None:
         self.text = text
         self.newline = "\r\n" if "\r\n" in text else "\n"
-        self._root: Any = YAML(typ="rt").compose(StringIO(text))
+        self._root = node_of(text)
         self._place_nothing(self._root)
 
     def _place_nothing(self, node: Any) -> None:
