@@ -110,7 +110,9 @@ def test_an_exercise_is_made_by_keys_alone_and_flown_from_the_start_screen(page,
     page.keyboard.press("ArrowRight")
     page.keyboard.press("PageDown")
     when(page, SENT.format("reach", "position_m.join() === '1,0,-1.5'"))
-    add("hold")
+    page.evaluate("station.editor.pick(station.editor.state.parts.findIndex(({ name }) => name === 'box'))")
+    add("hold")  # where the chosen body is
+    assert sent(page, "hold", "position_m") == [3, 0, -1]
     assert sent(page, "hold", "after") == "reach"
     page.keyboard.press("q")
     when(page, SENT.format("hold", "heading_deg === 5"))

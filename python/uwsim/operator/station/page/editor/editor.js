@@ -8,6 +8,7 @@ import { Brush } from './brush.js';
 import { EditorChart } from './chart.js';
 import { EditorExport } from './export.js';
 import { PartForm } from './form.js';
+import { placeOf } from './geometry.js';
 import { chartKey, editorKey } from './keys.js';
 import { EditorMeshes } from './meshes.js';
 import { EditedParts } from './parts.js';
@@ -314,10 +315,16 @@ export class SceneEditor {
   async #add() {
     this.#flush();
     const { mark } = this.parts;
-    const at_m = mark && this.view.sees(mark) ? mark : tenths(this.view.middle);
+    const at_m = mark && this.view.sees(mark) ? mark : tenths(this.#placeAbout(this.bar.chosen) ?? this.view.middle);
     if (this.brush.isOn) this.#paint([at_m]);
     else await this.#act({ action: 'add', ...this.bar.chosen, at_m, ...this.#about(this.bar.chosen) });
     this.view.reveal();
+  }
+
+  // The place of the chosen body, at which a goal is added.
+  #placeAbout({ section }) {
+    const part = section === 'goals' && ABOUT[this.part?.section ?? ''] ? this.parts.at(this.selected) : null;
+    return part && placeOf(part, this.fieldsOf(part));
   }
 
   // A goal that is added is about the chosen body, if its kind has a field for it.
