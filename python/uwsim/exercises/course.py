@@ -177,6 +177,11 @@ class Course:
         return (self.sim.tick - self._now.begun_tick) * self.sim.step_s
 
     @property
+    def begun_tick(self) -> int:
+        """The simulator's tick at which the attempt began."""
+        return self._now.begun_tick
+
+    @property
     def is_over(self) -> bool:
         """True once the score is final."""
         return self._now.over_s is not None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,17 +14,19 @@ from PIL import Image, ImageDraw, ImageFont
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.own_files import require_own
+from uwsim.exercises.words import Words
 from uwsim.figures.reel import Reel
 from uwsim.recording.filming.options import FilmOptions
 from uwsim.recording.filming.roll import Roll
 from uwsim.recording.filming.shot import shoot
 from uwsim.recording.filming.shots import shots_of
+from uwsim.recording.glance import glance
 
 BEFORE_S, AFTER_S, LONGEST_S = 20.0, 10.0, 120.0
 """Times shown before and after a moment, and the longest film."""
 FPS, PICTURE = 5.0, (480, 270)
 TEXT, BAR, SHOWN_S = 62, 14, 4.0
-"""Pixels of the height of the text and of the time line, and how long a moment's words stay."""
+"""Pixels of the height of the text and of the time line, and how long a moment's words and the last picture stay."""
 INK, PALE, WATER, GAINED, LOST = "#1b2733", "#9fb3c2", "#eef4f8", "#1f7a3e", "#b03030"
 Floats = NDArray[np.float64]
 
@@ -40,55 +42,61 @@ class Decisive(NamedTuple):
 
 def film_debrief(
     recording: str | Path, out: str | Path, sheet: Mapping[str, Any] | None = None, *, camera: str = "chase",
-    size: tuple[int, int] = PICTURE, longest_s: float = LONGEST_S, threads: int | None = None,
+    size: tuple[int, int] = PICTURE, longest_s: float = LONGEST_S, threads: int | None = None, lang: str = "en",
+    on_share: Callable[[float], object] = lambda share: None,
 ) -> list[range]:  # fmt: skip
     """Film the decisive half minutes of a run; return the frames that are shown, FPS to the simulated second.
 
-    recording: of the run, which is repeated bit for bit. out: the film, .webp. sheet: of an exercise: its goals, its
-    broken limits and its end are the moments; without one, the contacts and the end are. The moments that count least
-    are left out where all would take more than longest_s. camera: as for make_film. Raises ValueError or OSError.
+    recording: of the run from time 0, which is repeated bit for bit. out: the film, .webp. sheet: of an exercise: its
+    goals, its broken limits and its end are the moments; without one, the contacts and the end are. The moments that
+    count least are left out where all would take more than longest_s. camera: as for make_film. lang: of the page's
+    languages. on_share: gets the share of the pictures that have been made, 0 to 1. Raises ValueError or OSError.
     """
-    recording, out = Path(recording), Path(out)
+    recording, out, words = Path(recording), Path(out), Words(lang)
     if out.suffix != ".webp":
         raise ValueError(f"film '{out}': must end in .webp")
     require_own(out)
+    if (start := glance(recording).start).tick:
+        raise ValueError(f"recording '{recording}': begins at {start.tick * start.step_s:g} s: must begin at 0 s")
     until_s = {} if sheet is None else {"until_s": max(sheet["time_s"], 1.0 / FPS)}
     wanted = FilmOptions(camera=camera, size="x".join(map(str, size)), fps=FPS, quality="draft", **until_s)
     roll = Roll.of(recording, wanted)
     times_s = np.array([1e-9 * state.time_ns for state in roll.states])
-    moments = contacts(times_s, roll.collisions) if sheet is None else judged(sheet)
+    moments = contacts(times_s, roll.collisions, words) if sheet is None else judged(sheet, words)
     shown = half_minutes(moments, len(times_s) - 1, longest_s)
     track = np.array([state.positions_m[roll.vehicle][:2] for state in roll.states])
-    frame = Frame(moments, shown, times_s, track, _places(sheet), size, _title(sheet))
+    frame = Frame(moments, shown, times_s, track, _places(sheet), size, _title(sheet, words))
+    total = sum(map(len, shown))
     with TemporaryDirectory() as folder:
         made: list[tuple[int, str]] = []
         for number, frames in enumerate(shown):
             into = Path(folder, str(number))
             into.mkdir()
             shots = shots_of(recording, roll.part(frames), into, wanted, threads)
-            made += [(k, shot.path) for k, shot in zip(frames, shots, strict=True)]
-            for shot in shots:
+            for k, shot in zip(frames, shots, strict=True):
                 shoot(shot)
+                made.append((k, shot.path))
+                on_share(len(made) / total)
         reel = Reel(len(made), partial(_framed, frame, made))
-        write_atomically(out, reel.encoded("webp", [round(1000 / FPS)] * len(made), quality=60, method=4))
+        times_ms = [round(1000 / FPS)] * (len(made) - 1) + [round(1000 * SHOWN_S)]
+        write_atomically(out, reel.encoded("webp", times_ms, quality=60, method=4))
     return shown
 
 
-def judged(sheet: Mapping[str, Any]) -> list[Decisive]:
+def judged(sheet: Mapping[str, Any], words: Words) -> list[Decisive]:
     """Return the moments of an exercise that gained or lost points, and its end, which counts what was not gained."""
-    found = [
-        Decisive(each["time_s"], f"{each['points']:+g} {each['text']}", each["points"], abs(each["points"]))
-        for each in sheet["log"]
-        if each["kind"] in ("goal", "limit")
-    ]
+    found = [(each["time_s"], each["text"], each["points"]) for each in sheet["log"] if each["kind"] == "goal"]
+    for each in sheet["broken"]:
+        found.append((each["time_s"], words.limit(each["kind"], each["title"]), -each["cost"]))
     missed = sheet["points"] - sum(goal["scored"] for goal in sheet["goals"])
-    return [*found, Decisive(sheet["time_s"], str(sheet["ended_because"]), weight=missed)]
+    end = Decisive(sheet["time_s"], words.ended(sheet["ended_because"]), weight=missed)
+    return [*(Decisive(at_s, f"{points:+g} {text}", points, abs(points)) for at_s, text, points in found), end]
 
 
-def contacts(times_s: Floats, collisions: Sequence[int]) -> list[Decisive]:
+def contacts(times_s: Floats, collisions: Sequence[int], words: Words) -> list[Decisive]:
     """Return the moments of a flight: its contacts, and its end."""
     at = times_s[1:][np.diff(collisions) > 0].tolist()
-    return [*(Decisive(time_s, "contact", -1.0, 1.0) for time_s in at), Decisive(float(times_s[-1]), "the end")]
+    return [*(Decisive(time_s, words.contact, -1.0, 1.0) for time_s in at), Decisive(float(times_s[-1]), words.end)]
 
 
 def half_minutes(moments: Sequence[Decisive], frames: int, longest_s: float = LONGEST_S) -> list[range]:
@@ -138,7 +146,8 @@ class Frame:
         draw = ImageDraw.Draw(found)
         self._chart(draw, k)
         time_s = float(self._times_s[k])
-        said = [each for each in self._moments if -1e-6 <= time_s - each.time_s + 0.5 / FPS < SHOWN_S]
+        since = [k - min(round(FPS * each.time_s), len(self._times_s) - 2) for each in self._moments]
+        said = [each for each, frames in zip(self._moments, since, strict=True) if 0 <= frames < FPS * SHOWN_S]
         draw.text((10, height + 8), f"{_clock(time_s)}  {self._title}", fill=INK, font=self._font)
         for each in said[-1:]:
             draw.text((10, height + 34), each.text, fill=_ink(each), font=self._font)
@@ -190,10 +199,8 @@ def _places(sheet: Mapping[str, Any] | None) -> list[Sequence[float]]:
     return [] if sheet is None else [place for goal in sheet["goals"] for place in goal.get("places_m", ())]
 
 
-def _title(sheet: Mapping[str, Any] | None) -> str:
-    if sheet is None:
-        return ""
-    return f"{sheet['title']}: {sheet['score']:.1f} of {sheet['points']:g} points"
+def _title(sheet: Mapping[str, Any] | None, words: Words) -> str:
+    return "" if sheet is None else f"{sheet['title']}: {words.score(sheet['score'], sheet['points'])}"
 
 
 def _ink(each: Decisive) -> str:

@@ -12,6 +12,7 @@ from PIL import Image
 from uwsim.exercises import Exercise
 from uwsim.exercises.debrief import AFTER_S, BEFORE_S, FPS, Decisive, contacts, film_debrief, half_minutes, judged
 from uwsim.exercises.flight import fly_exercise
+from uwsim.exercises.words import Words
 from uwsim.missions import wait
 
 RAM = {
@@ -46,18 +47,31 @@ def test_a_debrief_shows_what_the_sheet_judged(tmp_path: Path) -> None:
     run, film = tmp_path / "run.mcap", tmp_path / "film.webp"
     course, _ = fly_exercise(Exercise.model_validate(RAM), ram, record=run, record_topic=("odom",))
     sheet = course.sheet()
-    moments = judged(sheet)
+    moments = judged(sheet, Words("de"))
     assert [each.points for each in moments] == [10.0, -5.0, 0.0] and moments[-1].weight == 20.0
-    (frames,) = film_debrief(run, film, sheet, size=(32, 18))
+    assert [each.text for each in moments] == ["+10 Be here", "-5 Kollision", sheet["ended_because"]]
+    shares: list[float] = []
+    (frames,) = film_debrief(run, film, sheet, size=(32, 18), on_share=shares.append)
+    assert shares == sorted(shares) and len(shares) == len(frames) and shares[-1] == 1.0
     assert frames == range(round(FPS * sheet["time_s"]))
     with Image.open(film) as opened:
         assert opened.n_frames == len(frames) and opened.size[0] == 32 + 18  # type: ignore[attr-defined]
     (alone,) = film_debrief(run, film, size=(32, 18))
     assert alone.start == 0
-    hit = contacts(np.arange(4.0), [0, 0, 1, 1])
+    hit = contacts(np.arange(4.0), [0, 0, 1, 1], Words())
     assert [each.time_s for each in hit] == [2.0, 3.0] and hit[0].points < 0
 
 
 def test_a_film_of_another_kind_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"must end in \.webp"):
         film_debrief(tmp_path / "run.mcap", tmp_path / "film.mp4")
+    with pytest.raises(ValueError, match=r"lang = 'fr': must be one of de, en"):
+        film_debrief(tmp_path / "run.mcap", tmp_path / "film.webp", lang="fr")
+
+
+def test_a_broken_limit_and_the_end_have_the_words_of_the_page() -> None:
+    words = Words("de")
+    assert words.limit("depth", "Below 5 m") == "Zu tief (Below 5 m)" and words.limit("mine", "Mine") == "Mine"
+    assert words.ended("a limit is broken: Depth") == "eine Grenze ist verletzt: Depth"
+    assert words.ended("the time is over") == "die Zeit ist um"
+    assert words.ended("broken off: elsewhere") == "broken off: elsewhere"

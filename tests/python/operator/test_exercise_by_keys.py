@@ -4,6 +4,7 @@ import numpy as np
 
 from browser import exercise_desk, judge, shows, until, when
 from uwsim.exercises import Exercise
+from uwsim.operator.station.flights.flights import Bounds
 
 MOST_ACTS = 3
 TURN = {
@@ -18,7 +19,7 @@ TURN = {
 
 
 def test_an_exercise_is_flown_by_keys_alone_on_a_page_without_faults_of_access(browser, tmp_path):
-    with exercise_desk(browser, tmp_path, Exercise.model_validate(TURN)) as here:
+    with exercise_desk(browser, tmp_path, Exercise.model_validate(TURN), keep_flights=Bounds(2)) as here:
         page = here.fly(locale="de-DE", viewport={"width": 1440, "height": 900})
         live, acts = here.station.present().live, []
 
@@ -40,6 +41,9 @@ def test_an_exercise_is_flown_by_keys_alone_on_a_page_without_faults_of_access(b
         press("KeyQ", lambda: np.degrees(pose().yaw_rad) > 60.0)
         when(page, "document.querySelector('.exercise-after:not([hidden])')", 30.0)
         judge(page, "over")
+        page.click("text=Film zur Nachbesprechung machen")
+        shows(page, ".exercise-make:disabled", "Film: ")
+        judge(page, "filming", "#exercise")
         shows(page, "#exercise", "20 von 20", 30.0)
         assert len(acts) <= MOST_ACTS
         assert here.rov.collisions == 0 and not here.complaints

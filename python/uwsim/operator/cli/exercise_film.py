@@ -19,6 +19,7 @@ def film(
     ] = None,
     out: Annotated[Path, typer.Option(help="The film to write, .webp.", callback=writable)] = Path("debrief.webp"),
     camera: Annotated[str, typer.Option(help="chase, orbit, or a camera of the vehicle.")] = "chase",
+    lang: Annotated[str, typer.Option(help="The language of its words: en or de.")] = "en",
     threads: Threads = None,
 ) -> None:
     """Film the decisive half minutes of a run.
@@ -30,7 +31,15 @@ def film(
     from uwsim.exercises.certified import read_sheet
     from uwsim.exercises.debrief import FPS, film_debrief
 
-    shown = film_debrief(recording, out, None if sheet is None else read_sheet(sheet), camera=camera, threads=threads)
+    judged = None if sheet is None else read_sheet(sheet)
+    shares: list[int] = []
+
+    def show(share: float) -> None:
+        if not shares or shares[-1] < int(100 * share):
+            shares.append(int(100 * share))
+            typer.echo(f"{shares[-1]} %", err=True)
+
+    shown = film_debrief(recording, out, judged, camera=camera, threads=threads, lang=lang, on_share=show)
     for frames in shown:
         typer.echo(f"{frames.start / FPS:8.1f} s to {frames.stop / FPS:.1f} s")
     typer.echo(str(out))

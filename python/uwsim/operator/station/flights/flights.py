@@ -257,8 +257,13 @@ class FlightRecording:
     @property
     def name(self) -> str:
         """The name of the file being written, or "" if nothing is being recorded."""
+        return "" if self.path is None else self.path.name
+
+    @property
+    def path(self) -> Path | None:
+        """The file being written, or None if nothing is being recorded."""
         recorder = self._recorder
-        return "" if recorder is None or recorder.error is not None else recorder.path.name
+        return None if recorder is None or recorder.error is not None else recorder.path
 
     @property
     def trouble(self) -> str:

@@ -90,14 +90,14 @@ class Services:
         running = self._sessions.running
         is_judged = running is not None and running.judged is not None
         if self._instructor is not None:
-            return ["begin", *SUPERVISED] if is_judged else list(SUPERVISED)
+            return ["begin", "film", *SUPERVISED] if is_judged else list(SUPERVISED)
         if is_judged:
             return [*OF_EXERCISES, *([] if self._sessions.is_fixed else ["quit"])]
         other = OF_REPLAYS if running is None or running.replay is None else NOT_OF_REPLAYS
         return [
             name
             for name in CONTROLS
-            if name not in (*other, "begin") and not (self._sessions.is_fixed and name == "quit")
+            if name not in (*other, "begin", "film") and not (self._sessions.is_fixed and name == "quit")
         ]
 
     def _join(self, caller: str, request: Values) -> Values:

@@ -189,6 +189,7 @@ class Sessions:
                 running.live, exercise, self.folder, running.table.rights,
                 instructor=self._is_supervised, aids=running.aids_in_use,
                 pilot=lambda: self._lease.pilot_name, person=person, name=name, following=following,
+                recording=lambda: None if running.flight is None else running.flight.path,
             )  # fmt: skip
             running.scene.hidden = frozenset(exercise.hidden)
 

@@ -18,7 +18,7 @@ TYPES = {
     ".js": "text/javascript", ".css": "text/css", ".html": "text/html", ".svg": "image/svg+xml", ".png": "image/png",
     ".jpg": "image/jpeg", ".txt": "text/plain", ".json": "application/json", ".glb": "model/gltf-binary",
     ".tif": "image/tiff", ".csv": "text/csv", ".geojson": "application/geo+json",
-    ".zip": "application/zip",
+    ".zip": "application/zip", ".webp": "image/webp",
 }  # fmt: skip
 OTHER_BRIDGE = re.compile(
     r"(wss?://(?:[A-Za-z0-9.\-]{1,253}|\[[0-9A-Fa-f:]{2,39}\])(?::\d{1,5})?)/?(?:\?token=[A-Za-z0-9_.~-]{8,256})?"

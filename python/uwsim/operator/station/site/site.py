@@ -124,6 +124,7 @@ ROUTES: list[Route] = [
     (r"/scene/mesh/(\d{1,5})\.glb", lambda running, number: (running.scene.mesh(int(number)), "")),
     (r"/scene/vehicle/([^/]+)\.glb", lambda running, name: (running.scene.hull(name), "")),
     (r"/exercise/(sheet\.html|score\.json)", lambda running, name: (sheet_file(running, name), name)),
+    (r"/exercise/(debrief\.webp)", lambda running, name: (sheet_file(running, name), "")),
     (r"/flight/track\.json", lambda running: (track_json(running), "")),
     (r"/flight/ghost/([^/]+)\.json", lambda running, name: (ghost_json(running, name), "")),
     (r"/flight/hull/([^/]+)\.glb", lambda running, name: (hull_glb(running, name), "")),

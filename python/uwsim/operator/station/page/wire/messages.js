@@ -465,7 +465,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} time_s
  */
 
-/** The state of an exercise. points: the maximum; lost: deducted; has_sheet: whether an attempt's sheet exists. has_begun: false until the pilot begins the attempt. invalid_because: why the score is not valid, or "". name: of a packaged exercise, or "". next_name, next_title: of the one that the pilot may start after it, or "".
+/** The state of an exercise. points: the maximum; lost: deducted; has_sheet: whether an attempt's sheet exists. has_begun: false until the pilot begins the attempt. invalid_because: why the score is not valid, or "". name: of a packaged exercise, or "". next_name, next_title: of the one that the pilot may start after it, or "". film: the attempt's debriefing film is offered, is being made, of which film_share is done, or is made; "" if there is none.
  * @typedef {object} ExerciseState
  * @property {true} success
  * @property {string} name
@@ -490,6 +490,8 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {GoalState[]} goals
  * @property {BrokenLimit[]} broken
  * @property {boolean} has_sheet
+ * @property {'' | 'offered' | 'making' | 'made'} film
+ * @property {number} film_share
  * @property {string} error
  */
 
@@ -857,13 +859,14 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string | null} [lost]
  */
 
-/** A request to control the simulation. action: one of the controls listed in the description. steps, speed, name, time_s: for the actions that need them.
+/** A request to control the simulation. action: one of the controls listed in the description. steps, speed, name, time_s, language: for the actions that need them.
  * @typedef {object} Control
  * @property {string} action
  * @property {number | null} [steps]
  * @property {number | null} [speed]
  * @property {string | null} [name]
  * @property {number | null} [time_s]
+ * @property {string | null} [language]
  */
 
 /** The response of a service that failed. errors: by field of a choice.
@@ -1100,5 +1103,5 @@ export const edit = (bridge, { action, scenario, section, place, kind, vehicle, 
  * @param {Control} request
  * @returns {Promise<Commanded | Refused>}
  */
-export const control = (bridge, { action, steps, speed, name, time_s }) =>
-  bridge.call('/station/control', { action, steps, speed, name, time_s });
+export const control = (bridge, { action, steps, speed, name, time_s, language }) =>
+  bridge.call('/station/control', { action, steps, speed, name, time_s, language });
