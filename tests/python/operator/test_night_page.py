@@ -140,12 +140,12 @@ def test_the_start_screen_the_editor_the_station_its_dialogs_and_a_replay(browse
 def test_the_instructor_and_the_exercise(browser, tmp_path):
     with exercise_desk(browser, tmp_path, load_exercise("hover"), instructor_token=TOKEN) as here:
         trainee = here.fly(**at_night(here.url))
-        page = here.open(f"/instructor.html#{TOKEN}", **at_night(here.url))
-        page.wait_for_selector("text=m above the bed")
+        page = here.open(f"/instructor.html#{TOKEN}", locale="de-DE", **at_night(here.url))
+        page.wait_for_selector("text=m über Grund")
         when(page, "document.querySelector('.instructor-views canvas').width > 16")  # the trainee's picture
         page.wait_for_timeout(300)
         hold(page, "instructor")
-        judge(page, "instructor at night")
+        judge(page, "instructor at night, in German")
         page.evaluate("scrollTo(0, 1e5)")
         hold(page, "instructor, the rest")
         hold(trainee, "exercise")

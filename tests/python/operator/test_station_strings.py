@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from browser import desk, judge, shows, when
-
 ROOT = Path(__file__).parents[3]
 PAGE = ROOT / "python/uwsim/operator/station/page"
 NODE = Path(sys.prefix) / "bin/node"
@@ -49,24 +47,3 @@ def test_the_documents_have_no_words_of_their_own(path):
     texts.feed(path.read_text())
     assert set(texts.found) <= {"uwsim"}
     assert bool(texts.keys) == (path.name == "index.html")
-
-
-def test_a_german_browser_gets_german_and_the_menu_changes_it(browser, tmp_path):
-    with desk(browser, tmp_path, "pool") as here:
-        page = here.fly(locale="de-DE", viewport={"width": 1440, "height": 900})
-        when(page, "station.station.isPilot && station.views.largeView.picture.drawn > 0")
-        assert page.evaluate("document.documentElement.lang") == "de"
-        shows(page, "#dock", "Lösen")
-        shows(page, "#lease", "Sie steuern")
-        assert "undefined" not in page.inner_text("body")
-        judge(page, "the German page")
-        page.keyboard.press("Escape")
-        page.wait_for_selector("#menu-dialog[open]")
-        judge(page, "the German menu")
-        page.click("#menu-dialog >> text=English")
-        page.wait_for_selector("html[lang=en] #station:not([hidden])")
-        shows(page, "#dock", "Release")
-        assert not here.station.present().live.paused
-        french = here.open(locale="fr-FR")  # without a table
-        when(french, "document.documentElement.lang === 'en'")
-        assert not here.complaints

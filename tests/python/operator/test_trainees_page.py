@@ -44,13 +44,14 @@ def test_each_row_shows_and_steers_its_own_station(browser, tmp_path):
 
 def test_a_station_is_added_and_removed_and_a_bad_address_refused(browser, tmp_path):
     with exercise_desk(browser, tmp_path, load_exercise("hover"), instructor_token=TOKEN) as here:
-        page = here.open(f"/trainees.html#{TOKEN}")
-        shows(page, ".trainees tbody", "not begun")
+        page = here.open(f"/trainees.html#{TOKEN}", locale="de-DE")
+        shows(page, ".trainees tbody", "nicht begonnen")
         page.fill("input", "a b:c")
-        page.click("text=Add the station")
-        shows(page, "#toast", "is not the address of a station")
+        page.click("text=Station hinzufügen")
+        shows(page, "#toast", "ist nicht die Adresse einer Station")
         page.fill("input", "127.0.0.1:9")
-        page.click("text=Add the station")
-        shows(page, ".trainees tbody tr:nth-child(2)", "no connection")
-        page.click("text=Remove")
+        page.click("text=Station hinzufügen")
+        shows(page, ".trainees tbody tr:nth-child(2)", "keine Verbindung")
+        judge(page, "trainees in German")
+        page.click("text=Entfernen")
         when(page, "document.querySelectorAll('.trainees tbody tr').length === 1 && location.hash.length > 1")
