@@ -259,7 +259,7 @@ def test_a_bed_too_wide_is_cut_to_the_size_given(project: Path, tmp_path: Path) 
     assert done.returncode == 0 and "left out: Pair: it lies beyond --size = 100 m" in done.stdout, done.stderr
     moved = uwsim.Simulator(tmp_path / "moved/lawntest.yaml")
     (turned,) = (each for each in moved.scenario.obstacles if each.name == "turned")
-    whole = scenario_from(Project(project), scene, tmp_path / "whole", size_m=1000.0)
+    whole = scenario_from(Project(project), scene, tmp_path / "whole", size_m=400.0)
     (before,) = (each for each in uwsim.Simulator(whole.path).scenario.obstacles if each.name == "turned")
     shift = load_mesh(before.file)[0] - load_mesh(turned.file)[0]
     assert shift == pytest.approx(np.tile([-20.0, -120.0, 0.0], (len(shift), 1)), abs=1e-4)

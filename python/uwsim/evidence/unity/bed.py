@@ -32,8 +32,8 @@ class Bed:
         """An ESRI grid."""
         count, edge = len(self.heights_m), -SPACING_M * len(self.heights_m) / 2.0
         head = f"ncols {count}\nnrows {count}\nxllcorner {edge}\nyllcorner {edge}\ncellsize {SPACING_M}\n"
-        rows = (" ".join(f"{height:.3f}" for height in row) for row in self.heights_m)
-        return (head + "\n".join(rows) + "\n").encode()
+        row_text = " ".join(["%.3f"] * count) + "\n"
+        return (head + "".join(row_text % tuple(row) for row in self.heights_m.tolist())).encode()
 
     def reaches(self, x_m: float, y_m: float) -> bool:
         """Return whether there is a height at a place."""
