@@ -78,6 +78,7 @@ class Parameters(Mapping[str, Any]):
         self._original = self._running = scenario
         self._changes: dict[str, Any] = {}
         self._tree: tuple[Scenario, dict[str, Node]] | None = None
+        self._last_set: tuple[Scenario, dict[str, Node | None]] = scenario, {}
 
     def adopt(self, changes: Mapping[str, Any], running: Scenario) -> None:
         """Start with changes that have already been applied, which turned the scenario into `running`."""
@@ -198,8 +199,8 @@ class Parameters(Mapping[str, Any]):
 
     def _switch_to(self, changes: dict[str, Any], switches: Mapping[str, bool], new: Iterable[str] = ()) -> None:
         running = self._with(changes)
-        for name in new:
-            node = find(running, name)
+        last_set = running, {name: find(running, name) for name in new}
+        for name, node in last_set[1].items():
             if node is not None and node.idle:
                 raise ScenarioError(f"{name}: has no effect: {node.idle}")
         kept = {name: value for name, value in changes.items() if name not in self._switches}
@@ -207,7 +208,7 @@ class Parameters(Mapping[str, Any]):
             running = self._with(kept)
         if running != self._running:
             self._apply(running)
-            self._running = running
+            self._running, self._last_set = running, last_set
         self._changes = kept
         for name, on in switches.items():
             self._switches[name].set_silently(on)
@@ -244,10 +245,9 @@ class Parameters(Mapping[str, Any]):
 
     def _place(self, name: str) -> Place:
         """Return the key path of a name. Below a part that is replaced as a whole, the name need not exist yet."""
-        for scenario in (self._running, self._original):
-            node = find(scenario, name)
-            if node is not None:
-                return node.place
+        node = self._find(name) or find(self._original, name)
+        if node is not None:
+            return node.place
         for whole in table.WHOLE:
             above = ".".join(whole)
             if name.startswith(above + "."):
@@ -267,10 +267,12 @@ class Parameters(Mapping[str, Any]):
 
     def _find(self, name: object) -> Node | None:
         """Return the node with this name, or None. Does not make the whole tree, which changes with every value."""
-        made = self._tree
-        if made is None or made[0] is not self._running or not isinstance(name, str):
-            return find(self._running, name)
-        return made[1].get(name)
+        if not isinstance(name, str):
+            return None
+        made, (set_in, last_set) = self._tree, self._last_set
+        if made is not None and made[0] is self._running:
+            return made[1].get(name)
+        return last_set[name] if set_in is self._running and name in last_set else find(self._running, name)
 
     def _node(self, name: str) -> Node:
         node = self._find(name)
