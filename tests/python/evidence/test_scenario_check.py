@@ -9,9 +9,11 @@ import pytest
 from command_line import error_line, uwsim
 from uwsim import Simulator
 from uwsim.evidence.scenario_check import check_file, check_part
-from uwsim.scenario import packaged_scenarios
+from uwsim.scenario import load_vehicle, packaged_scenarios
+from uwsim.scenario.build import world
 from uwsim.scenario.new import new_scenario
-from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.read.assets import assets_folder, packaged_names
+from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.schema import schema
 
@@ -104,10 +106,22 @@ def test_nothing_follows_from_a_mistake_that_is_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", packaged_scenarios())
-def test_packaged_scenarios_have_no_mistakes_and_no_surprises(name: str) -> None:
+def test_packaged_scenarios_have_no_mistakes_fly_and_are_large_enough_for_every_vehicle(name: str) -> None:
     report = check_file(name)
-    assert report.mistakes == ()
+    assert report.mistakes == () and report.simulator is not None
     assert [warning for warning in report.warnings if not warning.startswith(EXPECTED)] == []
+    sim, found = report.simulator, Collected()
+    for vehicle in sim.vehicles.values():
+        vehicle.release()
+        sim.step(2)
+        for sonar in vehicle.sonars.values():
+            sonar.ping()
+    terrain = world.build_terrain(sim.scenario.terrain)
+    for model in map(load_vehicle, packaged_names("vehicles")):
+        other = sim.scenario.with_changes(vehicle_model=model)
+        world._require_inside(other, terrain.window(other.terrain.window_m), found)
+        world._require_free_starts(sim.world, terrain, other, found)
+    found.raise_any()
 
 
 @pytest.mark.parametrize(
