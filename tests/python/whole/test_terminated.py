@@ -19,7 +19,6 @@ FLOWN = {"map.bt", "track.npz", "summary.json", "log.jsonl", "track-rov.csv"}
 PLACES = {
     "the flight begins": [".uwsim.lock"],
     "it is saved": ["checkpoint/.uwsim-*.tmp", ".uwsim-*.tmp", ".flight.json.*"],
-    "it has been saved": ["checkpoint/flight.json"],
     "in flight, some saves later": ["checkpoint/map-[1-9]???*.ot"],  # of 24,000 ticks
     "the map is scored, the report drawn": ["track.npz"],
 }
