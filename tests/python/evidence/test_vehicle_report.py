@@ -213,12 +213,14 @@ def test_a_camera_that_looks_back_sees_its_hull(tmp_path: Path) -> None:
     assert views["cameras.ahead"].share == 0.0 and np.isinf(views["cameras.ahead"].nearest_m)
 
 
-def test_the_command_writes_a_page_and_json(tmp_path: Path) -> None:
+def test_the_command_writes_rows_a_page_or_json(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
-    ran = uwsim("vehicle", "remus100", "--out", page, "--json")
+    ran = uwsim("vehicle", "remus100", "--out", page)
     assert ran.returncode == 0, ran.stderr
-    values = json.loads(ran.stdout)
-    assert values["vehicle"] == "remus100" and values["allocation"]["rank"] == 1
+    row = next(line for line in ran.stdout.splitlines() if "speed at full ahead" in line)
+    assert row.split()[5:8] == ["2.55", "2.5", "2000"], "what is stated, beside what it does"
+    values = json.loads(uwsim("vehicle", vehicle_file(tmp_path), "--json").stdout)
+    assert values["vehicle"] == "box" and values["allocation"]["rank"] is None
     text = page.read_text()
     assert text.count("data:image/png;base64,") == 3 and "Added mass [kg, kg m2]" in text
 
@@ -258,9 +260,3 @@ def test_hovering_takes_the_power_of_the_sheets_of_its_thrusters() -> None:
     assert hover_power_w(heavy, -4 * force_n) == pytest.approx(4 * SUPPLY_V * current_a)
     assert hover_power_w(heavy, -1e4) is None  # it cannot
     assert hover_power_w(load_vehicle("otter"), -1.0) is None  # nothing upright
-
-
-def test_the_report_has_what_is_stated_beside_what_it_does() -> None:
-    shown = uwsim("vehicle", "remus100").stdout.splitlines()
-    row = next(line for line in shown if "speed at full ahead" in line)
-    assert row.split()[5:8] == ["2.55", "2.5", "2000"]
