@@ -35,6 +35,28 @@ def of_yaw_pitch_roll_deg(angles_deg: Sequence[float]) -> NDArray[np.float64]:
     return product(product(about_z(yaw), about_y(pitch)), about_x(roll))
 
 
+def to_yaw_pitch_roll_deg(xyzw: ArrayLike) -> tuple[float, float, float]:
+    """Return a rotation's angles as of_yaw_pitch_roll_deg takes them: yaw and roll within 180, pitch within 90 degrees.
+
+    At a pitch of 90 degrees only yaw and roll together are defined.
+    """
+    r = matrix(xyzw)
+    yaw, roll = math.atan2(r[1, 0], r[0, 0]), math.atan2(r[2, 1], r[2, 2])
+    return math.degrees(yaw), math.degrees(math.atan2(-r[2, 0], math.hypot(r[0, 0], r[1, 0]))), math.degrees(roll)
+
+
+def turned_deg(own_deg: Sequence[float], turn_deg: Sequence[float]) -> tuple[float, float, float]:
+    """Return yaw, pitch and roll of what has the first ones and is then turned by the second ones in the world."""
+    if turn_deg[1] == 0.0 == turn_deg[2]:  # without rounding
+        return within_half_turn_deg(own_deg[0] + turn_deg[0]), own_deg[1], own_deg[2]
+    return to_yaw_pitch_roll_deg(product(of_yaw_pitch_roll_deg(turn_deg), of_yaw_pitch_roll_deg(own_deg)))
+
+
+def within_half_turn_deg(angle_deg: float) -> float:
+    """Return the same direction from -180 to below 180 degrees."""
+    return (angle_deg + 180.0) % 360.0 - 180.0
+
+
 def matrix(xyzw: ArrayLike) -> NDArray[np.float64]:
     """Return the rotation as a matrix (3, 3)."""
     x, y, z, w = np.asarray(xyzw, np.float64).tolist()

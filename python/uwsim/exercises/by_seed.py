@@ -8,18 +8,21 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import model_validator
 
+from uwsim.base.quaternions import within_half_turn_deg
 from uwsim.scenario import Scenario
 from uwsim.scenario.spec.fields import InRange, Model, Name, broken
 from uwsim.scenario.spec.prop import PropEntry
 
 Shift = Annotated[float, InRange(-1000, 1000, "m")]
 Turn = Annotated[float, InRange(-180, 180, "deg")]
+PLACES, TURNS = ("x_m", "y_m", "z_m"), ("yaw_deg", "pitch_deg", "roll_deg")
 
 
 class PropShift(Model):
     """How far a prop may stand from its place in the scenario: from low to high, drawn evenly by the seed.
 
-    prop: its name. x_m, y_m, z_m: along the world's axes. yaw_deg: counter-clockwise.
+    prop: its name. x_m, y_m, z_m: along the world's axes. yaw_deg: counter-clockwise. pitch_deg, roll_deg: how it
+    leans, about its own y and x.
     """
 
     prop: Name
@@ -27,19 +30,22 @@ class PropShift(Model):
     y_m: tuple[Shift, Shift] = (0.0, 0.0)
     z_m: tuple[Shift, Shift] = (0.0, 0.0)
     yaw_deg: tuple[Turn, Turn] = (0.0, 0.0)
+    pitch_deg: tuple[Turn, Turn] = (0.0, 0.0)
+    roll_deg: tuple[Turn, Turn] = (0.0, 0.0)
 
     @model_validator(mode="after")
     def _are_ranges(self) -> PropShift:
-        for key in ("x_m", "y_m", "z_m", "yaw_deg"):
+        for key in (*PLACES, *TURNS):
             _require_range(key, getattr(self, key))
         return self
 
     def drawn(self, prop: PropEntry, seed: int) -> PropEntry:
         """Return the prop where the seed puts it, whatever other props there are."""
         random = _random(seed, self.prop)
-        x, y, z, yaw_deg = (random.uniform(*each) for each in (self.x_m, self.y_m, self.z_m, self.yaw_deg))
-        at_m = (prop.position_m[0] + x, prop.position_m[1] + y, prop.position_m[2] + z)
-        return prop.model_copy(update={"position_m": at_m, "yaw_deg": (prop.yaw_deg + yaw_deg + 180.0) % 360.0 - 180.0})
+        drawn = {key: random.uniform(*getattr(self, key)) for key in (*PLACES, *TURNS)}
+        at_m = tuple(own + drawn[key] for own, key in zip(prop.position_m, PLACES, strict=True))
+        turns = {key: within_half_turn_deg(getattr(prop, key) + drawn[key]) for key in TURNS}
+        return prop.model_copy(update={"position_m": at_m, **turns})
 
 
 Low = Annotated[float, InRange(0, 5, "m/s")]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import Field
 
+from uwsim.base.quaternions import turned_deg
 from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import InRange, Model, Name
 from uwsim.scenario.spec.kinds import Kinds
@@ -58,8 +59,8 @@ class GoalModel(Model):
     """The keys that all goals share.
 
     name: used in `after`. title: shown to the pilot. points: awarded for meeting it. after: the name of a goal, or of
-    several, that must be met before this one counts. of: a prop of the scenario, in whose frame the goal's position_m
-    and heading_deg are; by default the world.
+    several, that must be met before this one counts. of: a prop of the scenario, in whose frame the goal's position_m,
+    heading_deg and pitch_deg are; by default the world.
     """
 
     progress: ClassVar[type[Progress]] = Progress
@@ -72,6 +73,7 @@ class GoalModel(Model):
 
     if TYPE_CHECKING:
         kind: str
+        pitch_deg: float
 
     @property
     def earlier(self) -> list[str]:
@@ -84,7 +86,10 @@ class GoalModel(Model):
         if (point_m := getattr(self, "position_m", None)) is not None:
             changes["position_m"] = prop.in_world(point_m)
         if (heading_deg := getattr(self, "heading_deg", None)) is not None:
-            changes["heading_deg"] = (heading_deg + prop.yaw_deg + 180.0) % 360.0 - 180.0
+            leans = "pitch_deg" in type(self).model_fields
+            own_deg = (heading_deg, self.pitch_deg if leans else 0.0, 0.0)
+            changes["heading_deg"], pitch_deg, _ = turned_deg(own_deg, prop.turn_deg)
+            changes |= {"pitch_deg": pitch_deg} if leans else {}
         return self.model_copy(update=changes)
 
     @property

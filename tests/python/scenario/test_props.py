@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial.transform import Rotation
 
 import uwsim
 from uwsim.scenario import ScenarioError, load
@@ -62,6 +63,27 @@ def test_parts_stand_where_a_turn_about_the_vertical_puts_them() -> None:
     assert places["gate_sign_left"].yaw_pitch_roll_deg == pytest.approx((90, 0, 0))
     again = load(scenario.given())
     assert again.obstacles == scenario.obstacles and not again.props
+
+
+def test_a_prop_that_leans_does_so_as_one_for_rays_pictures_and_contacts() -> None:
+    turn = {"yaw_deg": 30.0, "pitch_deg": 4.0, "roll_deg": -6.0}
+    rotation = Rotation.from_euler("ZYX", list(turn.values()), degrees=True)
+    at, level = np.array([4.0, 2.0, FLOOR]), load(pool(prop("torpedo_board")))
+    leans = load(pool(prop("torpedo_board", tuple(at), **turn)))
+    for one, other in zip(level.obstacles, leans.obstacles, strict=True):
+        near = 1e-9 if one.kind == "board" else 0.01  # a round bar's facets begin where its direction has them
+        corners = one.solid(None).vertices - [0, 0, FLOOR]  # type: ignore[arg-type]
+        assert other.solid(None).vertices == pytest.approx(rotation.apply(corners) + at, abs=near)  # type: ignore[arg-type]
+    # A ball through the middle of an opening, along the board's own normal, passes; a ray, too, but not at its middle.
+    ahead, middle = rotation.apply([1.0, 0.0, 0.0]), at + rotation.apply([0.0, -0.15, 1.35])
+    with uwsim.Simulator(leans) as sim:
+        eyes = np.array([middle, at + rotation.apply([0.0, 0.0, 1.2])]) + ahead
+        cast = sim.scene.cast(eyes, np.array([-ahead, -ahead]), 1.1)
+    assert np.isinf(cast.ranges_m[0]) and cast.ranges_m[1] == pytest.approx(0.995, abs=1e-5)
+    start = tuple((middle + 0.4 * ahead).tolist())
+    thrown = pool(prop("torpedo_board", tuple(at), **turn), objects=[ball(start, tuple((-4 * ahead).tolist()))])
+    assert (after(0.4, thrown, "ball") - middle) @ ahead < -0.1
+    assert load(leans.given()).obstacles == leans.obstacles
 
 
 def test_a_prop_is_painted_where_it_states_no_colour() -> None:

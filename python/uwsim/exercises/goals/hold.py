@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import model_validator
 
+from uwsim.base.quaternions import within_half_turn_deg
 from uwsim.exercises.goal import Duration, GoalModel, Progress, Within
 from uwsim.exercises.moment import Moment
 from uwsim.scenario.spec.fields import Degrees, InRange, Metres, Point3, broken
@@ -39,7 +40,7 @@ class _Holding(Progress):
     def _turned_deg(self, moment: Moment) -> float:
         if self._goal.heading_deg is None:
             return 0.0
-        return abs((math.degrees(moment.yaw_rad) - self._goal.heading_deg + 180.0) % 360.0 - 180.0)
+        return abs(within_half_turn_deg(math.degrees(moment.yaw_rad) - self._goal.heading_deg))
 
 
 class Hold(GoalModel):

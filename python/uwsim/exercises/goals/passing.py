@@ -18,8 +18,9 @@ class _Passing(Progress):
     def __init__(self, goal: Pass) -> None:
         super().__init__(goal)
         self._before = (0.0, np.zeros(3))
-        heading = math.radians(goal.heading_deg)
-        self._ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
+        heading, pitch = math.radians(goal.heading_deg), math.radians(goal.pitch_deg)
+        level = math.cos(pitch)
+        self._ahead = np.array([level * math.cos(heading), level * math.sin(heading), -math.sin(pitch)])
         self._has_before = False
 
     def judge(self, moment: Moment, period_s: float) -> None:
@@ -45,7 +46,8 @@ class _Passing(Progress):
 class Pass(GoalModel):
     """Pass through an opening, such as a gate.
 
-    position_m: its centre. heading_deg: the direction of passage, counter-clockwise from east. within_m: its radius.
+    position_m: its centre. heading_deg: the direction of passage, counter-clockwise from east; pitch_deg: how far it
+    leads down. within_m: its radius.
     object: the loose body that has to pass, such as a torpedo, once no dropper holds it; by default the vehicle.
     """
 
@@ -54,6 +56,7 @@ class Pass(GoalModel):
     kind: Literal["pass"]
     position_m: Point3
     heading_deg: Degrees
+    pitch_deg: Degrees = 0.0
     within_m: Within = 1.0
     object: Name | None = None
 

@@ -91,7 +91,7 @@ class LooseBody(Model):
             return [self]
         bodies, shape = [], cast(Placed, self.shape)  # as LOOSE_KINDS are
         for number, (x_m, y_m, heading_deg) in enumerate(self.scatter.places(shape), start=1):
-            moved = shape.placed(f"{self.name}_{number}", (x_m, y_m, shape.position_m[2]), heading_deg)
+            moved = shape.placed(f"{self.name}_{number}", (x_m, y_m, shape.position_m[2]), (heading_deg, 0.0, 0.0))
             bodies.append(self.model_copy(update={"shape": moved, "scatter": None}))
         return bodies
 

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import StrictBool
 
 from uwsim import _core
+from uwsim.base import quaternions
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.read.textures import Texture
 from uwsim.scenario.spec.bubble_plume import BubblePlume
@@ -113,11 +114,11 @@ class Placed(ObstacleModel):
     on_bed: StrictBool = False
     position_m: Point3
 
-    def placed(self, name: str, position_m: Point3, turned_deg: float) -> Self:
-        """Return a copy at another place, turned counter-clockwise about the vertical if it has a direction."""
+    def placed(self, name: str, position_m: Point3, turned_deg: Point3) -> Self:
+        """Return a copy at another place, turned in the world by yaw, pitch and roll if it has a direction."""
         changes: dict[str, Any] = {"name": name, "position_m": position_m}
-        if (turn := getattr(self, "yaw_pitch_roll_deg", None)) is not None:
-            changes["yaw_pitch_roll_deg"] = ((turn[0] + turned_deg + 180.0) % 360.0 - 180.0, *turn[1:])
+        if (own := getattr(self, "yaw_pitch_roll_deg", None)) is not None:
+            changes["yaw_pitch_roll_deg"] = quaternions.turned_deg(own, turned_deg)
         return self.model_copy(update=changes)
 
 

@@ -68,14 +68,16 @@ class PropEntry(Model):
     """A prop in a scenario, which stands for its obstacles and objects; their names begin with its name.
 
     model: the name of a packaged prop, or the path of its YAML file. position_m: the prop's origin in the world.
-    yaw_deg: direction of its x, counter-clockwise from east. colour: albedo of its painted parts that state none.
-    frequency_hz: of its pingers, instead of the file's.
+    yaw_deg: direction of its x, counter-clockwise from east. pitch_deg, roll_deg: how it leans then, about its y and
+    its x. colour: albedo of its painted parts that state none. frequency_hz: of its pingers, instead of the file's.
     """
 
     name: Name
     model: Annotated[Prop, BeforeValidator(_prop, json_schema_input_type=PropName | Prop)]
     position_m: Point3
     yaw_deg: Degrees = 0.0
+    pitch_deg: Degrees = 0.0
+    roll_deg: Degrees = 0.0
     colour: Colour | None = None
     frequency_hz: Frequency | None = None
 
@@ -97,14 +99,19 @@ class PropEntry(Model):
             for one in self.model.pingers
         ]
 
+    @property
+    def turn_deg(self) -> Point3:
+        """Its yaw, pitch and roll."""
+        return self.yaw_deg, self.pitch_deg, self.roll_deg
+
     def in_world(self, point_m: Point3) -> Point3:
         """Return a point of its frame in the world."""
-        x, y, z = turned(of_yaw_pitch_roll_deg((self.yaw_deg, 0.0, 0.0)), np.asarray(point_m)).tolist()
+        x, y, z = turned(of_yaw_pitch_roll_deg(self.turn_deg), np.asarray(point_m)).tolist()
         return x + self.position_m[0], y + self.position_m[1], z + self.position_m[2]
 
     def _shape(self, shape: ObstacleModel) -> ObstacleModel:
         assert isinstance(shape, Placed)
-        moved = shape.placed(f"{self.name}_{shape.name}", self.in_world(shape.position_m), self.yaw_deg)
+        moved = shape.placed(f"{self.name}_{shape.name}", self.in_world(shape.position_m), self.turn_deg)
         return self._painted(moved)
 
     def _painted(self, shape: ObstacleModel) -> ObstacleModel:
