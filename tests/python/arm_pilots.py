@@ -21,18 +21,32 @@ def jaws_to(vehicle, place, *, heading_rad=0.0, speed_m_s=0.3, for_s=3.0):
     yield from hold(vehicle, for_s, position_world_m=at, heading_rad=heading_rad)
 
 
-def jaws_along(vehicle, begin, end, *, for_s):
-    """Move the middle between the jaws evenly from one place to another, heading east."""
+def jaws_along(vehicle, begin, end, *, for_s, heading_rad=0.0):
+    """Move the middle between the jaws evenly from one place to another."""
     steps = round(for_s / 0.1)
     for k in range(1, steps + 1):
         place = [a + (b - a) * k / steps for a, b in zip(begin, end, strict=True)]
-        yield from hold(vehicle, 0.1, position_world_m=vehicle_at(place), heading_rad=0.0)
+        at = vehicle_at(place, heading_rad)
+        yield from hold(vehicle, 0.1, position_world_m=at, heading_rad=heading_rad)
 
 
-def drive_jaws(vehicle, place, speed_m_s, *, for_s=2.5):
+def drive_jaws(vehicle, place, speed_m_s, *, for_s=2.5, heading_rad=0.0):
     """Close or open the jaws, which keep pressing, and stay."""
     vehicle.set_joints(speeds={"left": speed_m_s, "right": speed_m_s})
-    yield from hold(vehicle, for_s, position_world_m=vehicle_at(place), heading_rad=0.0)
+    at = vehicle_at(place, heading_rad)
+    yield from hold(vehicle, for_s, position_world_m=at, heading_rad=heading_rad)
+
+
+def pull_the_pin(vehicle, console):
+    """Take the grip of a console (a prop in the world), draw its pin, let go, and back off."""
+    ahead = math.radians(console.yaw_deg + 180.0)
+    far, grip, drawn = (console.in_world((x_m, 0.0, 1.0)) for x_m in (0.6, 0.22, 0.47))
+    yield from jaws_to(vehicle, far, heading_rad=ahead, for_s=6.0)
+    yield from jaws_along(vehicle, far, grip, for_s=8.0, heading_rad=ahead)
+    yield from drive_jaws(vehicle, grip, CLOSE, heading_rad=ahead)
+    yield from jaws_along(vehicle, grip, drawn, for_s=10.0, heading_rad=ahead)
+    yield from drive_jaws(vehicle, drawn, OPEN, heading_rad=ahead)
+    yield from jaws_along(vehicle, drawn, far, for_s=4.0, heading_rad=ahead)
 
 
 SPINDLE_M, LEVER_M = (2.3, 1.4), -3.61

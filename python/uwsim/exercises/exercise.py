@@ -24,13 +24,14 @@ from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.obstacle import ObstacleSpec
 from uwsim.scenario.spec.prop import PropEntry
 from uwsim.scenario.spec.scenario import Scenario
+from uwsim.scenario.spec.tether import Tether
 from uwsim.scenario.spec.vehicle_entry import StartPose
 
 FOLDER = "exercises"
 COURSE = (
-    "hover", "slalom", "pool-course", "sea-course", "reef-course", "approach", "docking", "gust", "pipeline",
-    "reef-diver", "kelp-seal", "quay", "net-inspection", "cable", "reef-pipeline", "wreck-dive", "night-gates",
-    "tether", "depth-gauge", "dvl-loss", "thruster-loss", "pin", "valve", "sample", "wet-mate",
+    "hover", "slalom", "pool-course", "sea-course", "reef-course", "rov-course", "approach", "docking", "gust",
+    "pipeline", "reef-diver", "kelp-seal", "quay", "net-inspection", "cable", "reef-pipeline", "wreck-dive",
+    "night-gates", "tether", "depth-gauge", "dvl-loss", "thruster-loss", "pin", "valve", "sample", "wet-mate",
 )  # fmt: skip
 """The packaged exercises in the order in which a beginner flies them: steering, inspection, failures, the arm."""
 EVENT_COMMANDS = (
@@ -92,13 +93,13 @@ class Exercise(Model):
 
     title: one line. task: the kind of a pilot's work that it trains, under which a certificate lists it. brief: the
     task in words. scenario: a packaged name, or the path of a YAML file, looked for beside the exercise's first.
-    vehicle: a packaged model that replaces the first vehicle's. obstacles, props: added to the scenario's. layout: how
-    far props may stand from their places, by the seed. conditions: water and light by the seed. hidden: names of
-    obstacles that the station's 3D view and chart leave out. start: the pose of the first vehicle, by default as in the
-    scenario. seed: seed of all random draws. time_s: time after which it ends. goals, limits, events: see their models.
-    aids: those that the pilot may use; all others are refused. pass_points: points needed to pass. lag_s: the time that
-    sound takes from the pilot to the vehicle, and as long back, by which commands and sight are late; 0: none, nor a
-    link.
+    vehicle: a packaged model that replaces the first vehicle's. obstacles, props: added to the scenario's. exchanged:
+    sets of props of which the seed draws who stands in whose place. layout: how far props may stand from their places,
+    by the seed. conditions: water and light by the seed. hidden: names of obstacles that the station's 3D view and
+    chart leave out. start, tether: of the first vehicle, by default as in the scenario. seed: seed of all random draws.
+    time_s: time after which it ends. goals, limits, events: see their models. aids: those that the pilot may use; all
+    others are refused. pass_points: points needed to pass. lag_s: the time that sound takes from the pilot to the
+    vehicle, and as long back, by which commands and sight are late; 0: none, nor a link.
     """
 
     title: str = Field(min_length=1, max_length=120)
@@ -108,10 +109,12 @@ class Exercise(Model):
     vehicle: str | None = None
     obstacles: list[ObstacleSpec] = Field(default_factory=list)
     props: Annotated[list[PropEntry], Field(max_length=200)] = Field(default_factory=list)
+    exchanged: Annotated[list[list[Name]], Field(max_length=20)] = Field(default_factory=list)
     layout: Annotated[list[PropShift], Field(max_length=200)] = Field(default_factory=list)
     conditions: Conditions | None = None
     hidden: list[Name] = Field(default_factory=list)
     start: StartPose | None = None
+    tether: Tether | None = None
     seed: Annotated[int, InRange(0, 2**32 - 1)] = 0
     time_s: Annotated[float, InRange(1, 1e5, "s")] = 600.0
     goals: list[Goal] = Field(min_length=1, max_length=200)
@@ -159,6 +162,13 @@ class Exercise(Model):
     def _props(self, found: Scenario) -> dict[str, PropEntry]:
         """Return the scenario's and the exercise's props by name, where the seed puts them. Raises ScenarioError."""
         props = {one.name: one for one in (*found.placed_props, *self.props)}
+        for index, names in enumerate(self.exchanged):
+            for name in names:
+                if name not in props:
+                    raise _no_prop(f"exchanged[{index}]", name, props, self.scenario)
+            order = _random(self.seed, " ".join(names)).permutation(len(names))
+            places = [{key: getattr(props[names[k]], key) for key in ("position_m", *TURNS)} for k in order]
+            props |= {name: props[name].model_copy(update=at) for name, at in zip(names, places, strict=True)}
         for index, each in enumerate(self.layout):
             if each.prop not in props:
                 raise _no_prop(f"layout[{index}].prop", each.prop, props, self.scenario)
@@ -199,14 +209,15 @@ class Exercise(Model):
         data["obstacles"] = [*found.obstacles, *self.obstacles]
         if self.conditions is not None:
             data.update(self.conditions.drawn(found, self.seed))
-        if self.layout or self.props:
+        if self.layout or self.props or self.exchanged:
             for key in ("obstacles", "objects", "pingers"):  # those of the props are the last
                 own = len(getattr(found, key)) - sum(len(getattr(one.model, key)) for one in found.placed_props)
                 data[key] = getattr(found, key)[:own]
             data["obstacles"] = [*data["obstacles"], *self.obstacles]
             data["props"] = list(props.values())
-        if self.start is not None:
-            data["vehicles"] = [{**found.vehicles[0].given(), "start": self.start}, *found.vehicles[1:]]
+        own = {key: value for key in ("start", "tether") if (value := getattr(self, key)) is not None}
+        if own:
+            data["vehicles"] = [{**found.vehicles[0].given(), **own}, *found.vehicles[1:]]
         made = validated(Scenario, data).read_from(found.source_file)
         return with_lag(made, self.lag_s) if self.lag_s else made
 

@@ -8,12 +8,14 @@ import numpy as np
 from pydantic import Field
 
 from uwsim.base.commands.notes import NoteCategory
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.base.polygon import inside
 from uwsim.exercises.goal import Points
 from uwsim.exercises.moment import Moment
-from uwsim.scenario.spec.fields import InRange, Model, Point2
+from uwsim.scenario.spec.fields import InRange, Model, Name, Point2
 from uwsim.simulator.simulator import Simulator
 
+TOUCH_M = 1.0
 AGAIN_S = 3.0  # a limit broken again within this time counts only once
 
 
@@ -46,15 +48,33 @@ class LimitModel(Model):
 
 
 class Collisions(LimitModel):
-    """No collisions."""
+    """No collisions.
+
+    besides: the bodies that the task has the vehicle touch. A touch that has ended when it is judged, within 0.1 s,
+    counts as theirs if the vehicle is within 1 m of one of them.
+    """
 
     text = "No collision"
 
     kind: Literal["collision"]
+    besides: list[Name] = Field(default_factory=list)
 
     def is_broken(self, moment: Moment, collisions_before: int) -> bool:
         """See LimitModel."""
-        return moment.collisions > collisions_before
+        if moment.collisions <= collisions_before:
+            return False
+        if not self.besides:
+            return True
+        met = {contact.other for contact in moment.vehicle.contacts}
+        places = (tuple(moment.sim.objects[name].pose.position_world_m.tolist()) for name in self.besides)
+        return not met <= set(self.besides) if met else all(moment.distance_m(place) > TOUCH_M for place in places)
+
+    def require(self, sim: Simulator) -> None:
+        """See LimitModel."""
+        for name in self.besides:
+            if name not in sim.objects:
+                known = ", ".join(sim.objects) or "none: there are none"
+                raise ValueError(f"besides = '{name}': must be one of {known}{did_you_mean(name, sim.objects)}")
 
 
 class Deepest(LimitModel):
@@ -150,10 +170,7 @@ class Tangled(LimitModel):
 
     def require(self, sim: Simulator) -> None:
         """See LimitModel."""
-        if all(vehicle.tether is None or not vehicle.tether.read().turns for vehicle in sim.vehicles.values()):
-            raise ValueError(
-                f"scenario '{sim.scenario.name}': has no tether, or no upright obstacle that it could go round"
-            )
+        require_turns(sim)
 
     def is_broken(self, moment: Moment, collisions_before: int) -> bool:
         """See LimitModel."""
@@ -169,6 +186,14 @@ class Tangled(LimitModel):
         """See LimitModel."""
         where = "" if self.within_m is None else f", within {self.within_m:g} m of its anchor"
         return f"No turn of the tether round an obstacle{where}"
+
+
+def require_turns(sim: Simulator) -> None:
+    """Raise ValueError unless a vehicle has a tether, and something that it could go round."""
+    if all(vehicle.tether is None or not vehicle.tether.read().turns for vehicle in sim.vehicles.values()):
+        raise ValueError(
+            f"scenario '{sim.scenario.name}': has no tether, or no upright obstacle that it could go round"
+        )
 
 
 Limit = Annotated[Collisions | Deepest | Lowest | Fastest | Area | Reports | Tangled, Field(discriminator="kind")]

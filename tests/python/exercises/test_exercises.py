@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from arm_pilots import ARM_PILOTS
+from arm_pilots import ARM_PILOTS, pull_the_pin
 from dive_pilots import DIVES
 from uwsim.exercises import Exercise, exercise_names, load_exercise
 from uwsim.exercises.flight import fly_exercise
@@ -119,9 +119,7 @@ def seen(vehicle, goal, back_m=1.2, up_m=0.5, ahead=0.0):
 
 
 def sea_course(vehicle):
-    *places, _ = load_exercise("sea-course").in_world().goals
-    for goal in places:
-        yield from seen(vehicle, goal, up_m=0.4)
+    yield from tasks(vehicle, load_exercise("sea-course"), up_m=0.4)
     for k, y in enumerate((-5.5, -1.5, 2.5, 6.0)):
         for x in (-8.0, 8.0) if k % 2 else (8.0, -8.0):
             yield from goto(vehicle, (x, y, -1.5), within_m=0.5)
@@ -131,15 +129,42 @@ def sea_course_without_a_look(vehicle):
     yield from goto(vehicle, (8, -5.5, -1.5), within_m=0.5)
 
 
-def reef_course(vehicle):
-    for goal in load_exercise("reef-course").in_world().goals:
+def tasks(vehicle, course, up_m=0.5):
+    """Look, note and stay, as the goals of a course ask, but for those that are not of these kinds."""
+    for goal in course.in_world().goals:
         if goal.kind == "look_at":
-            yield from seen(vehicle, goal)
+            yield from seen(vehicle, goal, up_m=up_m)
         elif goal.kind == "report":
             vehicle.command("note", text=goal.title, category=goal.category, position_world_m=goal.position_m)
         elif goal.kind == "hold":
             yield from goto(vehicle, goal.position_m, within_m=0.2)
             yield from hold(vehicle, 13.0, position_world_m=goal.position_m)
+        elif goal.kind == "move_joint":
+            yield from pull_the_pin_and_return(vehicle, course)
+
+
+def reef_course(vehicle):
+    yield from tasks(vehicle, load_exercise("reef-course"))
+
+
+def pull_the_pin_and_return(vehicle, course, north_m=-1.2):
+    """north_m: where the way back to the plate is; the way out is north of the posts at (0, -2.8) m."""
+    (console,) = [one for one in course.made_scenario().placed_props if one.name == "console"]
+    yield from goto(vehicle, (2.0, -1.2, -2.5), within_m=0.4)
+    yield from pull_the_pin(vehicle, console)
+    for x in (3.0, -2.0):
+        yield from goto(vehicle, (x, north_m, -3.0), within_m=0.4)
+
+
+def rov_course(vehicle):
+    yield from tasks(vehicle, load_exercise("rov-course"))
+
+
+def rov_course_the_shortest_way_back(vehicle):
+    """Pulls the pin, and flies to the plate south of a post, round which the tether then is."""
+    course = load_exercise("rov-course")
+    yield from pull_the_pin_and_return(vehicle, course, north_m=-4.2)
+    yield from tasks(vehicle, course.model_copy(update={"goals": [one for one in course.goals if one.kind == "hold"]}))
 
 
 def reef_course_by_the_plate_alone(vehicle):
@@ -256,6 +281,7 @@ PILOTS = {
     "pool-course": (pool_course, pool_course_by_dead_reckoning),
     "sea-course": (sea_course, sea_course_without_a_look),
     "reef-course": (reef_course, reef_course_by_the_plate_alone),
+    "rov-course": (rov_course, reef_course_by_the_plate_alone),
     "approach": (approach, approach_without_the_current),
     "depth-gauge": (depth_gauge, depth_gauge_believed),
     "gust": (gust, gust_without_holding),
@@ -295,6 +321,12 @@ def test_what_a_gripper_is_to_do_does_not_happen_by_itself(name):
 
     course = fly_exercise(name, stay, sample_sensors=False).course
     assert [goal["share"] for goal in course.state()["goals"]] == [0.0] * len(course.exercise.goals)
+
+
+def test_the_shortest_way_back_leaves_the_tether_round_a_post():
+    sheet = fly_exercise("rov-course", rov_course_the_shortest_way_back, sample_sensors=False).course.sheet()
+    shares = {goal["name"]: goal["share"] for goal in sheet["goals"]}
+    assert (shares["pin"], shares["plate"], shares["tether"]) == (1.0, 1.0, 0.0)
 
 
 def test_a_goal_for_an_object_that_is_not_there_is_refused():
