@@ -1,10 +1,12 @@
 """Laws of the pilot, which need neither ROS nor the simulator."""
 
+import base64
 import math
 from types import SimpleNamespace
 
 import pytest
 
+from pilot import pilot as own
 from pilot.pilot import SONAR_M, TILT_RAD, Pilot, middle, things
 
 
@@ -39,3 +41,17 @@ def test_echoes_near_to_each_other_are_one_thing_and_few_are_none():
 
 def test_without_a_pose_it_commands_nothing():
     assert Pilot(log=str).commands() == []
+
+
+def picture(buoy):
+    """Return turbid water with a buoy of a colour in its middle."""
+    rows = [[(16, 116, 94)] * 64 for _ in range(36)]
+    for row in rows[14:22]:
+        row[28:36] = [buoy] * 8
+    data = bytes(value for row in rows for pixel in row for value in pixel)
+    return SimpleNamespace(data=base64.b64encode(data).decode(), width=64, height=36, step=3 * 64)
+
+
+@pytest.mark.skipif(not hasattr(own, "yellowness"), reason="this pilot reads no picture")
+def test_a_yellow_buoy_is_yellower_than_a_red_one():
+    assert own.yellowness(picture((25, 150, 90))) > own.yellowness(picture((45, 105, 88)))

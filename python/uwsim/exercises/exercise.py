@@ -215,9 +215,9 @@ class Exercise(Model):
                 data[key] = getattr(found, key)[:own]
             data["obstacles"] = [*data["obstacles"], *self.obstacles]
             data["props"] = list(props.values())
-        own = {key: value for key in ("start", "tether") if (value := getattr(self, key)) is not None}
-        if own:
-            data["vehicles"] = [{**found.vehicles[0].given(), **own}, *found.vehicles[1:]]
+        first = {key: value for key in ("start", "tether") if (value := getattr(self, key)) is not None}
+        if first:
+            data["vehicles"] = [{**found.vehicles[0].given(), **first}, *found.vehicles[1:]]
         made = validated(Scenario, data).read_from(found.source_file)
         return with_lag(made, self.lag_s) if self.lag_s else made
 

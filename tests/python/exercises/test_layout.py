@@ -43,6 +43,19 @@ def test_goals_follow_their_props() -> None:
         assert np.array(row.position_m) == pytest.approx((red + white) / 2)  # type: ignore[attr-defined]
 
 
+def test_props_exchange_their_places_by_the_seed_and_their_goals_with_them() -> None:
+    is_red_east = set()
+    for seed in range(12):
+        exercise = load_exercise("sea-course").model_copy(update={"seed": seed})
+        places = {one.name: one.position_m for one in exercise.made_scenario().placed_props}
+        goals = {goal.name: goal for goal in exercise.in_world().goals}
+        red, yellow = places["red_buoy"], places["yellow_buoy"]
+        assert goals["red"].position_m[:2] == red[:2] and goals["yellow"].position_m[:2] == yellow[:2]  # type: ignore[attr-defined]
+        assert min(red[0], yellow[0]) < 1.5 < max(red[0], yellow[0])
+        is_red_east.add(red[0] > 1.5)
+    assert is_red_east == {False, True}
+
+
 def test_a_board_leans_by_the_seed_and_its_goal_with_it() -> None:
     for seed in (5, 6):
         exercise = course(seed)

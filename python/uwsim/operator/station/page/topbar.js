@@ -82,6 +82,14 @@ export class TopBar {
       ...this.#lights,
     );
     byId('lights').hidden = this.#lights.length === 0;
+    byId('droppers').replaceChildren(
+      el('span', { className: 'caption', 'aria-hidden': 'true' }, WORDS.droppers),
+      ...vehicle.droppers.map((name) => {
+        const title = titled({ name, title: capital(name.replaceAll('_', ' ')) });
+        return el('button', { type: 'button', 'aria-label': WORDS.drop(title), onclick: () => this.drop(name) }, title);
+      }),
+    );
+    byId('droppers').hidden = vehicle.droppers.length === 0;
     /** @type {HTMLElement} */ (byId('tilt').parentElement).hidden = !vehicle.tilt;
     byId('speed').replaceChildren(
       ...speeds.map((speed) => el('option', { value: String(speed) }, speed === 0 ? WORDS.max : `${speed}×`)),
@@ -101,9 +109,9 @@ export class TopBar {
     attempt(this.station.command('undock', this.#vehicle?.name), WORDS.undocked);
   }
 
-  // The first dropper that holds a body lets it go.
-  drop() {
-    attempt(this.station.command('drop', this.#vehicle?.name), WORDS.dropped);
+  // A dropper lets go of its next body; without a name, the first one that holds any.
+  drop(name = undefined) {
+    attempt(this.station.command('drop', this.#vehicle?.name, name ? { dropper: name } : {}), WORDS.dropped);
   }
 
   light(name, on) {

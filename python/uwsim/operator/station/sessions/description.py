@@ -128,6 +128,7 @@ def _vehicle(running: Running, source: Source, optional: set[str]) -> Values:
         "pings_per_s": running.table.pings[source.name].rate_hz if has_map else 0.0,
         "thrusters": list(vehicle.thrusters),
         "lamps": list(vehicle.lamps),
+        "droppers": list(vehicle.droppers),
         "efforts": [axis for axis in AXES if axis in vehicle.controllable],
         "holds": vehicle.holds.possible if vehicle.holds is not None else [],
         "tilt": tilt,

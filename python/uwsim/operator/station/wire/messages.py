@@ -142,6 +142,7 @@ class VehicleDescription(Message):
     pings_per_s: float
     thrusters: list[str]
     lamps: list[str]
+    droppers: list[str]
     efforts: list[str]
     holds: list[str]
     tilt: Tilt | None

@@ -249,6 +249,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} pings_per_s
  * @property {string[]} thrusters
  * @property {string[]} lamps
+ * @property {string[]} droppers
  * @property {string[]} efforts
  * @property {string[]} holds
  * @property {Tilt | null} tilt
