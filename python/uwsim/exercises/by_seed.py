@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zlib
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 import numpy as np
@@ -46,6 +47,13 @@ class PropShift(Model):
         at_m = tuple(own + drawn[key] for own, key in zip(prop.position_m, PLACES, strict=True))
         turns = {key: within_half_turn_deg(getattr(prop, key) + drawn[key]) for key in TURNS}
         return prop.model_copy(update={"position_m": at_m, **turns})
+
+
+def exchanged(props: Sequence[PropEntry], seed: int) -> dict[str, PropEntry]:
+    """Return props by name, of which the seed draws who stands in whose place."""
+    order = _random(seed, " ".join(one.name for one in props)).permutation(len(props))
+    places = [{key: getattr(props[k], key) for key in ("position_m", *TURNS)} for k in order]
+    return {one.name: one.model_copy(update=at) for one, at in zip(props, places, strict=True)}
 
 
 Low = Annotated[float, InRange(0, 5, "m/s")]

@@ -11,7 +11,7 @@ from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 from uwsim.base.commands import COMMANDS
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.channels.authority.rights import AidKind
-from uwsim.exercises.by_seed import Conditions, PropShift
+from uwsim.exercises.by_seed import Conditions, PropShift, exchanged
 from uwsim.exercises.goal import Goal, Points
 from uwsim.exercises.lag import LAG_MAX_S, with_lag
 from uwsim.exercises.limits import Limit
@@ -166,9 +166,7 @@ class Exercise(Model):
             for name in names:
                 if name not in props:
                     raise _no_prop(f"exchanged[{index}]", name, props, self.scenario)
-            order = _random(self.seed, " ".join(names)).permutation(len(names))
-            places = [{key: getattr(props[names[k]], key) for key in ("position_m", *TURNS)} for k in order]
-            props |= {name: props[name].model_copy(update=at) for name, at in zip(names, places, strict=True)}
+            props |= exchanged([props[name] for name in names], self.seed)
         for index, each in enumerate(self.layout):
             if each.prop not in props:
                 raise _no_prop(f"layout[{index}].prop", each.prop, props, self.scenario)
@@ -239,6 +237,13 @@ def next_exercise(name: str) -> tuple[str, str]:
     names = exercise_names()
     following = names[names.index(name) + 1 :][:1] if name in names else []
     return next(((each, load_exercise(each).title) for each in following), ("", ""))
+
+
+def require_own_title(exercise: Exercise) -> None:
+    """Raise ValueError if an exercise has the title of a packaged one: log books tell exercises apart by it."""
+    for name in exercise_names():
+        if load_exercise(name).title == exercise.title:
+            raise ValueError(f"title = '{exercise.title}': is that of the packaged exercise '{name}'")
 
 
 def exercise_names() -> list[str]:

@@ -18,6 +18,7 @@ from PIL import Image
 
 from station_pages import require_described
 from uwsim.evidence.scenario_check import check_file
+from uwsim.exercises import load_exercise
 from uwsim.exercises.flight import fly_exercise
 from uwsim.flight.survey import run_survey
 from uwsim.operator.station import Site, Station
@@ -311,7 +312,7 @@ def test_what_is_saved_opens_everywhere_and_replaces_no_foreign_file(station: St
     (mistake,) = anna("edit", action="check")["mistakes"]  # the box reaches up into the lanes
     assert "of the survey's lanes cannot be flown" in mistake
     (tmp_path / "mine.yaml").write_text("# by hand\n")
-    assert "uwsim did not write it" in anna("edit", action="save", name="mine")["message"]
+    assert "is another scene's" in anna("edit", action="save", name="mine")["message"]
     assert "must be a letter" in anna("edit", action="save", name="../x")["message"]
     assert anna("edit", action="save", name="my_pool")["is_saved"]
     scenario = load(tmp_path / "my_pool.yaml")
@@ -368,10 +369,14 @@ def test_an_exercise_is_saved_beside_its_scene_replaces_none_and_is_flown_anothe
     assert anna("edit", action="save", name="bay")["is_saved"]
     kept = (tmp_path / "bay.exercise.yaml").read_bytes()
     anna("edit", action="new")
-    assert "is the exercise of another scene" in anna("edit", action="save", name="bay")["message"]
+    assert "bay.yaml: is another scene's" in anna("edit", action="save", name="bay")["message"]
+    (tmp_path / "bay.yaml").rename(tmp_path / "kept")
     anna("edit", action="add", **goal)
-    assert "is the exercise of another scene" in anna("edit", action="save", name="bay")["message"]
+    assert "bay.exercise.yaml: is another scene's" in anna("edit", action="save", name="bay")["message"]
+    anna("edit", action="set", section="exercise", place=["exercise"], values={"title": load_exercise("hover").title})
+    assert "of the packaged exercise 'hover'" in anna("edit", action="save", name="cove")["message"]
     assert (tmp_path / "bay.exercise.yaml").read_bytes() == kept
+    (tmp_path / "kept").rename(tmp_path / "bay.yaml")
     station.sessions.close()
 
     again = Station(offered="pool", folder=tmp_path)  # another day

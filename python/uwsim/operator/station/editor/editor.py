@@ -15,6 +15,7 @@ from uwsim.base.arguments import is_number
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.channels.guest import Values
+from uwsim.exercises.exercise import require_own_title
 from uwsim.exercises.flyable import flyable
 from uwsim.flight.survey_check import checked
 from uwsim.operator.station.editor.draft import Draft
@@ -169,16 +170,19 @@ class Editor:
     def save(self, name: object) -> Path:
         """Write the scenario under a name, and beside it the exercise; return its path. Raises ValueError or OSError.
 
-        An exercise's file that is not the one that was opened or saved is not replaced.
+        A file that is not as it was opened or last saved is not replaced.
         """
         with self._lock:
             if not isinstance(name, str) or not NAME.fullmatch(name):
                 rule = "must be a letter followed by at most 39 letters, digits, '-' or '_'"
                 raise ValueError(f"name = {str(name)[:40]!r}: {rule}")
             path = self._folder / f"{name}.yaml"
-            beside, draft, own = path.with_name(exercise_file(path.name)), self.draft, self._base.exercise
-            if beside.exists() and not (own and beside.read_bytes() == own.encode()):
-                raise ValueError(f"{beside.name}: is the exercise of another scene: save under another name")
+            beside, draft = path.with_name(exercise_file(path.name)), self.draft
+            for file, known in ((path, self._base.scenario), (beside, self._base.exercise)):
+                if file.exists() and not (known and file.read_bytes() == known.encode()):
+                    raise ValueError(f"{file.name}: is another scene's: save under another name")
+            if draft.exercise is not None:
+                require_own_title(draft.exercise)
             draft.take(draft.files.renamed(name))
             draft.files.read(self._folder)  # the files that it names may lie elsewhere
             self._folder.mkdir(parents=True, exist_ok=True)
@@ -203,6 +207,7 @@ class Editor:
             wrong = list(found.mistakes)
             if not wrong and draft.exercise is not None:
                 try:
+                    require_own_title(draft.exercise)
                     flyable(draft.exercise, self._threads, draft.scenario)
                 except ValueError as error:
                     wrong = [f"{draft.files.exercise_name}: {each}" for each in getattr(error, "mistakes", (error,))]
