@@ -1,6 +1,6 @@
 #include "uwsim/control/control_model.h"
+#include "uwsim/core/symmetric.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -22,7 +22,7 @@ ControlModel::ControlModel(std::shared_ptr<const Craft> craft, const ActuatorsSp
   water_.density_kg_m3 = density_kg_m3;
   water_.gravity_m_s2 = gravity_m_s2;
   inverse_mass_ = craft_->inverse_mass(deep(Eigen::Matrix3d::Identity()), water_, 0);
-  mass_ = inverse_mass_.llt().solve(Matrix6d::Identity());
+  mass_ = inverse_of_positive(inverse_mass_);
   const auto& [ahead, astern] = actuators_.full_wrench_body();
   fin_torque_ = actuators_.fin_torque_body();
   for (Eigen::Index axis = 0; axis < 6; ++axis) {

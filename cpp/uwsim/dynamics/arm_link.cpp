@@ -1,9 +1,9 @@
 #include "uwsim/dynamics/arm_link.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/symmetric.h"
 
 namespace uwsim {
 
@@ -27,13 +27,12 @@ void ArmLink::check() const {
           centre_of_mass_m.transpose(), "must be finite, as must centre_of_buoyancy_m");
   require(inertia_kg_m2.allFinite() && inertia_kg_m2.isApprox(inertia_kg_m2.transpose(), 1e-9), path + "inertia_kg_m2",
           inertia_kg_m2.diagonal().transpose(), "must be finite and symmetric");
-  const Eigen::Vector3d principal =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia_kg_m2, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::Vector3d principal = eigenvalues(inertia_kg_m2);
   require(principal(0) > 0 && principal(0) + principal(1) >= principal(2) * (1 - 1e-9), path + "inertia_kg_m2",
           principal.transpose(), "principal moments must be positive and obey the triangle inequality");
   require(added_mass.allFinite() && (added_mass.isZero() || added_mass.isApprox(added_mass.transpose(), 1e-9)),
           path + "added_mass", added_mass.diagonal().transpose(), "must be finite and symmetric");
-  const double least = Eigen::SelfAdjointEigenSolver<Matrix6d>(added_mass, Eigen::EigenvaluesOnly).eigenvalues()(0);
+  const double least = eigenvalues(added_mass)(0);
   require(least >= -1e-9 * added_mass.cwiseAbs().maxCoeff(), path + "added_mass", least,
           "must be positive semi-definite (smallest eigenvalue shown)");
   require(linear_drag.allFinite() && linear_drag.minCoeff() >= 0, path + "linear_drag", linear_drag.transpose(),

@@ -1,6 +1,6 @@
 #include "uwsim/dynamics/canopy.h"
+#include "uwsim/core/symmetric.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -48,10 +48,9 @@ Vector6d Canopy::drag_world(const Craft& craft, const BodyState& state, const Wa
   if (!middle.allFinite() || !broad_phase_.may_touch(middle - reach - down, middle + reach)) return drag;
 
   const Eigen::Matrix3d second = 0.5 * inertia.trace() * Eigen::Matrix3d::Identity() - inertia;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(second / solid.volume_m3);
+  const Modes<3> axes = principal_axes(second / solid.volume_m3);
   const Eigen::Matrix3d rotation = state.world_from_body.rotation();
-  const Eigen::Matrix3d half_m =
-      rotation * axes.eigenvectors() * (3 * axes.eigenvalues()).cwiseMax(0).cwiseSqrt().asDiagonal();
+  const Eigen::Matrix3d half_m = rotation * axes.vectors * (3 * axes.values).cwiseMax(0).cwiseSqrt().asDiagonal();
   // A part is half as large: its half height has the variance of the part's.
   const double half_height_m = std::max(0.5 * half_m.row(2).norm(), 1e-6);
 
@@ -64,8 +63,7 @@ Vector6d Canopy::drag_world(const Craft& craft, const BodyState& state, const Wa
   const Eigen::Vector3d velocity = rotation * state.linear_body_m_s();
   const CraftParameters& p = craft.parameters();
   const Eigen::Vector3d centre = rotation * p.centre_of_mass_body_m;
-  const double least_inertia =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(p.inertia_kg_m2, Eigen::EigenvaluesOnly).eigenvalues()(0);
+  const double least_inertia = eigenvalues(p.inertia_kg_m2)(0);
   double stops_1_s = 0;
   for (unsigned k = 0; k < parts.size(); ++k) {
     const Eigen::Vector3d side(k & 1 ? 0.5 : -0.5, k & 2 ? 0.5 : -0.5, k & 4 ? 0.5 : -0.5);

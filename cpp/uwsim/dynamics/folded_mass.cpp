@@ -1,6 +1,5 @@
 #include "uwsim/dynamics/folded_mass.h"
-
-#include <Eigen/Eigenvalues>
+#include "uwsim/core/symmetric.h"
 
 namespace uwsim {
 namespace {
@@ -22,7 +21,7 @@ FoldedMass::FoldedMass(const CraftParameters& p)
       mass_kg_(p.mass_kg),
       added_kg_(p.added_mass.topLeftCorner<3, 3>().trace() / 3) {
   const Eigen::Matrix3d added = rotational_about(centre_body_m_, p.added_mass);
-  Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(p.inertia_kg_m2 + added).eigenvectors();
+  Eigen::Matrix3d axes = principal_axes(p.inertia_kg_m2 + added).vectors;
   if (axes.determinant() < 0) axes.col(0) = -axes.col(0);
   body_from_principal_ = Eigen::Quaterniond(axes);
   moments_kg_m2_ = (axes.transpose() * p.inertia_kg_m2 * axes).diagonal();

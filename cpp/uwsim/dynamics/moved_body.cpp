@@ -1,11 +1,11 @@
 #include "uwsim/dynamics/moved_body.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/symmetric.h"
 
 namespace uwsim {
 
@@ -52,8 +52,7 @@ BodyState MovedBody::advanced(const BodyState& from, const Loads& all, const Wat
 Matrix6d MovedBody::inverse_mass(const Pose& world_from_body, const WaterField& water, double time_s) const {
   const Craft& hull = *spec.craft;
   if (!arm) return hull.inverse_mass(world_from_body, water, time_s);
-  const Matrix6d mass = base_mass(world_from_body, water, time_s) + arm->folded_inertia();
-  return mass.llt().solve(Matrix6d::Identity());
+  return inverse_of_positive(base_mass(world_from_body, water, time_s) + arm->folded_inertia());
 }
 
 Matrix6d MovedBody::base_mass(const Pose& world_from_body, const WaterField& water, double time_s) const {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/symmetric.h"
 #include "uwsim/dynamics/contact_shapes.h"
 
 namespace uwsim {
@@ -100,7 +101,7 @@ Matrix6d RigidBodyWorld::inverse_mass(std::size_t body, const WaterField& water,
   if (moved.held) return Matrix6d::Zero();
   Matrix6d mass = moved.base_mass(moved.state.world_from_body, water, time_s);
   if (moved.arm) mass += moved.arm->placed(moved.state, water, time_s).locked_inertia();
-  return mass.llt().solve(Matrix6d::Identity());
+  return inverse_of_positive(mass);
 }
 
 void RigidBodyWorld::set_state(std::size_t body, const BodyState& state) {

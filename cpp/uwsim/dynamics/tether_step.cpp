@@ -1,10 +1,10 @@
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/symmetric.h"
 #include "uwsim/dynamics/point_jacobian.h"
 #include "uwsim/dynamics/tether.h"
 
@@ -93,9 +93,8 @@ bool Tether::turn_back(End& end, const Eigen::Vector3d& force_n, double step_s) 
   Eigen::Matrix3d turning =
       -0.5 * (end.lever_body_m * force_body.transpose() + force_body * end.lever_body_m.transpose());
   turning.diagonal().array() += end.lever_body_m.dot(force_body);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(turning);
-  end.stiffness =
-      parts.eigenvectors() * parts.eigenvalues().cwiseMax(0).asDiagonal() * parts.eigenvectors().transpose();
+  const Modes<3> parts = principal_axes(turning);
+  end.stiffness = parts.vectors * parts.values.cwiseMax(0).asDiagonal() * parts.vectors.transpose();
   end.force_body_n = force_body;
   end.turns_back = true;
   // (M + dt^2 H)^-1 = M^-1 - B K B^T, where B are the last columns of M^-1.

@@ -1,6 +1,5 @@
 #include "uwsim/vehicle/buoyant_hull.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "uwsim/core/symmetric.h"
 #include "uwsim/vehicle/mesh_slice.h"
 
 namespace uwsim {
@@ -99,8 +99,8 @@ BuoyantHull::BuoyantHull(TriangleMesh mesh_body, std::optional<std::size_t> divi
   const Eigen::Matrix3d second = 0.5 * inertia.trace() * Eigen::Matrix3d::Identity() - inertia;
   parts_.slices[0] = {{solid_.volume_m3, solid_.centroid_m, second}};
   parts_.inverse_inertia_1_m5 = inertia.inverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(second);
-  parts_.spread_m = axes.eigenvectors() * (3 / solid_.volume_m3 * axes.eigenvalues()).cwiseSqrt().asDiagonal();
+  const Modes<3> axes = principal_axes(second);
+  parts_.spread_m = axes.vectors * (3 / solid_.volume_m3 * axes.values).cwiseSqrt().asDiagonal();
   parts_.length_m = 2 * whole_.half_size_m.maxCoeff();
   slices_ = std::make_shared<Slices>();
 }

@@ -1,7 +1,5 @@
 #include "uwsim/vehicle/hydrodynamics.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -9,6 +7,7 @@
 #include <utility>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/symmetric.h"
 
 namespace uwsim {
 namespace {
@@ -62,9 +61,7 @@ Matrix6d with_munk_share(Matrix6d added_mass, double munk_share) {
   return added_mass;
 }
 
-double smallest_eigenvalue(const Matrix6d& m) {
-  return Eigen::SelfAdjointEigenSolver<Matrix6d>(0.5 * (m + m.transpose()), Eigen::EigenvaluesOnly).eigenvalues()(0);
-}
+double smallest_eigenvalue(const Matrix6d& m) { return eigenvalues(Matrix6d(0.5 * (m + m.transpose())))(0); }
 
 }  // namespace
 
@@ -72,8 +69,7 @@ void CraftParameters::check() const {
   require(std::isfinite(mass_kg) && mass_kg > 0, "vehicle.mass_kg", mass_kg, "must be positive");
   require(centre_of_mass_body_m.allFinite(), "vehicle.centre_of_mass_m", centre_of_mass_body_m.transpose(),
           "must be finite");
-  const Eigen::Vector3d principal =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia_kg_m2, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::Vector3d principal = eigenvalues(inertia_kg_m2);
   require(inertia_kg_m2.allFinite() && principal(0) > 0 && principal(0) + principal(1) >= principal(2) * (1 - 1e-9),
           "vehicle.inertia_kg_m2", principal.transpose(),
           "principal moments must be positive and obey the triangle inequality");
@@ -160,10 +156,10 @@ Craft::Craft(CraftParameters parameters, std::shared_ptr<const BuoyantHull> hull
     point_damping(5, 5) = std::max(0.0, point_damping(5, 5) - sway_strips_.turning_drag());
   }
   point_damping_ = Coefficients(point_damping);
-  inverse_mass_submerged_ = (rigid_mass_ + parameters_.added_mass).llt().solve(Matrix6d::Identity());
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> modes(parameters_.added_mass, rigid_mass_);
-  mass_modes_ = modes.eigenvectors();
-  added_mass_of_modes_ = modes.eigenvalues();
+  inverse_mass_submerged_ = inverse_of_positive(rigid_mass_ + parameters_.added_mass);
+  const Modes<6> both = modes(parameters_.added_mass, rigid_mass_);
+  mass_modes_ = both.vectors;
+  added_mass_of_modes_ = both.values;
 }
 
 /// One value for each column of `mass_modes_`.
@@ -203,14 +199,14 @@ Matrix6d Craft::mass(double submerged, double floating) const {
 }
 
 Vector6d Craft::accelerated(const Load& load) const {
-  return mass(load.submerged, load.floating).llt().solve(load.wrench_body);
+  return solve_positive(mass(load.submerged, load.floating), load.wrench_body);
 }
 
 Matrix6d Craft::inverse_mass(const Pose& world_from_body, const WaterField& water, double time_s) const {
   if (parameters_.radiation) {
     const double wet_volume_m3 = hull_->submerged_volume_m3(world_from_body, water, time_s);
     const double share = floating(world_from_body, world_from_body.rotation(), wet_volume_m3, water, time_s);
-    return mass(fraction(wet_volume_m3), share).llt().solve(Matrix6d::Identity());
+    return inverse_of_positive(mass(fraction(wet_volume_m3), share));
   }
   return inverse_mass_at(submerged_fraction(world_from_body, water, time_s));
 }

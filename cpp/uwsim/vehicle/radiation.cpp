@@ -1,11 +1,11 @@
 #include "uwsim/vehicle/radiation.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/symmetric.h"
 
 namespace uwsim {
 namespace {
@@ -25,7 +25,7 @@ double eased(double x) {
 void Radiation::check() const {
   require(added_mass.allFinite() && added_mass.isApprox(added_mass.transpose(), 1e-9), "vehicle.radiation.added_mass",
           "asymmetric", "must be finite and symmetric");
-  const double low = Eigen::SelfAdjointEigenSolver<Matrix6d>(added_mass, Eigen::EigenvaluesOnly).eigenvalues()(0);
+  const double low = eigenvalues(added_mass)(0);
   require(low >= -1e-9 * added_mass.cwiseAbs().maxCoeff(), "vehicle.radiation.added_mass", low,
           "must be positive semi-definite (smallest eigenvalue shown)");
   check_sections();
@@ -65,8 +65,7 @@ void Radiation::check_sections() const {
   for (int k = 0; k <= kChecked && !sections.empty(); ++k) {
     const double omega =
         least / kBeyond * std::pow(kBeyond * kBeyond * most / least, static_cast<double>(k) / kChecked);
-    const Matrix6d real = impedance({0, omega}).real();
-    const Vector6d values = Eigen::SelfAdjointEigenSolver<Matrix6d>(real, Eigen::EigenvaluesOnly).eigenvalues();
+    const Vector6d values = eigenvalues(Matrix6d(impedance({0, omega}).real()));
     low = std::min(low, values(0));
     damping = std::max(damping, values(5));
   }
