@@ -1,4 +1,4 @@
-"""What of an exercise the seed draws: the places of its props, its water and its light."""
+"""The draws of an exercise by its seed: places of its props, water and light."""
 
 from __future__ import annotations
 
