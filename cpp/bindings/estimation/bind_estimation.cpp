@@ -55,7 +55,8 @@ py::array_t<double> numbers(const NavigationFilter& filter) {
   Eigen::Map<Eigen::Vector4d>{to + 4} = state.orientation.coeffs();
   Eigen::Map<Eigen::Vector3d>{to + 8} = filter.velocity_body_m_s();
   Eigen::Map<Eigen::Vector3d>{to + 11} = state.rate_rad_s();
-  Eigen::Map<Turn>{to + kTurn} = Pose{filter.position_body_origin_m(), state.orientation}.matrix().topLeftCorner<3, 3>();
+  Eigen::Map<Turn>{to + kTurn} =
+      Pose{filter.position_body_origin_m(), state.orientation}.matrix().topLeftCorner<3, 3>();
   Eigen::Map<Errors>{to + kErrors} = state.covariance.topLeftCorner<kAidBias, kAidBias>();
   return found;
 }

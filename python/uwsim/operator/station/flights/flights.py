@@ -318,14 +318,15 @@ class FlightRecording:
             if recorder.error is not None:
                 self.stop()
             elif is_too_large:
-                self.stop()
                 megabytes = self._flights.bounds.size_bytes / 1e6
                 self._trouble = f"the flight is no longer recorded: its recording has reached {megabytes:g} MB"
                 LOGGER.warning("%s", self._trouble)
+                self.stop()
 
     def stop(self) -> None:
         """Finish the recording; errors are logged, and stored in `trouble`."""
         with self._lock:
+            self._trouble = self.trouble  # so that the reason is there at any moment
             recorder, self._recorder = self._recorder, None
             self._over.set()
             if recorder is None:
