@@ -18,6 +18,7 @@ import { PartTable } from './table.js';
 const WORDS = STRINGS.editor;
 const SEND_MS = 250; // after the last key or notch of the wheel
 const CHECK_MS = 800; // after the last change
+const RETRY_MS = 2000;
 const ABOUT = { objects: 'object', obstacles: 'obstacle', props: 'of' }; // a goal's field, by section
 const AGAIN_MS = 2000; // between attempts to continue after a lost connection
 
@@ -249,8 +250,7 @@ export class SceneEditor {
     this.#showScene(isNewBed, isOther);
     if (isNew) {
       this.exports.clear();
-      clearTimeout(this.#timers.check);
-      this.#timers.check = setTimeout(() => this.#check(), CHECK_MS);
+      this.#checkSoon(CHECK_MS);
     }
   }
 
@@ -377,9 +377,15 @@ export class SceneEditor {
     this.#act({ action: 'apply' });
   }
 
+  #checkSoon(wait_ms) {
+    clearTimeout(this.#timers.check);
+    this.#timers.check = setTimeout(() => this.#check(), wait_ms);
+  }
+
   async #check() {
     const { state } = this;
     const found = await edit(this.station.bridge, { action: 'check' }).catch(() => null);
+    if (!found?.success && state && this.state === state) this.#checkSoon(RETRY_MS); // a late or refused answer
     if (!found?.success || found.edition !== state?.edition || this.message.dataset.kind === 'error') return;
     const has = (wanted) => state?.parts?.some(({ section }) => section === wanted);
     if (found.mistakes?.length) this.#say(found.mistakes.join(' '), 'warn');
