@@ -35,7 +35,7 @@ export class CameraAim {
 
   begin(vehicle) {
     this.#vehicle = vehicle;
-    this.#motors = vehicle.motors ?? [];
+    this.#motors = vehicle.motors;
     this.#angles = new Map(this.#motors.map(({ camera }) => [camera, { pan: 0, tilt: 0 }]));
     this.#show();
   }

@@ -82,8 +82,8 @@ export class HoldButtons {
 
   begin(vehicle) {
     [this.#vehicle, this.#requested] = [vehicle.name, null];
-    for (const [name, button] of Object.entries(this.#buttons)) button.hidden = !(vehicle.holds ?? []).includes(name);
-    byId('holds').hidden = !(vehicle.holds ?? []).length;
+    for (const [name, button] of Object.entries(this.#buttons)) button.hidden = !vehicle.holds.includes(name);
+    byId('holds').hidden = !vehicle.holds.length;
   }
 
   async press(name) {

@@ -16,6 +16,22 @@ const FIXED = {
   scene: '',
   commands: [...SERVICES, 'set_lamp', 'aim'],
 };
+const ABSENT = {
+  // parts that a vehicle has only at a station
+  model: '',
+  joints: null,
+  proximities: [],
+  map: null,
+  pings_per_s: 0,
+  thrusters: [],
+  droppers: [],
+  holds: [],
+  sonar: null,
+  motors: [],
+  tether: null,
+  arm: [],
+  can_jog: false,
+};
 
 export class PlainBackend {
   isPlain = true;
@@ -53,8 +69,10 @@ export class PlainBackend {
       .filter((name) => /^\/(\w+\/)?telemetry$/.test(name))
       .map((name) => name.slice(1, -'telemetry'.length));
     if (prefixes.length === 0) throw new Error(WORDS.noVehicle);
-    const has = (name) => (topics.includes(name) ? name : '');
+    const has = (name) => (topics.includes(name) ? name : null);
+    /** @type {import('./messages.js').VehicleDescription[]} */
     const vehicles = prefixes.map((prefix) => ({
+      ...ABSENT,
       name: prefix.slice(0, -1) || 'vehicle',
       prefix,
       telemetry: `/${prefix}telemetry`,
@@ -62,10 +80,9 @@ export class PlainBackend {
       scan: has(`/${prefix}scan`),
       link: has(`/${prefix}link`),
       map_changes: has(`/${prefix}map_changes`),
-      thrusters: [],
       efforts: AXES,
       tilt: has(`/${prefix}cmd_tilt`) ? TILT : null,
-      lamps: services.filter((name) => name.startsWith(`/${prefix}lights/`)).map((name) => name.split('/').at(-1)),
+      lamps: services.filter((name) => name.startsWith(`/${prefix}lights/`)).map((name) => name.split('/').at(-1) ?? ''),
     }));
     const views = topics
       .map((topic) => CAMERA.exec(topic))
