@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from unittest.mock import patch
 
-from playwright.sync_api import Browser, BrowserContext, Error, Frame, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Error, Frame, Page, sync_playwright
 
 from uwsim.base.axes import AXES
 from uwsim.bridges import RosbridgeServer
@@ -54,13 +54,16 @@ class Desk:
         self.contexts.append(context)
         context.set_default_timeout(1000 * WAIT_S)
         page = context.new_page()
-        page.on("console", lambda message: message.type == "error" and self.complaints.append(message.text))
+        page.on("console", lambda message: message.type == "error" and self.complain(message))
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
         if requests is not None:
             page.on("request", lambda request: requests.append(request.url))
             page.on("websocket", lambda socket: requests.append(socket.url))
         page.goto(self.url + path)
         return page
+
+    def complain(self, message: ConsoleMessage) -> None:
+        self.complaints.append(f"{message.text} {message.location['url']}")
 
     def fly(self, is_patient: bool = True, **options: object) -> Page:
         """Open the page of a running simulator; the page takes control if there is no pilot yet.

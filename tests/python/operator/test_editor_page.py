@@ -101,8 +101,11 @@ def test_a_new_scene_is_built_saved_and_chosen_on_the_start_screen(start_page, h
 def test_an_exercise_is_made_by_keys_alone_and_flown_from_the_start_screen(page, here):
     def add(kind):
         for label, word in (("What to add", "Goals"), ("Kind", kind)):
-            page.get_by_label(label, exact=True).focus()
-            page.keyboard.type(word)
+            choice = page.get_by_label(label, exact=True)
+            choice.press("Home")
+            words = choice.locator("option").all_inner_texts()
+            for _ in words[: words.index(word)]:
+                choice.press("ArrowDown")  # letters choose by the pace at which they are typed, too
         page.locator(".editor-canvas").press("a")
         when(page, f"station.editor.part?.section === 'goals' && station.editor.part.kind === '{kind}'")
 
@@ -128,10 +131,13 @@ def test_an_exercise_is_made_by_keys_alone_and_flown_from_the_start_screen(page,
     assert "New exercise" in own.inner_text()
     judge(page, "an exercise of one's own")
     own.get_by_role("button").press("Enter")
-    when(page, "station.station.isPilot && station.telemetry.message")
+    when(page, "station.station.isPilot && station.telemetry.message && station.station.awaitsBegin")
     page.keyboard.press("Enter")
     until(lambda: here.station.present().judged.course.has_begun, "an attempt")
     assert [goal.kind for goal in here.station.present().judged.course.exercise.goals] == ["reach", "hold"]
+    beds = "performance.getEntriesByType('resource').filter(({ name }) => name.endsWith('/scene/terrain.f32'))"
+    when(page, f"{beds}.length > 1")
+    when(page, "[...station.scene.vessels.values()].every(({ group }) => group.children.length > 1)")
     here.station.sessions.quit()
     until((here.station.sessions.folder / "sheet-1/score.json").is_file, "a score sheet")
     page.wait_for_selector(".preview:not([hidden])", state="attached")
