@@ -17,7 +17,6 @@ where pictures have one white balance.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -38,9 +37,6 @@ MODEL = 0.08
 SHAPES, SPREAD = 9, 8.0
 """Spherical harmonics. Assumed: the standard deviation of log J from where it starts; it holds points in the dark."""
 LOG_MAX = 20.0
-
-Matrix = Any
-"""A sparse matrix of scipy."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +92,7 @@ def fit_attenuation(seen: Sightings) -> Attenuation:
             covariance = covariance + np.diag((MODEL * c) ** 2 + 1e-12)
             away = {name: c - type_attenuation(name) for name in far}
             far = {name: float(off @ np.linalg.solve(covariance, off)) for name, off in away.items()}
-        except (RuntimeError, np.linalg.LinAlgError):  # of a singular matrix
+        except np.linalg.LinAlgError:  # a singular matrix
             covariance = np.full((3, 3), np.inf)
             break
         name = min(far, key=far.__getitem__)
@@ -129,6 +125,8 @@ class _Problem:
         self._fall = 1.0 - seen.cosines**4
         self._log, self._sigma = np.log(seen.light), np.hypot(RELATIVE, DARK / seen.light)
         self._points = int(seen.point.max()) + 1
+        self._point = np.concatenate([band * self._points + seen.point for band in range(3)])
+        self._picture = np.tile(seen.picture, 3)
         self.c = slice(3 * self._points, 3 * self._points + 3)
         self._veil = self.c.stop
         self._vignetting = self._veil + 3 * SHAPES
@@ -154,17 +152,17 @@ class _Problem:
         return x
 
     def solved(self, x: Floats, rounds: int) -> tuple[Floats, Floats, float]:
-        """Return the unknowns, c's covariance, and the median residual. Raises RuntimeError."""
+        """Return the unknowns, c's covariance, and the median residual. Raises LinAlgError."""
         damping, damped = 1e-3, True
         residual, jacobian = self._residuals(x), self._jacobian(x)
         for _ in range(rounds):
             scale = CAUCHY * max(1.0, MAD * float(np.median(np.abs(residual))))
             weight, cost = 1.0 / (1.0 + (residual / scale) ** 2), self._cost(x, residual, scale)
             normal = self._normal(jacobian, weight)
-            slope = -(jacobian.T @ (weight * residual)) - self._mean * (self._mean @ x)
+            slope = -jacobian.transposed(weight * residual) - self._mean * (self._mean @ x)
             slope -= self._loose * (x - self._usual)
             while True:
-                trial = x + _factor(normal, damping).solve(slope)
+                trial = x + normal.solved(slope[:, None], damping)[:, 0]
                 rest = self._residuals(trial)
                 gain = cost - self._cost(trial, rest, scale)
                 damped = damping > DAMPING_MAX
@@ -201,54 +199,119 @@ class _Problem:
             found.append((light + gain - self._log[:, band]) / self._sigma[:, band])
         return np.concatenate(found)
 
-    def _jacobian(self, x: Floats) -> Matrix:
+    def _jacobian(self, x: Floats) -> _Jacobian:
         m = len(self._r)
-        rows, columns, values = [], [], []
+        by_point, others = np.empty((3, m)), np.zeros((3, m, self._gain - self.c.start))
         for band in range(3):
             own, veil, rest = self._parts(x, band)
             total = np.maximum(own + veil * (1.0 - rest), 1e-9)
-            first = self._veil + SHAPES * band
-            entries = [
-                (band * self._points + self._seen.point, own / total),
-                (np.full(m, self.c.start + band), self._r * (veil * rest - own) / total),
-                (np.full(m, self._vignetting), -self._fall / self._lens(x)),
-                (self._gain + self._seen.picture, np.ones(m)),
-            ]
+            by_point[band] = own / total
             by_veil = self._day[:, band] * (1.0 - rest) / total * (veil > 0.0)
-            entries += [(np.full(m, first + j), self._shape[:, j] * by_veil) for j in range(SHAPES)]
-            entries += [(np.full(m, self._bed + j - 1), self._shape[:, j] * own / total) for j in range(1, SHAPES)]
-            for column, value in entries:
-                rows.append(band * m + np.arange(m))
-                columns.append(column)
-                values.append(value / self._sigma[:, band])
-        places = (np.concatenate(rows), np.concatenate(columns))
-        return sparse.csr_matrix((np.concatenate(values), places), (3 * m, self._size))
+            first, of_band = self._veil + SHAPES * band - self.c.start, others[band]
+            of_band[:, band] = self._r * (veil * rest - own) / total
+            of_band[:, first : first + SHAPES] = self._shape * by_veil[:, None]
+            of_band[:, self._vignetting - self.c.start] = -self._fall / self._lens(x)
+            of_band[:, self._bed - self.c.start :] = self._shape[:, 1:] * by_point[band][:, None]
+        sigma = self._sigma.T
+        return _Jacobian(
+            self._point, self._picture, (by_point / sigma).ravel(), (others / sigma[..., None]).reshape(3 * m, -1),
+            (1.0 / sigma).ravel(),
+        )  # fmt: skip
 
     def _cost(self, x: Floats, residual: Floats, scale: float) -> float:
         assumed = (self._mean @ x) ** 2 + self._loose @ (x - self._usual) ** 2
         return float(0.5 * scale**2 * np.log1p((residual / scale) ** 2).sum() + 0.5 * assumed)
 
-    def _normal(self, jacobian: Matrix, weight: Floats) -> Matrix:
-        mean = sparse.csc_matrix(self._mean[:, None])
-        return (jacobian.T @ jacobian.multiply(weight[:, None]) + mean @ mean.T + sparse.diags(self._loose)).tocsc()
+    def _normal(self, jacobian: _Jacobian, weight: Floats) -> _Normal:
+        normal = jacobian.squared(weight)
+        mean = self._mean[self.c.start :]
+        normal.points += self._loose[: self.c.start]
+        normal.rest += np.multiply.outer(mean, mean)
+        return normal
 
-    def _covariance(self, normal: Matrix, jacobian: Matrix, pull: Floats) -> Floats:
+    def _covariance(self, normal: _Normal, jacobian: _Jacobian, pull: Floats) -> Floats:
         """Return c's covariance (3, 3): White's (1980, Econometrica 48:817) over points, whose errors are common."""
         units = np.zeros((self._size, 3))
         units[self.c] = np.eye(3)
-        each = (jacobian @ _factor(normal, 1e-9).solve(units)) * pull[:, None]
+        each = jacobian.applied(normal.solved(units, 1e-9)) * pull[:, None]
         point = np.tile(self._seen.point, 3)
         sums = np.column_stack([np.bincount(point, column) for column in each.T])
         return np.asarray(sums.T @ sums)
 
 
-def _factor(normal: Matrix, damping: float) -> Any:
-    """Return the factors of a damped matrix. Raises RuntimeError.
+@dataclass(frozen=True)
+class _Jacobian:
+    """Derivatives by log J of a point, by the k unknowns that all share, and by the log exposure of a picture.
 
-    Points come first, and none is coupled with another, so that this order fills least.
+    point, picture: (n,), which, of each residual. by_point, by_picture: (n,). by_shared: (n, k).
     """
-    from scipy.sparse.linalg import splu
 
-    damped = normal + sparse.diags(damping * np.maximum(normal.diagonal(), 1e-9))
-    options = {"SymmetricMode": True}
-    return splu(damped.tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0, options=options)
+    point: Indices
+    picture: Indices
+    by_point: Floats
+    by_shared: Floats
+    by_picture: Floats
+
+    def applied(self, x: Floats) -> Floats:
+        """Return the product with columns (unknowns, j)."""
+        first, last = int(self.point.max()) + 1, -int(self.picture.max()) - 1
+        return (
+            self.by_point[:, None] * x[self.point]
+            + self.by_shared @ x[first:last]
+            + self.by_picture[:, None] * x[last:][self.picture]
+        )
+
+    def transposed(self, y: Floats) -> Floats:
+        """Return the product of the transposed with a column (n,)."""
+        of_points, of_pictures = (
+            np.bincount(index, by * y) for index, by in ((self.point, self.by_point), (self.picture, self.by_picture))
+        )
+        return np.concatenate([of_points, y @ self.by_shared, of_pictures])
+
+    def squared(self, weight: Floats) -> _Normal:
+        """Return the product of the transposed, weighted (n,), with it."""
+        places, points, pictures = (self.point, self.picture), int(self.point.max()) + 1, int(self.picture.max()) + 1
+        pairs = sparse.csr_matrix((weight * self.by_point * self.by_picture, places), (points, pictures))
+        rows = np.arange(len(weight))
+        of_point = sparse.csr_matrix((weight * self.by_point, (self.point, rows)), (points, len(weight)))
+        of_picture = sparse.csr_matrix((weight * self.by_picture, (self.picture, rows)), (pictures, len(weight)))
+        across = of_picture @ self.by_shared
+        rest = np.block(
+            [
+                [self.by_shared.T @ (weight[:, None] * self.by_shared), across.T],
+                [across, np.diag(np.bincount(self.picture, weight * self.by_picture**2))],
+            ]
+        )
+        own = np.bincount(self.point, weight * self.by_point**2).astype(np.float64, copy=False)
+        return _Normal(own, of_point @ self.by_shared, pairs, rest)
+
+
+@dataclass
+class _Normal:
+    """A symmetric matrix in blocks, in which no point is coupled with another.
+
+    points: (p,), their diagonal. shared: their couplings with what all share (p, k). pictures: with pictures (p, n).
+    rest: (k + n, k + n).
+    """
+
+    points: Floats
+    shared: Floats
+    pictures: sparse.csr_matrix
+    rest: Floats
+
+    def solved(self, columns: Floats, damping: float) -> Floats:
+        """Solve for columns (p + k + n, j), with the diagonal damped, without the points first.
+
+        Raises LinAlgError.
+        """
+        points = self.points + damping * np.maximum(self.points, 1e-9)
+        rest = self.rest + np.diag(damping * np.maximum(np.diagonal(self.rest), 1e-9))
+        shared, pictures = self.shared / points[:, None], sparse.diags(1.0 / points) @ self.pictures
+        across = self.pictures.T @ shared
+        rest -= np.block([[self.shared.T @ shared, across.T], [across, (self.pictures.T @ pictures).toarray()]])
+        count = len(points)
+        own, others = columns[:count], columns[count:]
+        others = others - np.concatenate([shared.T @ own, pictures.T @ own])
+        found = np.linalg.solve(rest, others)
+        coupled = self.shared @ found[: self.shared.shape[1]] + self.pictures @ found[self.shared.shape[1] :]
+        return np.concatenate([(own - coupled) / points[:, None], found])
