@@ -18,9 +18,13 @@ from uwsim.base.atomic_file import write_atomically
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.scenario import Scenario
 
+PLAIN = frozenset((str, float, int, bool, type(None)))
+
 
 def plain(value: Any) -> Any:
     """Convert a model, or part of one, to dicts, lists, text, numbers, booleans, None and paths."""
+    if type(value) in PLAIN:
+        return value
     if isinstance(value, Model):
         return plain(value.given())
     if isinstance(value, Mapping):

@@ -102,22 +102,22 @@ def _placed_hull(
     centre_of_buoyancy_m: Point3 | None,
 ) -> _Hull:
     """Scale, move and measure the closed mesh. version: identifies the state of the file, to keep the cache current."""
-    vertices, triangles = _closed_hull(path, version, scale, up, forward)
-    if volume_m3 is not None or centre_of_buoyancy_m is not None:
-        hull = _solid(vertices, triangles)
-        factor = 1.0 if volume_m3 is None else float(np.cbrt(volume_m3 / hull.volume_m3))
-        if not 1 - MAX_SCALING <= factor <= 1 + MAX_SCALING:
-            raise ScenarioError(
-                f"mesh '{path}': encloses {hull.volume_m3:.4g} m3, volume_m3 = {volume_m3:.4g} m3: lengths would scale "
-                f"by {factor:.3g}, must be within {MAX_SCALING:.0%}; repair the mesh or set mesh_scale"
-                f"{question_of_factor(factor, scale)}",
-                at=("volume_m3",),
-            )
-        centroid = hull.centroid_m
-        target = centroid if centre_of_buoyancy_m is None else np.asarray(centre_of_buoyancy_m)
-        vertices = (vertices - centroid) * factor + target
-        vertices.flags.writeable = False
-    return _Hull(vertices, triangles, _solid(vertices, triangles))
+    hull = _closed_hull(path, version, scale, up, forward)
+    if volume_m3 is None and centre_of_buoyancy_m is None:
+        return hull
+    factor = 1.0 if volume_m3 is None else float(np.cbrt(volume_m3 / hull.solid.volume_m3))
+    if not 1 - MAX_SCALING <= factor <= 1 + MAX_SCALING:
+        raise ScenarioError(
+            f"mesh '{path}': encloses {hull.solid.volume_m3:.4g} m3, volume_m3 = {volume_m3:.4g} m3: lengths would "
+            f"scale by {factor:.3g}, must be within {MAX_SCALING:.0%}; repair the mesh or set mesh_scale"
+            f"{question_of_factor(factor, scale)}",
+            at=("volume_m3",),
+        )
+    centroid = hull.solid.centroid_m
+    target = centroid if centre_of_buoyancy_m is None else np.asarray(centre_of_buoyancy_m)
+    vertices = (hull.vertices_m - centroid) * factor + target
+    vertices.flags.writeable = False
+    return _Hull(vertices, hull.triangles, _solid(vertices, hull.triangles))
 
 
 def hull_radius_m(model: VehicleModel) -> float:
@@ -126,14 +126,12 @@ def hull_radius_m(model: VehicleModel) -> float:
 
 
 @lru_cache(maxsize=16)
-def _closed_hull(
-    path: Path, version: tuple[int, int] | None, scale: float, up: Up | None, forward: Forward
-) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
-    """Read the mesh and close it. version: see _placed_hull."""
+def _closed_hull(path: Path, version: tuple[int, int] | None, scale: float, up: Up | None, forward: Forward) -> _Hull:
+    """Read the mesh, close it and measure it. version: see _placed_hull."""
     vertices, triangles = closed_mesh(*load_mesh(path, scale, up, forward), name=str(path))
     vertices.flags.writeable = False
     triangles.flags.writeable = False
-    return vertices, triangles
+    return _Hull(vertices, triangles, _solid(vertices, triangles))
 
 
 def _solid(vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32]) -> _Solid:

@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 import operator
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args, get_origin
 
@@ -55,18 +56,15 @@ class Model(BaseModel):
 
     def given(self) -> dict[str, Any]:
         """Return the fields whose presence carries information: fields set explicitly, and the name of a variant."""
-        return {name: getattr(self, name) for name in type(self).model_fields if self._is_given(name)}
-
-    def _is_given(self, name: str) -> bool:
-        if name in self.model_fields_set:
-            return True
-        field = type(self).model_fields[name]
-        if get_origin(field.annotation) is Literal and len(get_args(field.annotation)) == 1:
-            return True
-        if field.default_factory is None:
-            return False
-        # A default dict may have been filled in the meantime.
-        return bool(getattr(self, name) != field.get_default(call_default_factory=True, validated_data=self.__dict__))
+        present, (variants, defaults) = self.model_fields_set, _present_unset(type(self))
+        return {
+            name: getattr(self, name)
+            for name in type(self).model_fields
+            # A default dict may have been filled in the meantime.
+            if name in present
+            or name in variants
+            or (name in defaults and getattr(self, name) != defaults[name](self.__dict__))
+        }
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
@@ -86,6 +84,18 @@ class Model(BaseModel):
                     raise broken(f"unknown key{hint}", at=(str(key),))
                 hints[key] = hint
         return data
+
+
+@cache
+def _present_unset(model: type[Model]) -> tuple[frozenset[str], dict[str, Callable[[Mapping[str, Any]], Any]]]:
+    """Return the fields of a model that may carry information unset: names of a variant, and what makes a default."""
+    fields = model.model_fields
+    kinds = {name: field.annotation for name, field in fields.items()}
+    variants = {name for name, kind in kinds.items() if get_origin(kind) is Literal and len(get_args(kind)) == 1}
+    made: dict[str, Any] = {name: field.default_factory for name, field in fields.items() if field.default_factory}
+    from_data = {name for name in made if fields[name].default_factory_takes_validated_data}
+    defaults = {name: make if name in from_data else lambda _, make=make: make() for name, make in made.items()}
+    return frozenset(variants), defaults
 
 
 def broken(rule: str, *, at: tuple[str | int, ...] = (), **context: Any) -> PydanticCustomError:
