@@ -1,5 +1,6 @@
 #include "uwsim/world/world.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -10,6 +11,18 @@ namespace uwsim {
 namespace {
 
 constexpr double kMostCoverPerM2 = 5000, kMostCover = 1e9;
+
+/// Returns false if no triangle lies above a point, which is then not enclosed: the angles of all cost many times more.
+bool may_be_enclosed(const TriangleMesh& mesh, const Eigen::Vector3d& point_m) {
+  const auto& at = mesh.vertices_m;
+  return std::ranges::any_of(mesh.triangles, [&](const Triangle& t) {
+    const auto is_across = [&](int axis) {
+      const bool first = at[t[0]][axis] < point_m[axis];
+      return first != (at[t[1]][axis] < point_m[axis]) || first != (at[t[2]][axis] < point_m[axis]);
+    };
+    return is_across(0) && is_across(1) && std::max({at[t[0]].z(), at[t[1]].z(), at[t[2]].z()}) >= point_m.z();
+  });
+}
 
 }  // namespace
 
@@ -66,7 +79,9 @@ const Solid* World::solid_around(const Eigen::Vector3d& point_world_m) const {
   for (const auto& solid : solids_) {
     const bool in_box = (point_world_m.array() >= solid->low_world_m.array()).all() &&
                         (point_world_m.array() <= solid->high_world_m.array()).all();
-    if (in_box && std::abs(winding_number(solid->mesh_world, point_world_m)) > kEnclosed) return solid.get();
+    if (in_box && may_be_enclosed(solid->mesh_world, point_world_m) &&
+        std::abs(winding_number(solid->mesh_world, point_world_m)) > kEnclosed)
+      return solid.get();
   }
   return nullptr;
 }
