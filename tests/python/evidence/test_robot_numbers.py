@@ -13,6 +13,8 @@ from uwsim.evidence.robots.urdf import read_urdf
 from uwsim.evidence.robots.written import write_found
 from uwsim.scenario import load
 
+pytestmark = pytest.mark.usefixtures("panels_left_out")
+
 DATA = Path(__file__).parents[1] / "data" / "robots"
 RHO, SIDES = 1020.0, np.array([0.8, 0.5, 0.4])
 MASS = '<mass value="170"/>'

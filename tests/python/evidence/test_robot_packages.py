@@ -14,6 +14,8 @@ from uwsim.evidence.robots.urdf import read_urdf
 from uwsim.evidence.robots.xacro_process import package_folder
 from uwsim.missions.lawn_mower_needs import ALTIMETER, SONAR, missing_for_lanes
 
+pytestmark = pytest.mark.usefixtures("panels_left_out")
+
 DATA = Path(__file__).parents[1] / "data" / "robots"
 FIELD = Path(__file__).parents[4] / "shared" / "field" / "robots"
 PACKAGE = "<package><name>{}</name></package>"

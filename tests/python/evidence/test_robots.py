@@ -25,6 +25,8 @@ from uwsim.evidence.scenario_check import check_part
 from uwsim.evidence.vehicle.figures import VehicleFigures
 from uwsim.evidence.vehicle.trials import terminal_speeds
 
+pytestmark = pytest.mark.usefixtures("panels_left_out")
+
 G = 9.80665
 DATA = Path(__file__).parents[1] / "data" / "robots"
 WORLD, URDF, SCN = ((DATA / name).read_text() for name in ("glider.sdf", "sled.urdf", "robot.scn"))

@@ -13,6 +13,8 @@ from uwsim.evidence.robots.stonefish_text import formula
 from uwsim.evidence.robots.written import write_found
 from uwsim.scenario import load
 
+pytestmark = pytest.mark.usefixtures("panels_left_out")
+
 SCN = (Path(__file__).parents[1] / "data" / "robots" / "robot.scn").read_text()
 FIELD = Path(__file__).parents[4] / "shared" / "field" / "robots"
 MASS_KG = 900.0 * 0.1 + 8.0

@@ -81,7 +81,7 @@ PrefabInstance:
 
 
 @pytest.fixture
-def project(tmp_path: Path) -> Path:
+def project(tmp_path: Path, panels_left_out: None) -> Path:
     folder = tmp_path / "checkout"
     (folder / "Assets").mkdir(parents=True)
     shutil.copy(PAIR, folder / "Assets" / "Pair.fbx")
