@@ -34,8 +34,6 @@ NAVIGATION = "navigation"
 UNKNOWN_ALTITUDE_M = -1.0
 ALL_AXES, POSITION_AND_TIME, COURSE, SPEED, ACCURACY = 7, 0x0007, 0x0008, 0x0010, 0x0020
 SIMULATED_FIX, MULTIBEAM = 4, 2
-ECHO_BYTES = 2
-"""An echo's range in a ping."""
 
 
 class Place(NamedTuple):

@@ -29,7 +29,6 @@ from uwsim.bridges.ros2.settings import PORTS_PER_DOMAIN, Ros2Settings, unicast_
 
 EVENTS_MAX = 64  # events returned by one wait; the next wait returns the others
 UNREAD = 0x2 | 0x0C | 0x70  # unread samples, in any view or instance state
-BAD_PARAMETER = -3
 FATAL, ERROR = 1, 2  # Cyclone DDS log categories; one warning per malformed packet would let strangers fill the log
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # parameters of glibc's mallopt
 KEPT_BYTES, BLOCK_BYTES = 64 << 20, 8 << 20

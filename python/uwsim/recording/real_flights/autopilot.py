@@ -81,7 +81,6 @@ def _depth_of_altitude(values: Array) -> Array:
     return -values
 
 
-FILTERED_NED = "the filter's origin is the world's"
 DATAFLASH = (
     Source("attitude", "ATT", ("Roll", "Pitch", "Yaw"), "deg", lambda v: attitude_from_ned(np.radians(v))),
     Source("position", "XKF1", ("PN", "PE", "PD"), "m", world_from_ned),

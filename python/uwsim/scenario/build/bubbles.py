@@ -20,7 +20,6 @@ RISE_M_S = 0.23
 """See Plume (cpp/uwsim/world/plume.h)."""
 CLUSTERS_PER_S, MOST_CLUSTERS, MOST_BUBBLES = 12.0, 240, 24
 PARTS, SHAPES = 4, 4
-TEN_METRES_PA = 98066.5
 
 
 def plume_names(scenario: Scenario) -> list[str]:
