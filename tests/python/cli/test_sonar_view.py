@@ -11,7 +11,6 @@ from PIL import Image
 from command_line import error_line, uwsim
 from uwsim.cli.draw_sonar import Request, run_sonar
 from uwsim.cli.pose_option import parsed_pose
-from uwsim.figures.sonar_image import write_grey_png
 from uwsim.instruments.sonars.imaging import ForwardLooking, SonarImage
 from uwsim.instruments.sonars.imaging.pixels import fan_pixels, shown_range
 from uwsim.scenario import load
@@ -61,15 +60,6 @@ def test_shown_levels_follow_the_echoes_and_not_the_noise() -> None:
     level_db[:30] = 60.0
     low, high = shown_range(level_db, noise_db)
     assert 20.0 < low < 60.0 < high
-
-
-def test_a_grey_png_has_one_pixel_for_each_cell(tmp_path: Path) -> None:
-    levels = np.array([[0.0, 10.0, 20.0], [-5.0, 25.0, np.nan]], np.float32)
-    write_grey_png(tmp_path / "a.png", levels, (0.0, 20.0))
-    assert np.asarray(Image.open(tmp_path / "a.png")).tolist() == [[0, 128, 255], [0, 255, 0]]
-    with pytest.raises(ValueError, match="limits_db"):
-        write_grey_png(tmp_path / "b.png", levels, (3.0, 3.0))
-    assert not (tmp_path / "b.png").exists()
 
 
 def test_a_pose_is_read_in_degrees_nose_down() -> None:
