@@ -165,6 +165,7 @@ def test_ctrl_c_while_workers_start_prints_no_traceback(tmp_path: Path) -> None:
     process = started("sweep", path, "--out", out, "--workers", "2", "--no-report")
     while sum("spawn_main" in " ".join(each.cmdline()) for each in psutil.Process(process.pid).children()) < 2:
         assert process.poll() is None, process.communicate()
+        time.sleep(0.01)
     os.killpg(process.pid, signal.SIGINT)
     _, errors = process.communicate(timeout=300)
     assert process.returncode == 130

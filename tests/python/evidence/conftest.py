@@ -1,4 +1,4 @@
-"""Shared by the tests of evidence: drafts of vehicles without panels."""
+"""Shared by the tests of evidence: drafts and reports of vehicles without panels."""
 
 import numpy as np
 import pytest
@@ -14,4 +14,5 @@ def panels_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     def of_ellipsoid(hull_m: NDArray[np.float64], _: object, density_kg_m3: float) -> tuple[NDArray[np.float64], str]:
         return np.diag(added_mass_of_ellipsoid(np.ptp(hull_m, axis=0) / 2, density_kg_m3)), ""
 
-    monkeypatch.setattr("uwsim.evidence.vehicle.draft.added_mass_by_steps", of_ellipsoid)
+    for module in ("draft", "estimates"):
+        monkeypatch.setattr(f"uwsim.evidence.vehicle.{module}.added_mass_by_steps", of_ellipsoid)

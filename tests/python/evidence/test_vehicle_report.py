@@ -78,6 +78,7 @@ def test_lamb_s_ellipsoids_have_their_published_limits() -> None:
     np.testing.assert_allclose(remus, [0.84, 29.4, 29.4, 0.0, 3.43, 3.43], rtol=2e-3)
 
 
+@pytest.mark.usefixtures("panels_left_out")
 def test_silhouettes_give_a_box_its_drag() -> None:
     """Strips of width w over a length l have a third moment of w l^4 / 32 about the middle, as in Prestero's REMUS."""
     size_m = length, width, height = 1.2, 0.8, 0.7
@@ -94,6 +95,7 @@ def test_silhouettes_give_a_box_its_drag() -> None:
     np.testing.assert_allclose(found.bluff, 0.5 * WATER_KG_M3 * ACROSS * np.array([*areas, *arms]), rtol=0.02)
 
 
+@pytest.mark.usefixtures("panels_left_out")
 def test_a_box_reports_its_closed_forms(tmp_path: Path) -> None:
     """Terminal speed: K v^2 + D v = F. Roll at rest: a pendulum, (I + A) w^2 = W GM, damped by D / 2 (I + A)."""
     check = checked(tmp_path)
@@ -113,6 +115,7 @@ def test_a_box_reports_its_closed_forms(tmp_path: Path) -> None:
     assert report.allocation.driven == ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 
+@pytest.mark.usefixtures("panels_left_out")
 def test_a_slow_hull_reaches_its_speed(tmp_path: Path) -> None:
     """K v^2 = F, approached like tanh(t / tau), tau = (m + A) v / F = 65 s."""
     check = checked(
