@@ -29,15 +29,19 @@ def checked_person(name: str) -> str:
     return found
 
 
-def certified_sheet(course: Course, person: str = "", date: datetime | None = None, script: str = "") -> dict[str, Any]:
+def certified_sheet(
+    course: Course, person: str = "", date: datetime | None = None, script: str = "", recording: str = ""
+) -> dict[str, Any]:
     """Return the sheet of a course with person, date, build and digest.
 
-    date: of its end, by default now. script: the name of the mission that flew it, if it was no person.
+    date: of its end, by default now. script: the name of the mission that flew it, if it was no person. recording: the
+    name of the run's recording from the begin, if there is one.
     """
     sheet = {
         **course.sheet(),
         "person": checked_person(person) if person else "",
         "script": script,
+        "recording": recording,
         "date": (date or datetime.now().astimezone()).isoformat(timespec="seconds"),
         "uwsim": metadata.version("uwsim"),
         "build": build_fingerprint(),

@@ -42,7 +42,7 @@ def test_an_exercise_is_flown_by_keys_alone_on_a_page_without_faults_of_access(b
         when(page, "document.querySelector('.exercise-after:not([hidden])')", 30.0)
         judge(page, "over")
         page.click("text=Film zur Nachbesprechung machen")
-        shows(page, ".exercise-make:disabled", "Film: ")
+        shows(page, ".film-make:disabled", "Film: ")
         judge(page, "filming", "#exercise")
         shows(page, "#exercise", "20 von 20", 30.0)
         assert len(acts) <= MOST_ACTS

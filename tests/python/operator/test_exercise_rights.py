@@ -154,7 +154,7 @@ def test_the_page_of_a_pilot_has_no_more_rights(exercise):
         for action in ("pause", "resume", "step", "speed"):
             assert CLOSED in ada.call("control", action=action, speed=9, steps=1)["message"]
         for action in ("save", "quit"):
-            assert "must be one of begin, film, restart" in ada.call("control", action=action)["message"]
+            assert "must be one of begin, restart" in ada.call("control", action=action)["message"]
         for name, arguments in VALUES.items():
             assert CLOSED in ada.call("command", name=name, args=arguments)["message"], name
         plan = ada.call("plan", action="fly", vehicle="rov", points_m=[[0, 0, -2]])

@@ -10,7 +10,6 @@ from pathlib import Path
 
 from uwsim.base.arguments import is_number
 from uwsim.channels.guest import Values
-from uwsim.exercises.words import languages
 from uwsim.operator.station.sessions.saves import save
 from uwsim.operator.station.sessions.sessions import Sessions
 
@@ -46,15 +45,6 @@ def _begin(sessions: Sessions, request: Values) -> None:
     if judged is None:
         raise ValueError("no exercise is flown")
     judged.begin()
-
-
-def _film(sessions: Sessions, request: Values) -> None:
-    judged, language = sessions.present().judged, request.get("language", "en")
-    if judged is None:
-        raise ValueError("no exercise is flown")
-    if language not in languages():
-        raise ValueError(f"language = {str(language)[:20]!r}: must be one of {', '.join(languages())}")
-    judged.make_film(language)
 
 
 def _save(sessions: Sessions, request: Values) -> str:
@@ -105,7 +95,6 @@ CONTROLS: dict[str, Callable[[Sessions, Values], str | None]] = {
     "speed": _speed,
     "restart": lambda sessions, request: sessions.rewind(),
     "begin": _begin,
-    "film": _film,
     "quit": lambda sessions, request: sessions.quit(),
     "save": _save,
     "record": _record,
@@ -113,7 +102,7 @@ CONTROLS: dict[str, Callable[[Sessions, Values], str | None]] = {
     "seek": _seek,
     "helm": lambda sessions, request: f"you have the helm, starting at {sessions.branch()}",
 }
-OF_EXERCISES = ("begin", "film", "restart", "record", "stop_recording")
+OF_EXERCISES = ("begin", "restart", "record", "stop_recording")
 """The controls of an exercise's pilot. With an instructor, `restart` is the instructor's."""
 OF_REPLAYS = ("seek", "helm")
 NOT_OF_REPLAYS = ("begin", "restart", "save", "record", "stop_recording")

@@ -90,15 +90,12 @@ class Services:
         running = self._sessions.running
         is_judged = running is not None and running.judged is not None
         if self._instructor is not None:
-            return ["begin", "film", *SUPERVISED] if is_judged else list(SUPERVISED)
+            return ["begin", *SUPERVISED] if is_judged else list(SUPERVISED)
         if is_judged:
             return [*OF_EXERCISES, *([] if self._sessions.is_fixed else ["quit"])]
         other = OF_REPLAYS if running is None or running.replay is None else NOT_OF_REPLAYS
-        return [
-            name
-            for name in CONTROLS
-            if name not in (*other, "begin", "film") and not (self._sessions.is_fixed and name == "quit")
-        ]
+        closed = (*other, "begin", *(["quit"] if self._sessions.is_fixed else []))
+        return [name for name in CONTROLS if name not in closed]
 
     def _join(self, caller: str, request: Values) -> Values:
         self._lease.join(caller, request.get("name"))
@@ -283,12 +280,21 @@ class Services:
         found = catalog(self._sessions.offered)
         defaults = found["defaults"] | ({"link": self._link} if self._link else {})
         flights = [] if self._sessions.flights is None else self._sessions.flights.listed()
+        flights = self._sessions.films.listed(flights)
         editor, offered = self._sessions.editor, [each["name"] for each in found["scenarios"]]
         saved = {name: path for name, path in editor.saved.items() if name not in offered}
         best, trained = best_scores(), [*_readable(editor.exercises, described_exercise), *found["exercises"]]
         exercises = [{**each, "best": best.get(each["title"])} for each in trained]
         found = {**found, "scenarios": [*_readable(saved, described), *found["scenarios"]], "exercises": exercises}
         return {**found, "defaults": defaults, "saves": saved_names(self._sessions.folder), "flights": flights}
+
+    def _film(self, caller: str, request: Values) -> Values:
+        films, flight = self._sessions.films, str(request.get("flight", ""))
+        if (language := request.get("language")) is not None:
+            if self._sessions.running is not None:
+                self._lease.require_pilot(caller)
+            films.make(flight, language)
+        return {"success": True, **films.state(flight)}
 
     def _check(self, caller: str, request: Values) -> Values:
         if request.get("flight") is not None:

@@ -19,7 +19,6 @@ from uwsim.exercises.course import PERIOD_S
 from uwsim.exercises.logbook import log_attempt
 from uwsim.exercises.sheet import SCORE, SHEET, write_sheet
 from uwsim.live import LiveSimulator, NotRunningError
-from uwsim.operator.station.sessions.debriefing import FILM, Debriefing
 
 LOGGER = logging.getLogger("uwsim.operator.station")
 STOP_S = 5.0
@@ -35,7 +34,7 @@ class Judged:
     pilot: returns the name of the member who has the controls; another than the one who began makes a score invalid.
     person: the name on the sheet and in the log book, by default that of the member who began. name: of a packaged
     exercise, or "". following: name and title of the next one that the pilot may start, or empty texts. recording:
-    returns the file into which the flight is being recorded, if it is.
+    returns the name of the file into which the flight is being recorded, or "".
     """
 
     def __init__(
@@ -51,13 +50,12 @@ class Judged:
         person: str = "",
         name: str = "",
         following: tuple[str, str] = ("", ""),
-        recording: Callable[[], Path | None] = lambda: None,
+        recording: Callable[[], str] = str,
     ) -> None:
         self.name, self._following = name, following
         self.live, self._folder, self._aids, self._pilot = live, folder, aids, pilot
         self._person, self._began = person, ""
         self._recording = recording
-        self._debriefing: Debriefing | None = None
         outsider = "the instructor" if instructor else "the program that runs the simulator"
         self.course = Course(exercise, live.simulator, self._command, outsider=outsider, aids=self._aids_in_use)
         self.course.wait_to_begin(1)
@@ -66,6 +64,7 @@ class Judged:
         self._program_s = 0.0  # until when the last of them counts
         self._writing: list[threading.Thread] = []
         self._sheet: Path | None = None
+        self._flight = ""  # the recording that the sheet names
         self._error = ""
         self._lock = threading.Lock()
         rights.close_world(live, OF_EXERCISE)
@@ -85,8 +84,7 @@ class Judged:
                 raise ValueError("begin: the attempt has begun: restart for another one")
             self.course.restart()
             self._began = self._pilot()
-            self._sheet, self._error = None, ""
-            self._forget_film()
+            self._sheet, self._flight, self._error = None, "", ""
             self._judge()  # at time 0, when events may be due
 
         self.live.read(act).result(STOP_S)
@@ -117,26 +115,17 @@ class Judged:
             self.break_off("broken off: the simulator was stopped")
         for writing in self._writing:
             writing.join()
-        self._forget_film()
 
     def state(self) -> Values:
         """Return the part of the exercise's state that the pilot may see, and whether the sheet has been written."""
         state: Values = self.live.read(lambda sim: self.course.state()).result()
         next_name, next_title = self._following
-        own = {"name": self.name, "has_sheet": self._sheet is not None, "error": self._error}
-        own |= {"next_name": next_name, "next_title": next_title}
-        film = {"film": "", "film_share": 0.0} if self._debriefing is None else self._debriefing.state()
-        return {**state, **own, **film}
-
-    def make_film(self, language: str) -> None:
-        """Begin to make the debriefing film of the latest attempt. Raises ValueError."""
-        if self._debriefing is None:
-            raise ValueError("film: there is none before the attempt has ended, nor without a recording from its begin")
-        self._debriefing.make(language)
+        own = {"name": self.name, "has_sheet": self._sheet is not None, "error": self._error, "flight": self._flight}
+        return {**state, **own, "next_name": next_name, "next_title": next_title}
 
     def sheet(self, name: str) -> bytes:
-        """Return a file of the latest score sheet, or its film. Raises ValueError before the exercise has ended."""
-        if self._sheet is None or name not in (SHEET, SCORE, FILM):
+        """Return a file of the latest score sheet. Raises ValueError before the exercise has ended."""
+        if self._sheet is None or name not in (SHEET, SCORE):
             raise ValueError("the score sheet is written when the exercise ends")
         return (self._sheet / name).read_bytes()
 
@@ -193,20 +182,18 @@ class Judged:
 
     def _write(self, course: Course) -> None:
         """Write a sheet on a thread of its own."""
-        sheet = certified_sheet(course, self._person or self._began)
-        recording = self._recording() if course.begun_tick == 0 else None  # the film needs the run's beginning
-        given = (course, sheet, recording)
+        recording = self._recording() if course.begun_tick == 0 else ""  # a film needs the run's beginning
+        sheet = certified_sheet(course, self._person or self._began, recording=recording)
+        given = (course, sheet)
         writing = threading.Thread(target=self._write_now, args=given, name="uwsim-sheet", daemon=True)
         writing.start()  # before `close`, on another thread, may join it
         self._writing = [*(each for each in self._writing if each.is_alive()), writing]
 
-    def _write_now(self, course: Course, sheet: Values, recording: Path | None) -> None:
+    def _write_now(self, course: Course, sheet: Values) -> None:
         with self._noted("the score sheet"):
             folder = self._new_folder()
             write_sheet(folder, course, sheet)
-            self._sheet = folder
-            if recording is not None:
-                self._debriefing = Debriefing(recording, folder, sheet["time_s"], self._complain)
+            self._sheet, self._flight = folder, sheet["recording"]
         with self._noted("the line in the log book"):  # an attempt counts, also if its sheet cannot be written
             log_attempt(sheet)
 
@@ -216,16 +203,8 @@ class Judged:
         try:
             yield
         except Exception as error:
-            self._complain(f"{what} could not be written: {error}")
+            self._error = "; ".join(filter(None, [self._error, f"{what} could not be written: {error}"]))
             LOGGER.exception("%s could not be written", what)
-
-    def _complain(self, text: str) -> None:
-        self._error = "; ".join(filter(None, [self._error, text]))
-
-    def _forget_film(self) -> None:
-        debriefing, self._debriefing = self._debriefing, None
-        if debriefing is not None:
-            debriefing.stop()
 
     def _new_folder(self) -> Path:
         self._folder.mkdir(parents=True, exist_ok=True)

@@ -20,6 +20,7 @@ from uwsim.exercises.exercise import next_exercise
 from uwsim.exercises.flyable import flyable
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.editor import Editor
+from uwsim.operator.station.flights.films import Films
 from uwsim.operator.station.flights.flights import FlightRecording, Flights
 from uwsim.operator.station.flights.replay import Replay
 from uwsim.operator.station.helm.lease import Lease
@@ -83,6 +84,7 @@ class Sessions:
         self.phase: Phase = "starting" if is_fixed else "idle"
         self.number = 0
         self.editor = Editor(folder, threads)
+        self.films = Films(folder)
         self.choice: Values = {}  # of which the running simulator is made, if any
         self._person = ""  # who flies the exercise, if that was stated
         self._numbers = itertools.count(1)
@@ -189,7 +191,7 @@ class Sessions:
                 running.live, exercise, self.folder, running.table.rights,
                 instructor=self._is_supervised, aids=running.aids_in_use,
                 pilot=lambda: self._lease.pilot_name, person=person, name=name, following=following,
-                recording=lambda: None if running.flight is None else running.flight.path,
+                recording=lambda: "" if running.flight is None else running.flight.name,
             )  # fmt: skip
             running.scene.hidden = frozenset(exercise.hidden)
 
@@ -297,6 +299,7 @@ class Sessions:
         if self.flights is not None:
             self.flights.close()
         self.prepared.close()
+        self.films.close()
         if self.running is not None:
             self.running.stop()
 

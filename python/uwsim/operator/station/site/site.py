@@ -33,8 +33,9 @@ from uwsim.operator.station.station import Station
 WAITING_MAX = 40  # maximum number of requests waiting for generated content
 Route = tuple[str, Callable[..., tuple[bytes, str]]]
 """A pattern of paths, and what makes the content and the name of a download, "" for none."""
-DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|flight|edit)/")
+DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|flight|film|edit)/")
 PREVIEW = re.compile(r"/preview/(.{1,1000})\.(png|jpg)")
+FILM = re.compile(r"/film/(.{1,100})\.webp")
 EDITED = re.compile(r"/edit/([0-9a-f]{1,64})/(.{1,200})")
 
 
@@ -88,6 +89,9 @@ class Site:
         asked = PREVIEW.fullmatch(path)
         if asked is not None:
             return File(self._sessions.preview(asked[1], asked[2]), TYPES[f".{asked[2]}"])
+        film = FILM.fullmatch(path)
+        if film is not None:
+            return File(self._sessions.films.read(film[1]), TYPES[".webp"])
         edited = EDITED.fullmatch(path)
         if edited is not None:  # for those who may edit alone
             self._sessions.editor.require(edited[1])
@@ -124,7 +128,6 @@ ROUTES: list[Route] = [
     (r"/scene/mesh/(\d{1,5})\.glb", lambda running, number: (running.scene.mesh(int(number)), "")),
     (r"/scene/vehicle/([^/]+)\.glb", lambda running, name: (running.scene.hull(name), "")),
     (r"/exercise/(sheet\.html|score\.json)", lambda running, name: (sheet_file(running, name), name)),
-    (r"/exercise/(debrief\.webp)", lambda running, name: (sheet_file(running, name), "")),
     (r"/flight/track\.json", lambda running: (track_json(running), "")),
     (r"/flight/ghost/([^/]+)\.json", lambda running, name: (ghost_json(running, name), "")),
     (r"/flight/hull/([^/]+)\.glb", lambda running, name: (hull_glb(running, name), "")),

@@ -83,7 +83,33 @@ class OfferedExercise(Message):
     best: float | None
 
 
-class RecordedFlight(Message):
+class FilmRequest(Message):
+    """A request about the debriefing film of a flight. language: begin to make it in that language."""
+
+    flight: str
+    language: str | None = None
+
+
+class Film(Message):
+    """The debriefing film of a flight. exercise: the title of the one whose attempt is recorded, or "".
+
+    film: is offered, is being made, of which film_share is done, or is made; "" if no attempt is recorded from its
+    begin. film_trouble: why it could not be made, or "".
+    """
+
+    exercise: str
+    film: Literal["", "offered", "making", "made"]
+    film_share: float
+    film_trouble: str
+
+
+class FilmState(Film):
+    """The response to a FilmRequest."""
+
+    success: Literal[True]
+
+
+class RecordedFlight(Film):
     """A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty.
 
     from_log: the file of a real flight from which it was made, or empty. cut_off: whether its recording ends early,

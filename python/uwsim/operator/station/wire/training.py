@@ -39,8 +39,8 @@ class ExerciseState(Message):
     """The state of an exercise. points: the maximum; lost: deducted; has_sheet: whether an attempt's sheet exists.
 
     has_begun: false until the pilot begins the attempt. invalid_because: why the score is not valid, or "". name: of a
-    packaged exercise, or "". next_name, next_title: of the one that the pilot may start after it, or "". film: the
-    attempt's debriefing film is offered, is being made, of which film_share is done, or is made; "" if there is none.
+    packaged exercise, or "". next_name, next_title: of the one that the pilot may start after it, or "". flight:
+    the recording of the attempt that has ended, from its begin, or "".
     """
 
     success: Literal[True]
@@ -66,8 +66,7 @@ class ExerciseState(Message):
     goals: list[GoalState]
     broken: list[BrokenLimit]
     has_sheet: bool
-    film: Literal["", "offered", "making", "made"]
-    film_share: float
+    flight: str
     error: str
 
 

@@ -1,7 +1,8 @@
 // The current exercise, if any: its task, score so far, goals, broken limits, and the score sheet at the end.
 import { attempt, clockText, el, write } from '../dom.js';
 import { said } from '../said.js';
-import { LANGUAGE, STRINGS } from '../strings.js';
+import { Film } from '../replay/film.js';
+import { STRINGS } from '../strings.js';
 import * as messages from '../wire/messages.js';
 
 const WORDS = STRINGS.exercise;
@@ -51,9 +52,7 @@ export class ExercisePanel {
     this.next = el('button', { type: 'button', className: 'primary', onclick: () => this.#next() });
     this.after = el('div', { className: 'exercise-after', hidden: true }, this.again, this.next);
     this.sheet = el('a', { className: 'exercise-sheet', download: 'sheet.html', hidden: true }, WORDS.sheet);
-    this.make = el('button', { type: 'button', className: 'exercise-make', hidden: true });
-    this.make.addEventListener('click', () => this.#makeFilm());
-    this.film = el('a', { className: 'exercise-film', target: '_blank', rel: 'noopener', hidden: true }, WORDS.film);
+    this.film = new Film(station);
     this.title = el('span', {}, WORDS.heading);
     this.element = el(
       'section',
@@ -68,7 +67,7 @@ export class ExercisePanel {
       this.losses,
       this.note,
       this.after,
-      el('div', { className: 'exercise-files' }, this.sheet, this.make, this.film),
+      el('div', { className: 'exercise-files' }, this.sheet, this.film.element),
     );
   }
 
@@ -92,11 +91,6 @@ export class ExercisePanel {
     this.next.disabled = true;
     await attempt(this.station.start({ exercise_name: this.state?.next_name }));
     this.next.disabled = false;
-  }
-
-  async #makeFilm() {
-    await attempt(this.station.control('film', { language: LANGUAGE }));
-    this.#ask();
   }
 
   async #ask() {
@@ -140,11 +134,7 @@ export class ExercisePanel {
     write(this.note, notes.filter(Boolean).join('. '));
     this.sheet.hidden = !state.has_sheet;
     this.sheet.href = this.station.href('/exercise/sheet.html');
-    this.make.hidden = !['offered', 'making'].includes(state.film);
-    this.make.disabled = state.film === 'making' || !this.station.isPilot;
-    write(this.make, state.film === 'making' ? WORDS.making(Math.floor(100 * state.film_share)) : WORDS.makeFilm);
-    this.film.hidden = state.film !== 'made';
-    this.film.href = this.station.href('/exercise/debrief.webp');
+    this.film.follow(state.flight);
   }
 }
 

@@ -1,6 +1,7 @@
 // The start screen's list of recorded flights, each with a button to replay it or the reason why this is impossible.
 import { byId, clockText, el, toast, write } from '../dom.js';
 import { STRINGS } from '../strings.js';
+import { Film } from './film.js';
 
 const WORDS = STRINGS.flights;
 
@@ -49,8 +50,12 @@ export class Flights {
     });
   }
 
-  #row({ name, scenario, begun, duration_s, cut_off, size_bytes, branched_from, from_log, refused }) {
+  #row(flight) {
+    const { name, scenario, begun, duration_s, cut_off, size_bytes, branched_from, from_log, exercise, refused } =
+      flight;
     const title = el('b', {}, begunText(begun) || name);
+    const film = new Film(this.station, begunText(begun) || name);
+    film.show(flight);
     const duration = cut_off ? WORDS.cutOff(clockText(duration_s)) : clockText(duration_s);
     const about = scenario ? WORDS.about(scenario, duration, (size_bytes / 1e6).toFixed(1)) : '';
     const wrong = el('small', { className: 'wrong', role: 'status' }, refused);
@@ -70,9 +75,11 @@ export class Flights {
         title,
         el('span', {}, about),
         branched_from ? el('small', {}, WORDS.branch(branched_from)) : null,
+        exercise ? el('small', {}, WORDS.exercise(exercise)) : null,
         from_log ? el('small', {}, WORDS.fromLog(from_log)) : null,
         wrong,
       ),
+      flight.film ? film.element : null,
       replay,
     );
   }

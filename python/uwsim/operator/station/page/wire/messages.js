@@ -466,7 +466,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number} time_s
  */
 
-/** The state of an exercise. points: the maximum; lost: deducted; has_sheet: whether an attempt's sheet exists. has_begun: false until the pilot begins the attempt. invalid_because: why the score is not valid, or "". name: of a packaged exercise, or "". next_name, next_title: of the one that the pilot may start after it, or "". film: the attempt's debriefing film is offered, is being made, of which film_share is done, or is made; "" if there is none.
+/** The state of an exercise. points: the maximum; lost: deducted; has_sheet: whether an attempt's sheet exists. has_begun: false until the pilot begins the attempt. invalid_because: why the score is not valid, or "". name: of a packaged exercise, or "". next_name, next_title: of the one that the pilot may start after it, or "". flight: the recording of the attempt that has ended, from its begin, or "".
  * @typedef {object} ExerciseState
  * @property {true} success
  * @property {string} name
@@ -491,8 +491,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {GoalState[]} goals
  * @property {BrokenLimit[]} broken
  * @property {boolean} has_sheet
- * @property {'' | 'offered' | 'making' | 'made'} film
- * @property {number} film_share
+ * @property {string} flight
  * @property {string} error
  */
 
@@ -718,6 +717,10 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
 
 /** A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty. from_log: the file of a real flight from which it was made, or empty. cut_off: whether its recording ends early, after duration_s, because the station was killed or the disk was full.
  * @typedef {object} RecordedFlight
+ * @property {string} exercise
+ * @property {'' | 'offered' | 'making' | 'made'} film
+ * @property {number} film_share
+ * @property {string} film_trouble
  * @property {string} name
  * @property {string} scenario
  * @property {string} begun
@@ -858,6 +861,21 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string[] | null} [meshes]
  * @property {string | null} [mesh]
  * @property {string | null} [lost]
+ */
+
+/** A request about the debriefing film of a flight. language: begin to make it in that language.
+ * @typedef {object} FilmRequest
+ * @property {string} flight
+ * @property {string | null} [language]
+ */
+
+/** The response to a FilmRequest.
+ * @typedef {object} FilmState
+ * @property {string} exercise
+ * @property {'' | 'offered' | 'making' | 'made'} film
+ * @property {number} film_share
+ * @property {string} film_trouble
+ * @property {true} success
  */
 
 /** A request to control the simulation. action: one of the controls listed in the description. steps, speed, name, time_s, language: for the actions that need them.
@@ -1098,6 +1116,13 @@ export const editForms = (bridge) => bridge.call('/station/edit_forms');
  */
 export const edit = (bridge, { action, scenario, section, place, kind, vehicle, at_m, values, name, size, at, data }) =>
   bridge.call('/station/edit', { action, scenario, section, place, kind, vehicle, at_m, values, name, size, at, data });
+
+/** Report on a flight's debriefing film, or begin to make it; of a running simulator, for the pilot only.
+ * @param {Caller} bridge
+ * @param {FilmRequest} request
+ * @returns {Promise<FilmState | Refused>}
+ */
+export const film = (bridge, { flight, language }) => bridge.call('/station/film', { flight, language });
 
 /** Pause, step, restart, save, record and similar actions; for the pilot only.
  * @param {Caller} bridge
