@@ -54,6 +54,8 @@ export class StartScreen {
   otherSet;
   #task = 'fly';
   #isToSurvey = false; // what was started
+  /** @type {Promise<void> | null} */
+  #asking = null; // for the catalog
   #isOld = false; // whether the catalog's list of saved sessions is outdated
 
   // onCatalog(catalog): called when the catalog has arrived. editor: edits the chosen scenario.
@@ -73,12 +75,19 @@ export class StartScreen {
     });
   }
 
+  // Ask once, however many states arrive meanwhile: a list that is made again takes the focus from its buttons.
   async show() {
     if (this.catalog && !this.#isOld) return;
-    this.#isOld = false;
+    await (this.#asking ??= this.#ask().finally(() => (this.#asking = null)));
+  }
+
+  async #ask() {
     this.#showMessage(WORDS.asking);
     try {
-      this.catalog = await this.station.catalog();
+      do {
+        this.#isOld = false;
+        this.catalog = await this.station.catalog();
+      } while (this.#isOld);
     } catch (error) {
       this.#showMessage(error.message, 'error');
       return;
