@@ -165,12 +165,31 @@ def test_goals_are_about_the_scene_and_follow_each_other_through_renaming_and_re
     assert found.part("goals", look).keys() == {"kind", "name", "title", "after", "object"}
     found.set("goals", look, {"position_m": [1, 2, -3]})
     assert "object" not in found.part("goals", look)
+    order, after = [goal.name for goal in found.goals], [goal.after for goal in found.goals]
+    assert found.move("goals", ("exercise", "goals", 1), 2) == ("exercise", "goals", 2)
+    moved = [order[0], order[2], order[1], *order[3:]]
+    assert [goal.name for goal in found.goals] == moved  # and each place comes after the one that it came after
+    assert [goal.after for goal in found.goals] == [name and moved[order.index(name)] for name in after]
+    found.undo()
+    assert [goal.name for goal in found.goals] == order
+    with pytest.raises(ValueError, match="to = 99: must be the number of a goal"):
+        found.move("goals", look, 99)
+    with pytest.raises(ValueError, match="layout: there is no other prop"):
+        found.add("layout", "", 0, [0, 0])
+    prop = found.part("props", found.add("props", "", 0, [3, 3], {"model": "pipes"}))["name"]
+    assert found.exercise.layout == [] and found.part("layout", found.add("layout", "", 0, [0, 0]))["prop"] == prop
+    start = found.add("exercise_start", "", 0, [1, 2])
+    found.set("exercise_start", start, {"yaw_deg": 90})
+    assert (found.exercise.start.position_m, found.exercise.start.yaw_deg) == ((1, 2, -1), 90)
+    with pytest.raises(ValueError, match=r"exercise\.start: exists already"):
+        found.add("exercise_start", "", 0, [1, 2])
     for section in ("limits", "events", "aids"):
         for kind in forms()[section]:
             place = found.add(section, kind, 0, [0, 0])
             assert found.part(section, place)
+    scene = found.files.scenario
     found.remove("exercise", ("exercise",))
-    assert found.exercise is None and found.files.scenario == draft("panel").files.scenario
+    assert found.exercise is None and found.files.scenario == scene
     found.undo()
     assert len(found.goals) == len(names) - 1
 

@@ -120,6 +120,11 @@ def test_an_exercise_is_made_by_keys_alone_and_flown_from_the_start_screen(page,
     page.keyboard.press("q")
     when(page, SENT.format("hold", "heading_deg === 5"))
     assert page.locator("select[aria-label=after] option").all_inner_texts()[1:] == ["reach"]
+    page.keyboard.press(",")
+    when(page, "station.editor.state.parts.filter(({ section }) => section === 'goals')[0].kind === 'hold'")
+    assert sent(page, "reach", "after") == "hold"
+    page.keyboard.press("Control+z")
+    when(page, SENT.format("hold", "after === 'reach'"))
     shows(page, ".editor-message", "Its exercise can be flown")
     judge(page, "goals")
     page.get_by_label("Save as").fill("drill")

@@ -12,7 +12,7 @@ from uwsim.channels.guest import Values
 from uwsim.exercises.goal import GoalModel
 from uwsim.operator.station.editor.files import EXERCISE, Place, SceneFiles
 from uwsim.operator.station.editor.forms import SECTIONS, Section, flattened, forms, unflattened
-from uwsim.operator.station.editor.goal_values import free_name, goal_values, one_of, referring
+from uwsim.operator.station.editor.goal_values import exchanged, first_prop, free_name, goal_values, one_of, referring
 from uwsim.operator.station.editor.ground_plan import GroundPlan
 from uwsim.operator.station.editor.start_values import EXAMPLES, start_values
 from uwsim.operator.station.editor.vehicle_parts import is_inherited, raw_parts
@@ -146,19 +146,33 @@ class Draft:
     def _add_to_exercise(self, section: str, above: Place, values: Values, own: Mapping[str, Any]) -> Place:
         """Add a part of the exercise, which begins with its first part, and a goal."""
         files, goals = self.files, self.goals
-        if section == "exercise" and goals:
-            raise ValueError(f"{EXERCISE}: exists already")
         if section == "goals":
             values = goal_values(self.scenario, goals, values, own)
+        if section == "layout":
+            values |= first_prop(self.scenario, _at(self.values, above) or (), own)
         if not goals:
             files = files.with_value((EXERCISE,), {**EXAMPLES["exercise"], "scenario": files.name})
             first = goal_values(self.scenario, (), start_values("goals", "reach", (0.0, 0.0)), {})
             files = files if section == "goals" else files.with_value((EXERCISE, "goals", 0), first)
-        if section != "exercise":
+        if SECTIONS[section].holds == "one" and _at(self.values, above) is not None:
+            raise ValueError(f"{dotted(above)}: exists already")
+        if SECTIONS[section].holds == "list":
             above = (*above, len(_at(files.values, above) or ()))
+        if section != "exercise":
             files = files.with_value(above, values)
         self.take(files)
         return above
+
+    def move(self, section: str, place: Place, to: int) -> Place:
+        """Let a goal and the one at number `to` change places, also in what comes after what; return its place.
+
+        Raises ValueError.
+        """
+        self.part(section, place)
+        if section != "goals" or not 0 <= to < len(self.goals):
+            raise ValueError(f"to = {to}: must be the number of a goal, to which a goal is moved")
+        self.take(exchanged(self.files, int(place[-1]), to))
+        return (*place[:-1], to)
 
     def remove(self, section: str, place: Place) -> None:
         """Remove a part. Raises ValueError."""

@@ -135,7 +135,7 @@ class Editor:
             self._by = ""
 
     def act(self, request: Values) -> Place:
-        """Change the scenario; return the place of a part that was added, or (). Raises ValueError."""
+        """Change the scenario; return the place of a part that was added or moved, or (). Raises ValueError."""
         try:
             size = len(orjson.dumps(request))
         except TypeError as error:  # such as whole numbers of more than 64 bits
@@ -161,6 +161,11 @@ class Editor:
                     raise ValueError(f"vehicle = {str(vehicle)[:40]}: must be a whole number")
                 return draft.add(section, str(request.get("kind") or ""), int(vehicle), at_m, values)
             place = _place(request.get("place"))
+            if action == "move":
+                to = request.get("to")
+                if not is_number(to) or to % 1:
+                    raise ValueError(f"to = {str(to)[:40]}: must be a whole number")
+                return draft.move(section, place, int(to))
             if action == "remove":
                 draft.remove(section, place)
             else:

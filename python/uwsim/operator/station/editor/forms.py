@@ -9,6 +9,7 @@ from typing import Any
 
 from uwsim.base.texts.yaml_document import Key
 from uwsim.channels.guest import Values
+from uwsim.exercises.by_seed import PropShift
 from uwsim.exercises.exercise import EVENT_COMMANDS, Aid, Event, Exercise
 from uwsim.exercises.goal import Goal
 from uwsim.exercises.limits import Limit
@@ -62,7 +63,7 @@ class Section:
         return ("vehicles", vehicle, *self.place) if self.of_vehicle else self.place
 
 
-OF_EXERCISE = {"goals": "kind", "limits": "kind", "events": "", "aids": ""}
+OF_EXERCISE = {"goals": "kind", "limits": "kind", "events": "", "aids": "", "layout": ""}
 """Sections of the exercise, and the keys of their kinds."""
 SECTIONS = {
     "obstacles": Section("obstacle", ("obstacles",), "list"),
@@ -87,13 +88,15 @@ SECTIONS = {
             ("sensors", "sensor"), ("cameras", "camera"), ("lamps", "lamps"), ("imaging_sonars", "imaging_sonar"),
         )
     },
-    "exercise": Section("exercise", ("exercise",), "one", without=("scenario", *OF_EXERCISE)),
+    "exercise": Section("exercise", ("exercise",), "one", without=("scenario", "start", *OF_EXERCISE)),
+    "exercise_start": Section("start", ("exercise", "start"), "one"),
     **{name: Section(name, ("exercise", name), "list", key=key) for name, key in OF_EXERCISE.items()},
 }  # fmt: skip
 OTHER_SCHEMAS: Mapping[str, Any] = {
     "surface": SurfaceSpec, "tide": Tide, "wind": Wind, "vehicle_entry": VehicleEntry, "lamps": Lamps,
     "current": CurrentSpec, "start": StartPose, "placed_prop": PropEntry, "stroke": Stroke, "loose_body": LooseBody,
     "exercise": Exercise, "goals": Goal, "limits": Limit, "events": Event, "aids": Aid,
+    "layout": PropShift,
 }  # fmt: skip
 PACKAGED = {
     ("vehicle_entry", "model"): "vehicles", ("placed_prop", "model"): "props", ("exercise", "vehicle"): "vehicles",

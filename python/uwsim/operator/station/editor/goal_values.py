@@ -50,7 +50,7 @@ def goal_values(scenario: Scenario, goals: Sequence[GoalModel], values: Values, 
 
 
 def choices(scenario: Scenario, goals: Sequence[GoalModel], own: Mapping[str, Any]) -> dict[str, list[str]]:
-    """Return what the fields of a goal or an event may name, by field; a list of goals is written as text."""
+    """Return what the fields of a goal, an event or the layout may name, by field; a list of goals is text."""
     kind, names = str(own.get("kind", "")), [goal.name for goal in goals]
     earlier = names[: names.index(own["name"])] if own.get("name") in names else names
     body = next((each for each in scenario.objects if each.name == own.get("object")), None)
@@ -58,7 +58,7 @@ def choices(scenario: Scenario, goals: Sequence[GoalModel], own: Mapping[str, An
         "object": [each.name for each in scenario.objects if _is_for(kind, each)],
         "obstacle": [each.name for each in scenario.obstacles if each.kind in MARKED],
         "joint": list(body.links or ()) if body else [],
-        "of": [each.name for each in scenario.placed_props],
+        **{key: [each.name for each in scenario.placed_props] for key in ("of", "prop")},
         **({} if kind == "time_left" or isinstance(own.get("after"), list) else {"after": earlier}),
     }
 
@@ -73,6 +73,29 @@ def referring(files: SceneFiles, old: str, new: str | None) -> SceneFiles:
             elif after == old:
                 files = files.without(place) if new is None else files.with_value(place, new)
     return files
+
+
+def exchanged(files: SceneFiles, one: int, other: int) -> SceneFiles:
+    """Return files in which two goals have changed places: what came after one comes after the other."""
+    goals = files.values[EXERCISE]["goals"]
+    names = [goal["name"] for goal in goals]
+    became = dict(zip(names, names, strict=True)) | {names[one]: names[other], names[other]: names[one]}
+    for k, there in enumerate(goals):
+        goal = {key: value for key, value in goals[{one: other, other: one}.get(k, k)].items() if key != "after"}
+        if (after := there.get("after")) is not None:  # belongs to the place
+            goal["after"] = became[after] if isinstance(after, str) else [became[name] for name in after]
+        if goal != there:
+            files = files.with_value((EXERCISE, "goals", k), goal)
+    return files
+
+
+def first_prop(scenario: Scenario, layout: Sequence[Values], own: Mapping[str, Any]) -> Values:
+    """Return the prop that a new part of the layout moves: the first that no other does. Raises ValueError."""
+    moved = [each["prop"] for each in layout]
+    names = [prop.name for prop in scenario.placed_props if prop.name not in moved]
+    if not names and "prop" not in own:
+        raise ValueError("layout: there is no other prop that it could move: add one first")
+    return {"prop": own.get("prop") or names[0]}
 
 
 def free_name(base: str, taken: Sequence[Any]) -> str:

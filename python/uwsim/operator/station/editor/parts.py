@@ -33,7 +33,7 @@ def parts(draft: Draft) -> Iterator[Values]:
                     "kind": str(own.get(found.field(found.key), "")), "vehicle": vehicle if found.of_vehicle else None,
                     "is_inherited": is_docked or is_inherited(values, place),
                     "frame": _frame(scenario, section, vehicle, own), "values": own, "outline_m": outline,
-                    "choices": choices(scenario, draft.goals, own) if section in ("goals", "events") else {},
+                    "choices": choices(scenario, draft.goals, own) if section in ("goals", "events", "layout") else {},
                 }  # fmt: skip
 
 

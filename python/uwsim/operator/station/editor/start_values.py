@@ -33,6 +33,7 @@ EXAMPLES: Mapping[str, Mapping[str, Any]] = {
     "life": {"count": 20, "size_m": [0.2, 0.3]},
     "exercise": {"title": "New exercise", "brief": "Meet the goals in their order.", "pass_points": 10},
     "goals move_joint": {"to_deg": 90},
+    "layout": {"x_m": [-0.5, 0.5], "y_m": [-0.5, 0.5]},
     "limits depth": {"most_m": 10},
     "limits altitude": {"least_m": 0.5},
     "limits speed": {"most_m_s": 1},
@@ -59,7 +60,7 @@ def start_values(section: str, kind: str, at_m: tuple[float, float]) -> Values:
             continue
         number = _guess(field["low"], field["high"])
         if field["role"] == "place":
-            found[name] = under_water if section in ("life", "goals") else [*at_m, 0.0][:width]
+            found[name] = under_water if section in ("life", "goals", "exercise_start") else [*at_m, 0.0][:width]
         elif field["role"] == "line" and field["columns"][:2] == ["x", "y"]:
             corners = ((0.0, 0.0),) if section == "strokes" else ((-5.0, -5.0), (5.0, -5.0), (5.0, 5.0))
             z = under_water[2:] if "z" in field["columns"] else []

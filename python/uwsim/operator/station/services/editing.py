@@ -13,7 +13,7 @@ from uwsim.operator.station.sessions.sessions import Sessions
 from uwsim.operator.station.start.choice import scenarios, with_choice
 from uwsim.scenario.read.assets import find_yaml
 
-CHANGES = ("set", "add", "remove", "undo", "redo", "revert")
+CHANGES = ("set", "add", "move", "remove", "undo", "redo", "revert")
 GONE_S = 3.0  # a client that sends nothing for this long, not even replies to pings, edits no longer
 OPENS = ("open", "new")
 ACTIONS = (*OPENS, "report", *CHANGES, "check", "save", "export", "meshes", "upload", "apply", "close")

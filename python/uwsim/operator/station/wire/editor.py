@@ -10,12 +10,13 @@ from uwsim.operator.station.wire.messages import Message
 class Edit(Message):
     """A request to the editor.
 
-    action: new, open, report, set, add, remove, undo, redo, revert, check, save, export,
+    action: new, open, report, set, add, move, remove, undo, redo, revert, check, save, export,
     meshes, upload, apply or close.
 
     scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to
     add; kind is also the format to export. values: fields to set, also of one to add; null removes one. name: under
-    which it is saved, or of a mesh to upload. size, at, data: bytes of the whole mesh, and a part of it in Base64.
+    which it is saved, or of a mesh to upload. to: the number of the goal with which one changes places. size, at, data:
+    bytes of the whole mesh, and a part of it in Base64.
     """
 
     action: str
@@ -27,6 +28,7 @@ class Edit(Message):
     at_m: list[float] | None = None
     values: dict[str, Any] | None = None
     name: str | None = None
+    to: int | None = None
     size: int | None = None
     at: int | None = None
     data: str | None = None
@@ -68,7 +70,7 @@ class EditState(Message):
     """The editor's state; without a scenario, only is_open, false. by: the name of the client that edits.
 
     edition: changes with the text. files: the secret address FILES of what belongs to the scene. plan: changes with the
-    obstacles, whose solids are FILES/PLAN/NUMBER.glb. added: the place of the part that was added, or empty. mistakes:
+    obstacles, whose solids are FILES/PLAN/NUMBER.glb. added: the place of what was added or moved, or empty. mistakes:
     found by `check`. file, notes: of `export`: the address of a ZIP archive, and what was left out of it or assumed.
     meshes: the files of which solids can be made, with a still at FILES/mesh/FILE.png. mesh: the file of a finished
     upload, "" before; lost: what of it was not taken along.

@@ -9,13 +9,15 @@ export class EditorBar {
   sections = []; // as in EditForms
 
   /** @param {import('./brush.js').Brush} brush
-   * @param {Record<'add' | 'remove' | 'undo' | 'redo' | 'revert' | 'turn' | 'fit' | 'save' | 'apply', () => void>} acts
+   * @param {Record<'add' | 'remove' | 'earlier' | 'later' | 'undo' | 'redo' | 'revert' | 'turn' | 'fit' | 'save' | 'apply', () => void>} acts
    */
   constructor(brush, acts) {
     this.section = el('select', { 'aria-label': WORDS.section, onchange: () => this.#showKinds() });
     this.kind = el('select', { 'aria-label': WORDS.kind });
     this.vehicle = el('select', { 'aria-label': WORDS.vehicle });
     this.remove = button(WORDS.remove, acts.remove, { tip: WORDS.removeKey });
+    this.earlier = button(WORDS.earlier, acts.earlier, { tip: WORDS.earlierKey });
+    this.later = button(WORDS.later, acts.later, { tip: WORDS.laterKey });
     this.undo = button(WORDS.undo, acts.undo, { tip: WORDS.undoKey });
     this.redo = button(WORDS.redo, acts.redo, { tip: WORDS.redoKey });
     this.revert = button(WORDS.revert, acts.revert, { tip: WORDS.revertTip });
@@ -30,6 +32,8 @@ export class EditorBar {
       this.vehicle,
       button(WORDS.add, acts.add),
       this.remove,
+      this.earlier,
+      this.later,
       this.undo,
       this.redo,
       this.revert,
@@ -62,6 +66,12 @@ export class EditorBar {
       (vehicles ?? []).map((name, k) => [String(k), name]),
     );
     this.#showKinds();
+  }
+
+  // part: the chosen one, if any.
+  showPart(part) {
+    this.remove.disabled = !part || part.section === 'starts';
+    this.earlier.hidden = this.later.hidden = part?.section !== 'goals';
   }
 
   // isScene: whether the 3D view is shown in place of the chart.

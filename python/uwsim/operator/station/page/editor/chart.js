@@ -4,7 +4,7 @@ import { STRINGS } from '../strings.js';
 import { ChartFrame } from '../views/chart_frame.js';
 import { ChartGround } from '../views/chart_ground.js';
 import { drawScale, drawVessel, label } from '../views/chart_marks.js';
-import { contains, cornersOf, edgeDistance, isWithin, moved, placeOf, turned, yawOf } from './geometry.js';
+import { STARTS, contains, cornersOf, edgeDistance, isWithin, moved, placeOf, turned, yawOf } from './geometry.js';
 
 const WORDS = STRINGS.editor;
 const NEAR_PX = 10;
@@ -275,7 +275,7 @@ export class EditorChart {
     const at = this.frame.at(place);
     const yaw = yawOf(part, fields);
     if (part.section === 'goals') this.#drawReach(c, at, part, fields);
-    if (part.section === 'starts') drawVessel(c, at, 90 - (yaw ?? 0), VESSEL);
+    if (STARTS.has(part.section)) drawVessel(c, at, 90 - (yaw ?? 0), VESSEL);
     else if (isSelected || !outline.length) this.#drawMount(c, at, corners.length ? null : yaw, colours);
     if (isSelected || part.section !== 'survey') this.#label(c, part.name, at);
   }

@@ -53,6 +53,8 @@ export class SceneEditor {
     this.acts = {
       add: () => this.#add(),
       remove: () => this.#remove(),
+      earlier: () => this.#move(-1),
+      later: () => this.#move(1),
       undo: () => this.#step('undo'),
       redo: () => this.#step('redo'),
       revert: () => this.#step('revert'),
@@ -259,7 +261,7 @@ export class SceneEditor {
     this.parts.show(parts, this.selected);
     this.table.show(parts, this.selected);
     this.form.show(this.part, this.part ? this.fieldsOf(this.part) : []);
-    this.bar.remove.disabled = !this.part || this.part.section === 'starts';
+    this.bar.showPart(this.part);
   }
 
   // Send a request after those before it, and show the answer or the refusal. Return the answer, null after a refusal.
@@ -365,6 +367,16 @@ export class SceneEditor {
     if (!part || this.bar.remove.disabled) return;
     [this.parts.changes, this.parts.selected] = [{}, -1];
     this.#act({ action: 'remove', section: part.section, place: part.place });
+  }
+
+  // Let the chosen goal change places with the one before or after it.
+  #move(by) {
+    const { part } = this;
+    const goals = this.state?.parts?.filter(({ section }) => section === 'goals') ?? [];
+    const to = part ? goals.indexOf(part) + by : -1;
+    if (part?.section !== 'goals' || !goals[to]) return;
+    this.#flush();
+    this.#act({ action: 'move', section: 'goals', place: part.place, to });
   }
 
   #save() {

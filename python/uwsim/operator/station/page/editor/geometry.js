@@ -7,6 +7,9 @@ const RAD = Math.PI / 180;
 const TURN = 'yaw_pitch_roll_deg[0]'; // the column of a row that has its own direction
 const HEIGHTS = new Set(['position_m[2]', 'z']); // and of one that has its own height
 
+// Sections whose parts are vessels' starts.
+export const STARTS = new Set(['starts', 'exercise_start']);
+
 const rounded = (value) => Math.round(value * 1000) / 1000 + 0;
 const angle = (degrees) => rounded(((((degrees + 180) % 360) + 360) % 360) - 180);
 const rotated = ([x, y], degrees) => {

@@ -51,6 +51,8 @@ function actOf({ key, shiftKey, altKey }, editor, acts) {
     f: acts.fit,
     a: acts.add,
     v: acts.turn,
+    ',': acts.earlier,
+    '.': acts.later,
     b: () => editor.brush.next(),
     '[': () => editor.brush.widen(false),
     ']': () => editor.brush.widen(true),

@@ -11,12 +11,12 @@ import {
   Vector3,
 } from '../vendor/three.js';
 import { faceted } from '../map3d/terrain.js';
-import { cornersOf, placeOf, yawOf } from './geometry.js';
+import { STARTS, cornersOf, placeOf, yawOf } from './geometry.js';
 
 const [PLAIN, CHOSEN, VESSEL, LINE, MARK] = [0xb9c4cc, 0xff9d5c, 0xffd166, 0x8fd3ff, 0xffffff];
 const ABOARD_M = 15; // from the camera, within which parts aboard are shown
 const MARK_PX = 9; // half the size of a mark
-const MARKED = new Set(['starts', 'objects', 'props', 'life', 'goals']); // sections of parts without a solid
+const MARKED = new Set([...STARTS, 'objects', 'props', 'life', 'goals']); // sections of parts without a solid
 const RAD = Math.PI / 180;
 
 const lambert = (color) => new MeshLambertMaterial({ color, emissive: color, emissiveIntensity: 0.15 });
@@ -192,7 +192,7 @@ export class PartSolids {
     const place = this.placeOf(index);
     if (!place) return;
     const part = this.#parts.at(index);
-    const isStart = part.section === 'starts';
+    const isStart = STARTS.has(part.section);
     const cone = new Mesh(
       this.#cone,
       isChosen ? this.#materials.chosen : this.#materials[isStart ? 'vessel' : 'plain'],

@@ -796,7 +796,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {ExportFormat[]} exports
  */
 
-/** A request to the editor. action: new, open, report, set, add, remove, undo, redo, revert, check, save, export, meshes, upload, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add; kind is also the format to export. values: fields to set, also of one to add; null removes one. name: under which it is saved, or of a mesh to upload. size, at, data: bytes of the whole mesh, and a part of it in Base64.
+/** A request to the editor. action: new, open, report, set, add, move, remove, undo, redo, revert, check, save, export, meshes, upload, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add; kind is also the format to export. values: fields to set, also of one to add; null removes one. name: under which it is saved, or of a mesh to upload. to: the number of the goal with which one changes places. size, at, data: bytes of the whole mesh, and a part of it in Base64.
  * @typedef {object} Edit
  * @property {string} action
  * @property {string | null} [scenario]
@@ -807,6 +807,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {number[] | null} [at_m]
  * @property {Record<string, any> | null} [values]
  * @property {string | null} [name]
+ * @property {number | null} [to]
  * @property {number | null} [size]
  * @property {number | null} [at]
  * @property {string | null} [data]
@@ -836,7 +837,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {Record<string, string[]>} choices
  */
 
-/** The editor's state; without a scenario, only is_open, false. by: the name of the client that edits. edition: changes with the text. files: the secret address FILES of what belongs to the scene. plan: changes with the obstacles, whose solids are FILES/PLAN/NUMBER.glb. added: the place of the part that was added, or empty. mistakes: found by `check`. file, notes: of `export`: the address of a ZIP archive, and what was left out of it or assumed. meshes: the files of which solids can be made, with a still at FILES/mesh/FILE.png. mesh: the file of a finished upload, "" before; lost: what of it was not taken along.
+/** The editor's state; without a scenario, only is_open, false. by: the name of the client that edits. edition: changes with the text. files: the secret address FILES of what belongs to the scene. plan: changes with the obstacles, whose solids are FILES/PLAN/NUMBER.glb. added: the place of what was added or moved, or empty. mistakes: found by `check`. file, notes: of `export`: the address of a ZIP archive, and what was left out of it or assumed. meshes: the files of which solids can be made, with a still at FILES/mesh/FILE.png. mesh: the file of a finished upload, "" before; lost: what of it was not taken along.
  * @typedef {object} EditState
  * @property {true} success
  * @property {string} message
@@ -1114,8 +1115,25 @@ export const editForms = (bridge) => bridge.call('/station/edit_forms');
  * @param {Edit} request
  * @returns {Promise<EditState | Refused>}
  */
-export const edit = (bridge, { action, scenario, section, place, kind, vehicle, at_m, values, name, size, at, data }) =>
-  bridge.call('/station/edit', { action, scenario, section, place, kind, vehicle, at_m, values, name, size, at, data });
+export const edit = (
+  bridge,
+  { action, scenario, section, place, kind, vehicle, at_m, values, name, to, size, at, data },
+) =>
+  bridge.call('/station/edit', {
+    action,
+    scenario,
+    section,
+    place,
+    kind,
+    vehicle,
+    at_m,
+    values,
+    name,
+    to,
+    size,
+    at,
+    data,
+  });
 
 /** Report on a flight's debriefing film, or begin to make it; of a running simulator, for the pilot only.
  * @param {Caller} bridge
