@@ -37,14 +37,15 @@ def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(brow
         when(page, "station.station.isPilot && station.telemetry.message")
         does("pipeline", "click", "text=Undock")
         until(lambda: here.rov.released, "the vehicle in free water")
-        page.select_option("#speed", "5")  # to shorten the test
+        page.select_option("#speed", "10")  # to shorten the test
 
         does("pipeline", "click", ".swap[aria-label*=Chart]")
         when(page, "station.views.large === 'chart' && station.chart.flown.length > 0")
         box = page.locator(".view.is-large canvas").first.bounding_box()
+        page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        shows(page, ".view.is-large .scene-note", "deep")  # the bed is there, to which the chart is fitted
         x, y = page.evaluate("(place) => station.chart.frame.at(place)", list(PIPELINE))
         page.mouse.move(box["x"] + x, box["y"] + y)
-        shows(page, ".view.is-large .scene-note", "deep")
         bed_m = float(re.search(r"([\d.]+) m deep", page.inner_text(".view.is-large .scene-note"))[1])
         does("pipeline", "click", "text=Waypoint")
         for depth_m in (10.0, bed_m - ABOVE_M):
