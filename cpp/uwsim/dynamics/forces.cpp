@@ -80,10 +80,12 @@ Forces that_move(const Craft& craft, const Motion& motion, const Vector6d& canop
   const std::optional<std::array<Vector6d, 4>> parts = of_parts(motion);
   const auto all =
       stages(craft, motion.start, motion.all, water, motion.time_s, motion.step_s, parts ? &*parts : nullptr);
+  NearbyWater nearby;  // kept as in `stages`
   for (std::size_t k = 0; k < all.size(); ++k) {
     const Stage& stage = all[k];
     const Eigen::Quaterniond& q = stage.state.world_from_body.orientation;
-    add(forces, kStageShares[k], craft.terms(stage.state, stage.rate.velocity, water, stage.time_s));
+    add(forces, kStageShares[k],
+        craft.terms(stage.state, stage.rate.velocity, water, stage.time_s, parts ? nullptr : &nearby));
     if (motion.arm_body) forces.arm += kStageShares[k] * (*motion.arm_body)[k];
     if (motion.hull_waves) {
       forces.radiation += kStageShares[k] * (*motion.hull_waves)[k].radiation;

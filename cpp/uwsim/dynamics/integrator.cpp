@@ -1,7 +1,5 @@
 #include "uwsim/dynamics/integrator.h"
 
-#include <optional>
-
 namespace uwsim {
 namespace {
 
@@ -15,16 +13,16 @@ Eigen::Quaterniond pure(const Eigen::Vector3d& v) {
 
 /// Computes the rates of a stage from its state and time.
 void evaluate(Stage& stage, const Craft& craft, const Loads& loads, const WaterField& water, const Vector6d* extra,
-              std::optional<NearbyFlow>* nearby) {
+              NearbyWater* nearby) {
   Vector6d tau_body = loads.at(stage.state.world_from_body.orientation);
   if (extra != nullptr) tau_body += *extra;
   stage.rate = rate_at(stage.state, craft.acceleration_body(stage.state, tau_body, water, stage.time_s, nearby));
 }
 
-/// `nearby`: where the flow that the first stage finds is kept for the others; may be null.
+/// `nearby`: where the water that the first stage finds is kept for the others; may be null.
 std::array<Stage, 4> stages_in(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water,
                                double time_s, double step_s, const std::array<Vector6d, 4>* extra_body,
-                               std::optional<NearbyFlow>* nearby) {
+                               NearbyWater* nearby) {
   std::array<Stage, 4> k;
   k[0].state = state;
   k[0].time_s = time_s;
@@ -79,9 +77,11 @@ Pose displaced(const Pose& pose, const Vector6d& velocity_body, double duration_
 
 std::array<Stage, 4> stages(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water,
                             double time_s, double step_s, const std::array<Vector6d, 4>* extra_body) {
-  if (!water.flows_smoothly()) return stages_in(craft, state, loads, water, time_s, step_s, extra_body, nullptr);
-  std::optional<NearbyFlow> kept;
-  return stages_in(craft, state, loads, water, time_s, step_s, extra_body, &kept);
+  // Arms and hull waves, which the extra wrenches are of, step their bodies without keeping any water.
+  if (extra_body != nullptr || !is_kept_in_a_step(water))
+    return stages_in(craft, state, loads, water, time_s, step_s, extra_body, nullptr);
+  NearbyWater nearby;
+  return stages_in(craft, state, loads, water, time_s, step_s, extra_body, &nearby);
 }
 
 BodyState advance(const Craft& craft, const BodyState& state, const Loads& loads, const WaterField& water,

@@ -14,7 +14,7 @@ namespace uwsim {
 namespace {
 
 constexpr double kThinnest = 1e-9;  // parts with less than this fraction of the volume are left out
-constexpr double kWavePitch = 5;    // see CutVolume
+constexpr double kWavePitch = 8;    // see CutVolume
 constexpr double kBent = 1e-4;      // see mass_across_bends
 
 /// Returns 0 for x <= 0, 1 for x >= 1, and in between a cubic with zero slope at both ends.
@@ -52,18 +52,26 @@ struct BuoyantHull::Cut {
   Eigen::Vector3d up_body;
   double middle_z_m;     // height of the slice's middle
   double half_height_m;  // conservative bound on how far the slice extends above and below its middle
+  double radius_m;
 
   Cut(const Slice& slice, const Eigen::Vector3d& up, double middle_z)
       : volume(slice.volume),
         up_body(up),
         middle_z_m(middle_z),
-        half_height_m(std::min(slice.radius_m, up.cwiseAbs().dot(slice.half_size_m))) {}
+        half_height_m(std::min(slice.radius_m, up.cwiseAbs().dot(slice.half_size_m))),
+        radius_m(slice.radius_m) {}
 
   /// Relative to the slice's middle.
   VolumeMoments moments_below(double level_m, bool with_second) const {
     if (middle_z_m + half_height_m <= level_m) return volume.whole();
     if (middle_z_m - half_height_m >= level_m) return {};
     return volume.below(up_body, level_m - middle_z_m, with_second);
+  }
+  /// Those below the level 0, from `kept`, which is replaced if it is of a plane too far away.
+  VolumeMoments moments_kept_in(std::optional<PlaneCut>& kept) const {
+    if (std::abs(middle_z_m) >= half_height_m) return moments_below(0, true);
+    if (kept && kept->is_near(up_body, -middle_z_m, radius_m)) return kept->moved_to(up_body, -middle_z_m);
+    return kept.emplace(volume.cut(up_body, -middle_z_m)).below;
   }
 };
 
@@ -133,13 +141,13 @@ void BuoyantHull::cut_into_slices(Slices& slices) const {
 }
 
 VolumeFlow BuoyantHull::flow_at(const Placed& at, const Eigen::Vector3d& centre_body_m, const WaterField& water,
-                                double time_s, std::optional<NearbyFlow>* nearby) const {
+                                double time_s, NearbyWater* nearby) const {
   const Eigen::Vector3d centre = at.position_world_m + at.world_from_body * centre_body_m;
   const VolumeParts& parts = water.surface_is_flat() ? parts_ : in_slices().parts;
   const PlacedVolume placed{parts, centre, at.world_from_body};
-  if (nearby == nullptr) return water.flow_over(placed, time_s);
-  if (*nearby) return (*nearby)->at(centre, time_s);
-  return nearby->emplace(water.flow_near(placed, time_s)).flow;
+  if (nearby == nullptr || !water.flows_smoothly()) return water.flow_over(placed, time_s);
+  if (nearby->flow) return nearby->flow->at(centre, time_s);
+  return nearby->flow.emplace(water.flow_near(placed, time_s)).flow;
 }
 
 Displacement BuoyantHull::displacement(const Pose& world_from_body, double level_m) const {
@@ -163,9 +171,13 @@ WaterSurface BuoyantHull::surface_over(const Placed& at, const Slice& slice, con
 /// Calls visit(slice, cut, wet) for each slice that is wet, with heights measured from the plane that cuts it.
 template <typename Visit>
 void BuoyantHull::visit_wet_slices(const Placed& at, const WaterField& water, double time_s,
-                                   const WaterSurface& over_hull, const Visit& visit) const {
+                                   const WaterSurface& over_hull, NearbyWater* nearby, const Visit& visit) const {
   const std::size_t division = division_ ? *division_ : water.division_of(parts_, at.hull.middle_z_m);
   const std::vector<Slice>& division_slices = in_slices().divisions[division];
+  if (nearby != nullptr && nearby->division != division) {
+    nearby->cuts = {};
+    nearby->division = division;
+  }
   for (std::size_t k = 0; k < division_slices.size(); ++k) {
     const Slice& slice = division_slices[k];
     const WaterSurface surface =
@@ -173,7 +185,7 @@ void BuoyantHull::visit_wet_slices(const Placed& at, const WaterField& water, do
     const Eigen::Vector3d normal = Eigen::Vector3d(-surface.slope_x, -surface.slope_y, 1).normalized();
     const double middle_z_m = at.position_world_m.z() + at.hull.up_body.dot(slice.middle_body_m);
     const Cut cut(slice, at.world_from_body.transpose() * normal, normal.z() * (middle_z_m - surface.mean_m));
-    const VolumeMoments wet = cut.moments_below(0, true);
+    const VolumeMoments wet = nearby == nullptr ? cut.moments_below(0, true) : cut.moments_kept_in(nearby->cuts[k]);
     if (wet.volume_m3 > kThinnest * solid_.volume_m3) visit(slice, cut, wet, surface);
   }
 }
@@ -185,7 +197,7 @@ double BuoyantHull::submerged_volume_m3(const Pose& world_from_body, const Water
   if (at.top_m() <= -water.wave_bound_m()) return solid_.volume_m3;
   double sum = 0;
   visit_wet_slices(
-      at, water, time_s, surface_over(at, whole_, parts_.whole(), water, time_s),
+      at, water, time_s, surface_over(at, whole_, parts_.whole(), water, time_s), nullptr,
       [&sum](const Slice&, const Cut&, const VolumeMoments& wet, const WaterSurface&) { sum += wet.volume_m3; });
   return sum;
 }
@@ -213,7 +225,7 @@ std::vector<WaterPlane> BuoyantHull::water_planes(const Placed& at, const WaterF
     if (!ends_the_hull || !is_low) plane.from_m = middle_m - half_m;
     if (!ends_the_hull || is_low) plane.to_m = middle_m + half_m;
   };
-  visit_wet_slices(at, water, time_s, surface_over(at, whole_, parts_.whole(), water, time_s), add);
+  visit_wet_slices(at, water, time_s, surface_over(at, whole_, parts_.whole(), water, time_s), nullptr, add);
   return planes;
 }
 
@@ -224,7 +236,7 @@ WetSurface BuoyantHull::wet_surface(const Eigen::Vector3d& position_world_m, con
 }
 
 Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
-                               const WaterField& water, double time_s, std::optional<NearbyFlow>* nearby) const {
+                               const WaterField& water, double time_s, NearbyWater* nearby) const {
   const Placed at(*this, position_world_m, world_from_body);
   if (water.surface_is_flat()) return below_flat_surface(at, water, time_s, nearby);
   if (at.hull.middle_z_m + 2 * whole_.radius_m <= -water.wave_bound_m())
@@ -233,7 +245,7 @@ Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Ei
   if (at.bottom_m() >= surface.high_m) return {};
   const double deep = smooth_step((surface.low_m - at.top_m()) / whole_.radius_m);
   if (deep == 1) return below_waves(at, water, time_s, flow_at(at, solid_.centroid_m, water, time_s, nearby));
-  Buoyancy sum = through_waves(at, water, time_s, surface);
+  Buoyancy sum = through_waves(at, water, time_s, surface, nearby);
   if (sum.volume_m3 > 0) sum.flow = flow_at(at, sum.centre_body_m, water, time_s, nearby);
   if (deep == 0) return sum;
   const Buoyancy below = below_waves(at, water, time_s, sum.flow);
@@ -244,7 +256,7 @@ Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Ei
 
 /// The buoyancy under a flat surface, which a tide may have moved. Apart, so that the result is built in its place.
 Buoyancy BuoyantHull::below_flat_surface(const Placed& at, const WaterField& water, double time_s,
-                                         std::optional<NearbyFlow>* nearby) const {
+                                         NearbyWater* nearby) const {
   const double level_m = water.still_level_m(time_s);
   const Eigen::Vector3d above_level = at.position_world_m - level_m * Eigen::Vector3d::UnitZ();
   Buoyancy still =
@@ -351,13 +363,13 @@ BuoyantHull::DisplacedMass BuoyantHull::mass_in_layers(const Cut& at, const Wate
 
 /// The buoyancy of a hull that the surface may cut. Layers of density are taken to be parallel to the surface.
 Buoyancy BuoyantHull::through_waves(const Placed& at, const WaterField& water, double time_s,
-                                    const WaterSurface& over_hull) const {
+                                    const WaterSurface& over_hull, NearbyWater* nearby) const {
   const Eigen::Matrix3d& rotation = at.world_from_body;
   const Eigen::Vector3d weight_per_kg = water.gravity() * at.hull.up_body;
   Buoyancy sum;
   Eigen::Vector3d first_m4 = Eigen::Vector3d::Zero();
   visit_wet_slices(
-      at, water, time_s, over_hull,
+      at, water, time_s, over_hull, nearby,
       [&](const Slice& slice, const Cut& cut, const VolumeMoments& moments, const WaterSurface& surface) {
         const DisplacedMass displaced = mass_in_layers(cut, water, 0, moments);
         const VolumePart wet = part_of(moments, slice.middle_body_m);

@@ -31,6 +31,17 @@ struct Buoyancy {
   VolumeFlow flow;  ///< over the whole hull, moved so that its centroid is at centre_body_m
 };
 
+/// The water around a hull in a step, found at the first place and time for which it is needed: that at the others
+/// follows to first order.
+struct NearbyWater {
+  std::optional<NearbyFlow> flow;
+  std::size_t division = 0;                     ///< into the slices of `cuts`
+  std::array<std::optional<PlaneCut>, 8> cuts;  ///< of slices by the surface of waves
+};
+
+/// Whether parts of the water around a hull need to be found only once in a step.
+inline bool is_kept_in_a_step(const WaterField& water) { return water.flows_smoothly() || !water.surface_is_flat(); }
+
 /// A closed hull under the pressure of the surrounding water: buoyancy and wave excitation (Froude-Krylov).
 ///
 /// Still water: the weight of the displaced water, the integral of rho(z) g dV, acts upward through its centroid
@@ -45,7 +56,7 @@ struct Buoyancy {
 /// that of approximating the surface by planes: 1 % of a wave's load if slices are a quarter of the wave's length. For
 /// a hull deep enough below the waves, force and moment follow from the acceleration of the displaced water instead
 /// (VolumeFlow), which includes the second-order part of the pressure. The two are blended smoothly over one radius of
-/// depth.
+/// depth. In a step, each slice is cut once, and followed to first order (PlaneCut) while its plane remains near.
 class BuoyantHull {
  public:
   /// Throws InvalidValue unless the mesh is closed and winds outward. `division`: that of all waves, an index of
@@ -66,9 +77,9 @@ class BuoyantHull {
   WetSurface wet_surface(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
                          const WaterField& water, double time_s) const;
   /// `world_from_body` is the rotation of the body located at `position_world_m`.
-  /// `nearby`: where to keep the flow that is found first, from which the others follow; may be null.
+  /// `nearby`: where to keep what other poses in the same step need; may be null.
   Buoyancy buoyancy(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
-                    const WaterField& water, double time_s, std::optional<NearbyFlow>* nearby = nullptr) const;
+                    const WaterField& water, double time_s, NearbyWater* nearby = nullptr) const;
 
  private:
   struct Placed;
@@ -94,8 +105,7 @@ class BuoyantHull {
   };
 
   Buoyancy in_still_water(const Placed& at, const WaterField& water, double surface_m) const;
-  Buoyancy below_flat_surface(const Placed& at, const WaterField& water, double time_s,
-                              std::optional<NearbyFlow>* nearby) const;
+  Buoyancy below_flat_surface(const Placed& at, const WaterField& water, double time_s, NearbyWater* nearby) const;
   std::optional<DisplacedMass> mass_across_bends(const Placed& at, const WaterField& water,
                                                  const DensityLayer& top) const;
   DisplacedMass mass_in_layers(const Cut& at, const WaterField& water, double surface_m,
@@ -105,11 +115,12 @@ class BuoyantHull {
   std::vector<WaterPlane> water_planes(const Placed& at, const WaterField& water, double time_s) const;
   template <typename Visit>
   void visit_wet_slices(const Placed& at, const WaterField& water, double time_s, const WaterSurface& over_hull,
-                        const Visit& visit) const;
-  Buoyancy through_waves(const Placed& at, const WaterField& water, double time_s, const WaterSurface& over_hull) const;
+                        NearbyWater* nearby, const Visit& visit) const;
+  Buoyancy through_waves(const Placed& at, const WaterField& water, double time_s, const WaterSurface& over_hull,
+                         NearbyWater* nearby) const;
   Buoyancy below_waves(const Placed& at, const WaterField& water, double time_s, const VolumeFlow& flow) const;
   VolumeFlow flow_at(const Placed& at, const Eigen::Vector3d& centre_body_m, const WaterField& water, double time_s,
-                     std::optional<NearbyFlow>* nearby) const;
+                     NearbyWater* nearby) const;
   /// The hull's slices for waves; the first call cuts them.
   const Slices& in_slices() const;
   void cut_into_slices(Slices& slices) const;

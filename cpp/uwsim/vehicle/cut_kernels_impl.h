@@ -59,8 +59,9 @@ void add_wet(const CutBlock& block, CutSums& sums) {
 /// A triangle with two wet corners is counted as fully wet, and the piece at its dry corner is subtracted; the piece at
 /// a single wet corner is added. The piece is the triangle's tetrahedron, with the two edges at the odd corner o
 /// shortened to the points p and q where they pierce the plane. Masks are the numbers 0 or 1, which avoids branches.
-template <bool kWithSecond>
-void add_cut(const CutBlock* blocks, std::size_t count, const double* up, double level_m, CutSums& sums) {
+template <bool kWithSecond, bool kWithFace>
+void add_cut(const CutBlock* blocks, std::size_t count, const double* up, double level_m, CutSums& sums,
+             [[maybe_unused]] FaceSums* of_face) {
   const double ux = up[0], uy = up[1], uz = up[2];
   const double fx = level_m * ux, fy = level_m * uy, fz = level_m * uz;  // the foot of the origin
   for (std::size_t n = 0; n < count; ++n) {
@@ -101,8 +102,8 @@ void add_cut(const CutBlock* blocks, std::size_t count, const double* up, double
       const double sign = two ? -1.0 : 1.0;
       const double piece = sign * (to_p * to_q * volume);
       // Volume of the tetrahedron (origin, foot, q, p): up . (q x p) times the foot's distance over 6.
-      const double face =
-          sign * (level_m / 6) * (ux * (z0 * y1 - y0 * z1) + uy * (x0 * z1 - z0 * x1) + uz * (y0 * x1 - x0 * y1));
+      const double area = ux * (z0 * y1 - y0 * z1) + uy * (x0 * z1 - z0 * x1) + uz * (y0 * x1 - x0 * y1);
+      const double face = sign * (level_m / 6) * area;
       sums.volume_m3[k] += counts + (piece + face);
       const double sx = x0 + x1, sy = y0 + y1, sz = z0 + z1;
       sums.first_m4[0][k] += 0.25 * (counts * (ax + bx + cx) + (piece * (ox + sx) + face * (fx + sx)));
@@ -121,11 +122,24 @@ void add_cut(const CutBlock* blocks, std::size_t count, const double* up, double
         sums.second_m5[4][k] += second_moment(ay, by, cy, oy, y0, y1, fy, az, bz, cz, oz, z0, z1, fz);
         sums.second_m5[5][k] += second_moment(az, bz, cz, oz, z0, z1, fz, ax, bx, cx, ox, x0, x1, fx);
       }
+      if constexpr (kWithFace) {
+        const double weight = sign * area;
+        of_face->zeroth_m2[k] += weight;
+        of_face->first_m3[0][k] += weight * sx;
+        of_face->first_m3[1][k] += weight * sy;
+        of_face->first_m3[2][k] += weight * sz;
+        of_face->second_m4[0][k] += weight * (x0 * x0 + x1 * x1 + sx * sx);
+        of_face->second_m4[1][k] += weight * (y0 * y0 + y1 * y1 + sy * sy);
+        of_face->second_m4[2][k] += weight * (z0 * z0 + z1 * z1 + sz * sz);
+        of_face->second_m4[3][k] += weight * (x0 * y0 + x1 * y1 + sx * sy);
+        of_face->second_m4[4][k] += weight * (y0 * z0 + y1 * z1 + sy * sz);
+        of_face->second_m4[5][k] += weight * (z0 * x0 + z1 * x1 + sz * sx);
+      }
     }
   }
 }
 
-constexpr CutKernels kKernels = {add_cut<false>, add_cut<true>};
+constexpr CutKernels kKernels = {add_cut<false, false>, add_cut<true, false>, add_cut<true, true>};
 
 }  // namespace
 }  // namespace uwsim

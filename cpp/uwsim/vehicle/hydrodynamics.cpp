@@ -225,7 +225,7 @@ Vector6d Craft::damping_body(const Vector6d& relative_velocity) const {
 
 /// `terms`: where to write them, without the part of nu'; may be null.
 Craft::Load Craft::load(const BodyState& state, const Vector6d& tau_body, const WaterField& water, double time_s,
-                        std::optional<NearbyFlow>* nearby, Terms* terms) const {
+                        NearbyWater* nearby, Terms* terms) const {
   const Pose& pose = state.world_from_body;
   const Eigen::Matrix3d world_from_body = pose.rotation();
   Buoyancy buoyancy = hull_->buoyancy(pose.position_m, world_from_body, water, time_s, nearby);
@@ -257,16 +257,16 @@ Craft::Load Craft::load(const BodyState& state, const Vector6d& tau_body, const 
 }
 
 Craft::Terms Craft::terms(const BodyState& state, const Vector6d& acceleration_body, const WaterField& water,
-                          double time_s) const {
+                          double time_s, NearbyWater* nearby) const {
   Terms terms;
-  const Load now = load(state, Vector6d::Zero(), water, time_s, nullptr, &terms);
+  const Load now = load(state, Vector6d::Zero(), water, time_s, nearby, &terms);
   terms.added_mass -= (1 - now.floating) * now.submerged * (parameters_.added_mass * acceleration_body);
   if (now.floating > 0) terms.added_mass -= now.floating * (parameters_.radiation->added_mass * acceleration_body);
   return terms;
 }
 
 Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
-                                  double time_s, std::optional<NearbyFlow>* nearby) const {
+                                  double time_s, NearbyWater* nearby) const {
   const Load now = load(state, tau_body, water, time_s, nearby, nullptr);
   if (parameters_.radiation) return accelerated(now);
   const auto& [tau, submerged, floating] = now;

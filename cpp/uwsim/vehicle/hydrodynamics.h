@@ -126,13 +126,14 @@ class Craft {
     Vector6d coriolis = Vector6d::Zero();    ///< -C_RB(nu) nu: the axes turn with the body
   };
   /// The terms for a body that accelerates at `acceleration_body`, nu'.
-  Terms terms(const BodyState& state, const Vector6d& acceleration_body, const WaterField& water, double time_s) const;
+  Terms terms(const BodyState& state, const Vector6d& acceleration_body, const WaterField& water, double time_s,
+              NearbyWater* nearby = nullptr) const;
   /// M_RB.
   const Matrix6d& rigid_mass() const { return rigid_mass_; }
   /// nu' [m/s^2, rad/s^2] under the actuators' wrench `tau_body` (body frame, at the origin) in the water at `time_s`.
   /// `nearby`: as in BuoyantHull::buoyancy.
   Vector6d acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water, double time_s,
-                             std::optional<NearbyFlow>* nearby = nullptr) const;
+                             NearbyWater* nearby = nullptr) const;
   /// nu' of a hull with a Radiation under a load.
   Vector6d accelerated(const Load& load) const;
   /// The mass with that of the water, M_RB + M_A, at these shares.
@@ -147,7 +148,7 @@ class Craft {
 
  private:
   Load load(const BodyState& state, const Vector6d& tau_body, const WaterField& water, double time_s,
-            std::optional<NearbyFlow>* nearby, Terms* terms) const;
+            NearbyWater* nearby, Terms* terms) const;
   double fraction(double wet_volume_m3) const;
   double floating(const Pose& pose, const Eigen::Matrix3d& world_from_body, double wet_volume_m3,
                   const WaterField& water, double time_s) const;

@@ -20,6 +20,8 @@ constexpr double kLevelPitch = 1.0 / 128;
 constexpr double kRounding = 1e-9;  // relative; exceeds the error of heights
 constexpr std::size_t kRemembered = 8;
 
+constexpr double kNear = 1.0 / 64;  // see PlaneCut::is_near
+
 using Corners = std::array<Eigen::Vector3d, 3>;
 
 /// The moments of the tetrahedron (origin, a, b, c).
@@ -29,6 +31,23 @@ VolumeMoments tetrahedron(const Corners& corners_m) {
   const Eigen::Vector3d sum = a + b + c;
   return {volume_m3, volume_m3 / 4 * sum,
           volume_m3 / 20 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose())};
+}
+
+double total(const double (&lanes)[kCutLanes]) {
+  return ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) + ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]));
+}
+
+Eigen::Vector3d vector_total(const double (&lanes)[3][kCutLanes]) {
+  return {total(lanes[0]), total(lanes[1]), total(lanes[2])};
+}
+
+/// Of xx, yy, zz, xy, yz, zx.
+Eigen::Matrix3d symmetric_total(const double (&lanes)[6][kCutLanes]) {
+  const double xx = total(lanes[0]), yy = total(lanes[1]), zz = total(lanes[2]);
+  const double xy = total(lanes[3]), yz = total(lanes[4]), zx = total(lanes[5]);
+  Eigen::Matrix3d sum;
+  sum << xx, xy, zx, xy, yy, yz, zx, yz, zz;
+  return sum;
 }
 
 /// Orders triangles so that neighbours in space are neighbours in the list, by recursive bisection along the longest
@@ -216,24 +235,53 @@ VolumeMoments CutVolume::below(const Eigen::Vector3d& up, double level_m, bool w
   const Near& near = this->near(cell_of(up, level_m));
   CutSums sums{};
   const CutKernels::Add add = with_second ? cut_kernels().add_with_second : cut_kernels().add;
-  for (const Near::Group& group : near.groups) add(group.blocks.data(), group.blocks.size(), up.data(), level_m, sums);
-  const auto total = [](const double(&lanes)[kCutLanes]) {
-    return ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) + ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]));
-  };
+  for (const Near::Group& group : near.groups)
+    add(group.blocks.data(), group.blocks.size(), up.data(), level_m, sums, nullptr);
   VolumeMoments sum = near.below;
   sum.volume_m3 += total(sums.volume_m3);
-  sum.first_m4 += Eigen::Vector3d(total(sums.first_m4[0]), total(sums.first_m4[1]), total(sums.first_m4[2]));
-  if (!with_second) {
+  sum.first_m4 += vector_total(sums.first_m4);
+  if (with_second) {
+    sum.second_m5 += symmetric_total(sums.second_m5);
+  } else {
     sum.second_m5.setZero();
-    return sum;
   }
-  const auto& second = sums.second_m5;
-  const double xx = total(second[0]), yy = total(second[1]), zz = total(second[2]);
-  const double xy = total(second[3]), yz = total(second[4]), zx = total(second[5]);
-  Eigen::Matrix3d cut;
-  cut << xx, xy, zx, xy, yy, yz, zx, yz, zz;
-  sum.second_m5 += cut;
   return sum;
+}
+
+PlaneCut CutVolume::cut(const Eigen::Vector3d& up, double level_m) const {
+  const Near& near = this->near(cell_of(up, level_m));
+  CutSums sums{};
+  FaceSums face{};
+  for (const Near::Group& group : near.groups)
+    cut_kernels().add_with_face(group.blocks.data(), group.blocks.size(), up.data(), level_m, sums, &face);
+  PlaneCut cut{up, level_m, near.below, 0.5 * total(face.zeroth_m2), {}, {}};
+  cut.below += {total(sums.volume_m3), vector_total(sums.first_m4), symmetric_total(sums.second_m5)};
+  const Eigen::Vector3d foot_m = level_m * up, edges_m3 = vector_total(face.first_m3);
+  cut.area_first_m3 = (2 * cut.area_m2 * foot_m + edges_m3) / 6;
+  cut.area_second_m4 = (4 * cut.area_m2 * foot_m * foot_m.transpose() + foot_m * edges_m3.transpose() +
+                        edges_m3 * foot_m.transpose() + symmetric_total(face.second_m4)) /
+                       24;
+  return cut;
+}
+
+bool PlaneCut::is_near(const Eigen::Vector3d& other_up, double other_level_m, double radius_m) const {
+  const double shift_m = std::abs(other_level_m - level_m) + radius_m * (other_up - up).norm();
+  return area_m2 * shift_m <= kNear * below.volume_m3;
+}
+
+VolumeMoments PlaneCut::moved_to(const Eigen::Vector3d& other_up, double other_level_m) const {
+  if (area_m2 <= 0) return below;
+  // A point r of the face is other_level - other_up . r below the other plane. About the face's centroid, the second
+  // moment changes by that of the mean.
+  const Eigen::Vector3d centre_m = area_first_m3 / area_m2;
+  const double volume_m3 = other_level_m * area_m2 - other_up.dot(area_first_m3);
+  const Eigen::Vector3d first_m4 = other_level_m * area_first_m3 - area_second_m4 * other_up;
+  const Eigen::Matrix3d second_m4 = area_second_m4 - area_first_m3 * centre_m.transpose();
+  const Eigen::Vector3d about_centre_m4 = first_m4 - volume_m3 * centre_m;
+  VolumeMoments moved = below;
+  moved += {volume_m3, first_m4,
+            volume_m3 / area_m2 * second_m4 + centre_m * first_m4.transpose() + about_centre_m4 * centre_m.transpose()};
+  return moved;
 }
 
 }  // namespace uwsim

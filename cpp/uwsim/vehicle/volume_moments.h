@@ -18,6 +18,22 @@ struct VolumeMoments {
   VolumeMoments& operator+=(const VolumeMoments& other);
 };
 
+/// The part of a volume below the plane up . r = level, and the face that the plane cuts.
+struct PlaneCut {
+  Eigen::Vector3d up;
+  double level_m;
+  VolumeMoments below;
+  double area_m2;                  ///< of the face
+  Eigen::Vector3d area_first_m3;   ///< the integral of r over the face
+  Eigen::Matrix3d area_second_m4;  ///< the integral of r r^T over the face
+
+  /// Whether another plane, within `radius_m` of the origin, is so near that the volume changes by less than 1/64.
+  bool is_near(const Eigen::Vector3d& other_up, double other_level_m, double radius_m) const;
+  /// The moments below a plane that is near, to first order in what lies between the planes; of the second moment, the
+  /// part of the third moments of the face about its centroid is left out.
+  VolumeMoments moved_to(const Eigen::Vector3d& other_up, double other_level_m) const;
+};
+
 /// Computes moments of the part of a closed mesh below a plane.
 ///
 /// The moments are summed over signed tetrahedra from the origin to the triangles, each cut at the plane, and to the
@@ -37,6 +53,8 @@ class CutVolume {
   const VolumeMoments& whole() const { return whole_; }
   /// The moments of the region up . r < level. `up` is a unit vector. The second moment is 0 unless `with_second`.
   VolumeMoments below(const Eigen::Vector3d& up, double level_m, bool with_second) const;
+  /// The same with the second moment, and the face.
+  PlaneCut cut(const Eigen::Vector3d& up, double level_m) const;
 
  private:
   /// Neighbouring triangles from `first` up to `last`, with a bounding sphere and a bounding box.

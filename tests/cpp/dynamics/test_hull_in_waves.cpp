@@ -87,6 +87,28 @@ TEST(HullInWaves, AHullThatSeveralThreadsShareIsCutOnce) {
   }
 }
 
+/// The second wave is so short that the hull is cut into slices.
+TEST(HullInWaves, WithinAStepAHullIsFollowedAndBeyondItIsCutAgain) {
+  const BuoyantHull hull(testing::box(2, 1, 1));
+  for (const double period_s : {4.0, 1.2}) {
+    const Water water = with_wave(0.1, period_s);
+    NearbyWater nearby;
+    const auto error = [&](double time_s) {  // relative; of a hull that rises at 0.3 m/s and turns at 0.5 rad/s
+      const Pose pose{{0, 0, 0.1 + 0.3 * time_s}, tilted(0.3 + 0.5 * time_s)};
+      const Buoyancy exact = buoyancy(hull, pose, water, time_s);
+      const Buoyancy got = hull.buoyancy(pose.position_m, pose.rotation(), water, time_s, &nearby);
+      return (got.force_body_n - exact.force_body_n).norm() / exact.force_body_n.norm() +
+             (got.moment_body_nm - exact.moment_body_nm).norm() / exact.force_body_n.norm();
+    };
+    EXPECT_EQ(error(0), 0);
+    for (const double time_s : {0.0025, 0.005}) {
+      EXPECT_GT(error(time_s), 0);
+      EXPECT_LT(error(time_s), 1e-4);
+    }
+    EXPECT_EQ(error(0.3), 0);
+  }
+}
+
 TEST(HullInWaves, BelowTheWavesTheClosedFormEqualsTheIntegralOfPressure) {
   const TriangleMesh mesh = testing::moved(testing::box(1.6, 0.6, 0.4), {0.2, 0.1, 0});
   const BuoyantHull hull(mesh);

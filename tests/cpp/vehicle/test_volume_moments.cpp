@@ -60,7 +60,7 @@ void expect_same(const VolumeMoments& got, const VolumeMoments& expected, const 
   EXPECT_LT((got.second_m5 - expected.second_m5).norm(), 1e-12 * scale.second_m5.norm());
 }
 
-constexpr std::array kPitches = {1.0, 5.0};  // in still water and in waves
+constexpr std::array kPitches = {1.0, 8.0};  // in still water and in waves
 
 TEST(CutVolume, AtAnyTiltAndLevelItEqualsTheSumOfClippedTriangles) {
   const TriangleMesh mesh = egg();
@@ -94,6 +94,34 @@ TEST(CutVolume, APlaneAnywhereInItsCellEqualsTheSumOfClippedTriangles) {
   }
 }
 
+TEST(CutVolume, TheFaceOfABoxIsItsSection) {
+  const CutVolume volume(testing::box(1, 2, 0.5));
+  const PlaneCut cut = volume.cut(Eigen::Vector3d::UnitZ(), 0.1);
+  EXPECT_NEAR(cut.area_m2, 2, 1e-12);
+  EXPECT_LT((cut.area_first_m3 - Eigen::Vector3d(0, 0, 0.2)).norm(), 1e-12);
+  const Eigen::Vector3d second_m4(2.0 / 12, 8.0 / 12, 0.02);
+  EXPECT_LT((cut.area_second_m4 - Eigen::Matrix3d(second_m4.asDiagonal())).norm(), 1e-12);
+  expect_same(cut.below, volume.below(Eigen::Vector3d::UnitZ(), 0.1, true), volume.whole());
+}
+
+TEST(CutVolume, APlaneThatMovedIsFollowedToFirstOrder) {
+  const CutVolume volume(egg(), 8);
+  const double length_m = 0.3;
+  const auto error = [&](double share) {  // of a plane that turns by share / 2 and rises by share * length / 4
+    const Eigen::Vector3d up = Eigen::Vector3d(0.1, -0.2, 1).normalized(), axis = Eigen::Vector3d(2, 1, 0).normalized();
+    const Eigen::Vector3d turned = Eigen::AngleAxisd(0.5 * share, axis) * up;
+    const double level_m = 0.04, moved_m = level_m + 0.25 * share * length_m;
+    const PlaneCut cut = volume.cut(up, level_m);
+    EXPECT_EQ(cut.is_near(turned, moved_m, length_m), share < 0.01) << share;
+    const VolumeMoments got = cut.moved_to(turned, moved_m), exact = volume.below(turned, moved_m, true);
+    EXPECT_LT((got.second_m5 - exact.second_m5).norm(), 0.1 * share * exact.second_m5.norm());
+    return std::max(std::abs(got.volume_m3 - exact.volume_m3) / exact.volume_m3,
+                    (got.first_m4 - exact.first_m4).norm() / (exact.volume_m3 * length_m));
+  };
+  EXPECT_LT(error(0.005), 1e-4);
+  for (const double share : {0.05, 0.005}) EXPECT_LT(error(share / 10), 0.02 * error(share));
+}
+
 TEST(CutVolume, WhatAThreadDidBeforeDoesNotChangeAResult) {
   const CutVolume volume(egg()), other(testing::sphere(0.2, 11));
   const Eigen::Vector3d up = Eigen::Vector3d(0.1, -0.2, 1).normalized();
@@ -122,16 +150,21 @@ TEST(CutKernels, AllInstructionSetsGiveTheSameBits) {
   const Eigen::Vector3d up = Eigen::Vector3d(0.2, -0.1, 1).normalized();
   const auto sums = [&](CutKernels::Add add) {
     CutSums out{};
-    add(blocks.data(), blocks.size(), up.data(), 0.05, out);
-    return out;
+    FaceSums out_face{};
+    add(blocks.data(), blocks.size(), up.data(), 0.05, out, &out_face);
+    return std::pair(out, out_face);
   };
-  const auto same = [](const CutSums& a, const CutSums& b) { return std::memcmp(&a, &b, sizeof a) == 0; };
+  const auto same = [](const auto& a, const auto& b) {
+    return std::memcmp(&a.first, &b.first, sizeof a.first) == 0 &&
+           std::memcmp(&a.second, &b.second, sizeof a.second) == 0;
+  };
   const CutKernels& baseline = baseline_cut_kernels();
   for (const auto& [set, kernels] : {std::pair{InstructionSet::avx2, &avx2_cut_kernels()},
                                      std::pair{InstructionSet::avx512, &avx512_cut_kernels()}}) {
     if (!processor_has(set)) continue;
     EXPECT_TRUE(same(sums(kernels->add), sums(baseline.add)));
     EXPECT_TRUE(same(sums(kernels->add_with_second), sums(baseline.add_with_second)));
+    EXPECT_TRUE(same(sums(kernels->add_with_face), sums(baseline.add_with_face)));
   }
 }
 

@@ -28,6 +28,21 @@ def test_the_terms_sum_to_the_total_and_each_is_what_its_name_says() -> None:
     assert not forces["applied"].force_body_n.any() and not forces["contact"].force_body_n.any()
 
 
+def test_in_waves_the_total_of_a_floating_vehicle_is_its_change_of_momentum() -> None:
+    sim = puddle(water={"surface": {"kind": "airy", "amplitude_m": 0.3, "period_s": 3.0}})
+    sim.rov.set_effort(surge=0.5, heave=0.3, yaw=0.2)
+    sim.rov.place([0.0, 0.0, 0.0])
+    sim.advance(4.0)
+    before = sim.rov.velocity
+    sim.step()
+    after, model = sim.rov.velocity, sim.scenario.vehicles[0].model
+    change = (after.linear_body_m_s - before.linear_body_m_s) / sim.scenario.step_s
+    turning = (after.angular_body_rad_s - before.angular_body_rad_s) / sim.scenario.step_s
+    expected_n = model.mass_kg * (change + np.cross(turning, model.centre_of_mass_m))
+    assert abs(sim.rov.pose.position_world_m[2]) < 0.5  # so that the surface cuts it
+    assert sim.rov.forces["total"].force_body_n == pytest.approx(expected_n, rel=1e-9, abs=1e-6)
+
+
 def test_contacts_carry_what_the_water_does_not() -> None:
     sim = puddle(vehicle={"trim": {"net_buoyancy_n": -60.0}})
     sim.rov.place([0.0, 0.0, -19.7])
