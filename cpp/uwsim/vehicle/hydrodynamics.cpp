@@ -63,6 +63,12 @@ Matrix6d with_munk_share(Matrix6d added_mass, double munk_share) {
 
 double smallest_eigenvalue(const Matrix6d& m) { return eigenvalues(Matrix6d(0.5 * (m + m.transpose())))(0); }
 
+/// Whether the water moves as a whole, steadily.
+bool only_drifts(const VolumeFlow& flow) {
+  return flow.angular_velocity_rad_s.isZero(0) && flow.wave_angular_acceleration_rad_s2.isZero(0) &&
+         flow.current_acceleration_m_s2.isZero(0) && flow.wave_acceleration_m_s2.isZero(0);
+}
+
 }  // namespace
 
 void CraftParameters::check() const {
@@ -280,10 +286,13 @@ Vector6d Craft::flow_force_body(const Vector6d& velocity, const Eigen::Matrix3d&
                                 Terms* terms) const {
   const VolumeFlow& flow = buoyancy.flow;
   const Eigen::Vector3d& centre = buoyancy.centre_body_m;
-  const Eigen::Vector3d turn = world_from_body.transpose() * flow.angular_velocity_rad_s;
-  const Eigen::Vector3d turn_rate = world_from_body.transpose() * flow.wave_angular_acceleration_rad_s2;
-  const Eigen::Vector3d current_rate = world_from_body.transpose() * flow.current_acceleration_m_s2;
-  const Eigen::Vector3d wave_rate = world_from_body.transpose() * flow.wave_acceleration_m_s2;
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero(), turn_rate = turn, current_rate = turn, wave_rate = turn;
+  if (!only_drifts(flow)) {
+    turn = world_from_body.transpose() * flow.angular_velocity_rad_s;
+    turn_rate = world_from_body.transpose() * flow.wave_angular_acceleration_rad_s2;
+    current_rate = world_from_body.transpose() * flow.current_acceleration_m_s2;
+    wave_rate = world_from_body.transpose() * flow.wave_acceleration_m_s2;
+  }
   const Eigen::Vector3d drift = world_from_body.transpose() * flow.velocity_m_s - turn.cross(centre);
   const Eigen::Vector3d spin = velocity.tail<3>();
   const Vector6d flow_rate = joined(current_rate + wave_rate - turn_rate.cross(centre) - spin.cross(drift),
