@@ -1,27 +1,28 @@
 """The page in German, in each state that it has: no fault of access, no word cut, nothing wider than the screen.
 
-Colours do not depend on the language: one theme for each state will do. `test_exercise_by_keys` has the states of an
+What shows a state is judged in each theme, and the whole page in one. `test_exercise_by_keys` has the states of an
 exercise, `test_hud_page` the bar and the pictures, `test_trainees_page` and `test_night_page` the instructor's pages.
 """
-
-from itertools import cycle
 
 from browser import desk, judge, shows, until, when
 from uwsim.operator.station.flights.flights import Bounds
 
 WIDTHS = (1280, 1920, 2560)
-THEMES = cycle(("dark", "light", "night"))
+THEMES = ["dark", "light", "night"]
 CUT = """() => [...document.querySelectorAll('button, .lamp, #lease, .caption, .panel h2, .exercise-files a')]
   .filter((each) => each.checkVisibility() && each.scrollWidth > each.clientWidth + 1 && each.clientWidth > 0)
   .map(({ id, textContent }) => id || textContent)"""
 
 
 def look(page, state: str, text: str, part: str = "body") -> None:
-    """Judge a state, which shows a German text in a part, in the next theme and at each width."""
+    """Judge a state, which shows a German text in a part, in each theme, and the page in the last, at each width."""
     shows(page, part, text, 15.0)
     assert "undefined" not in page.inner_text("body")
-    theme = next(THEMES)
-    page.evaluate(f"document.documentElement.dataset.theme = '{theme}', dispatchEvent(new Event('theme'))")
+    THEMES.append(THEMES.pop(0))  # the last one is another one for each state
+    for theme in THEMES:
+        page.evaluate(f"document.documentElement.dataset.theme = '{theme}', dispatchEvent(new Event('theme'))")
+        if theme != THEMES[-1] and part != "body":
+            judge(page, f"{state} in German, {theme}", part)
     for width in WIDTHS:
         page.set_viewport_size({"width": width, "height": width * 9 // 16})
         page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())))")
@@ -30,7 +31,7 @@ def look(page, state: str, text: str, part: str = "body") -> None:
             width,
         )
     page.set_viewport_size({"width": 1280, "height": 720})
-    judge(page, f"{state} in German, {theme}")
+    judge(page, f"{state} in German, {THEMES[-1]}")
 
 
 def test_each_state_in_german_and_the_menu_changes_the_language(browser, tmp_path):

@@ -21,6 +21,8 @@ const HELD = '#7be0a2';
 const RADIUS = 92; // of the ladder
 const HEADING = 64; // height of the heading's tape and value
 const LINES = 92; // height of the lines at the foot
+const CONTACT = 28; // height of the line about what is near
+const [ABOVE, BELOW] = [HEADING + CONTACT + RADIUS + 8, RADIUS - 8 + LINES]; // heights above and below the middle
 
 export class Hud {
   /** What was drawn last: the camera's axis, the contact, the value on each tape, and each part's left and upper edge,
@@ -62,7 +64,11 @@ export class Hud {
     const letterbox = Math.max(0, (height - wide / aspect) / 2);
     const top = letterbox + covered.head * rem_px;
     const foot = height - letterbox - covered.foot * rem_px;
-    const scale = (rem_px / 16) * Math.max(0.72, Math.min(1.15, height / 560));
+    const [above, below] = [(height / 2 - top - 10) / ABOVE, (foot - height / 2) / BELOW]; // where all has its place
+    const scale = Math.min(
+      (rem_px / 16) * Math.max(0.72, Math.min(1.15, height / 560)),
+      Math.max(0.72, Math.min(above, below)),
+    );
     this.ink = isStale ? STALE : INK;
     this.soft = isStale ? STALE : SOFT;
     c.textBaseline = 'middle';
