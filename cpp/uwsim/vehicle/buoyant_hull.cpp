@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <utility>
 
 #include "uwsim/core/symmetric.h"
@@ -261,7 +262,8 @@ Buoyancy BuoyantHull::below_flat_surface(const Placed& at, const WaterField& wat
   const Eigen::Vector3d above_level = at.position_world_m - level_m * Eigen::Vector3d::UnitZ();
   Buoyancy still =
       level_m == 0 ? in_still_water(at, water, 0) : in_still_water({*this, above_level, at.world_from_body}, water, 0);
-  if (still.volume_m3 > 0) still.flow = flow_at(at, still.centre_body_m, water, time_s, nearby);
+  // Made in its place: a load that spans two numbers just stored would wait for both.
+  if (still.volume_m3 > 0) new (&still.flow) VolumeFlow(flow_at(at, still.centre_body_m, water, time_s, nearby));
   return still;
 }
 
