@@ -39,7 +39,7 @@ struct NearbyWater {
   std::array<std::optional<PlaneCut>, 8> cuts;  ///< of slices by the surface of waves
 };
 
-/// Whether parts of the water around a hull need to be found only once in a step.
+/// Returns true if parts of the water around a hull need to be found only once in a step.
 inline bool is_kept_in_a_step(const WaterField& water) { return water.flows_smoothly() || !water.surface_is_flat(); }
 
 /// A closed hull under the pressure of the surrounding water: buoyancy and wave excitation (Froude-Krylov).

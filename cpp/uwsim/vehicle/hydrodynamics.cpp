@@ -63,7 +63,7 @@ Matrix6d with_munk_share(Matrix6d added_mass, double munk_share) {
 
 double smallest_eigenvalue(const Matrix6d& m) { return eigenvalues(Matrix6d(0.5 * (m + m.transpose())))(0); }
 
-/// Whether the water moves as a whole, steadily.
+/// Returns true if the water moves as a whole, steadily.
 bool only_drifts(const VolumeFlow& flow) {
   return flow.angular_velocity_rad_s.isZero(0) && flow.wave_angular_acceleration_rad_s2.isZero(0) &&
          flow.current_acceleration_m_s2.isZero(0) && flow.wave_acceleration_m_s2.isZero(0);

@@ -41,7 +41,7 @@ Eigen::Vector3d vector_total(const double (&lanes)[3][kCutLanes]) {
   return {total(lanes[0]), total(lanes[1]), total(lanes[2])};
 }
 
-/// Of xx, yy, zz, xy, yz, zx.
+/// The order of `lanes`: xx, yy, zz, xy, yz, zx.
 Eigen::Matrix3d symmetric_total(const double (&lanes)[6][kCutLanes]) {
   const double xx = total(lanes[0]), yy = total(lanes[1]), zz = total(lanes[2]);
   const double xy = total(lanes[3]), yz = total(lanes[4]), zx = total(lanes[5]);

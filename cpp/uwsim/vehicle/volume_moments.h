@@ -27,7 +27,7 @@ struct PlaneCut {
   Eigen::Vector3d area_first_m3;   ///< the integral of r over the face
   Eigen::Matrix3d area_second_m4;  ///< the integral of r r^T over the face
 
-  /// Whether another plane, within `radius_m` of the origin, is so near that the volume changes by less than 1/64.
+  /// Returns true if another plane, within `radius_m` of the origin, changes the volume by less than 1/64.
   bool is_near(const Eigen::Vector3d& other_up, double other_level_m, double radius_m) const;
   /// The moments below a plane that is near, to first order in what lies between the planes; of the second moment, the
   /// part of the third moments of the face about its centroid is left out.
