@@ -46,8 +46,7 @@ def own_drift(
     for division in range(DIVISIONS):
         led = _LedHull(table, hull, body, model, density_kg_m3, division)
         for row, (omega, number) in enumerate(zip(omega_rad_s, numbers, strict=True)):
-            for column, heading in enumerate(table.heading_rad):
-                found[division, row, column] = led.mean_force(float(omega), float(number), float(heading))
+            found[division, row] = led.mean_forces(float(omega), float(number))
     return found
 
 
@@ -77,8 +76,20 @@ class _LedHull:
         ]
         self._stiffness = np.column_stack(moved) / (2.0 * steps)
 
-    def mean_force(self, omega_rad_s: float, number_rad_m: float, heading_rad: float) -> Array:
-        """Return the mean wrench in regular waves, (3,), surge, sway and yaw, per squared metre of amplitude."""
+    def mean_forces(self, omega_rad_s: float, number_rad_m: float) -> Array:
+        """Return the mean wrenches in regular waves, (the table's headings, 3), per squared metre of amplitude."""
+        memory = np.conj(self._model.impedance(1j * omega_rad_s))
+        dynamic = -(omega_rad_s**2) * self._mass - 1j * omega_rad_s * memory + self._stiffness
+        each = [
+            self._mean_force(omega_rad_s, number_rad_m, float(heading), memory, dynamic)
+            for heading in self._table.heading_rad
+        ]
+        return np.array(each)
+
+    def _mean_force(
+        self, omega_rad_s: float, number_rad_m: float, heading_rad: float, memory: Complex, dynamic: Complex
+    ) -> Array:
+        """Return that of one heading. memory, dynamic: (6, 6), what the waves that it makes, and its motion, need."""
         self._water.waves = _core.Waves.airy(
             self._small_m, 2.0 * np.pi / omega_rad_s, heading_rad, depth_m=self._table.water_depth_m,
             gravity_m_s2=self._table.gravity_m_s2,
@@ -87,8 +98,6 @@ class _LedHull:
         held = [self._force(still, still, still, k * quarter_s) for k in range(QUARTERS)]
         pressure = (held[0] - held[2] + 1j * (held[1] - held[3])) / (2.0 * self._small_m)
         exciting = pressure + self._model.diffraction(omega_rad_s, heading_rad, self._division)
-        memory = np.conj(self._model.impedance(1j * omega_rad_s))
-        dynamic = -(omega_rad_s**2) * self._mass - 1j * omega_rad_s * memory + self._stiffness
         motion = self._small_m * np.linalg.solve(dynamic, exciting)
         ahead = number_rad_m * np.array([np.cos(heading_rad), np.sin(heading_rad)])
         total = np.zeros(6)
