@@ -17,8 +17,8 @@ bool may_be_enclosed(const TriangleMesh& mesh, const Eigen::Vector3d& point_m) {
   const auto& at = mesh.vertices_m;
   return std::ranges::any_of(mesh.triangles, [&](const Triangle& t) {
     const auto is_across = [&](int axis) {
-      const bool first = at[t[0]][axis] < point_m[axis];
-      return first != (at[t[1]][axis] < point_m[axis]) || first != (at[t[2]][axis] < point_m[axis]);
+      const auto [low, high] = std::minmax({at[t[0]][axis], at[t[1]][axis], at[t[2]][axis]});
+      return low <= point_m[axis] && point_m[axis] <= high;
     };
     return is_across(0) && is_across(1) && std::max({at[t[0]].z(), at[t[1]].z(), at[t[2]].z()}) >= point_m.z();
   });
