@@ -3,27 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import accumulate
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import Any
 
-from uwsim.base.texts.yaml_document import dotted, yaml_document
+from uwsim.base.texts.yaml_document import dotted
 from uwsim.channels.guest import Values
 from uwsim.exercises.goal import GoalModel
 from uwsim.operator.station.editor.files import EXERCISE, Place, SceneFiles
-from uwsim.operator.station.editor.forms import SECTIONS, Section, flattened, forms, unflattened
+from uwsim.operator.station.editor.forms import SECTIONS, Section, flattened, forms
+from uwsim.operator.station.editor.given import given
 from uwsim.operator.station.editor.goal_values import exchanged, first_prop, free_name, goal_values, one_of, referring
 from uwsim.operator.station.editor.ground_plan import GroundPlan
 from uwsim.operator.station.editor.start_values import EXAMPLES, start_values
 from uwsim.operator.station.editor.vehicle_parts import is_inherited, raw_parts
-from uwsim.operator.station.editor.yaml_change import flow
 
 STEPS_MAX = 200
-TEXT_MAX = 4000
 NAMED = ("obstacles", "objects", "props", "cover", "life", "vehicles")
 """Sections whose parts have names, which are unique among them."""
-DEPTH_MAX = 20
-"""Brackets within brackets in a value: the parser's time rises with their square, to 7 s for TEXT_MAX of them."""
 
 
 class Draft:
@@ -80,14 +76,14 @@ class Draft:
         own, model = self.part(section, place), self._form(section, place)
         files = self.files
         if section == "starts" or is_inherited(self.values, place):  # written as a whole for the first time
-            whole = {**own, **{key: _given(model[key], value) for key, value in self._known(model, values)}}
+            whole = {**own, **{key: given(model[key], value) for key, value in self._known(model, values)}}
             whole = {key: value for key, value in whole.items() if value is not None}
             self.take(self._with_part(files, place, whole))
             return
         for key, value in self._known(model, one_of(section, own, values)):
             at = (*place, *key.split("."))
             if value is not None:
-                files = files.with_value(at, _given(model[key], value))
+                files = files.with_value(at, given(model[key], value))
             elif key in SECTIONS[section].flat(own):
                 files = files.without(at)
         if section == "goals" and isinstance(values.get("name"), str):
@@ -106,8 +102,8 @@ class Draft:
             raise ValueError(f"kind = {kind[:40]!r}: must be one of {', '.join(forms()[section])}")
         x, y = (0.0 if found.of_vehicle else round(float(each), 3) for each in at_m)  # in the vehicle's frame
         model = {field["name"]: field for field in forms()[section][kind]}
-        given = {key: _given(model[key], value) for key, value in self._known(model, own or {})}
-        values = start_values(section, kind, (x, y)) | given
+        chosen = {key: given(model[key], value) for key, value in self._known(model, own or {})}
+        values = start_values(section, kind, (x, y)) | chosen
         above = found.below(vehicle)
         self._require_vehicle(above)
         if above[0] == EXERCISE:
@@ -277,33 +273,3 @@ def _at(values: Any, place: Place) -> Any:
         else:
             return None
     return values
-
-
-def _given(field: Mapping[str, Any], value: Any) -> Any:
-    """Return a value from a form as it is written into the file. Raises ValueError."""
-    if field["type"] == "yaml" and isinstance(value, str):
-        if len(value) > TEXT_MAX:
-            raise ValueError(f"{field['name']}: has {len(value)} characters: at most {TEXT_MAX}")
-        if _depth(value) > DEPTH_MAX:
-            raise ValueError(f"{field['name']}: is nested more than {DEPTH_MAX} deep")
-        value = yaml_document(f"value: {value}", field["name"]).values.get("value")
-        if len(flow(value)) > TEXT_MAX:
-            raise ValueError(f"{field['name']}: its aliases written out, must have at most {TEXT_MAX} characters")
-    _require_near(field["name"], value)
-    return unflattened(dict(field), value) if field["columns"] else value
-
-
-def _depth(text: str) -> int:
-    """Return how deeply brackets are nested in a text."""
-    steps = ((each in "[{") - (each in "]}") for each in text)
-    return max(accumulate(steps, lambda depth, step: max(depth + step, 0), initial=0))
-
-
-def _require_near(name: str, value: Any) -> None:
-    """Raise ValueError for a file elsewhere, since the page's user may not be allowed to read this machine's files."""
-    if isinstance(value, str):
-        path = PurePath(value)
-        if path.is_absolute() or ".." in path.parts or value.startswith("~"):
-            raise ValueError(f"{name} = {value[:80]!r}: must be a packaged file, or one below the scenario's folder")
-    for item in value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ():
-        _require_near(name, item)

@@ -127,7 +127,7 @@ class Making:
 
     @property
     def is_alive(self) -> bool:
-        """Whether the film is still being made."""
+        """True while the film is being made."""
         return self._thread.is_alive()
 
     def stop(self) -> None:
