@@ -16,22 +16,6 @@ const FIXED = {
   scene: '',
   commands: [...SERVICES, 'set_lamp', 'aim'],
 };
-const ABSENT = {
-  // parts that a vehicle has only at a station
-  model: '',
-  joints: null,
-  proximities: [],
-  map: null,
-  pings_per_s: 0,
-  thrusters: [],
-  droppers: [],
-  holds: [],
-  sonar: null,
-  motors: [],
-  tether: null,
-  arm: [],
-  can_jog: false,
-};
 
 export class PlainBackend {
   isPlain = true;
@@ -72,7 +56,6 @@ export class PlainBackend {
     const has = (name) => (topics.includes(name) ? name : null);
     /** @type {import('./messages.js').VehicleDescription[]} */
     const vehicles = prefixes.map((prefix) => ({
-      ...ABSENT,
       name: prefix.slice(0, -1) || 'vehicle',
       prefix,
       telemetry: `/${prefix}telemetry`,
@@ -82,7 +65,23 @@ export class PlainBackend {
       map_changes: has(`/${prefix}map_changes`),
       efforts: AXES,
       tilt: has(`/${prefix}cmd_tilt`) ? TILT : null,
-      lamps: services.filter((name) => name.startsWith(`/${prefix}lights/`)).map((name) => name.split('/').at(-1) ?? ''),
+      lamps: services
+        .filter((name) => name.startsWith(`/${prefix}lights/`))
+        .map((name) => name.split('/').at(-1) ?? ''),
+      // parts that a vehicle has only at a station
+      model: '',
+      joints: null,
+      proximities: [],
+      map: null,
+      pings_per_s: 0,
+      thrusters: [],
+      droppers: [],
+      holds: [],
+      sonar: null,
+      motors: [],
+      tether: null,
+      arm: [],
+      can_jog: false,
     }));
     const views = topics
       .map((topic) => CAMERA.exec(topic))
