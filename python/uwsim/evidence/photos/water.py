@@ -19,9 +19,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
 
 from uwsim import _core
+from uwsim.evidence.photos.normal_equations import Jacobian, Normal
 from uwsim.evidence.photos.reconstruction import Floats, Indices
 
 ROUNDS, GAIN_MIN, DAMPING_FREE, DAMPING_MAX = (12, 12, 40), 1e-7, 1e-6, 1e8
@@ -199,7 +199,7 @@ class _Problem:
             found.append((light + gain - self._log[:, band]) / self._sigma[:, band])
         return np.concatenate(found)
 
-    def _jacobian(self, x: Floats) -> _Jacobian:
+    def _jacobian(self, x: Floats) -> Jacobian:
         m = len(self._r)
         by_point, others = np.empty((3, m)), np.zeros((3, m, self._gain - self.c.start))
         for band in range(3):
@@ -213,7 +213,7 @@ class _Problem:
             of_band[:, self._vignetting - self.c.start] = -self._fall / self._lens(x)
             of_band[:, self._bed - self.c.start :] = self._shape[:, 1:] * by_point[band][:, None]
         sigma = self._sigma.T
-        return _Jacobian(
+        return Jacobian(
             self._point, self._picture, (by_point / sigma).ravel(), (others / sigma[..., None]).reshape(3 * m, -1),
             (1.0 / sigma).ravel(),
         )  # fmt: skip
@@ -222,14 +222,14 @@ class _Problem:
         assumed = (self._mean @ x) ** 2 + self._loose @ (x - self._usual) ** 2
         return float(0.5 * scale**2 * np.log1p((residual / scale) ** 2).sum() + 0.5 * assumed)
 
-    def _normal(self, jacobian: _Jacobian, weight: Floats) -> _Normal:
+    def _normal(self, jacobian: Jacobian, weight: Floats) -> Normal:
         normal = jacobian.squared(weight)
         mean = self._mean[self.c.start :]
         normal.points += self._loose[: self.c.start]
         normal.rest += np.multiply.outer(mean, mean)
         return normal
 
-    def _covariance(self, normal: _Normal, jacobian: _Jacobian, pull: Floats) -> Floats:
+    def _covariance(self, normal: Normal, jacobian: Jacobian, pull: Floats) -> Floats:
         """Return c's covariance (3, 3): White's (1980, Econometrica 48:817) over points, whose errors are common."""
         units = np.zeros((self._size, 3))
         units[self.c] = np.eye(3)
@@ -237,81 +237,3 @@ class _Problem:
         point = np.tile(self._seen.point, 3)
         sums = np.column_stack([np.bincount(point, column) for column in each.T])
         return np.asarray(sums.T @ sums)
-
-
-@dataclass(frozen=True)
-class _Jacobian:
-    """Derivatives by log J of a point, by the k unknowns that all share, and by the log exposure of a picture.
-
-    point, picture: (n,), which, of each residual. by_point, by_picture: (n,). by_shared: (n, k).
-    """
-
-    point: Indices
-    picture: Indices
-    by_point: Floats
-    by_shared: Floats
-    by_picture: Floats
-
-    def applied(self, x: Floats) -> Floats:
-        """Return the product with columns (unknowns, j)."""
-        first, last = int(self.point.max()) + 1, -int(self.picture.max()) - 1
-        return (
-            self.by_point[:, None] * x[self.point]
-            + self.by_shared @ x[first:last]
-            + self.by_picture[:, None] * x[last:][self.picture]
-        )
-
-    def transposed(self, y: Floats) -> Floats:
-        """Return the product of the transposed with a column (n,)."""
-        of_points, of_pictures = (
-            np.bincount(index, by * y) for index, by in ((self.point, self.by_point), (self.picture, self.by_picture))
-        )
-        return np.concatenate([of_points, y @ self.by_shared, of_pictures])
-
-    def squared(self, weight: Floats) -> _Normal:
-        """Return the product of the transposed, weighted (n,), with it."""
-        places, points, pictures = (self.point, self.picture), int(self.point.max()) + 1, int(self.picture.max()) + 1
-        pairs = sparse.csr_matrix((weight * self.by_point * self.by_picture, places), (points, pictures))
-        rows = np.arange(len(weight))
-        of_point = sparse.csr_matrix((weight * self.by_point, (self.point, rows)), (points, len(weight)))
-        of_picture = sparse.csr_matrix((weight * self.by_picture, (self.picture, rows)), (pictures, len(weight)))
-        across = of_picture @ self.by_shared
-        rest = np.block(
-            [
-                [self.by_shared.T @ (weight[:, None] * self.by_shared), across.T],
-                [across, np.diag(np.bincount(self.picture, weight * self.by_picture**2))],
-            ]
-        )
-        own = np.bincount(self.point, weight * self.by_point**2).astype(np.float64, copy=False)
-        return _Normal(own, of_point @ self.by_shared, pairs, rest)
-
-
-@dataclass
-class _Normal:
-    """A symmetric matrix in blocks, in which no point is coupled with another.
-
-    points: (p,), their diagonal. shared: their couplings with what all share (p, k). pictures: with pictures (p, n).
-    rest: (k + n, k + n).
-    """
-
-    points: Floats
-    shared: Floats
-    pictures: sparse.csr_matrix
-    rest: Floats
-
-    def solved(self, columns: Floats, damping: float) -> Floats:
-        """Solve for columns (p + k + n, j), with the diagonal damped, without the points first.
-
-        Raises LinAlgError.
-        """
-        points = self.points + damping * np.maximum(self.points, 1e-9)
-        rest = self.rest + np.diag(damping * np.maximum(np.diagonal(self.rest), 1e-9))
-        shared, pictures = self.shared / points[:, None], sparse.diags(1.0 / points) @ self.pictures
-        across = self.pictures.T @ shared
-        rest -= np.block([[self.shared.T @ shared, across.T], [across, (self.pictures.T @ pictures).toarray()]])
-        count = len(points)
-        own, others = columns[:count], columns[count:]
-        others = others - np.concatenate([shared.T @ own, pictures.T @ own])
-        found = np.linalg.solve(rest, others)
-        coupled = self.shared @ found[: self.shared.shape[1]] + self.pictures @ found[self.shared.shape[1] :]
-        return np.concatenate([(own - coupled) / points[:, None], found])
