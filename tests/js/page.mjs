@@ -1,6 +1,7 @@
 // The page's logic that needs neither a document nor a server. node page.mjs
 import assert from 'node:assert/strict';
 
+import { clockText } from '../../python/uwsim/operator/station/page/dom.js';
 import { PRESETS } from '../../python/uwsim/operator/station/page/drive/bindings.js';
 import { shownHolds, switched } from '../../python/uwsim/operator/station/page/drive/holds.js';
 import {
@@ -42,6 +43,16 @@ import { strip } from '../../python/uwsim/operator/station/page/views/strip.js';
 
 const near = (got, expected, tolerance) => assert.ok(Math.abs(got - expected) <= tolerance, `${got}: not ${expected}`);
 const RAD = Math.PI / 180;
+
+// Seconds are rounded before they are minutes.
+assert.deepEqual(
+  [119.6, 3599.96, 59.94].map((time) => clockText(time)),
+  ['2:00', '1:00:00', '1:00'],
+);
+assert.deepEqual(
+  [119.96, 59.94, 7].map((time) => clockText(time, 1)),
+  ['2:00.0', '0:59.9', '0:07.0'],
+);
 
 // No key of a set of keys does two things.
 for (const { keys } of Object.values(PRESETS)) {

@@ -109,8 +109,8 @@ export const fixed = (value, digits) =>
 
 export function clockText(seconds, digits = 0) {
   if (!Number.isFinite(seconds)) return '–';
-  const whole = Math.floor(seconds);
-  const [hours, minutes] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60];
-  const rest = (seconds % 60).toFixed(digits).padStart(digits ? 3 + digits : 2, '0');
+  const shown = Number(seconds.toFixed(digits)); // so that 119.6 is not 1:60
+  const [hours, minutes] = [Math.floor(shown / 3600), Math.floor(shown / 60) % 60];
+  const rest = (shown % 60).toFixed(digits).padStart(digits ? 3 + digits : 2, '0');
   return hours ? `${hours}:${String(minutes).padStart(2, '0')}:${rest}` : `${minutes}:${rest}`;
 }
