@@ -208,4 +208,5 @@ def _ink(each: Decisive) -> str:
 
 
 def _clock(time_s: float) -> str:
-    return f"{int(time_s // 60)}:{time_s % 60:04.1f}"
+    tenths = round(10.0 * time_s)  # so that 59.97 s is not 0:60.0
+    return f"{tenths // 600}:{tenths % 600 / 10.0:04.1f}"
