@@ -45,14 +45,8 @@ const near = (got, expected, tolerance) => assert.ok(Math.abs(got - expected) <=
 const RAD = Math.PI / 180;
 
 // Seconds are rounded before they are minutes.
-assert.deepEqual(
-  [119.6, 3599.96, 59.94].map((time) => clockText(time)),
-  ['2:00', '1:00:00', '1:00'],
-);
-assert.deepEqual(
-  [119.96, 59.94, 7].map((time) => clockText(time, 1)),
-  ['2:00.0', '0:59.9', '0:07.0'],
-);
+assert.equal([119.6, 3599.96, 59.94].map((time) => clockText(time)).join(), '2:00,1:00:00,1:00');
+assert.equal([119.96, 59.94, 7].map((time) => clockText(time, 1)).join(), '2:00.0,0:59.9,0:07.0');
 
 // No key of a set of keys does two things.
 for (const { keys } of Object.values(PRESETS)) {

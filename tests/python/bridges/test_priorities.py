@@ -105,13 +105,11 @@ def test_a_stop_is_not_undone_by_what_it_overtakes(live: LiveSimulator, slow: No
     assert live.rov.all_stopped
     [each.result() for each in waiting]
     live.command("all_stop", vehicle="rov", on=False).result()
-    both_wait = threading.Event()
-    live.read(lambda sim: both_wait.wait(180.0))
     returning = threading.Thread(target=live.reset)  # to a state in which nothing is stopped
-    returning.start()
-    until(lambda: any(request.name == "reset" for request in live._loop._requests))
-    stop = live.command("all_stop", vehicle="rov", on=True)
-    both_wait.set()
+    with holding(live):
+        returning.start()
+        until(lambda: any(request.name == "reset" for request in live._loop._requests))
+        stop = live.command("all_stop", vehicle="rov", on=True)
     stop.result()
     returning.join()
     live.read(lambda sim: None).result()
