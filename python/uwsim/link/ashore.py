@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.channels import Channel
-from uwsim.channels.families.map import PLACED, PUBLISH_NS, PingMap, binary, empty_map
+from uwsim.channels.families.map import PUBLISH_NS, PingMap, binary, empty_map
 from uwsim.channels.families.pings import Pings
+from uwsim.channels.families.scans import PLACED
 from uwsim.channels.ros import build
 from uwsim.channels.source import Source
 from uwsim.channels.table import Table
@@ -125,7 +126,7 @@ def with_scans(seen: Iterable[Channel]) -> list[Channel]:
     for channel in list(found):
         prefix, _, name = channel.name.rpartition("/")
         ping = f"{prefix}/ping" if prefix else "ping"
-        if name == PLACED and ping not in names:
+        if name == PLACED.name and ping not in names:
             scan = replace(
                 channel, name=ping, type="sensor_msgs/msg/LaserScan", frame_id=f"{prefix}/base_scan".lstrip("/"),
                 description="the beams of the placed pings that have arrived",
@@ -162,7 +163,7 @@ def maps_ashore(
     for source in table.sources:
         if source.name not in table.maps:
             continue
-        one = carried.get(source.topic(PLACED))
+        one = carried.get(source.topic(PLACED.name))
         if one is None:
             del table.maps[source.name]
             continue

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from uwsim.channels import Table
-from uwsim.channels.families.map import PLACED
+from uwsim.channels.families.scans import PLACED
 from uwsim.flight.attachment import Attachment, Departure
 from uwsim.flight.pinging import SURVEYED
 from uwsim.flight.record import FlightRecord
@@ -39,7 +39,7 @@ class Ashore:
         self._sim, self._network, self._steps = sim, sim.link, steps
         carried = carried_channels(table.channels, sim)
         named = {one.channel.name: one for one in carried if one.vehicle == vehicle}
-        self._ping = next((one for name, one in named.items() if name.endswith(PLACED)), None)
+        self._ping = next((one for name, one in named.items() if name.endswith(PLACED.name)), None)
         self._reach_m = sim.vehicles[vehicle].sonar.model.range_max_m
         self._pings = [base64.b64decode(ping) for ping in saved["pings"]] if saved else []
         self._looked_ns = int(saved["looked_ns"]) if saved else sim.time_ns

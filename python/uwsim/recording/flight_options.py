@@ -22,7 +22,8 @@ class RecordOptions(AttachmentOptions):
     record_topic: tuple[str, ...] = option(
         (),
         "Channels to record, such as odom or 'camera/*'. Default: all but pictures and maps; of a survey, also without "
-        "those derived from pings: scan, ping, laserPointCloud, points, depthArray, map_changes and octomap_binary.",
+        "those derived from pings: scan, ping, laserPointCloud, points, depthArray, placed_ping, map_changes and "
+        "octomap_binary.",
     )
 
     def attach(self, flight: Departure) -> Attachment:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import functools
-import io
+import json
 import os
 import re
 import zlib
@@ -22,7 +22,6 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Metadata
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
-from ruamel.yaml import YAML
 
 from uwsim.base.own_files import mark
 from uwsim.channels import Channel
@@ -109,7 +108,7 @@ class McapSink:
         """Write the metadata and index, and close the file. Raises OSError."""
         with self._file:
             self._writer.add_metadata(END, end)
-            self._writer.add_metadata(ROSBAG2, {"serialized_metadata": _yaml(self._rosbag2_metadata())})
+            self._writer.add_metadata(ROSBAG2, {"serialized_metadata": json.dumps(self._rosbag2_metadata())})
             self._writer.finish()
             self._file.flush()
             os.fsync(self._file.fileno())
@@ -128,7 +127,7 @@ class McapSink:
         os.close(kept)
 
     def _rosbag2_metadata(self) -> dict[str, Any]:
-        """Return the content of a bag folder's metadata.yaml, which `ros2 bag info` displays."""
+        """Return the content of a bag folder's metadata.yaml, which `ros2 bag info` displays; JSON is YAML, too."""
         count = sum(self._counts.values())
         times = {
             "starting_time": {"nanoseconds_since_epoch": self._first_ns if count else 0},
@@ -177,7 +176,7 @@ def is_being_written(path: Path) -> bool:
 def metadata_of(channel: Channel) -> dict[str, str]:
     """Return a channel's metadata for the file: the rosbag2 metadata, plus the channel's rate and description."""
     return {
-        QOS: _qos_yaml(qos(channel)),
+        QOS: _qos_text(qos(channel)),
         "topic_type_hash": schema(channel.type).type_hash,
         "rate_hz": "" if channel.rate_hz is None else repr(channel.rate_hz),
         "description": channel.description,
@@ -213,13 +212,5 @@ def _checksum(name: str, metadata: Mapping[str, str]) -> int:
 
 
 @functools.cache  # a file's many channels have only two different profiles
-def _qos_yaml(offered: Qos) -> str:
-    return _yaml(dump_qos_v9([offered]))
-
-
-def _yaml(value: Any) -> str:
-    stream = io.StringIO()
-    yaml = YAML(typ="safe", pure=True)
-    yaml.default_flow_style = False
-    yaml.dump(value, stream)
-    return stream.getvalue().strip()
+def _qos_text(offered: Qos) -> str:
+    return json.dumps(dump_qos_v9([offered]))

@@ -5,30 +5,24 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim import _core
-from uwsim.base.quaternions import of_matrix
-from uwsim.channels.channel import PING, Channel, Delivery, OverLink
+from uwsim.channels.channel import Channel, Delivery
 from uwsim.channels.families.map_changes import MapChanges
 from uwsim.channels.families.pings import Pings, TakenPing
-from uwsim.channels.families.scans import Head, scan_of
+from uwsim.channels.families.scans import PLACED, Head
 from uwsim.channels.ros import build
-from uwsim.channels.ros.own_types import MAP_CHANGES, PLACED_PING
+from uwsim.channels.ros.own_types import MAP_CHANGES
 from uwsim.channels.source import Source
-from uwsim.channels.taped import Make, Stretch, Taped
-from uwsim.mapping import OccupancyMap, ranging
-from uwsim.mapping.ping_to_map import Box
+from uwsim.mapping import OccupancyMap
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.ping_chain import map_voxel_m
 from uwsim.simulator.simulator import Simulator
 
-PLACED = "placed_ping"
 PUBLISH_NS, CHANGES_NS = 1_000_000_000, 250_000_000
 WAITING_MAX = 64  # pings that may be queued for the map; beyond that, the steps wait
 
@@ -83,13 +77,7 @@ class PingMap:
 
     def channels(self) -> list[Channel]:
         """Return the map's channels, and the channel of pings from which clients can build their own map."""
-        placed = Channel(
-            self._source.topic(PLACED), PLACED_PING, "out", "each ping with the sonar's pose, for building a map",
-            rate_hz=self._pings.rate_hz, frame_id=self._source.frame("odom"),
-            over_link=OverLink(PING, "placed"), read=lambda sim: self._placed(self._noted(sim), self._pings.model),
-            taped=Taped((), self._begin_placed, note=self._noted),
-        )  # fmt: skip
-        return [*self.map_channels(), placed]
+        return [*self.map_channels(), PLACED.channel(self._source, self._pings)]
 
     def map_channels(self) -> list[Channel]:
         """Return the channels of the map itself."""
@@ -167,31 +155,6 @@ class PingMap:
         while len(self._waiting) > WAITING_MAX or (self._waiting and self._waiting[0].done()):
             self._waiting.popleft().result()
 
-    def _noted(self, sim: Simulator) -> NDArray[np.float64]:
-        """Return the numbers of the latest ping and of the sonar's pose: what `_placed` takes."""
-        taken = self._pings.newest(sim)
-        sonar, scan = taken.odom_from_sonar, scan_of(self._pings, taken)
-        ranges_m = np.where(on_hull(scan, taken, self._pings.chain.hull), np.float32(np.inf), scan.ranges)
-        return np.concatenate(((taken.ping.time_ns,), sonar[:3, 3], of_matrix(sonar[:3, :3]), ranges_m))
-
-    def _begin_placed(self, sim: Simulator) -> Make | None:
-        """See Taped. A ping from before the model changed may have another number of beams."""
-        model = self._pings.model
-        if self._source.of(sim).sonar.model is not model:
-            return None
-        return lambda rows: Stretch(rows[0].times_ns, self._placed(rows[0].values, model))
-
-    def _placed(self, noted: NDArray[np.float64], model: _core.MultibeamModel) -> Any:
-        """Return the message of `_noted` numbers, or that of columns for n rows of them."""
-        return build.message(
-            PLACED_PING,
-            header=build.header(noted[..., 0].astype(np.uint64), self._source.frame("odom")),
-            sonar=build.pose(noted[..., 1:4], noted[..., 4:8]),
-            ranges=noted[..., 8:].astype(np.float32),
-            angle_min=model.angle_min_rad,
-            angle_increment=model.angle_increment_rad,
-        )
-
     def _note_changes(self) -> Any:
         """Move changes from the map to the list of changes, on the worker thread."""
         assert self._map is not None
@@ -250,26 +213,6 @@ def mapped_points(head: Head, taken: TakenPing) -> NDArray[np.float32]:
 def insert_ping(occupancy: OccupancyMap, head: Head, taken: TakenPing) -> None:
     """Pass a ping through the chain and insert its points into a map."""
     occupancy.insert_scan(mapped_points(head, taken), taken.odom_from_sonar[:3, 3], head.model.range_max_m)
-
-
-def on_hull(scan: ranging.LaserScan, taken: TakenPing, hull: Box) -> NDArray[np.bool_]:
-    """Return a mask (n,) of the beams of a scan that hit the vehicle's own hull."""
-    body_from_sonar = ranging.relative_transform(taken.odom_from_body, taken.odom_from_sonar)
-    farthest_m = np.linalg.norm(np.maximum(*np.abs(np.asarray(hull) - body_from_sonar[:3, 3])))  # the hull's corner
-    if not ((scan.ranges > 0.0) & (scan.ranges < 1.001 * farthest_m)).any():
-        return np.zeros(len(scan.ranges), bool)
-    across, up = _directions(scan.angle_min, scan.angle_increment, len(scan.ranges))
-    met = np.where(np.isfinite(scan.ranges), scan.ranges, 0.0).astype(np.float64)
-    sonar = np.column_stack([met * across, met * up, np.zeros_like(met), np.ones_like(met)])
-    body = (sonar @ body_from_sonar.T)[:, :3]
-    return np.logical_and.reduce((body >= hull[0]) & (body <= hull[1]), axis=1) & (met > 0.0)  # type: ignore[no-any-return]
-
-
-@lru_cache(16)
-def _directions(first_rad: float, step_rad: float, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the cosines and sines (n,) of a scan's angles, which seldom change."""
-    angles_rad = first_rad + step_rad * np.arange(count)
-    return np.cos(angles_rad), np.sin(angles_rad)
 
 
 def binary(occupancy: OccupancyMap | None) -> bytes:

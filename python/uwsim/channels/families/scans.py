@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.quaternions import of_matrix
 from uwsim.channels.channel import PING, Channel, OverLink
 from uwsim.channels.families.pings import Pings, TakenPing
 from uwsim.channels.ros import build
+from uwsim.channels.ros.own_types import PLACED_PING
 from uwsim.channels.source import Source
 from uwsim.mapping import ranging
-from uwsim.mapping.ping_to_map import PingToMap
+from uwsim.mapping.ping_to_map import Box, PingToMap
 from uwsim.simulator.simulator import Simulator
 
 FLOAT32 = 7  # PointField.FLOAT32
@@ -129,6 +132,39 @@ def _depths(head: Head, taken: TakenPing, frame_id: str) -> Any:
     return build.text(ranging.encode_depth_string(_kept_m(head, taken), head.model))
 
 
+def _placed(head: Head, taken: TakenPing, frame_id: str) -> Any:
+    sonar, scan = taken.odom_from_sonar, scan_of(head, taken)
+    ranges_m = np.where(_on_hull(scan, taken, head.chain.hull), np.float32(np.inf), scan.ranges)
+    return build.message(
+        PLACED_PING,
+        header=build.header(taken.ping.time_ns, frame_id),
+        sonar=build.pose(sonar[:3, 3], of_matrix(sonar[:3, :3])),
+        ranges=ranges_m,
+        angle_min=scan.angle_min,
+        angle_increment=scan.angle_increment,
+    )
+
+
+def _on_hull(scan: ranging.LaserScan, taken: TakenPing, hull: Box) -> NDArray[np.bool_]:
+    """Return a mask (n,) of the beams of a scan that hit the vehicle's own hull."""
+    body_from_sonar = ranging.relative_transform(taken.odom_from_body, taken.odom_from_sonar)
+    farthest_m = np.linalg.norm(np.maximum(*np.abs(np.asarray(hull) - body_from_sonar[:3, 3])))  # the hull's corner
+    if not ((scan.ranges > 0.0) & (scan.ranges < 1.001 * farthest_m)).any():
+        return np.zeros(len(scan.ranges), bool)
+    across, up = _directions(scan.angle_min, scan.angle_increment, len(scan.ranges))
+    met = np.where(np.isfinite(scan.ranges), scan.ranges, 0.0).astype(np.float64)
+    sonar = np.column_stack([met * across, met * up, np.zeros_like(met), np.ones_like(met)])
+    body = (sonar @ body_from_sonar.T)[:, :3]
+    return np.logical_and.reduce((body >= hull[0]) & (body <= hull[1]), axis=1) & (met > 0.0)  # type: ignore[no-any-return]
+
+
+@lru_cache(16)
+def _directions(first_rad: float, step_rad: float, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the cosines and sines (n,) of a scan's angles, which seldom change."""
+    angles_rad = first_rad + step_rad * np.arange(count)
+    return np.cos(angles_rad), np.sin(angles_rad)
+
+
 def _kept_m(head: Head, taken: TakenPing) -> NDArray[np.float32]:
     return head.chain.kept_m(taken.ping.ranges_m, taken.deviation_m)
 
@@ -164,5 +200,9 @@ DEPTH_ARRAY = PingTopic(
     "depthArray", "std_msgs/msg/String", "every beam's range [m], each followed by a; once for each ping", _depths,
     frame="", packing="depths",
 )  # fmt: skip
-PING_TOPICS = (*SCAN_TOPICS, DEPTH_ARRAY)
+PLACED = PingTopic(
+    "placed_ping", PLACED_PING, "each ping with the sonar's pose, for building a map", _placed, frame="odom",
+    packing="placed",
+)  # fmt: skip
+PING_TOPICS = (*SCAN_TOPICS, DEPTH_ARRAY, PLACED)
 """All topics that depend on a single ping."""

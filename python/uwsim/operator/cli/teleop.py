@@ -79,7 +79,7 @@ def own_server(simulator: Simulator) -> Iterator[RosbridgeServer]:
     If the link is a modem, it carries the values that the terminal shows, unless the scenario selects the channels.
     """
     from uwsim.bridges import RosbridgeServer
-    from uwsim.channels.families.map import PLACED
+    from uwsim.channels.families.scans import PLACED
     from uwsim.channels.served import served_table
     from uwsim.link import Carrier
     from uwsim.link.ashore import with_scans
@@ -89,7 +89,7 @@ def own_server(simulator: Simulator) -> Iterator[RosbridgeServer]:
         live = ends.enter_context(LiveSimulator(simulator))
         table = served_table(live, wire="both")  # not the scenario's, since the screen needs the standard topics
         if simulator.link is not None:
-            shown = ("telemetry", PLACED) if simulator.link.modem.kind == "modem" else None
+            shown = ("telemetry", PLACED.name) if simulator.link.modem.kind == "modem" else None
             carrier = ends.enter_context(Carrier(live, table, only=shown))
             table.channels, table.services = with_scans(carrier.channels), carrier.over(table.services)
         yield ends.enter_context(RosbridgeServer(live, channels=table.channels, services=table.services))

@@ -10,7 +10,7 @@ from uwsim.base.commands import COMMANDS
 from uwsim.bridges.rosbridge.client import RosbridgeClient
 from uwsim.channels.authority.rights import OF_INSTRUCTOR, AidKind
 from uwsim.channels.delivery.feed import Feed
-from uwsim.channels.families.map import PLACED
+from uwsim.channels.families.scans import PLACED
 from uwsim.channels.guest import GuestTopic, Node
 from uwsim.channels.served import served_table
 from uwsim.channels.table import Wire
@@ -33,7 +33,7 @@ from uwsim.operator.station.views.snapshots import Snapshots
 from uwsim.operator.station.views.views import Views
 from uwsim.recording import Recorder
 
-SHOWN = ("telemetry", "sensor_gauges", PLACED, "image_raw/compressed", "picture/compressed")
+SHOWN = ("telemetry", "sensor_gauges", PLACED.name, "image_raw/compressed", "picture/compressed")
 """Name endings of the channels that the page shows: a modem, with its low capacity, carries only these by default."""
 
 
