@@ -32,16 +32,18 @@ def unfinished(folder: Path) -> Iterator[None]:
         _unfinished.discard(name)
 
 
-def write_atomically(path: Path, content: bytes, *, replaces_any: bool = False) -> None:
+def write_atomically(path: Path, content: bytes, *, replaces_any: bool = False, flushes: bool = True) -> None:
     """Write a temporary file next to the target, flush it to disk and rename it.
 
     An existing file is replaced only if it is empty or our own (see own_files.py), unless replaces_any, for a user who
-    has asked for it. On failure, raises OSError that names the target, and leaves no temporary file behind.
+    has asked for it. flushes: False for a file that its reader checks and makes again: flushing takes milliseconds, and
+    a loss of power may otherwise leave a damaged file. On failure, raises OSError that names the target, and leaves no
+    temporary file behind.
     """
     file = GrowingFile(path, replaces_any=replaces_any)
     try:
         file.write(content)
-        file.close()
+        file.close(flushes=flushes)
     except BaseException:  # report the first error, not one of discarding
         file.discard()
         raise
@@ -71,11 +73,12 @@ class GrowingFile:
         with self._named():
             return self._file.write(content)
 
-    def close(self) -> None:
-        """Flush the content to disk and rename the file to its target."""
+    def close(self, *, flushes: bool = True) -> None:
+        """Flush the content to disk, unless not `flushes`, and rename the file to its target."""
         with self._named(), self._file as file:
             file.flush()
-            os.fsync(file.fileno())
+            if flushes:
+                os.fsync(file.fileno())
         with self._named():
             Path(self._name).replace(self._path)
             mark(self._path)

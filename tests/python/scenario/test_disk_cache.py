@@ -58,7 +58,14 @@ def test_other_inputs_are_other_things(folder: Path, other: tuple[bytes | float 
 
 
 @pytest.mark.parametrize(
-    "damage", [lambda data: b"", lambda data: data[:-7], lambda data: data[:50] + b"X" + data[51:]]
+    "damage",
+    [
+        lambda data: b"",
+        lambda data: data[:-7],
+        lambda data: data[:50] + b"X" + data[51:],
+        lambda data: bytes(len(data)),  # as a loss of power may leave a file that was not flushed
+        lambda data: data[: len(data) // 2] + bytes(len(data) - len(data) // 2),
+    ],
 )
 def test_a_damaged_file_is_made_again(folder: Path, damage) -> None:
     make = Maker()

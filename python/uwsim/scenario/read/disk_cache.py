@@ -97,7 +97,8 @@ def _keep(path: Path, content: bytes) -> None:
         _make_room(path.parent, MAX_FOLDER_BYTES - len(content))
         unchecked = 0
     _unchecked_bytes[path.parent] = unchecked
-    write_atomically(path, _checksum(content) + content, replaces_any=True)  # a damaged file of ours: see NAME
+    # a damaged file of ours is replaced: see NAME
+    write_atomically(path, _checksum(content) + content, replaces_any=True, flushes=False)
 
 
 def _make_room(folder: Path, limit_bytes: int) -> None:
