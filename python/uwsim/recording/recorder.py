@@ -19,6 +19,7 @@ from typing import Any, Self
 
 from uwsim.base.arguments import plain
 from uwsim.base.commands.table import SERVO_FRAMES
+from uwsim.base.journal import JUMPS
 from uwsim.channels import Channel, Table
 from uwsim.channels.delivery.feed import Feed, Reading
 from uwsim.channels.ros.own_types import MAP_CHANGES
@@ -324,6 +325,9 @@ class Recorder:
             return
         message = command_message(Command(self._sim.tick, name, plain(arguments, name)))
         self._put(self._reading(self._commands, message), needed=True)
+        if name in JUMPS:  # the readings after it, at the same time, must not be put before it
+            with self._lock:
+                self._put_held()
 
     def _put_frames(self, pieces: Iterable[dict[str, Any]]) -> None:
         """Queue an autopilot's frames, each piece at the tick at which it ends. Called with the lock held."""

@@ -28,8 +28,9 @@ class Watch:
 
     Channels are read when `start` is called, after each jump in time and at all multiples of their period, before the
     commands of that tick, so that a replay reads the same messages at the same ticks. A channel without a rate is read
-    only at the start and after jumps. due_tick: when any channel is read next; all are one item of the agenda, which is
-    asked at each step.
+    only at the start and after jumps; of a latched one that returns the same object until it changes, such as a
+    vehicle's description, a message is forwarded then and at each change. due_tick: when any channel is read next; all
+    are one item of the agenda, which is asked at each step.
     """
 
     def __init__(
@@ -61,6 +62,7 @@ class Watch:
         self._tape: Tape | None = None
         self._stretch_tick, self._stretch_wall_s = NEVER, 0.0
         self._is_reading = False
+        self._kept: dict[str, Any] = {}  # the latest message of latched channels, by name
         self.due_tick = NEVER
 
     def start(self) -> None:
@@ -101,6 +103,7 @@ class Watch:
                 self._begin_tape()
 
     def _read_all(self) -> None:
+        self._kept.clear()
         self._choose(None)
         self._read(tuple(self._due_ticks), self._sim.tick)
         self._begin_tape()
@@ -158,8 +161,12 @@ class Watch:
         self._is_reading = False
 
     def _subscription(self, channel: Channel) -> tuple[int | None, Subscription]:
+        is_kept = channel.delivery.latched and channel.delivery.is_sampled
+
         def receive(message: Any) -> None:
-            if message is not None:
+            if message is not None and not (is_kept and self._kept.get(channel.name) is message):
+                if is_kept:
+                    self._kept[channel.name] = message
                 self._receive(channel, message)
 
         period_ns = _period_ns(channel)

@@ -15,6 +15,7 @@ from uwsim.channels.ros.cdr import encode
 from uwsim.recording import Recorder, mcap_file
 from uwsim.recording import open as open_recording
 from uwsim.recording.mcap_file import McapFile
+from uwsim.recording.replay import replay
 from uwsim.recording.watch import Watch
 
 Message = tuple[str, int, bytes]
@@ -85,6 +86,18 @@ def test_what_a_recorder_holds_back_is_in_order_of_time_with_commands_after_the_
     assert {topic for _, topic in found} == {"odom", "telemetry", "imu", "uwsim/commands"}
     at = [topic for time_ns, topic in found if time_ns == 1_000_000_000]
     assert at == ["odom", "telemetry", "imu", "uwsim/commands"]
+
+
+def test_a_vehicle_s_description_is_recorded_once_and_when_it_changes(tmp_path: Path) -> None:
+    path, sim = tmp_path / "run.mcap", Simulator("pool", seed=3)
+    with Recorder(sim, path, topics=["robot_description", "link"]):
+        sim.advance(1.0)
+        sim.parameters["rov.mass_kg"] = 300.0
+        sim.advance(1.0)
+        sim.reset(seed=3)
+    times_s = [1e-9 * each.time_ns for each in open_recording(path).messages("robot_description")]
+    assert times_s == pytest.approx([0.0, 1.1, 0.0])
+    assert replay(path).difference is None
 
 
 def test_a_file_is_byte_for_byte_that_of_the_mcap_library(monkeypatch: pytest.MonkeyPatch) -> None:
