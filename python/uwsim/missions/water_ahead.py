@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 
@@ -26,11 +27,11 @@ def is_water_ahead(ping: PingLike, bed_z_m: Callable[[], float]) -> bool:
 
     bed_z_m: returns the height z of the bed below the vehicle, -inf if unknown; called if no beam reads that much.
     """
-    beams = _three_beams(ping)
-    if (ping.ranges_m[beams] > TURN_RANGE_M).any():
+    beams, ranges_m = _three_beams(ping), ping.ranges_m
+    if any(ranges_m[beam] > TURN_RANGE_M for beam in beams):
         return True
     up, sonar_z_m = ping.world_from_sonar[2, :3], float(ping.world_from_sonar[2, 3])
-    below_m = -(np.asarray(ping.points_sonar_m, np.float64)[beams] @ up)
+    below_m = -(np.asarray(ping.points_sonar_m)[list(beams)].astype(np.float64) @ up)
     return bool((below_m > (1.0 - BED_SHARE) * (sonar_z_m - bed_z_m())).any())  # false for NaN
 
 
@@ -40,11 +41,16 @@ def recognised_ahead_m(altitude_m: float, tilt_rad: float, half_fan_rad: float) 
     return min(published_m, (1.0 - BED_SHARE) * altitude_m / max(math.tan(tilt_rad), 1e-9))
 
 
-def _three_beams(ping: PingLike) -> list[int]:
+def _three_beams(ping: PingLike) -> tuple[int, int, int]:
     """Return the indices of the middle beam and of the outermost ones that look along the lane."""
-    last = len(ping.ranges_m) - 1
-    outermost = (0, last)
-    if (angles := getattr(ping, "angles_rad", None)) is not None:  # remote pings may not have them
-        along = np.flatnonzero(np.abs(angles) <= HALF_FAN_RAD + 1e-6)
-        outermost = (int(along[0]), int(along[-1])) if len(along) else outermost
-    return [outermost[0], len(ping.ranges_m) // 2, outermost[1]]
+    count, angles = len(ping.ranges_m), getattr(ping, "angles_rad", None)  # remote pings may not have them
+    first, last = (0, count - 1) if angles is None else _along_lane(angles.dtype.str, angles.tobytes())
+    return first, count // 2, last
+
+
+@lru_cache(16)
+def _along_lane(kind: str, angles: bytes) -> tuple[int, int]:
+    """Return the indices of the outermost beams that look along the lane, by all beams' angles, which seldom change."""
+    angles_rad = np.frombuffer(angles, kind)
+    along = np.flatnonzero(np.abs(angles_rad) <= HALF_FAN_RAD + 1e-6)
+    return (int(along[0]), int(along[-1])) if len(along) else (0, len(angles_rad) - 1)

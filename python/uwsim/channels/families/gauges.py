@@ -144,4 +144,4 @@ def _derive(found: Gauges, sim: Simulator) -> None:
 
 
 def _size(vector: NDArray[np.float64]) -> float:
-    return float(np.linalg.norm(vector))
+    return math.sqrt(vector.dot(vector))  # as numpy.linalg.norm, which takes three times as long
