@@ -33,6 +33,8 @@ UNKNOWN = np.full(3, NAN)
 MOST = 6
 """The most numbers of a sensor that are gauges; one with more, such as a profile, is no row of numbers for a pilot."""
 SPEEDS = {"linear": "speed", "angular": "angular_speed"}
+POSITION, LINEAR, ANGULAR, VARIANCES = slice(1, 4), slice(8, 11), slice(11, 14), slice(23, 56, 16)
+"""Parts of `Navigator.numbers`: the position, the velocities, and the position's variances."""
 
 
 @dataclass
@@ -121,13 +123,12 @@ def values_by_name(message: Any) -> dict[str, Any]:
 
 def _estimate(found: Gauges, sim: Simulator, estimate: Navigator | None) -> None:
     """Add position and velocities by the estimate."""
-    age_s = math.inf if estimate is None else sim.time_s - estimate.time_s
-    found.values |= {
-        "position": UNKNOWN if estimate is None else estimate.pose.position_world_m,
-        "position_std": UNKNOWN if estimate is None else estimate.position_std_m,
-        "speed": UNKNOWN if estimate is None else estimate.velocity.linear_body_m_s,
-        "angular_speed": UNKNOWN if estimate is None else estimate.velocity.angular_body_rad_s,
-    }
+    age_s, shown = math.inf, (UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN)
+    if estimate is not None:
+        numbers = estimate.numbers
+        age_s = sim.time_s - float(numbers[0])
+        shown = numbers[POSITION], np.sqrt(numbers[VARIANCES]), numbers[LINEAR], numbers[ANGULAR]
+    found.values |= dict(zip(("position", "position_std", *SPEEDS.values()), shown, strict=True))
     found.ages_s |= dict.fromkeys(("position", "speed", "angular_speed"), age_s)
 
 

@@ -239,8 +239,9 @@ class Navigator(Attached):
         self._from_ns[name] = int(samples.stamps_ns[-1]) + 1
         if sensor.on:
             useful, readings = AIDS[sensor.kind].readings(sensor, samples, self._around)
-            stamps_ns, arrivals_ns = samples.stamps_ns[useful], samples.arrivals_ns[useful]
-            self._filter.add_readings(self._indices[name], stamps_ns, arrivals_ns, readings[useful])
+            columns = samples.stamps_ns, samples.arrivals_ns, readings
+            kept = columns if useful.all() else tuple(column[useful] for column in columns)
+            self._filter.add_readings(self._indices[name], *kept)
 
     def _process_imu(self, now_ns: int) -> None:
         samples = self._imu_stream.take()
