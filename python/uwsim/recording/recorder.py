@@ -211,17 +211,14 @@ class Recorder:
 
         def apply(live: LiveSimulator, message: Any) -> object:
             result = channel.apply(live, message)
-            self._record(channel, message)
+            self.write(channel, message)
             return result
 
         return replace(channel, apply=apply)
 
     def write(self, channel: Channel, message: Any) -> None:
-        """Record a message at the current time on a channel that is not read automatically.
-
-        Call this on the simulator's thread.
-        """
-        self._record(channel, message)
+        """Record a message at the current time on a channel that is not read automatically."""
+        self._put(self._reading(channel, message), needed=False)
 
     def note(self, **notes: Any) -> None:
         """Add plain values to the metadata at the end of the file."""
@@ -307,9 +304,6 @@ class Recorder:
         if self._feed is not None:
             self._feed.share(reading)
         self._put(reading, needed=False, rank=self._ranks[channel.name])
-
-    def _record(self, channel: Channel, message: Any) -> None:
-        self._put(self._reading(channel, message), needed=False)
 
     def _record_taped(self, stretches: Iterable[Messages]) -> None:
         """Queue the messages of a stretch of tape among those that have been held meanwhile."""
