@@ -160,9 +160,9 @@ def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[S
         if not sensor.on:
             return None
         sample: Sample[Any] = sensor.sample()
-        if not sample.valid and not (kind.even_invalid and _is_out_of_reach(sample.value)):
-            return None
         message = mounted.message(sim, sample)
+        if message is None:
+            return None
         if sample.stamp_ns == last[0] and encode(message) == encode(last[1]):  # a reset may repeat the time alone
             return last[1]
         last = sample.stamp_ns, message
@@ -196,12 +196,12 @@ def _taped(source: Source, name: str, kind: Kind, frame_id: str) -> Taped | None
     return Taped((Track(source.name, name),), begin)
 
 
-def sample_message(source: Source, sim: Simulator, name: str, sample: Sample[Any]) -> Any:
-    """Return the message for a sensor's sample, or None if the sensor's channel does not publish the sample."""
+def sample_messages(source: Source, sim: Simulator, name: str) -> Callable[[Simulator, Sample[Any]], Any]:
+    """Return a function that makes the message for a sensor's sample, None if its channel does not publish it."""
     kind = _kind(source.of(sim).sensors[name].kind)
-    if kind is None or not (sample.valid or (kind.even_invalid and _is_out_of_reach(sample.value))):
-        return None
-    return _Mounted(source, name, kind, source.frame(f"{name}_link")).message(sim, sample)
+    if kind is None:
+        return lambda sim, sample: None
+    return _Mounted(source, name, kind, source.frame(f"{name}_link")).message
 
 
 class _Mounted:
@@ -213,7 +213,9 @@ class _Mounted:
         self._scenario: Scenario | None = None
 
     def message(self, sim: Simulator, sample: Sample[Any]) -> Any:
-        """Return the message for a sample."""
+        """Return the message for a sample, or None if it is not published."""
+        if not (sample.valid or (self._kind.even_invalid and _is_out_of_reach(sample.value))):
+            return None
         if self._scenario is not sim.parameters.scenario:
             self.look_up(sim)
         speed_m_s = sim.world.water.sound_speed_m_s(_height_m(self._source, sim)) if self._is_doppler else math.nan

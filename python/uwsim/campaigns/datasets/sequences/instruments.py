@@ -25,7 +25,7 @@ from uwsim.campaigns.datasets.sequences.tum import Tum
 from uwsim.channels import Channel, Table
 from uwsim.channels.delivery.pictures import RATE_HZ
 from uwsim.channels.families.cameras import compressed_image, info_message
-from uwsim.channels.families.instruments import sample_message
+from uwsim.channels.families.instruments import sample_messages
 from uwsim.channels.source import Source
 from uwsim.instruments.cameras import Camera
 from uwsim.instruments.cameras.image_file import encode_png
@@ -90,7 +90,7 @@ class Sampled(Instrument):
         self.name, self._sim, self._channel = name, sim, channel
         self.sensor: Sensor[Any] = source.of(sim).sensors[name]
         self.mount = source.model(sim).sensors[name]
-        self._stream = self.sensor.stream()
+        self._stream, self._message = self.sensor.stream(), sample_messages(source, sim, name)
         fields = dict(sensor_kind(self.sensor.kind).fields)
         self._width = 6 if self.sensor.kind == "imu" else sum(width for width, _ in fields.values())
         columns = IMU_COLUMNS if self.sensor.kind == "imu" else (*_columns(fields), "valid []")
@@ -115,7 +115,7 @@ class Sampled(Instrument):
             elif sample.valid:
                 self._rows.add(sample.stamp_ns, *values)
             if self._channel is not None:
-                message = sample_message(self._source, sim, self.name, sample)
+                message = self._message(sim, sample)
                 if message is not None:
                     self._say(self._channel, message, int(rows.arrivals_ns[k]))
 
