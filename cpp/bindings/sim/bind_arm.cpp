@@ -11,6 +11,7 @@
 #include "bindings/core/record.h"
 #include "bindings/sim/binders.h"
 #include "uwsim/core/check.h"
+#include "uwsim/dynamics/spatial.h"
 
 namespace uwsim::bindings {
 namespace {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "uwsim/dynamics/contact_arm.h"
+#include "uwsim/dynamics/spatial.h"
 
 namespace uwsim {
 

@@ -7,7 +7,6 @@
 #include "uwsim/core/water_field.h"
 #include "uwsim/dynamics/arm_link.h"
 #include "uwsim/dynamics/link_loads.h"
-#include "uwsim/dynamics/spatial.h"
 
 namespace uwsim {
 

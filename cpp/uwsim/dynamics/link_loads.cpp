@@ -51,6 +51,11 @@ void LinkSum::write(Matrix6d& mass, Vector6d& bias) const {
   mass(5, 4) = mass(4, 5) = yz;
 }
 
+void RigidPart::add(const PlacedLink& at, const ArmLink& link) {
+  add(link.mass_kg, at.origin_m + at.base_from_link * link.centre_of_mass_m,
+      at.base_from_link * link.inertia_kg_m2 * at.base_from_link.transpose());
+}
+
 void RigidPart::add(double mass_kg, const Eigen::Vector3d& centre_m, const Eigen::Matrix3d& inertia_kg_m2) {
   const Eigen::Vector3d both_m = (mass_kg_ * centre_m_ + mass_kg * centre_m) / (mass_kg_ + mass_kg);
   inertia_kg_m2_ +=

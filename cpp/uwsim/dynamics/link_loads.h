@@ -45,10 +45,7 @@ struct LinkSum {
 /// A rigid body in a frame that moves with it.
 class RigidPart {
  public:
-  void add(const PlacedLink& at, const ArmLink& link) {
-    add(link.mass_kg, at.origin_m + at.base_from_link * link.centre_of_mass_m,
-        at.base_from_link * link.inertia_kg_m2 * at.base_from_link.transpose());
-  }
+  void add(const PlacedLink& at, const ArmLink& link);
   void add(double mass_kg, const Eigen::Vector3d& centre_m, const Eigen::Matrix3d& inertia_kg_m2);
   /// Adds M_RB, V x* M_RB V and the weight of the body, which moves at `velocity`. `lift_m_s2`: against gravity.
   void add_to(LinkSum& sum, const PlacedLink& at, const Vector6d& velocity, const Eigen::Vector3d& lift_m_s2) const;

@@ -8,6 +8,7 @@
 
 #include "dynamics/arms.h"
 #include "uwsim/core/check.h"
+#include "uwsim/dynamics/spatial.h"
 
 namespace uwsim::arm_tests {
 namespace {
