@@ -28,8 +28,7 @@ class Record {
   template <typename Base, typename Member>
   Record& field(const char* name, Member Base::*member, const char* doc = "") {
     class_.def_readonly(name, member, doc);
-    fields_.push_back({name, [member](const T& value) { return as_object(value.*member); },
-                       [member](T& value, const py::object& given) {
+    fields_.push_back({name, [member](T& value, const py::object& given) {
                          value.*member = given.cast<Member>();
                          if constexpr (std::is_same_v<Member, py::array>) forbid_writing(value.*member);
                        }});
@@ -64,12 +63,12 @@ class Record {
     }
     class_
         .def(
-            "to_dict", [fields = fields_](const T& value) { return as_dict(fields, value); },
+            "to_dict", [fields = fields_](const py::object& self) { return as_dict(fields, self); },
             "Return the fields by name; arrays are not copied.")
         .def("__copy__", [](const py::object& self) { return self; })
         .def(
             "__deepcopy__", [](const py::object& self, const py::object&) { return self; }, py::arg("memo"))
-        .def(py::pickle([fields = fields_](const T& value) { return as_dict(fields, value); },
+        .def(py::pickle([fields = fields_](const py::object& self) { return as_dict(fields, self); },
                         [fields = fields_](const Fields& state) {
                           T value{};
                           for (const Field& field : fields) field.set(value, state[field.name]);
@@ -81,22 +80,12 @@ class Record {
  private:
   struct Field {
     const char* name;
-    std::function<py::object(const T&)> get;
     std::function<void(T&, const py::object&)> set;
   };
 
-  template <typename Member>
-  static py::object as_object(const Member& value) {
-    if constexpr (py::detail::is_pyobject<Member>::value) {
-      return value;
-    } else {
-      return py::cast(value);
-    }
-  }
-
-  static Fields as_dict(const std::vector<Field>& fields, const T& value) {
+  static Fields as_dict(const std::vector<Field>& fields, const py::object& self) {
     Fields all;
-    for (const Field& field : fields) all[field.name] = field.get(value);
+    for (const Field& field : fields) all[field.name] = self.attr(field.name);
     return all;
   }
 
