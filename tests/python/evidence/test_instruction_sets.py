@@ -12,14 +12,13 @@ import hashlib
 from uwsim import Simulator, _core
 
 print(_core.instruction_set())
-for seed in (201, 203):
-    with Simulator("pool", seed=seed) as sim:
-        for lamp in sim.rov.lamps.values():
-            lamp.on = True
-        for name, camera in sim.rov.cameras.items():
-            frame = camera.capture(radiance=True)
-            for part in ("rgb", "radiance", "depth_m", "normals_world", "labels"):
-                print(seed, name, part, hashlib.blake2b(getattr(frame, part).tobytes(), digest_size=8).hexdigest())
+with Simulator("pool", seed=203) as sim:
+    for lamp in sim.rov.lamps.values():
+        lamp.on = True
+    for name, camera in sim.rov.cameras.items():
+        frame = camera.capture(radiance=True)
+        for part in ("rgb", "radiance", "depth_m", "normals_world", "labels"):
+            print(name, part, hashlib.blake2b(getattr(frame, part).tobytes(), digest_size=8).hexdigest())
 """
 
 
@@ -39,5 +38,5 @@ def test_pictures_do_not_depend_on_the_instruction_set(wider: str) -> None:
     """Radiance is compared as well: a difference in its last bits changes a pixel in a picture or two."""
     plain, wide = rendered("portable"), rendered(wider)
     assert (plain[0], wide[0]) == ("portable", wider)
-    assert len(plain) == 1 + 2 * 3 * 5, "two seeds, three cameras, five planes"
+    assert len(plain) == 1 + 3 * 5, "three cameras, five planes"
     assert wide[1:] == plain[1:]

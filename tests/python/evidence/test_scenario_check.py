@@ -9,6 +9,7 @@ import pytest
 from command_line import error_line, uwsim
 from uwsim import Simulator
 from uwsim.evidence.scenario_check import check_file, check_part
+from uwsim.flight.flyable_lanes import flyable_plan, survey_plan
 from uwsim.scenario import load_vehicle, packaged_scenarios
 from uwsim.scenario.build import world
 from uwsim.scenario.new import new_scenario
@@ -27,6 +28,9 @@ EXPECTED = (
 )
 """As in the paper's own scenario, the vehicle hangs in a cage; in the other, it floats. In the last, it hangs from a
 boat's A-frame by its tether, and is heavy enough to sink on it."""
+
+
+SURVEYED = ("lake", "pool", "valley", "reservoir", "harbour")
 
 
 def edited(path: Path, *edits: tuple[str, str]) -> str:
@@ -109,6 +113,9 @@ def test_nothing_follows_from_a_mistake_that_is_told(tmp_path: Path) -> None:
 def test_packaged_scenarios_have_no_mistakes_fly_and_are_large_enough_for_every_vehicle(name: str) -> None:
     report = check_file(name)
     assert report.mistakes == () and report.simulator is not None
+    if name in SURVEYED:
+        plan = survey_plan(report.simulator.scenario.survey)
+        assert flyable_plan(report.simulator, plan) == (plan, None), "every lane can be flown"
     assert [warning for warning in report.warnings if not warning.startswith(EXPECTED)] == []
     sim, found = report.simulator, Collected()
     for vehicle in sim.vehicles.values():

@@ -53,14 +53,14 @@ def test_impossible_moments_of_inertia_are_refused() -> None:
 @pytest.mark.mutation
 @pytest.mark.parametrize(
     ("name", "change"),
-    [pytest.param(name, change, id=f"{name}-{what}") for name in PUBLISHED for what, change in coefficients(name)],
+    [pytest.param(name, change, id=f"{name}-{what}") for name in (HEAVY, REMUS) for what, change in coefficients(name)],
 )
 def test_a_coefficient_five_percent_off_is_a_miss(name: str, change: dict[str, object]) -> None:
     checks = each_check(name, load_vehicle(name).model_copy(update=change), [])
     assert any(not check.passed for check in checks)
 
 
-@pytest.mark.parametrize("name", PUBLISHED)
+@pytest.mark.parametrize("name", [HEAVY, REMUS])
 def test_the_mass_check_measures_the_mass(name: str) -> None:
     """A mass 5 % larger is measured as such, and missed; for a neutrally buoyant vehicle the volume is changed."""
     model = load_vehicle(name)

@@ -121,13 +121,6 @@ def test_the_reasons_for_lanes_that_are_left_out_are_whole() -> None:
     assert len(parts) == 2 and sum(parts) == pytest.approx(whole, abs=1.0)
 
 
-@pytest.mark.parametrize("name", ["lake", "pool", "valley", "reservoir", "harbour"])
-def test_every_lane_of_a_packaged_survey_can_be_flown(name: str) -> None:
-    sim = Simulator(name)
-    plan = survey_plan(sim.scenario.survey)
-    assert flyable_plan(sim, plan) == (plan, None)
-
-
 def test_an_area_on_the_shore_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     on_shore = "[[-245, -20], [-195, -20], [-195, 20], [-245, 20]]"
     text = (assets_folder() / "scenarios" / "lake.yaml").read_text()

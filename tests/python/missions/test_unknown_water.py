@@ -3,13 +3,9 @@
 import math
 
 import numpy as np
-import pytest
 
 import uwsim
 from uwsim import Simulator
-from uwsim.bridges import RosbridgeServer
-from uwsim.bridges.remote.flight import fly_remote
-from uwsim.live import LiveSimulator
 from uwsim.missions import StoppedError
 from uwsim.missions.planners.cells import Cells, nearest
 from uwsim.missions.planners.unknown_water import mow_unknown_water
@@ -50,23 +46,6 @@ def test_where_the_bed_ends_it_turns_back_and_says_so() -> None:
     reasons = {event.values["reason"] for event in flown.events if event.name == "closed"}
     assert "no bed below" in reasons
     assert np.abs(flown.samples["rov"].path_world_m[:, :2]).max() < 13.0
-
-
-def test_it_flies_a_remote_vehicle_as_well() -> None:
-    def mission(vehicle):
-        """Mow until the first turn has been made."""
-        for step in mow(3.0, 2.0, line_spacing_m=2.0)(vehicle):
-            yield step
-            place_m = vehicle.pose.position_world_m
-            if place_m[0] < -3.0 and place_m[1] > 1.0:
-                return np.array(place_m)
-
-    here = uwsim.fly(mission, "pool")
-    with LiveSimulator("pool", paused=True) as live, RosbridgeServer(live) as server:
-        far = fly_remote(mission, server.url, lockstep=True)
-    assert far.ended_because == here.ended_because == "the mission is complete"
-    assert here.result == pytest.approx([-3.0, 2.0, -3.0], abs=0.2), "on its way back, beside the first lane"
-    assert far.result == pytest.approx(here.result, abs=0.3)
 
 
 def test_a_vehicle_that_cannot_move_is_stuck_and_not_silent() -> None:

@@ -20,7 +20,7 @@ from scipy.spatial.transform import Rotation
 from uwsim.evidence.validate.check import Check, at_most, relative
 from uwsim.evidence.validate.flights import deep_water
 from uwsim.evidence.validate.reality import arm_tilts
-from uwsim.evidence.validate.reality.arm_tilts import FILE, Trial, fitted_hull_nm, pitch_and_roll_deg, read_trials
+from uwsim.evidence.validate.reality.arm_tilts import FILE, Trial, fitted_to_others, pitch_and_roll_deg
 from uwsim.evidence.validate.reality.kinds import PREDICTED
 from uwsim.figures.style import save_figure
 from uwsim.scenario import VehicleModel, load_vehicle
@@ -119,9 +119,8 @@ def _smoothed(values: Array) -> Array:
 
 def checks(data: Path, out: Path | None) -> list[Check]:
     """Return the checks; draw the yaw rates into the folder `out`."""
-    trials = read_trials((data / FILE).parent)
-    fits = [fitted_hull_nm(half) for half in (trials[::2], trials[1::2])]
-    flown = [moved(trial, fits[1 - k % 2]) for k, trial in enumerate(trials)]
+    _, others = fitted_to_others(data)
+    trials, flown = [trial for trial, _ in others], [moved(*each) for each in others]
     errors = np.array([
         arm_tilts.rms_deg(
             np.column_stack([np.interp(trial.times_s, got.times_s, got.attitude_deg[:, k]) for k in (0, 1)]), trial

@@ -43,6 +43,7 @@ STATED_HULL_NM = (1.960, -0.495, 3.825)  # from the authors' weights, volumes an
 LEFT_OUT = ("baseline", "traj003-0-test")  # the arm does not move; a repetition of trial 003-1
 MESH_SCALE = 1.1  # the mesh is smaller than this vehicle with its foam; deep in still water its shape has no effect
 SETTLING_S, CHANGE_S, SAMPLE_S = 60.0, 0.5, 0.05
+FLOWN = slice(None)  # of the trials; the hull is fitted to all
 
 BASE = (np.array([0.25, -0.10965, 0.005]), Rotation.identity())
 JOINTS = (  # translation [m], rpy [rad], column, zero [rad]
@@ -142,6 +143,13 @@ def fitted_hull_nm(trials: list[Trial]) -> Array:
     return np.asarray(np.linalg.lstsq(np.concatenate(matrices), np.concatenate(moments))[0], np.float64)
 
 
+def fitted_to_others(data: Path) -> tuple[list[Array], list[tuple[Trial, Array]]]:
+    """Return h of the hull (3,) by each half of the trials, and the trials to fly, each with h by the other half."""
+    trials = read_trials((data / FILE).parent)
+    fits = [fitted_hull_nm(half) for half in (trials[::2], trials[1::2])]
+    return fits, [(trial, fits[1 - k % 2]) for k, trial in enumerate(trials)][FLOWN]
+
+
 def flown_deg(arm: Callable[[Array], Arm], hull_nm: Array, times_s: Array) -> Array:
     """Return pitch and roll (n, 2) [deg] of the simulated vehicle at times_s (n,), increasing.
 
@@ -185,9 +193,9 @@ def rms_deg(got_deg: Array, trial: Trial) -> Array:
 
 def checks(data: Path, out: Path | None) -> list[Check]:
     """Return the checks; draw one of the tested trials, and all errors, into the folder `out`."""
-    trials = read_trials((data / FILE).parent)
-    fits = [fitted_hull_nm(half) for half in (trials[::2], trials[1::2])]
-    flown = {t.name: flown_deg(t.arm, fits[1 - k % 2], t.times_s) for k, t in enumerate(trials)}
+    fits, others = fitted_to_others(data)
+    trials = [trial for trial, _ in others]
+    flown = {t.name: flown_deg(t.arm, hull_nm, t.times_s) for t, hull_nm in others}
     judged = {t.name: rms_deg(flown[t.name], t) for t in trials}
     errors = np.array(list(judged.values()))
     if out is not None:
