@@ -252,7 +252,7 @@ def begins(sim):
 
 
 def test_faults_by_chance_come_at_their_rate_and_follow_from_the_seed():
-    rate_per_h, long_s, short_s = 36_000.0, 20.0, 4.0
+    rate_per_h, long_s, short_s = 36_000.0, 8.0, 2.0
     fault = {"kind": "sensor", "sensor": "depth", "rate_per_h": rate_per_h, "for_s": 0.01}
     runs = []
     for seed, duration_s in ((2, short_s), (1, short_s), (1, long_s)):
