@@ -2,7 +2,6 @@
 
 import os
 import signal
-import threading
 import weakref
 
 import numpy as np
@@ -101,20 +100,16 @@ def test_a_corrupted_depth_string_corrupts_the_map() -> None:
         fly_survey(Simulator("pool", mission_time_s=5.0), transmit=lambda text: text[: len(text) // 2])
 
 
-@pytest.mark.parametrize("threads", [1, 2])
-def test_ctrl_c_ends_the_survey_with_the_map_so_far(threads: int) -> None:
-    sim = Simulator("pool", threads=threads)
-    pinged = threading.Event()
+def test_ctrl_c_ends_the_survey_with_the_map_so_far() -> None:
+    sim = Simulator("pool", threads=2)
     shares: list[float] = []
 
     def interrupt_after_fifty(share: float) -> None:
         shares.append(share)
         if len(shares) == 50:
-            pinged.set()
             os.kill(os.getpid(), signal.SIGINT)
 
     occupancy, record = fly_survey(sim, on_progress=interrupt_after_fifty)
-    assert pinged.is_set()
     assert record.ended_because == INTERRUPTED
     assert 50 <= record.ping_count <= 52
     assert len(occupancy.occupied_voxels()) > 0

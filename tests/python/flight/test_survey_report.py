@@ -271,11 +271,8 @@ def test_coverage_is_not_rounded_up_to_100_percent(surveyed):
     assert dict(key_figures(with_score(surveyed[0], coverage=0.99996)))["coverage"].startswith("99.9 %")
 
 
-@pytest.mark.parametrize("size_m", [1e-4, 1e-9])
-def test_a_tiny_area_has_figures_too(world, record, tmp_path, size_m):
-    speck = dataclasses.replace(
-        record, area_world_m=np.array([[3.0, 2.0]]) + size_m * np.array([[0, 0], [1, 0], [0, 1]])
-    )
+def test_a_tiny_area_has_figures_too(world, record, tmp_path):
+    speck = dataclasses.replace(record, area_world_m=np.array([[3.0, 2.0], [3.0 + 1e-9, 2.0], [3.0, 2.0 + 1e-9]]))
     for tiny in (speck, without_pings(speck)):
         flown = scored(world, tiny, np.array([[3.25, 2.25, -19.75]]))
         for figure in map_figures(tmp_path, flown, world, _core.RayScene(world)):

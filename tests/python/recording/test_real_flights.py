@@ -63,19 +63,20 @@ def test_a_flight_that_is_written_is_read_again_and_its_model_flies_it_alike(kin
     assert turned.magnitude().max() < 1e-5
     np.testing.assert_allclose(motion.velocity_body, flight.velocity_body, atol=1e-5)
 
+    if kind != "BIN":  # the motion is the same, and so what a model beside it does
+        return
     same = fly_beside(motion, model, density_kg_m3=DENSITY_KG_M3, horizons_s=(1.0, 5.0, 10.0))
     assert same.horizons[10.0]["place"] is not None and same.horizons[10.0]["place"].count == 1
     for errors in same.horizons.values():
         worst = {name: mean.value for name, mean in errors.items() if mean is not None}
         assert worst["place"] < 2e-3 and worst["depth"] < 2e-3 and worst["tilt"] < 0.1, worst
-    if kind == "BIN":
-        draggy = model.model_copy(update={"quadratic_damping": tuple(3 * v for v in model.quadratic_damping or ())})
-        other = fly_beside(motion, draggy, density_kg_m3=DENSITY_KG_M3, horizons_s=(1.0, 5.0, 10.0))
-        for h in (5.0, 10.0):
-            right, wrong, simplest = (e[h]["speed"] for e in (same.horizons, other.horizons, same.integrator))
-            assert right is not None and wrong is not None and wrong.value > 20 * right.value
-            assert simplest is not None and simplest.value > 20 * right.value
-            assert other.integrator[h] == same.integrator[h]  # drag is not in it
+    draggy = model.model_copy(update={"quadratic_damping": tuple(3 * v for v in model.quadratic_damping or ())})
+    other = fly_beside(motion, draggy, density_kg_m3=DENSITY_KG_M3, horizons_s=(1.0, 5.0, 10.0))
+    for h in (5.0, 10.0):
+        right, wrong, simplest = (e[h]["speed"] for e in (same.horizons, other.horizons, same.integrator))
+        assert right is not None and wrong is not None and wrong.value > 20 * right.value
+        assert simplest is not None and simplest.value > 20 * right.value
+        assert other.integrator[h] == same.integrator[h]  # drag is not in it
 
 
 @pytest.mark.parametrize("kind", ["BIN", "tlog"])

@@ -97,20 +97,6 @@ def test_pictures_are_recorded_replayed_and_read_as_arrays(tmp_path: Path) -> No
     assert replay(run).difference is None
 
 
-def test_a_live_run_s_map_comes_from_its_recording_with_the_same_bytes(tmp_path: Path) -> None:
-    path = tmp_path / "live.mcap"
-    with LiveSimulator("lake", speed="max", paused=True) as live:
-        table = Table(live.simulator)
-        with Recorder(live, path, topics=["octomap_binary", "sonar_ping"], shared=table):
-            live.rov.undock()
-            live.rov.sonar.aim(-0.6)
-            live.rov.set_effort(surge=0.7, yaw=0.2)
-            live.step(500)
-        table.maps["rov"].write(tmp_path / "run.bt")
-    occupancy, count = live_map(recording.open(path))
-    assert count > 10 and occupancy.to_bytes("bt") == (tmp_path / "run.bt").read_bytes()
-
-
 SURVEY = """
 name: small
 seed: 2
