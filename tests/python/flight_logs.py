@@ -198,6 +198,7 @@ def bag(flight: Flown, folder: Path) -> Path:
     store = get_typestore(Stores.ROS2_JAZZY)
     t = store.types
     motors = servo_motors(FRAME, load_vehicle(VEHICLE).thrusters, VEHICLE)
+    names = list(load_vehicle(VEHICLE).thrusters)
     output = {each.thruster: (each.output, each.direction * (-1.0 if each.output == 0 else 1.0)) for each in motors}
 
     def vector(kind: str, values: Any) -> Any:
@@ -226,7 +227,7 @@ def bag(flight: Flown, folder: Path) -> Path:
             writer.write(odometry, ns, store.serialize_cdr(message, "nav_msgs/msg/Odometry"))
             sent = [sign * (flight.pulses_us[k, at] - 1500) / 400.0 for at, sign in output.values()]
             order = dict(zip(output, sent, strict=True))
-            data = np.array([order[name] for name in load_vehicle(VEHICLE).thrusters])
+            data = np.array([order[name] for name in names])
             layout = t["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
             array = t["std_msgs/msg/Float64MultiArray"](layout=layout, data=data)
             writer.write(thrusters, ns, store.serialize_cdr(array, "std_msgs/msg/Float64MultiArray"))

@@ -5,6 +5,7 @@ from unittest.mock import patch
 
 import pytest
 
+from uwsim.base.own_files import mark
 from uwsim.exercises import Exercise, load_exercise
 from uwsim.exercises.flight import fly_exercise
 from uwsim.exercises.sheet import NAMES
@@ -55,14 +56,16 @@ def test_a_stale_sheet_goes_before_the_flight_and_a_call_in_vain_leaves_it(tmp_p
     assert "Old" not in (tmp_path / "sheet.html").read_text() + (tmp_path / "score.json").read_text()
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_a_file_that_uwsim_did_not_write_is_neither_removed_nor_replaced(tmp_path, name):
+def test_a_file_that_uwsim_did_not_write_is_neither_removed_nor_replaced(tmp_path):
     fly_exercise(exercise("Old"), still, tmp_path)
-    (tmp_path / name).write_text("mine\n")
-    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    with pytest.raises(FileExistsError, match=f"{name}': exists, and uwsim did not write it as it is"):
-        fly_exercise(load_exercise("hover"), still, tmp_path)
-    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+    written = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    for name in NAMES:
+        (tmp_path / name).write_text("mine\n")
+        with pytest.raises(FileExistsError, match=f"{name}': exists, and uwsim did not write it as it is"):
+            fly_exercise(load_exercise("hover"), still, tmp_path)
+        assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == written | {name: b"mine\n"}
+        (tmp_path / name).write_bytes(written[name])
+        mark(tmp_path / name)
 
 
 def test_a_pilot_who_fails_has_a_sheet(tmp_path):
