@@ -2,7 +2,7 @@
 
 Calling a generator function runs none of its body, so a step has no effect, whatever its arguments, if it is dropped,
 only asked for its truth, as in `if until(...):`, or stored in a name that is not used otherwise: each that is found is
-an error. The text of the mission is read, and of the generator functions that it calls outside uwsim. Not found are
+an error. The text of the mission is read, and of the functions that it calls outside uwsim and libraries. Not found are
 steps that are passed on or kept in a container, and methods of objects whose class the text does not show.
 """
 
@@ -12,14 +12,16 @@ import ast
 import builtins
 import inspect
 import linecache
+import sysconfig
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from types import FunctionType
+from types import FunctionType, ModuleType
 from typing import Any
 
 STEP_TYPES = ("Steps[", "Wait")
 OURS = "uwsim."
+INSTALLED = tuple({sysconfig.get_path(scheme) for scheme in ("stdlib", "purelib", "platlib")})
 
 
 def require_steps_run(mission: Any) -> None:
@@ -27,7 +29,7 @@ def require_steps_run(mission: Any) -> None:
     parts, seen = _functions(mission), set[FunctionType]()
     while parts:
         function = parts.pop()
-        if function in seen or f"{function.__module__}.".startswith(OURS):
+        if function in seen or f"{function.__module__}.".startswith(OURS) or _is_of_a_library(function):
             continue
         seen.add(function)
         tree = _tree(function)
@@ -41,6 +43,14 @@ def require_steps_run(mission: Any) -> None:
                 where = f"{function.__code__.co_filename}:{call.lineno}"
                 text = ast.unparse(call.func)
                 raise ValueError(f"{where}: {text}(...) is made and never run: write `yield from {text}(...)`")
+
+
+def _is_of_a_library(function: FunctionType) -> bool:
+    """Return whether a function is of an installed module that names nothing of uwsim, as NumPy's."""
+    known = (each for each in function.__globals__.values() if isinstance(each, FunctionType | ModuleType | type))
+    return function.__code__.co_filename.startswith(INSTALLED) and not any(
+        f"{each.__name__ if isinstance(each, ModuleType) else each.__module__}.".startswith(OURS) for each in known
+    )
 
 
 _ASKS = ast.If | ast.While | ast.IfExp | ast.Assert | ast.UnaryOp

@@ -3,10 +3,11 @@
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from uwsim.flight.mission_file import MissionError, load_mission
-from uwsim.missions import OwnVehicle, drive, goto, hold, parallel, until, wait
+from uwsim.missions import OwnVehicle, drive, goto, hold, parallel, unrun_steps, until, wait
 from uwsim.missions.run import made
 from uwsim.missions.unrun_steps import require_steps_run
 
@@ -102,3 +103,13 @@ def test_a_step_in_an_imported_file_is_found(tmp_path: Path):
     path.write_text("from legs_of_mine import lap\ndef mission(vehicle):\n    yield from lap(vehicle)\n")
     with pytest.raises(MissionError, match=r"legs_of_mine.py:3: turn_to\(\.\.\.\) is made and never run"):
         load_mission(path)
+
+
+def test_libraries_that_know_nothing_of_missions_are_not_read(monkeypatch: pytest.MonkeyPatch):
+    def mission(vehicle):
+        yield wait(float(np.median([1.0, 2.0])))
+
+    read, tree = [], unrun_steps._tree
+    monkeypatch.setattr(unrun_steps, "_tree", lambda function: read.append(function.__name__) or tree(function))
+    require_steps_run(mission)
+    assert read == ["mission"]
