@@ -191,11 +191,11 @@ def test_errors_of_installation_are_found_back(straight):
     assert math.degrees(math.atan(moved / below_m)) == pytest.approx(0.6, abs=0.05)
     turn = np.polyfit(across, found["heading"][k].sounding_m[seen, 0] - along, 1)[0]
     assert math.degrees(math.atan(turn)) == pytest.approx(2.0, abs=0.1)
-    metres = np.array([111_111.0, 111_111.0 * math.cos(math.radians(LATITUDE))])
-    for j in range(20, len(true)):
-        before = np.interp(true[j].time_ns - 3e8, [each.time_ns for each in true], [each.latitude_deg for each in true])
-        assert (found["late"][j].latitude_deg - before) * metres[0] == pytest.approx(0.0, abs=0.03)
-        assert found["late"][j].heading_rad == pytest.approx(true[j].heading_rad, abs=2e-4)
+    times_ns, latitudes_deg, headings_rad = np.array([(p.time_ns, p.latitude_deg, p.heading_rad) for p in true]).T
+    before_deg = np.interp(times_ns - 3e8, times_ns, latitudes_deg)
+    late_deg, late_rad = np.array([(ping.latitude_deg, ping.heading_rad) for ping in found["late"]]).T
+    assert 111_111.0 * (late_deg - before_deg)[20:] == pytest.approx(0.0, abs=0.03)
+    assert late_rad[20:] == pytest.approx(headings_rad[20:], abs=2e-4)
 
 
 def test_truth_and_tpu_are_side_by_side(bent, tmp_path):
