@@ -75,7 +75,13 @@ class MapBuilder:
         return all(poses and poses[-1][0] >= stamp_ns for poses in self._poses.values())
 
     def _nearest(self, link: tuple[str, str], stamp_ns: int) -> NDArray[np.float64]:
-        return min(self._poses[link], key=lambda entry: abs(entry[0] - stamp_ns))[1]
+        nearest, least_ns = self._poses[link][-1], BACK_NS * REMEMBERED
+        for entry in reversed(self._poses[link]):  # a cloud is near the newest
+            if (away_ns := abs(entry[0] - stamp_ns)) <= least_ns:
+                nearest, least_ns = entry, away_ns
+            if entry[0] < stamp_ns - least_ns - BACK_NS:  # none before it is nearer: see _forget_before
+                break
+        return nearest[1]
 
 
 def _time_ns(stamp: Any) -> int:
