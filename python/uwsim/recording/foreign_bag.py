@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
+from uwsim.channels.ros import build
 from uwsim.mapping import OccupancyMap, ranging
 from uwsim.recording.reader import NOT_OURS, Recording
 
@@ -122,7 +123,7 @@ def _read(bag: Any, path: Path, topic: str | None, frame: str | None, voxel_m: f
         if frame is None:
             frame = _root(links, own)
             notes.append(f"assumed: the map is in frame '{frame}', the root of the transforms of '{own}'")
-        placed = _placed(links, own, frame.lstrip("/"), _time_ns(message.header.stamp))
+        placed = _placed(links, own, frame.lstrip("/"), build.ns_of(message.header.stamp))
         if isinstance(placed, str):
             dropped[placed] += 1
             continue
@@ -157,7 +158,7 @@ def _links(bag: Any) -> dict[str, Link]:
             position = np.array([moved.x, moved.y, moved.z])
             if link.parent != parent or not np.isfinite([*position, *quaternion]).all() or not quaternion.any():
                 continue
-            link.times_ns.append(_time_ns(stamped.header.stamp))
+            link.times_ns.append(build.ns_of(stamped.header.stamp))
             link.poses.append((position, quaternion))
     links = {child: link for child, link in links.items() if link.poses}
     for link in links.values():
@@ -225,10 +226,6 @@ POINTS_OF: dict[str, Callable[[Any], NDArray[np.float32] | None]] = {
     "sensor_msgs/msg/LaserScan": _scan,
 }
 """Readers of points, by the type of message."""
-
-
-def _time_ns(stamp: Any) -> int:
-    return int(stamp.sec) * 10**9 + int(stamp.nanosec)
 
 
 def _matrix(position: Floats, quaternion: Floats) -> Floats:

@@ -18,7 +18,7 @@ DATA = Path(__file__).parents[4] / "shared/reality"
 def test_what_others_measured_is_met_within_the_stated_tolerances(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of the trials with an arm, every fifth is flown; `uwsim validate reality` flies all."""
+    """Every fifth of the trials with an arm is flown; `uwsim validate reality` flies all."""
     if not DATA.is_dir():
         pytest.skip(f"no {DATA}: docs/inside/reality.md lists the sources of the files")
     monkeypatch.setattr(arm_tilts, "FLOWN", slice(0, None, 5))

@@ -22,6 +22,7 @@ import numpy as np
 from uwsim.bridges.nodes.map_builder import MapBuilder
 from uwsim.bridges.nodes.node import Node
 from uwsim.channels.families.scans import cloud
+from uwsim.channels.ros import build
 from uwsim.channels.ros.messages import default_message
 from uwsim.mapping import ranging
 
@@ -90,7 +91,7 @@ def to_scan(message: Any, model: int, stamp: Any) -> Any:
 def to_cloud(scan: Any, model: int) -> Any:
     """Project a scan to a cloud, with the sonar model's angles, since a LaserScan's angles are rounded to float32."""
     ranges_m = np.where(np.isnan(scan.ranges), np.float32(np.inf), scan.ranges)
-    stamp_ns = scan.header.stamp.sec * 10**9 + scan.header.stamp.nanosec
+    stamp_ns = build.ns_of(scan.header.stamp)
     points = ranging.to_point_cloud(ranging.to_laser_scan(ranges_m, model))
     return cloud({"xyz": points}, stamp_ns, scan.header.frame_id)
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from uwsim.channels.ros import build
 from uwsim.mapping import MapEngine, OccupancyMap, ranging
 
 VOXEL_M = 0.2
@@ -39,7 +40,7 @@ class MapBuilder:
         for stamped in message.transforms:
             link = stamped.header.frame_id, stamped.child_frame_id
             if link in self._poses:
-                self._forget_before(stamp_ns := _time_ns(stamped.header.stamp))
+                self._forget_before(stamp_ns := build.ns_of(stamped.header.stamp))
                 self._poses[link].append((stamp_ns, _matrix(stamped.transform)))
 
     def add_cloud(self, message: Any) -> None:
@@ -49,9 +50,9 @@ class MapBuilder:
     def insert_ready(self) -> int:
         """Insert the clouds whose transforms have arrived; return how many were inserted."""
         before = self.inserted
-        while self._clouds and self._known(_time_ns(self._clouds[0].header.stamp)):
+        while self._clouds and self._known(build.ns_of(self._clouds[0].header.stamp)):
             cloud = self._clouds.popleft()
-            stamp_ns = _time_ns(cloud.header.stamp)
+            stamp_ns = build.ns_of(cloud.header.stamp)
             odom_from_body, body_from_scan = (self._nearest(link, stamp_ns) for link in CHAIN)
             odom_from_scan = odom_from_body @ body_from_scan
             points = np.frombuffer(cloud.data.tobytes(), np.float32).reshape(-1, cloud.point_step // 4)[:, :3]
@@ -82,10 +83,6 @@ class MapBuilder:
             if entry[0] < stamp_ns - least_ns - BACK_NS:  # none before it is nearer: see _forget_before
                 break
         return nearest[1]
-
-
-def _time_ns(stamp: Any) -> int:
-    return int(stamp.sec) * 10**9 + int(stamp.nanosec)
 
 
 def _matrix(transform: Any) -> NDArray[np.float64]:

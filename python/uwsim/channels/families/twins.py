@@ -144,7 +144,7 @@ def _cmd_vel_stamped(source: Source, steering: Steering) -> Channel:
     def apply(live: LiveSimulator, message: Any) -> None:
         if message.header.frame_id not in frames:
             raise ValueError(f"{name}: header.frame_id = '{message.header.frame_id}': must be '{frames[1]}'")
-        stamp_ns = message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
+        stamp_ns = build.ns_of(message.header.stamp)
         late_s, limit_s = 1e-9 * (live.time_ns - stamp_ns), source.command_timeout_s(live.simulator)
         if stamp_ns and limit_s and abs(late_s) > limit_s:
             rule = f"must be within {limit_s:g} s of /clock (use_sim_time)"

@@ -70,6 +70,11 @@ def time(stamp_ns: int | NDArray[np.uint64]) -> Any:
     return _class("builtin_interfaces/msg/Time")(sec, nanosec)
 
 
+def ns_of(stamp: Any) -> int:
+    """Return the nanoseconds of a builtin_interfaces/Time."""
+    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+
+
 def duration(duration_s: float) -> Any:
     """Return a duration."""
     sec, nanosec = divmod(round(1e9 * duration_s), 1_000_000_000)

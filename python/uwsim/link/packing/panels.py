@@ -57,7 +57,7 @@ CAUSES = ("", *FAILSAFE_CAUSES)
 
 def pack_telemetry(message: Any) -> bytes:
     """Pack /telemetry into about 110 bytes: positions in cm, accelerations in mm/s2, commands in %, alarms as text."""
-    stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+    stamp_ns = build.ns_of(message.header.stamp)
     flags = sum(bool(getattr(message, name)) << bit for bit, name in enumerate(FLAGS))
     lamps = np.asarray(message.lamps, bool)
     places = [quantised(x, 0.01, "i") for x in (*message.position, *message.true_position)]
@@ -117,7 +117,7 @@ START = "sensor "
 
 def pack_sensors(message: Any) -> bytes:
     """Pack /sensor_gauges: names and units as text, values to six digits, ages in whole seconds."""
-    stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+    stamp_ns = build.ns_of(message.header.stamp)
     rows = zip(message.names, message.units, message.values, message.ages, strict=True)
     texts = [f"{name.removeprefix(START)}\t{unit}\t{value:.6g}\t{age:.0f}" for name, unit, value, age in rows]
     return struct.pack("<I", stamp_ns // STAMP_NS) + "\n".join(texts).encode()

@@ -27,7 +27,7 @@ def pack(message: Any) -> bytes:
     """
     from scipy.spatial.transform import Rotation  # slow to import
 
-    stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+    stamp_ns = build.ns_of(message.header.stamp)
     position = b"".join(_three_bytes(x) for x in message.position)
     turn = np.asarray(message.orientation, np.float64)
     angles_rad = Rotation.from_quat(turn).as_euler("ZYX") if np.linalg.norm(turn) > 0.5 else np.zeros(3)

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from uwsim.base.extras import need_extra
+from uwsim.channels.ros import build
 from uwsim.recording.foreign_bag import METADATA, foreign_bag
 from uwsim.recording.real_flights.flight_log import MOST_ROWS, QUANTITIES, Array, FlightLog, Series, series_of
 
@@ -141,7 +142,7 @@ def _table(bag: Any, path: Path, topic: str, wanted: Read) -> Array:
     for connection, time_ns, data in bag.messages(connections):
         message = bag.deserialize(data, connection.msgtype)
         stamp = getattr(getattr(message, "header", None), "stamp", None)
-        stamped = 0 if stamp is None else int(stamp.sec) * 10**9 + int(stamp.nanosec)
+        stamped = 0 if stamp is None else build.ns_of(stamp)
         row = [1e-9 * (stamped or time_ns), *map(float, wanted.numbers(message))]
         rows[len(row)].append(row)
         if len(rows[len(row)]) > MOST_ROWS:
