@@ -5,6 +5,7 @@ import gc
 import os
 import sys
 from collections.abc import Generator, Iterator
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -17,6 +18,7 @@ from uwsim.scenario import build_world, load
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 os.environ["UWSIM_LOGBOOK"] = ""  # attempts in tests are not the user's
+MAY_GROW_BYTES, KEPT_BYTES = 100 << 20, [0]
 settings.register_profile("uwsim", derandomize=True, deadline=None, database=None)
 settings.load_profile("uwsim")
 
@@ -45,13 +47,19 @@ def shared_trees() -> Iterator[None]:
     del kept
 
 
-@pytest.fixture(autouse=True, scope="module")
+@pytest.fixture(autouse=True)
 def small_memory() -> Iterator[None]:
-    """Return what a file's tests have freed to the system, which otherwise stays with the process."""
+    """Return what tests have freed to the system once a process has grown; worlds wait for it in circles of objects."""
     yield
-    gc.collect()
-    if sys.platform == "linux" and hasattr(libc := ctypes.CDLL(None), "malloc_trim"):
-        libc.malloc_trim(0)
+    if sys.platform == "linux" and resident_bytes() > KEPT_BYTES[0] + MAY_GROW_BYTES:
+        gc.collect()
+        if hasattr(libc := ctypes.CDLL(None), "malloc_trim"):
+            libc.malloc_trim(0)
+        KEPT_BYTES[0] = resident_bytes()
+
+
+def resident_bytes() -> int:
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 @pytest.fixture(autouse=True)
