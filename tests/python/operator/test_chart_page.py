@@ -43,7 +43,7 @@ def test_a_plan_is_drawn_saved_and_flown(here, page):
     np.testing.assert_allclose(saved["POINTS_WORLD_M"], drawn, atol=1e-3)
 
     live = here.station.present().live
-    live.speed = 4.0
+    live.speed = 20.0
     page.click(".chart-tools >> text=Fly")
     when(page, "station.chart.state?.reached === 1")
     page.wait_for_timeout(300)

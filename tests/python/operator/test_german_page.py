@@ -7,7 +7,7 @@ exercise, `test_hud_page` the bar and the pictures, `test_trainees_page` and `te
 from browser import desk, judge, shows, until, when
 from uwsim.operator.station.flights.flights import Bounds
 
-WIDTHS = (1280, 1920, 2560)
+WIDTHS = (1280, 1920)
 THEMES = ["dark", "light", "night"]
 CUT = """() => [...document.querySelectorAll('button, .lamp, #lease, .caption, .panel h2, .exercise-files a')]
   .filter((each) => each.checkVisibility() && each.scrollWidth > each.clientWidth + 1 && each.clientWidth > 0)

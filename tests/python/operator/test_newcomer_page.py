@@ -11,9 +11,10 @@ from uwsim.mapping import OccupancyMap
 from uwsim.operator.station.flights.flights import Bounds
 
 PIPELINE = (-100.0, -30.0)  # a corner of lake's pipeline_main; the chart shows its name there
+NEAR_M = (-55.0, -15.0, -2.0)
 ABOVE_M = 5.0
 MOST_ACTS = {"pipeline": 11, "map": 1, "replay": 3}
-FLIGHT_S = 240.0  # of real time, for two minutes of simulated time that are recorded, mapped and shown
+FLIGHT_S = 240.0  # of real time, for a minute of simulated time that is recorded, mapped and shown
 
 
 class Acts:
@@ -37,7 +38,8 @@ def test_a_newcomer_flies_to_the_pipeline_saves_the_map_and_replays_the_run(brow
         when(page, "station.station.isPilot && station.telemetry.message")
         does("pipeline", "click", "text=Undock")
         until(lambda: here.rov.released, "the vehicle in free water")
-        page.select_option("#speed", "10")  # to shorten the test
+        page.select_option("#speed", "10")  # to shorten the test, as does a place nearer to the pipeline
+        here.station.present().live.command("place", vehicle="rov", position_world_m=NEAR_M).result()
 
         does("pipeline", "click", ".swap[aria-label*=Chart]")
         when(page, "station.views.large === 'chart' && station.chart.flown.length > 0")
