@@ -151,16 +151,6 @@ def test_the_conversation_is_that_of_the_sdk() -> None:
         peer.stop()
 
 
-def test_no_page_of_another_site_commands(live: LiveSimulator, server: FoxgloveServer) -> None:
-    before = len(live.log)
-    for origin in ("http://evil.example", "null", "file://", "http://evil.example:8765"):
-        options: dict[str, Any] = {"origin": origin, "subprotocols": protocol.SUBPROTOCOLS}
-        with pytest.raises(InvalidStatus) as refused, connect(server.url, **options):
-            pass
-        assert refused.value.response.status_code == 403
-    assert len(live.log) == before
-
-
 def test_parameters_are_listed_set_and_reported(live: LiveSimulator, server: FoxgloveServer) -> None:
     client, other = Plain(server.url), Plain(server.url)
     assert {"parameters", "parametersSubscribe"} <= set(client.next("serverInfo")["capabilities"])

@@ -284,7 +284,7 @@ def test_empty_frames_show_nothing_and_crowded_ones_at_least_what_they_would_oth
 
 MEADOW = {
     "name": "meadow",
-    "terrain": {"source": "noise", "size_m": [30, 30], "spacing_m": 1, "bed_depth_m": 6},
+    "terrain": {"source": "noise", "size_m": [16, 16], "spacing_m": 1, "bed_depth_m": 6},
     "cover": [
         {"kind": "seagrass", "name": "grass", "density_per_m2": 6, "size_m": [0.1, 0.2], "seed": 1},
         {"kind": "starfish", "name": "star", "density_per_m2": 0.2, "size_m": [0.15, 0.3], "seed": 2},
@@ -294,7 +294,7 @@ MEADOW = {
 }
 
 
-@pytest.mark.parametrize(("look_at", "named"), [("starfish", "star"), ("fish", "herring"), ("herring", "herring")])
+@pytest.mark.parametrize(("look_at", "named"), [("starfish", "star"), ("herring", "herring")])
 def test_a_covered_world_has_pictures_with_and_without_a_class(look_at: str, named: str, tmp_path: Path) -> None:
     """The world is given by its content; starfish are few, grass is everywhere."""
     options = {"size": (160, 120), "write": ("boxes",), "look_at": look_at, "distance_m": (0.8, 2.0), "workers": 0}

@@ -1,10 +1,6 @@
 """How the station's screen is divided, in a real browser: the picture first, layouts by task, a view of its own."""
 
-import io
-
-import numpy as np
 import pytest
-from PIL import Image
 
 from browser import judge, when
 
@@ -66,23 +62,6 @@ def test_a_layout_is_kept_by_name_and_a_view_opens_in_a_window_of_its_own(here, 
     assert not alone.evaluate("station.station.isPilot") and page.evaluate("station.station.isPilot")
     alone.close()
     page.keyboard.press("Escape")
-
-
-def test_at_night_all_is_of_one_hue_and_all_stop_is_the_brightest(page):
-    page.set_viewport_size({"width": 1280, "height": 720})
-    page.evaluate("station.views.enlarge('front')")
-    page.evaluate("document.documentElement.dataset.theme = 'night', dispatchEvent(new Event('theme'))")
-    when(page, "station.views.largeView.picture?.drawn > 0 && station.scene.gate.frames > 1")
-    pixels = np.asarray(Image.open(io.BytesIO(page.screenshot())).convert("RGB"))
-    red, green, blue = np.moveaxis(pixels.astype(np.int16), 2, 0)
-    assert np.all((red + 5 >= green) & (red + 5 >= blue))
-    levels = np.arange(256) / 255.0
-    linear = np.where(levels <= 0.04045, levels / 12.92, ((levels + 0.055) / 1.055) ** 2.4)[pixels]
-    luminance = linear @ [0.2126, 0.7152, 0.0722]  # WCAG 2.1
-    stop = box(page, "#all-stop")
-    rows, columns = (slice(int(stop[a]), int(stop[a] + stop[b])) for a, b in (("y", "height"), ("x", "width")))
-    assert luminance[rows, columns].max() == luminance.max() < 0.6
-    page.evaluate("document.documentElement.dataset.theme = 'dark', dispatchEvent(new Event('theme'))")
 
 
 STOP_IS_ON_TOP = """() => {
