@@ -1,16 +1,34 @@
 """Fixtures of the tests of the station's page in a real browser."""
 
+from contextlib import ExitStack
+from functools import cache
+
 import numpy as np
 import pytest
 
+OPEN = ExitStack()
 
-@pytest.fixture(scope="package")
-def browser():
-    """One Chromium for the whole folder."""
+
+@cache
+def only_browser():
+    """Start Chromium, or return the one that runs."""
     from browser import chromium  # here, since not all tests of the folder need playwright
 
-    with chromium() as found:
-        yield found
+    return OPEN.enter_context(chromium())
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """One Chromium for the whole folder."""
+    return only_browser()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown(item, nextitem):
+    """End Chromium with the last test of this folder: its loop would be in the way of others, and so is its memory."""
+    if nextitem is None or nextitem.path.parent != item.path.parent:
+        OPEN.close()
+        only_browser.cache_clear()
 
 
 @pytest.fixture
@@ -46,7 +64,7 @@ def page(here):
     return page
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="session")
 def slope():
     """A map of 40 x 20 voxels on a slope that rises to the east."""
     from uwsim.mapping import OccupancyMap
