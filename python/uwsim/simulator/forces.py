@@ -12,7 +12,6 @@ from uwsim.base.named import Named
 from uwsim.base.short_repr import ShortRepr
 
 Vector = NDArray[np.float64]
-TERMS = ("weight", "buoyancy", "drag", "added_mass", "coriolis", "actuators", "applied", "contact", "dock")
 TOTAL = "total"
 
 

@@ -108,7 +108,7 @@ def test_a_stop_is_not_undone_by_what_it_overtakes(live: LiveSimulator, slow: No
     returning = threading.Thread(target=live.reset)  # to a state in which nothing is stopped
     with holding(live):
         returning.start()
-        until(lambda: any(request.name == "reset" for request in live._loop._requests))
+        until(lambda: any(request.name == "reset" for request in list(live._loop._requests)))
         stop = live.command("all_stop", vehicle="rov", on=True)
     stop.result()
     returning.join()

@@ -17,10 +17,6 @@ export class VoxelStore {
     return this.#blocks.values();
   }
 
-  get blockCount() {
-    return this.#blocks.size;
-  }
-
   block(x, y, z) {
     return this.#blocks.get(keyOf(x, y, z));
   }
