@@ -294,7 +294,7 @@ MEADOW = {
 }
 
 
-@pytest.mark.parametrize(("look_at", "named"), [("starfish", "star"), ("herring", "herring")])
+@pytest.mark.parametrize(("look_at", "named"), [("starfish", "star"), ("fish", "herring"), ("herring", "herring")])
 def test_a_covered_world_has_pictures_with_and_without_a_class(look_at: str, named: str, tmp_path: Path) -> None:
     """The world is given by its content; starfish are few, grass is everywhere."""
     options = {"size": (160, 120), "write": ("boxes",), "look_at": look_at, "distance_m": (0.8, 2.0), "workers": 0}

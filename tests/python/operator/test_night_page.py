@@ -45,8 +45,11 @@ def luminance(srgb: NDArray[np.float64]) -> NDArray[np.float64]:
     return linear(srgb) @ [0.2126, 0.7152, 0.0722]
 
 
-def hold(page, what: str) -> None:
-    """Assert that a page's picture has no other hue, no grey and no white, and stays below the bound of luminance."""
+def hold(page, what: str, brightest: dict[str, float] | None = None) -> None:
+    """Assert that a page's picture has no other hue, no grey and no white, and stays below the bound of luminance.
+
+    brightest: the box of x, y, width and height that nothing outside is brighter than.
+    """
     picture = page.screenshot()
     pixels = np.asarray(Image.open(io.BytesIO(picture)).convert("RGBA")).view(np.uint32)
     colours = np.unique(pixels).view(np.uint8).reshape(-1, 4)[:, :3] / 255.0
@@ -54,6 +57,10 @@ def hold(page, what: str) -> None:
     wrong = (green > WHITEST[0] * red + ROUNDING) | (blue > WHITEST[1] * red + ROUNDING)
     assert not wrong.any(), f"{what}: {colours[wrong][:9]}"
     assert luminance(colours).max() <= LUMINANCE_MAX, f"{what}: {luminance(colours).max():.3f}"
+    if brightest is not None:
+        x, y, width, height = (int(brightest[key]) for key in ("x", "y", "width", "height"))
+        inside = Image.open(io.BytesIO(picture)).convert("RGB").crop((x, y, x + width, y + height))
+        assert luminance(np.asarray(inside) / 255.0).max() == luminance(colours).max(), what
     assert page.locator("[title]").count() == 0, f"{what}: the system's tips are white"
 
 
@@ -112,7 +119,7 @@ def test_the_start_screen_the_editor_the_station_its_dialogs_and_a_replay(browse
         for view in ("front", "chart", "scene", "fan"):
             page.evaluate(f"station.views.enlarge('{view}')")
             page.wait_for_timeout(500)
-            hold(page, view)
+            hold(page, view, page.locator("#all-stop").bounding_box())
         page.evaluate("station.views.enlarge('front')")
         page.click("#inspect")
         page.locator("#inspector summary", has_text="optics").click()
