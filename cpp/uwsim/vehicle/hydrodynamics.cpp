@@ -162,7 +162,9 @@ Craft::Craft(CraftParameters parameters, std::shared_ptr<const BuoyantHull> hull
     point_damping(5, 5) = std::max(0.0, point_damping(5, 5) - sway_strips_.turning_drag());
   }
   point_damping_ = Coefficients(point_damping);
+  momentum_of_ = Coefficients(rigid_mass_);
   inverse_mass_submerged_ = inverse_of_positive(rigid_mass_ + parameters_.added_mass);
+  inverse_submerged_ = Coefficients(inverse_mass_submerged_);
   const Modes<6> both = modes(parameters_.added_mass, rigid_mass_);
   mass_modes_ = both.vectors;
   added_mass_of_modes_ = both.values;
@@ -247,11 +249,11 @@ Craft::Load Craft::load(const BodyState& state, const Vector6d& tau_body, const 
   Vector6d tau = tau_body;
   tau +=
       joined(weight + buoyancy.force_body_n, parameters_.centre_of_mass_body_m.cross(weight) + buoyancy.moment_body_nm);
-  tau -= coriolis(rigid_mass_ * state.velocity_body, state.velocity_body);
+  tau -= coriolis(momentum_of_ * state.velocity_body, state.velocity_body);
   if (terms != nullptr) {
     terms->weight << weight, parameters_.centre_of_mass_body_m.cross(weight);
     terms->buoyancy << buoyancy.force_body_n, buoyancy.moment_body_nm;
-    terms->coriolis = -coriolis(rigid_mass_ * state.velocity_body, state.velocity_body);
+    terms->coriolis = -coriolis(momentum_of_ * state.velocity_body, state.velocity_body);
   }
   const double afloat = floating(pose, world_from_body, buoyancy.volume_m3, water, time_s);
   if (submerged > 0) {
@@ -276,7 +278,7 @@ Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_bo
   const Load now = load(state, tau_body, water, time_s, nearby, nullptr);
   if (parameters_.radiation) return accelerated(now);
   const auto& [tau, submerged, floating] = now;
-  if (submerged == 1) return inverse_mass_submerged_ * tau;
+  if (submerged == 1) return inverse_submerged_ * tau;
   return mass_modes_ * inverse_mass_of_modes(submerged).cwiseProduct(mass_modes_.transpose() * tau);
 }
 

@@ -54,12 +54,13 @@ class Coefficients {
       : all_(all), diagonal_(all.diagonal()), is_diagonal_(all.isApprox(Matrix6d(diagonal_.asDiagonal()), 0)) {}
 
   /// The same value either way: adding 0 gives a zero the sign that the sum of a row would have.
-  Vector6d operator*(const Vector6d& x) const {
-    if (is_diagonal_) return diagonal_.cwiseProduct(x) + Vector6d::Zero();
-    return all_ * x;
+  [[gnu::always_inline]] Vector6d operator*(const Vector6d& x) const {
+    return is_diagonal_ ? Vector6d(diagonal_.cwiseProduct(x) + Vector6d::Zero()) : product(x);
   }
 
  private:
+  [[gnu::noinline]] Vector6d product(const Vector6d& x) const { return all_ * x; }
+
   Matrix6d all_ = Matrix6d::Zero();
   Vector6d diagonal_ = Vector6d::Zero();
   bool is_diagonal_ = true;
@@ -160,7 +161,8 @@ class Craft {
 
   CraftParameters parameters_;
   std::shared_ptr<const BuoyantHull> hull_;
-  Matrix6d rigid_mass_;  // M_RB
+  Matrix6d rigid_mass_;                           // M_RB
+  Coefficients momentum_of_, inverse_submerged_;  // M_RB; (M_RB + M_A)^-1
   Coefficients linear_damping_, added_mass_;
   Coefficients coriolis_added_mass_;               // M_A as used in C_A
   Matrix6d coriolis_floating_ = Matrix6d::Zero();  // A of Radiation, likewise
