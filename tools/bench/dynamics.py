@@ -39,7 +39,7 @@ def main(rounds: Rounds = 15) -> dict[str, Any]:
         "surface": Flight(20, 20),
         "resting": Flight(2000, above_bed_m=0.3, settled=-0.6),
         "floating": Flight(2000, settled=0.1),
-        "floating_in_waves": Flight(200, settled=0.1, waves=True),
+        "floating_in_waves": Flight(2000, settled=0.1, waves=True),
         "bullet_open_water": Flight(500, 10, depth_m=10.0, engine="bullet"),
         "bullet_resting": Flight(2000, above_bed_m=0.3, settled=-0.6, engine="bullet"),
         "under_waves": Flight(100, 10, depth_m=3.0, waves=True),
