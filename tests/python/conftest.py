@@ -3,6 +3,7 @@
 import ctypes
 import gc
 import os
+import signal
 import sys
 from collections.abc import Generator, Iterator
 from pathlib import Path
@@ -24,8 +25,10 @@ settings.load_profile("uwsim")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Measure the processor time of the tests."""
+    """Measure the processor time of the tests; Ctrl-C ends what they start, also in a run in the background."""
     config.pluginmanager.register(ProcessorSeconds())
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.hookimpl(wrapper=True)
