@@ -34,6 +34,4 @@ target_link_libraries(uwsim_pcl INTERFACE pcl_common pcl_filters pcl_sample_cons
 
 if(UWSIM_TESTS)
   find_package(GTest REQUIRED)
-  find_package(fastrtps QUIET)  # with zlib, for a peer that speaks ROS 2
-  find_package(ZLIB QUIET)
 endif()

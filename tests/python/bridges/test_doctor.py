@@ -8,8 +8,7 @@ import threading
 import pytest
 
 from command_line import uwsim
-from fast_dds import BINARY, fast_dds_peer
-from ros2_tools import free_domain, until
+from ros2_tools import free_domain
 from servo_standin import NEUTRAL, Standin
 from uwsim.bridges.doctor import network, servers, software
 from uwsim.bridges.doctor.discovery import discovery
@@ -69,14 +68,6 @@ def test_who_does_not_answer_and_who_is_in_another_domain_is_noticed():
         assert "ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST" in found[f"domain {domain}"]
         (finding,) = discovery(Ros2Settings(domain_id=free_domain()), 0.5)
         assert finding.verdict == "wrong" and "participants in" in finding.found
-
-
-@pytest.mark.skipif(not BINARY.is_file(), reason="fast_dds_peer is built by tools/setup --dev")
-def test_a_node_that_was_told_nothing_of_us_is_found():
-    domain = free_domain()
-    with fast_dds_peer(domain, "alone", "pub", "rt/cmd_vel", "10"):
-        until(lambda: network.participants_here(domain, network.udp_ports()), "the peer's port")
-        assert discovery(Ros2Settings(domain_id=domain), 3.0)[0].found == "1 participants answer, 1 are on this machine"
 
 
 def test_a_port_is_free_ours_or_taken(pool):

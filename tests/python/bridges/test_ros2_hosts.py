@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from fast_dds import BINARY, fast_dds_peer
-from ros2_tools import free_domain, until
+from ros2_tools import free_domain
 
 HERE = Path(__file__).parents[1]
 OURS, THEIRS = "10.77.0.1", "10.77.0.2"
@@ -65,17 +64,11 @@ def client(host, kind, domain):
     return subprocess.Popen([*netns(host), *words], stdout=subprocess.PIPE, text=True)
 
 
-def test_clients_of_both_dds_middlewares_call_services_of_another_host(hosts):
+def test_a_client_of_dds_calls_services_of_another_host(hosts):
     """Also finds the hosts by multicast. Takes 6 s: two processes load a simulator and a DDS library."""
     domain, (ours, theirs) = free_domain(), hosts
-    with serving(ours, domain):
-        with client(theirs, "dds", domain) as said:
-            assert said.communicate(timeout=240)[0] == "True\n"
-        if BINARY.is_file():
-            words, on = ("at", THEIRS, "call", "dock", "std_srvs::srv::dds_::Trigger", "2"), netns(theirs)
-            with fast_dds_peer(domain, *words, on=on) as other:
-                until(lambda: len(other.answers("dock")) == 2, "two responses")
-                assert other.answers("dock")[-1]["is_answer_of_last"]  # the first may arrive after the second request
+    with serving(ours, domain), client(theirs, "dds", domain) as said:
+        assert said.communicate(timeout=240)[0] == "True\n"
 
 
 def test_a_client_of_zenoh_calls_services_of_another_host_through_its_router(hosts):

@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import statistics
 import subprocess
 import sys
@@ -186,6 +187,17 @@ def test_messages_arrive_and_time_goes_on_before_and_after_a_pause_and_a_reset(c
         (jump,) = np.flatnonzero(steps_ns < 0)
         assert times_ns[jump + 2] == 0 and len(set(np.delete(steps_ns, jump))) == 1
     assert 0 < after_ns < before_ns
+
+
+def test_a_reader_that_stops_delays_nobody(client, node):
+    client.ask("follow")
+    os.kill(client.process.pid, signal.SIGSTOP)
+    try:
+        goal = node.written["odom"] + 50
+        until(lambda: node.written["odom"] >= goal, "messages while a reliable reader sleeps")
+    finally:
+        os.kill(client.process.pid, signal.SIGCONT)
+    client.ask("followed", more=FOLLOWED)
 
 
 def test_the_age_of_messages_is_measured(client, node):

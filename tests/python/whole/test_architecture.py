@@ -160,7 +160,7 @@ RULES: list[tuple[Rule, str]] = [
     (include_edges, r"cpp/(uwsim|bindings)/.*\.(h|cpp)"),
     (library_includes, r"cpp/(uwsim|bindings)/.*\.(h|cpp)"),
     (documented_instructions, r"cpp/.*\.(h|cpp)"),
-    (pragma_once, r"(cpp|tests/(cpp|fast_dds))/.*\.h"),
+    (pragma_once, r"(cpp|tests/cpp)/.*\.h"),
     (only_core_from_uwsim, r"python/uwsim/(?!examples/).*\.py"),
     (
         eager_imports,
