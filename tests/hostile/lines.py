@@ -113,7 +113,6 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "scenario check": (["pool.yaml"], {}),
     "scenario from": (["folder"], {"out": "unity"}),
     "scenario schema": (["scenario"], {}),
-    "scenario export": (["pool.yaml"], {"out": "pool.sdf"}),
     "scenario plan": (["pool.yaml"], {"out": "pool.plan"}),
     "twin": ([], {"area": "area.geojson", "chart": "bed.tif", "log": "dive.csv", "columns": DIVE, "out": "twin"}),
     "range": (["vision", "pool"], {"out": "range", "seeds": "1", "frames": "3", "conditions": "sun"}),

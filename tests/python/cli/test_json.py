@@ -21,7 +21,7 @@ ELSEWHERE = {
     "flights.csv of --out": ["ardusub check"],
     "the file or the pictures that it writes": [
         "sonar", "camera", "film", "exercise film", "vehicle decompose", "ros package", "scenario new", "scenario from",
-        "scenario export", "scenario plan", "course new", "course world", "course bag",
+        "scenario plan", "course new", "course world", "course bag",
         "course table", "map convert", "map merge", "map render",
         "map slice", "map build", "map from", "map film", "map waterfall",
     ],

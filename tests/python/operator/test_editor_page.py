@@ -82,12 +82,6 @@ def test_a_new_scene_is_built_saved_and_chosen_on_the_start_screen(start_page, h
     page.get_by_label("What to add").select_option("life")
     page.click(".editor-bar >> text=Add")
     when(page, SENT.format("school", "position_m[2] === -1"))
-    page.click("summary:has-text('Export')")
-    with page.expect_download() as download:
-        page.click("text=Export for Gazebo")
-    assert download.value.suggested_filename == "scene_sdf.zip"
-    page.wait_for_selector(".editor-export li:has-text('life')")
-    judge(page, "an export")
     page.get_by_label("Save as").fill("bay")
     page.keyboard.press("Control+s")
     when(page, "station.editor.state.is_saved")

@@ -24,7 +24,6 @@ LISTING = {  # a command that goes over all entries of a group; the first one ma
     **{f"uwsim.cli.{name}": f"{name} --help" for name in
        ("map", "scenario", "vehicle", "exercise", "recording", "ros", "ardusub")},
     "uwsim.scenario_sources": "scenario from empty.txt",
-    "uwsim.scenario_exports": "scenario export pool --out world.urdf",
     "uwsim.schemas": "scenario schema exercise",
     "uwsim.bridges": "serve --help",
     "uwsim.autopilots": "serve --help",

@@ -22,7 +22,7 @@ from uwsim.operator.station.editor.draft import Draft
 from uwsim.operator.station.editor.files import MAX_BYTES, Place, SceneFiles, exercise_file
 from uwsim.operator.station.editor.meshes import Meshes
 from uwsim.operator.station.editor.parts import parts
-from uwsim.scenario import Scenario, exports
+from uwsim.scenario import Scenario
 from uwsim.scenario.dump import plain, yaml_text
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.spec.fields import NAME
@@ -53,7 +53,6 @@ class Editor:
         self._draft: Draft | None = None
         self._base = SceneFiles("", "")  # those that were opened or saved last
         self._by = self._opened = self._name = self._key = ""
-        self._archive = ("", b"")
         self.meshes = Meshes(folder)
 
     @property
@@ -126,7 +125,7 @@ class Editor:
         """End a client's editing, and forget what was not saved."""
         with self._lock:
             if client == self._by:
-                self._draft, self._by, self._key, self._archive = None, "", "", ("", b"")
+                self._draft, self._by, self._key = None, "", ""
                 self.meshes.forget()
 
     def left(self, client: str) -> None:
@@ -217,25 +216,6 @@ class Editor:
                 except ValueError as error:
                     wrong = [f"{draft.files.exercise_name}: {each}" for each in getattr(error, "mistakes", (error,))]
         return wrong or list(found.warnings)
-
-    def export(self, suffix: object) -> Values:
-        """Make the scenario's files for another simulator; return their archive's address, and what was left out.
-
-        Raises ValueError.
-        """
-        scenario = self.draft.scenario
-        with self._building:
-            made = exports.export(scenario, scenario.name, str(suffix)[:40])
-            self._archive = (f"{scenario.name}_{suffix}.zip", exports.zipped(made.files))
-        left = [] if self.draft.exercise is None else [f"{self.draft.files.exercise_name}: is left out"]
-        return {"file": f"{self.address}/export/{self._archive[0]}", "notes": [*left, *made.notes]}
-
-    def archive(self, name: str) -> bytes:
-        """Return the archive that was exported last. Raises ValueError if it has another name."""
-        known, content = self._archive
-        if not known or name != known:
-            raise ValueError("this archive is no more: export it again")
-        return content
 
     @property
     def address(self) -> str:

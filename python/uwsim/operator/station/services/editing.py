@@ -16,7 +16,7 @@ from uwsim.scenario.read.assets import find_yaml
 CHANGES = ("set", "add", "move", "remove", "undo", "redo", "revert")
 GONE_S = 3.0  # a client that sends nothing for this long, not even replies to pings, edits no longer
 OPENS = ("open", "new")
-ACTIONS = (*OPENS, "report", *CHANGES, "check", "save", "export", "meshes", "upload", "apply", "close")
+ACTIONS = (*OPENS, "report", *CHANGES, "check", "save", "meshes", "upload", "apply", "close")
 
 
 class EditService:
@@ -48,8 +48,6 @@ class EditService:
             more = {"mistakes": self._editor.mistakes()}
         elif action == "save":
             message = f"saved as {self._editor.save(request.get('name'))}"
-        elif action == "export":
-            more = self._editor.export(request.get("kind"))
         elif action == "meshes":
             more = {"meshes": self._editor.meshes.names()}
         elif action == "upload":

@@ -40,7 +40,7 @@ from uwsim.operator.station.start.choice import (
     described_exercise,
 )
 from uwsim.operator.station.wire.calls import CALLS
-from uwsim.scenario import ScenarioError, exports
+from uwsim.scenario import ScenarioError
 from uwsim.simulator.helm import Reason
 from uwsim.simulator.notes import comment_of
 
@@ -313,8 +313,7 @@ class Services:
         return self._editing.answer(caller, request)
 
     def _edit_forms(self, caller: str, request: Values) -> Values:
-        formats = [{"suffix": name, "simulator": each.simulator} for name, each in exports.formats().items()]
-        return {"success": True, "sections": described_forms(), "exports": formats}
+        return {"success": True, "sections": described_forms()}
 
     def _start(self, caller: str, request: Values) -> Values:
         if self._sessions.running is not None:

@@ -117,7 +117,6 @@ def _named(running: Running, vehicle: str, suffix: str) -> str:
 OF_EDITOR: list[Route] = [
     (r"terrain\.f32", lambda editor: (editor.draft.plan.heights(), "")),
     (r"(\d{1,9})/(\d{1,5})\.glb", lambda editor, plan, number: (editor.solid(int(plan), int(number)), "")),
-    (r"export/([^/]{1,100}\.zip)", lambda editor, name: (editor.archive(name), name)),
     (r"mesh/([^?]{1,100})\.png", lambda editor, name: (editor.meshes.still(name), "")),
 ]
 ROUTES: list[Route] = [

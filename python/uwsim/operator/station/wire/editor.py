@@ -10,11 +10,11 @@ from uwsim.operator.station.wire.messages import Message
 class Edit(Message):
     """A request to the editor.
 
-    action: new, open, report, set, add, move, remove, undo, redo, revert, check, save, export,
+    action: new, open, report, set, add, move, remove, undo, redo, revert, check, save,
     meshes, upload, apply or close.
 
     scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to
-    add; kind is also the format to export. values: fields to set, also of one to add; null removes one. name: under
+    add. values: fields to set, also of one to add; null removes one. name: under
     which it is saved, or of a mesh to upload. to: the number of the goal with which one changes places. size, at, data:
     bytes of the whole mesh, and a part of it in Base64.
     """
@@ -71,7 +71,7 @@ class EditState(Message):
 
     edition: changes with the text. files: the secret address FILES of what belongs to the scene. plan: changes with the
     obstacles, whose solids are FILES/PLAN/NUMBER.glb. added: the place of what was added or moved, or empty. mistakes:
-    found by `check`. file, notes: of `export`: the address of a ZIP archive, and what was left out of it or assumed.
+    found by `check`.
     meshes: the files of which solids can be made, with a still at FILES/mesh/FILE.png. mesh: the file of a finished
     upload, "" before; lost: what of it was not taken along.
     """
@@ -93,8 +93,6 @@ class EditState(Message):
     text: str | None = None
     added: list[Any] | None = None
     mistakes: list[str] | None = None
-    file: str | None = None
-    notes: list[str] | None = None
     files: str | None = None
     meshes: list[str] | None = None
     mesh: str | None = None
@@ -138,16 +136,8 @@ class FormSection(Message):
     kinds: list[FormKind]
 
 
-class ExportFormat(Message):
-    """A format in which a scenario can be exported, by the suffix of its file."""
-
-    suffix: str
-    simulator: str
-
-
 class EditForms(Message):
-    """The sections of a scenario that can be edited, with their kinds and fields, from its schema; and the formats."""
+    """The sections of a scenario that can be edited, with their kinds and fields, from its schema."""
 
     success: Literal[True]
     sections: list[FormSection]
-    exports: list[ExportFormat]

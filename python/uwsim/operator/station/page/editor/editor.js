@@ -6,7 +6,6 @@ import { edit, editForms } from '../wire/messages.js';
 import { EditorBar } from './bar.js';
 import { Brush } from './brush.js';
 import { EditorChart } from './chart.js';
-import { EditorExport } from './export.js';
 import { PartForm } from './form.js';
 import { placeOf } from './geometry.js';
 import { chartKey, editorKey } from './keys.js';
@@ -71,10 +70,6 @@ export class SceneEditor {
     this.form = new PartForm((values) => this.#set(values, true), this.meshes);
     this.table = new PartTable((index) => this.pick(index), fieldsOf);
     this.message = el('p', { className: 'editor-message', role: 'status' });
-    this.exports = new EditorExport(
-      (suffix) => this.#act({ action: 'export', kind: suffix }),
-      (path) => this.station.href(path),
-    );
     this.source = el('pre', { className: 'editor-source', tabIndex: 0 });
     this.parts.addEventListener('pick', (event) => this.pick(/** @type {CustomEvent} */ (event).detail, true));
     this.parts.addEventListener('draft', (event) => this.form.update(/** @type {CustomEvent} */ (event).detail));
@@ -105,7 +100,6 @@ export class SceneEditor {
         this.table.element,
         this.form.element,
         el('details', { name: 'editor-file' }, el('summary', {}, WORDS.source), this.source),
-        this.exports.element,
       ),
       el('footer', { className: 'editor-foot' }, this.message, el('p', { className: 'hint' }, WORDS.keys)),
     );
@@ -128,7 +122,6 @@ export class SceneEditor {
         const found = await editForms(bridge);
         if (!found.success) throw new Error(found.message);
         this.bar.sections = found.sections;
-        this.exports.offer(found.exports);
       }
       const state = await edit(bridge, requestTo(scenario));
       if (!state.success) throw new Error(state.message);
@@ -250,10 +243,7 @@ export class SceneEditor {
       this.chart.showBed(this.heights, grid, isOther);
     }
     this.#showScene(isNewBed, isOther);
-    if (isNew) {
-      this.exports.clear();
-      this.#checkSoon(CHECK_MS);
-    }
+    if (isNew) this.#checkSoon(CHECK_MS);
   }
 
   #showParts() {

@@ -783,20 +783,13 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {FormKind[]} kinds
  */
 
-/** A format in which a scenario can be exported, by the suffix of its file.
- * @typedef {object} ExportFormat
- * @property {string} suffix
- * @property {string} simulator
- */
-
-/** The sections of a scenario that can be edited, with their kinds and fields, from its schema; and the formats.
+/** The sections of a scenario that can be edited, with their kinds and fields, from its schema.
  * @typedef {object} EditForms
  * @property {true} success
  * @property {FormSection[]} sections
- * @property {ExportFormat[]} exports
  */
 
-/** A request to the editor. action: new, open, report, set, add, move, remove, undo, redo, revert, check, save, export, meshes, upload, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add; kind is also the format to export. values: fields to set, also of one to add; null removes one. name: under which it is saved, or of a mesh to upload. to: the number of the goal with which one changes places. size, at, data: bytes of the whole mesh, and a part of it in Base64.
+/** A request to the editor. action: new, open, report, set, add, move, remove, undo, redo, revert, check, save, meshes, upload, apply or close. scenario: the one to open, by default the running one. section, place: of a part. kind, vehicle, at_m: of one to add. values: fields to set, also of one to add; null removes one. name: under which it is saved, or of a mesh to upload. to: the number of the goal with which one changes places. size, at, data: bytes of the whole mesh, and a part of it in Base64.
  * @typedef {object} Edit
  * @property {string} action
  * @property {string | null} [scenario]
@@ -837,7 +830,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {Record<string, string[]>} choices
  */
 
-/** The editor's state; without a scenario, only is_open, false. by: the name of the client that edits. edition: changes with the text. files: the secret address FILES of what belongs to the scene. plan: changes with the obstacles, whose solids are FILES/PLAN/NUMBER.glb. added: the place of what was added or moved, or empty. mistakes: found by `check`. file, notes: of `export`: the address of a ZIP archive, and what was left out of it or assumed. meshes: the files of which solids can be made, with a still at FILES/mesh/FILE.png. mesh: the file of a finished upload, "" before; lost: what of it was not taken along.
+/** The editor's state; without a scenario, only is_open, false. by: the name of the client that edits. edition: changes with the text. files: the secret address FILES of what belongs to the scene. plan: changes with the obstacles, whose solids are FILES/PLAN/NUMBER.glb. added: the place of what was added or moved, or empty. mistakes: found by `check`. meshes: the files of which solids can be made, with a still at FILES/mesh/FILE.png. mesh: the file of a finished upload, "" before; lost: what of it was not taken along.
  * @typedef {object} EditState
  * @property {true} success
  * @property {string} message
@@ -856,8 +849,6 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe', 'hold
  * @property {string | null} [text]
  * @property {any[] | null} [added]
  * @property {string[] | null} [mistakes]
- * @property {string | null} [file]
- * @property {string[] | null} [notes]
  * @property {string | null} [files]
  * @property {string[] | null} [meshes]
  * @property {string | null} [mesh]

@@ -1,1 +1,0 @@
-"""Writes scenarios for other simulators."""
