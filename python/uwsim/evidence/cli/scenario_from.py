@@ -1,4 +1,4 @@
-"""`uwsim scenario from`: a scenario from a chart, from photographs, or from the files of another simulator."""
+"""`uwsim scenario from`: a scenario from a chart, or from the files of another simulator."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.cli.bounds import within
 
 
 def scenario_from(
-    source: Annotated[Path, typer.Argument(help="A file, a checkout (of a robot, or Unity), or a COLMAP model.")],
+    source: Annotated[Path, typer.Argument(help="A file, or a checkout (of a robot, or Unity).")],
     size: Annotated[
         float | None,
         typer.Option(
@@ -51,25 +51,9 @@ def scenario_from(
     cell: Annotated[
         float | None,
         typer.Option(
-            help="Soundings, COLMAP: the width of a cell, in the unit of their x, or in m. Default: by their density.",
+            help="Soundings: the width of a cell, in the unit of their x. Default: by their density.",
             callback=within(1e-9, 1e6, ""),
         ),
-    ] = None,
-    scale: Annotated[
-        float | None,
-        typer.Option(help="COLMAP: metres per unit of the model. Default: 1.", callback=within(1e-6, 1e6, "m")),
-    ] = None,
-    positions: Annotated[
-        Path | None,
-        typer.Option(help="COLMAP: a CSV file of cameras' positions: name, x_m, y_m, and z_m or depth_m."),
-    ] = None,
-    depth: Annotated[
-        float | None,
-        typer.Option(help="COLMAP: depth of the bed's median [m]. Default: 10, or by --positions.",
-                     callback=within(1, 11_000, "m")),
-    ] = None,
-    images: Annotated[
-        Path | None, typer.Option(help="COLMAP: the folder of the pictures. Default: looked for above the model.")
     ] = None,
     scene: Annotated[
         str | None, typer.Option(help="Unity: the scene, by its file's name without .unity. Default: LawnTest.")
@@ -94,14 +78,14 @@ def scenario_from(
         typer.Option(help="A chart: the YAML file to write. Others: the folder. Default: the source's own name."),
     ] = None,
 ) -> None:  # fmt: skip
-    """Make a scenario from a chart, pictures or a simulator.
+    """Make a scenario from a chart or a simulator's files.
 
     Of a chart (BAG, GeoTIFF, NetCDF, ...), the largest square without gaps becomes the bed, at its place on Earth, with
     a vehicle and a survey in its middle; elevations are positive up. Of a robot's description (SDF, URDF, Stonefish's
     .scn, HoloOcean's JSON), the scenario and its vehicles are written, with hulls, mass, hydrodynamics, thrusters and
     sensors; files that it refers to are looked for beside it. Of a Unity project, bed, station, gates, pipelines and
-    vehicle are read, with their materials' colours, of a picture its mean. Of a COLMAP model, the points become the
-    bed, and the colours of the pictures the water's attenuation. All that is left out or assumed is printed.
+    vehicle are read, with their materials' colours, of a picture its mean. All that is left out or
+    assumed is printed.
     """
     from uwsim.base.options import OptionError
     from uwsim.evidence.scenario_source import NotMadeError, source_of
@@ -111,7 +95,6 @@ def scenario_from(
         "size": size, "centre": centre, "water_level": water_level, "unit": unit, "nodata": nodata,
         "positive": positive, "crs": crs, "cell": cell, "scene": scene, "terrain": terrain,
         "arguments": arguments and _arguments(arguments), "data": data, "outfit": outfit,
-        "scale": scale, "positions": positions, "depth": depth, "images": images,
     }  # fmt: skip
     given = {key: value for key, value in options.items() if value is not None}
     for key in given.keys() - {*found.options}:
