@@ -129,8 +129,7 @@ MORE_BASES: dict[str, list[tuple[list[str], dict[str, str]]]] = {
 """Further lines of commands in which some options have no effect by the first one."""
 NOT_TRIED = {
     "bench": "its programs measure for minutes, and are for developers",
-    "ardusub start": "it needs a compiled ArduSub; test_firmware.py has its refusals",
-    "ardusub check": "it needs a compiled ArduSub; test_firmware_check.py has its refusals",
+    "ardusub": "it needs a compiled ArduSub; test_firmware.py has its refusals",
 }
 
 

@@ -37,7 +37,6 @@ OLD = {
     "tune": "vehicle tune",
     "parameters": "scenario parameters",
     "decompose": "vehicle decompose",
-    "ardusub-check": "ardusub check",
     "identify": "vehicle identify",
     "fingerprint": "scenario fingerprint",
 }

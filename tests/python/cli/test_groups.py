@@ -89,7 +89,6 @@ def test_options_go_to_the_default_too() -> None:
     ("words", "meant"),
     [
         ("recording dif", "'uwsim recording diff'"),
-        ("ardusub chek", "'uwsim ardusub check'"),
         ("exercise logbok", "'uwsim exercise logbook'"),
         ("scenario rayz", "'rays'"),
         ("ros docter", "'doctor'"),

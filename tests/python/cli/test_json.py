@@ -18,7 +18,6 @@ ELSEWHERE = {
     "figures.json of --out": ["reproduce"],
     "report.md of --out": ["twin"],
     "vision.json of --out": ["range"],
-    "flights.csv of --out": ["ardusub check"],
     "the file or the pictures that it writes": [
         "sonar", "camera", "film", "exercise film", "vehicle decompose", "ros package", "scenario new", "scenario from",
         "scenario plan", "course new", "course world", "course bag",
@@ -26,7 +25,7 @@ ELSEWHERE = {
         "map slice", "map build", "map from", "map film", "map waterfall",
     ],
     "a server or a vehicle, until Ctrl-C": [
-        "serve", "station", "teleop", "ardusub start", "ros connect", "ros nodes", "map view",
+        "serve", "station", "teleop", "ardusub", "ros connect", "ros nodes", "map view",
     ],
     "it prints nothing but JSON": ["scenario schema"],
     "only subcommands": ["course", "ros", "scenario", "map", "bench"],

@@ -9,8 +9,8 @@ import typer
 from uwsim.cli.bounds import UsageError
 from uwsim.cli.program import app
 
-FIRST = {"run": ["m.py"], "film": ["m.py"], "compare": ["frontier"], "ardusub start": ["sub"],
-         "ardusub check": ["a", "b"], "ros connect": ["ws://host"], "map convert": ["a.bt", "b.ot"],
+FIRST = {"run": ["m.py"], "film": ["m.py"], "compare": ["frontier"], "ardusub": ["sub"],
+         "ros connect": ["ws://host"], "map convert": ["a.bt", "b.ot"],
          "map score": ["a.bt"], "fleet": ["--tile", "8"], "replay": ["a"], "range": ["vision"],
          "scenario rays": ["--from=0,0,-1", "--to=1,1,-1"]}  # fmt: skip
 """The words before the scenario's."""

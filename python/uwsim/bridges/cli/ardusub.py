@@ -9,15 +9,13 @@ import typer
 
 from uwsim.bridges.ardusub.options import ProgramOptions
 from uwsim.bridges.cli.serve import Speed, parsed_speed
-from uwsim.cli.groups import with_default
+from uwsim.cli.groups import under
 from uwsim.cli.options import Seed, Threads
 from uwsim.cli.values import scenarios
 from uwsim.recording.flight_options import RecordOptions
 
-app = with_default("ardusub", "Start a compiled ArduSub, which flies a vehicle; compare two.", "Connect")
 
-
-@app.command("start")
+@under("Connect")
 def ardusub(
     *,
     binary: Annotated[Path, typer.Argument(help="ArduSub, compiled for simulation (SITL).", show_default=False)],

@@ -24,7 +24,7 @@ ARDUSUB = (
 def doors() -> tuple[Door, ...]:
     """Return all doors, those of the registered bridges included.
 
-    Left out are those of Dask's workers, whose number depends on theirs, and of `uwsim ardusub check`.
+    Left out are those of Dask's workers, whose number depends on theirs.
     """
     return (SERVE, *ARDUSUB, *(door for plug in offered().values() for door in plug.doors))
 
