@@ -27,7 +27,6 @@ target_link_libraries(uwsim_distance_transform INTERFACE dynamicedt3d-static)
 # PCL 1.15 would compile our files with OpenMP, too, where threads would sum in any order.
 set(CMAKE_DISABLE_FIND_PACKAGE_OpenMP TRUE)
 find_package(PCL 1.13 QUIET REQUIRED COMPONENTS common filters)
-# The registration consists of templates that we compile: without its library a wheel is half a megabyte smaller.
 add_library(uwsim_pcl INTERFACE)
 target_include_directories(uwsim_pcl SYSTEM INTERFACE ${PCL_INCLUDE_DIRS})
 target_link_libraries(uwsim_pcl INTERFACE pcl_common pcl_filters pcl_sample_consensus pcl_search)

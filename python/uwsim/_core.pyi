@@ -152,7 +152,6 @@ __all__: list[str] = [
     "play_servo_frames",
     "points_above",
     "refracted",
-    "register_cloud",
     "relative_transform",
     "remove_box",
     "remove_outliers",
@@ -5997,20 +5996,6 @@ def refracted(
     """
     Return the direction refracted by Snell's law, (3,), or None for total reflection. normal: (3,),
     towards the side that the ray comes from.
-    """
-
-def register_cloud(
-    source_m: typing.Any,
-    target_m: typing.Any,
-    guess: typing.Any,
-    max_distance_m: typing.SupportsFloat | typing.SupportsIndex,
-    max_iterations: typing.SupportsInt | typing.SupportsIndex,
-) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"], float, float, int, bool]:
-    """
-    Register two clouds by pcl::IterativeClosestPoint. source_m, target_m: (n, 3) float32, finite. guess: (4,
-    4), rigid. Returns target_from_source (4, 4), the rms distance [m] of the points within max_distance_m,
-    the fraction of such points, the number of iterations and whether they converged. Raises ValueError.
-    Releases the GIL.
     """
 
 def relative_transform(

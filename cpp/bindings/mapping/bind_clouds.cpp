@@ -129,21 +129,6 @@ void bind_fits(py::module_& m) {
       "Fit a ground plane by pcl::RandomSampleConsensus. points_m: (n, 3) float32, finite. Returns the upward\n"
       "normal (3,), the offset [m] with normal . p + offset = 0, and the inliers (n,) bool. Raises\n"
       "ValueError. Releases the GIL.");
-  m.def(
-      "register_cloud",
-      [](const py::object& source_m, const py::object& target_m, const py::object& guess, double max_distance_m,
-         int max_iterations) {
-        const FloatArray source = as_point_rows(source_m, "source_m"), target = as_point_rows(target_m, "target_m");
-        const Eigen::Matrix4d start = as_transform(guess, "guess");
-        const Registration r = without_gil(
-            [&] { return register_cloud(span_of(source), span_of(target), start, max_distance_m, max_iterations); });
-        return std::make_tuple(r.target_from_source, r.rms_m, r.overlap, r.iterations, r.converged);
-      },
-      py::arg("source_m"), py::arg("target_m"), py::arg("guess"), py::arg("max_distance_m"), py::arg("max_iterations"),
-      "Register two clouds by pcl::IterativeClosestPoint. source_m, target_m: (n, 3) float32, finite. guess: (4,\n"
-      "4), rigid. Returns target_from_source (4, 4), the rms distance [m] of the points within max_distance_m,\n"
-      "the fraction of such points, the number of iterations and whether they converged. Raises ValueError.\n"
-      "Releases the GIL.");
 }
 
 }  // namespace

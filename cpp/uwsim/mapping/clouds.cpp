@@ -5,10 +5,8 @@
 #include <pcl/filters/passthrough.h>
 #include <pcl/filters/statistical_outlier_removal.h>
 #include <pcl/filters/voxel_grid.h>
-#include <pcl/registration/icp.h>
 #include <pcl/sample_consensus/ransac.h>
 #include <pcl/sample_consensus/sac_model_perpendicular_plane.h>
-#include <pcl/search/kdtree.h>
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -43,7 +41,7 @@ void require_finite_points(std::span<const float> points_m, const char* name, st
   require(points_m.size() % 3 == 0, name, points_m.size(), "must be rows of x, y, z");
   for (std::size_t i = 0; i < points_m.size(); ++i) {
     if (std::isfinite(points_m[i])) continue;
-    require(false, name + ("[" + std::to_string(i / 3) + "]"), points_m[i], "must be finite");
+    require(false, std::string(name) + "[" + std::to_string(i / 3) + "]", points_m[i], "must be finite");
   }
   require(points_m.size() / 3 >= least, std::string(name) + ".size", points_m.size() / 3,
           "must be at least " + std::to_string(least) + " points");
@@ -65,37 +63,6 @@ Eigen::Vector3d mean_m(std::span<const float> points_m) {
 
 /// PCL prints failures to stderr; uwsim throws exceptions instead.
 void silence_pcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
-
-/// Exposes the reason why PCL's ICP stopped.
-class Icp : public pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ, double> {
- public:
-  int iterations() const { return nr_iterations_; }
-
-  bool has_converged_by_steps() {
-    using Criteria = pcl::registration::DefaultConvergenceCriteria<double>;
-    const auto state = getConvergeCriteria()->getConvergenceState();
-    return state == Criteria::CONVERGENCE_CRITERIA_TRANSFORM || state == Criteria::CONVERGENCE_CRITERIA_ABS_MSE ||
-           state == Criteria::CONVERGENCE_CRITERIA_REL_MSE;
-  }
-};
-
-/// Returns the root mean square of the distances from the cloud's points to their nearest points in the target, over
-/// those within reach, and the fraction of the points that are within reach.
-std::pair<double, double> closeness(const Cloud& cloud, const Cloud::Ptr& target, double reach_m) {
-  pcl::search::KdTree<pcl::PointXYZ> tree;
-  tree.setInputCloud(target);
-  pcl::Indices nearest(1);
-  std::vector<float> squared_m2(1);
-  double sum_m2 = 0;
-  std::size_t near = 0;
-  for (const pcl::PointXYZ& p : cloud) {
-    if (tree.nearestKSearch(p, 1, nearest, squared_m2) < 1 || !(squared_m2[0] <= reach_m * reach_m)) continue;
-    sum_m2 += squared_m2[0];
-    ++near;
-  }
-  return {near ? std::sqrt(sum_m2 / static_cast<double>(near)) : std::numeric_limits<double>::quiet_NaN(),
-          static_cast<double>(near) / static_cast<double>(cloud.size())};
-}
 
 }  // namespace
 
@@ -189,42 +156,6 @@ PlaneFit ground_plane(std::span<const float> points_m, double distance_m, double
   plane.offset_m = plane.offset_m / length - plane.normal.dot(mean);
   for (const pcl::index_t i : inliers) plane.inliers[static_cast<std::size_t>(i)] = 1;
   return plane;
-}
-
-Registration register_cloud(std::span<const float> source_m, std::span<const float> target_m,
-                            const Eigen::Matrix4d& guess, double max_distance_m, int max_iterations) {
-  require_rigid(guess);
-  require(std::isfinite(max_distance_m) && max_distance_m > 0, "max_distance_m", max_distance_m,
-          "must be positive [m]");
-  require(max_iterations >= 1, "max_iterations", max_iterations, "must be at least 1");
-  require_finite_points(source_m, "source_m", 3);
-  require_finite_points(target_m, "target_m", 3);
-  silence_pcl();
-  const Eigen::Vector3d mean = mean_m(target_m);
-  // The frame `mean` has the axes of the target's frame and its origin at the target's mean.
-  Eigen::Matrix4d target_from_mean = Eigen::Matrix4d::Identity(), mean_from_target = target_from_mean;
-  target_from_mean.topRightCorner<3, 1>() = mean;
-  mean_from_target.topRightCorner<3, 1>() = -mean;
-  // The guess is applied here, so that the rotations that PCL applies in float32 are small and about a nearby point.
-  const Eigen::Matrix4d mean_from_source = mean_from_target * guess;
-  auto source = pcl::make_shared<Cloud>();
-  pcl::transformPointCloud(*to_cloud(source_m), *source, mean_from_source);
-  const Cloud::Ptr target = to_finite_cloud(target_m, mean);
-
-  Icp icp;
-  icp.setInputSource(source);
-  icp.setInputTarget(target);
-  icp.setMaxCorrespondenceDistance(max_distance_m);
-  icp.setMaximumIterations(max_iterations);
-  icp.setTransformationEpsilon(1e-12);  // squared metres, and 1 - cos of the rotation
-  icp.setEuclideanFitnessEpsilon(1e-9);
-  Cloud moved;
-  icp.align(moved);
-  const Eigen::Matrix4d correction = icp.getFinalTransformation();
-  require(correction.allFinite(), "source_m", source_m.size() / 3, "too degenerate to be registered to the target");
-  const auto [rms_m, overlap] = closeness(moved, target, max_distance_m);
-  return {target_from_mean * correction * mean_from_source, rms_m, overlap, icp.iterations(),
-          icp.has_converged_by_steps()};
 }
 
 }  // namespace uwsim

@@ -6,9 +6,8 @@
 #include <vector>
 
 /// Point-cloud operations by PCL, on pcl::PointCloud<pcl::PointXYZ>: conversion of a LaserScan to points in the world,
-/// filters, a ground plane, and registration of one cloud to another. Points are rows of x, y, z in metres. PCL stores
-/// them as float32, so coordinates far from the origin lose digits (0.2 mm at 4 km). Filters discard non-finite points;
-/// fits refuse them. The same points in the same order produce the same bytes.
+/// filters, a ground plane. Points are rows of x, y, z in metres. PCL stores them as float32, so coordinates far from
+/// the origin lose digits (0.2 mm at 4 km). Filters discard non-finite points; fits refuse them. The same points in the same order produce the same bytes.
 namespace uwsim {
 
 /// sensor_msgs/LaserScan without its ranges. Beam i points at angle_min + i * angle_increment about +z, counted from +x
@@ -70,21 +69,5 @@ struct PlaneFit {
 /// is inclined by at most max_slope_rad, followed by a least-squares fit to these points. PCL's seed is fixed, so the
 /// same points produce the same plane. Throws InvalidValue if there is no such plane.
 PlaneFit ground_plane(std::span<const float> points_m, double distance_m, double max_slope_rad);
-
-/// The result of register_cloud. rms_m: root mean square of the distances from the source's points to the nearest
-/// points of the target, over the points for which this distance is at most max_distance_m. overlap: the fraction of
-/// such points. converged: whether the steps became negligible before the iterations were exhausted.
-struct Registration {
-  Eigen::Matrix4d target_from_source;
-  double rms_m;
-  double overlap;
-  int iterations;
-  bool converged;
-};
-
-/// pcl::IterativeClosestPoint (Besl and McKay 1992), point to point, starting from a rigid guess, in double precision
-/// relative to the target's mean. Points farther than max_distance_m from the other cloud are ignored.
-Registration register_cloud(std::span<const float> source_m, std::span<const float> target_m,
-                            const Eigen::Matrix4d& guess, double max_distance_m, int max_iterations);
 
 }  // namespace uwsim

@@ -45,11 +45,6 @@ class MapOptions(Options):
     outlier_filter: bool | None = option(
         None, "Discard ranges with which their neighbours in the swath disagree. Default: in physics mode."
     )
-    close_loops: bool = option(
-        False,
-        "With a map and --estimate filter: after the flight, adjust the track until overlapping observations agree, "
-        "and rebuild the map. Such a flight is not autosaved.",
-    )
     min_coverage: float | None = option(
         None,
         "Exit with 4 if the map's coverage is below this [%]. Default: 95 for a survey that ended early, 0 for one "
@@ -95,12 +90,8 @@ class FlightOptions(Options):
         """Raise ValueError for options that contradict each other."""
         if maps.min_coverage and self.report == "none":
             raise ValueError("--min-coverage: needs a score of the map, which --report none leaves out")
-        if maps.close_loops and self.autosave_s:
-            raise ValueError(f"--autosave {self.autosave_s:g} s: a flight with --close-loops is not autosaved")
         if self.resume:
             attachments.require_start()
-        if self.resume and maps.close_loops:
-            raise ValueError("--close-loops: such a flight is not saved, so it cannot be resumed")
 
 
 def given(**options: Any) -> dict[str, Any]:

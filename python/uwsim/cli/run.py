@@ -83,8 +83,6 @@ def run(
         refuse(f"{beside}: the server has its own, or there is none", **{**simulated, "voxel_m": False})
     if not make_map and not flight.resume:
         need("--map", **of_map)
-    if maps.close_loops:
-        need("--estimate filter", close_loops=flight.estimate != "filter")
     flight.require_fit(maps, attachments)
     from uwsim.flight.terminal import Terminal
 

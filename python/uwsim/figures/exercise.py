@@ -23,7 +23,7 @@ def draw_exercise_track(
 ) -> None:
     """Draw a track (n, 3) with the goals' points by name, and marks (kind, x, y). Raises OSError."""
     draw_track(
-        path, world, {"vehicle": track_world_m}, {}, {},
+        path, world, {"vehicle": track_world_m}, {},
         places_world_m={name: np.array(points, np.float64)[:, :2] for name, points in places_world_m.items()},
         marks=[(*KINDS[kind], x, y) for kind, x, y in marks],
     )  # fmt: skip

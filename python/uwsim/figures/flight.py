@@ -20,7 +20,6 @@ from uwsim.figures.style import save_figure as save
 WIDTH_IN = 4.4  # narrow, so that text is legible on a phone
 TRACKS = (ACCENT, "#00b4d8", "#d00070", "#f4a300", "#80ed99")
 GROUND, GROUND_LINE, WATER, ALARM = "#b9ab98", "#6d6150", "#e6f0f6", "#d62828"
-CLOSED = "#ffd166"
 CELLS = 220
 Paths = Mapping[str, NDArray[np.float64]]
 
@@ -30,17 +29,16 @@ def draw_track(
     world: _core.FixedWorld | _core.World | None,
     tracks_world_m: Paths,
     estimates_world_m: Paths,
-    closed_world_m: Paths,
     *,
     places_world_m: Paths | None = None,
     marks: Sequence[tuple[str, str, str, float, float]] = (),
 ) -> None:
-    """Draw tracks (n, 3) by vehicle over the true bed, estimates dashed and loop-closed tracks dotted. Raises OSError.
+    """Draw tracks (n, 3) by vehicle over the true bed, estimates dashed. Raises OSError.
 
     world: None if the bed is unknown. places_world_m: points (n, 2) by name, labelled. marks: symbol, colour, legend,
     x and y.
     """
-    paths = (*tracks_world_m.values(), *estimates_world_m.values(), *closed_world_m.values())
+    paths = (*tracks_world_m.values(), *estimates_world_m.values())
     places = places_world_m or {}
     every = np.concatenate([*(track[:, :2] for track in paths), *places.values()])
     low, high = every.min(axis=0), every.max(axis=0)
@@ -63,9 +61,6 @@ def draw_track(
         if name in estimates_world_m:
             estimate = estimates_world_m[name]
             axes.plot(estimate[:, 0], estimate[:, 1], "--", color="white", label=f"{name}, estimated", **thin)
-        if name in closed_world_m:
-            closed = closed_world_m[name]
-            axes.plot(closed[:, 0], closed[:, 1], ":", color=CLOSED, label=f"{name}, loops closed", **thin)
     for name, points in places.items():
         axes.plot(points[:, 0], points[:, 1], "o:", color="white", mfc="none", markersize=9, markeredgewidth=1.6)
         axes.annotate(

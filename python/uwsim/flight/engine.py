@@ -77,7 +77,7 @@ class Flight:
         finally:
             self._log.close()
             unwritten = [error for each in attachments if (error := each.try_close()) is not None]
-        flown = self._verified(self._closed(flown))
+        flown = self._verified(flown)
         if setup.out is not None:
             flown = self._written(flown, setup.out)
         if flown.error is not None:
@@ -91,15 +91,6 @@ class Flight:
         if (out := self._setup.out) is not None:
             names = RESULT_FILES if self._saved is not None else (MAP, *RESULT_FILES)
             remove_stale_results(out, names, self._setup.screen)
-
-    def _closed(self, flown: FlightRecord) -> FlightRecord:
-        """Return the record, with its tracks corrected by loop closure if requested."""
-        if not self._setup.close_loops or self._maker is None or self._autosave.in_haste:
-            return flown
-        from uwsim.flight.closed_flight import closed_flight  # here, since scipy is slow to import
-
-        with self._setup.screen.status("closing loops"):
-            return closed_flight(flown, self._sim, self._maker.tracks, self._maker.true_bodies_m)
 
     def _verified(self, flown: FlightRecord) -> FlightRecord:
         """Return the record, with the result of comparing its map with stock OctoMap's if requested."""

@@ -52,7 +52,6 @@ def fly(
     map_growth: bool = True,
     sample_sensors: bool = True,
     outlier_filter: bool | None = None,
-    close_loops: bool = False,
     seed: int | None = None,
     sonar_model: int | str | None = None,
     sonar_frequency_hz: float | None = None,
@@ -94,8 +93,7 @@ def fly(
 
     Map options: engine is "bricks" by default. verify_map also inserts every scan into a stock OctoMap and compares the
     two maps byte for byte. map_memory_mb limits the map's memory; the rest is kept on disk. map_growth measures the map
-    as it grows. outlier_filter overrides the scenario's setting. close_loops corrects the filter's track after the
-    flight, so that areas seen twice match, and rebuilds the map; autosave is off for such a flight.
+    as it grows. outlier_filter overrides the scenario's setting.
 
     Raises ScenarioError or ValueError for invalid arguments, before anything is written; OSError if results cannot be
     written; and the mission's own errors, as MissionError if the mission is a file, after the results so far have been
@@ -107,14 +105,14 @@ def fly(
     }  # fmt: skip
     if isinstance(scenario, Mapping):
         scenario = load(scenario)
-    _require_consistent(estimate, report, map, of_map, close_loops, time_limit_s)
+    _require_consistent(estimate, report, map, of_map, time_limit_s)
     begun_with = scenario
     if survey and not isinstance(scenario, Simulator):
         scenario = with_survey(scenario, survey)
     elif survey:
         raise ValueError("survey: has no effect on an existing simulator")
     screen = screen or Silent()
-    saving = autosave or _autosave(0.0 if close_loops else autosave_s, screen)
+    saving = autosave or _autosave(autosave_s, screen)
     options = Attachments(**attachments)
     found = found_mission(mission, function, arguments)
     if out is not None:
@@ -152,9 +150,9 @@ def fly(
     if found.file is None:
         request = replace(request, mission=found.name)
     taking_part = attached(options, Departure(sim, names, found.make is not None, map, request, carried))
-    can_be_saved = isinstance(begun_with, str | Path) and not close_loops and (mission is None or request.mission)
+    can_be_saved = isinstance(begun_with, str | Path) and (mission is None or request.mission)
     setup = Setup(
-        sim=sim, mission=found, names=names, estimate=estimate, close_loops=close_loops, time_limit_s=time_limit_s,
+        sim=sim, mission=found, names=names, estimate=estimate, time_limit_s=time_limit_s,
         plan=plan, lanes_left_out=left_out, attachments=taking_part, sample_sensors=sample_sensors,
         out=None if out is None else results_folder(Path(out), names),
         request=request if can_be_saved and out is not None else None, report=report, autosave=saving, screen=screen,
@@ -164,7 +162,7 @@ def fly(
             resolution_m=request.voxel_m or 1.0, engine=request.engine, memory_limit_mb=map_memory_mb
         )
         setup.mapping = replace(
-            _map_setup(sim, request, occupancy, request.new_reference(), report), keep=close_loops,
+            _map_setup(sim, request, occupancy, request.new_reference(), report),
             on_ping=tuple(each.on_ping for each in taking_part.values() if each.on_ping is not None),
         )  # fmt: skip
     if setup.out is None:
@@ -247,9 +245,8 @@ def _map_setup(
 
 
 def _require_consistent(
-    estimate: str, report: str, makes_map: bool, of_map: Mapping[str, Any], close_loops: bool,
-    time_limit_s: float | None,
-) -> None:  # fmt: skip
+    estimate: str, report: str, makes_map: bool, of_map: Mapping[str, Any], time_limit_s: float | None
+) -> None:
     """Raise ValueError if arguments contradict each other or would have no effect."""
     if estimate not in ESTIMATES:
         raise ValueError(f"estimate = {estimate!r}: must be one of {', '.join(ESTIMATES)}")
@@ -258,10 +255,6 @@ def _require_consistent(
         raise ValueError(f"{given[0]} = {of_map[given[0]]}: has no effect unless map=True")
     if time_limit_s is not None and not 0.0 < time_limit_s < math.inf:
         raise ValueError(f"time_limit_s = {time_limit_s} s: must be positive")
-    if close_loops and not (makes_map and estimate == "filter"):
-        raise ValueError("close_loops: needs map=True and estimate='filter': otherwise there are no loops to close")
-    if close_loops and (of_map["verify_map"] or of_map["map_memory_mb"] is not None):
-        raise ValueError("close_loops: cannot be combined with verify_map or map_memory_mb")
 
 
 def _simulator(scenario: str | Path | Scenario | Simulator, given: Mapping[str, Any], screen: Silent) -> Simulator:

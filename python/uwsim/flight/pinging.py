@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +33,6 @@ from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.simulator.simulator import Simulator
 
-if TYPE_CHECKING:
-    from uwsim.mapping.closure import PingTrack
-
 SURVEYED = ("telemetry", "placed_ping")
 """Name endings of the channels that a surveying vehicle sends over a link."""
 Array = NDArray[np.float64]
@@ -49,7 +46,7 @@ class MapSetup:
 
     occupancy: the map to fill. reference: a second map for comparison, into which every scan is inserted individually.
     outlier_filter: overrides the scenario's setting. transmit: see depth_string. growth: whether to measure the map as
-    it grows. keep: whether to store all pings, so that the map can be rebuilt. ahead: examines the true surface while
+    it grows. ahead: examines the true surface while
     the map thread is idle, so that scoring takes less time. on_ping: called for each ping.
     """
 
@@ -58,7 +55,6 @@ class MapSetup:
     outlier_filter: bool | None = None
     transmit: Callable[[str], str] | None = None
     growth: bool = True
-    keep: bool = False
     ahead: SurfaceAhead | None = None
     on_ping: tuple[TakePing, ...] = ()
 
@@ -133,7 +129,6 @@ class MapMaker:
         ahead = setup.ahead.look_at if setup.ahead is not None and alone else None
         self._fillers: list[MapFiller] = []
         self.pingers: dict[str, Pinger] = {}
-        self._keepers: dict[str, Any] = {}
         for name, vehicle in vehicles.items():
             sonar = sim.vehicles[name].sonar
             sonar.map_as(self._filters[name], setup.occupancy.resolution_m)  # also for maps elsewhere, as over a link
@@ -143,14 +138,8 @@ class MapMaker:
             )  # fmt: skip
             chain = chain_of(sim, name, filler, self._filters[name], timer=timer, transmit=setup.transmit)
             log = PingLog(survey_area_m(sim))
-            on_ping = setup.on_ping
-            if setup.keep:
-                from uwsim.flight.closed_flight import PingKeeper  # here, since scipy is slow to import
-
-                self._keepers[name] = PingKeeper(sim, sim.vehicles[name])
-                on_ping = (*on_ping, self._keepers[name])
             self._fillers.append(filler)
-            self.pingers[name] = Pinger(sim, vehicle, chain, timer, log, on_ping)
+            self.pingers[name] = Pinger(sim, vehicle, chain, timer, log, setup.on_ping)
         first_tick = -1
         if saved is not None:
             first_tick = saved.tick
@@ -170,16 +159,6 @@ class MapMaker:
     def growth(self) -> tuple[GrowthRow, ...]:
         """The measurements of the map so far."""
         return tuple(self._growth.rows)
-
-    @property
-    def tracks(self) -> dict[str, PingTrack]:
-        """The stored pings, by vehicle."""
-        return {name: keeper.track for name, keeper in self._keepers.items()}
-
-    @property
-    def true_bodies_m(self) -> dict[str, Array]:
-        """Each vehicle's true positions (n, 3) at the stored pings."""
-        return {name: np.array(keeper.true_path_m).reshape(-1, 3) for name, keeper in self._keepers.items()}
 
     def when_mapped(self, job: Callable[[], None]) -> None:
         """Run a job as soon as the map contains exactly the pings taken so far."""

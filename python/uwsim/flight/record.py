@@ -31,25 +31,6 @@ INTERRUPTED = "interrupted (Ctrl-C)"
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class ClosedPath:
-    """A vehicle's track after loop closure.
-
-    times_s: ping times (n,). path_world_m: positions (n, 3) at those times. errors_m: position errors (n,). submaps:
-    number of submaps. tried, matched: numbers of submap overlaps for which a match was attempted and found.
-    """
-
-    times_s: Array
-    path_world_m: Array
-    errors_m: Array
-    submaps: int
-    matched: int
-    tried: int
-
-    def __repr__(self) -> str:
-        return f"<ClosedPath: {len(self.times_s)} pings, {self.matched} of {self.tried} overlaps matched>"
-
-
 class Ashore(Protocol):
     """The station's end of a link: what arrived of a mapping flight; see uwsim.link.flight."""
 
@@ -84,11 +65,10 @@ class FlightRecord(Generic[R_co]):
     before scoring. verified: whether the map equals stock OctoMap's byte for byte; None if not compared.
     ping_interval_s: longer than requested if sound takes longer to the maximum range and back. pings_with_warning:
     number of pings during which each of the panel's warnings was on; warning_limits_m: the distances at which they come
-    on. sample_ping: one ping, for the report. closed: by vehicle, the track after loop closure, from which the map was
-    rebuilt. map_growth: measurements of the map while it was being built. planned: whether the mission flew the plan of
-    the scenario's survey; lanes_left_out: a sentence about its lanes that could not be flown.
-    soundings: of a raw survey, if one was written. budgets_m: by vehicle that was flown by its filter, the standard
-    deviations (3,) of its position at the end, by their source.
+    on. sample_ping: one ping, for the report. map_growth: measurements of the map while it was being built. planned:
+    whether the mission flew the plan of the scenario's survey; lanes_left_out: a sentence about its lanes that could
+    not be flown. soundings: of a raw survey, if one was written. budgets_m: by vehicle that was flown by its filter,
+    the standard deviations (3,) of its position at the end, by their source.
     """
 
     mission: str
@@ -127,7 +107,6 @@ class FlightRecord(Generic[R_co]):
     link: list[LinkRow] = field(default_factory=list)
     ashore: Ashore | None = None
     ashore_score: MapScore | None = None
-    closed: dict[str, ClosedPath] = field(default_factory=dict)
     map_growth: tuple[GrowthRow, ...] = ()
     lanes_left_out: str | None = None
     planned: bool = False

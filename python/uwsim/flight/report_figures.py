@@ -111,18 +111,14 @@ def flight_figures(folder: Path, flown: FlightRecord, world: _core.World | None)
     figures = [ReportFigure(folder / "track.png", "Track", "The start is a circle, the end a square.")]
     tracks = {name: samples.path_world_m for name, samples in flown.samples.items()}
     estimates = {name: flown.samples[name].estimated_path_world_m for name in errors}
-    closed = {name: path.path_world_m for name, path in flown.closed.items()}
-    draw_track(figures[0].path, world, tracks, estimates, closed)
+    draw_track(figures[0].path, world, tracks, estimates)
     several = len(flown.samples) > 1
     for name, samples in flown.samples.items():
         figures += _vehicle_figures(folder, samples, f" of {name}" if several else "", f"_{name}" if several else "")
     if errors:
-        text = "Distance of the estimated position from the true one"
-        text += ", also after loop closure." if flown.closed else "."
+        text = "Distance of the estimated position from the true one."
         figures.append(ReportFigure(folder / "estimate.png", "Estimate against truth", text))
         curves = {name: (flown.samples[name]["time_s"], error) for name, error in errors.items()}
-        for name, path in flown.closed.items():
-            curves[f"{name}, loops closed"] = (path.times_s, path.errors_m)
         draw_estimate(figures[-1].path, curves)
     for name, budget_m in flown.budgets_m.items():
         text = "Standard deviations of the estimated position at the end by their source; their squares add up."

@@ -118,8 +118,9 @@ def _score(
 
 def _is_exact(flown: FlightRecord, sim: Simulator) -> bool:
     """Return whether the map was built from exact ranges and true poses."""
-    is_true = flown.estimate == "truth" and not flown.closed
-    return is_true and all(sim.vehicles[name].sonar.mode == "geometry" for name in flown.pings_world_m)
+    return flown.estimate == "truth" and all(
+        sim.vehicles[name].sonar.mode == "geometry" for name in flown.pings_world_m
+    )
 
 
 def _map_ashore(ashore: Ashore, aboard: OccupancyMap) -> OccupancyMap:

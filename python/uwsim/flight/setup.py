@@ -30,7 +30,6 @@ class Setup:
     names: tuple[str, ...]
     estimate: EstimateKind = "truth"
     mapping: MapSetup | None = None
-    close_loops: bool = False
     time_limit_s: float | None = None
     plan: LawnMowerPlan | None = None
     lanes_left_out: str | None = None

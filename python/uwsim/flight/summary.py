@@ -47,13 +47,6 @@ def key_figures(flown: FlightRecord) -> list[tuple[str, str]]:
             *score_rows(flown.score),
         ]
     rows += [] if flown.soundings is None else flown.soundings.rows()
-    for name, closed in flown.closed.items():
-        values, of = _closed_values(flown, name), f" of {name}" if len(flown.closed) > 1 else ""
-        rows += [
-            (f"loops closed{of}", f"{closed.matched} of {closed.tried} overlaps, {closed.submaps} submaps"),
-            (f"closed track{of}, RMS error", f"{values['error_rms_m']:.2f} m"),
-            (f"closed track{of}, largest error", f"{values['error_max_m']:.2f} m"),
-        ]
     return rows
 
 
@@ -158,7 +151,6 @@ def flight_values(flown: FlightRecord) -> dict[str, Any]:
         "free_voxels": flown.free_voxels if flown.score is not None else None,
         "map_growth": [row._asdict() for row in flown.map_growth],
         "link": [row._asdict() for row in flown.link],
-        "closed": {name: _closed_values(flown, name) for name in flown.closed},
         "vehicles": {name: vehicle_values(samples) for name, samples in flown.samples.items()},
         "warnings": warnings(flown),
     }
@@ -169,18 +161,6 @@ def flight_values(flown: FlightRecord) -> dict[str, Any]:
     if flown.score is not None:
         values["map"] = score_values(flown.score, path_known=True)
     return values
-
-
-def _closed_values(flown: FlightRecord, name: str) -> dict[str, Any]:
-    closed = flown.closed[name]
-    errors = closed.errors_m
-    return {
-        "submaps": closed.submaps,
-        "overlaps": closed.tried,
-        "matched": closed.matched,
-        "error_rms_m": float(np.sqrt(np.mean(errors**2))) if len(errors) else 0.0,
-        "error_max_m": float(errors.max(initial=0.0)),
-    }
 
 
 def warnings(flown: FlightRecord) -> list[str]:

@@ -1,9 +1,8 @@
-"""Point-cloud processing with PCL: downsampling, outlier removal, ground-plane detection, registration to a map.
+"""Point-cloud processing with PCL: downsampling, outlier removal, ground-plane detection.
 
     points_m = voxel_grid(points_m, 0.1)
     points_m = remove_outliers(points_m, neighbours=16, deviations=2.0)
     ground = ground_plane(points_m, distance_m=0.2)
-    found = register_to_map(points_m, occupancy_map)        the cloud's pose in the map
 
 Points are (n, 3) float32. C-ordered float32 arrays are not copied, float64 arrays and sequences are converted, and
 other dtypes are rejected. The same points in the same order give the same bytes. All errors are ValueError. Calls
@@ -14,26 +13,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uwsim import _core
-
-REACH_VOXELS = 5.0
-"""Default max_distance_m of register_to_map, in voxels of the map."""
-
-
-class RegistrationTarget(Protocol):
-    """A map that register_to_map accepts, such as uwsim.mapping.OccupancyMap."""
-
-    @property
-    def resolution_m(self) -> float:
-        """Edge length of a voxel."""
-
-    def occupied_voxels(self) -> NDArray[np.float64]:
-        """Return the centres of the occupied voxels, (n, 3), world."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,22 +32,6 @@ class GroundPlane:
     def height_of(self, points_m: ArrayLike) -> NDArray[np.float64]:
         """Return the signed distances (n,) of points (n, 3) above the plane [m]."""
         return np.asarray(np.asarray(points_m, np.float64) @ self.normal + self.offset_m, np.float64)
-
-
-@dataclass(frozen=True, eq=False)
-class Registration:
-    """A cloud's pose in its target's frame.
-
-    target_from_source: (4, 4), rigid. rms_m: root mean square distance between the cloud's points, in this pose, and
-    their nearest target points, over the points that have a target point within max_distance_m; nan if there are none.
-    overlap: the share of such points. converged: whether the steps became negligible within the allowed iterations.
-    """
-
-    target_from_source: NDArray[np.float64]
-    rms_m: float
-    overlap: float
-    iterations: int
-    converged: bool
 
 
 def voxel_grid(points_m: ArrayLike, voxel_m: float) -> NDArray[np.float32]:
@@ -100,39 +69,3 @@ def ground_plane(points_m: ArrayLike, distance_m: float, max_slope_rad: float = 
     so the same points give the same plane. Raises ValueError if a point is not finite or there is no such plane.
     """
     return GroundPlane(*_core.ground_plane(points_m, distance_m, max_slope_rad))
-
-
-def register(
-    source_m: ArrayLike,
-    target_m: ArrayLike,
-    *,
-    max_distance_m: float,
-    guess: ArrayLike | None = None,
-    max_iterations: int = 100,
-) -> Registration:
-    """Register a cloud (n, 3) to another (m, 3) by point-to-point ICP (Besl and McKay 1992).
-
-    guess: target_from_source to start from, (4, 4); identity by default. Points without a target point within
-    max_distance_m are ignored: it must be larger than the offset between the clouds. Raises ValueError if a point is
-    not finite or either cloud has fewer than three points.
-    """
-    start = np.eye(4) if guess is None else guess
-    return Registration(*_core.register_cloud(source_m, target_m, start, max_distance_m, max_iterations))
-
-
-def register_to_map(
-    points_world_m: ArrayLike,
-    occupancy_map: RegistrationTarget,
-    *,
-    max_distance_m: float | None = None,
-    guess: ArrayLike | None = None,
-    max_iterations: int = 100,
-) -> Registration:
-    """Register a cloud (n, 3) to the centres of a map's occupied voxels. max_distance_m: REACH_VOXELS by default.
-
-    Accuracy: the centres lie up to half a voxel diagonal from the mapped surface, so the result is accurate to a
-    fraction of a voxel; along a featureless plane, the cloud may slide.
-    """
-    reach_m = REACH_VOXELS * occupancy_map.resolution_m if max_distance_m is None else max_distance_m
-    centres = occupancy_map.occupied_voxels()
-    return register(points_world_m, centres, max_distance_m=reach_m, guess=guess, max_iterations=max_iterations)

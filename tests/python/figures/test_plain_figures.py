@@ -103,7 +103,7 @@ def exercise_track(path: Path, text: str) -> None:
 FIGURES: dict[str, Callable[[Path, str], object]] = {
     "an exercise's errors": lambda path, text: draw_errors(path, {text: CURVE}),
     "an exercise's track": exercise_track,
-    "a flight's track": lambda path, text: draw_track(path, None, {text: TRACK_M}, {text: TRACK_M}, {text: TRACK_M}),
+    "a flight's track": lambda path, text: draw_track(path, None, {text: TRACK_M}, {text: TRACK_M}),
     "commands": power,
     "a track in a notebook": lambda path, text: path.write_bytes(track_plot.png(track_plot.plot(TRACK_M, title=text))),
     "missions compared": lambda path, text: draw_comparison(path, {text: [CURVE]}),

@@ -1,7 +1,6 @@
 """Baselines of a sequence: tracks that uwsim itself estimates from the instruments, and their errors.
 
 reckoning  the navigation filter without its USBL: inertial sensors, DVL, depth and compass from a known start
-icp        reckoning, corrected after the flight by registering the multibeam's submaps to each other, point to plane
 filter     the navigation filter with all its aids, as known at that time
 """
 
@@ -19,7 +18,6 @@ from uwsim.campaigns.datasets.sequences.tum import Tum
 from uwsim.channels import Table
 from uwsim.channels.delivery.pictures import RATE_HZ
 from uwsim.channels.source import Source
-from uwsim.mapping.closure import PingTrack, close_loops
 from uwsim.navigation.estimation import Navigator, Start
 from uwsim.navigation.estimation.protocols import Instrumented
 from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S, new_navigator
@@ -29,7 +27,7 @@ if TYPE_CHECKING:
     from uwsim.simulator.vehicle import Vehicle
 
 Array = NDArray[np.float64]
-FOLDER, RECKONING, ICP, FILTER = "baselines", "reckoning", "icp", "filter"
+FOLDER, RECKONING, FILTER = "baselines", "reckoning", "filter"
 ABSOLUTE = "usbl"
 
 
@@ -49,51 +47,37 @@ class Baselines:
 
     def __init__(self, folder: Path, source: Source, table: Table) -> None:
         self.folder, self._source = folder / FOLDER, source
-        self._pings = table.pings.get(source.name) if source.has_sonar else None
-        self.rate_hz = RATE_HZ if self._pings is None else self._pings.rate_hz
+        pings = table.pings.get(source.name) if source.has_sonar else None
+        self.rate_hz = RATE_HZ if pings is None else pings.rate_hz
         self._navigators: dict[str, Navigator] = {}
         self._poses: dict[str, list[Array]] = {}
         self._times_ns: list[int] = []
         self._true_m: list[Array] = []
-        self._track = PingTrack()
-        self._pinged: list[int] = []  # the readings with a ping
         self.errors: dict[str, dict[str, float]] = {}
 
     def read(self, sim: Simulator) -> None:
-        """Add the poses that the navigators know now, and the ping that was taken now."""
+        """Add the poses that the navigators know now."""
         vehicle = self._source.of(sim)
         self._navigators = self._navigators or _navigators(vehicle, sim)
         for name, navigator in self._navigators.items():
             self._poses.setdefault(name, []).append(np.array(navigator.pose.world_from_body))
         self._times_ns.append(sim.time_ns)
         self._true_m.append(np.array(vehicle.pose.position_world_m))
-        if self._pings is None or (taken := self._pings.newest(sim)).ping.time_ns != sim.time_ns:
-            return
-        ping, reckoned = taken.ping, self._navigators[RECKONING]
-        points_m = np.where(ping.valid[:, None], ping.points_sonar_m, np.nan)
-        body_from_sonar = np.linalg.inv(taken.odom_from_body) @ taken.odom_from_sonar
-        std_m = float(np.sqrt(np.mean(reckoned.position_std_m[:2] ** 2)))
-        pose = self._poses[RECKONING][-1]
-        self._track.add(sim.time_s, pose, body_from_sonar, ping.ranges_m, points_m, std_m, taken.deviation_m)
-        self._pinged.append(len(self._times_ns) - 1)
 
     def close(self) -> None:
         """Write a TUM file for each baseline, and keep its errors. Raises OSError."""
         self.folder.mkdir()
-        every = list(range(len(self._times_ns)))
         for name, poses in self._poses.items():
-            self._write(name, every, poses)
-        if len(self._track):
-            self._write(ICP, self._pinged, close_loops(self._track).world_from_body)
+            self._write(name, poses)
 
-    def _write(self, name: str, times: list[int], poses: list[Array]) -> None:
+    def _write(self, name: str, poses: list[Array]) -> None:
         from scipy.spatial.transform import Rotation  # slow to import
 
         file = Tum(self.folder / f"{name}.tum")
-        for k, pose in zip(times, poses, strict=True):
-            file.add(self._times_ns[k], pose[:3, 3].tolist(), Rotation.from_matrix(pose[:3, :3]).as_quat().tolist())
+        for time_ns, pose in zip(self._times_ns, poses, strict=True):
+            file.add(time_ns, pose[:3, 3].tolist(), Rotation.from_matrix(pose[:3, :3]).as_quat().tolist())
         file.close()
-        off_m = np.linalg.norm(np.array([pose[:3, 3] for pose in poses]) - np.array(self._true_m)[times], axis=1)
+        off_m = np.linalg.norm(np.array([pose[:3, 3] for pose in poses]) - np.array(self._true_m), axis=1)
         found = {"rms_m": np.sqrt(np.mean(off_m**2)), "largest_m": off_m.max(), "last_m": off_m[-1]}
         self.errors[name] = {key: round(float(value), 4) for key, value in found.items()}
 
