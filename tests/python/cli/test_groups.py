@@ -28,7 +28,7 @@ WORDS = {
     "identify": "a --vehicle rov --known mass_kg",
     "fingerprint": "pool --seed 3",
 }
-DEFAULTS = {"vehicle": "report", "exercise": "fly", "recording": "info", "ardusub": "start"}
+DEFAULTS = {"vehicle": "report", "exercise": "fly", "recording": "info"}
 
 
 def parsed(words: list[str]) -> tuple[str, dict[str, Any]]:
