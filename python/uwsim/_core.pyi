@@ -82,7 +82,6 @@ __all__: list[str] = [
     "Ping",
     "PingBatch",
     "RANGING_PING_BYTES",
-    "Radiation",
     "RayHits",
     "RayScene",
     "Reception",
@@ -1155,65 +1154,6 @@ class BottomMaterial:
         backscatter per square metre at normal incidence; other angles follow Lambert's law
         """
 
-class Radiation:
-    """
-    The waves that a floating hull makes and deflects: Cummins' equation, and diffraction.
-    """
-    def __init__(
-        self,
-        added_mass: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 6]"],
-        sections: collections.abc.Sequence[
-            tuple[
-                typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 6]"],
-                typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 6]"],
-                typing.SupportsFloat | typing.SupportsIndex,
-                typing.SupportsFloat | typing.SupportsIndex,
-            ]
-        ],
-        diffraction: typing.Annotated[numpy.typing.ArrayLike, numpy.complex128],
-        least_rad_s: typing.SupportsFloat | typing.SupportsIndex,
-        most_rad_s: typing.SupportsFloat | typing.SupportsIndex,
-        wet_volume_m3: typing.SupportsFloat | typing.SupportsIndex,
-        drift: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
-    ) -> None:
-        """
-        added_mass: (6, 6), at infinite frequency. sections: R (6, 6), Q (6, 6), frequency [rad/s] and damping
-        ratio of the terms (R s + Q) / (s^2 + 2 zeta omega s + omega^2). diffraction: complex (4, frequencies,
-        headings, 6), force on a fixed hull beyond that on its slices, in each division, per metre of a wave's
-        amplitude, with exp(-i omega t), from least_rad_s to most_rad_s and all around from the body's x. Body
-        frame, about the origin. drift: (4, frequencies, headings, 3), the mean force along x and y and moment
-        about z that the rest of the model lacks, per squared metre of amplitude. Raises ValueError.
-        """
-    def diffraction(
-        self,
-        omega_rad_s: typing.SupportsFloat | typing.SupportsIndex,
-        heading_rad: typing.SupportsFloat | typing.SupportsIndex,
-        division: typing.SupportsInt | typing.SupportsIndex = 3,
-    ) -> typing.Annotated[numpy.typing.NDArray[numpy.complex128], "[6, 1]"]:
-        """
-        Return X (6,), complex [N/m, N], of a hull cut into 2^division slices.
-        """
-    def impedance(
-        self, s: complex | typing.SupportsComplex | typing.SupportsFloat | typing.SupportsIndex
-    ) -> typing.Annotated[numpy.typing.NDArray[numpy.complex128], "[6, 6]"]:
-        """
-        Return K(s) (6, 6), complex: B + i omega (A - A_infinity) at s = i omega.
-        """
-    def share(
-        self,
-        submerged_volume_m3: typing.SupportsFloat | typing.SupportsIndex,
-        up: typing.SupportsFloat | typing.SupportsIndex,
-        cover: typing.SupportsFloat | typing.SupportsIndex,
-    ) -> float:
-        """
-        Return the weight of these terms, from 0 to 1.
-        """
-    @property
-    def added_mass(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 6]"]:
-        """
-        (6, 6)
-        """
-
 class CraftParameters:
     """
     Mass and hydrodynamic coefficients in Fossen's order: surge, sway, heave, roll, pitch, yaw.
@@ -1292,13 +1232,6 @@ class CraftParameters:
         """
     @quadratic_damping.setter
     def quadratic_damping(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 6]"]) -> None: ...
-    @property
-    def radiation(self) -> Radiation:
-        """
-        A Radiation: the waves that the floating hull makes; None: none are modelled.
-        """
-    @radiation.setter
-    def radiation(self, arg1: Radiation) -> None: ...
 
 class Craft:
     """

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from tests.fuzz import charts, fields, radiation, surveys, text_readers
+from tests.fuzz import charts, fields, surveys, text_readers
 
 REFUSED = (ValueError, OSError)
 """The errors that a reader may raise: the command line turns either into one line."""
@@ -376,9 +376,6 @@ READERS = {
     "argo": Reader(fields.cast, ("scipy.io",), has_end=_without_end),
     "ocean_csv": Reader(fields.ocean, ("csv",), has_end=_without_end),
     "ocean_netcdf": Reader(fields.ocean, ("scipy.io",), has_end=_without_end),
-    "capytaine": Reader(radiation.table(".nc"), ("scipy.io",)),
-    "wamit": Reader(radiation.wamit, has_end=_without_end),
-    "wec_sim": Reader(radiation.table(".h5")),
     "scenario": Reader(_scenario, ("ruamel",), has_end=_without_end, values=YAML_VALUES),
     **{
         kind: Reader(_part(kind), ("ruamel",), has_end=_without_end, values=YAML_VALUES)

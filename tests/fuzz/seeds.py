@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tests.fuzz import bridge_seeds, charts, fields, radiation
+from tests.fuzz import bridge_seeds, charts, fields
 from tests.fuzz.readers import CDR_TYPES, simulator_to_restore
 from tests.fuzz.surveys import side_scan, survey, xtf_soundings
 
@@ -491,9 +491,6 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "argo": fields.argo,
     "ocean_csv": fields.ocean_csv,
     "ocean_netcdf": fields.ocean_netcdf,
-    "capytaine": radiation.capytaine,
-    "wamit": radiation.wamit_run,
-    "wec_sim": radiation.wec_sim,
     "scenario": _scenarios,
     **{kind: _parts(f"{kind.removesuffix('s')}s") for kind in ("vehicle", "thruster", "sensors", "sonar", "modem")},
     "sweep": lambda: [SWEEP],

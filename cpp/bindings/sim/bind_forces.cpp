@@ -34,9 +34,9 @@ std::vector<ContactForce> named(const Simulation& simulation, std::size_t body, 
   return all;
 }
 
-/// Tethers, arms, the waves of hulls and the wind have a term only where there are any.
+/// Tethers, arms and the wind have a term only where there are any.
 std::vector<std::pair<std::string, Vector6d>> by_name(const Simulation& simulation, const Forces& forces, bool has_arm,
-                                                      bool makes_waves, bool feels_wind) {
+                                                      bool feels_wind) {
   const Craft::Terms& craft = forces.craft;
   std::vector<std::pair<std::string, Vector6d>> terms{
       {"weight", craft.weight},         {"buoyancy", craft.buoyancy}, {"drag", craft.drag},
@@ -44,10 +44,6 @@ std::vector<std::pair<std::string, Vector6d>> by_name(const Simulation& simulati
       {"applied", forces.applied},      {"contact", forces.contact},  {"dock", forces.dock}};
   if (simulation.tethers() > 0) terms.emplace_back("tether", forces.tether);
   if (has_arm) terms.emplace_back("arm", forces.arm);
-  if (makes_waves) {
-    terms.emplace_back("radiation", forces.radiation);
-    terms.emplace_back("diffraction", forces.diffraction);
-  }
   if (feels_wind) terms.emplace_back("wind", forces.wind);
   return terms;
 }
@@ -193,7 +189,7 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
           "forces",
           [](OwnedSimulation& o, std::size_t v) {
             return o.with([&](Simulation& s) {
-              return by_name(s, s.forces(v), s.has_arm(v), s.makes_waves(v), s.feels_wind(v));
+              return by_name(s, s.forces(v), s.has_arm(v), s.feels_wind(v));
             });
           },
           py::arg("vehicle"),
@@ -202,7 +198,7 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .def(
           "object_forces",
           [](OwnedSimulation& o, std::size_t k) {
-            return o.with([&](Simulation& s) { return by_name(s, s.object_forces(k), false, false, false); });
+            return o.with([&](Simulation& s) { return by_name(s, s.object_forces(k), false, false); });
           },
           py::arg("object"))
       .def(

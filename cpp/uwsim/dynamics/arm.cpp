@@ -63,7 +63,7 @@ void require_slow_enough(const ArmLink& link, double step_s) {
 
 ArmBase::Load CraftBase::at(const BodyState& state, double time_s) const {
   const Craft::Load load = craft_.load(state, loads_.at(state.world_from_body.orientation), water_, time_s);
-  return {craft_.mass(load.submerged, load.floating), load.wrench_body};
+  return {craft_.mass(load.submerged), load.wrench_body};
 }
 
 Arm::Arm(std::vector<ArmLink> links, double step_s) : body_(std::move(links)) {

@@ -92,7 +92,7 @@ struct BulletBody {
     const Loads loads = from.loads(Vector6d::Zero(), 1);
     Vector6d tau_body = loads.body;
     if (!loads.world.isZero(0)) tau_body += in_body_axes(loads.world, pose.orientation);
-    const auto [load_body, submerged, floating] = from.spec.craft->load(state, tau_body, water, time_s);
+    const auto [load_body, submerged] = from.spec.craft->load(state, tau_body, water, time_s);
     body.setMassProps(mass.mass_kg(submerged), to_bullet(mass.moments_kg_m2(submerged)));
     body.updateInertiaTensor();
     const Vector6d applied = mass.applied_body(load_body, state.velocity_body, submerged);

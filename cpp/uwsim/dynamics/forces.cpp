@@ -30,12 +30,7 @@ Forces at_instant(const MovedBody& body, const Vector6d& canopy_world, const Wat
   const Craft& craft = *body.spec.craft;
   Forces forces;
   if (body.arm) forces.arm = arm_at_instant(*body.arm, body, water, time_s, step_s);
-  if (body.hull_waves) {
-    const auto [radiation, diffraction] = body.hull_waves->wrenches_at(body.state, water, time_s);
-    forces.radiation = radiation;
-    forces.diffraction = diffraction;
-  }
-  Vector6d of_parts = body.hull_waves ? Vector6d(forces.radiation + forces.diffraction) : forces.arm;
+  Vector6d of_parts = forces.arm;
   const Vector6d canopy = in_body_axes(canopy_world, body.state.world_from_body.orientation);
   if (!canopy.isZero(0)) of_parts += canopy;
   const Vector6d rate = body.held ? Vector6d::Zero() : craft.acceleration_body(body.state, of_parts, water, time_s);
@@ -65,32 +60,18 @@ Forces that_stop(const Craft& craft, const Motion& motion, const WaterField& wat
   return forces;
 }
 
-/// The wrenches of arm or hull waves in each stage; a body has at most one of them.
-std::optional<std::array<Vector6d, 4>> of_parts(const Motion& motion) {
-  if (!motion.hull_waves) return motion.arm_body;
-  std::array<Vector6d, 4> sum;
-  for (std::size_t k = 0; k < sum.size(); ++k)
-    sum[k] = (*motion.hull_waves)[k].radiation + (*motion.hull_waves)[k].diffraction;
-  return sum;
-}
-
 Forces that_move(const Craft& craft, const Motion& motion, const Vector6d& canopy_world, const WaterField& water) {
   Forces forces;
   forces.actuators = motion.actuators_body;
-  const std::optional<std::array<Vector6d, 4>> parts = of_parts(motion);
-  const auto all =
-      stages(craft, motion.start, motion.all, water, motion.time_s, motion.step_s, parts ? &*parts : nullptr);
+  const std::optional<std::array<Vector6d, 4>>& arm = motion.arm_body;
+  const auto all = stages(craft, motion.start, motion.all, water, motion.time_s, motion.step_s, arm ? &*arm : nullptr);
   NearbyWater nearby;  // kept as in `stages`
   for (std::size_t k = 0; k < all.size(); ++k) {
     const Stage& stage = all[k];
     const Eigen::Quaterniond& q = stage.state.world_from_body.orientation;
     add(forces, kStageShares[k],
-        craft.terms(stage.state, stage.rate.velocity, water, stage.time_s, parts ? nullptr : &nearby));
-    if (motion.arm_body) forces.arm += kStageShares[k] * (*motion.arm_body)[k];
-    if (motion.hull_waves) {
-      forces.radiation += kStageShares[k] * (*motion.hull_waves)[k].radiation;
-      forces.diffraction += kStageShares[k] * (*motion.hull_waves)[k].diffraction;
-    }
+        craft.terms(stage.state, stage.rate.velocity, water, stage.time_s, arm ? nullptr : &nearby));
+    if (arm) forces.arm += kStageShares[k] * (*arm)[k];
     forces.applied += kStageShares[k] * (motion.applied.body + in_body_axes(motion.applied.world, q));
     forces.tether += kStageShares[k] * in_body_axes(motion.tether_world, q);
     Vector6d contact = motion.all.world - motion.applied.world - motion.tether_world;
@@ -108,7 +89,7 @@ Forces that_move(const Craft& craft, const Motion& motion, const Vector6d& canop
 
 Vector6d Forces::sum() const {
   Vector6d sum = actuators + applied + tether + contact + dock;
-  for (const Vector6d* part : {&arm, &radiation, &diffraction, &wind}) {
+  for (const Vector6d* part : {&arm, &wind}) {
     if (!part->isZero(0)) sum += *part;
   }
   for (const auto term : kTerms) sum += craft.*term;
@@ -129,8 +110,6 @@ Forces forces_on(const MovedBody& body, const Vector6d& canopy_world, const Wate
     mean.wind += share * part.wind;
     mean.tether += share * part.tether;
     mean.arm += share * part.arm;
-    mean.radiation += share * part.radiation;
-    mean.diffraction += share * part.diffraction;
     mean.contact += share * part.contact;
   }
   return mean;

@@ -14,10 +14,8 @@ struct Forces {
   Vector6d wind = Vector6d::Zero();
   Vector6d tether = Vector6d::Zero();
   Vector6d contact = Vector6d::Zero();
-  Vector6d arm = Vector6d::Zero();          ///< of its links, at the joints that hold them
-  Vector6d radiation = Vector6d::Zero();    ///< of the waves that its hull makes, besides their added mass
-  Vector6d diffraction = Vector6d::Zero();  ///< of the waves that its hull deflects
-  Vector6d dock = Vector6d::Zero();         ///< what holds a docked vehicle
+  Vector6d arm = Vector6d::Zero();   ///< of its links, at the joints that hold them
+  Vector6d dock = Vector6d::Zero();  ///< what holds a docked vehicle
 
   Vector6d sum() const;
 };

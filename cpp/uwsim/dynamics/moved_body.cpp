@@ -11,8 +11,6 @@ namespace uwsim {
 
 void BodySpec::check() const {
   require(craft != nullptr, "vehicle '" + name + "' craft", "none", "must be set");
-  require(arm.empty() || !craft->parameters().radiation, "vehicle '" + name + "' radiation", "an arm",
-          "must not be given for a vehicle with an arm");
   require(arm.empty() || !path || path->stands(), "object '" + name + "' links", arm.size(),
           "must be left out for a body that moves along a path");
   if (round) round->check();
@@ -44,7 +42,6 @@ Loads MovedBody::loads(const Vector6d& impulse_world, double step_s) const {
 
 BodyState MovedBody::advanced(const BodyState& from, const Loads& all, const WaterField& water, double time_s,
                               double step_s) {
-  if (hull_waves) return hull_waves->advance(from, all, water, time_s, step_s);
   if (!arm) return advance(*spec.craft, from, all, water, time_s, step_s);
   return arm->advance(CraftBase(*spec.craft, all, water), from, water, time_s, step_s);
 }
@@ -62,7 +59,6 @@ Matrix6d MovedBody::base_mass(const Pose& world_from_body, const WaterField& wat
 
 void MovedBody::record_stages() {
   if (arm) motions.back().arm_body = arm->stage_wrenches();
-  if (hull_waves) motions.back().hull_waves = hull_waves->stage_wrenches();
 }
 
 void MovedBody::forget_step() {

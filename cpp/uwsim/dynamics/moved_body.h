@@ -11,7 +11,6 @@
 #include "uwsim/dynamics/arm.h"
 #include "uwsim/dynamics/body_path.h"
 #include "uwsim/dynamics/collision_shape.h"
-#include "uwsim/dynamics/hull_waves.h"
 #include "uwsim/dynamics/integrator.h"
 #include "uwsim/vehicle/hydrodynamics.h"
 
@@ -49,9 +48,8 @@ struct Motion {
   Loads applied = {};
   Vector6d wind_body = Vector6d::Zero();  ///< as MovedBody has it
   Vector6d tether_world = Vector6d::Zero();
-  Loads all = {};                                                  ///< with those of its contacts
-  std::optional<std::array<Vector6d, 4>> arm_body = {};            ///< of its arm, in each stage
-  std::optional<std::array<HullWaveWrenches, 4>> hull_waves = {};  ///< likewise
+  Loads all = {};                                        ///< with those of its contacts
+  std::optional<std::array<Vector6d, 4>> arm_body = {};  ///< of its arm, in each stage
   double time_s = 0, step_s = 0;
   bool stops = false;  ///< its contacts stopped it, or it stayed at rest (resting.h)
 };
@@ -76,8 +74,7 @@ struct MovedBody {
   Vector6d tether_world = Vector6d::Zero();  ///< of the tethers at it, in the step under way or the last one
   Vector6d canopy_world = Vector6d::Zero();  ///< of plants, in the step under way
   Vector6d acceleration_body = Vector6d::Zero();
-  std::optional<Arm> arm = {};               ///< with the state of its joints
-  std::optional<HullWaves> hull_waves = {};  ///< with their memory
+  std::optional<Arm> arm = {};  ///< with the state of its joints
   bool held = false;
   bool in_contact = false;
   bool sleeps = false;  ///< in the step under way or the last one: it stays at rest, and its engine leaves it out
@@ -88,7 +85,7 @@ struct MovedBody {
   /// The loads on the body, with an impulse of its contacts that is spread evenly over `step_s`.
   Loads loads(const Vector6d& impulse_world, double step_s) const;
   void forget_step();
-  /// Keeps what arm and waves exerted in the stages of the last advanced() with the last of `motions`.
+  /// Keeps what the arm exerted in the stages of the last advanced() with the last of `motions`.
   void record_stages();
   /// The state at the end of a step from `from` under these loads. Its arm goes along from where its step, or part of
   /// one, began.

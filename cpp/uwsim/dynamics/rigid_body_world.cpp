@@ -45,11 +45,6 @@ std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
   spec = checked(std::move(spec));
   require(spec.arm.empty() || kind_ == EngineKind::kUwsim, "dynamics.engine", "bullet",
           "must be uwsim for an arm: Bullet's bodies have no mass matrix that it could share");
-  const bool radiates = spec.craft->parameters().radiation != nullptr;
-  require(!radiates || kind_ == EngineKind::kUwsim, "dynamics.engine", "bullet",
-          "must be uwsim for a hull with a radiation table: Bullet's bodies have no mass matrix");
-  std::optional<HullWaves> hull_waves;
-  if (radiates && !spec.path) hull_waves.emplace(spec.name, spec.craft, world_.water, step_s_);
   std::optional<Arm> arm;
   if (!spec.arm.empty()) arm.emplace(spec.arm, step_s_);
   require(!spec.path || kind_ == EngineKind::kUwsim, "dynamics.engine", "bullet", "must be uwsim for bodies on a path");
@@ -58,30 +53,24 @@ std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
   body.spec = std::move(spec);
   body.state = state;
   body.arm = std::move(arm);
-  body.hull_waves = std::move(hull_waves);
   body.motions.reserve(kMotions);
   body.touches.reserve(kTouches);
   next_states_.push_back(state);
   return bodies_.size() - 1;
 }
 
-void RigidBodyWorld::change_bodies(std::vector<BodySpec> specs, const Water& water) {
+void RigidBodyWorld::change_bodies(std::vector<BodySpec> specs) {
   require(specs.size() == bodies_.size(), "bodies", specs.size(), "must be one for each");
   std::vector<std::optional<Arm>> arms(specs.size());
-  std::vector<std::optional<HullWaves>> hull_waves(specs.size());
   for (std::size_t k = 0; k < specs.size(); ++k) {
     specs[k] = checked(std::move(specs[k]));
     require(specs[k].arm.size() == bodies_[k].spec.arm.size(), "arm.links", specs[k].arm.size(), "cannot be changed");
     if (bodies_[k].arm) arms[k].emplace(bodies_[k].arm->with_links(specs[k].arm, step_s_));
-    if (!specs[k].craft->parameters().radiation || specs[k].path) continue;
-    hull_waves[k].emplace(specs[k].name, specs[k].craft, water, step_s_);
-    if (bodies_[k].hull_waves) hull_waves[k]->remember(*bodies_[k].hull_waves);
   }
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     engine_->change_body(k, bodies_[k].spec, specs[k]);
     bodies_[k].spec = std::move(specs[k]);
     bodies_[k].arm = std::move(arms[k]);
-    bodies_[k].hull_waves = std::move(hull_waves[k]);
     bodies_[k].forget_step();
   }
   for (Tether& tether : tethers_) tether.set_bodies(bodies_);
@@ -108,7 +97,6 @@ void RigidBodyWorld::set_state(std::size_t body, const BodyState& state) {
   bodies_.at(body).state = state;
   bodies_[body].acceleration_body.setZero();
   bodies_[body].in_contact = false;
-  if (bodies_[body].hull_waves) bodies_[body].hull_waves->forget();
   bodies_[body].forget_step();
   engine_->forget(body);
 }
@@ -168,7 +156,6 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
     body.acceleration_body = mean_rate(body.state, next_states_[k], step_s_);
     body.state = next_states_[k];
     if (body.arm) body.arm->accept();
-    if (body.hull_waves) body.hull_waves->accept();
   }
   engine_->moved();
   for (Tether& tether : tethers_) tether.moved(bodies_, step_s_);
@@ -259,20 +246,6 @@ void RigidBodyWorld::exchange_arms(StateArchive& archive) {
     for (Touch& touch : body.touches) {
       exchange_link(archive, touch.link, body);
       if (touch.other != Touch::kNoBody) exchange_link(archive, touch.other_link, bodies_[touch.other]);
-    }
-  }
-}
-
-void RigidBodyWorld::exchange_hull_waves(StateArchive& archive) {
-  for (MovedBody& body : bodies_) {
-    if (!body.hull_waves) continue;
-    body.hull_waves->exchange_state(archive);
-    for (Motion& motion : body.motions) {
-      if (!motion.hull_waves) motion.hull_waves.emplace();
-      for (auto& [radiation, diffraction] : *motion.hull_waves) {
-        archive(radiation);
-        archive(diffraction);
-      }
     }
   }
 }

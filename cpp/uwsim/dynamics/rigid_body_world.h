@@ -24,9 +24,9 @@ class RigidBodyWorld {
 
   std::size_t add_body(BodySpec spec, const BodyState& state);
 
-  /// Replaces the bodies' properties, one spec per body, and the sea that hulls with a Radiation deflect; the bodies
-  /// keep their states. On error, throws InvalidValue and changes nothing.
-  void change_bodies(std::vector<BodySpec> specs, const Water& water);
+  /// Replaces the bodies' properties, one spec per body; the bodies keep their states. On error, throws InvalidValue and
+  /// changes nothing.
+  void change_bodies(std::vector<BodySpec> specs);
 
   /// Adds a tether, after the bodies that it holds, and lays it. Throws InvalidValue, also for Bullet's engine.
   std::size_t add_tether(const TetherSpec& spec, const WaterField& water, double time_s);
@@ -49,10 +49,6 @@ class RigidBodyWorld {
   /// The inverse of a body's mass with added mass, and with its links as if no joint moved; zero for a held body.
   Matrix6d inverse_mass(std::size_t body, const WaterField& water, double time_s);
 
-  /// The waves that the body's hull makes; null without a Radiation.
-  const HullWaves* hull_waves(std::size_t body) const {
-    return bodies_.at(body).hull_waves ? &*bodies_[body].hull_waves : nullptr;
-  }
 
   const BodyState& state(std::size_t body) const { return bodies_.at(body).state; }
   void set_state(std::size_t body, const BodyState& state);
@@ -102,7 +98,6 @@ class RigidBodyWorld {
   /// Saves or restores the joints of arms, after all else. Throws InvalidValue.
   void exchange_arms(StateArchive& archive);
   /// Saves or restores the waves that hulls have made, after all else. Throws InvalidValue.
-  void exchange_hull_waves(StateArchive& archive);
 
  private:
   void require_forces() const;

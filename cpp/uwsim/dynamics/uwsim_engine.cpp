@@ -84,7 +84,6 @@ void UwsimEngine::step(std::span<MovedBody> bodies, std::span<BodyState> next_st
   for (const std::size_t k : awake_) {
     takes_part_[k] = bodies_[k].held ? 0 : 1;
     begin_step(k);
-    if (bodies_[k].held && bodies_[k].hull_waves) bodies_[k].hull_waves->run_out(step_s_);
     if (bodies_[k].held && bodies_[k].arm) bodies_[k].arm->advance(HeldBase(), states_[k], water, time_s, step_s_);
   }
   move(whole);
@@ -140,7 +139,6 @@ void UwsimEngine::begin_step(std::size_t body) {
   bodies_[body].in_contact = bodies_[body].sleeps = false;
   bodies_[body].motions.clear();
   if (bodies_[body].arm) bodies_[body].arm->begin();
-  if (bodies_[body].hull_waves) bodies_[body].hull_waves->begin();
 }
 
 /// Determines, for each body, into how many parts its step must be divided because of its contacts.
@@ -203,7 +201,6 @@ void UwsimEngine::repeat_in_parts(std::size_t body, const Interval& whole) {
       if (takes_part_[k] == 0) continue;
       states_[k] = next_states_[k];
       if (bodies_[k].arm) bodies_[k].arm->next_part();
-      if (bodies_[k].hull_waves) bodies_[k].hull_waves->next_part();
     }
   }
 }

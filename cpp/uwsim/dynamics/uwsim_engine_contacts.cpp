@@ -79,7 +79,7 @@ void UwsimEngine::find_rests(const Interval& now) {
         takes_part_[k] != 0 && now.step_s == step_s_ && resting_[k].lasts(states_[k], next_states_[k].velocity_body);
     rests_[k] = lasts ? 1 : 0;
     if (takes_part_[k] != 0 && !lasts) moves_.push_back(k);
-    const bool has_parts = bodies_[k].arm || bodies_[k].hull_waves;  // with states of their own, which go on
+    const bool has_parts = bodies_[k].arm.has_value();  // with states of their own, which go on
     if (lasts && steady_ && !has_parts && is_unloaded(bodies_[k])) {
       free_steps_[k] = {true, states_[k], next_states_[k], reaches_m_[k]};
     }

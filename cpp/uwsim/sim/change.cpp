@@ -67,7 +67,7 @@ void Simulation::change(const Water& water, const SimulationSpec& spec, const st
   SoundSpeedProfile sound = sound_speed_profile(water);
   std::optional<LinkWater> heard_through;
   if (link_) heard_through.emplace(link_->spec, water);
-  bodies_.change_bodies(std::move(bodies), water);
+  bodies_.change_bodies(std::move(bodies));
   if (link_) link_->water = std::move(*heard_through);
   world_.water = water;
   sound_ = std::move(sound);

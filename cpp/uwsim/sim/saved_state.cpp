@@ -78,7 +78,6 @@ void Simulation::exchange_applied(StateArchive& archive) {
   if (spec_.wind.blows()) bodies_.exchange_wind(archive);
   bodies_.exchange_tethers(archive);
   bodies_.exchange_arms(archive);
-  bodies_.exchange_hull_waves(archive);
   for (LooseObject& one : objects_) one.pushes.exchange_state(archive);
   if (stirring_) stirring_->exchange_state(archive);
 }

@@ -138,8 +138,6 @@ class Simulation {
 
   bool has_arm(std::size_t index) const { return bodies_.arm(vehicle(index).body) != nullptr; }
   bool feels_wind(std::size_t index) const { return vehicle(index).windage && spec_.wind.blows(); }
-  /// Returns true if its hull has a Radiation.
-  bool makes_waves(std::size_t index) const { return bodies_.hull_waves(vehicle(index).body) != nullptr; }
   /// The arm of a body: vehicles come first, then objects. Throws InvalidValue if it has none.
   Arm& arm(std::size_t body);
   const BodyState& body_state(std::size_t body) const { return bodies_.state(body); }

@@ -146,13 +146,6 @@ Craft::Craft(CraftParameters parameters, std::shared_ptr<const BuoyantHull> hull
   linear_damping_ = Coefficients(parameters_.linear_damping);
   added_mass_ = Coefficients(parameters_.added_mass);
   coriolis_added_mass_ = Coefficients(with_munk_share(parameters_.added_mass, parameters_.munk_share));
-  if (parameters_.radiation) {
-    parameters_.radiation->check();
-    coriolis_floating_ = with_munk_share(parameters_.radiation->added_mass, parameters_.munk_share);
-    const auto [low, high] = box_of(hull_->mesh_body());
-    box_middle_m_ = 0.5 * (low + high);
-    box_half_m_ = 0.5 * (high - low);
-  }
   Matrix6d point_damping = parameters_.quadratic_damping;
   if (parameters_.crossflow_length_m > 0) {
     heave_strips_ = parameters_.crossflow_in_heave();
@@ -189,33 +182,7 @@ double Craft::fraction(double wet_volume_m3) const {
   return std::clamp(wet_volume_m3 / (whole_m3 > 0 ? whole_m3 : hull_->solid().volume_m3), 0.0, 1.0);
 }
 
-double Craft::floating(const Pose& pose, const Eigen::Matrix3d& world_from_body, double wet_volume_m3,
-                       const WaterField& water, double time_s) const {
-  if (!parameters_.radiation || wet_volume_m3 <= 0) return 0;
-  const Eigen::RowVector3d up = world_from_body.row(2);
-  const double top_m = pose.position_m.z() + up.dot(box_middle_m_) + up.cwiseAbs().dot(box_half_m_);
-  double cover_m = -top_m;
-  if (water.wave_bound_m() > 0 && top_m < water.wave_bound_m())
-    cover_m += water.surface_height_at(pose.position_m.x(), pose.position_m.y(), time_s);
-  return parameters_.radiation->share(wet_volume_m3, up.z(), cover_m / (2 * box_half_m_.maxCoeff()));
-}
-
-Matrix6d Craft::mass(double submerged, double floating) const {
-  Matrix6d mass = rigid_mass_ + (1 - floating) * submerged * parameters_.added_mass;
-  if (floating > 0) mass += floating * parameters_.radiation->added_mass;
-  return mass;
-}
-
-Vector6d Craft::accelerated(const Load& load) const {
-  return solve_positive(mass(load.submerged, load.floating), load.wrench_body);
-}
-
 Matrix6d Craft::inverse_mass(const Pose& world_from_body, const WaterField& water, double time_s) const {
-  if (parameters_.radiation) {
-    const double wet_volume_m3 = hull_->submerged_volume_m3(world_from_body, water, time_s);
-    const double share = floating(world_from_body, world_from_body.rotation(), wet_volume_m3, water, time_s);
-    return inverse_of_positive(mass(fraction(wet_volume_m3), share));
-  }
   return inverse_mass_at(submerged_fraction(world_from_body, water, time_s));
 }
 
@@ -255,37 +222,32 @@ Craft::Load Craft::load(const BodyState& state, const Vector6d& tau_body, const 
     terms->buoyancy << buoyancy.force_body_n, buoyancy.moment_body_nm;
     terms->coriolis = -coriolis(momentum_of_ * state.velocity_body, state.velocity_body);
   }
-  const double afloat = floating(pose, world_from_body, buoyancy.volume_m3, water, time_s);
   if (submerged > 0) {
     const double centre_z_m = pose.position_m.z() + world_from_body.row(2).dot(buoyancy.centre_body_m);
-    tau += flow_force_body(state.velocity_body, world_from_body, buoyancy, submerged, afloat,
+    tau += flow_force_body(state.velocity_body, world_from_body, buoyancy, submerged,
                            water.density_at(centre_z_m), terms);
   }
-  return {tau, submerged, afloat};
+  return {tau, submerged};
 }
 
 Craft::Terms Craft::terms(const BodyState& state, const Vector6d& acceleration_body, const WaterField& water,
                           double time_s, NearbyWater* nearby) const {
   Terms terms;
   const Load now = load(state, Vector6d::Zero(), water, time_s, nearby, &terms);
-  terms.added_mass -= (1 - now.floating) * now.submerged * (parameters_.added_mass * acceleration_body);
-  if (now.floating > 0) terms.added_mass -= now.floating * (parameters_.radiation->added_mass * acceleration_body);
+  terms.added_mass -= now.submerged * (parameters_.added_mass * acceleration_body);
   return terms;
 }
 
 Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
                                   double time_s, NearbyWater* nearby) const {
-  const Load now = load(state, tau_body, water, time_s, nearby, nullptr);
-  if (parameters_.radiation) return accelerated(now);
-  const auto& [tau, submerged, floating] = now;
+  const auto& [tau, submerged] = load(state, tau_body, water, time_s, nearby, nullptr);
   if (submerged == 1) return inverse_submerged_ * tau;
   return mass_modes_ * inverse_mass_of_modes(submerged).cwiseProduct(mass_modes_.transpose() * tau);
 }
 
 /// The forces that depend on the motion of the body through the water, and on the motion of the water.
 Vector6d Craft::flow_force_body(const Vector6d& velocity, const Eigen::Matrix3d& world_from_body,
-                                const Buoyancy& buoyancy, double submerged, double floating, double density_kg_m3,
-                                Terms* terms) const {
+                                const Buoyancy& buoyancy, double submerged, double density_kg_m3, Terms* terms) const {
   const VolumeFlow& flow = buoyancy.flow;
   const Eigen::Vector3d& centre = buoyancy.centre_body_m;
   Eigen::Vector3d turn = Eigen::Vector3d::Zero(), turn_rate = turn, current_rate = turn, wave_rate = turn;
@@ -303,22 +265,11 @@ Vector6d Craft::flow_force_body(const Vector6d& velocity, const Eigen::Matrix3d&
 
   Vector6d force = submerged * (damping_body(relative) - coriolis(coriolis_added_mass_ * relative, relative) +
                                 added_mass_ * flow_rate);
-  Vector6d of_added = Vector6d::Zero();  // what the share of Radiation changes
-  if (floating > 0) {
-    Vector6d current_flow_rate = flow_rate;
-    current_flow_rate.head<3>() -= wave_rate - turn_rate.cross(centre);
-    current_flow_rate.tail<3>() -= turn_rate;
-    of_added = floating * (parameters_.radiation->added_mass * current_flow_rate -
-                           coriolis(coriolis_floating_ * relative, relative) -
-                           submerged * (added_mass_ * flow_rate - coriolis(coriolis_added_mass_ * relative, relative)));
-    force += of_added;
-  }
   const Eigen::Vector3d pressure_force = density_kg_m3 * buoyancy.volume_m3 * current_rate;
   force += joined(pressure_force, buoyancy.centre_body_m.cross(pressure_force));
   if (terms != nullptr) {
     terms->drag = submerged * damping_body(relative);
     terms->added_mass = submerged * (added_mass_ * flow_rate - coriolis(coriolis_added_mass_ * relative, relative));
-    if (floating > 0) terms->added_mass += of_added;
     terms->buoyancy.head<3>() += pressure_force;
     terms->buoyancy.tail<3>() += buoyancy.centre_body_m.cross(pressure_force);
   }
@@ -328,11 +279,6 @@ Vector6d Craft::flow_force_body(const Vector6d& velocity, const Eigen::Matrix3d&
 double Craft::kinetic_energy_j(const BodyState& state) const {
   const double wet_volume_m3 = hull_->displacement(state.world_from_body).volume_m3,
                submerged = fraction(wet_volume_m3);
-  if (parameters_.radiation) {
-    const Pose& pose = state.world_from_body;
-    const double share = floating(pose, pose.rotation(), wet_volume_m3, EvenWater(), 0);
-    return 0.5 * state.velocity_body.dot(mass(submerged, share) * state.velocity_body);
-  }
   return 0.5 * state.velocity_body.dot((rigid_mass_ + submerged * parameters_.added_mass) * state.velocity_body);
 }
 

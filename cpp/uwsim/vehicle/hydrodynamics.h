@@ -9,7 +9,6 @@
 #include "uwsim/core/water_field.h"
 #include "uwsim/vehicle/buoyant_hull.h"
 #include "uwsim/vehicle/crossflow_drag.h"
-#include "uwsim/vehicle/radiation.h"
 
 namespace uwsim {
 
@@ -34,8 +33,6 @@ struct CraftParameters {
   /// Empty: 1 at all depths, for a hull that compresses like the water around it.
   std::vector<double> buoyancy_share;
   double buoyancy_share_step_m = 0;  ///< [m]
-
-  std::shared_ptr<const Radiation> radiation;  ///< the waves that the floating hull makes; null: none are modelled
 
   double buoyancy_share_at(double depth_m) const;
   /// The drag of the strips, in heave and pitch or in sway and yaw.
@@ -95,10 +92,7 @@ class Coefficients {
 /// F_c = rho V a_c is the force of the pressure gradient that drives an unsteady current; the pressure of waves is part
 /// of g (Froude-Krylov). Added mass and damping scale with the submerged fraction of the hull. Valid for constant
 /// coefficients, deeply submerged or slowly surfacing: radiation damping is not modelled, nor is diffraction beyond
-/// M_A, unless the hull has a Radiation. With its share w, the mass of the water is w A + (1 - w) M_A in place of M_A,
-/// where A is the infinite-frequency added mass, and waves act through the table's diffraction, not through their
-/// acceleration: w A has a part in nu_c' only as far as that is due to currents and to the body's turning. What depends
-/// on the past and on the sea, the convolution and the diffraction, is added by `HullWaves` (dynamics/hull_waves.h).
+/// M_A.
 class Craft {
  public:
   /// Throws InvalidValue if the parameters are invalid or the centre of mass is outside the hull's bounding box.
@@ -111,8 +105,7 @@ class Craft {
   /// The right-hand side of the equations of motion, tau + g - C_RB nu - ... + F_c, body frame, at the origin [N, N m].
   struct Load {
     Vector6d wrench_body;
-    double submerged;     ///< the submerged fraction
-    double floating = 0;  ///< the share of Radiation; 0 without one
+    double submerged;  ///< the submerged fraction
   };
   Load load(const BodyState& state, const Vector6d& tau_body, const WaterField& water, double time_s) const {
     return load(state, tau_body, water, time_s, nullptr, nullptr);
@@ -135,10 +128,8 @@ class Craft {
   /// `nearby`: as in BuoyantHull::buoyancy.
   Vector6d acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water, double time_s,
                              NearbyWater* nearby = nullptr) const;
-  /// nu' of a hull with a Radiation under a load.
-  Vector6d accelerated(const Load& load) const;
-  /// The mass with that of the water, M_RB + M_A, at these shares.
-  Matrix6d mass(double submerged, double floating) const;
+  /// The mass with that of the water, M_RB + M_A, at this share.
+  Matrix6d mass(double submerged) const { return rigid_mass_ + submerged * parameters_.added_mass; }
   /// (M_RB + M_A)^-1 at this pose, for the contact solver.
   Matrix6d inverse_mass(const Pose& world_from_body, const WaterField& water, double time_s) const;
   /// The submerged fraction, from 0 (dry) to 1 (entirely below the water level over the hull).
@@ -151,11 +142,9 @@ class Craft {
   Load load(const BodyState& state, const Vector6d& tau_body, const WaterField& water, double time_s,
             NearbyWater* nearby, Terms* terms) const;
   double fraction(double wet_volume_m3) const;
-  double floating(const Pose& pose, const Eigen::Matrix3d& world_from_body, double wet_volume_m3,
-                  const WaterField& water, double time_s) const;
   Vector6d damping_body(const Vector6d& relative_velocity) const;
   Vector6d flow_force_body(const Vector6d& velocity, const Eigen::Matrix3d& world_from_body, const Buoyancy& buoyancy,
-                           double submerged, double floating, double density_kg_m3, Terms* terms) const;
+                           double submerged, double density_kg_m3, Terms* terms) const;
   Vector6d inverse_mass_of_modes(double submerged) const;
   Matrix6d inverse_mass_at(double submerged) const;
 
@@ -164,10 +153,8 @@ class Craft {
   Matrix6d rigid_mass_;                           // M_RB
   Coefficients momentum_of_, inverse_submerged_;  // M_RB; (M_RB + M_A)^-1
   Coefficients linear_damping_, added_mass_;
-  Coefficients coriolis_added_mass_;               // M_A as used in C_A
-  Matrix6d coriolis_floating_ = Matrix6d::Zero();  // A of Radiation, likewise
-  Eigen::Vector3d box_middle_m_ = Eigen::Vector3d::Zero(), box_half_m_ = Eigen::Vector3d::Zero();  // of the hull
-  Coefficients point_damping_;  // D_q without the drag of the strips
+  Coefficients coriolis_added_mass_;  // M_A as used in C_A
+  Coefficients point_damping_;        // D_q without the drag of the strips
   CrossflowDrag heave_strips_, sway_strips_;
   Matrix6d inverse_mass_submerged_;  // (M_RB + M_A)^-1
   // W and L such that W^T M_RB W = 1 and W^T M_A W = diag(L), and hence (M_RB + s M_A)^-1 = W diag(1 / (1 + s L)) W^T

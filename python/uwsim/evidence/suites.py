@@ -3,7 +3,6 @@
 SUITES = {
     "dynamics": "uwsim.evidence.validate.dynamics",
     "tether": "uwsim.evidence.validate.tether",
-    "seakeeping": "uwsim.evidence.validate.seakeeping",
     "sonar": "uwsim.evidence.validate.sonar",
     "imaging": "uwsim.evidence.validate.imaging",
     "camera": "uwsim.evidence.validate.camera",

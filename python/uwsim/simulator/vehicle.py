@@ -318,11 +318,10 @@ class Vehicle(CommandedVehicle):
         weight; buoyancy: the pressure of the water around, waves included; drag; added_mass: the inertia of the water
         that moves with the vehicle, -M_A (nu' - nu_c') - C_A nu_r; coriolis: -C_RB nu, since the axes turn; actuators:
         thrusters and fins; applied: by apply_wrench and the scenario's `wrenches`; contact; dock: what holds a docked
-        vehicle; tether, only in a scenario with one; radiation and diffraction, only of a hull with a radiation table:
-        the waves that it has made, and those that it deflects; wind, only of a vehicle with a `windage` where it blows;
-        and total, their sum, which is M_RB times the change of velocity in the step, to rounding error. Before the
-        first step, and after a placement or a change of parameters, they are those at this instant, without actuators
-        and contacts. Computed when read. Raises ValueError with `dynamics: {engine: bullet}`.
+        vehicle; tether, only in a scenario with one; wind, only of a vehicle with a `windage` where it blows; and
+        total, their sum, which is M_RB times the change of velocity in the step, to rounding error. Before the first
+        step, and after a placement or a change of parameters, they are those at this instant, without actuators and
+        contacts. Computed when read. Raises ValueError with `dynamics: {engine: bullet}`.
         """
         return forces_by_name(self._simulation.forces(self._index), self.name)
 

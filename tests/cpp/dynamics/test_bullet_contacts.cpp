@@ -216,14 +216,14 @@ TEST_F(ContactsOfABox, ABodyThatIsPlacedHeldOrReshapedHasNone) {
   const auto number = [&] { return (saved_state(bodies).size() - contacts - 8) > 0; };
   for (const auto& change :
        std::vector<std::function<void()>>{[&] { bodies.set_state(0, ramp.start); }, [&] { bodies.hold(0, true); },
-                                          [&] { bodies.change_bodies({moved}, Water()); }}) {
+                                          [&] { bodies.change_bodies({moved}); }}) {
     restore_from(state, bodies);
     change();
     EXPECT_FALSE(number());
   }
-  bodies.change_bodies({spec}, Water());
+  bodies.change_bodies({spec});
   restore_from(state, bodies);
-  bodies.change_bodies({loaded}, Water());
+  bodies.change_bodies({loaded});
   EXPECT_TRUE(number()) << "only its mass has changed";
 }
 

@@ -237,9 +237,6 @@ def test_the_unit_follows_from_the_mass_or_is_given(tmp_path: Path, panels_left_
         (("--draft", "--unit", "mm", "--length-m", "2"), "--unit and --length-m both state the scale"),
         (("--up", "x"), "--up has no effect without --draft"),
         (("--axes", "surge"), "--axes has no effect without --draft"),
-        (("--sea", "sea.nc"), "--sea has no effect without --draft"),
-        (("--draft", "--sea", "sea.nc"), "--sea needs --mass-kg, less than what the hull displaces"),
-        (("--draft", "--mass-kg", "1", "--sea", "sea.csv"), "--sea sea.csv: must end in .nc"),
     ],
 )
 def test_wrong_options_are_refused(options: tuple[str, ...], message: str, torpedo: Path) -> None:

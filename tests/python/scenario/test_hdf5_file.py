@@ -11,7 +11,6 @@ import pytest
 from uwsim import ScenarioError
 from uwsim.scenario.read.hdf5_file import FREE_BYTES
 from uwsim.scenario.read.ocean_file import read_ocean
-from uwsim.scenario.read.radiation_file import read_radiation
 
 h5py = pytest.importorskip("h5py")
 
@@ -24,8 +23,8 @@ def read_terrain(path: Path) -> object:
     return raster_heights(RasterTerrain(source="raster", file=path, spacing_m=1.0, water_level_m=0.0))
 
 
-READERS = {"sea.nc": read_ocean, "table.nc": read_radiation, "table.h5": read_radiation, "bed.nc": read_terrain}
-NEEDED = {"sea.nc": "depth", "table.nc": "omega", "table.h5": "simulation_parameters/scaled", "bed.nc": "Band1"}
+READERS = {"sea.nc": read_ocean, "bed.nc": read_terrain}
+NEEDED = {"sea.nc": "depth", "bed.nc": "Band1"}
 
 
 @pytest.mark.parametrize("name", READERS)

@@ -113,7 +113,6 @@ OF_OTHERS = {
     "filterpy",
     "gsw",
     "pycolmap",  # a judge if it is there
-    "capytaine",  # makes sea tables if it is there
     "playwright",  # takes screens if it is there; kept ones otherwise
     "mujoco",
     "pvlib",

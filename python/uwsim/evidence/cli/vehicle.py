@@ -78,14 +78,7 @@ def vehicle(
             help="The length [m] of the mesh's longest side, instead of its unit.", callback=within(0.01, 500, "m")
         ),
     ] = None,
-    sea: Annotated[
-        Path | None,
-        typer.Option(
-            help="With --draft and --mass-kg, the radiation table to write, .nc: the waves that the floating hull "
-            "makes and deflects, by Capytaine's panels (pip install capytaine).",
-            callback=writable,
-        ),
-    ] = None,
+
 ) -> None:
     """Report how a vehicle floats, moves and sees.
 
@@ -96,8 +89,7 @@ def vehicle(
 
     With --draft, `uwsim vehicle hull.stl --draft > mine.yaml` writes the file instead: mass, added mass (panels), drag
     (Hoerner, ITTC-57), thrusters, fins and sensors, each with its method and spread. `uwsim survey lake --vehicle-model
-    mine.yaml` flies it. With --sea as well, a boat's file names a table of the waves that its hull makes and
-    deflects, and a line on the terminal states how far it has converged.
+    mine.yaml` flies it.
     """
     if wet is not None and (draft or as_json or out is not None):
         raise UsageError("--wet draws a picture, not a report: leave out --draft, --out and --json")
@@ -108,11 +100,7 @@ def vehicle(
             raise UsageError("--draft prints a vehicle's file, not a report: leave out --out and --json")
         if unit is not None and length_m is not None:
             raise UsageError("--unit and --length-m both state the scale: leave out one")
-        if sea is not None and sea.suffix != ".nc":
-            raise UsageError(f"--sea {sea}: must end in .nc")
-        if sea is not None and mass_kg is None:
-            raise UsageError("--sea needs --mass-kg, less than what the hull displaces: it is of a hull that floats")
-        _print_draft(Path(file), axes, mass_kg, unit, forward, up, length_m, sea)
+        _print_draft(Path(file), axes, mass_kg, unit, forward, up, length_m)
         return
     only = {
         "axes": axes,
@@ -121,7 +109,6 @@ def vehicle(
         "forward": forward,
         "up": up,
         "length-m": length_m,
-        "sea": sea,
     }
     for option, value in only.items():
         if value is not None:
@@ -176,7 +163,6 @@ def _print_draft(
     forward: str | None,
     up: str | None,
     length_m: float | None,
-    sea: Path | None,
 ) -> None:
     """Print the draft, after it has been built once; progress, notes and warnings go to stderr."""
     chosen = None if axes is None else tuple(axis.strip() for axis in axes.split(","))
@@ -194,7 +180,7 @@ def _print_draft(
     def progress(line: str) -> None:
         typer.echo(f"uwsim: {line}", err=True)
 
-    made = drafted(mesh, chosen, mass_kg, unit and SHORT[unit], forward, up, length_m, progress, sea)
+    made = drafted(mesh, chosen, mass_kg, unit and SHORT[unit], forward, up, length_m, progress)
     with TemporaryDirectory() as folder:
         (path := Path(folder) / "draft.yaml").write_text(made.text, encoding="utf-8")
         check = check_part(path, "vehicle")

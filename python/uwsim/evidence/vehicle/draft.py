@@ -16,7 +16,6 @@ from uwsim import _core
 from uwsim.base.axes import AXES
 from uwsim.evidence.vehicle.draft_actuators import ACCELERATION_M_S2, Body, Thrust, proposed_fins, proposed_thrusters
 from uwsim.evidence.vehicle.estimates import hull_drag
-from uwsim.evidence.vehicle.sea_table import FLOATS, write_sea_table
 from uwsim.evidence.vehicle.text import SLIP_SHORT_S
 from uwsim.evidence.vehicle.trials import SLIP_M_S
 from uwsim.scenario.build.potential_flow import COARSE, GIVEN_MAX, added_mass_by_steps
@@ -84,21 +83,18 @@ def drafted(
     up: Up | None = None,
     length_m: float | None = None,
     progress: Callable[[str], object] = lambda text: None,
-    sea: Path | None = None,
 ) -> Draft:
     """Return the draft of a vehicle with the hull of a mesh, whose thrusters drive `axes`.
 
     axes: by default DRIVEN, and sway for a blunt hull, whose side slip after a turn lasts. mass_kg: by default neutral.
     unit: of METRES; by default it is guessed from the mass or the length. length_m: of the longest side, instead.
     up: as for `load_mesh`. forward: the direction of the bow, with z up; by default x, or y for a hull that is
-    LONG_ALONG_Y. progress: called with a line before each long step on a mesh of MANY triangles. sea: where to write
-    the hull's table of radiation and diffraction; it must float. The body's origin is the centroid of the hull. Raises
+    LONG_ALONG_Y. progress: called with a line before each long step on a mesh of MANY triangles. The body's
+    origin is the centroid of the hull. Raises
     ScenarioError.
     """
     from uwsim.base.whole_trimesh import trimesh
 
-    if sea is not None and mass_kg is None:
-        raise ScenarioError(FLOATS)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the check of the draft issues them again
         vertices, triangles = load_mesh(mesh, up=up)
@@ -172,10 +168,6 @@ def drafted(
         slips = f"a side slip of {SLIP_M_S:g} m/s halves in {half_s:.1f} s"
         notes.append(f"its thrusters drive {', '.join(axis for axis in AXES if axis in axes)}, since {slips}; --axes")
     placed = _mesh_lines(mesh, scale, why, up, forward)
-    if sea is not None:
-        progress(f"mesh '{mesh}': its waves are computed by panels, which takes minutes")
-        notes.append(write_sea_table(sea, hull_m, faces, body.mass_kg, -body.lever_m, FRESH_KG_M3))
-        placed.append(f"radiation: {json.dumps(str(sea.resolve()), ensure_ascii=False)}   # by Capytaine's panels")
     text = "\n".join(_lines(mesh, placed, body, how, proposed_thrusters(body, axes), mass_kg))
     of_mesh = f"mesh '{mesh}': "
     return Draft(text + "\n", tuple(of_mesh + note for note in notes), tuple(of_mesh + doubt for doubt in doubts))

@@ -17,7 +17,6 @@ from uwsim.scenario import ScenarioError
 from uwsim.scenario.build.ballast import mass_with_ballast, trim_weights
 from uwsim.scenario.build.gravity import STANDARD_M_S2
 from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull
-from uwsim.scenario.build.radiation import RadiationReport, radiation_report
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 
 Floats = NDArray[np.float64]
@@ -42,8 +41,8 @@ class VehicleFigures:
     its attitude there; None for other vehicles. glides: whether a buoyancy engine and fins drive it.
     drives: axes with thrusters or fins. course_growth_1_s: growth rate of a yaw disturbance without control at
     UNDER_WAY_M_S, negative if it decays; None if thrusters can push the vehicle sideways. straight: None if nothing
-    drives it ahead, or its motion diverges. radiation: the fit of its table of radiation; None without one. slip: how
-    its side slip dies down, of a submerged vehicle whose sway nothing drives; None for others.
+    drives it ahead, or its motion diverges. slip: how its side slip dies down, of a submerged vehicle whose sway
+    nothing drives; None for others.
     """
 
     size_m: tuple[float, float, float]
@@ -66,7 +65,6 @@ class VehicleFigures:
     course_growth_1_s: float | None
     straight: StraightRun | None
     mounts: tuple[Mount, ...]
-    radiation: RadiationReport | None = None
     metacentric_m: tuple[float, float] | None = None
     glides: bool = False
     slip: Slip | None = None
@@ -118,17 +116,10 @@ def vehicle_figures(
         else course_growth_1_s(model_motion(model, trim or model.trim, density_kg_m3, UNDER_WAY_M_S)),
         straight=_straight(model, density_kg_m3, trim) if control.driven[SURGE] else None,
         mounts=mounts(model),
-        radiation=_radiation(model, body, density_kg_m3),
         metacentric_m=None if boat is None else (boat.roll_m, boat.pitch_m),
         glides=glides,
         slip=None if boat is not None or glides or control.driven[SWAY] else slip(model, density_kg_m3, trim),
     )
-
-
-def _radiation(model: VehicleModel, body: RigidBody, density_kg_m3: float) -> RadiationReport | None:
-    if model.radiation is None:
-        return None
-    return radiation_report(model.radiation, body, *vehicle_hull(model), density_kg_m3)
 
 
 def _straight(model: VehicleModel, density_kg_m3: float, trim: Trim | None) -> StraightRun | None:

@@ -53,14 +53,6 @@ def vehicle_lines(figures: VehicleFigures) -> Iterator[str]:
         yield slip_text(figures.slip)
     if figures.straight is not None:
         yield f"straight run, {RUN_S:g} s at full surge without control: {straight_text(figures.straight)}"
-    if figures.radiation is not None:
-        fit, depth_m = figures.radiation, figures.radiation.water_depth_m
-        water = "deep water" if np.isinf(depth_m) else f"{depth_m:.4g} m of water"
-        yield (
-            f"waves of its own: table from {fit.least_rad_s:.3g} to {fit.most_rad_s:.3g} rad/s in {water}, fitted "
-            f"within {100.0 * fit.error:.1f} % by {fit.sections} sections, "
-            f"{'with' if fit.drifts else 'without'} mean drift"
-        )
     farthest = max(figures.mounts, key=lambda mount: mount.away_m, default=None)
     if farthest is not None:
         where = "all in the box round its hull"

@@ -41,13 +41,7 @@ def craft(
         parameters.coefficients_volume_m3 = afloat.mass_kg / water_density_kg_m3
     if buoyancy_share is not None:
         parameters.buoyancy_share, parameters.buoyancy_share_step_m = buoyancy_share.tolist(), STEP_M
-    hull = vehicle_hull(model)
-    if model.radiation is not None:
-        from uwsim.scenario.build.radiation import radiation  # it needs scipy, which is slow to import
-
-        body = rigid_body(model, water_density_kg_m3)  # without weights and leaks
-        parameters.radiation = radiation(model.radiation, body, *hull, water_density_kg_m3)
-    return _core.Craft(parameters, *hull)
+    return _core.Craft(parameters, *vehicle_hull(model))
 
 
 def mass_properties(

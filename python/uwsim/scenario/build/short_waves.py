@@ -1,15 +1,10 @@
-"""Finds vehicles that float in waves which the model of a floating hull does not follow.
-
-Without a table of radiation, a hull makes no waves itself, which matters in short waves. With one, waves must be low
-beside the hull, and the water as deep as the table's.
-"""
+"""Finds vehicles that float in waves which the model does not follow: short ones, since a hull makes none itself."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.scenario.build.hull import rigid_body, vehicle_hull
@@ -23,10 +18,6 @@ ENERGY_SHARE = 0.1
 """Share of a sea's energy in shorter waves beyond which a warning is given."""
 RISING_SHARE = 0.03
 """Operators leave a vehicle that dives slightly buoyant, up to this share of its weight."""
-HIGH_SHARE = 0.5
-"""Significant height of waves beyond which a table, which is linear, is not valid, relative to the hull's height."""
-DEPTH_CHANGE = 0.02
-"""Relative change of wave numbers by another depth than that of a table beyond which a wave counts."""
 
 
 class ShortWavesWarning(UserWarning):
@@ -50,9 +41,6 @@ def short_wave_warning(scenario: Scenario, index: int, water: _core.Water, net_b
     else:
         return None
     length_m = hull_length_m(entry.model)
-    if entry.model.radiation is not None:
-        text = _beyond_table(entry, water)
-        return text and f"{scenario.source_file.line_prefix('vehicles', index)}vehicle '{entry.name}' {where}: {text}"
     share = energy_share(water.waves, LENGTHS * length_m, water.gravity_m_s2)
     if share <= ENERGY_SHARE:
         return None
@@ -62,49 +50,6 @@ def short_wave_warning(scenario: Scenario, index: int, water: _core.Water, net_b
         f"({length_m:.2g} m): its heave and pitch there may be wrong by several times, since the waves that a hull "
         "makes are not modelled (docs/inside/water.md)"
     )
-
-
-def _beyond_table(entry: VehicleEntry, water: _core.Water) -> str | None:
-    """Return where a hull's table is not valid in these waves; None: nowhere."""
-    from uwsim.scenario.read.radiation_file import read_radiation
-
-    assert water.waves is not None and entry.model.radiation is not None
-    vertices_m = np.asarray(vehicle_hull(entry.model)[0])
-    height_m, sea_m = float(np.ptp(vertices_m[:, 2])), water.waves.significant_height_m
-    short = energy_share(water.waves, LENGTHS * hull_length_m(entry.model), water.gravity_m_s2)
-    if short > ENERGY_SHARE and sea_m > HIGH_SHARE * height_m:
-        return (
-            f"its radiation table is linear, but the waves are {sea_m:.2g} m high (significant), more than "
-            f"{HIGH_SHARE:g} of its hull's height, {height_m:.2g} m: its heave and pitch are not to be relied on "
-            "(docs/inside/water.md)"
-        )
-    depth_m = read_radiation(entry.model.radiation).water_depth_m
-    amplitude_m, omega_rad_s = water.waves.components.T[:2]
-    here, there = (
-        wave_numbers_rad_m(omega_rad_s, depth, water.gravity_m_s2) for depth in (water.waves.depth_m, depth_m)
-    )
-    energy = amplitude_m**2
-    share = float(energy[np.abs(here / there - 1.0) > DEPTH_CHANGE].sum() / energy.sum()) if energy.any() else 0.0
-    if share > ENERGY_SHARE:
-        table = "deep water" if np.isinf(depth_m) else f"{depth_m:.4g} m of water"
-        return (
-            f"its radiation table is of {table}, but {100.0 * share:.0f} % of the waves' energy is in waves that "
-            f"{water.waves.depth_m:.4g} m of water makes shorter or longer by more than {DEPTH_CHANGE:.0%} "
-            "(docs/inside/water.md)"
-        )
-    return None
-
-
-def wave_numbers_rad_m(omega_rad_s: NDArray[np.float64], depth_m: float, gravity_m_s2: float) -> NDArray[np.float64]:
-    """Return the solutions k of omega^2 = g k tanh(k h) [rad/m]."""
-    deep = omega_rad_s**2 / gravity_m_s2
-    if np.isinf(depth_m):
-        return deep
-    kh = np.maximum(deep * depth_m, np.sqrt(deep * depth_m))
-    for _ in range(30):  # Newton's method on kh tanh(kh) = omega^2 h / g
-        t = np.tanh(kh)
-        kh = kh - (kh * t - deep * depth_m) / (t + kh * (1.0 - t**2))
-    return kh / depth_m
 
 
 def hull_length_m(model: Any) -> float:

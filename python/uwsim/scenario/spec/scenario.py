@@ -230,8 +230,6 @@ class Scenario(Model):
         loose = [one.name for one in self.objects if not (one.path or one.fixed or one.links or one.tether)]
         taken: set[str] = set()
         for index, vehicle in enumerate(self.vehicles):
-            if vehicle.droppers and vehicle.model.radiation is not None:
-                raise broken("must not be given for a vehicle with radiation", at=("vehicles", index, "droppers"))
             for name, dropper in vehicle.droppers.items():
                 for number, held in enumerate(dropper.holds):
                     at = ("vehicles", index, "droppers", name, "holds", number)

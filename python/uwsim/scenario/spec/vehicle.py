@@ -121,9 +121,7 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     contact, the geometric mean applies. restitution: the fraction of the approach speed that is kept; for two
     bodies in contact, the larger value applies. material: material of the hull. failsafe: the reaction to loss of
     contact or to a fault. arm: links by name, whose weight, buoyancy and water are beside the vehicle's own; by
-    default none. radiation: the waves that the floating hull makes and deflects, a file of Capytaine (NetCDF),
-    WAMIT (.1) or WEC-Sim (.h5) for this hull as it floats without trim and ballast; by default none are modelled.
-    windage: what it offers the wind; by default nothing.
+    default none. windage: what it offers the wind; by default nothing.
     """
 
     builds_on: VehicleName | None = None
@@ -178,7 +176,6 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     hydrophones: Annotated[dict[Name, HydrophoneArray], Field(max_length=16)] = Field(default_factory=dict)
     failsafe: Failsafe | None = None
     arm: dict[Name, Link] | None = None
-    radiation: AssetFile | None = None
     windage: Windage | None = None
 
     _source_file: SourceFile = PrivateAttr(default=SourceFile())
@@ -265,8 +262,6 @@ class VehicleModel(Model, defer_build=False):  # a part of Scenario that is also
     def _has_a_tree_of_links(self) -> VehicleModel:
         if self.arm is not None:
             links_in_order(self.arm)
-            if self.radiation is not None:
-                raise broken("must not be given for a vehicle with an arm", at=("radiation",))
         return self
 
     @property

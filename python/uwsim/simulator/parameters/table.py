@@ -89,7 +89,6 @@ FIXED: dict[type[Model], frozenset[str]] = {
             "failsafe",
             "trim",
             "arm",
-            "radiation",
             "coefficients",
             "windage",
             "hydrophones",
