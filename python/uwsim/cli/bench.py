@@ -20,7 +20,6 @@ from uwsim.base.own_files import require_own
 from uwsim.cli.bounds import UsageError
 from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS
-from uwsim.cli.scenario_word import with_both_spellings
 from uwsim.cli.values import packaged_folder
 
 JsonFile = Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")]
@@ -42,7 +41,7 @@ class Benchmarks(TyperGroup):
         program = typer.Typer(**SETTINGS)
         command = _outline(text) if ctx.resilient_parsing else _command(path)
         program.command(cmd_name, short_help=_first_line(text))(command)
-        return with_both_spellings(typer.main.get_command(program))
+        return typer.main.get_command(program)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return name, command and arguments. Raises UsageError, listing the benchmarks."""

@@ -18,7 +18,6 @@ from uwsim.base.sockets import blaming, is_offered, load, load_all, registered
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.flags import expanded
 from uwsim.cli.options import SETTINGS
-from uwsim.cli.scenario_word import with_both_spellings
 from uwsim.cli.signals import exit_interrupted
 
 SOCKET = "uwsim.cli"
@@ -26,7 +25,7 @@ SOCKET = "uwsim.cli"
 
 Those of some commands with subcommands are groups, too, such as `uwsim.cli.map` and `uwsim.cli.vehicle`.
 """
-OLD = {
+GONE = {
     "logbook": "exercise logbook",
     "link": "scenario link",
     "rays": "scenario rays",
@@ -40,7 +39,7 @@ OLD = {
     "identify": "vehicle identify",
     "fingerprint": "scenario fingerprint",
 }
-"""Spellings of up to 0.3, which go on working, and their present ones."""
+"""Spellings of up to 0.3, and what is there instead."""
 OTHERS = "From other packages"
 """The heading of commands that give none."""
 
@@ -83,11 +82,9 @@ class Program(TyperGroup):
         return list(self.commands)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return name, command and arguments. Warns of an old spelling. Raises a usage error."""
-        if (old := args[0]) in OLD and old not in self.commands:
-            if not ctx.resilient_parsing:
-                typer.echo(f"uwsim: warning: 'uwsim {old}' is 'uwsim {OLD[old]}' now", err=True)
-            args = [*OLD[old].split(), *args[1:]]
+        """Return name, command and arguments. Raises a usage error; of one that is gone, it names the present one."""
+        if (old := args[0]) in GONE and old not in self.commands:
+            raise USAGE_ERROR(f"No such command '{old}': it is 'uwsim {GONE[old]}' now", ctx)
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
@@ -219,7 +216,7 @@ def _command(socket: str, name: str, found: Any) -> Any:
         program.add_typer(found, name=name, rich_help_panel=found.rich_help_panel)
     else:
         raise TypeError(f"{type(found).__name__}: must be a function or a typer.Typer")
-    made: Any = with_both_spellings(typer.main.get_group(program).commands[name])
+    made: Any = typer.main.get_group(program).commands[name]
     if is_offered(f"{socket}.{name}"):
         made.commands = _Commands(f"{socket}.{name}", made.commands)
     made.invoke = partial(_invoked, socket, name, made.invoke)

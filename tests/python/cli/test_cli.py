@@ -47,7 +47,7 @@ POOL_TERRAIN = "source: noise\n  size_m: [20, 20]\n  spacing_m: 0.5\n  bed_depth
         (["vehicle", "decompose", MESH, "--out", "no/such/pieces.obj"], "cannot write into the folder 'no/such'"),
         (
             ["map", "convert", CLOUD, "cloud.ply", "--scenario", "lake"],
-            "--scenario: needs a target that ends in .las, .xyz, .tif",
+            "--scenario: needs a target that ends in .las, .laz, .xyz, .tif",
         ),
         (["reproduce", "--out", "/proc/self"], "/proc/self"),
         (["survey", "--voxl", "1"], "--voxl"),

@@ -1,4 +1,4 @@
-"""Commands under the noun that they serve: defaults of groups, old spellings, and suggestions."""
+"""Commands under the noun that they serve: defaults of groups, what is gone, and suggestions."""
 
 import os
 import re
@@ -9,7 +9,7 @@ import pytest
 import typer
 
 from command_line import error_line, uwsim, uwsim_process
-from uwsim.cli.groups import OLD
+from uwsim.cli.groups import GONE
 from uwsim.cli.program import app
 
 PROGRAM: Any = typer.main.get_command(app)
@@ -24,7 +24,6 @@ WORDS = {
     "tune": "rov --generations 3",
     "parameters": "pool rov --json",
     "decompose": "a --up y",
-    "ardusub-check": "a b pool --seeds 3",
     "identify": "a --vehicle rov --known mass_kg",
     "fingerprint": "pool --seed 3",
 }
@@ -46,25 +45,16 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "a").touch(), (tmp_path / "b").touch()
 
 
-@pytest.mark.parametrize("old", OLD)
-def test_an_old_spelling_means_the_new_one_and_warns(old: str, capsys: pytest.CaptureFixture[str]) -> None:
-    found = parsed([*OLD[old].split(), *WORDS[old].split()])
-    assert capsys.readouterr() == ("", "")
-    assert found == parsed([old, *WORDS[old].split()]) and found[0] == f"uwsim {OLD[old]}"
-    assert capsys.readouterr() == ("", f"uwsim: warning: 'uwsim {old}' is 'uwsim {OLD[old]}' now\n")
-
-
-def test_an_old_spelling_prints_the_same() -> None:
-    new, old = (
-        uwsim_process(*words, "pool", "rov.drag", "--json") for words in (["scenario", "parameters"], ["parameters"])
-    )
-    assert (new.stdout, new.returncode) == (old.stdout, old.returncode) and len(new.stdout) > 100
-    assert old.stderr == f"uwsim: warning: 'uwsim parameters' is 'uwsim scenario parameters' now\n{new.stderr}"
+@pytest.mark.parametrize("old", GONE)
+def test_a_spelling_that_is_gone_is_refused_with_the_present_one(old: str) -> None:
+    ran = uwsim(old, *WORDS[old].split())
+    assert ran.returncode == 2 and f"it is 'uwsim {GONE[old]}' now" in error_line(ran)
+    assert parsed([*GONE[old].split(), *WORDS[old].split()])[0] == f"uwsim {GONE[old]}"
 
 
 def test_help_lists_few_commands_and_no_old_spelling() -> None:
     listed = re.findall(r"^  ([a-z][a-z-]*)  +[A-Z]", uwsim("--help").stdout, flags=re.MULTILINE)
-    assert len(listed) <= 26 and set(listed) == set(PROGRAM.commands) and not set(listed) & set(OLD)
+    assert len(listed) <= 26 and set(listed) == set(PROGRAM.commands) and not set(listed) & set(GONE)
     asked = {"_UWSIM_COMPLETE": "complete_bash", "COMP_WORDS": "uwsim ", "COMP_CWORD": "1"}
     assert set(uwsim_process(env=os.environ | asked).stdout.split()) == set(listed)
 
