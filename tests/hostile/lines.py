@@ -7,7 +7,6 @@ here. Each line starts as a working one (BASES), in which one parameter gets a h
 from __future__ import annotations
 
 import inspect
-import json
 import os
 import random
 import re
@@ -16,7 +15,6 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
 import typer
 
 HUGE = "9" * 400
@@ -57,7 +55,6 @@ SUFFIX = re.compile(r"(?<![\w.])\w*(\.(?:bt|ot|mcap|bag|png|csv|json|ya?ml|py|ob
 # Lines that work and end soon. SERVER marks those that end by SIGTERM.
 SERVER = frozenset({"serve", "station", "ros connect", "ros nodes", "teleop", "map view"})
 BROWSING = ("station", "map view")
-DIVE = "t = time [s], yaw = heading [deg], d = depth [m], m1 = servo1 [us]"
 BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "survey": (["pool.yaml"], {"out": "out", "mission_time_s": "2", "report": "none"}),
     "run": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "report": "none"}),
@@ -114,7 +111,6 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "scenario from": (["folder"], {"out": "unity"}),
     "scenario schema": (["scenario"], {}),
     "scenario plan": (["pool.yaml"], {"out": "pool.plan"}),
-    "twin": ([], {"area": "area.geojson", "chart": "bed.tif", "log": "dive.csv", "columns": DIVE, "out": "twin"}),
     "range": (["vision", "pool"], {"out": "range", "seeds": "1", "frames": "3", "conditions": "sun"}),
 }
 MORE_BASES: dict[str, list[tuple[list[str], dict[str, str]]]] = {
@@ -268,23 +264,6 @@ def _values(parameter: Parameter) -> tuple[str, ...]:
     return NUMBERS if parameter.kind in (int, float) else TEXTS
 
 
-def _write_dive(folder: Path) -> None:
-    """Write a chart, an area on it, and the log of a dive."""
-    import rasterio
-    from rasterio.warp import transform
-
-    shape = {"driver": "GTiff", "height": 40, "width": 40, "count": 1, "dtype": "float32", "crs": "EPSG:32632"}
-    with rasterio.open(folder / "bed.tif", "w", transform=rasterio.Affine(2, 0, 5e5, 0, -2, 5e6), **shape) as chart:
-        chart.write(np.tile(np.linspace(-8.0, -10.0, 40, dtype=np.float32), (40, 1)), 1)
-    lon, lat = transform(
-        "EPSG:32632", "EPSG:4326", [500020, 500060, 500060, 500020], [4999940, 4999940, 4999980, 4999980]
-    )
-    ring = [*zip(lon, lat, strict=True), (lon[0], lat[0])]
-    (folder / "area.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
-    rows = (f"{0.1 * k:g},{2 * k},{1 + 0.01 * k:g},{1500 + k}" for k in range(40))
-    (folder / "dive.csv").write_text("\n".join(["t,yaw,d,m1", *rows, ""]))
-
-
 def prepare(folder: Path) -> None:
     """Write the files that BASES name."""
     from fuzz.surveys import side_scan, survey, xtf_soundings
@@ -303,7 +282,6 @@ def prepare(folder: Path) -> None:
     (folder / "soundings.xtf").write_bytes(xtf_soundings())
     cells = [f"{500000 + x} {5000000 + y} {-8 - 0.1 * x}" for x in range(12) for y in range(12)]
     (folder / "sea.xyz").write_text("\n".join(cells))
-    _write_dive(folder)
     sim = Simulator("pool", seed=5)
     with Recorder(sim, folder / "run.mcap", topics=["odom", "imu*", "telemetry", "sonar_ping"]):
         sim.rov.release()

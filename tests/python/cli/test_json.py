@@ -16,7 +16,6 @@ ELSEWHERE = {
     "runs.parquet of --out": ["sweep"],
     "dataset.json of --out": ["dataset"],
     "figures.json of --out": ["reproduce"],
-    "report.md of --out": ["twin"],
     "vision.json of --out": ["range"],
     "the file or the pictures that it writes": [
         "sonar", "camera", "film", "exercise film", "vehicle decompose", "ros package", "scenario new", "scenario from",
