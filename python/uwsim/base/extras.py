@@ -41,7 +41,6 @@ EXTRA_OF = {
     "xarray": "tables",
     "gymnasium": "gym",
     "cma": "learn",
-    "pettingzoo": "multi",
     "stable_baselines3": "rl",
     "distributed": "sweeps",
     "h5py": "seakeeping",
