@@ -28,7 +28,7 @@ class RawOptions(AttachmentOptions):
     raw: Path | None = option(
         None,
         "Also write every mapped ping with its travel times for survey software: "
-        f"{' or '.join(FORMATS)}; all but .pd0 need earth: in the scenario.",
+        f"{' or '.join(FORMATS)}; they need earth: in the scenario.",
         is_written=True,
     )
     offsets: str | None = option(

@@ -13,7 +13,6 @@ import numpy as np
 from uwsim import _core
 from uwsim.flight.attachment import Attachment
 from uwsim.flight.patch_errors import ErringPoses, PatchErrors
-from uwsim.flight.raw_dvl import RawDvl
 from uwsim.flight.raw_places import Array, Motion, angles, estimated_covariance, level_axes, place_of_survey
 from uwsim.flight.raw_side_scan import RawSideScan
 from uwsim.flight.record import FlightRecord
@@ -173,7 +172,7 @@ def _deviations(ping: Any) -> tuple[Array, Array]:
 class RawFlight(Attachment):
     """Writes the raw survey of one flight."""
 
-    def __init__(self, survey: RawSurvey | RawSideScan | RawDvl) -> None:
+    def __init__(self, survey: RawSurvey | RawSideScan) -> None:
         self._survey, self._has_ended = survey, False
         self.on_ping = survey.add
 
@@ -197,18 +196,15 @@ class RawFlight(Attachment):
 def raw_writer(
     sim: Simulator, path: Path, errors: PatchErrors | None = None, known: Uncertainties | None = None,
     pose: Literal["truth", "filter"] = "truth",
-) -> RawSurvey | RawSideScan | RawDvl:  # fmt: skip
-    """Return what writes the first vehicle's multibeam, side scan or Doppler log, by the path's format; see RawSurvey.
+) -> RawSurvey | RawSideScan:  # fmt: skip
+    """Return what writes the first vehicle's multibeam or side scan, by the path's format; see RawSurvey.
 
     Raises ValueError.
     """
     found = survey_format(path, "--raw")
-    if found.side_scan is None and found.dvl is None:
+    if found.side_scan is None:
         return RawSurvey(sim, path, errors, known, pose)
     for option, given in (("--uncertainty", known), ("--offsets", errors)):
         if given is not None:
             raise ValueError(f"{option}: is of a multibeam's soundings, of which {path.suffix} has none")
-    if found.side_scan is not None:
-        return RawSideScan(sim, path, found.side_scan)
-    assert found.dvl is not None
-    return RawDvl(sim, path, found.dvl)
+    return RawSideScan(sim, path, found.side_scan)

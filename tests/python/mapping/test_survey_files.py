@@ -116,7 +116,7 @@ def test_a_live_runs_recording_gives_the_survey_of_its_pings(straight, tmp_path)
         live.rov.set_effort(surge=0.7, yaw=0.2)
         live.step(150)
     times_ns = [each.message.header.stamp.nanosec for each in Recording(path).messages("sonar_ping")]
-    for suffix in (".gsf", ".pd0", ".xtf"):
+    for suffix in (".gsf", ".xtf"):
         from_recording(source=path, out=tmp_path / "map.bt", written=RawOptions(tmp_path / f"live{suffix}"))
         assert (tmp_path / f"live{suffix}").stat().st_size > 1000
     swaths = list(read_gsf(tmp_path / "live.gsf")[1])

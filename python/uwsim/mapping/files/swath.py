@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from uwsim.base.sockets import load
 
 if TYPE_CHECKING:
-    from uwsim.mapping.files.dvl_ensemble import DvlHead, DvlWriter
     from uwsim.mapping.files.side_scan_line import SideScanHead, SideScanLine, SideScanWriter
 
 GROUP = "uwsim.kinds.survey_file"
@@ -115,14 +114,12 @@ class SurveyFormat:
     returns the head and the swaths in the order of the file; raises OSError, or ValueError with the file's name, the
     offset and the rule; None if the format is only written. side_scan(path, head): returns a writer of side scan, if
     the format holds that instead; read_side_scan(path): its head and lines, with the errors of read.
-    dvl(path, head): returns a writer of a Doppler log, if the format holds that instead.
     """
 
     content: str
     write: Callable[[Path, SurveyHead], SwathWriter] | None = None
     read: Callable[[Path], tuple[SurveyHead, Iterator[Swath]]] | None = None
     side_scan: Callable[[Path, SideScanHead], SideScanWriter] | None = None
-    dvl: Callable[[Path, DvlHead], DvlWriter] | None = None
     read_side_scan: Callable[[Path], tuple[SideScanHead, Iterator[SideScanLine]]] | None = None
 
 
@@ -130,7 +127,6 @@ MARKS: Mapping[str, Callable[[bytes], bool]] = {
     "gsf": lambda head: head[8:12] == b"GSF-",
     "kmall": lambda head: re.fullmatch(rb"#[A-Z]{3}", head[4:8]) is not None,
     "xtf": lambda head: len(head) >= HEAD and head[0] == 123,
-    "pd0": lambda head: head[:2] == b"\x7f\x7f",
 }
 """By format, whether a file's first bytes are its own."""
 HEAD = 1024
