@@ -1,8 +1,10 @@
 """Keep lines, long files, imports, test seconds and some words within budget.toml: python -m tools.budget [--update].
 
-A number may only be raised by hand, in the commit that needs it, whose body states what it bought; --update lowers each
-to what stands. Rooms are the folders of cpp/uwsim, python/uwsim and of the tests beside them, and the other folders.
-Seconds are processor time of the last whole run of the Python tests (tests/python/processor_seconds.py).
+The number of all lines only falls: who adds a feature names, in the same push, what leaves for it. --update lowers each
+number to what stands. --history: hold each commit since SINCE against its own numbers.
+
+Rooms are the folders of cpp/uwsim, python/uwsim and of the tests beside them, and the other folders. Seconds are
+processor time of the last whole run of the Python tests (tests/python/processor_seconds.py).
 """
 
 from __future__ import annotations
@@ -13,12 +15,15 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from functools import partial
 from pathlib import Path
 
 from tools.module_graph import ROOT, imports, modules, ring_of
 
 NUMBERS = Path(__file__).with_name("budget.toml")
+SINCE = "997d79cb01069790a486064676c64c439ae704af"
+"""The commit from which on each one is held: a clone without it (shallow, or an archive) cannot check this."""
 SECONDS = ROOT / "build/test_seconds.json"
 LONG_LINES = 300
 LOOP_S = 0.012  # of a fixed loop, in seconds of the machine for which budget.toml is written
@@ -61,6 +66,14 @@ Table = Mapping[str, Mapping[str, float]]
 
 def main() -> int:
     """Print the price of the change; return 1 if a count is above its number, or too far below it."""
+    if "--history" in sys.argv[1:]:
+        try:
+            wrong = list(broken_commits(ROOT, SINCE))
+        except subprocess.CalledProcessError:
+            print(f"budget: {SINCE[:8]} is not in this clone: what each commit held is not checked")
+            return 0
+        print("\n".join(wrong), end="\n" if wrong else "")
+        return 1 if wrong else 0
     counts, numbers = count(), tomllib.loads(NUMBERS.read_text())
     if "--update" in sys.argv[1:]:
         numbers = lowered(counts, numbers)
@@ -134,14 +147,45 @@ def problems(counts: Table, numbers: Table) -> list[str]:
         for name in sorted(row.keys() | numbers_of.keys()):
             number, most = row.get(name, 0), numbers_of.get(name, 0)
             if number > most:
-                found.append(
-                    f"budget: {table} of {name!r}: {number:g}, at most {most:g}: remove some, or raise it there"
-                )
+                found.append(f"budget: {table} of {name!r}: {number:g}, at most {most:g}: remove some")
             elif number < most - SLACK[table]:
                 found.append(
                     f"budget: {table} of {name!r}: only {number:g} of {most:g}: python -m tools.budget --update"
                 )
     return found
+
+
+def broken_commits(root: Path, since: str) -> Iterator[str]:
+    """Yield a line for each commit after one that holds more lines than its numbers, or raises that of all lines."""
+    git = partial(_git, root=root)
+    commits = git("rev-list", "--reverse", "--no-merges", f"{since}..HEAD").split()
+    held = lines_of(since, root)
+    least = tomllib.loads(git("show", f"{since}:tools/budget.toml"))["lines"]["all"]
+    for commit in commits:
+        for row in git("diff-tree", "--no-commit-id", "-r", "--numstat", "--no-renames", commit).splitlines():
+            added, removed, name = row.split("\t")
+            if (room := room_of(name)) and added != "-":
+                held[room] += int(added) - int(removed)
+                held["all"] += int(added) - int(removed)
+        numbers = tomllib.loads(git("show", f"{commit}:tools/budget.toml"))["lines"]
+        over = [f"{room!r} {held[room]} of {most}" for room, most in numbers.items() if held[room] > most]
+        if numbers["all"] > least:
+            over.append(f"the number of all lines is raised from {least} to {numbers['all']}")
+        least = min(least, numbers["all"])
+        if over:
+            yield f"budget: {git('log', '-1', '--format=%h %s', commit).strip()}: {', '.join(over)}"
+
+
+def lines_of(commit: str, root: Path) -> Counter[str]:
+    """Return the lines of a commit, by room and of all."""
+    held: Counter[str] = Counter()
+    empty = _git("hash-object", "-t", "tree", "/dev/null", root=root).strip()
+    for row in _git("diff-tree", "-r", "--numstat", "--no-renames", empty, commit, root=root).splitlines():
+        added, _, name = row.split("\t")
+        if (room := room_of(name)) and added != "-":
+            held[room] += int(added)
+            held["all"] += int(added)
+    return held
 
 
 def lowered(counts: Table, numbers: Table) -> dict[str, dict[str, float]]:
@@ -180,8 +224,8 @@ def _lines(name: str) -> int:
     return (ROOT / name).read_bytes().count(b"\n")
 
 
-def _git(*arguments: str) -> str:
-    return subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+def _git(*arguments: str, root: Path = ROOT) -> str:
+    return subprocess.run(["git", *arguments], cwd=root, capture_output=True, text=True, check=True).stdout
 
 
 if __name__ == "__main__":
