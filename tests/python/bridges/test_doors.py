@@ -14,7 +14,7 @@ import pytest
 from tools.reference.doors import PAGE, security_page
 
 from forked_programs import Programs
-from listening_sockets import free_port, receiving
+from listening_sockets import UPGRADE, free_port, receiving
 from ros1_tools import master, ros_is_installed
 from ros2_tools import free_domain
 from uwsim.base.options import flag_name
@@ -25,6 +25,15 @@ from uwsim.bridges.requested import Bridges, offered
 from uwsim.cli.autopilots import Autopilots
 from waiting import until
 
+PATIENCE_S = 5.0
+UPGRADING = "\r\n".join(["GET / HTTP/1.1", "Host: localhost", *map(": ".join, UPGRADE.items()), "", ""]).encode()
+HEARTBEAT = bytes.fromhex("fe0900ffbe000000000006080000032842")
+OPENINGS = {
+    SERVE.option: (UPGRADING, b" 101 ", 700), "`--foxglove`": (UPGRADING, b" 101 ", 150),
+    "`--mavlink tcp`": (HEARTBEAT, b"\xfd", 40), "`--nmea tcp`": (b"", b"$", 40),
+    "`--dvl-a50`": (b'{"command": "get_config"}\n', b'"response_to": "get_config"', 40),
+}  # fmt: skip
+"""What a client says first at each TCP door of ours, what the answer contains, and more than it has places for."""
 LAGOON = Path(__file__).parents[3] / "assets/scenarios/lagoon.yaml"
 HAS_FFMPEG = shutil.which("ffmpeg") is not None or find_spec("imageio_ffmpeg") is not None
 NEEDS = {
@@ -95,6 +104,39 @@ def test_the_sockets_of_a_program_are_those_of_the_table(
         assert receiving(program.pid) == expected, "more were opened later"
     if missing:
         pytest.skip(f"the others were tried; not installed: {', '.join(missing)}")
+
+
+def hears(client: socket.socket, words: bytes, limit_s: float = PATIENCE_S) -> bool:
+    """Return whether a client is sent these words."""
+    client.settimeout(limit_s)
+    data = b""
+    with suppress(TimeoutError, ConnectionError):
+        while not (data and words in data) and (more := client.recv(1 << 12)):
+            data += more
+    return bool(data) and words in data
+
+
+def test_silent_clients_shut_no_door_and_listeners_are_served_where_it_speaks_first(
+    lagoon: Path, programs: Programs
+) -> None:
+    """At each TCP door of ours, a newcomer comes in whatever crowd is silent there, if it has spoken once or never."""
+    ports = {door: free_port() for door in DOORS if door.option in OPENINGS and NEEDS.get(door.option, True)}
+    words = [
+        re.sub(r"\b0$", str(port), word) for door, port in ports.items() for word in door.example or ("--port", "0")
+    ]
+    with programs.greeted("serve", lagoon, "--nmea-rate", "20", *words):
+        for door, port in ports.items():
+            opening, answer, crowd = OPENINGS[door.option]
+            with ExitStack() as stack:
+                come = lambda: stack.enter_context(socket.create_connection(("127.0.0.1", port)))  # noqa: B023, E731
+                for k in range(crowd):
+                    with suppress(ConnectionError):
+                        come().sendall(opening if k % 2 else b"")
+                newcomer = come()
+                newcomer.sendall(opening)
+                assert hears(newcomer, answer), f"{door.option}: a newcomer that speaks"
+                heard = hears(come(), b"", PATIENCE_S if door.speaks_first else 1.0)
+                assert heard == door.speaks_first, f"{door.option}: a newcomer that only listens"
 
 
 def test_every_registered_bridge_states_its_doors_and_how_to_open_them() -> None:

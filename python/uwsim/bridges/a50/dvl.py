@@ -74,7 +74,6 @@ class A50:
         self._server.close()
 
     def _server_send(self, reports: list[dict[str, Any]]) -> None:
-        self._server.admit()
         for client, line in self._server.lines():
             if not line.lstrip().startswith(b"{"):  # not a program for a DVL: a web page, perhaps
                 self._server.drop(client)

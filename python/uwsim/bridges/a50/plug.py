@@ -35,7 +35,7 @@ class A50Plug(BridgePlug[A50Options]):
     crosses_link = False
     doors = (
         Door("`--dvl-a50`", "TCP", 1, OWN, "Water Linked's DVL protocol",
-             f"{EVERYONE}; no web page; it sets the DVL alone", ("--dvl-a50", "0")),
+             f"{EVERYONE}; no web page; it sets the DVL alone", ("--dvl-a50", "0"), speaks_first=True),
     )  # fmt: skip
 
     def __init__(self, options: A50Options) -> None:

@@ -107,7 +107,7 @@ def offered_tokens(request: Request) -> list[str]:
 
 
 class Admission:
-    """One server's rules: pages, token and maximum number of clients. Raises ValueError."""
+    """One server's rules: pages, token and whether it has places for clients. Raises ValueError."""
 
     def __init__(self, host: str, *, pages: Iterable[str] = (), token: str | None = None, places: int) -> None:
         check_token(token)
@@ -129,16 +129,15 @@ class Admission:
         finally:
             self._waiting -= 1
 
-    def refusal(self, request: Request, *, clients: int | None) -> Refusal | None:
+    def refusal(self, request: Request, *, is_client: bool) -> Refusal | None:
         """Return the reason to refuse a request, or None. Refusals are logged.
 
-        clients: the number of connected clients, or None for a request for a page or file, for which the site checks
-        the token.
+        is_client: False for a request for a page or file, for which the site checks the token.
         """
         reason = self.door.refusal(request.headers, names_matter=not is_socket(request))
-        if reason is None and clients is not None:
-            if clients >= self._places:
-                reason = HTTPStatus.SERVICE_UNAVAILABLE, f"{self._places} clients are connected, the maximum\n"
+        if reason is None and is_client:
+            if not self._places:
+                reason = HTTPStatus.SERVICE_UNAVAILABLE, "only pages are served here\n"
             elif self.token is not None and not has_token(request, self.token):
                 reason = (
                     HTTPStatus.UNAUTHORIZED,

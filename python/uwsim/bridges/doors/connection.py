@@ -9,7 +9,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode, Frame, Opcode
 
-from uwsim.bridges.doors.places import HALF_OPEN_S, HalfOpen
+from uwsim.bridges.doors.places import HALF_OPEN_MAX, HALF_OPEN_S, HalfOpen, Places
 
 READ_BYTES = 1 << 13  # bytes per read; enough for a thousand frames without content
 CONTINUATIONS = 1000  # frames per message
@@ -23,19 +23,22 @@ class HeardConnection(ServerConnection):
     """A connection that tracks the time since anything, including replies to pings, was received.
 
     silent_s: seconds without received data, incremented by the server, excluding time during which the event loop was
-    blocked. half_open: the server's connections that have not yet sent a request. most: maximum number of connections
-    to the server, including half-open ones; further connections are aborted.
+    blocked. half_open: the server's connections that have not yet sent a request. places: those whose request was
+    granted; a client speaks by messages, and then also by its replies to pings. most: maximum number of connections to
+    the server, including half-open ones; further connections are aborted.
     """
 
     silent_s = 0.0
     most: ClassVar[int]
     made: ClassVar[set[HeardConnection]]
     half_open: ClassVar[HalfOpen[HeardConnection]]
+    places: ClassVar[Places[HeardConnection]]
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
         self._continuations = 0
         self._unread_pongs_bytes = 0
+        self._has_spoken = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Limit the read size and the number of connections."""
@@ -59,6 +62,8 @@ class HeardConnection(ServerConnection):
         self.silent_s = 0.0
         before = self.transport.get_write_buffer_size()
         super().data_received(data)
+        if self._has_spoken and self in self.places:
+            self.places.renew(self)
         after = self.transport.get_write_buffer_size()
         self._unread_pongs_bytes = 0 if after == 0 else self._unread_pongs_bytes + max(0, after - before)
         if self._unread_pongs_bytes > UNREAD_PONGS_BYTES:
@@ -67,6 +72,7 @@ class HeardConnection(ServerConnection):
     def process_event(self, event: Any) -> None:
         """Process a frame. Messages in too many frames are refused, because each frame has a cost beyond its bytes."""
         if isinstance(event, Frame) and event.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
+            self._has_spoken = True
             self._continuations = self._continuations + 1 if event.opcode is Opcode.CONT else 0
             if self._continuations > CONTINUATIONS:
                 self.protocol.fail(CloseCode.POLICY_VIOLATION, f"a message in more than {CONTINUATIONS} frames")
@@ -77,6 +83,12 @@ class HeardConnection(ServerConnection):
         """Close at once, and make room for a new connection."""
         self.made.discard(self)
         self.transport.abort()
+
+    def make_room(self) -> None:
+        """Close at once, with the reason as far as it can be sent."""
+        self.protocol.fail(CloseCode.TRY_AGAIN_LATER, "too many clients: one that was silent is disconnected")
+        self.send_data()
+        self.abort()
 
     async def dismiss(self, reason: str) -> None:
         """Close with a reason, even in the middle of a message, without waiting long for a client that may not read."""
@@ -90,7 +102,9 @@ class HeardConnection(ServerConnection):
             self.transport.abort()
 
 
-def connections_of_one_server(most: int) -> type[HeardConnection]:
-    """Return a connection class that allows at most this many simultaneous connections."""
+def connections_of_one_server(places: int) -> type[HeardConnection]:
+    """Return a connection class that allows so many clients, and HALF_OPEN_MAX half-open connections."""
     half_open: HalfOpen[HeardConnection] = HalfOpen(lambda connection: connection.abort())
-    return type("BoundedConnection", (HeardConnection,), {"most": most, "made": set(), "half_open": half_open})
+    of_clients: Places[HeardConnection] = Places(lambda connection: connection.make_room(), places)
+    own = {"most": places + HALF_OPEN_MAX, "made": set(), "half_open": half_open, "places": of_clients}
+    return type("BoundedConnection", (HeardConnection,), own)

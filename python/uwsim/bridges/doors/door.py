@@ -18,7 +18,7 @@ class Door:
 
     count: how many they are, by default; 0 for an option that opens none, since it only connects to others. address:
     where they listen. admits: who may enter, and how that is limited. example: options of `uwsim serve` that open them,
-    by which a test compares the door with the sockets that are open.
+    by which a test compares the door with the sockets that are open. speaks_first: whether who only listens is served.
     """
 
     option: str
@@ -28,3 +28,4 @@ class Door:
     serves: str
     admits: str
     example: tuple[str, ...] = ()
+    speaks_first: bool = False

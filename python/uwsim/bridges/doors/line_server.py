@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Iterator
-from contextlib import suppress
+from itertools import chain
 from logging import Logger
 
+from uwsim.bridges.doors.places import HALF_OPEN_MAX, Places
 from uwsim.bridges.rare_log import RareLog
 
 CLIENTS_MAX = 8
@@ -17,19 +18,20 @@ LINE_BYTES = 4096
 class LineServer:
     """A TCP server for programs that take lines of text. No call blocks; must be used on one thread at a time.
 
-    A client that does not read what it gets is disconnected, and so is each beyond CLIENTS_MAX. title: as error
+    A client that does not read what it gets is disconnected; of more than CLIENTS_MAX, see Places. title: as error
     messages name it. Raises OSError.
     """
 
     def __init__(self, host: str, port: int, title: str, log: Logger) -> None:
         self._title, self._rare = title, RareLog(log)
         self._clients: dict[socket.socket, bytearray] = {}
+        self._places: Places[socket.socket] = Places(self._make_room, CLIENTS_MAX)
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         try:
             self._socket.setblocking(False)
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             self._socket.bind((host, port))
-            self._socket.listen(CLIENTS_MAX)
+            self._socket.listen(HALF_OPEN_MAX)
         except OSError as error:
             self._socket.close()
             raise OSError(f"{title}: {error.strerror or error}") from None
@@ -47,15 +49,23 @@ class LineServer:
 
     def admit(self) -> None:
         """Accept the clients that wait."""
-        with suppress(OSError):  # no other client waits
-            for _ in range(2 * CLIENTS_MAX):
+        for _ in self._newcomers():
+            pass
+
+    def _newcomers(self) -> Iterator[socket.socket]:
+        for _ in range(HALF_OPEN_MAX):
+            try:
                 client, _ = self._socket.accept()
-                if len(self._clients) >= CLIENTS_MAX:
-                    self._rare.warning(f"{self._title}: more than {CLIENTS_MAX} clients: another is disconnected")
-                    client.close()
-                    continue
-                client.setblocking(False)
-                self._clients[client] = bytearray()
+            except OSError:  # no other client waits
+                return
+            client.setblocking(False)
+            self._clients[client] = bytearray()
+            self._places.admit(client)
+            yield client
+
+    def _make_room(self, client: socket.socket) -> None:
+        self._rare.warning(f"{self._title}: more than {CLIENTS_MAX} clients: one that was silent is disconnected")
+        self.drop(client)
 
     def send(self, data: bytes, only: socket.socket | None = None) -> None:
         """Send bytes to all clients, or to one."""
@@ -68,8 +78,11 @@ class LineServer:
                 self.drop(client)
 
     def lines(self) -> Iterator[tuple[socket.socket, bytes]]:
-        """Yield the lines that have arrived, with their clients. A client with a longer line is disconnected."""
-        for client in [*self._clients]:
+        """Accept the clients that wait; yield the lines that have arrived, with their clients.
+
+        What a client sends with its connection is read before the next is accepted. A longer line disconnects it.
+        """
+        for client in chain([*self._clients], self._newcomers()):
             try:
                 data = client.recv(LINE_BYTES)
             except BlockingIOError:
@@ -83,9 +96,11 @@ class LineServer:
             self._clients[client] = bytearray(rest)
             for line in whole:
                 if client in self._clients and line.strip():
+                    self._places.renew(client)
                     yield client, bytes(line)
 
     def drop(self, client: socket.socket) -> None:
         """Disconnect a client."""
+        self._places.discard(client)
         if self._clients.pop(client, None) is not None:
             client.close()

@@ -6,7 +6,6 @@ import asyncio
 import threading
 from collections.abc import Awaitable, Callable, Iterable
 from contextlib import suppress
-from http import HTTPStatus
 from logging import Logger
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
@@ -17,7 +16,7 @@ from websockets.http11 import Request, Response
 from uwsim.bridges.doors.admission import Admission, is_socket, tls_context, warn_beyond_loopback
 from uwsim.bridges.doors.connection import HeardConnection, connections_of_one_server
 from uwsim.bridges.doors.conversation import Rates, Session, Share, converse
-from uwsim.bridges.doors.places import HALF_OPEN_MAX, HALF_OPEN_S
+from uwsim.bridges.doors.places import HALF_OPEN_S
 from uwsim.bridges.rare_log import RareLog
 
 Site = Callable[[Request], Awaitable[Response]]
@@ -49,7 +48,7 @@ class Address(NamedTuple):
 class Listener(Generic[S]):
     """A WebSocket server on an event loop in a separate thread, with one session per client.
 
-    places: maximum number of simultaneous clients; further clients are refused with HTTP 503. rates: limits on each
+    places: maximum number of simultaneous clients (see Places); 0 for a server of pages alone. rates: limits on each
     client's frames. share: limits the total CPU time for the frames of all clients. open_session: called for each
     admitted connection. main: runs while the server listens. site: serves HTTP on the same port; it checks the token
     itself. options: passed to `websockets.serve`. Raises ValueError.
@@ -156,7 +155,7 @@ class Listener(Generic[S]):
             ssl=self._tls,
             compression=None,
             max_queue=0,  # only one frame is buffered
-            create_connection=connections_of_one_server(self._places + HALF_OPEN_MAX),
+            create_connection=connections_of_one_server(self._places),
             process_request=self._admit,
             write_limit=WRITE_LIMIT,
             close_timeout=1,
@@ -175,7 +174,7 @@ class Listener(Generic[S]):
         connection.half_open.discard(connection)
         await self._admission.delay_wrong_token(request, str((connection.remote_address or ("?",))[0]))
         asks_site = self._site is not None and not is_socket(request)
-        reason = self._admission.refusal(request, clients=None if asks_site else len(self.sessions))
+        reason = self._admission.refusal(request, is_client=not asks_site)
         if reason is not None:
             return connection.respond(*reason)
         if asks_site:
@@ -185,9 +184,7 @@ class Listener(Generic[S]):
 
     async def _handle(self, connection: ServerConnection) -> None:
         assert isinstance(connection, HeardConnection)
-        if len(self.sessions) >= self._places:  # others have connected during this client's handshake
-            await connection.close(1013, HTTPStatus.SERVICE_UNAVAILABLE.phrase)
-            return
+        connection.places.admit(connection)
         loop, wakes, own_thread = asyncio.get_running_loop(), asyncio.Event(), threading.get_ident()
 
         def wake() -> None:
@@ -204,6 +201,7 @@ class Listener(Generic[S]):
         try:
             await converse(connection, session, wakes, self._rates, self._share)
         finally:
+            connection.places.discard(connection)
             del self.sessions[connection]
             session.close()
 

@@ -1,8 +1,10 @@
 """Which peers of a door are half open, which have a place, and which must go; the same rule for all doors.
 
-A peer is half open until it has sent something valid: a message, or a whole request. Half-open peers go after
-HALF_OPEN_S. A peer that is not valid never takes a place, and if there is no place, the peer that has been silent
-longest goes, so that no number of silent peers can shut out one that speaks.
+Where the peer speaks first, it is half open until it has sent something valid: a message, or a whole request. Half-open
+peers go after HALF_OPEN_S, and never take a place. Where the door speaks first, a peer has a place, and is served, from
+its connection on, for as long as it likes to listen. Places are bounded, and a newcomer always gets one: of those that
+have never spoken, the first goes, and if all have, the one that has been silent longest. So no number of silent peers
+can shut out another, whether it speaks or listens.
 """
 
 from __future__ import annotations
@@ -69,10 +71,10 @@ class HalfOpen(Generic[Peer]):
 
 
 class Places(Generic[Peer]):
-    """The peers with a place at one door, which have sent something valid. Must be used on one thread.
+    """The peers with a place at one door. Must be used on one thread.
 
-    end: called with a peer that must go: the one that has been silent longest if there are more than `most`, and each
-    that `sweep` finds silent for silent_s.
+    end: called with a peer that must go: one that makes room if there are more than `most`, and each that `sweep` finds
+    silent for silent_s.
     """
 
     def __init__(
@@ -83,31 +85,38 @@ class Places(Generic[Peer]):
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._end, self._most, self._silent_s, self._clock = end, most, silent_s, clock
-        self._renewed_s: dict[Peer, float] = {}
+        self._heard: dict[Peer, tuple[bool, float]] = {}  # whether it has spoken, and when it came or spoke last [s]
 
     def __contains__(self, peer: Peer) -> bool:
-        return peer in self._renewed_s
+        return peer in self._heard
 
     def peers(self) -> list[Peer]:
-        """Return the peers, the one that has been silent longest first."""
-        return sorted(self._renewed_s, key=self._renewed_s.__getitem__)
+        """Return the peers, in the order in which they would go."""
+        return sorted(self._heard, key=self._heard.__getitem__)
+
+    def admit(self, peer: Peer) -> None:
+        """Give a place to a peer that has not spoken yet."""
+        self._note(peer, has_spoken=False)
 
     def renew(self, peer: Peer) -> None:
         """Note that a peer has sent something valid, which gives it a place."""
-        self._renewed_s[peer] = self._clock()
-        if len(self._renewed_s) > self._most:
-            self._go(self.peers()[0])
+        self._note(peer, has_spoken=True)
+
+    def _note(self, peer: Peer, *, has_spoken: bool) -> None:
+        self._heard[peer] = has_spoken, self._clock()
+        if len(self._heard) > self._most:
+            self._go(next(each for each in self.peers() if each != peer))
 
     def discard(self, peer: Peer) -> None:
         """Forget a peer that has gone."""
-        self._renewed_s.pop(peer, None)
+        self._heard.pop(peer, None)
 
     def sweep(self) -> None:
         """End the peers that have been silent for too long."""
         now_s = self._clock()
-        for peer in [peer for peer, renewed_s in self._renewed_s.items() if now_s - renewed_s >= self._silent_s]:
+        for peer in [peer for peer, (_, heard_s) in self._heard.items() if now_s - heard_s >= self._silent_s]:
             self._go(peer)
 
     def _go(self, peer: Peer) -> None:
-        del self._renewed_s[peer]
+        del self._heard[peer]
         self._end(peer)

@@ -34,7 +34,7 @@ def table() -> str:
     lines = ["| option | sockets | at | for | admits |", "|---|---|---|---|---|"]
     lines += [
         f"| {door.option} | {f'{door.count} {door.protocol}' if door.count else 'none'} | {door.address} | "
-        f"{door.serves} | {door.admits} |"
+        f"{door.serves} | {door.admits}{'; it speaks first' if door.speaks_first else ''} |"
         for door in doors()
     ]
     return "\n".join(lines)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Self
 
 from uwsim.bridges.doors.admission import warn_beyond_loopback
 from uwsim.bridges.doors.hosts import checked_host
-from uwsim.bridges.doors.places import HALF_OPEN_MAX, HalfOpen, Places
+from uwsim.bridges.doors.places import HALF_OPEN_MAX, Places
 from uwsim.bridges.rare_log import RareLog
 
 PORTS = {"udpout": 14550, "udpin": 14550, "tcp": 5760}
@@ -62,12 +62,12 @@ class Endpoint(NamedTuple):
 class Wire:
     """An open endpoint. parser: returns a new parser of MAVLink messages, with `parse_buffer`.
 
-    Each peer has a parser. A peer gets a place, and telemetry, with its first valid message, of which the checksum is
-    correct: see uwsim.bridges.doors.places. A TCP connection whose first byte cannot begin a MAVLink message is
-    closed at once; browser requests start differently, so no web page can command the vehicle. A UDP peer goes
-    after SILENT_S of silence, and more than 100 datagrams of one in 0.1 s are not read, so that it cannot keep
-    others from being heard. A TCP peer that does not read its messages is disconnected, so that it cannot block.
-    Must be used on one thread. Raises OSError.
+    Each peer has a parser. A TCP peer gets a place, and telemetry, with its connection, as with ArduPilot's SITL, a UDP
+    peer with its first valid message, of which the checksum is correct: see uwsim.bridges.doors.places. A TCP
+    connection whose first byte cannot begin a MAVLink message is closed at once; browser requests start differently, so
+    no web page can command the vehicle. A UDP peer goes after SILENT_S of silence, and more than 100 datagrams of one
+    in 0.1 s are not read, so that it cannot keep others from being heard. A TCP peer that does not read its messages is
+    disconnected, so that it cannot block. Must be used on one thread. Raises OSError.
     """
 
     def __init__(self, endpoint: Endpoint, parser: Callable[[], Any]) -> None:
@@ -78,7 +78,6 @@ class Wire:
         self._socket = socket.socket(family, kind)
         self._socket.setblocking(False)
         self._fixed: list[Peer] = []
-        self._half_open: HalfOpen[Peer] = HalfOpen(self._drop)
         self._places: Places[Peer] = Places(self._leave, PEERS_MAX, math.inf if self._kind == "tcp" else SILENT_S)
         self._parsers: dict[Peer, Any] = {}
         self._connections: dict[Peer, socket.socket] = {}
@@ -121,7 +120,6 @@ class Wire:
         for peer, connection in list(self._connections.items()):
             if connection in writable:
                 self._flush(peer)
-        self._half_open.sweep()
         found = self._received_by_tcp(ready) if self._kind == "tcp" else self._received_by_udp()
         self._places.sweep()
         return found
@@ -142,33 +140,37 @@ class Wire:
         return found
 
     def _received_by_tcp(self, ready: list[socket.socket]) -> list[tuple[Peer, Any]]:
+        found: list[tuple[Peer, Any]] = []
+        for peer, connection in list(self._connections.items()):
+            if connection in ready:
+                found += self._read(peer)
         if self._socket in ready:
             with suppress(OSError):  # no further connection
                 for _ in range(HALF_OPEN_MAX):
                     connection, peer = self._socket.accept()
                     connection.setblocking(False)
                     self._connections[peer], self._waiting[peer] = connection, bytearray()
-                    self._half_open.add(peer)
-        found: list[tuple[Peer, Any]] = []
-        for peer, connection in list(self._connections.items()):
-            if connection not in ready or peer not in self._connections:
-                continue
-            try:
-                data = connection.recv(READ_BYTES)
-            except OSError:
-                data = b""
-            if not data or (peer not in self._parsers and data[0] not in MAGIC):
-                self._drop(peer)
-            else:
-                found += self._messages(peer, data)
+                    self._places.admit(peer)
+                    found += self._read(peer)  # before the next is accepted, which may take its place
         return found
+
+    def _read(self, peer: Peer) -> list[tuple[Peer, Any]]:
+        try:
+            data = self._connections[peer].recv(READ_BYTES)
+        except BlockingIOError:
+            return []
+        except OSError:
+            data = b""
+        if data and (peer in self._parsers or data[0] in MAGIC):
+            return self._messages(peer, data)
+        self._drop(peer)
+        return []
 
     def _messages(self, peer: Peer, data: bytes) -> list[tuple[Peer, Any]]:
         """Return the valid messages in a peer's data; the first one gives the peer a place."""
         parser = self._parsers.get(peer) or self._parser()
         messages = [one for one in parser.parse_buffer(data) or () if not one.get_type().startswith(UNCHECKED)]
         if messages and not self._fixed:
-            self._half_open.discard(peer)
             self._places.renew(peer)
         if peer in self._connections or peer in self._places or self._fixed:
             self._parsers[peer] = parser
@@ -198,13 +200,10 @@ class Wire:
     def _leave(self, peer: Peer) -> None:
         """End the peer that the places have given up."""
         if self._kind == "tcp":
-            self._rare.warning(
-                f"more than {PEERS_MAX} ground stations: the one that was silent longest is disconnected"
-            )
+            self._rare.warning(f"more than {PEERS_MAX} ground stations: one that was silent is disconnected")
         self._drop(peer)
 
     def _drop(self, peer: Peer) -> None:
-        self._half_open.discard(peer)
         self._places.discard(peer)
         self._parsers.pop(peer, None)
         self._waiting.pop(peer, None)

@@ -35,8 +35,8 @@ class MavlinkPlug(BridgePlug[MavlinkOptions]):
     crosses_link = False
     excluded_by = {"ardusub": "the firmware speaks MAVLink itself"}  # noqa: RUF012  # read only
     doors = (
-        Door("`--mavlink tcp`", "TCP", 1, OWN, "MAVLink", f"{EVERYONE}, from its first valid message; no web page",
-             ("--mavlink", "tcp:0")),
+        Door("`--mavlink tcp`", "TCP", 1, OWN, "MAVLink", f"{EVERYONE}; no web page", ("--mavlink", "tcp:0"),
+             speaks_first=True),
         Door("`--mavlink udpin`", "UDP", 1, OWN, "MAVLink", f"{EVERYONE}, from its first valid message",
              ("--mavlink", "udpin:0")),
         Door("`--mavlink udpout`", "UDP", 1, OWN, "MAVLink", "the program at the target", ("--mavlink", "udpout")),

@@ -31,7 +31,8 @@ class NmeaPlug(BridgePlug[NmeaOptions]):
     needs_live = True
     crosses_link = False
     doors = (
-        Door("`--nmea tcp`", "TCP", 1, OWN, "NMEA 0183", f"{EVERYONE}; nothing is read from it", ("--nmea", "tcp:0")),
+        Door("`--nmea tcp`", "TCP", 1, OWN, "NMEA 0183", f"{EVERYONE}; nothing is read from it", ("--nmea", "tcp:0"),
+             speaks_first=True),
         Door("`--nmea udp`", "UDP", 1, "127.0.0.1 if the target is local", "NMEA 0183", "no program: nothing is read",
              ("--nmea", "udp")),
     )  # fmt: skip

@@ -10,7 +10,7 @@ class Limits:
     """Limits per client and for all clients together. Raises ValueError unless all are positive."""
 
     connections: int = 256
-    """Clients at a time; further clients are refused with HTTP 503."""
+    """Clients at a time; of more, one that was silent is disconnected (uwsim.bridges.doors.places)."""
     frame_bytes: int = 2 << 20
     """Size of a frame from a client, and of a message assembled from fragments."""
     nesting: int = 32
