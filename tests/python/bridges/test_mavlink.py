@@ -92,7 +92,7 @@ def test_sticks_move_it_once_it_is_armed_and_its_modes_are_holds(live: LiveSimul
 def test_an_item_that_cannot_be_flown_is_refused_with_the_reason(station: Station) -> None:
     station.mav.mission_count_send(1, 1, 2)
     for seq, altitude in ((0, 0.0), (1, 5.0)):
-        station.receive("MISSION_REQUEST_INT", lambda request, seq=seq: request.seq == seq)
+        station.receive("MISSION_REQUEST", lambda request, seq=seq: request.seq == seq)
         station.mav.mission_item_int_send(1, 1, seq, 3, 16, 0, 1, 0, 0, 0, 0, 0, 0, altitude)
     assert station.receive("MISSION_ACK").type == dialect.MAV_MISSION_INVALID_PARAM7
     assert "mission item 1: altitude 5 m" in station.receive("STATUSTEXT").text

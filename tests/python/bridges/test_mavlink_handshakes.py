@@ -88,7 +88,7 @@ def test_cockpits_handshake(station: Station) -> None:
     home = station.request("HOME_POSITION")
     station.mav.mission_count_send(1, 1, 2, 0)
     for seq in range(2):
-        assert station.receive("MISSION_REQUEST_INT").seq == seq
+        assert station.receive("MISSION_REQUEST").seq == seq
         station.mav.mission_item_int_send(
             1, 1, seq, 6, 16, 0, 1, 0, 0, 0, 0, home.latitude, home.longitude, -2.0 * seq, 0
         )
@@ -108,8 +108,8 @@ def test_cockpits_handshake(station: Station) -> None:
 def test_lost_messages_are_sent_again(vehicle: MavlinkVehicle, station: Station, other: Station) -> None:
     """The vehicle requests items of an upload again, repeats its last answer, and sends parameters by index."""
     station.mav.mission_count_send(1, 1, 2)
-    assert station.receive("MISSION_REQUEST_INT").seq == 0  # lost on its way
-    assert station.receive("MISSION_REQUEST_INT").seq == 0
+    assert station.receive("MISSION_REQUEST").seq == 0  # lost on its way
+    assert station.receive("MISSION_REQUEST").seq == 0
     other.mav.mission_count_send(1, 1, 1)
     assert other.receive("MISSION_ACK").type == dialect.MAV_MISSION_DENIED
     for seq in range(2):

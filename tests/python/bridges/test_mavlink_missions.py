@@ -215,7 +215,8 @@ def test_a_breach_is_reported_once_and_holds_only_if_fence_action_says_so() -> N
         keeper._craft.state = SimpleNamespace(position_world_m=np.array([x, 5.0, -2.0]), time_s=x)  # type: ignore[assignment]
         return keeper.watch(is_armed=armed)
 
-    assert not any(map(at, (5.0, 25.0, 26.0, 5.0))) and not at(25.0, armed=False)
+    assert not any(map(at, (5.0, 25.0))) and keeper._craft.fence == (True, False, False)
+    assert not any(map(at, (26.0, 5.0))) and not at(25.0, armed=False) and keeper._craft.fence == (True, False, True)
     breach = (
         "Fence breached: the vehicle at (25.0, 5.0) m leaves zone 1 of the fence, a polygon with 4 corners to stay in"
     )
@@ -225,8 +226,9 @@ def test_a_breach_is_reported_once_and_holds_only_if_fence_action_says_so() -> N
     (status,) = keeper._status(dialect.MAVLink(None))
     assert (status.breach_status, status.breach_count, status.breach_time) == (1, 2, 25000)
     assert status.breach_type == dialect.FENCE_BREACH_BOUNDARY
+    assert keeper._craft.fence == (True, True, False)
     keeper.keep([])
-    assert not keeper._status(dialect.MAVLink(None))
+    assert not keeper._status(dialect.MAVLink(None)) and not at(27.0) and keeper._craft.fence == (False, False, True)
 
 
 def test_fences_and_rally_points_are_kept_beside_the_mission_and_given_back() -> None:

@@ -124,7 +124,7 @@ def upload(station: Station, *items: tuple[int, tuple[float, ...], tuple[float, 
     """Upload items, each a command, its parameters and a place; return the result."""
     station.mav.mission_count_send(1, 1, len(items) + 1)
     for seq, (command, parameters, at) in enumerate([(16, (), None), *items]):
-        station.receive("MISSION_REQUEST_INT", lambda request, seq=seq: request.seq == seq)
+        station.receive("MISSION_REQUEST", lambda request, seq=seq: request.seq == seq)
         lat, lon = HOME.degrees(np.array(at)) if at else (0.0, 0.0)
         values = [*parameters, *[0.0] * (4 - len(parameters))]
         place = round(1e7 * lat), round(1e7 * lon), at[2] if at else 0.0
@@ -245,6 +245,8 @@ def test_what_is_reported_is_what_is(live: LiveSimulator, station: Station) -> N
     bits = PREARM | GPS | MOTORS | AHRS | BATTERY | 0x7
     status = latest(station, "SYS_STATUS")
     assert status.onboard_control_sensors_present & bits == bits == status.onboard_control_sensors_health & bits
+    fence = dialect.MAV_SYS_STATUS_GEOFENCE  # whose health, while there is none, is not that of a breach
+    assert status.onboard_control_sensors_health & fence and not status.onboard_control_sensors_present & fence
     assert station.command(dialect.MAV_CMD_DO_FLIGHTTERMINATION, 1) == DONE
     station.receive("SYS_STATUS", lambda each: not each.onboard_control_sensors_health & PREARM)
     assert station.command(dialect.MAV_CMD_DO_FLIGHTTERMINATION, 0) == DONE

@@ -35,7 +35,8 @@ class Craft:
     while a command takes effect, to handle what is more urgent. interruptions: how many stops and disarms there were;
     each ends the command that waits. launch_world_m: the home position, at the surface. is_flying: whether it flies by
     itself. gain: of the sticks. channels_us: the pulses of the RC channels, by number. pictures: takes a
-    picture for an item of a mission, if there is a folder for them.
+    picture for an item of a mission, if there is a folder for them. fence: whether there is one, whether it acts, and
+    whether it is kept, as it is if there is none.
     """
 
     live: LiveSimulator
@@ -52,6 +53,7 @@ class Craft:
     gain: float = 0.5
     pictures: Callable[[OwnVehicle, int], object] | None = None
     channels_us: dict[int, int] = field(default_factory=dict)
+    fence: tuple[bool, bool, bool] = (False, False, True)
 
     @property
     def vehicle(self) -> Any:

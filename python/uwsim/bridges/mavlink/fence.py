@@ -63,6 +63,8 @@ class FenceKeeper:
         self._seen = state
         why = self._fence.breach(state.position_world_m) if self._is_on and is_armed else None
         was_breached, self._is_breached = self._is_breached, why is not None
+        acts = self._is_on and self._settings[FENCE_ACTION] > 0
+        self._craft.fence = bool(self._fence.zones), acts, why is None
         if was_breached and why is None:
             self._craft.send_text("Fence breach cleared", INFO_TEXT)
         if was_breached or why is None:

@@ -144,7 +144,7 @@ class MissionStore:
         """Send an item with its position in degrees."""
         item = self._item(peer, message)
         if item is not None:
-            place = 1e-7 * item.x, 1e-7 * item.y, item.z, message.mission_type
+            place = *(part / _scale(item) for part in (item.x, item.y)), item.z, message.mission_type
             self._send(self.mav.mission_item_encode(*_from(message), *_plain(item), *place), peer)
 
     def _item(self, peer: Peer, message: Any) -> Any:
@@ -174,8 +174,9 @@ class MissionStore:
             self._request_item(self._upload)
 
     def _request_item(self, upload: _Upload) -> None:
+        """Ask for an item as ArduPilot does (MissionItemProtocol::queued_request_send), which takes either kind."""
         upload.asked_s = time.monotonic()
-        self._send(self.mav.mission_request_int_encode(*upload.asker, len(upload.items), upload.kind), upload.peer)
+        self._send(self.mav.mission_request_encode(*upload.asker, len(upload.items), upload.kind), upload.peer)
 
     def on_mission_item(self, peer: Peer, message: Any) -> None:
         """Accept an item with its position in degrees."""
@@ -184,7 +185,7 @@ class MissionStore:
             self._send_text(f"mission item {message.seq}: latitude, longitude = {place}: must be in [-180, 180]")
             self._refuse(peer, INVALID)
             return
-        message.x, message.y = round(1e7 * message.x), round(1e7 * message.y)
+        message.x, message.y = (round(_scale(message) * part) for part in (message.x, message.y))
         self.on_mission_item_int(peer, message)
 
     def on_mission_item_int(self, peer: Peer, message: Any) -> None:
@@ -267,6 +268,11 @@ class MissionStore:
 
     def _acknowledge(self, peer: Peer, asker: tuple[int, int], result: int, kind: int = MISSION) -> None:
         self._send(self.mav.mission_ack_encode(*asker, result, kind), peer)
+
+
+def _scale(item: Any) -> float:
+    """Return the integer of an item's x and y for one, as ArduPilot converts items; those of cameras are no places."""
+    return 1.0 if item.command in (202, 203) else 1e7
 
 
 def _plain(item: Any) -> tuple[Any, ...]:

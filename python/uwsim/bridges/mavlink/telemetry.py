@@ -65,7 +65,7 @@ def _hud(mav: Any, f: Figures) -> Iterable[Any]:
     return [mav.vfr_hud_encode(speed, speed, f.heading_cdeg // 100, f.state.throttle_percent, altitude_m, -down)]
 
 
-HEIGHT_CONTROL, PLACE_CONTROL = 0x2000, 0x4000  # MAV_SYS_STATUS_SENSOR
+HEIGHT_CONTROL, PLACE_CONTROL, GEOFENCE = 0x2000, 0x4000, 1 << 20  # MAV_SYS_STATUS_SENSOR
 
 
 def _status(mav: Any, f: Figures) -> Iterable[Any]:
@@ -73,7 +73,8 @@ def _status(mav: Any, f: Figures) -> Iterable[Any]:
     off = 0 if craft.is_flying or {"depth", "altitude"} & {*state.holds} else HEIGHT_CONTROL
     off |= 0 if craft.is_flying or "position" in state.holds else PLACE_CONTROL
     healthy = state.healthy if state.can_arm else state.healthy & ~PREARM
-    bits = state.sensors, state.sensors & ~(off & CONTROLS), healthy
+    known = state.sensors, state.sensors & ~(off & CONTROLS), healthy
+    bits = (bit | GEOFENCE * fence for bit, fence in zip(known, craft.fence, strict=True))  # as AP_Fence's sys_status
     voltage_mv = _uint16(1e3 * state.voltage_v)
     return [mav.sys_status_encode(*bits, 0, voltage_mv, f.current_ca, f.percent, 0, 0, 0, 0, 0, 0)]
 
