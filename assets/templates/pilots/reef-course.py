@@ -4,7 +4,7 @@ It flies lanes over the area with the sonar tilted down, and the camera at the b
 where they are tall, the plate where they are wide, else coral. Then it looks down at the coral on both sides of the
 line, the first twice, since a sonar does not show which end is west, and at the console from both sides, and stays
 over the plate. It notes the coral and the console. Change it as you like; what the drivers use is READS, WRITES,
-PERIOD_S, `receive` and `commands`.
+`receive` and `commands`.
 """
 
 import math

@@ -3,7 +3,7 @@
 It flies lanes over the area with the sonar tilted down, which maps the bed. Echoes well above the bed are a buoy if
 they stay together, and the pipes if they stretch. Then it looks at each buoy from near by, and at the pipes from both
 sides. Of two buoys in its pictures the less yellow one is red: it notes that one, and looks at the other once more if
-that came first. Change it as you like; what the drivers use is READS, WRITES, PERIOD_S, `receive` and `commands`.
+that came first. Change it as you like; what the drivers use is READS, WRITES, `receive` and `commands`.
 """
 
 import base64

@@ -1,10 +1,12 @@
 """A team's folder, its score over seeds in a world that is the referee's, and the table of several teams."""
 
+import os
 import re
 import runpy
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,6 +16,9 @@ import pytest
 from mcap.reader import make_reader
 
 from command_line import error_line, uwsim
+from ros2_tools import free_domain
+from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
+from uwsim.channels import Table
 from uwsim.exercises import load_exercise
 from uwsim.league import load_team, score_team
 from uwsim.league.aboard import Aboard
@@ -25,6 +30,7 @@ from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.scenario.load import load
 from uwsim.scenario.read.assets import find_yaml
 from uwsim.scenario.read.errors import ScenarioError
+from waiting import until
 
 GATE = """
 title: The gate
@@ -146,6 +152,32 @@ def test_its_launch_file_serves_the_courses_world(tmp_path: Path, course: str, m
     seeded = load_exercise(course).model_copy(update={"seed": 3}).made_scenario()
     assert serve == f"uwsim serve {world} --ros2 --tf odom"
     assert scenario_fingerprint(load(world)) == scenario_fingerprint(seeded)
+
+
+JAZZY = Path(__file__).parents[3] / "build/jazzy"
+
+
+@pytest.mark.skipif(not (JAZZY / "ready").is_file(), reason="no rclpy: tools/setup --dev installs it")
+@pytest.mark.parametrize("course", ["pool-course", "sea-course", "reef-course"])
+def test_its_node_steers_under_ros_2(tmp_path: Path, course: str) -> None:
+    """In a real ROS 2, with the topics of the course's world, it starts, reads and commands."""
+    new_team(tmp_path / "team", course)
+    domain, twists = free_domain(), list[Any]()
+    environment = {
+        **os.environ, "ROS_DOMAIN_ID": str(domain), "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "PYTHONPATH": "src/pilot",
+    }  # fmt: skip
+    words = [JAZZY / "bin/python", "-c", "from pilot.node import main; main()"]
+    with LiveSimulator(load_exercise(course).model_copy(update={"seed": 3}).made_scenario()) as live:
+        table = Table(live.simulator, truth=False)
+        heard = {"cmd_vel": lambda live, twist: twists.append(twist)}
+        channels = [replace(each, apply=heard.get(each.name, each.apply)) for each in table.channels]
+        with Ros2Node(live, channels, table.services, Ros2Settings(domain_id=domain)):
+            pipe = subprocess.PIPE
+            with subprocess.Popen(words, cwd=tmp_path / "team", env=environment, stderr=pipe, text=True) as node:
+                until(lambda: len(twists) > 3 or node.poll() is not None)
+                node.terminate()
+                assert len(twists) > 3, node.communicate()[1]
 
 
 def test_a_bag_has_the_beginning_of_a_run_with_scans_and_pictures(team: Path, tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 It finds thin posts in the sonar's scan, and passes between them: the gate, then three rows of poles. Then it tilts the
 sonar down, finds the rim of the bin, and drops a marker into it; tilts the sonar up, finds the octagon's pipes at the
 surface, and comes up in their middle. The board with openings is left to you. Change it as you like; what the drivers
-use is READS, WRITES, PERIOD_S, `receive` and `commands`.
+use is READS, WRITES, `receive` and `commands`.
 """
 
 import math
@@ -22,11 +22,7 @@ GATE_X_M = -4.0  # it stands west of this, as the rules state
 OCTAGON_X_M, PIPES_M = 9.5, (1.25, 1.55)  # where it is, as the rules state, and how far its pipes are from its middle
 SHALLOW_M, UP_RAD = 0.8, 0.3  # depth and tilt with which the sonar meets the surface 2.8 m ahead
 BIN_M, RIM_Z_M = (4.7, 4.0), (-2.3, -2.1)  # where the bin is, as the rules state, and the height of its rim
-OVER_M, DROP_M, DROPPER_M = (
-    1.1,
-    1.5,
-    -0.1,
-)  # depths over the bin, and how far ahead of the vehicle's origin they leave it
+OVER_M, DROP_M, DROPPER_M = 1.1, 1.5, -0.1  # depths over the bin, and how far ahead of the origin they leave it
 TILT_S = 18.0  # in which the head tilts by a right angle
 
 
@@ -60,9 +56,8 @@ class Pilot:
         self.log = log
         self.posts = Posts()
         self.steering = Steering()
-        self.passed = 0  # openings: the gate, then the rows
+        self.passed = self.looked = 0  # openings: the gate, then the rows; and looks for the next one
         self.looking = [0.0, 0.6, -0.6, 0.0]  # headings still to be looked at
-        self.looked = 0
         self.up_rad = 0.0  # the sonar's tilt
         self.echoes = []  # with the head tilted, from the surface or the bin's rim: (x, y)
         self.drops = 0  # markers to drop now
@@ -78,8 +73,7 @@ class Pilot:
     def see(self, scan):
         """Add the scan's posts: a few beams that are nearer than those on both sides."""
         x, y, z, yaw = self.steering.pose
-        x += SONAR_M[0] * math.cos(yaw)
-        y += SONAR_M[0] * math.sin(yaw)
+        x, y = x + SONAR_M[0] * math.cos(yaw), y + SONAR_M[0] * math.sin(yaw)
         ranges = [r if r and scan.range_min < r < scan.range_max else 99.0 for r in scan.ranges]
         if self.up_rad:
             self.see_tilted(ranges, scan, x, y, z + SONAR_M[1], yaw)
@@ -160,9 +154,8 @@ class Pilot:
         """Drop a marker, and return the points from which the octagon is looked for, with the head tilted up."""
         self.drops, self.up_rad = int(bool(self.echoes)), UP_RAD
         self.echoes.clear()
-        x, y, _, _ = self.steering.pose
         turns = [(6.2 + d, 0.0, SHALLOW_M, a) for d in (0.0, 0.5, 1.0) for a in (-0.5, 0.0, 0.5)]
-        return [(x, y, SHALLOW_M, 0.0, 1.2 * TILT_S), *turns]
+        return [(*self.steering.pose[:2], SHALLOW_M, 0.0, 1.2 * TILT_S), *turns]
 
     def in_octagon(self):
         """Return the points below and in the middle of the octagon."""

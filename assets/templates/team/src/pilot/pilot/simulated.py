@@ -22,8 +22,7 @@ def main():
     with socket.socket(fileno=int(os.environ["UWSIM_COURSE_FD"])) as peer, peer.makefile("rw") as lines:
 
         def send(values):
-            lines.write(json.dumps(values) + "\n")
-            lines.flush()
+            print(json.dumps(values), file=lines, flush=True)
 
         send({"reads": list(READS)})
         for line in lines:
