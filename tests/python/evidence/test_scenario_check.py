@@ -1,6 +1,7 @@
 """A check reports all errors in a file at once, draws its scene, and warns of unusual values."""
 
 import json
+import warnings
 from pathlib import Path
 
 import jsonschema
@@ -107,6 +108,22 @@ def test_nothing_follows_from_a_mistake_that_is_told(tmp_path: Path) -> None:
     assert [message.split(": ", 1)[1] for message in check_part(path, "vehicle").mistakes] == [
         "mass_kg = -3 kg: must be in [0.01, 1000000] kg"
     ]
+
+
+def test_what_a_cast_lacks_comes_once_though_the_world_and_its_vehicles_need_it(tmp_path: Path) -> None:
+    (tmp_path / "good.csv").write_text("depth_m,temperature_deg_c\n0,15\n9,12\nEND_DATA\n")
+    (tmp_path / "bad.csv").write_text("depth_m,temperature_deg_c\n0,15\n9,warm\n")
+    for name in ("good", "bad"):
+        (tmp_path / f"{name}.yaml").write_text(
+            f"name: a\nwater: {{profile: {{kind: table, file: {name}.csv, salinity_psu: 35}}}}\n"
+            "terrain: {source: noise, size_m: [60, 60], bed_depth_m: 20}\n"
+            "vehicles: [{name: rov, model: bluerov2_heavy, start: {position_m: [0, 0, -5]}}]\n"
+        )
+    (mistake,) = check_file(tmp_path / "bad.yaml").mistakes
+    assert "bad.csv':3: temperature_deg_c = 'warm'" in mistake
+    with warnings.catch_warnings(record=True) as issued:
+        found = check_file(tmp_path / "good.yaml").warnings
+    assert [each for each in (*found, *issued) if "END_DATA" in str(each)] == list(found) != []
 
 
 @pytest.mark.parametrize("name", packaged_scenarios())

@@ -87,6 +87,25 @@ FILES: dict[str, tuple[str, dict[str, list[float]]]] = {
         "# depth veloc. temp. salin.\n# [m] [m/s] [?C] [o/oo]\n1.0 1500.0 0.00 0.00\n2.0 1501.0 0.00 0.00\n",
         {"depth_m": [1.0, 2.0], "sound_speed_m_s": [1500.0, 1501.0]},
     ),
+    "Sippican": (
+        "// This is a MK21 EXPORT DATA FILE  (EDF)\nTerminal Depth   :  2 m\n"
+        "Depth (m) - Temperature (°C) - Sound Velocity (m/s)\n0.7\t20.5\t1523\n1.4\t20.4\t1522\n2.0\t35.50\t1561\n",
+        {"depth_m": [0.7, 1.4], "sound_speed_m_s": [1523, 1522], "temperature_deg_c": [20.5, 20.4]},
+    ),
+    "Sippican's raw": (
+        "// MK21 EXPORT DATA FILE  (EDF)\nField1 : Time (sec)\nField2 : Depth (m)\nField3 : Temperature (°C)\n// Data\n"
+        "0.0\t0.6\t-99\n0.1\t1.3\t9.5\n0.2\t2.0\t9.4\n",
+        {"depth_m": [1.3, 2.0], "temperature_deg_c": [9.5, 9.4]},
+    ),
+    "Sea & Sun": (
+        "; Datasets  Depth   Temp  SOUND\n;   [  m] [ degC] [  m/s]\n;\n 1  0.5  18.9  1491.7\n 2  0.8  18.8  1491.5\n",
+        {"depth_m": [0.5, 0.8], "temperature_deg_c": [18.9, 18.8], "sound_speed_m_s": [1491.7, 1491.5]},
+    ),
+    "WHP-Exchange, whose flags count": (
+        "CTD,20130709ODF\nDEPTH = 166\nDEPTH,CTDTMP,CTDTMP_FLAG_W,CTDPRS\nM,ITS-90,,DBAR\n"
+        "2,19.18,2,2\n4,-999,9,4\n6,29.2,4,6\n8,19.20,2,8\nEND_DATA\n",
+        {"depth_m": [2.0, 8.0], "temperature_deg_c": [19.18, 19.2]},
+    ),
 }  # fmt: skip
 
 

@@ -58,13 +58,13 @@ def made_row(scenario) -> float:
 
 
 def write_s102(path: Path, depths: np.ndarray, west_m: float, south_m: float, spacing_m: float) -> Path:
-    """Write what GDAL's driver reads of S-102 2.2 (IHO, 2023): depths in rows from the south, positive down."""
+    """Write what matters of S-102 3.0.0 (IHO, 2024): depths in rows from the south, positive down, no uncertainties."""
     h5py = pytest.importorskip("h5py", reason="needs h5py, which is not a dependency, to make an S-102 file")
     rows, columns = depths.shape
-    values = np.zeros((rows, columns), [("depth", "<f4"), ("uncertainty", "<f4")])
-    values["depth"], values["uncertainty"] = np.where(np.isfinite(depths), depths, 1e6), 0.3
+    values = np.zeros((rows, columns), [("depth", "<f4")])
+    values["depth"] = np.where(np.isfinite(depths), depths, 1e6)
     with h5py.File(path, "w") as file:
-        file.attrs["productSpecification"] = "INT.IHO.S-102.2.2"
+        file.attrs["productSpecification"] = "INT.IHO.S-102.3.0.0"
         file.attrs["horizontalCRS"] = np.int32(32610)
         file.create_group("Group_F")
         coverage = file.create_group("BathymetryCoverage").create_group("BathymetryCoverage.01")

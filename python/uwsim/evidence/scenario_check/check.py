@@ -44,8 +44,10 @@ def check_file(source: str | Path) -> CheckReport:
             return CheckReport(document.name, _mistakes(document, path.resolve().parent) or found.mistakes)
     if mistakes := (*_fault_mistakes(sim), *found.mistakes):
         return CheckReport(document.name, mistakes, paste=_remedy(sim))
-    scene = measured_scene(sim)
-    return CheckReport(document.name, (), (*found.warnings, *surprises(sim, scene)), scene, sim)
+    with caught_warnings() as issued:  # again, since the scene builds water of its own
+        scene = measured_scene(sim)
+    warned = dict.fromkeys((*found.warnings, *(str(each.message) for each in issued), *surprises(sim, scene)))
+    return CheckReport(document.name, (), tuple(warned), scene, sim)
 
 
 def _fault_mistakes(sim: Simulator) -> tuple[str, ...]:

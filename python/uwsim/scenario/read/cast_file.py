@@ -1,9 +1,10 @@
 """Casts, the measured columns of water that survey and oceanography have: files of sound speed, temperature, salinity.
 
-A file is recognised by its content: CARIS (.svp), Kongsberg (.asvp), Sea-Bird (.cnv, as text), Argo (NetCDF), the
-Valeport probes that do not name their columns, and any table whose columns have names: those of AML, Valeport, Digibar,
-CastAway, SAIV, Idronaut, ELAC, or a CSV. Rows of two numbers without names are depth and speed of sound. Columns are
-separated by commas, semicolons, tabs or spaces; decimals may have commas where these do not separate.
+A file is recognised by its content: CARIS (.svp), Kongsberg (.asvp), Sea-Bird (.cnv, as text), Sippican (.edf), Argo
+(NetCDF), the Valeport probes that do not name their columns, and any table whose columns have names: those of AML,
+Valeport, Digibar, CastAway, SAIV, Idronaut, ELAC, Sea & Sun, WHP-Exchange, or a CSV. Rows of two numbers without names
+are depth and speed of sound. Columns are separated by commas, semicolons, tabs or spaces; decimals may have commas
+where these do not separate. Lines without numbers after the last row are a trailer.
 """
 
 from __future__ import annotations
@@ -13,22 +14,28 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.cut_short import warn_if_cut_short
 from uwsim.base.texts.text_file import read_limited
+from uwsim.scenario.read.argo_cast import read_argo
 from uwsim.scenario.read.cast_levels import Cast, Limits, levels_of
-from uwsim.scenario.read.cast_quantity import LATITUDE_DEG, PRESSURE, depth_at_m, quantity_of, unit_of
+from uwsim.scenario.read.cast_quantity import PRESSURE, quantity_of, unit_of
 from uwsim.scenario.read.hdf5_file import SIGNATURE
-from uwsim.scenario.read.netcdf_file import CLASSIC, read_netcdf
+from uwsim.scenario.read.netcdf_file import CLASSIC
 
 Floats = NDArray[np.float64]
 MOST_BYTES = 1 << 27
 NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?")
-COMMENT = ("#", "%", "*", "!")
+COMMENT = ("#", "%", "*", "!", "//")
+FIELD = re.compile(r"Field\d+\s*:\s*(.+)")
+OFF_SCALE = -99.0, -2.53, 35.5
+"""Of Sippican: no value, and the ends of its thermistor's scale, where a torn or grounded wire is."""
+MISSING, BAD_FLAGS = (-999.0,), ("3", "4", "5", "9")
+"""Of WHP-Exchange (Swift and Diggs 2008): no value; flags for questionable, bad, not reported, not sampled."""
 WIDTH = 11
 """Characters of a column in a .cnv, where columns may touch."""
 VALEPORT = {
@@ -37,8 +44,6 @@ VALEPORT = {
     "RapidSV": "pressure,sound velocity",
     "MiniCTD": "pressure,temperature,conductivity",
 }
-BAD_QC = (b"3", b"4", b"9")
-"""Argo's flags (Argo user's manual, table 2): probably bad, bad, missing."""
 
 
 class _Table(NamedTuple):
@@ -48,7 +53,7 @@ class _Table(NamedTuple):
     units: Sequence[str]
     rows: Sequence[tuple[int, Sequence[str]]]
     notes: Sequence[str] = ()
-    bad: float = math.nan
+    bad: Sequence[float] = ()
 
 
 def read_cast(path: Path, name: str = "", limits: Limits | None = None) -> Cast:
@@ -59,7 +64,7 @@ def read_cast(path: Path, name: str = "", limits: Limits | None = None) -> Cast:
     name = name or str(path)
     data = read_limited(path, name, MOST_BYTES)
     if data.startswith((CLASSIC, SIGNATURE)):
-        columns, notes = _argo(path, name)
+        columns, notes = read_argo(path, name)
         return levels_of(name, columns, [], notes, limits or {})
     lines = _lines(data, name)
     warn_if_cut_short(name, data)
@@ -98,11 +103,19 @@ def _split(line: str) -> list[str]:
 
 def _named_cells(line: str) -> list[str]:
     """Return the cells of a line if they name the columns of a cast, else none."""
-    text = line.lstrip("#%*! ").removeprefix("Columns=")
-    cells = _split(text if "\t" in text or "," in text or ";" in text else re.sub(r"\s+([\[(])", r"\1", text))
+    text = _bare(line).removeprefix("Columns=")
+    if not set("\t,;") & set(text):
+        text = text.replace(" - ", "\t") if " - " in text else re.sub(r"\s+([\[(])", r"\1", text)
+    cells = _split(text)
     keys = {found[0] for cell in cells if (found := quantity_of(cell))}
     is_cast = keys & {"depth_m", PRESSURE} and keys & {"temperature_deg_c", "sound_speed_m_s"}
     return cells if is_cast else []
+
+
+def _bare(line: str) -> str:
+    """Return a line of a header without the marks before it."""
+    text = line.lstrip("#%*! ")
+    return text[1:].strip() if text.startswith(";") and ";" not in text[1:] else text
 
 
 def _is_data(cells: Sequence[str]) -> bool:
@@ -132,7 +145,7 @@ def _sea_bird(name: str, lines: list[str]) -> _Table | None:
     is_flagged = bool(labels) and labels[-1].startswith("flag")
     good = [row for row in rows if not (is_flagged and _is_bad(row[1][-1], bad))]
     left = len(rows) - len(good)
-    return _Table(labels, (), good, [f"{left} samples that are flagged as bad are left out"] if left else [], bad)
+    return _Table(labels, (), good, [f"{left} samples that are flagged as bad are left out"] if left else [], (bad,))
 
 
 def _is_bad(cell: str, bad: float) -> bool:
@@ -170,6 +183,17 @@ def _valeport(name: str, lines: list[str]) -> _Table | None:
     return _Table(labels, (), [(k + 1, _split(lines[k])) for k in range(begin, len(lines)) if lines[k].strip()])
 
 
+def _fields(name: str, lines: list[str]) -> _Table | None:
+    """Read Sippican's raw .edf, which names its columns one a line."""
+    found = [(k, named[1].strip()) for k, line in enumerate(lines) if (named := FIELD.match(line))]
+    if not found:
+        return None
+    begin = found[-1][0] + 1
+    rows = [(k, _split(line)) for k, line in enumerate(lines[begin:], begin + 1)]
+    rows = [row for row in rows if row[1] and not row[1][0].startswith(COMMENT)]
+    return _Table([label for _, label in found], (), rows, bad=OFF_SCALE)
+
+
 def _columns(name: str, lines: list[str]) -> _Table | None:
     """Read a table whose columns are named above its rows."""
     labels: list[str] = []
@@ -188,15 +212,16 @@ def _columns(name: str, lines: list[str]) -> _Table | None:
         elif labels and _is_data(cells := _split(line)) and len(cells) > 1:
             rows.append((k, cells))
         elif labels and not units:
-            text = line.lstrip("#%*!").removeprefix("Units=").strip("\r\n")
-            found = _split(text)
+            found = _split(re.sub(r"\[\s+", "[", _bare(line)).removeprefix("Units=").strip("\r\n"))
             units = found if len(found) == len(labels) else []
-    return _Table(labels, units, rows) if rows else None
+    bad = MISSING if "CTDPRS" in labels else OFF_SCALE if " EXPORT DATA FILE" in lines[0] else ()
+    return _Table(labels, units, rows, bad=bad) if rows else None
 
 
 def _pairs(name: str, lines: list[str]) -> _Table | None:
     """Read rows of two numbers below a header of any kind: depth and speed of sound."""
-    full = [(k, cells) for k, line in enumerate(lines, 1) if (cells := [c for c in _split(line) if c])]
+    kept = [(k, line) for k, line in enumerate(lines, 1) if not line.lstrip().startswith(COMMENT)]
+    full = [(k, cells) for k, line in kept if (cells := [cell for cell in _split(line) if cell])]
     first = next((k for k, (_, cells) in enumerate(full) if len(cells) == 2 and _is_data(cells)), None)
     if first is None:
         return None
@@ -207,7 +232,9 @@ def _pairs(name: str, lines: list[str]) -> _Table | None:
     return _Table(("depth", "sound speed"), (), full[first:], notes)
 
 
-READERS: tuple[Callable[[str, list[str]], _Table | None], ...] = (_sea_bird, _sections, _valeport, _columns, _pairs)
+READERS: tuple[Callable[[str, list[str]], _Table | None], ...] = (
+    _sea_bird, _sections, _valeport, _fields, _columns, _pairs,
+)  # fmt: skip
 """Each returns a table, or None for a file of another kind."""
 
 
@@ -223,6 +250,7 @@ def _number(text: str, place: str) -> float:
 def _numbers(name: str, table: _Table) -> tuple[dict[str, Floats], list[int], list[str]]:
     """Return the columns that a profile has, their lines, and notes. Raises ValueError."""
     used: dict[str, tuple[int, float, float]] = {}
+    flags: dict[str, int] = {}
     unused = []
     for at, label in enumerate(table.labels):
         found = quantity_of(label)
@@ -235,13 +263,17 @@ def _numbers(name: str, table: _Table) -> tuple[dict[str, Floats], list[int], li
         except ValueError as error:
             raise ValueError(f"{name}: column '{label:.40}': {error}") from None
         used[key] = at, factor, offset
-    notes = [*table.notes]
+        if f"{label}_FLAG_W" in table.labels:
+            flags[key] = table.labels.index(f"{label}_FLAG_W")
+    notes, rows = [*table.notes], [*table.rows]
+    while rows and not any(map(NUMBER.fullmatch, rows[-1][1])):
+        notes.append(f"line {rows[-1][0]} is left out, since it has no number: '{' '.join(rows.pop()[1]):.30}'")
     if unused:
         notes.append(f"columns that are not used: {', '.join(unused)}")
     columns: dict[str, list[float]] = {key: [] for key in used}
     lines = []
-    most, least = len(table.labels), max((at for at, _, _ in used.values()), default=0) + 1
-    for line, row in table.rows:
+    most, least = len(table.labels), max((*(at for at, _, _ in used.values()), *flags.values()), default=0) + 1
+    for line, row in rows:
         cells = list(row)
         while len(cells) > most and not cells[-1]:
             cells.pop()
@@ -250,48 +282,6 @@ def _numbers(name: str, table: _Table) -> tuple[dict[str, Floats], list[int], li
         lines.append(line)
         for key, (at, factor, offset) in used.items():
             value = _number(cells[at], f"{name}:{line}: {table.labels[at].split(' [')[0].strip()}")
-            columns[key].append(math.nan if value == table.bad else factor * value + offset)
+            is_bad = value in table.bad or (key in flags and cells[flags[key]] in BAD_FLAGS)
+            columns[key].append(math.nan if is_bad else factor * value + offset)
     return {key: np.array(values, np.float64) for key, values in columns.items()}, lines, notes
-
-
-def _argo(path: Path, name: str) -> tuple[dict[str, Floats], list[str]]:
-    """Read the first profile of an Argo float: adjusted values where it has them, without those flagged as bad."""
-    names = {"PRES": PRESSURE, "TEMP": "temperature_deg_c", "PSAL": "salinity_psu"}
-    wanted = {f"{key}{end}" for key in names for end in ("", "_QC", "_ADJUSTED", "_ADJUSTED_QC")}
-    try:
-        held = read_netcdf(path, f"cast '{name}'", lambda key, _: key in wanted | {"DATA_MODE", "LATITUDE"})
-    except ImportError:
-        raise
-    except Exception as error:  # damaged files raise anything in both readers
-        raise ValueError(f"{name}: not a readable NetCDF: {' '.join(str(error).split())}") from None
-    if not {"PRES", "TEMP"} <= held.keys():
-        raise ValueError(f"{name}: not an Argo profile: must have the variables PRES and TEMP")
-    mode = bytes(np.ravel(held["DATA_MODE"].values)[:1].tobytes()) if "DATA_MODE" in held else b"R"
-    columns, notes = {}, []
-    for short, key in names.items():
-        used = f"{short}_ADJUSTED" if mode in (b"A", b"D") and f"{short}_ADJUSTED" in held else short
-        if used not in held:
-            continue
-        values = np.atleast_2d(np.array(held[used].values))
-        if values.ndim != 2 or values.dtype.kind not in "iuf" or not values.size:
-            raise ValueError(f"{name}: {used} has the shape {held[used].values.shape}: must be profiles by levels")
-        found = values[0].astype(np.float64)
-        found[found == held[used].attributes.get("_FillValue", 99999.0)] = math.nan
-        if (flags := held.get(f"{used}_QC")) is not None and np.size(flags.values) == values.size:
-            flag = np.reshape(np.array(flags.values, "S1"), values.shape)[0]
-            found[np.isin(flag, BAD_QC)] = math.nan
-        columns[key] = found
-        if short == "PRES" and len(values) > 1:
-            notes.append(f"the first of its {len(values)} profiles is used")
-    if len({len(each) for each in columns.values()}) > 1:
-        raise ValueError(f"{name}: PRES, TEMP and PSAL must have the same number of levels")
-    latitude = held["LATITUDE"].values if "LATITUDE" in held else np.array([LATITUDE_DEG])
-    columns["depth_m"] = depth_at_m(columns.pop(PRESSURE), _latitude(latitude))
-    if mode not in (b"A", b"D"):
-        notes.append("values are those in real time, not adjusted")
-    return columns, notes
-
-
-def _latitude(values: Any) -> float:
-    first = float(np.ravel(values)[0]) if np.size(values) and np.asarray(values).dtype.kind in "iuf" else math.nan
-    return first if abs(first) <= 90.0 else LATITUDE_DEG

@@ -33,7 +33,7 @@ def _named(names: str, units: dict[str, Unit]) -> Quantity:
 QUANTITIES = {
     "depth_m": _named("depth dep depsm depfm depthm waterdepth", {**METRES, **FEET, "fathoms": (1.8288, 0.0)}),
     PRESSURE: _named(
-        "pressure press pres p pr prm prdm prsm pressuredbar pressurestraingauge",
+        "pressure press pres p pr prm prdm prsm ctdprs pressuredbar pressurestraingauge",
         {
             **dict.fromkeys(("", "db", "dbar", "dbars", "decibar", "decibars"), (1.0, 0.0)),
             "bar": (10.0, 0.0),
@@ -43,22 +43,22 @@ QUANTITIES = {
         },
     ),
     "temperature_deg_c": _named(
-        "temperature temp tempe tempct tempc t watertemperature temperaturedegc "
+        "temperature temp tempe ctdtmp tempct tempc t watertemperature temperaturedegc "
         "t090 t090c t068 t068c tv290c tv268c tnc90c t090f t068f tv290f",
         {
-            **dict.fromkeys(("", "c", "degc", "celsius", "degreescelsius", "its90degc", "deg"), (1.0, 0.0)),
+            **dict.fromkeys(("", "c", "degc", "celsius", "degreescelsius", "its90", "its90degc", "deg"), (1.0, 0.0)),
             **dict.fromkeys(("f", "degf", "fahrenheit", "its90degf"), (5.0 / 9.0, -160.0 / 9.0)),
-            "its68degc": (1.0 / 1.00024, 0.0),
+            **dict.fromkeys(("its68degc", "ipts68", "its68"), (1.0 / 1.00024, 0.0)),
         },
     ),
     "salinity_psu": _named(
-        "salinity sal salin psal sal00 salinitypsu practicalsalinity salinitypractical",
+        "salinity sal salin psal sal00 ctdsal salinitypsu practicalsalinity salinitypractical",
         dict.fromkeys(("", "psu", "pss78", "pss", "practicalsalinityscale", "ppt", "o/oo", "‰", "1e3"), (1.0, 0.0)),
     ),
     "density_kg_m3": _named("densitykgm3", {"": (1.0, 0.0)}),
     "sound_speed_m_s": _named(
-        "soundspeed soundvelocity soundspeedms soundvelocitycalc speedofsound sv svel sos svp veloc velocity speed "
-        "svcm svdm svwm calcsv svms",
+        "sound soundspeed soundvelocity soundspeedms soundvelocitycalc speedofsound sv svel sos svp veloc "
+        "velocity speed svcm svdm svwm calcsv svms",
         {
             **dict.fromkeys(
                 ("", "calc", "m/s", "ms", "ms1", "m/sec", "meterspersecond", "metersperseconds"), (1.0, 0.0)

@@ -16,11 +16,12 @@ class Collected:
 
     @contextmanager
     def noted(self) -> Iterator[None]:
-        """Catch a ScenarioError raised in the block and record its mistakes."""
+        """Catch a ScenarioError raised in the block and record its mistakes, but for one that came up elsewhere."""
         try:
             yield
         except ScenarioError as error:
-            self.mistakes += error.mistakes
+            known = tuple(each.partition(": ")[2] or each for each in self.mistakes)
+            self.mistakes += [each for each in error.mistakes if not each.endswith(known)]
 
     def raise_any(self) -> None:
         """Raise one ScenarioError with all recorded mistakes, if there are any."""

@@ -25,7 +25,7 @@ from uwsim.scenario.spec.terrain import MAX_NODES
 
 FORMATS = (
     *("GTiff", "AAIGrid", "HFA", "EHdr", "SRTMHGT", "USGSDEM", "DTED", "BAG", "netCDF", "GSAG", "GSBG", "GS7BG"),
-    *("ENVI", "SAGA", "XYZ", "BT", "PCRaster", "GRIB", "S102"),
+    *("ENVI", "SAGA", "XYZ", "BT", "PCRaster", "GRIB"),
 )
 """GDAL's names of formats that contain the elevations themselves. Others, such as VRT, refer to further files and
 servers, which would let an untrusted file read anything that this machine can access."""
