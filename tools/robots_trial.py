@@ -10,6 +10,7 @@ without uwsim's importers. --write puts the tables into the guide.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import os
 import re
@@ -28,7 +29,6 @@ Floats = NDArray[np.float64]
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/guides/published-robots.md"
 MARKS = "<!-- tables -->\n", "<!-- end -->"
-EXPANDER = ROOT / "python/uwsim/evidence/robots/xacro_process.py"
 LIMIT_S, AXES = 400.0, {"surge": 0, "sway": 1, "heave": 2, "yaw": 5}
 LEAST = np.array([0.2, 0.2, 0.2, 0.03, 0.03, 0.03])
 """A thruster with a smaller part along an axis, or a smaller lever about it [m], is not used on it."""
@@ -139,7 +139,7 @@ def convert(trial: Trial, checkouts: Path, out: Path) -> None:
         trial.refusal = f"takes more than {LIMIT_S:g} s"
         return
     lines = (done.stdout + done.stderr).splitlines() or [f"exit code {done.returncode}"]
-    trial.counts = tuple(sum(line.startswith(word) for line in lines) for word in ("left out:", "assumed:"))
+    trial.counts = tuple(sum(f" {word}: " in f" {line}" for line in lines) for word in ("left out", "assumed"))
     trial.outcome = "water only" if any("nothing fixed" in line for line in lines) else "yes"
     if done.returncode != 0:
         trial.refusal = lines[-1].replace(f"{source}", Path(trial.path).name).removeprefix("uwsim: error: ")[:200]
@@ -154,8 +154,12 @@ def try_robot(trial: Trial, checkouts: Path, out: Path) -> None:
         return
     text = path.read_text()
     if "ros.org/wiki/xacro" in text:
-        switches = [f"{key}=true" for key in re.findall(r'<xacro:arg\s+name="(\w*sim)"\s+default="false"', text)]
-        text = run([str(EXPANDER), str(path), *switches, *trial.arguments, "2000000000", "60"], checkouts).stdout
+        from uwsim.evidence.robots.urdf import expanded
+
+        switches = dict.fromkeys(re.findall(r'<xacro:arg\s+name="(\w*sim)"\s+default="false"', text), "true")
+        given = {**switches, **dict(each.partition("=")[::2] for each in trial.arguments)}
+        with contextlib.suppress(ValueError):
+            text = expanded(path, given).decode()
     if "<robot" not in text and "<sdf" not in text:
         return
     wanted = speeds(text, bound_n(trial, text, checkouts))

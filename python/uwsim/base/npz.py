@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.texts.text_file import require_regular
+
 MAX_BYTES = 1_000_000_000
 """The largest unpacked size accepted: an archive of a few kilobytes can expand to fill all memory."""
 
@@ -24,11 +26,13 @@ def npz_bytes(save: Callable[..., None] = np.savez_compressed, /, **arrays: Any)
     return content.getvalue()
 
 
-def read_npz(source: Path | bytes) -> dict[str, NDArray[Any]]:
+def read_npz(source: Path | bytes, most_bytes: int = MAX_BYTES) -> dict[str, NDArray[Any]]:
     """Return the arrays in an .npz file, keyed by name. Raises ValueError if the file is invalid, or OSError.
 
-    source: the path of the file, or its content.
+    source: the path of the file, or its content. most_bytes: the largest unpacked size.
     """
+    if isinstance(source, Path):
+        require_regular(source)
     data = source if isinstance(source, bytes) else source.read_bytes()
     try:
         with _READING, np.load(io.BytesIO(data), allow_pickle=False) as file:
@@ -36,8 +40,8 @@ def read_npz(source: Path | bytes) -> dict[str, NDArray[Any]]:
             if parts and min(part.header_offset for part in parts) > 0:
                 raise ValueError("another file comes before it")  # as in an archive that lacks its beginning
             size = sum(part.file_size for part in parts)
-            if size > MAX_BYTES:
-                raise ValueError(f"unpacks to {size} bytes, must be {MAX_BYTES} at most")
+            if size > most_bytes:
+                raise ValueError(f"unpacks to {size} bytes, must be {most_bytes} at most")
             return {name: np.asarray(file[name]) for name in file.files}
     except Exception as error:  # a damaged archive can make NumPy, zipfile and zlib raise anything
         raise ValueError(f"is damaged, or not an .npz file: {error}") from None

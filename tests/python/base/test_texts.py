@@ -10,6 +10,7 @@ import pytest
 from uwsim.base.arguments import is_number
 from uwsim.base.texts.csv_table import read_csv
 from uwsim.base.texts.json_text import json_object, json_value, read_json
+from uwsim.base.texts.xml_text import xml_root
 from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.channels.request import field
 from uwsim.live.pace import checked_speed
@@ -28,6 +29,7 @@ OTHERS = (
     "import pandas as pd\n\npd.read_csv('a')\n",
     "import yaml\n\nyaml.safe_load('a')\n",
     "from ruamel.yaml import YAML\n\nYAML().load('a')\n",
+    "from xml.etree import ElementTree\n\nElementTree.parse('a')\n",
 )
 
 
@@ -118,8 +120,17 @@ def test_sizes_are_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     (tmp_path / "a.csv").write_bytes(b"t,x\n0,1\n1,2\n")
     with pytest.raises(ValueError, match="at most 3 values"):
         read_csv(tmp_path / "a.csv")
-    with pytest.raises(ValueError, match="must be at most 300000"):
-        read_yaml(Path("/dev/zero"))
+    (tmp_path / "a.yaml").write_bytes(bytes(300_001))
+    for path, rule in ((tmp_path / "a.yaml", "must be at most 300000"), (Path("/dev/zero"), "is no regular file")):
+        with pytest.raises(ValueError, match=rule):
+            read_yaml(path)
     monkeypatch.setattr("uwsim.base.texts.json_text.MOST_BYTES", 3)
     with pytest.raises(ValueError, match="must be at most 3"):
         json_value("[1, 2]", "a")
+
+
+@pytest.mark.parametrize("declared", ['[<!ATTLIST a b CDATA "long">]', '[<!ENTITY a "a">]', "", 'SYSTEM "/etc/passwd"'])
+def test_a_document_type_is_refused(declared: str) -> None:
+    """Defaults of attributes and entities expand without bound."""
+    with pytest.raises(ValueError, match="x: has a DOCTYPE: must have none"):
+        xml_root(f"<!DOCTYPE a {declared}><a/>".encode(), "x")

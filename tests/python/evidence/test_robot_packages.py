@@ -8,10 +8,10 @@ import pytest
 
 import uwsim
 from command_line import uwsim as command
+from uwsim.evidence.robots.checkout import package_folder
 from uwsim.evidence.robots.robot import Found, Given
 from uwsim.evidence.robots.sdf import read_sdf
 from uwsim.evidence.robots.urdf import read_urdf
-from uwsim.evidence.robots.xacro_process import package_folder
 from uwsim.missions.lawn_mower_needs import ALTIMETER, SONAR, missing_for_lanes
 
 pytestmark = pytest.mark.usefixtures("panels_left_out")

@@ -152,7 +152,7 @@ def test_an_area_is_flown_by_run_as_well(tmp_path: Path) -> None:
         ('{"type": "Point", "crs": "EPSG:25832", "coordinates": [1, 2]}', "crs = 'EPSG:25832': must be longitude"),
         ("<kml><Placemark><Point/></Placemark></kml>", "placemark 1: Point: has no coordinates"),
         ("<kml><Point></kml>", "must be XML"),
-        ('<!DOCTYPE kml [<!ENTITY a "aaaa">]><kml>&a;</kml>', "declares entities: must have none"),
+        ('<!DOCTYPE kml [<!ENTITY a "aaaa">]><kml>&a;</kml>', "has a DOCTYPE: must have none"),
     ],
 )
 def test_a_chart_that_cannot_be_read_is_refused_with_the_place(text: str, words: str, tmp_path: Path) -> None:

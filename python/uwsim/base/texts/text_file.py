@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+import errno
+import stat
 from pathlib import Path
+
+
+def require_regular(path: Path) -> None:
+    """Refuse devices, sockets and FIFOs, which could be read for ever, before they are opened. Raises OSError."""
+    mode = path.stat().st_mode
+    if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
+        raise OSError(errno.EINVAL, "it is no regular file", str(path))
 
 
 def read_limited(path: Path, name: str, most_bytes: int) -> bytes:
     """Return a file's bytes. name: the file's name, for messages. Raises ValueError, also for an unreadable file."""
     try:
+        require_regular(path)
         with path.open("rb") as file:
-            data = file.read(most_bytes + 1)  # not the size alone: /dev/zero has the size 0
+            data = file.read(most_bytes + 1)  # not the size alone: those of /proc are 0
             size = max(path.stat().st_size, len(data))
     except OSError as error:
         raise ValueError(f"{name}: cannot be read: {error.strerror}") from None

@@ -10,7 +10,7 @@ DEPTH_MAX = 100
 
 
 def xml_root(content: bytes, name: str) -> ElementTree.Element:
-    """Return the root of an XML document. Entities of its own, which may expand without bound, are refused.
+    """Return the root of an XML document. A document type is refused: entities and defaults may expand without bound.
 
     Prefixes such as gz: are parts of names, and need not be declared. name: of the document, for messages. Raises
     ValueError for what is not XML, or is too deep.
@@ -30,9 +30,9 @@ def xml_root(content: bytes, name: str) -> ElementTree.Element:
         builder.end(tag)
 
     def refuse(*_: Any) -> None:
-        raise ValueError(f"{name}: declares entities: must have none")
+        raise ValueError(f"{name}: has a DOCTYPE: must have none")
 
-    parser.StartElementHandler, parser.EndElementHandler, parser.EntityDeclHandler = start, end, refuse
+    parser.StartElementHandler, parser.EndElementHandler, parser.StartDoctypeDeclHandler = start, end, refuse
     parser.CharacterDataHandler = builder.data
     parser.buffer_text = True
     try:

@@ -6,7 +6,9 @@ Sources: ROS, "URDF XML specification"; UUV Simulator, documentation and sources
 
 from __future__ import annotations
 
+import json
 import re
+import resource
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -14,21 +16,23 @@ import numpy as np
 
 from uwsim.base.extras import need_extra
 from uwsim.evidence.robots import shapes
+from uwsim.evidence.robots.checkout import MANIFEST, folder_of, package_folder
 from uwsim.evidence.robots.links import Joint, Links, inertia
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, plain_name
 from uwsim.evidence.robots.sensors import put_gz_sensor
 from uwsim.evidence.robots.systems import DENSITY_KG_M3, put_plugins
 from uwsim.evidence.robots.uuv_plugins import MOST
-from uwsim.evidence.robots.xacro_process import package_folder
+from uwsim.evidence.robots.xacro_process import UNKNOWN
 from uwsim.evidence.robots.xml_file import HERE, Element, Pose, read_xml
-from uwsim.scenario.read.limited import run_limited
+from uwsim.scenario.read.contained import run_contained
 
 XACRO = b"ros.org/wiki/xacro"
 """In a document with macros."""
 SWITCH = re.compile("sim|gazebo|gz|hydro|plugin", re.IGNORECASE)
 """Arguments that switch a simulator's plugins on."""
 EXPANDER = Path(__file__).with_name("xacro_process.py")
-MEMORY_BYTES, CPU_S = 1_000_000_000, 20
+MEMORY_BYTES, CPU_S = 1_000_000_000, 8
+FIND, LOST = re.compile(rb"\$\(find\s+(\w[\w-]*)\)"), re.compile(UNKNOWN.encode() + rb"(\w[\w-]*)")
 
 
 def read_urdf(path: Path, found: Found | None = None) -> Found:
@@ -72,28 +76,51 @@ def _document(path: Path, found: Found) -> Element:
     stated = {each.name: each.attribute("default") or "" for each in root.all("xacro:arg")}
     if stated:
         found.noted(f"arguments: {', '.join(f'{key}={value}' for key, value in stated.items())}; --arg states another")
-    content = _expanded(path, found.given.arguments)
+    content = expanded(path, found.given.arguments)
     switches = [key for key in stated if SWITCH.search(key) and stated[key].lower() in ("false", "0")]
     off = {key: "true" for key in switches if key not in found.given.arguments}
     if off and b"<plugin" not in content:
         found.assumed(f"{', '.join(f'--arg {key}=true' for key in off)}: without it, no plugin is in the description")
-        content = _expanded(path, {**off, **found.given.arguments})
+        content = expanded(path, {**off, **found.given.arguments})
     return read_xml(path, content=content)
 
 
-def _expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
-    given = [f"{name}={value}" for name, value in arguments.items()]
-    try:
-        return run_limited(EXPANDER, "xacro", str(path), *given, memory_bytes=MEMORY_BYTES, cpu_s=CPU_S)
-    except ValueError as error:
-        rule = str(error)
-        if lacking := re.search(r"Undefined substitution argument (\w+)", rule):
-            rule = f"argument {lacking[1]} has no value: state it by --arg {lacking[1]}=VALUE"
-        elif lost := re.search(r"package://(\w+)", rule):
-            rule = (
-                f"package '{lost[1]}' is neither around the file nor in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH: {rule}"
-            )
-        raise ValueError(f"'{path}': {rule}") from None
+def expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
+    """Return a file after xacro's macros, which may read the files of its checkout and of the packages that it names.
+
+    Raises ValueError.
+    """
+    root, packages, begun_s = folder_of(path), dict[str, str](), _children_s()
+    names = set(FIND.findall(path.read_bytes()))
+    while True:
+        error = None
+        for name in map(bytes.decode, names):
+            folder = package_folder(name, path)
+            if folder is not None and (folder.is_relative_to(root) or (folder / MANIFEST).is_file()):
+                packages[name] = str(folder)
+        roots = [str(root), *packages.values()]
+        settings = json.dumps({"roots": roots, "packages": packages, "arguments": dict(arguments)})
+        limits = {"memory_bytes": MEMORY_BYTES, "cpu_s": max(1, CPU_S - round(_children_s() - begun_s))}
+        try:
+            made = run_contained(EXPANDER, "xacro", str(path), settings, reads=[path, *map(Path, roots)], **limits)
+        except ValueError as refusal:
+            made, error = str(refusal).encode(), refusal
+        names, seen = set(LOST.findall(made)), names
+        if names <= seen:
+            break
+    made = made.replace(UNKNOWN.encode(), b"package://")
+    if error is None:
+        return made
+    rule = made.decode()
+    if lacking := re.search(r"Undefined substitution argument (\w+)", rule):
+        rule = f"argument {lacking[1]} has no value: state it by --arg {lacking[1]}=VALUE"
+    elif lost := re.search(r"package://(\w+)", rule):
+        rule = f"package '{lost[1]}' is neither around the file nor in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH: {rule}"
+    raise ValueError(f"'{path}': {rule}")
+
+
+def _children_s() -> float:
+    return sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
 
 
 def _links(root: Element, path: Path, found: Found) -> Links:

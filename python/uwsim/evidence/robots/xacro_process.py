@@ -1,91 +1,82 @@
-"""Expansion of macros by ROS's xacro, in a process: python xacro_process.py FILE [NAME=VALUE ...] MEMORY_BYTES CPU_S.
-
-xacro evaluates expressions of the file, hence the limits. To start quickly, this must not import uwsim. stdout: the
-document; stderr: xacro's warnings, and in the last line its error.
-"""
+"""Expansion of macros by ROS's xacro: the script of a contained process, with expressions by a grammar of ours."""
 
 from __future__ import annotations
 
-import os
-import resource
+import io
 import sys
-from functools import lru_cache
 from pathlib import Path
-from types import ModuleType
-from xml.etree import ElementTree
+from types import ModuleType, SimpleNamespace
+from typing import Any
+from xml.dom import minidom
 
-MANIFEST, LEVELS, WITHIN = "package.xml", 6, 3
-"""The file that makes a folder a ROS package; folders above a file, and levels below each, where one is looked for."""
-SEARCHED = {"ROS_PACKAGE_PATH": "", "AMENT_PREFIX_PATH": "share", "COLCON_PREFIX_PATH": "share"}
+from uwsim.base.texts.json_text import json_value
+from uwsim.base.texts.text_file import decoded, read_limited
+from uwsim.base.texts.xml_text import xml_root
+from uwsim.evidence.robots.expressions import value_of
 
-
-@lru_cache(maxsize=1024)
-def package_folder(name: str, near: Path) -> Path | None:
-    """Return the folder of a ROS package: around a file, in the same checkout, beside it, or in ROS's own paths."""
-    above = [folder for folder in near.resolve().parents if folder != Path(folder.anchor)][:LEVELS]
-    for folder in above:
-        if folder.name == name or _named(folder) == name:
-            return folder
-        if (folder / name).is_dir():
-            return folder / name
-    beside = False  # whether a folder holds the checkout, and others: a workspace
-    for folder in above:
-        for level in range(1, WITHIN + 1):
-            for manifest in folder.glob("*/" * level + MANIFEST):
-                if manifest.parent.name == name or _named(manifest.parent) == name:
-                    return manifest.parent
-        if beside:
-            break
-        beside = (folder / ".git").exists()
-    for key, below in SEARCHED.items():
-        for text in os.environ.get(key, "").split(os.pathsep):
-            if text and (folder := Path(text) / below / name).is_dir():
-                return folder
-    return None
+BYTES_MAX = 20_000_000
+UNKNOWN = "unknown-package://"
+"""The address of a package whose folder is not given."""
+LEFT_OUT = ("type", "vars", "complex", "slice", "hash")
+"""Functions of xacro that no robot needs, and that lead from values to classes."""
 
 
-@lru_cache(maxsize=4096)
-def _named(folder: Path) -> str | None:
-    try:
-        return ElementTree.parse(folder / MANIFEST).findtext("name")
-    except (OSError, ElementTree.ParseError):
-        return None
+def read(path: str, settings: str) -> bytes:
+    """Return the document of a file after its macros.
 
+    settings: JSON of its `roots`, the folders that it may read, the folders of `packages` and its `arguments`, by name.
+    """
+    given: Any = json_value(settings.encode(), "settings")
+    roots = [Path(each) for each in given["roots"]]
 
-def _index(near: Path) -> ModuleType:
-    """Return ROS's index of packages, by which xacro resolves $(find NAME), of the folders about a file."""
+    def find(name: str) -> str:
+        return str(given["packages"].get(name, UNKNOWN + name))
 
-    def get_package_share_directory(name: str) -> str:
-        return str(package_folder(name, near) or f"package://{name}")  # an address that is not here, for messages
-
-    index = ModuleType("ament_index_python.packages")
-    index.get_package_share_directory = get_package_share_directory  # type: ignore[attr-defined]
-    return index
-
-
-def main() -> None:
-    """Expand a file within the limits; on error, exit with code 1."""
-    path, memory_bytes, cpu_s = Path(sys.argv[1]), int(sys.argv[-2]), int(sys.argv[-1])
-    out = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)
-    for kind, limit in (
-        (resource.RLIMIT_AS, memory_bytes),
-        (resource.RLIMIT_CPU, cpu_s),
-        (resource.RLIMIT_CORE, 0),
-    ):
-        resource.setrlimit(kind, (limit, limit))
     sys.modules["ament_index_python"] = ModuleType("ament_index_python")
-    sys.modules["ament_index_python.packages"] = _index(path)
+    index = sys.modules["ament_index_python.packages"] = ModuleType("ament_index_python.packages")
+    index.get_package_share_directory = find  # type: ignore[attr-defined]
     import xacro
+    from xacro import substitution_args
 
-    mappings = dict(each.partition("=")[::2] for each in sys.argv[2:-2])
-    try:
-        document = xacro.process_file(str(path), mappings=mappings)
-    except Exception as error:  # of any type, since expressions are the file's
-        sys.exit(" ".join(str(error).split()) or type(error).__name__)
-    out.write(document.toxml())
-    out.close()
+    symbols = xacro._global_symbols
+    for name in LEFT_OUT:
+        symbols["python"].pop(name, None)
+    functions = [each for table in (symbols, *symbols.values()) if isinstance(table, dict) for each in table.values()]
+
+    def content(name: str) -> bytes:
+        if not any(Path(name).resolve().is_relative_to(root) for root in roots):
+            raise ValueError(f"'{name}': is outside '{roots[0]}': must be in the file's checkout or a ROS package")
+        return read_limited(Path(name), f"'{name}'", BYTES_MAX)
+
+    def parse(_: Any, name: str) -> minidom.Document:
+        try:
+            data = content(name)
+        except ValueError as error:  # of the type that makes an include optional
+            raise xacro.XacroException(exc=OSError(str(error))) from None
+        xml_root(data, f"'{name}'")  # which has no entities, and is not too deep
+        return minidom.parseString(data)
+
+    def evaluated(text: str, names: Any, _: Any = None) -> Any:
+        return value_of(text, names, functions)
+
+    def evaluated_argument(text: str, context: Any) -> str:
+        def argument(name: str) -> Any:
+            return substitution_args.convert_value(context["arg"][name], "auto")
+
+        own = {name: argument(name) for name in context["arg"]}
+        names = {**symbols["math"], **symbols, "true": True, "false": False, **own, "arg": argument, "find": find}
+        return str(value_of(text, names, [*functions, argument, find]))
+
+    def refused(resolved: str, text: str, *_: Any) -> str:
+        raise ValueError(f"$({text}): the environment is not read: an argument can have the value")
+
+    xacro.safe_eval, xacro.parse = evaluated, parse
+    xacro.open = lambda name: io.StringIO(decoded(content(name), f"'{name}'", "YAML"))
+    xacro.glob = SimpleNamespace(glob=lambda name: [str(each) for root in roots for each in _matches(root, name)])
+    substitution_args._eval, substitution_args._env = evaluated_argument, refused
+    return str(xacro.process_file(path, mappings=given["arguments"]).toxml()).encode()
 
 
-if __name__ == "__main__":
-    main()
+def _matches(root: Path, name: str) -> list[Path]:
+    """Return the files within a folder that a pattern names."""
+    return list(root.glob(str(Path(name).relative_to(root)))) if Path(name).is_relative_to(root) else []

@@ -1,8 +1,7 @@
-"""Mesh import with assimp and OpenCASCADE, in a resource-limited subprocess: they read much but may crash or hang."""
+"""Mesh import with assimp and OpenCASCADE, in a contained process: they read much but may crash or hang."""
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.extras import need_extra
-from uwsim.scenario.read.limited import run_limited
+from uwsim.base.npz import read_npz
+from uwsim.scenario.read.contained import run_contained
 
 READER = Path(__file__).with_name("assimp_process.py")
 MEMORY_BYTES, MEMORY_PER_BYTE = 2_000_000_000, 20
@@ -51,8 +51,8 @@ def nodes_by_assimp(path: Path) -> list[NodeMesh]:
     size = path.stat().st_size
     cpu_s = CPU_S + round((STEP_CPU_S_PER_BYTE if step else CPU_S_PER_BYTE) * size)
     reader = "OpenCASCADE" if step else "assimp"
-    made = run_limited(READER, reader, str(path), memory_bytes=MEMORY_BYTES + MEMORY_PER_BYTE * size, cpu_s=cpu_s)
-    with np.load(io.BytesIO(made), allow_pickle=False) as arrays:
-        names = arrays["names"].tolist()
-        parts = [arrays[name] for name in arrays.files if name != "names"]
-    return [NodeMesh(name, *parts[4 * k : 4 * k + 4]) for k, name in enumerate(names)]
+    memory_bytes = MEMORY_BYTES + MEMORY_PER_BYTE * size
+    made = run_contained(READER, reader, str(path), reads=[path], memory_bytes=memory_bytes, cpu_s=cpu_s)
+    arrays = read_npz(made, memory_bytes)
+    parts = [arrays[name] for name in arrays if name != "names"]
+    return [NodeMesh(name, *parts[4 * k : 4 * k + 4]) for k, name in enumerate(arrays["names"].tolist())]

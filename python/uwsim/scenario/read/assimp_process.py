@@ -1,15 +1,8 @@
-"""Mesh import by assimp or OpenCASCADE, in a process: python assimp_process.py FILE MEMORY_BYTES CPU_S > parts.npz.
-
-To start quickly, this must not import uwsim. stdout: arrays of each part, a node's mesh: points, triangles,
-transform and colour, one after the other, and `names` of the nodes.
-"""
+"""Mesh import by assimp or OpenCASCADE: the script of a contained process; to start quickly, it imports no uwsim."""
 
 from __future__ import annotations
 
-import os
 import re
-import resource
-import sys
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -83,25 +76,10 @@ def read_parts(path: str) -> tuple[list[str], list[Array]]:
     return names, parts
 
 
-def main() -> None:
-    """Read a mesh within the limits; on error, print one line to stderr and exit with code 1."""
-    path, memory_bytes, cpu_s = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
-    out = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # keeps the libraries' output out of the result
-    for kind, limit in (
-        (resource.RLIMIT_AS, memory_bytes),
-        (resource.RLIMIT_CPU, cpu_s),
-        (resource.RLIMIT_CORE, 0),
-    ):
-        resource.setrlimit(kind, (limit, limit))
+def read(path: str) -> dict[str, Any]:
+    """Return `names` of the nodes, and the arrays of their parts, one after the other. Raises ValueError."""
     try:
         names, parts = read_parts(path)
     except Exception as error:  # they raise errors of any type for malformed files
-        reason = NAMED.sub("", " ".join(str(error).split()))
-        sys.exit(reason or type(error).__name__)
-    np.savez(out, *parts, names=np.array(names, str))
-    out.close()
-
-
-if __name__ == "__main__":
-    main()
+        raise ValueError(NAMED.sub("", " ".join(str(error).split())) or type(error).__name__) from None
+    return {"names": np.array(names, str), **{f"arr_{k}": part for k, part in enumerate(parts)}}

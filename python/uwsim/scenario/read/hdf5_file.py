@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.extras import need_extra
-from uwsim.scenario.read.limited import run_limited
+from uwsim.scenario.read.contained import run_contained
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 FREE_BYTES, BYTES_PER_BYTE = 16_000_000, 400
@@ -96,8 +96,9 @@ class InsideHdf5:
     def _require_texts(self, path: str, attributes: Iterable[str] = ()) -> None:
         """Raise Hdf5Error if a process with limits cannot read texts: of some, the library would never return."""
         limits = {"memory_bytes": PROCESS_BYTES, "cpu_s": PROCESS_CPU_S}
+        asked = str(self._path), path, "\n".join(attributes)
         try:
-            run_limited(PROCESS, "HDF5", str(self._path), path, "\n".join(attributes), **limits)
+            run_contained(PROCESS, "HDF5", *asked, reads=[self._path], **limits)
         except ValueError as error:
             raise Hdf5Error(f"is not readable: {error}") from None
 
