@@ -22,6 +22,7 @@ import tempfile
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -38,9 +39,9 @@ CLONE_THREAD, EQUAL_MASKED, NOT_EQUAL, TSYNC, ALLOW, ERRNO = 0x10000, 7, 1, 4, 0
 
 
 def run_contained(
-    script: Path, reader: str, *arguments: str, reads: Sequence[Path], memory_bytes: int, cpu_s: int
+    script: Path, reader: str, *arguments: Any, reads: Sequence[Path], memory_bytes: int, cpu_s: int
 ) -> bytes:
-    """Return what `read` of a script returns for some arguments: bytes, or arrays by name as an .npz file.
+    """Return what `read` of a script returns for arguments in JSON: bytes, or arrays by name as .npz.
 
     reader: the library that it uses, for messages. reads: the files and folders that it needs. memory_bytes: beyond
     what its libraries take. Raises ValueError with the reason if it failed, OSError for what is no regular file.
@@ -96,7 +97,7 @@ def _lock_files(reads: Sequence[str], folder: str) -> bool:
         rule = allowed.to_bytes(8, sys.byteorder) + place.to_bytes(4, sys.byteorder)
         libc.syscall(445, rules, 1, rule, 0)
         os.close(place)
-    return libc.prctl(38, 1, 0, 0, 0) == 0 and libc.syscall(446, rules, 0) == 0
+    return bool(libc.prctl(38, 1, 0, 0, 0) == 0 and libc.syscall(446, rules, 0) == 0)
 
 
 class _Compared(ctypes.Structure):
@@ -129,7 +130,7 @@ def _lock_calls() -> bool:
         if (number := library.seccomp_syscall_resolve_name(name.encode())) != -1:
             done |= library.seccomp_rule_add_array(rules, error, number, int(of is not None), of and ctypes.byref(of))
     done |= library.seccomp_load(rules)
-    return bool(done == 0)
+    return done == 0
 
 
 def main() -> None:

@@ -1,13 +1,7 @@
-"""Import of a raster by GDAL, in a process: python raster_process.py FILE BAND FORMATS CELLS BYTES CPU_S > parts.npz.
-
-To start quickly, this must not import uwsim. stdout: what `described` returns.
-"""
+"""Import of a raster by GDAL: the script of a contained process; to start quickly, it imports no uwsim."""
 
 from __future__ import annotations
 
-import os
-import resource
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -98,27 +92,12 @@ def described(file: Any, band: int, most_cells: int) -> dict[str, Any]:
     return found
 
 
-def main() -> None:
-    """Read the band within the limits; on error, print one line to stderr and exit with code 1."""
-    path, band, formats, most_cells = sys.argv[1], int(sys.argv[2]), sys.argv[3].split(","), int(sys.argv[4])
-    out = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # keeps the libraries' output out of the result
-    for kind, limit in (
-        (resource.RLIMIT_AS, int(sys.argv[5])),
-        (resource.RLIMIT_CPU, int(sys.argv[6])),
-        (resource.RLIMIT_CORE, 0),
-    ):
-        resource.setrlimit(kind, (limit, limit))
+def read(path: str, band: int, formats: list[str], most_cells: int) -> dict[str, Any]:
+    """Return what `described` does. Raises ValueError."""
     try:
         with Env(), _opened_apart(path, formats) as file:
-            found = described(file, band, most_cells)
+            return described(file, band, most_cells)
     except MemoryError:
-        sys.exit(f"takes more than {int(sys.argv[5]) / 1e9:.1f} GB to read")
+        raise
     except Exception as error:  # GDAL's and NumPy's
-        sys.exit(" ".join(str(error.__cause__ or error).split()) or type(error).__name__)
-    np.savez(out, **found)
-    out.close()
-
-
-if __name__ == "__main__":
-    main()
+        raise ValueError(" ".join(str(error.__cause__ or error).split()) or type(error).__name__) from None

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-import io
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import SimpleNamespace
-from typing import cast
+from typing import Any, cast
 
-import numpy as np
 from affine import Affine
 from rasterio.crs import CRS
 from rasterio.env import Env
 from rasterio.errors import NotGeoreferencedWarning
 from rasterio.io import DatasetReader
 
+from uwsim.base.npz import read_npz
+from uwsim.base.texts.text_file import require_regular
 from uwsim.scenario.read import raster_process
+from uwsim.scenario.read.contained import run_contained
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.hdf5_file import is_hdf5
-from uwsim.scenario.read.limited import run_limited
 from uwsim.scenario.spec.terrain import MAX_NODES
 
 FORMATS = (
@@ -40,6 +40,7 @@ CPU_S, CPU_S_PER_BYTE = 8, 1e-6
 @contextmanager
 def opened(path: Path, band: int) -> Iterator[DatasetReader]:
     """Open a raster; one of a rich format is read in a process of its own. Raises RasterioError, ScenarioError."""
+    require_regular(path)
     with path.open("rb") as start:
         is_rich = start.read(4).startswith(RICH)
     if is_rich or is_hdf5(path):
@@ -55,13 +56,13 @@ def _read_apart(path: Path, band: int) -> DatasetReader:
     """Return what has the attributes of an open raster, and of one band the values."""
     size = path.stat().st_size
     limits = {"memory_bytes": MEMORY_BYTES + MEMORY_PER_BYTE * size, "cpu_s": CPU_S + round(CPU_S_PER_BYTE * size)}
-    asked = str(path), str(band), ",".join(FORMATS), str(4 * MAX_NODES)
+    asked = str(path), band, FORMATS, 4 * MAX_NODES
     try:
-        made = run_limited(Path(raster_process.__file__), "GDAL", *asked, **limits)
+        made = run_contained(Path(raster_process.__file__), "GDAL", *asked, reads=[path], **limits)
     except ValueError as error:
         raise ScenarioError(f"terrain '{path.name}': not a readable elevation raster: {error}", at=("file",)) from None
-    with np.load(io.BytesIO(made), allow_pickle=False) as arrays:
-        found = {name: arrays[name].tolist() if arrays[name].ndim < 2 else arrays[name] for name in arrays.files}
+    arrays = read_npz(made, limits["memory_bytes"])
+    found: dict[str, Any] = {name: each.tolist() if each.ndim < 2 else each for name, each in arrays.items()}
     found["transform"] = Affine(*found["transform"])
     found["crs"] = CRS.from_wkt(found["crs"]) if found["crs"] else None
     found["read_masks"], found["read"] = (lambda band: found["masks"]), (lambda band, out_dtype: found["values"])
