@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import islice
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,10 +14,13 @@ from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot
 from uwsim.evidence.robots.shapes import placed, volume_and_centre
 from uwsim.evidence.robots.xml_file import HERE, Element, Floats, Pose
 
+SHOWN, ASKED = 9, 100
+"""Names in a message; poses in models within, each relative to the next, at most."""
+
 
 @dataclass
 class Joint:
-    """A joint. pose: of the joint's frame in the model. axis: unit vector in the model's frame."""
+    """A joint. pose: of the joint's frame in the model. axis: unit vector in the model's frame, nan for an odd one."""
 
     name: str
     kind: str
@@ -29,7 +35,9 @@ class Joint:
 class Links:
     """The links of a model. poses: of each in the frame of the model. missing: a line for each absent mesh.
 
-    is_vehicle: whether its solids displace water, for which they have to be closed.
+    is_vehicle: whether its solids displace water, for which they have to be closed. frames: the poses of all that has a
+    name. placement: the name of what the model's pose places, if not its own frame. added_mass: (6, 6), about the
+    link's origin, of links that state it. sensors, planes: with their poses.
     """
 
     element: Element
@@ -39,27 +47,46 @@ class Links:
     joints: dict[str, Joint] = field(default_factory=dict)
     missing: list[str] = field(default_factory=list)
     is_vehicle: bool = True
+    frames: dict[str, Pose] = field(default_factory=dict)
+    placement: str | None = None
+    added_mass: dict[str, Floats] = field(default_factory=dict)
+    sensors: list[tuple[Element, Pose]] = field(default_factory=list)
+    planes: list[tuple[Element, Pose]] = field(default_factory=list)
 
-    def add(self, name: str, other: Links) -> None:
-        """Add the links and joints of a model within this one, under its name."""
-        self.poses |= {f"{name}::{key}": value for key, value in other.poses.items()}
-        self.lumps |= {f"{name}::{key}": value for key, value in other.lumps.items()}
-        self.solids |= {f"{name}::{key}": value for key, value in other.solids.items()}
+    def add(self, prefix: str, other: Links, at: Pose) -> None:
+        """Add the links and joints of a model within this one, at a pose, with a prefix to all names."""
+        self.poses |= {f"{prefix}{key}": at.then(pose) for key, pose in other.poses.items()}
+        self.lumps |= {f"{prefix}{key}": value for key, value in other.lumps.items()}
+        self.solids |= {f"{prefix}{key}": value for key, value in other.solids.items()}
+        self.added_mass |= {f"{prefix}{key}": value for key, value in other.added_mass.items()}
+        self.sensors += [(sensor, at.then(pose)) for sensor, pose in other.sensors]
+        self.planes += [(plane, at.then(pose)) for plane, pose in other.planes]
         self.missing += other.missing
         for key, joint in other.joints.items():
-            parent, child = f"{name}::{joint.parent}", f"{name}::{joint.child}"
-            self.joints[f"{name}::{key}"] = replace(joint, name=f"{name}::{key}", parent=parent, child=child)
+            name, parent, child = (f"{prefix}{each}" for each in (key, joint.parent, joint.child))
+            pose, axis = at.then(joint.pose), at.turn @ joint.axis
+            self.joints[name] = replace(joint, name=name, parent=parent, child=child, pose=pose, axis=axis)
 
     def pose(self, name: str, of: Element) -> Pose:
         """Return a link's pose in the model. Raises ValueError for a name that there is not."""
         if name not in self.poses:
-            raise of.error(f"there is no link '{name}' among {', '.join(self.poses) or 'none'}")
+            raise of.error(f"there is no link '{name}' among {among(self.poses)}")
         return self.poses[name]
 
+    def placed(self, pose: Pose, of: Element) -> Pose:
+        """Return the pose of the model's frame, from that of what it places. Raises ValueError for a bad name."""
+        if not self.placement:
+            return pose
+        if self.placement not in self.frames:
+            raise of.error(f"there is no placement_frame '{self.placement}' among {among(self.frames)}")
+        return pose.then(self.frames[self.placement].inverse())
+
     def joint(self, name: str, of: Element) -> Joint:
-        """Return a joint. Raises ValueError for a name that there is not."""
+        """Return a joint. Raises ValueError for a name that there is not, and for one without an axis."""
         if name not in self.joints:
-            raise of.error(f"there is no joint '{name}' among {', '.join(self.joints) or 'none'}")
+            raise of.error(f"there is no joint '{name}' among {among(self.joints)}")
+        if not np.isfinite(self.joints[name].axis).all():
+            raise of.error(f"joint '{name}' has no axis that can be used: see what was left out")
         return self.joints[name]
 
     def base(self, found: Found) -> str:
@@ -67,13 +94,19 @@ class Links:
 
         Raises ValueError if there is none.
         """
+        below: dict[str, list[str]] = {}
+        for joint in self.joints.values():
+            below.setdefault(joint.parent, []).append(joint.child)
         children = {joint.child for joint in self.joints.values()}
         trees = {root: {root} for root in self.poses if root not in children}
         if not trees:
             raise self.element.error("must have a link that is no joint's child")
-        for tree in trees.values():
-            while new := {each.child for each in self.joints.values() if each.parent in tree} - tree:
-                tree |= new
+        for root, tree in trees.items():
+            waiting = [root]
+            while waiting:
+                new = [child for child in below.get(waiting.pop(), []) if child not in tree]
+                tree.update(new)
+                waiting += new
         masses = {
             root: sum(self.lumps[each].mass_kg for each in tree if each in self.lumps) for root, tree in trees.items()
         }
@@ -82,7 +115,7 @@ class Links:
             if root != base:
                 found.left_out(f"{self.element.path}/link '{root}': no joint holds it and those on it to '{base}'")
                 for name in tree - trees[base]:
-                    for parts in (self.lumps, self.solids):
+                    for parts in (self.lumps, self.solids, self.added_mass):
                         parts.pop(name, None)
         return base
 
@@ -97,39 +130,102 @@ class Links:
             robot.solids += [placed(solid, there) for solid in self.solids.get(name, [])]
 
 
+class Inner(NamedTuple):
+    """A model within another. prefix: of its names, empty if it is merged. element: which has its pose."""
+
+    prefix: str
+    element: Element
+    links: Links
+
+
 class Frames:
-    """The poses of a model's links, joints and frames, each relative to another of them (SDF 1.7).
+    """The poses of what has a name in a model or a world, each relative to another of them (SDF 1.7)."""
 
-    inner: the poses of links in models within it, by name.
-    """
+    def __init__(self, model: Element, inner: Iterable[Inner] = ()) -> None:
+        self._inner, self._asked = list(inner), set[str]()
+        self._poses = {"__model__": HERE, "world": HERE, "__root__": HERE}
+        tags = ("model", "frame", "joint", "link")  # of those of one name, which only old files have, the link
+        self._elements = {each.name: each for tag in tags for each in model.all(tag)}
+        self._models = {each.prefix.removesuffix("::"): each for each in self._inner if each.prefix}
+        self._elements |= {name: each.element for name, each in self._models.items()}
 
-    def __init__(self, model: Element, inner: dict[str, Pose]) -> None:
-        self._model, self._poses = model, {"__model__": HERE, **inner}
-        self._elements = {each.name: each for tag in ("link", "joint", "frame") for each in model.all(tag)}
-        self._asked: list[str] = []
+    def all(self) -> dict[str, Pose]:
+        """Return the poses of all names, of models within as well, but for those that have none."""
+        names = dict(self._elements)
+        names |= {f"{each.prefix}{name}": each.element for each in self._inner for name in each.links.frames}
+        for name, element in names.items():
+            with suppress(ValueError):
+                self.pose(name, element)
+        return self._poses
 
     def pose(self, name: str, of: Element) -> Pose:
         """Return a pose in the model's frame. Raises ValueError for a name that there is not, and for a circle."""
-        if name in self._poses:
-            return self._poses[name]
-        if name not in self._elements:
-            raise of.error(f"there is no link, joint or frame '{name}' among {', '.join(self._elements) or 'none'}")
-        if name in self._asked:
-            raise of.error(f"its pose refers to itself: {' - '.join([*self._asked, name])}")
-        element = self._elements[name]
-        stated, child = element.find("pose"), element.text("child") if element.tag == "joint" else None
-        around = stated.attribute("relative_to") if stated is not None else None
-        self._asked.append(name)
-        base = self.pose(around or child or element.attribute("attached_to") or "__model__", element)
-        self._asked.pop()
-        self._poses[name] = base.then(element.pose())
+        asked: dict[str, None] = {}
+        while name not in self._poses:
+            if (within := self._within(name, of)) is not None:
+                self._poses[name] = within
+                break
+            if name not in self._elements:
+                raise of.error(f"there is no link, joint or frame '{name}' among {among(self._elements)}")
+            asked[name] = None
+            of = self._elements[name]
+            child = of.text("child") if of.tag == "joint" else None
+            name = of.relative_to() or child or of.attribute("attached_to") or "__model__"
+            if name in asked:
+                raise of.error(f"its pose refers to itself: {' - '.join([*asked, name])}")
+        for each in reversed(asked):
+            of = self._elements[each]
+            pose, inner = self._poses[name].then(of.pose(of_frame=True)), self._models.get(each)
+            if inner is None and of.tag == "model" and of.attribute("placement_frame"):
+                raise of.error("its placement_frame does not let other poses be relative to it here")
+            self._poses[each] = pose if inner is None else inner.links.placed(pose, of)
+            name = each
         return self._poses[name]
 
+    def of(self, element: Element, default: Pose = HERE) -> Pose:
+        """Return the pose of an element. default: that of the frame which holds it."""
+        frame = element.relative_to()
+        base = default if frame is None else self.pose(frame, element)
+        return base.then(element.pose(of_frame=True))
 
-def inertia(element: Element | None, number: Callable[[Element, str], float]) -> Floats:
-    """Return the inertia matrix of six numbers, zero without an element."""
+    def link_of(self, name: str, of: Element) -> str:
+        """Return the link to which a name is attached: itself, or the one that a frame names, through others."""
+        for _ in range(len(self._elements) + 1):
+            element = self._elements.get(name)
+            if element is None or element.tag != "frame" or not (to := element.attribute("attached_to")):
+                return name
+            name = to
+        raise of.error(f"frame '{name}' is attached to itself")
+
+    def _within(self, name: str, of: Element) -> Pose | None:
+        """Return the pose of a name of a model within this one, if it is one."""
+        for each in self._inner:
+            if name.startswith(each.prefix) and (pose := each.links.frames.get(name.removeprefix(each.prefix))):
+                if name in self._asked or len(self._asked) == ASKED:
+                    raise of.error(f"its pose refers to itself, or to too many models: {name}")
+                self._asked.add(name)
+                own = each.prefix.removesuffix("::")
+                return (self.pose(own, of) if own else each.links.placed(self.of(each.element), of)).then(pose)
+        return None
+
+
+def among(names: Iterable[str]) -> str:
+    """Return the first of some names, for a message."""
+    first = list(islice(names, SHOWN + 1))
+    return ", ".join([*first[:SHOWN], *(["others"] if len(first) > SHOWN else [])]) or "none"
+
+
+def unit(axis: Floats, of: Element) -> Floats:
+    """Return a direction of any length as one of length 1. Raises ValueError for none."""
+    if not (size := float(np.linalg.norm(axis))) > 0.0:
+        raise of.error("its axis must not be zero")
+    return axis / size
+
+
+def inertia(element: Element | None, number: Callable[[Element, str], float], default: float = 0.0) -> Floats:
+    """Return the inertia matrix of six numbers, or that of the default about each axis without an element."""
     if element is None:
-        return np.zeros((3, 3))
+        return default * np.eye(3)
     xx, xy, xz, yy, yz, zz = (number(element, key) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 

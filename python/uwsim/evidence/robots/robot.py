@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -15,6 +16,17 @@ from numpy.typing import NDArray
 from uwsim.evidence.robots.xml_file import Element, Floats, Pose
 from uwsim.scenario.spec.scenario import RESERVED_NAMES
 
+MOTION, SENSES, LOOKS = GRADES = ("motion", "senses", "looks")
+"""What a note is about, in the order in which notes are printed."""
+OF_LOOKS = re.compile(
+    r"\b(visuali?z?e?|materials?|lights?|meta|gui|scene|looks?|sky|sun|atmosphere|shadows|texture|render|retro|projector"
+    r"|particles?|emitter|audio|actor|colou?r|transparency)\b"
+)
+OF_SENSES = re.compile(
+    r"\b(sensors?|(multi)?cameras?|sonar|lidar|imu|dvl|gps|navsat|altimeter|magnetometer|pressure|odom|odometry"
+    r"|publisher|comms?|modem|noise|coordinates)\b"
+)
+"""Words of elements, plugins and attributes that change no motion; any other may."""
 Mesh = tuple[Floats, NDArray[np.int64]]
 """Vertices (n, 3) [m] and triangles (m, 3)."""
 
@@ -106,15 +118,9 @@ class Robot:
 
     def whole(self) -> Lump:
         """Return all lumps as one rigid part (Steiner). Raises ValueError if they have no mass."""
-        mass = sum(lump.mass_kg for lump in self.lumps)
-        if not mass > 0.0:
+        if not sum(lump.mass_kg for lump in self.lumps) > 0.0:
             raise ValueError(f"vehicle '{self.name}': has no mass")
-        centre = sum((lump.mass_kg * lump.centre_m for lump in self.lumps), start=np.zeros(3)) / mass
-        inertia = np.zeros((3, 3))
-        for lump in self.lumps:
-            off = lump.centre_m - centre
-            inertia += lump.inertia_kg_m2 + lump.mass_kg * (off @ off * np.eye(3) - np.outer(off, off))
-        return Lump(mass, centre, inertia)
+        return merged(self.lumps)
 
 
 @dataclass(frozen=True)
@@ -138,7 +144,8 @@ class Found:
     The law of all formats: an element that is stated is used, or noted as left out, with its value and the reason, or
     replaced by what is noted as assumed; one that breaks a rule never refuses those beside it.
 
-    obstacles: as in a scenario. notes: a line for each element that was left out or assumed. density_kg_m3: of the
+    obstacles: as in a scenario. notes: a line for each element that was left out or assumed. grades: of these, by
+    their text. density_kg_m3: of the
     water, if stated. current_m_s: its velocity, likewise. bed_z_m: of a flat bed, likewise.
     refusals: the errors of the vehicles that were left out.
     """
@@ -152,11 +159,14 @@ class Found:
     current_m_s: Floats | None = None
     bed_z_m: float | None = None
     notes: list[str] = field(default_factory=list)
+    grades: dict[str, str] = field(default_factory=dict)
     refusals: list[Exception] = field(default_factory=list)
 
     def lines(self) -> list[str]:
-        """Return what was read, a line for each vehicle, and all notes."""
-        return [f"read: {robot.summary()}" for robot in self.robots] + self.notes
+        """Return what was read, a line for each vehicle, and all notes: first those on the motion, last the others."""
+        graded = [f"{grade}: {note}" for grade in GRADES for note in self.notes if self.grades.get(note) == grade]
+        read = [f"read: {robot.summary()}" for robot in self.robots]
+        return [*read, *graded, *(note for note in self.notes if note not in self.grades)]
 
     @contextmanager
     def beside(self, element: Element) -> Iterator[None]:
@@ -165,7 +175,7 @@ class Found:
             yield
         except (ValueError, OSError) as error:
             rule = str(error).removeprefix(f"'{element.file}': ")
-            self.left_out(rule if rule.startswith(element.path) else f"{element.path}: {rule}")
+            self.left_out(rule if rule.startswith(element.path) else f"{element.path}: {rule}", graded(element.path))
             element.use_all()
 
     @contextmanager
@@ -198,32 +208,51 @@ class Found:
         """Return a text as a name for a fixed body that is none of the others' and none that scenarios reserve."""
         return plain_name(text, [*RESERVED_NAMES, *(body["name"] for body in self.obstacles)])
 
-    def noted(self, what: str) -> None:
-        """Note what is worth knowing, once."""
+    def noted(self, what: str, grade: str | None = None) -> None:
+        """Note what is worth knowing, once. grade: one of GRADES, if it is a loss."""
         if what not in self.notes:
             self.notes.append(what)
+            if grade is not None:
+                self.grades[what] = grade
 
-    def left_out(self, what: str) -> None:
+    def left_out(self, what: str, grade: str = MOTION) -> None:
         """Note an element that is not used, once."""
-        self.noted(f"left out: {what}")
+        self.noted(f"left out: {what}", grade)
 
     def dropped(self, element: Element, more: str = "") -> None:
         """Note an element that is not used, with all below it. more: follows its path."""
-        self.left_out(f"{element.path}{more}")
+        self.left_out(f"{element.path}{more}", graded(element.path + more))
         element.use_all()
 
     def note_unused(self, root: Element) -> None:
         """Note what was not asked for in a document, a line for each kind of element, with how often it occurs."""
-        kinds: dict[str, Counter[str]] = {}
+        kinds: dict[tuple[str, str], Counter[str]] = {}
         for kind, path in root.unused():
-            kinds.setdefault(kind, Counter())[path] += 1
-        for kind, paths in kinds.items():
+            kinds.setdefault((kind, graded(f"{kind}/{path}")), Counter())[path] += 1
+        for (kind, grade), paths in kinds.items():
             each = (f"{path} ({count})" if count > 1 else path for path, count in sorted(paths.items()))
-            self.left_out(f"{kind}: {', '.join(each)}")
+            self.left_out(f"{kind}: {', '.join(each)}", grade)
 
-    def assumed(self, what: str) -> None:
+    def assumed(self, what: str, grade: str = MOTION) -> None:
         """Note a value that the file does not state, once."""
-        self.noted(f"assumed: {what}")
+        self.noted(f"assumed: {what}", grade)
+
+
+def graded(path: str) -> str:
+    """Return what an element changes, by the words of its path without names: the motion, unless it is known not to."""
+    words = " ".join(re.findall("[A-Z]?[a-z]+|[A-Z]+", re.sub("'[^']*'", "", path))).lower()
+    return LOOKS if OF_LOOKS.search(words) else SENSES if OF_SENSES.search(words) else MOTION
+
+
+def merged(lumps: list[Lump]) -> Lump:
+    """Return lumps of some mass as one rigid part (Steiner)."""
+    mass = sum(lump.mass_kg for lump in lumps)
+    centre = sum((lump.mass_kg * lump.centre_m for lump in lumps), start=np.zeros(3)) / mass
+    inertia = np.zeros((3, 3))
+    for lump in lumps:
+        off = lump.centre_m - centre
+        inertia += lump.inertia_kg_m2 + lump.mass_kg * (off @ off * np.eye(3) - np.outer(off, off))
+    return Lump(mass, centre, inertia)
 
 
 def plain_name(text: str, others: Any = ()) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.evidence.robots.robot import Found, Robot, plain_name
+from uwsim.evidence.robots.robot import SENSES, Found, Robot, plain_name
 from uwsim.evidence.robots.xml_file import Element, Floats, Pose, yaw_pitch_roll_deg
 from uwsim.scenario.spec.imaging_kind import imaging_kind
 
@@ -39,7 +39,7 @@ def put_sensor(
         sensor["position_m"] = at.position_m.tolist()
     sensor |= errors or {}
     if kind not in ("dvl", "compass", "depth", "pressure") and not np.allclose(at.turn, np.eye(3), atol=1e-3):
-        found.left_out(f"{path}: its axes are turned against the vehicle's; here they are the vehicle's")
+        found.left_out(f"{path}: its axes are turned against the vehicle's; here they are the vehicle's", SENSES)
     robot.sensors[plain_name(name, robot.sensors)] = sensor
 
 
@@ -69,8 +69,8 @@ def put_imaging(
         if low <= value <= high:
             sonar[key] = int(value) if float(value).is_integer() else float(value)
         else:
-            found.left_out(f"{path}: {key} = {value:g}: must be {low:g} to {high:g}")
-    found.assumed(f"{path}: what it does not state are the parameters of `{kind}`")
+            found.left_out(f"{path}: {key} = {value:g}: must be {low:g} to {high:g}", SENSES)
+    found.assumed(f"{path}: what it does not state are the parameters of `{kind}`", SENSES)
     robot.imaging_sonars[plain_name(name, robot.imaging_sonars)] = sonar
 
 
@@ -95,7 +95,7 @@ def put_gz_sensor(robot: Robot, found: Found, sensor: Element, at: Pose) -> None
         found.dropped(sensor, ": a beam of the DVL, which has its own here")
     elif kind in RAYS:
         robot.sonar = at.position_m.tolist()
-        found.assumed(f"{sensor.path}: its place is the multibeam's mount")
+        found.assumed(f"{sensor.path}: its place is the multibeam's mount", SENSES)
     elif kind in GZ_SENSORS or (kind == "custom" and "dvl" in (sensor.attribute("gz:type") or sensor.name)):
         mine = GZ_SENSORS.get(kind, "dvl")
         put_sensor(robot, found, sensor.path, sensor.name, mine, at, rate, _errors(sensor, kind))

@@ -16,7 +16,7 @@ import numpy as np
 
 from uwsim.evidence.robots import shapes
 from uwsim.evidence.robots.links import summed_volume
-from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, Thruster, plain_name
+from uwsim.evidence.robots.robot import SENSES, Found, Lump, Mesh, Robot, Thruster, plain_name
 from uwsim.evidence.robots.sensors import from_optical, put_camera, put_imaging, put_sensor
 from uwsim.evidence.robots.stonefish_body import FLIP, WetPart, body_lump, drag_about, lump_alone, wet_part
 from uwsim.evidence.robots.stonefish_text import Texts, file_named
@@ -455,7 +455,7 @@ class _Reader:
     def _sensor(self, robot: Robot, sensor: Element, poses: dict[str, Pose]) -> None:
         kind, specs = sensor.needed("type"), sensor.find("specs")
         if (rate := sensor.number(None, 0.0, "rate")) <= 0.0 and kind in SENSORS:
-            self.found.assumed("sensors without a rate: 10 Hz; Stonefish's measure at every step")
+            self.found.assumed("sensors without a rate: 10 Hz; Stonefish's measure at every step", SENSES)
         if kind == "camera":
             at = self._mount(sensor, poses)
             if specs is None:
@@ -465,7 +465,7 @@ class _Reader:
             put_camera(robot, sensor.name, pose, specs.number(None, None, "horizontal_fov"), size)
         elif kind in ("multibeam", "multibeam1d", "multibeam2d"):
             robot.sonar = self._mount(sensor, poses).position_m.tolist()
-            self.found.assumed(f"{sensor.path}: its place is the multibeam's mount")
+            self.found.assumed(f"{sensor.path}: its place is the multibeam's mount", SENSES)
         elif kind in SONARS:
             at = self._mount(sensor, poses)
             name, keys = SONARS[kind]

@@ -13,10 +13,11 @@ import numpy as np
 
 from uwsim.evidence.robots.lift_drag import is_lift_drag, put_surface, put_uuv_fin
 from uwsim.evidence.robots.links import Links, carried, is_same
-from uwsim.evidence.robots.robot import Found, Robot, Thruster, plain_name
+from uwsim.evidence.robots.motors import commanded, is_motor, motor
+from uwsim.evidence.robots.robot import SENSES, Found, Robot, Thruster, plain_name
 from uwsim.evidence.robots.sensors import put_sensor
 from uwsim.evidence.robots.uuv_plugins import is_uuv_object, is_uuv_thruster, put_uuv_object, uuv_errors, uuv_thruster
-from uwsim.evidence.robots.xml_file import Element, Floats
+from uwsim.evidence.robots.xml_file import Element, Floats, is_yes
 
 ROWS, COLUMNS = "xyzkmn", "UVWPQR"
 THRUST_N, DIAMETER_M = 1000.0, 0.02
@@ -45,7 +46,8 @@ def put_plugins(robot: Robot, found: Found, plugins: Iterable[Element], links: L
 
 def moves(plugin: Element) -> bool:
     """Return whether a plugin is one that could move a vehicle."""
-    return "thruster" in _file(plugin) or "buoyancy-engine" in _file(plugin)
+    file = _file(plugin)
+    return "thruster" in file or "buoyancy-engine" in file or is_motor(file)
 
 
 def _file(plugin: Element) -> str:
@@ -78,6 +80,7 @@ class _Reader:
             ("hydrodynamics" in file, self._hydrodynamics),
             (is_lift_drag(file), self._surface),
             (is_uuv_thruster(file), self._uuv_thruster),
+            (is_motor(file), self._motor),
             ("thruster" in file, self._thruster),
             ("uuv_fin" in file or "fin_ros" in file, self._uuv_fin),
             ("buoyancy-engine" in file, self._engine),
@@ -92,7 +95,7 @@ class _Reader:
             rate = plugin.number("update_rate", 10.0)
             put_sensor(self.robot, self.found, plugin.path, kind, kind, at, rate, uuv_errors(plugin, kind))
         elif (what := next((what for word, what in LIKE.items() if word in file), None)) is not None:
-            self.found.assumed(f"{plugin.path}: uwsim publishes {what} without a plugin")
+            self.found.assumed(f"{plugin.path}: uwsim publishes {what} without a plugin", SENSES)
             plugin.use_all()
         else:
             self.found.dropped(plugin, f", {plugin.attribute('filename')}")
@@ -112,13 +115,14 @@ class _Reader:
         if self.found.density_kg_m3 is None and plugin.find("water_density"):
             self.found.density_kg_m3 = plugin.number("water_density")
         added, linear, quadratic = self._derivatives(plugin)
-        if plugin.text("disable_added_mass") in ("1", "true"):
+        if is_yes(plugin.text("disable_added_mass")):
             added[:] = 0.0
         if (current := plugin.numbers("default_current", 3)) is not None:
             self.found.current_m_s = current
         if not any(matrix.any() for matrix in (added, linear, quadratic)):
-            self.found.left_out(f"{plugin.path}: zero coefficients do nothing")
-            plugin.use_all()
+            stated = any(each.tag[:1] in ROWS and each.tag[1:2] in f"{COLUMNS}D" for each in plugin.all("*"))
+            why = "zero coefficients do nothing" if stated else f"'{_file(plugin)}' has a model of its own"
+            self.found.dropped(plugin, f": {why}")
             return
         if link != self.base:
             self.found.assumed(f"{plugin.path}: link '{link}' is fixed to the base link, '{self.base}'")
@@ -153,34 +157,43 @@ class _Reader:
         return matrices[0], matrices[1], matrices[2]
 
     def _thruster(self, plugin: Element) -> None:
+        """Read gz-sim's Thruster: force at its link's origin, by a command of force, or of speed [rad/s]."""
         joint = self.links.joint(plugin.text("joint_name") or "", plugin)
         low, high = self.limits.get(joint.name, (-THRUST_N, THRUST_N))
         low, high = plugin.number("min_thrust_cmd", low), plugin.number("max_thrust_cmd", high)
+        by_speed = is_yes(plugin.text("use_angvel_cmd"))
+        unit = "rad/s" if by_speed else "N"
         if not low <= 0.0 < high:
-            raise plugin.error(f"thrust from {low:g} to {high:g} N: must include 0, and some thrust ahead")
+            raise plugin.error(f"commands from {low:g} to {high:g} {unit}: must include 0, and some thrust ahead")
         if joint.name not in self.limits and not plugin.find("max_thrust_cmd"):
-            self.found.assumed(f"{plugin.path}: limits of {-THRUST_N:g} and {THRUST_N:g} N, gz-sim's defaults")
-        coefficient = plugin.number("thrust_coefficient", 1.0)
-        for key in ("fluid_density", "velocity_control"):  # of the propeller's speed, which does not change the thrust
-            plugin.text(key)
+            self.found.assumed(f"{plugin.path}: limits of {-THRUST_N:g} and {THRUST_N:g} {unit}, gz-sim's defaults")
+        coefficient = plugin.number("thrust_coefficient", plugin.number("alpha_1", 1.0))
+        diameter, density = plugin.number("propeller_diameter", DIAMETER_M), plugin.number("fluid_density", 1000.0)
+        plugin.text("velocity_control")  # of the propeller's speed, which does not change the thrust
         name = plain_name(joint.name.removesuffix("_joint"), [each.name for each in self.robot.thrusters])
-        pairs = [(-1.0, low), (0.0, 0.0), (1.0, high)]
-        if plugin.text("use_angvel_cmd") in ("1", "true", "True"):
-            steps = np.linspace(-1.0, 1.0, 21)
-            pairs = [(float(x), float((high if x > 0.0 else -low) * x * abs(x))) for x in steps]
-        self._topic(plugin, f"thruster '{name}'", plugin.text("topic") or f"joint/{joint.name}/cmd_thrust")
+        band = plugin.number("deadband", 0.0)
+        if not 0.0 <= band < high:
+            raise plugin.error(f"deadband = {band:g} N: must be positive, and below the largest thrust")
+        gain = abs(coefficient) * density * diameter**4 if by_speed else None
+        pairs = commanded(low, high, band, gain)
+        what = "vel" if by_speed else "thrust"
+        self._topic(plugin, f"thruster '{name}'", plugin.text("topic") or f"joint/{joint.name}/cmd_{what}")
+        ahead = -1.0 if by_speed and coefficient < 0.0 else 1.0  # where the thrust of a positive command is
         self.robot.thrusters.append(
             Thruster(
                 name,
-                self.to_base.then(joint.pose).position_m,
-                self.to_base.turn @ joint.axis,
+                self.to_base.then(self.links.pose(joint.child, plugin)).position_m,
+                self.to_base.turn @ joint.axis * ahead,
                 pairs,
                 0.0,
-                plugin.number("propeller_diameter", DIAMETER_M),
+                diameter,
                 self._bollard(plugin, coefficient),
                 clockwise=coefficient > 0.0,
             )
         )
+
+    def _motor(self, plugin: Element) -> None:
+        self.robot.thrusters.append(motor(plugin, self.links, self.to_base, self.robot, self.found))
 
     def _bollard(self, plugin: Element, coefficient: float) -> float | None:
         """Return T / (rho n^2 D^4), n in revolutions, of gz-sim's T / (rho omega^2 D^4), if it is a propeller's."""

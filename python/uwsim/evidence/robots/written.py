@@ -14,7 +14,7 @@ from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
 from uwsim.base.own_files import require_own
 from uwsim.base.texts.yaml_document import yaml_document
-from uwsim.evidence.robots.robot import Fin, Found, Mesh, Robot, Thruster, plain_name, unlike_zero
+from uwsim.evidence.robots.robot import SENSES, Fin, Found, Mesh, Robot, Thruster, plain_name, unlike_zero
 from uwsim.evidence.robots.shapes import closed, joined, volume_and_centre
 from uwsim.evidence.robots.xml_file import Floats, Pose, yaw_pitch_roll_deg
 from uwsim.evidence.scenario_check.remedy import ALTITUDE as ALTIMETER
@@ -234,7 +234,7 @@ def _outfit(robot: Robot, found: Found, vertices: Floats) -> None:
     if found.given.outfit is None:
         found.noted(f"for a survey, vehicle '{robot.name}' lacks {what}: --outfit survey adds it")
         return
-    found.assumed(f"vehicle '{robot.name}': {what} under its hull, by --outfit survey")
+    found.assumed(f"vehicle '{robot.name}': {what} under its hull, by --outfit survey", SENSES)
     if robot.sonar is None:
         robot.sonar = [0.9 * float(high[0]), 0.0, float(low[2])]
     if lacks["an altimeter"]:
@@ -263,12 +263,12 @@ def _calibrate(robot: Robot, found: Found) -> None:
         if len(files) == len(robot.cameras) == 1:
             own = list(robot.cameras)
         if not own:
-            found.left_out(f"calibration '{file}': no camera has its name; a camera's key calibration takes it")
+            found.left_out(f"calibration '{file}': no camera has its name; a camera's key calibration takes it", SENSES)
             continue
         try:
             fields = read_calibration(file)
         except ValueError as error:
-            found.left_out(f"calibration of camera '{own[0]}': {error}")
+            found.left_out(f"calibration of camera '{own[0]}': {error}", SENSES)
             continue
         kept = {key: value for key, value in robot.cameras[own[0]].items() if key != "field_of_view_deg"}
         robot.cameras[own[0]] = {**kept, **fields}

@@ -51,6 +51,20 @@ def turned(roll: float, pitch: float, yaw: float) -> Floats:
     )
 
 
+def by_quaternion(words: Floats, of: Element) -> Floats:
+    """Return the rotation by a quaternion x y z w of any length. Raises ValueError for one of none."""
+    if not (size := float(np.linalg.norm(words))) > 0.0:
+        raise of.error("its quaternion must not be zero")
+    x, y, z, w = words / size
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + 2.0 * (w * across + across @ across))
+
+
+def is_yes(text: str | None) -> bool:
+    """Return whether a text is a true boolean of SDF, in which case does not matter."""
+    return (text or "").lower() in ("true", "1")
+
+
 def yaw_pitch_roll_deg(turn: Floats) -> list[float]:
     """Return the angles of a rotation, as scenarios have them."""
     level = math.hypot(turn[0, 0], turn[1, 0])
@@ -177,15 +191,54 @@ class Element:
             raise self.error(f"has no {'/'.join(part for part in (path, key) if part)}")
         return default
 
-    def pose(self, path: str = "pose") -> Pose:
-        """Return SDF's pose, x y z roll pitch yaw, by default that of the parent."""
-        found = self.numbers(path, 6)
-        return HERE if found is None else Pose(found[:3], turned(*found[3:]))
+    def bound(self, path: str, default: float) -> float:
+        """Return a number that may be infinite, as limits are, or the default. Raises ValueError."""
+        text = self.text(path)
+        try:
+            value = default if text is None else float(text)
+        except ValueError:
+            value = math.nan
+        if math.isnan(value):
+            raise self.error(f"{path}: {text!r}: must be a number")
+        return value
+
+    def relative_to(self) -> str | None:
+        """Return the name of the frame in which this element's pose is stated, if that is not its parent's."""
+        stated = self.find("pose")
+        return None if stated is None else stated.attribute("relative_to") or stated.attribute("frame") or None
+
+    def pose(self, *, of_frame: bool = False) -> Pose:
+        """Return SDF's pose, by default the parent's: x y z, and roll pitch yaw [rad, deg] or a quaternion x y z w.
+
+        of_frame: of the frame that the pose names; without it, a name is refused. Raises ValueError.
+        """
+        stated = self.find("pose")
+        if stated is None:
+            return HERE
+        if not of_frame and (frame := self.relative_to()) is not None:
+            raise stated.error(f"relative_to = {frame!r}: its frame cannot be another's here")
+        form, in_degrees = stated.attribute("rotation_format"), is_yes(stated.attribute("degrees"))
+        if form not in (None, "", "euler_rpy", "quat_xyzw") or (in_degrees and form == "quat_xyzw"):
+            rule = "must be euler_rpy or quat_xyzw, the latter without degrees"
+            raise stated.error(f"rotation_format = {form!r}: {rule}")
+        found = stated.numbers(None, 7 if form == "quat_xyzw" else 6) if stated.text() else None
+        if found is None:
+            return HERE
+        if form == "quat_xyzw":
+            return Pose(found[:3], by_quaternion(found[3:], stated))
+        return Pose(found[:3], turned(*(np.radians(found[3:]) if in_degrees else found[3:])))
 
     def origin(self, path: str = "origin") -> Pose:
-        """Return URDF's origin, attributes xyz and rpy, by default that of the parent."""
+        """Return URDF's origin, attributes xyz and rpy or quat_xyzw, by default that of the parent."""
         position, angles = self.numbers(path, 3, "xyz"), self.numbers(path, 3, "rpy")
-        return Pose(np.zeros(3) if position is None else position, np.eye(3) if angles is None else turned(*angles))
+        quaternion = self.numbers(path, 4, "quat_xyzw")
+        if angles is not None and quaternion is not None:
+            raise self.error(f"{path}: has rpy and quat_xyzw: must have one of them")
+        turn = np.eye(3) if angles is None else turned(*angles)
+        return Pose(
+            np.zeros(3) if position is None else position,
+            turn if quaternion is None else by_quaternion(quaternion, self),
+        )
 
 
 def read_xml(path: Path, expand: Callable[[str], str] | None = None, content: bytes | None = None) -> Element:
