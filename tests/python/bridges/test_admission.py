@@ -97,6 +97,7 @@ def test_every_socket_of_a_playback(tmp_path: Path, programs: Programs) -> None:
     with Recorder(sim, run, topics=("odom",)):
         sim.advance(0.5)
     options = ["--as-topics", "--wait", "--port", "0", "--foxglove", "--foxglove-port", "0", "--token", TOKEN]
+    options += ["--speed", "0.001"]  # it ends when all is played, which begins with the first client
     with programs.greeted("replay", run, *options) as (program, greeting):
         hold_to_the_law(program.pid, greeting, sockets=2, websockets=2)
 

@@ -1,4 +1,7 @@
-"""The pilot's keys move an arm while they are held: hand, joints and jaws. The gripper's exercises are done by keys."""
+"""The pilot's keys move an arm while they are held: hand, joints and jaws. They do the gripper's exercises.
+
+For the plug, whose socket is 8 mm wider on each side, the pilot takes a stick, and looks at the plug.
+"""
 
 import math
 from pathlib import Path
@@ -30,7 +33,16 @@ vehicles:
 """
 FAR, NEAR = 0.25, 0.1  # the pilot's gain, far from a place and near to it
 AHEAD_S = 1.0  # for which a pilot thinks ahead
+STILL_M_S, HARDEST = 0.02, 3.0  # where nothing moves for a second, a pilot turns the gain up
 SURE_M, SURE_RAD = 0.008, 0.04  # nearer than this, no key is pressed
+
+
+def _stick(value, sure):
+    return float(np.clip(value / (4 * sure), -1.0, 1.0))
+
+
+def _key(value, sure):
+    return 0.0 if abs(value) < sure else math.copysign(1.0, value)
 
 
 class Keys:
@@ -50,33 +62,38 @@ class Keys:
             self.live.step(round(0.1 / self.live.simulator.step_s))
             self.now_s += 0.1
 
-    def jaws_to(self, place, heading_rad=0.0, *, within_m=0.02, for_s=1.0, limit_s=40.0, gain=NEAR):
-        """Bring the middle between the jaws to a place, and keep it there for a while. heading_rad: None for any."""
-        inside_s = 0.0
+    def jaws_to(
+        self, place, heading_rad=0.0, *, within_m=0.02, for_s=1.0, limit_s=40.0, gain=NEAR, push=_key, held=None
+    ):
+        """Bring the middle between the jaws to a place, and keep it there for a while; return False if it takes longer.
+
+        heading_rad: None for any. push: _key or _stick. held: what the jaws hold, which is brought there instead.
+        """
+        inside_s = still_s = 0.0
         for _ in range(round(10 * limit_s)):
             turn, velocity = self.live.rov.pose.world_from_body[:3, :3], self.live.rov.velocity
             jaws = self.live.rov.pose.position_world_m + turn @ [JAWS_M[0], 0.0, JAWS_M[1]]
-            off = turn.T @ (np.asarray(place) - jaws)
+            here = jaws if held is None else self.live.simulator.objects[held].pose.position_world_m
+            off = turn.T @ (np.asarray(place) - here)
             heading = math.atan2(turn[1, 0], turn[0, 0])
             yaw = 0.0 if heading_rad is None else math.remainder(heading_rad - heading, math.tau)
             inside_s = inside_s + 0.1 if np.linalg.norm(off) < within_m and abs(yaw) < 0.08 else 0.0
             if inside_s >= for_s:
-                return
+                return True
+            is_still = np.linalg.norm(velocity.linear_body_m_s) < STILL_M_S
+            still_s = still_s + 0.1 if is_still and not inside_s else 0.0
+            harder = min(1.0 + still_s, HARDEST)
             wanted = off - AHEAD_S * velocity.linear_body_m_s
-            share = FAR if np.linalg.norm(off) > 0.4 else gain
+            share = FAR if np.linalg.norm(off) > 0.4 else gain * harder
             turning = yaw - AHEAD_S * velocity.angular_body_rad_s[2] if heading_rad is not None else 0.0
-            keys = {axis: share * _key(far, SURE_M) for axis, far in zip(AXES[:3], wanted, strict=True)}
-            self.press(**keys, yaw=NEAR * _key(turning, SURE_RAD))
-        raise AssertionError(f"{place}: {off.round(3)} m, {yaw:.3f} rad, {velocity}")
+            keys = {axis: share * push(far, SURE_M) for axis, far in zip(AXES[:3], wanted, strict=True)}
+            self.press(**keys, yaw=NEAR * harder * push(turning, SURE_RAD))
+        return False
 
     def grip(self, share, for_s=2.5):
         """Hold the key that closes or opens the jaws, and let go of it."""
         self.press(for_s, arm={"grip": share})
         self.press(arm={})
-
-
-def _key(value, sure):
-    return 0.0 if abs(value) < sure else math.copysign(1.0, value)
 
 
 def started(scenario):
@@ -182,24 +199,30 @@ def turn_the_valve(keys):
 
 
 def plug_the_connector(keys):
-    above, before = (*TAIL_M[:2], -3.4), (SOCKET_M[0] - 0.2, *SOCKET_M[1:])
+    above, plugged = (*TAIL_M[:2], -3.4), (2.84, -0.204, -3.6)
     keys.jaws_to((TAIL_M[0] - 0.3, *TAIL_M[1:]))
-    keys.jaws_to(TAIL_M)
+    keys.jaws_to(TAIL_M, within_m=0.01, push=_stick)
     keys.grip(1.0)
     keys.jaws_to(above, within_m=0.03)
-    keys.jaws_to((before[0], *above[1:]), within_m=0.03)
-    keys.jaws_to(before, within_m=0.015)
-    keys.jaws_to(SOCKET_M, within_m=0.02)
+    keys.jaws_to((SOCKET_M[0] - 0.2, *above[1:]), within_m=0.03)
+    for _ in range(5):  # a plug that meets the edge of its socket is drawn back, and tried again
+        keys.jaws_to((plugged[0] - 0.2, *plugged[1:]), within_m=0.008, for_s=0.5, push=_stick, held="plug")
+        if keys.jaws_to(plugged, for_s=0.5, limit_s=10.0, push=_stick, held="plug"):
+            break
     keys.grip(-1.0)
-    keys.jaws_to(before, within_m=0.05)
+    keys.jaws_to((SOCKET_M[0] - 0.2, *SOCKET_M[1:]), within_m=0.05)
 
 
+SEEDS = [0, 1, 2, *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(3, 20))]
+
+
+@pytest.mark.parametrize("seed", SEEDS)  # of all noise: what only one processor's last bits allow fails at another
 @pytest.mark.parametrize("name, fly", [
     ("pin", pull_the_pin), ("sample", take_the_sample), ("valve", turn_the_valve), ("wet-mate", plug_the_connector),
 ])  # fmt: skip
-def test_the_gripper_s_exercises_are_done_by_keys(name, fly):
+def test_the_gripper_s_exercises_are_done_by_keys(name, fly, seed):
     exercise = load_exercise(name).in_world()
-    sim = Simulator(exercise.made_scenario())
+    sim = Simulator(exercise.made_scenario(), seed=seed)
     course = Course(exercise, sim).attach()
     with LiveSimulator(sim, paused=True) as live:
         fly(Keys(live))

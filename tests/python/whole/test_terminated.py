@@ -76,14 +76,17 @@ def test_a_mission_that_never_waits_is_ended(tmp_path: Path) -> None:
 
 def test_a_closed_terminal_loses_nothing(tmp_path: Path) -> None:
     """The flight is saved at its last pause, as after SIGTERM, although nothing can be printed any more."""
-    out = tmp_path / "out"
-    whole_lake = ["survey", "lake", "--voxel", "0.4"]  # which lasts, where this process waits for a processor
-    words = [*UWSIM, *whole_lake, "--out", str(out), "--autosave", "3600", "--min-coverage", "0"]
+    out, flies, mission = tmp_path / "out", tmp_path / "flies", tmp_path / "endless.py"
+    mission.write_text(
+        "from pathlib import Path\nfrom uwsim.missions import wait\ndef mission(vehicle):\n"
+        f"    while True:\n        yield wait(1.0)\n        Path({str(flies)!r}).touch()\n"
+    )
+    words = [*UWSIM, "run", str(mission), "--scenario", "pool", "--map", "--out", str(out), "--autosave", "3600"]
     process, terminal = pty.fork()
     if process == 0:
         os.execv(words[0], words)
-    while not (out / ".uwsim.lock").exists() or b"%" not in os.read(terminal, 4096):  # until it shows that it flies
-        pass
+    while not flies.exists():
+        time.sleep(0.01)
     os.close(terminal)
     _, status = os.waitpid(process, 0)
     assert os.waitstatus_to_exitcode(status) == 130
