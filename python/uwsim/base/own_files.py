@@ -62,6 +62,12 @@ def require_own(path: Path) -> None:
         )
 
 
+def remove_own_file(path: Path) -> None:
+    """Remove a file, if there is one. Raises FileExistsError for one that is not our own, or OSError."""
+    require_own(path)
+    path.unlink(missing_ok=True)
+
+
 def remove_own(folder: Path) -> list[Path]:
     """Remove our own files in a folder, and then the folder if it is empty; return the paths that are left.
 

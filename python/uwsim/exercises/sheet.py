@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 from uwsim.base.atomic_file import write_atomically
-from uwsim.base.own_files import require_own
+from uwsim.base.own_files import remove_own_file, require_own
 from uwsim.exercises.course import Course
 from uwsim.exercises.sheet_text import sheet_lines
 
@@ -40,7 +40,7 @@ def remove_stale_sheet(out: Path) -> None:
     """Remove an earlier sheet from a folder, so that no file of it can be taken for the next one's. Raises OSError."""
     require_room(out)
     for name in NAMES:
-        (out / name).unlink(missing_ok=True)
+        remove_own_file(out / name)
 
 
 def write_sheet(out: Path, course: Course, sheet: Mapping[str, Any]) -> list[Path]:

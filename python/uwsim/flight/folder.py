@@ -6,21 +6,22 @@ import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
-from uwsim.base.own_files import require_own
+from uwsim.base.own_files import remove_own_file, require_own
 from uwsim.flight.checkpoint import MAP
 from uwsim.flight.mission_log import LOG
 from uwsim.flight.results import RESULT_FILES
 from uwsim.flight.terminal import Silent
 
 
-def made_folder(out: Path, writes: Iterable[str] = ()) -> Path:
+def made_folder(out: Path, writes: Iterable[str] = (), mode: int = 0o777) -> Path:
     """Create a folder and return it.
 
-    writes: names of the files that will be written there. Raises OSError if the folder is not writable, or holds such a
-    file that uwsim did not write.
+    writes: names of the files that will be written there. mode: the folder's permissions if it is created. Raises
+    OSError if the folder is not writable, or holds such a file that uwsim did not write.
     """
     try:
-        out.mkdir(parents=True, exist_ok=True)
+        out.parent.mkdir(parents=True, exist_ok=True)
+        out.mkdir(mode, exist_ok=True)
         with tempfile.TemporaryFile(dir=out):
             pass
     except OSError as error:
@@ -41,7 +42,6 @@ def remove_stale_results(out: Path, names: Iterable[str], screen: Silent) -> Non
     """Remove the results of an earlier flight, which would not match this flight's map."""
     stale = [name for name in names if (out / name).exists()]
     for name in stale:
-        require_own(out / name)
-        (out / name).unlink()
+        remove_own_file(out / name)
     if stale:
         screen.message(f"{out}: removed the results of an earlier flight: {', '.join(stale)}")

@@ -67,7 +67,7 @@ class Aboard(Bridge):
             if name in self.outputs:
                 self.listen(name)
             else:
-                self._complain(f"topic '{name}': is none that is read{did_you_mean(str(name), self.outputs)}")
+                self.refuse(f"topic '{name}': is none that is read{did_you_mean(str(name), self.outputs)}")
 
     def take(self, reading: Reading) -> None:
         """Keep a reading for the next look."""
@@ -102,7 +102,7 @@ class Aboard(Bridge):
                     raise ValueError(f"'{name}': is no topic or service of the vehicle{did_you_mean(name, names)}")
                 self.commands[name] += 1
             except (ValueError, RuntimeError) as error:
-                self._complain(str(error))
+                self.refuse(str(error))
 
     def _call(self, name: str, request: dict[str, Any]) -> None:
         """Call a service, and wait for its answer unless it waits for steps."""
@@ -111,7 +111,7 @@ class Aboard(Bridge):
         def answer(succeeded: bool, values: Any) -> None:
             self._answers.append({"service": name, "succeeded": succeeded, "values": values})
             if not succeeded or values.get("success") is False:
-                self._complain(str(values if not succeeded else values.get("message", name)))
+                self.refuse(str(values if not succeeded else values.get("message", name)))
             answered.set()
 
         self.call(self.services[name], request, answer)
@@ -119,8 +119,5 @@ class Aboard(Bridge):
 
     def refuse(self, reason: str) -> None:
         """Keep why a command was rejected."""
-        self._complain(reason)
-
-    def _complain(self, reason: str) -> None:
         if reason in self.complaints or len(self.complaints) < KINDS_MAX:
             self.complaints[reason] += 1

@@ -12,14 +12,8 @@ from uwsim.league.team import load_course, load_team
 
 UNTIL_S = 60.0
 SHOWN = (
-    "odom",
-    "tf",
-    "tf_static",
-    "robot_description",
-    "scan",
-    "camera/*/image_raw/compressed",
-    "camera/*/camera_info",
-)
+    "odom", "tf", "tf_static", "robot_description", "scan", "camera/*/image_raw/compressed", "camera/*/camera_info"
+)  # fmt: skip
 """Patterns of the topics that Foxglove draws: the pose, the frames, the vehicle, the sonar and the pictures."""
 
 

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import contextlib
 import os
+import pwd
 import signal
 import socket
 import subprocess
 import sys
+import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
 import orjson
 
+from uwsim.base.atomic_file import write_atomically
 from uwsim.base.texts.json_text import json_object
 
 VARIABLE = "UWSIM_COURSE_FD"
@@ -22,7 +24,7 @@ VARIABLE = "UWSIM_COURSE_FD"
 KEPT = ("PATH", "HOME", "LANG", "LC_ALL", "TMPDIR", "TZ")
 PATIENCE_S = 60.0
 """Longest wall time for one answer. A score does not depend on it, unless it is exceeded."""
-LINE_BYTES, TAIL_BYTES = 1 << 20, 600
+LINE_BYTES, LOG_BYTES, TAIL_BYTES = 1 << 20, 1 << 20, 600
 
 
 class ProgramError(Exception):
@@ -30,30 +32,42 @@ class ProgramError(Exception):
 
 
 class Program:
-    """A running program. words: its command. log: the file that receives what it prints.
+    """A running program. words: its command. log: the file that receives the end of what it prints, when it has ended.
 
-    user: another user of this machine as whom it runs, which takes root. Raises OSError or ValueError.
+    It prints into a pipe, and has no file of the referee's: the name of one would state the seed. user: another user of
+    this machine as whom it runs, in that user's group and in no other, which takes root. Raises OSError or ValueError.
     """
 
     def __init__(self, words: Sequence[str], folder: Path, log: Path, user: str | None = None) -> None:
-        self._log, self._left = log, b""
+        self._log, self._left, self._said = log, b"", bytearray()
         own, its = socket.socketpair()
         self._socket = own
         own.settimeout(PATIENCE_S)
         kept = {name: value for name, value in os.environ.items() if name in KEPT}
         kept["PATH"] = os.pathsep.join((str(Path(sys.executable).parent), kept.get("PATH", os.defpath)))
-        with its, log.open("wb") as output:
+        with its:
             environment = kept | {VARIABLE: str(its.fileno()), "PYTHONDONTWRITEBYTECODE": "1"}
             first = sys.executable if words[0] == "python3" else words[0]
+            rights: dict[str, Any] = {}
             try:
+                if user is not None:
+                    rights = {"user": user, "group": pwd.getpwnam(user).pw_gid, "extra_groups": ()}
                 self._process = subprocess.Popen(
-                    [first, *words[1:]], cwd=folder, env=environment, pass_fds=[its.fileno()], user=user,
-                    stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True,
+                    [first, *words[1:]], cwd=folder, env=environment, pass_fds=[its.fileno()], **rights,
+                    stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,
                 )  # fmt: skip
-            except (OSError, ValueError) as error:
+            except (OSError, ValueError, KeyError) as error:
                 own.close()
                 whose = "" if user is None else f" as user '{user}', who must be able to read it and its folders"
                 raise OSError(f"program '{words[0]}': cannot be started{whose}: {error}") from error
+        self._listener = threading.Thread(target=self._listen, args=(self._process.stdout,), daemon=True)
+        self._listener.start()
+
+    def _listen(self, pipe: Any) -> None:
+        with pipe:
+            while more := pipe.read1(1 << 16):
+                self._said += more
+                del self._said[:-LOG_BYTES]
 
     def send(self, values: Mapping[str, Any]) -> None:
         """Send a line. Raises ProgramError."""
@@ -86,16 +100,16 @@ class Program:
         with contextlib.suppress(subprocess.TimeoutExpired):
             if self._process.poll() is None and what == "has ended":
                 self._process.wait(2.0)
-        code, said = self._process.returncode, self._log.read_bytes()[-TAIL_BYTES:].decode(errors="replace")
+        if self._process.returncode is not None:
+            self._listener.join(1.0)
+        code, said = self._process.returncode, self._said[-TAIL_BYTES:].decode(errors="replace")
         last = " ".join(said.strip().splitlines()[-1:])
         return f"the program {what}{'' if code is None else f', with exit code {code}'}{f': {last}' if last else ''}"
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """End it, and all processes that it has started in its session."""
         self._socket.close()
         with contextlib.suppress(subprocess.TimeoutExpired):
@@ -103,3 +117,5 @@ class Program:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
+        self._listener.join(1.0)  # longer, if a process that it started lives on elsewhere
+        write_atomically(self._log, bytes(self._said))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from uwsim.base.own_files import remove_own_file
 from uwsim.channels import Table
 from uwsim.channels.delivery.pictures import Stream
 from uwsim.exercises import Course, Exercise
@@ -56,10 +57,11 @@ def fly_run(run: Run) -> dict[str, Any]:
     begun_s = time.perf_counter()
     exercise, sim = flyable(run.exercise.model_copy(update={"seed": run.seed}), run.threads)
     recording = run.file(".mcap")
-    recording.unlink(missing_ok=True)
+    remove_own_file(recording)
     with ExitStack() as stack:
         live = stack.enter_context(LiveSimulator(sim, speed="max", paused=True))
-        course = Course(exercise, sim, _privileged(live), outsider=Aboard.peer, aids=lambda: {"program"})
+        command = live.privileged()(lambda name, arguments: live.command(name, **arguments))
+        course = Course(exercise, sim, command, outsider=Aboard.peer, aids=lambda: {"program"})
         stack.callback(course.detach)
         table = Table(sim)
         for name in sim.rov.cameras:
@@ -77,14 +79,6 @@ def fly_run(run: Run) -> dict[str, Any]:
         sheet = certified_sheet(course, script=run.folder.name)
         why = reasons(sheet, door)
     return {"sheet": sheet, "why": why, "run_wall_s": time.perf_counter() - begun_s, "error": None}
-
-
-def _privileged(live: LiveSimulator) -> Any:
-    def command(name: str, arguments: Mapping[str, Any]) -> None:
-        with live.privileged():
-            live.command(name, **arguments)
-
-    return command
 
 
 def _converse(program: Program, door: Aboard, live: LiveSimulator, course: Course, period_s: float) -> None:

@@ -12,9 +12,9 @@ from typing import Any
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.folder_lock import alone_in
+from uwsim.base.own_files import remove_own_file
 from uwsim.base.signing import signed
 from uwsim.campaigns.workers import Campaign, Ledger, RetriedOptions
-from uwsim.campaigns.workers.work import Finished
 from uwsim.exercises import Exercise
 from uwsim.exercises.certified import digest_of
 from uwsim.exercises.lag_table import mean_interval
@@ -67,7 +67,10 @@ def score_team(
     team = load_team(folder)
     exercise = load_course(team.course if course is None else course, folder)
     team.require_rate(exercise.made_scenario())
-    into = made_folder(Path(out), (RESULT,)).resolve()
+    names = (f"seed-{seed}{end}" for seed in seeds for end in (".log", ".mcap", ".json", ".txt", ".webp"))
+    into = made_folder(Path(out), (RESULT, *names), 0o700).resolve()
+    if user is not None and into.stat().st_mode & 0o077:
+        raise PermissionError(f"--out {out}: the program's user could read it: must be closed, as by chmod 700")
     runs = {
         number: Run(exercise, seed, team, Path(folder).resolve(), into, user, campaign.job_threads)
         for number, seed in enumerate(seeds)
@@ -80,7 +83,7 @@ def score_team(
         alone_in(into),
         Ledger.opened(into, plan, resume=campaign.options.resume, what="score", jobs="runs") as ledger,
     ):
-        campaign.run(ledger, fly_run, runs, result_of=_result_of)
+        campaign.run(ledger, fly_run, runs, result_of=lambda each: each.result or {"error": each.error})
         results = ledger.results
         failed = [each["error"] for each in results.values() if each["error"]]
         if failed or len(results) < len(runs):
@@ -92,10 +95,6 @@ def score_team(
         if films:
             _film([runs[number] for number in kept], [results[number] for number in kept], campaign)
     return Scored(into, found, len(runs), len(runs))
-
-
-def _result_of(each: Finished) -> Mapping[str, Any]:
-    return {"error": each.error} if each.result is None else each.result
 
 
 def _result(
@@ -140,7 +139,7 @@ def _keep(runs: Mapping[int, Run], results: Mapping[int, Mapping[str, Any]], fou
         lines = [*sheet_lines(sheet), "", *results[number]["why"]]
         write_atomically(run.file(".txt"), ("\n".join(lines) + "\n").encode())
         if number not in (order[0], order[-1]):
-            run.file(".mcap").unlink(missing_ok=True)
+            remove_own_file(run.file(".mcap"))
     return list(dict.fromkeys((order[-1], order[0])))
 
 

@@ -4,19 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from uwsim.base.atomic_file import write_atomically
-from uwsim.base.own_files import require_own
 from uwsim.base.signing import SIGNATURE, signer_of
 from uwsim.base.texts.json_text import read_json
 from uwsim.exercises.certified import digest_of
 from uwsim.exercises.lag_table import mean_interval
 from uwsim.league.score import RESULT, VERSION
+from uwsim.scenario.read.validated import validated
+from uwsim.scenario.spec.fields import Model
 
 PAGE, TEXT = "table.html", "table.md"
 TEMPLATE = Path(__file__).with_name("table.html.j2")
 COLUMNS = ("place", "team", "points", "95 % interval", "behind the first, by seed", "passed")
+
+
+class _Run(Model, extra="allow"):
+    seed: int
+    score: float
+    time_s: float
+    goals: dict[str, float]
+    why: list[str]
+
+
+class _Result(Model, extra="allow"):
+    """What the table uses of a result."""
+
+    team: str
+    course: str
+    title: str
+    points: float
+    mean: float
+    low: float
+    high: float
+    passed: int
+    runs: Annotated[list[_Run], Field(min_length=1)]
 
 
 def read_results(folder: Path, key: Path | None = None) -> list[dict[str, Any]]:
@@ -35,6 +60,8 @@ def read_results(folder: Path, key: Path | None = None) -> list[dict[str, Any]]:
                 f"'{path}': is of the course '{one['title']}' {one['course'][:8]}: must be the same as that of "
                 f"'{paths[0]}', '{results[0]['title']}' {results[0]['course'][:8]}"
             )
+        if any({*run["goals"]} != {*goal_names(results)} for run in one["runs"]):
+            raise ValueError(f"'{path}': runs: must all have the goals {', '.join(goal_names(results))}")
     return sorted(results, key=lambda one: (-one["mean"], one["team"]))
 
 
@@ -46,7 +73,10 @@ def _read(path: Path, key: Path | None) -> dict[str, Any]:
         raise ValueError(f"'{path}': has been changed since it was written: its content does not have its digest")
     if key is not None or SIGNATURE in found:
         signer_of(found, f"'{path}'", key)
-    return found
+    try:
+        return validated(_Result, found).model_dump()
+    except ValueError as error:
+        raise ValueError(f"'{path}': {error}") from None
 
 
 def paired(first: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[float, float, int] | None:
@@ -84,8 +114,6 @@ def write_league(out: Path, results: Sequence[Mapping[str, Any]]) -> list[Path]:
     """Write table.html and table.md into a folder; return their paths. Raises OSError."""
     from uwsim.figures.html_page import filled_page
 
-    for name in (PAGE, TEXT):
-        require_own(out / name)
     head, rows = [*COLUMNS, *goal_names(results)], table_rows(results)
     title = f"{results[0]['title']}: {len(results)} teams, of {results[0]['points']:g} points"
     cells = [[cell.replace("|", "\\|") for cell in row] for row in (head, ["---"] * len(head), *rows)]

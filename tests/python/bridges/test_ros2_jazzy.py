@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,8 @@ from uwsim.channels.ros import build
 from uwsim.channels.ros.cdr import encode
 from uwsim.channels.ros.messages import from_bytes, typestore
 from uwsim.channels.ros.type_hash import type_hash
+from uwsim.exercises import load_exercise
+from uwsim.league.new import new_team
 from uwsim.live import LiveSimulator
 
 HERE = Path(__file__).parents[1]
@@ -215,3 +218,25 @@ def test_the_vehicle_comes_to_rest_when_its_pilot_is_killed(pilot, node, live, c
     pilot.process.kill()
     until(lambda: "topic 'cmd_vel': no command for 0.5 s: it is stopped" in caplog.text, "the end of its commands")
     until(lambda: speed_m_s() < 0.01, "rest")
+
+
+@pytest.mark.parametrize("course", ["pool-course", "sea-course", "reef-course"])
+def test_the_node_of_a_new_team_steers(tmp_path, course):
+    """With the topics of the course's world, it starts, reads and commands."""
+    new_team(tmp_path / "team", course)
+    settings, twists = Ros2Settings(domain_id=free_domain()), []
+    environment = {
+        **os.environ, "ROS_DOMAIN_ID": str(settings.domain_id), "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "PYTHONPATH": "src/pilot",
+    }  # fmt: skip
+    words = [JAZZY / "bin/python", "-c", "from pilot.node import main; main()"]
+    with LiveSimulator(load_exercise(course).model_copy(update={"seed": 3}).made_scenario()) as live:
+        table = Table(live.simulator, truth=False)
+        heard = {"cmd_vel": lambda live, twist: twists.append(twist)}
+        channels = [replace(each, apply=heard.get(each.name, each.apply)) for each in table.channels]
+        with Ros2Node(live, channels, table.services, settings):
+            pipe = subprocess.PIPE
+            with subprocess.Popen(words, cwd=tmp_path / "team", env=environment, stderr=pipe, text=True) as node:
+                until(lambda: len(twists) > 3 or node.poll() is not None, "a command")
+                node.terminate()
+                assert len(twists) > 3, node.communicate()[1]

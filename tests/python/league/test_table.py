@@ -1,9 +1,13 @@
 """A league's table: results of the same seeds side by side, and what makes a result count or not."""
 
 import json
+import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+
+import pytest
 
 from command_line import error_line, uwsim
 from signing_keys import made_keys
@@ -19,6 +23,21 @@ def result_of(name: str, scores: Mapping[int, float], course: str = "a") -> dict
         "runs": [{"seed": s, "score": p, "time_s": 1.0, "goals": {"gate": p}, "why": []} for s, p in scores.items()],
     }  # fmt: skip
     return {**found, "digest": digest_of(found)}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "rule"),
+    [({"runs": []}, "runs = []: must"), ({"mean": math.nan}, "mean = nan"), ({"runs": [{}]}, "runs[0].seed: missing")],
+)
+def test_a_result_that_no_referee_wrote_is_refused_in_one_line(tmp_path: Path, wrong: Any, rule: str) -> None:
+    """Though its digest is right, as who writes it can have it."""
+    found = {**result_of("one", {1: 9.0}), **wrong}
+    del found["digest"]
+    (path := tmp_path / "result.json").write_text(json.dumps({**found, "digest": digest_of(found)}))
+    assert f"'{path}': {rule}" in error_line(uwsim("course", "table", tmp_path))
+    path.unlink()
+    os.mkfifo(path)
+    assert "no regular file" in error_line(uwsim("course", "table", tmp_path))
 
 
 def test_the_table_pairs_by_seed_and_refuses_what_was_changed(tmp_path: Path) -> None:

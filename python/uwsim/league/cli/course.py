@@ -27,6 +27,10 @@ app = typer.Typer(
     **SETTINGS,
 )
 Folder = Annotated[Path, typer.Argument(help="The team's folder.")]
+Course = Annotated[
+    str | None,
+    typer.Option(help="The course: a packaged exercise, or a file. Default: the team's.", autocompletion=exercises),
+]
 
 
 @app.command()
@@ -59,11 +63,9 @@ def world(
 
     `uwsim serve` then starts it for ROS 2, rosbridge and Foxglove, to practise in: nothing is judged.
     """
-    from uwsim.base.own_files import require_own
     from uwsim.exercises import load_exercise
     from uwsim.scenario.dump import write_scenario
 
-    require_own(out)
     write_scenario(out, load_exercise(course).model_copy(update={"seed": seed}).made_scenario())
     typer.echo(out)
 
@@ -72,10 +74,7 @@ def world(
 def bag(
     folder: Folder,
     out: Annotated[Path, typer.Argument(help="The file to write, .mcap.", callback=writable)] = Path("first.mcap"),
-    course: Annotated[
-        str | None,
-        typer.Option(help="The course: a packaged exercise, or a file. Default: the team's.", autocompletion=exercises),
-    ] = None,
+    course: Course = None,
     seed: Annotated[int, typer.Option(help="Places the props.", callback=within(0, 2**32 - 1))] = 1,
     until: Annotated[float, typer.Option(help="Simulated time to end at [s].", callback=within(1, 1e5, "s"))] = 60.0,
 ) -> None:
@@ -97,10 +96,7 @@ def score(
         Path,
         typer.Option(help="File of seeds: lines of numbers and ranges, such as 1,2,5-20.", callback=readable),
     ],
-    course: Annotated[
-        str | None,
-        typer.Option(help="The course: a packaged exercise, or a file. Default: the team's.", autocompletion=exercises),
-    ] = None,
+    course: Course = None,
     user: Annotated[
         str | None,
         typer.Option(help="Run the program as this user of the machine, which takes root. Default: the same user."),
@@ -124,16 +120,9 @@ def score(
 
     with job_progress("runs") as progress:
         found = score_team(
-            folder,
-            seeds_in(seeds),
-            out,
-            course=course,
-            user=user,
-            key=sign,
-            films=films,
-            **work.arguments,
+            folder, seeds_in(seeds), out, course=course, user=user, key=sign, films=films, **work.arguments,
             **progress.arguments,
-        )
+        )  # fmt: skip
     if not found.result:
         _exit_without(found)
     print_json(found.result) if as_json else _print(found)
@@ -158,10 +147,10 @@ def table(
     seed.
     """
     from uwsim.flight.folder import made_folder
-    from uwsim.league.table import read_results, table_rows, write_league
+    from uwsim.league.table import PAGE, TEXT, read_results, table_rows, write_league
 
     found = read_results(results, signed_by)
-    written = write_league(made_folder(results if out is None else out), found)
+    written = write_league(made_folder(results if out is None else out, (PAGE, TEXT)), found)
     for row in table_rows(found):
         typer.echo(f"{row[0]:>3}  {row[2]:>6} ({row[3]})  {row[1]}{f'  behind: {row[4]}' if row[4] else ''}")
     typer.echo("  ".join(map(str, written)))
