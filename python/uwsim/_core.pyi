@@ -3296,7 +3296,7 @@ class NavigationFilter:
     arms from the IMU.
     """
 
-    save_version: typing.ClassVar[int] = 8
+    save_version: typing.ClassVar[int] = 9
     def __init__(
         self,
         *,
@@ -3310,11 +3310,24 @@ class NavigationFilter:
         rate_limit: typing.SupportsFloat | typing.SupportsIndex = ...,
         force_limit: typing.SupportsFloat | typing.SupportsIndex = ...,
         averaging_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        gyroscope_scale: tuple[
+            typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex
+        ] = (0.0, 0.0),
+        gyroscope_by_force: tuple[
+            typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex
+        ] = (0.0, 0.0),
+        accelerometer_scale: tuple[
+            typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex
+        ] = (0.0, 0.0),
+        body_from_imu: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"] = ...,
     ) -> None:
         """
         period_s: sampling period of the IMU. rate_std, force_std: white noise of a sample [rad/s, m/s2].
         rate_limit, force_limit: the largest magnitude that an axis can measure. averaging_s: the time before
-        a sample over which its force is averaged; 0 for an instantaneous value.
+        a sample over which its force is averaged; 0 for an instantaneous value. gyroscope_scale,
+        gyroscope_by_force, accelerometer_scale: standard deviations of the elements on and off the diagonal of
+        a constant matrix N, by which x + N y is measured for x, y being the rate, the force and the force. Its
+        axes are the IMU's, which body_from_imu (3, 3) turns to the body's.
         """
     def add_acoustic_fix(
         self,
@@ -3464,7 +3477,8 @@ class NavigationFilter:
     def covariance(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
         """
         Covariance (n, n) of the errors of position and velocity (world axes), attitude (body axes, rad), the
-        biases of gyroscope and accelerometer (body axes), and the biases of the aids; of the IMU's centre
+        biases of gyroscope and accelerometer (body axes), the elements of the IMU's matrices of which an error is
+        stated, 9 each, row by row, and the biases of the aids; of the IMU's centre
         """
     @property
     def force_bias_m_s2(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...

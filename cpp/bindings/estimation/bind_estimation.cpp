@@ -15,6 +15,7 @@
 namespace uwsim::bindings {
 namespace {
 
+using Stds = std::pair<double, double>;
 using Times = py::array_t<std::uint64_t, py::array::c_style | py::array::forcecast>;
 
 /// Returns the readings as an array (n, width), for n times. Throws InvalidValue.
@@ -81,7 +82,8 @@ void bind_state(py::class_<NavigationFilter>& filter) {
       .def_property_readonly(
           "covariance", [](const NavigationFilter& f) { return Eigen::MatrixXd(f.state().covariance); },
           "Covariance (n, n) of the errors of position and velocity (world axes), attitude (body axes, rad), the\n"
-          "biases of gyroscope and accelerometer (body axes), and the biases of the aids; of the IMU's centre")
+          "biases of gyroscope and accelerometer (body axes), the elements of the IMU's matrices of which an error is\n"
+          "stated, 9 each, row by row, and the biases of the aids; of the IMU's centre")
       .def_property_readonly(
           "numbers", &numbers,
           "(248,): time [s], position, quaternion x, y, z, w, linear and angular velocity as above, the rotation\n"
@@ -202,18 +204,34 @@ void bind_estimation(py::module_& m) {
   filter
       .def(py::init([](const Eigen::Vector3d& imu_body_m, double gravity_m_s2, double period_s, double rate_std,
                        double force_std, const BiasModel& rate_bias, const BiasModel& force_bias, double rate_limit,
-                       double force_limit, double averaging_s) {
-             const ImuErrors imu{rate_std,  force_std,  period_s,   averaging_s,
-                                 rate_bias, force_bias, rate_limit, force_limit};
+                       double force_limit, double averaging_s, Stds rate_by_rate, Stds rate_by_force,
+                       Stds force_by_force, const Eigen::Matrix3d& body_from_imu) {
+             const auto matrix = [](Stds stds) { return MatrixErrors{stds.first, stds.second}; };
+             const ImuErrors imu{rate_std,
+                                 force_std,
+                                 period_s,
+                                 averaging_s,
+                                 rate_bias,
+                                 force_bias,
+                                 {matrix(rate_by_rate), matrix(rate_by_force), matrix(force_by_force)},
+                                 body_from_imu,
+                                 rate_limit,
+                                 force_limit};
              return std::make_unique<NavigationFilter>(imu, imu_body_m, gravity_m_s2);
            }),
            py::kw_only(), py::arg("imu_body_m"), py::arg("gravity_m_s2"), py::arg("period_s"), py::arg("rate_std"),
            py::arg("force_std"), py::arg("rate_bias"), py::arg("force_bias"),
            py::arg("rate_limit") = std::numeric_limits<double>::infinity(),
            py::arg("force_limit") = std::numeric_limits<double>::infinity(), py::arg("averaging_s") = 0.0,
+           py::arg("gyroscope_scale") = Stds{}, py::arg("gyroscope_by_force") = Stds{},
+           py::arg("accelerometer_scale") = Stds{},
+           py::arg("body_from_imu") = Eigen::Matrix3d(Eigen::Matrix3d::Identity()),
            "period_s: sampling period of the IMU. rate_std, force_std: white noise of a sample [rad/s, m/s2].\n"
            "rate_limit, force_limit: the largest magnitude that an axis can measure. averaging_s: the time before\n"
-           "a sample over which its force is averaged; 0 for an instantaneous value.")
+           "a sample over which its force is averaged; 0 for an instantaneous value. gyroscope_scale,\n"
+           "gyroscope_by_force, accelerometer_scale: standard deviations of the elements on and off the diagonal of\n"
+           "a constant matrix N, by which x + N y is measured for x, y being the rate, the force and the force. Its\n"
+           "axes are the IMU's, which body_from_imu (3, 3) turns to the body's.")
       .def(
           "start",
           [](NavigationFilter& f, std::uint64_t time_ns, const py::object& position_world_m,

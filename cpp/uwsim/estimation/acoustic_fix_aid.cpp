@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 
 #include "uwsim/estimation/aid.h"
@@ -46,46 +47,22 @@ class AcousticFixAid final : public Aid {
     const Eigen::Vector3d across = across_of(sight), up = sight.cross(across);
     const double along = is_known ? range - seen.norm() : sight.dot(fix - seen);
     const double sideways = errors_.bearing_std_rad * range, rounding = rounding_std_m(state, sight);
-    correct_along(state, along, sight, {errors_.range_std_m, rounding, ranging(range)});
-    correct_along(state, across.dot(fix - expected(state, reading)), across, {sideways, 0, bearing(0, range)});
-    correct_along(state, up.dot(fix - expected(state, reading)), up, {sideways, 0, bearing(1, range)});
+    correct_along(state, along, sight, errors_.range_std_m, rounding, {1, range, 0, 0});
+    correct_along(state, across.dot(fix - expected(state, reading)), across, sideways, 0, {0, 0, range, 0});
+    correct_along(state, up.dot(fix - expected(state, reading)), up, sideways, 0, {0, 0, 0, range});
   }
 
   void exchange_parameters(StateArchive& archive) override {
     exchange_numbers(archive, lever_);
-    exchange_not_negative(archive, errors_.range_std_m);
-    exchange_not_negative(archive, errors_.bearing_std_rad);
-    exchange_not_negative(archive, errors_.range_step_m);
-    exchange_not_negative(archive, errors_.period_s);
-    exchange_not_negative(archive, errors_.station_std_m);
-    for (BiasModel* bias : {&errors_.range_bias, &errors_.scale, &errors_.bearing_bias, &errors_.station_bias}) {
-      exchange_bias(archive, *bias);
-    }
+    exchange_not_negative(archive, errors_.range_std_m, errors_.bearing_std_rad, errors_.range_step_m, errors_.period_s,
+                          errors_.station_std_m);
+    exchange_bias(archive, errors_.range_bias, errors_.scale, errors_.bearing_bias, errors_.station_bias);
     archive(is_height_judged_);
   }
 
  private:
   static constexpr double kKnown = 0.1;     // as a fraction of the range
   static constexpr double kMirrored = 0.1;  // height's error of a mirrored path, at least, as a fraction of the range
-
-  /// The weights [m] of up to two biases, by their places among the aid's; weight 0: none.
-  struct Weights {
-    int first = 0;
-    double of_first = 0, of_second = 0;
-  };
-  struct Scalar {
-    double white_std, constant_std;
-    Weights biases;
-  };
-
-  Weights ranging(double range) const {
-    const double offset = errors_.range_bias.exists() ? 1 : 0, scale = errors_.scale.exists() ? range : 0;
-    return offset > 0 ? Weights{0, offset, scale} : Weights{0, scale, 0};
-  }
-  Weights bearing(int k, double range) const {
-    const int before = (errors_.range_bias.exists() ? 1 : 0) + (errors_.scale.exists() ? 1 : 0);
-    return {before + k, errors_.bearing_bias.exists() ? range : 0, 0};
-  }
 
   /// The level axis across a line of sight.
   static Eigen::Vector3d across_of(const Eigen::Vector3d& sight) {
@@ -106,25 +83,26 @@ class AcousticFixAid final : public Aid {
     return rests ? errors_.range_step_m / std::sqrt(12.0) : 0;
   }
 
-  void correct_along(FilterState& state, double residual, const Eigen::Vector3d& axis, const Scalar& errors) const {
+  /// `weights`: of the biases of range, scale and both bearings.
+  void correct_along(FilterState& state, double residual, const Eigen::Vector3d& axis, double white_std,
+                     double constant_std, const std::array<double, 4>& weights) const {
     ErrorVector h = ErrorVector::Zero(state.errors());
     h.segment<3>(kPosition) = axis;
     h.segment<3>(kAttitude) = lever_.cross(state.orientation.conjugate() * axis);
-    for (int k = 0; k < 2; ++k) {
-      const double weight = k == 0 ? errors.biases.of_first : errors.biases.of_second;
-      if (weight == 0) continue;
-      const int bias = first_bias + errors.biases.first + k;
-      h[bias] = weight;
-      residual -= weight * state.aid_bias[bias - kAidBias];
+    int bias = first_bias;
+    const BiasModel* models[] = {&errors_.range_bias, &errors_.scale, &errors_.bearing_bias, &errors_.bearing_bias};
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      if (!models[k]->exists()) continue;
+      residual -= weights[k] * state.aid_bias[bias - kAidBias];
+      h[bias++] = weights[k];
     }
     if (errors_.station_bias.exists()) {
-      const int station = first_bias + static_cast<int>(biases().size()) - 3;
-      h.segment<3>(station) = axis;
-      residual -= axis.dot(state.aid_bias.segment<3>(station - kAidBias));
+      h.segment<3>(bias) = axis;
+      residual -= axis.dot(state.aid_bias.segment<3>(bias - kAidBias));
     }
     constexpr double kLeast = 1e-6;  // m2; so that an exact fix also has a gate
-    Aid::correct(state, residual, h, std::max(errors.white_std * errors.white_std + station_variance(), kLeast),
-                 errors.constant_std * errors.constant_std);
+    Aid::correct(state, residual, h, std::max(white_std * white_std + station_variance(), kLeast),
+                 constant_std * constant_std);
   }
 
   Eigen::Vector3d lever_;

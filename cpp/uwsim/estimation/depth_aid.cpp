@@ -62,7 +62,7 @@ class DepthAid final : public Aid {
     exchange_not_negative(archive, variance_);
     exchange_bias(archive, bias_);
     double wave_std = waves_.first_std_m(), level_std = above_.level_std_m(), column_std = above_.column_std();
-    for (double* std : {&wave_std, &level_std, &column_std}) exchange_not_negative(archive, *std);
+    exchange_not_negative(archive, wave_std, level_std, column_std);
     waves_ = waves(wave_std);
     above_ = {level_std, column_std};
   }

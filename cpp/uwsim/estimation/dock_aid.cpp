@@ -28,7 +28,7 @@ class DockAid final : public Aid {
   }
 
   void exchange_parameters(StateArchive& archive) override {
-    for (double* std : {&position_std_, &attitude_std_, &velocity_std_}) exchange_not_negative(archive, *std);
+    exchange_not_negative(archive, position_std_, attitude_std_, velocity_std_);
   }
 
  private:

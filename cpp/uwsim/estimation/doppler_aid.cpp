@@ -30,10 +30,9 @@ class DopplerAid final : public Aid {
   }
 
   void exchange_parameters(StateArchive& archive) override {
-    exchange_numbers(archive, beams_);
-    exchange_numbers(archive, lever_);
+    exchange_numbers(archive, beams_, lever_);
     exchange_not_negative(archive, variance_);
-    for (BiasModel* bias : {&errors_.bias, &errors_.scale, &errors_.misalignment}) exchange_bias(archive, *bias);
+    exchange_bias(archive, errors_.bias, errors_.scale, errors_.misalignment);
   }
 
  private:

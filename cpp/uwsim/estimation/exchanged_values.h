@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <functional>
 
 #include "uwsim/core/check.h"
 #include "uwsim/core/state_archive.h"
@@ -9,10 +11,11 @@
 
 namespace uwsim {
 
-/// Saves or restores a vector or matrix of fixed size, element by element.
-template <typename Values>
-void exchange_numbers(StateArchive& archive, Values&& values) {
-  for (Eigen::Index k = 0; k < values.size(); ++k) archive(values.data()[k]);
+/// Saves or restores vectors or matrices of known size, element by element.
+template <typename... Values>
+void exchange_numbers(StateArchive& archive, Values&&... values) {
+  const auto exchange = [&](double* first, Eigen::Index n) { std::for_each(first, first + n, std::ref(archive)); };
+  (exchange(values.data(), values.size()), ...);
 }
 
 /// Saves or restores a number that may be infinite or NaN.
@@ -22,16 +25,15 @@ inline void exchange_any(StateArchive& archive, double& value) {
   value = std::bit_cast<double>(bits);
 }
 
-/// Saves or restores a value that must not be negative: a standard deviation, a variance or a time.
-inline void exchange_not_negative(StateArchive& archive, double& value) {
-  archive(value);
-  require(value >= 0, "state.value", value, "must not be negative");
+/// Saves or restores values that must not be negative: standard deviations, variances or times.
+template <typename... Values>
+void exchange_not_negative(StateArchive& archive, Values&... values) {
+  ((archive(values), require(values >= 0, "state.value", values, "must not be negative")), ...);
 }
 
-inline void exchange_bias(StateArchive& archive, BiasModel& bias) {
-  for (double* value : {&bias.turn_on_std, &bias.drift_std, &bias.drift_time_s, &bias.walk}) {
-    exchange_not_negative(archive, *value);
-  }
+template <typename... Biases>
+void exchange_bias(StateArchive& archive, Biases&... biases) {
+  (exchange_not_negative(archive, biases.turn_on_std, biases.drift_std, biases.drift_time_s, biases.walk), ...);
 }
 
 }  // namespace uwsim

@@ -7,9 +7,10 @@
 
 namespace uwsim {
 
-/// The order of the errors: position, velocity, attitude, gyroscope bias, accelerometer bias, then the biases of aids.
+/// The order of the errors: position, velocity, attitude, gyroscope bias, accelerometer bias, then the elements of the
+/// IMU's error matrices and the biases of aids.
 enum ErrorIndex : int { kPosition = 0, kVelocity = 3, kAttitude = 6, kRateBias = 9, kForceBias = 12, kAidBias = 15 };
-inline constexpr int kMaxErrors = 48;
+inline constexpr int kMaxErrors = 72;
 inline constexpr int kMaxAids = 8;
 
 using ErrorVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxErrors, 1>;
@@ -43,8 +44,8 @@ struct AidCounts {
   double noise_variance = 0, level_variance = 0;
 };
 
-/// The IMU's values at the state's time, interpolated between two samples, in the body axes at that time. Biases are
-/// not removed.
+/// The IMU's values at the state's time, interpolated between two samples, in the body axes at that time, without the
+/// errors that its matrices explain. Biases are not removed.
 struct LastSample {
   Eigen::Vector3d rate_rad_s = Eigen::Vector3d::Zero(), force_m_s2 = Eigen::Vector3d::Zero();
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};

@@ -44,9 +44,8 @@ class HeadingAid final : public Aid {
 
   void exchange_parameters(StateArchive& archive) override {
     exchange_numbers(archive, axis_);
-    exchange_not_negative(archive, variance_);
+    exchange_not_negative(archive, variance_, iron_std_);
     exchange_bias(archive, bias_);
-    exchange_not_negative(archive, iron_std_);
     archive(north_rad_);
   }
 

@@ -157,9 +157,34 @@ void Inertial::age_biases(FilterState& state, double dt, const std::vector<BiasM
   }
 }
 
-void Inertial::advance(FilterState& state, std::uint64_t time_ns, const ImuSample& next,
+std::vector<BiasModel> Inertial::matrix_biases() const {
+  std::vector<BiasModel> all;
+  for (const MatrixErrors& each : imu_.matrices) {
+    for (int k = 0; each.exists() && k < 9; ++k) all.push_back({k % 4 == 0 ? each.diagonal_std : each.other_std});
+  }
+  return all;
+}
+
+MatrixEffects Inertial::effects(const ImuSample& sample) const {
+  const Eigen::Matrix3d& turn = imu_.body_from_imu;
+  MatrixEffects found = MatrixEffects::Zero(6, 27);
+  int column = 0;
+  for (std::size_t n = 0; n < imu_.matrices.size(); ++n) {
+    const Eigen::Vector3d by = turn.transpose() * (n == 0 ? sample.rate_rad_s : sample.force_m_s2);
+    for (int k = 0; k < 3 && imu_.matrices[n].exists(); ++k, column += 3) {
+      found.block<3, 3>(n < 2 ? 3 : 0, column) = turn.col(k) * by.transpose();
+    }
+  }
+  return found.leftCols(column);
+}
+
+void Inertial::advance(FilterState& state, std::uint64_t time_ns, const ImuSample& measured,
                        const std::vector<BiasModel>& aid_biases) const {
   const double dt = seconds_between(state.time_ns, time_ns);
+  MatrixEffects by_element = effects(measured);
+  const Eigen::Index elements = by_element.cols();
+  const Eigen::Matrix<double, 6, 1> known = by_element * state.aid_bias.head(elements);
+  const ImuSample next{measured.rate_rad_s - known.tail<3>(), measured.force_m_s2 - known.head<3>(), measured.time_ns};
   if (state.sample.time_ns == LastSample::kNone) guess_before(state, next);
   const ImuSample now = between(state, next, time_ns);
   grow_by_shock(state, dt, next);
@@ -182,17 +207,22 @@ void Inertial::advance(FilterState& state, std::uint64_t time_ns, const ImuSampl
   // At both ends of the interval, R [f]x e = [R f]x R e, where e is the attitude error at the start.
   transport(p, dt, -dt * cross_matrix(force_world) * before, -dt * (turn_earlier + turn_forces),
             rotation_by(-turn).toRotationMatrix());
+  if (elements > 0) {  // the errors of the elements do not change, so that their part of F acts after the rest
+    by_element.topRows<3>() = (-dt * (turn_earlier + turn_forces) * by_element.topRows<3>()).eval();
+    by_element.bottomRows<3>() *= -dt;
+    p.middleRows<6>(kVelocity) += by_element * p.middleRows(kAidBias, elements);
+    p.middleCols<6>(kVelocity) += p.middleCols(kAidBias, elements) * by_element.transpose();
+  }
   grow(p, kVelocity, integrated(imu_.force_std, imu_.period_s, kLeastForceDensity, dt));
   grow(p, kAttitude, integrated(imu_.rate_std, imu_.period_s, kLeastRateDensity, dt));
   age_biases(state, dt, aid_biases);
 }
 
 void Inertial::exchange_parameters(StateArchive& archive) {
-  for (double* value : {&imu_.rate_std, &imu_.force_std, &imu_.period_s, &imu_.averaging_s, &gravity_m_s2_}) {
-    exchange_not_negative(archive, *value);
-  }
-  exchange_bias(archive, imu_.rate_bias);
-  exchange_bias(archive, imu_.force_bias);
+  exchange_not_negative(archive, imu_.rate_std, imu_.force_std, imu_.period_s, imu_.averaging_s, gravity_m_s2_);
+  for (MatrixErrors& each : imu_.matrices) exchange_not_negative(archive, each.diagonal_std, each.other_std);
+  exchange_numbers(archive, imu_.body_from_imu);
+  exchange_bias(archive, imu_.rate_bias, imu_.force_bias);
   exchange_any(archive, imu_.rate_limit);
   exchange_any(archive, imu_.force_limit);
   require(imu_.averaging_s <= imu_.period_s, "state.averaging_s", imu_.averaging_s, "must be at most the period");

@@ -26,7 +26,7 @@ constexpr std::size_t kForgetFrom = 2048;  // number of processed events from wh
 }  // namespace
 
 NavigationFilter::NavigationFilter(const ImuErrors& imu, const Eigen::Vector3d& imu_body_m, double gravity_m_s2)
-    : inertial_(imu, gravity_m_s2), imu_body_m_(imu_body_m) {
+    : inertial_(imu, gravity_m_s2), imu_body_m_(imu_body_m), aid_biases_(inertial_.matrix_biases()) {
   require(imu.period_s > 0, "imu.period_s", imu.period_s, "must be positive");
   require(imu.averaging_s >= 0 && imu.averaging_s <= imu.period_s, "imu.averaging_s", imu.averaging_s,
           "must be from 0 to period_s");
@@ -37,7 +37,7 @@ int NavigationFilter::add_aid(std::unique_ptr<Aid> aid) {
   const std::vector<BiasModel> biases = aid->biases();
   require(aids_.size() < kMaxAids, "aids", aids_.size() + 1, "must be at most 8");
   require(kAidBias + aid_biases_.size() + biases.size() <= kMaxErrors, "errors",
-          kAidBias + aid_biases_.size() + biases.size(), "must be at most 48");
+          kAidBias + aid_biases_.size() + biases.size(), "must be at most 72");
   require(aid->width() <= kMaxReading, "reading", aid->width(), "must be of at most 8 values");
   aid->index = static_cast<int>(aids_.size());
   aid->first_bias = kAidBias + static_cast<int>(aid_biases_.size());

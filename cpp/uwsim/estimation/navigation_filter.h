@@ -32,7 +32,7 @@ class NavigationFilter {
  public:
   static constexpr double kHorizon_s = 4;
   /// Version of the bytes that save() returns, which are stored together with it.
-  static constexpr std::uint64_t kVersion = 8;
+  static constexpr std::uint64_t kVersion = 9;
 
   /// `imu_body_m`: position of the IMU on the body.
   NavigationFilter(const ImuErrors& imu, const Eigen::Vector3d& imu_body_m, double gravity_m_s2);
@@ -92,7 +92,6 @@ class NavigationFilter {
   void forget_all_but(std::size_t checkpoints_from);
   std::size_t last_before_horizon() const;
   void exchange(StateArchive& archive);
-  void collect_biases();
   void exchange_parameters(StateArchive& archive);
 
   Inertial inertial_;

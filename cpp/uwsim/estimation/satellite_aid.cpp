@@ -42,11 +42,8 @@ class SatelliteAid final : public Aid {
 
   void exchange_parameters(StateArchive& archive) override {
     exchange_numbers(archive, lever_);
-    for (double* std : {&errors_.horizontal_std_m, &errors_.vertical_std_m, &errors_.velocity_std_m_s}) {
-      exchange_not_negative(archive, *std);
-    }
-    exchange_bias(archive, errors_.horizontal_bias);
-    exchange_bias(archive, errors_.vertical_bias);
+    exchange_not_negative(archive, errors_.horizontal_std_m, errors_.vertical_std_m, errors_.velocity_std_m_s);
+    exchange_bias(archive, errors_.horizontal_bias, errors_.vertical_bias);
   }
 
  private:

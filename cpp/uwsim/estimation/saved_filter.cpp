@@ -6,30 +6,22 @@ namespace uwsim {
 namespace {
 
 void exchange_sample(StateArchive& archive, LastSample& sample) {
-  exchange_numbers(archive, sample.rate_rad_s);
-  exchange_numbers(archive, sample.force_m_s2);
+  exchange_numbers(archive, sample.rate_rad_s, sample.force_m_s2, sample.rate_slope_rad_s2);
   archive(sample.time_ns);
-  exchange_numbers(archive, sample.rate_slope_rad_s2);
   archive(sample.slope_s);
   archive(sample.guessed_s);
 }
 
 void exchange_state(StateArchive& archive, FilterState& state) {
   archive(state.time_ns);
-  exchange_numbers(archive, state.position_m);
-  exchange_numbers(archive, state.velocity_m_s);
-  exchange_numbers(archive, state.orientation.coeffs());
-  exchange_numbers(archive, state.rate_bias_rad_s);
-  exchange_numbers(archive, state.force_bias_m_s2);
-  exchange_numbers(archive, state.aid_bias);
-  exchange_numbers(archive, state.covariance);
+  exchange_numbers(archive, state.position_m, state.velocity_m_s, state.orientation.coeffs(), state.rate_bias_rad_s,
+                   state.force_bias_m_s2, state.aid_bias, state.covariance);
   exchange_sample(archive, state.sample);
   for (AidCounts& counts : state.counts) {
     archive(counts.accepted);
     archive(counts.rejected);
     archive(counts.in_a_row);
-    exchange_not_negative(archive, counts.noise_variance);
-    exchange_not_negative(archive, counts.level_variance);
+    exchange_not_negative(archive, counts.noise_variance, counts.level_variance);
   }
   archive(state.doubts);
   archive(state.doubted_ns);
@@ -63,16 +55,16 @@ void NavigationFilter::exchange(StateArchive& archive) {
 /// A restored filter uses the parameters in the saved state, regardless of those it was constructed with.
 void NavigationFilter::exchange_parameters(StateArchive& archive) {
   inertial_.exchange_parameters(archive);
-  for (const auto& aid : aids_) aid->exchange_parameters(archive);
-  collect_biases();
-}
-
-void NavigationFilter::collect_biases() {
-  aid_biases_.clear();
+  std::vector<BiasModel> biases = inertial_.matrix_biases();
   for (const auto& aid : aids_) {
-    const std::vector<BiasModel> biases = aid->biases();
-    aid_biases_.insert(aid_biases_.end(), biases.begin(), biases.end());
+    aid->exchange_parameters(archive);
+    require(kAidBias + biases.size() == static_cast<std::size_t>(aid->first_bias), "state.biases", biases.size(),
+            "must be as many as the filter's");
+    const std::vector<BiasModel> more = aid->biases();
+    biases.insert(biases.end(), more.begin(), more.end());
   }
+  require(biases.size() == aid_biases_.size(), "state.biases", biases.size(), "must be as many as the filter's");
+  aid_biases_ = std::move(biases);
 }
 
 std::string NavigationFilter::save() {

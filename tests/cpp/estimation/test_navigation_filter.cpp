@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kGravity = 9.80665;
 constexpr std::uint64_t kStep_ns = 5'000'000;
+const Eigen::MatrixX3d kBeams{{0.5, 0, -0.87}, {0, 0.5, -0.87}, {-0.5, 0, -0.87}, {0, -0.5, -0.87}};
 constexpr std::array<double, 6> kAtRest = {0, 0, 0, 0, 0, kGravity};
 
 FilterStart known(double position_std = 0, double velocity_std = 0, double attitude_std = 0) {
@@ -140,6 +141,29 @@ TEST(NavigationFilter, ATurnWithoutNoiseMakesNoVelocity) {
     EXPECT_LT(false_velocity(rate, {.imu_ahead_m = 0.3, .averaging_s = 0.005}), 1e-3)
         << name << ", the IMU 0.3 m ahead, its samples means";
   }
+}
+
+/// Errors of scale and alignment act as biases in proportion to what is measured: at rest, s g t^2 / 2 up and m g t^2 /
+/// 2 aside; of an IMU that is mounted at 45 degrees, two axes share the weight. A turn by w t errs by s w t.
+TEST(NavigationFilter, ErrorsOfScaleAndAlignmentGrowWithForceAndRate) {
+  constexpr double kScale = 0.01, kTilt = 0.002, kRate = 0.3, kTime = 20;
+  const auto std_of = [](const NavigationFilter& f, int k) { return std::sqrt(f.state().covariance(k, k)); };
+  const double way = kGravity * kTime * kTime / 2;
+  ImuErrors errors;
+  errors.matrices[2] = {kScale, kTilt};
+  EXPECT_NEAR(std_of(at_rest(errors, known(), kTime), kPosition + 2) / (kScale * way), 1, 1e-3);
+  EXPECT_NEAR(std_of(at_rest(errors, known(), kTime), kPosition) / (kTilt * way), 1, 1e-3);
+  errors.matrices[2] = {kScale, 0};
+  errors.body_from_imu = Eigen::AngleAxisd(EIGEN_PI / 4, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  EXPECT_NEAR(std_of(at_rest(errors, known(), kTime), kPosition + 2) / (kScale * way), std::sqrt(0.5), 1e-3);
+  ImuErrors gyroscope;
+  gyroscope.matrices[0] = {kScale, 0};
+  NavigationFilter turning(gyroscope, Eigen::Vector3d::Zero(), kGravity);
+  turning.start(known());
+  const std::array<double, 6> sample = {0, 0, kRate, 0, 0, kGravity};
+  for (std::uint64_t k = 1; k <= 4000; ++k) turning.add_imu(k * kStep_ns, sample.data());
+  turning.catch_up();
+  EXPECT_NEAR(std_of(turning, kAttitude + 2) / (kScale * kRate * kTime), 1, 1e-3);
 }
 
 /// If white noise of the accelerometer, with density s, is the only error, velocity is a random walk with standard
@@ -343,11 +367,9 @@ TEST(NavigationFilter, AShockBeyondTheLimitsIsNotBelieved) {
 
 /// Velocities that are known show how the log is mounted, and how its scale errs.
 TEST(NavigationFilter, AKnownVelocityShowsScaleAndMisalignment) {
-  Eigen::MatrixX3d beams(4, 3);
-  beams << 0.5, 0, -0.87, 0, 0.5, -0.87, -0.5, 0, -0.87, 0, -0.5, -0.87;
   NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
   const int dvl = filter.add_aid(
-      doppler_aid(beams, Eigen::Vector3d::Zero(),
+      doppler_aid(kBeams, Eigen::Vector3d::Zero(),
                   {.std = 0.001, .scale = {.turn_on_std = 0.05}, .misalignment = {.turn_on_std = 0.05}}));
   const int first = filter.first_bias(dvl) - kAidBias;
   FilterStart start = known(0.01, 1e-5, 1e-5);
@@ -356,7 +378,7 @@ TEST(NavigationFilter, AKnownVelocityShowsScaleAndMisalignment) {
   const double scale = 0.02;
   const Eigen::Vector3d turn(0, 0, 0.03);
   const Eigen::Vector4d along =
-      (1 + scale) * (beams * (start.velocity_world_m_s + start.velocity_world_m_s.cross(turn)));
+      (1 + scale) * (kBeams * (start.velocity_world_m_s + start.velocity_world_m_s.cross(turn)));
   for (std::uint64_t k = 1; k <= 200; ++k) {
     filter.add_imu(k * kStep_ns, kAtRest.data());
     if (k % 20 == 0) filter.add_reading(dvl, k * kStep_ns, k * kStep_ns, along.data());
@@ -368,10 +390,8 @@ TEST(NavigationFilter, AKnownVelocityShowsScaleAndMisalignment) {
 
 /// The velocity error lies between the beams, so only two of the four beams observe it.
 TEST(NavigationFilter, AnErrorThatHalfTheBeamsSeeMakesItDoubt) {
-  Eigen::MatrixX3d beams(4, 3);
-  beams << 0.5, 0, -0.87, 0, 0.5, -0.87, -0.5, 0, -0.87, 0, -0.5, -0.87;
   NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
-  const int dvl = filter.add_aid(doppler_aid(beams, Eigen::Vector3d::Zero(), {.std = 0.01}));
+  const int dvl = filter.add_aid(doppler_aid(kBeams, Eigen::Vector3d::Zero(), {.std = 0.01}));
   filter.start(known(0.01, 0.01, 0));
   // at 2 m/s, while the filter estimates that it is at rest
   const std::array<double, 4> ahead = {0.5 * 2, 0, -0.5 * 2, 0};
@@ -385,10 +405,8 @@ TEST(NavigationFilter, AnErrorThatHalfTheBeamsSeeMakesItDoubt) {
 
 /// One bad beam of four is rejected permanently.
 TEST(NavigationFilter, OneBadBeamMakesItNotDoubt) {
-  Eigen::MatrixX3d beams(4, 3);
-  beams << 0.5, 0, -0.87, 0, 0.5, -0.87, -0.5, 0, -0.87, 0, -0.5, -0.87;
   NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
-  const int dvl = filter.add_aid(doppler_aid(beams, Eigen::Vector3d::Zero(), {.std = 0.01}));
+  const int dvl = filter.add_aid(doppler_aid(kBeams, Eigen::Vector3d::Zero(), {.std = 0.01}));
   filter.start(known(0.01, 0.01, 0));
   const std::array<double, 4> bad = {1, 0, 0, 0};
   for (std::uint64_t k = 1; k <= 400; ++k) {
@@ -398,6 +416,19 @@ TEST(NavigationFilter, OneBadBeamMakesItNotDoubt) {
   filter.catch_up();
   EXPECT_LT(filter.state().velocity_m_s.norm(), 0.01);
   EXPECT_EQ(filter.state().doubts, 0U);
+}
+
+/// Two filters have as many errors, but one has a scale of its DVL, the other of its fixes.
+TEST(NavigationFilter, AStateOfOtherBiasesIsRefused) {
+  const auto filter = [](double doppler_scale, double fix_scale) {
+    NavigationFilter made({}, Eigen::Vector3d::Zero(), kGravity);
+    made.add_aid(doppler_aid(Eigen::MatrixX3d::Identity(3, 3), {0, 0, 0}, {.std = 1, .scale = {doppler_scale}}));
+    made.add_aid(acoustic_fix_aid({0, 0, 0}, {.range_std_m = 1, .scale = {fix_scale}}));
+    made.start(known());
+    return made;
+  };
+  EXPECT_NO_THROW(filter(1, 0).restore(filter(2, 0).save()));
+  EXPECT_THROW(filter(1, 0).restore(filter(0, 1).save()), InvalidValue);
 }
 
 }  // namespace

@@ -125,7 +125,7 @@ def fly(sim: Simulator, place: Place, seed: int, begin_peer: BeginPeer | None = 
     way_m, before = 0.0, sim.rov.pose.position_world_m
     for leg in range(LEGS):
         if leg == LEGS // 2:
-            sim.parameters.update({f"rov.sensors.{name}.on": False for name in place.lost})
+            sim.parameters.update({f"rov.sensors.{name}.on": False for name in place.lost if name in sim.rov.sensors})
         sim.rov.set_effort(*(LARGEST_EFFORTS * draws.uniform(-1.0, 1.0, 6) * driven))
         sim.advance(LEG_S)
         way_m += float(np.linalg.norm((after := sim.rov.pose.position_world_m) - before))

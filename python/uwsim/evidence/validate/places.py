@@ -32,6 +32,17 @@ AS_MOUNTED = {
 """Assumed: a DVL of 0.3 % (Teledyne RDI: 0.2 to 0.6 %) and a USBL of 0.3 %, within 0.6 deg, before a calibration."""
 ON_A_SHIP = {"usbl": {"station": Noise(std=0.05, turn_on_std=0.3), "bearing": Noise(std=0.005, turn_on_std=0.002)}}
 """Assumed: a receiver with differential corrections, and an attitude within 0.1 deg."""
+CALIBRATED, AS_SOLD = (
+    {
+        "imu": {
+            "gyro_scale": (size, -size, size),
+            "accelerometer_scale": (-size, size, -size),
+            "gyro_misalignment_rad": (angle_rad, angle_rad, -angle_rad, angle_rad, -angle_rad, -angle_rad),
+        }
+    }
+    for size, angle_rad in ((0.003, 0.002), (0.01, 0.01))
+)
+"""Assumed: an IMU of 0.3 % and 2 mrad, as after a calibration, and one of 1 % and 10 mrad, as sold."""
 POLAR = {"compass": {"field_ut": (55.0,), "inclination_deg": (83.0,)}}
 """Assumed, of the order of the earth's field at 80 degrees north, 20 degrees east."""
 BY_GYRO = {
@@ -130,6 +141,9 @@ PLACES = {
     "DVL and USBL as mounted": Place(20.0, settings=AS_MOUNTED),
     "a ship's USBL": Place(20.0, settings=ON_A_SHIP, ship=True),
     "a keel's shade, half of the time without DVL": Place(10.0, lost=("dvl",)),
+    "the second half without DVL and USBL": Place(20.0, lost=("dvl", "usbl"), vehicles=WITH_GAUGE),
+    "the same, an IMU of 0.3 %": Place(20.0, settings=CALIBRATED, lost=("dvl", "usbl")),
+    "the same, an IMU of 1 %": Place(20.0, settings=AS_SOLD, lost=("dvl", "usbl")),
     "80 degrees north, by compass": Place(20.0, settings=POLAR),
     "80 degrees north, by gyrocompass": Place(20.0, settings=POLAR, added=BY_GYRO),
 }

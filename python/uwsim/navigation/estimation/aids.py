@@ -207,7 +207,7 @@ def north_rad(compass: InstrumentLike) -> float:
     return 0.5 * math.pi - math.radians(compass.spec.parameters.get("declination_deg", [0.0])[0])
 
 
-class Gyrocompass:
+class Gyrocompass(Compass):
     """A gyrocompass, whose errors grow as the secant of the latitude. It has no iron, and points to true north."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
@@ -224,10 +224,6 @@ class Gyrocompass:
     def terms(self, sensor: InstrumentLike, around: Surroundings) -> dict[str, int]:
         """See Aid."""
         return {"drift": 1}
-
-    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
-        """See Aid."""
-        return samples.valid, north_rad(sensor) - samples.readings
 
 
 class AcousticFix:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from uwsim import _core
 from uwsim.navigation.estimation.protocols import InstrumentLike
 
@@ -60,6 +63,26 @@ def bias_model(
         drift_time_s=time_s if drift_std > 0 else 0.0,
         walk=math.hypot(noise.walk * unit, walk),
     )
+
+
+def rms(values: NDArray[np.float64]) -> float:
+    """Return the root of the mean square."""
+    return math.sqrt(np.mean(np.square(values)))
+
+
+def matrix_stds(imu: InstrumentLike) -> dict[str, tuple[float, float]]:
+    """Return the rms of the elements on and off the diagonal of an IMU's error matrices, by their names in the filter.
+
+    Of these errors, as of a compass's own field, only the strength is known.
+    """
+    stated = {name: np.asarray(values) for name, values in imu.spec.parameters.items()}
+    by_force = stated["gyro_g_sensitivity"]
+    matrices = {
+        "gyroscope_scale": (stated["gyro_scale"], stated["gyro_misalignment_rad"]),
+        "gyroscope_by_force": (by_force[::4], np.delete(by_force, [0, 4, 8])),
+        "accelerometer_scale": (stated["accelerometer_scale"], stated["accelerometer_misalignment_rad"]),
+    }
+    return {name: (rms(on), rms(off)) for name, (on, off) in matrices.items()}
 
 
 def whole_std(sensor: InstrumentLike, channel: str) -> float:

@@ -29,7 +29,7 @@ from uwsim.navigation.estimation.aids import (
     north_rad,
 )
 from uwsim.navigation.estimation.budget import position_budget
-from uwsim.navigation.estimation.errors import bias_model, limit, white_std, whole_std
+from uwsim.navigation.estimation.errors import bias_model, limit, matrix_stds, white_std, whole_std
 from uwsim.navigation.estimation.protocols import Instrumented, InstrumentLike, StreamLike
 from uwsim.navigation.estimation.saved import HeldState, NavigatorState
 from uwsim.navigation.estimation.start import Start
@@ -108,6 +108,7 @@ class Navigator(Attached):
             sound_m_s,
         )
         self._body_from_imu = body_from_sensor(self._imu).as_matrix()
+        self._matrices = matrix_stds(self._imu)
         self._filter = _core.NavigationFilter(
             imu_body_m=self._around.imu_body_m,
             gravity_m_s2=gravity_m_s2,
@@ -119,6 +120,8 @@ class Navigator(Attached):
             rate_limit=limit(self._imu, "angular_velocity"),
             force_limit=limit(self._imu, "linear_acceleration"),
             averaging_s=getattr(self._imu, "averaging_s", 0.0),
+            body_from_imu=self._body_from_imu,
+            **self._matrices,
         )
         self._indices = {
             name: AIDS[sensor.kind].add_to(self._filter, sensor, self._around) for name, sensor in self._aids.items()
@@ -321,6 +324,8 @@ class Navigator(Attached):
         """
         with self._lock:
             terms = {"imu.gyroscope": slice(9, 12), "imu.accelerometer": slice(12, 15)}
+            for name in (name for name, stds in self._matrices.items() if any(stds)):
+                terms[f"imu.{name}"] = slice(before := 9 * len(terms) - 3, before + 9)
             for name, index in self._indices.items():
                 first = self._filter.first_bias(index)
                 for term, number in AIDS[self._aids[name].kind].terms(self._aids[name], self._around).items():
