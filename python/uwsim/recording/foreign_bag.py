@@ -6,9 +6,11 @@ rotations along the shorter arc; static transforms hold at any time.
 
 from __future__ import annotations
 
+import tempfile
 from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,6 +22,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from uwsim.channels.ros import build
 from uwsim.mapping import OccupancyMap, ranging
 from uwsim.recording.reader import NOT_OURS, Recording
+from uwsim.scenario.read.contained import run_contained
 
 Floats = NDArray[np.float64]
 TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
@@ -96,17 +99,35 @@ def map_from_bag(path: Path, *, topic: str | None, frame: str | None, voxel_m: f
     topic: by default that of most messages. frame: in which the map is, by default the one at the root of the cloud's
     transforms. Raises ValueError or OSError.
     """
-    from rosbags.highlevel import AnyReader, AnyReaderError
+    made = run_contained(Path(__file__), "rosbags", str(path), topic, frame, voxel_m, reads=[path])
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "map.ot"
+        file.write_bytes(made["map"].tobytes())
+        return FromBag(OccupancyMap.read(file), int(made["scans"]), made["notes"].tolist())
+
+
+def read(path: str, topic: str | None, frame: str | None, voxel_m: float) -> dict[str, NDArray[Any]]:
+    """Return the map, its number of scans, and the notes: the script of a contained process."""
+    with opened_bag(Path(path)) as bag:
+        return _read(bag, Path(path), topic, frame, voxel_m)
+
+
+@contextmanager
+def opened_bag(path: Path) -> Iterator[Any]:
+    """Open a bag by rosbags, which raises errors of many types for a damaged one. Raises ValueError, OSError."""
+    from rosbags.highlevel import AnyReader
     from rosbags.typesys import Stores, get_typestore
 
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as bag:
-            return _read(bag, path, topic, frame, voxel_m)
-    except AnyReaderError as error:
-        raise ValueError(f"'{path}': is no bag that can be read: {' '.join(str(error).split())}") from None
+            yield bag
+    except (OSError, ValueError, MemoryError):
+        raise
+    except Exception as error:
+        raise ValueError(f"'{path}': is no bag that can be read: {type(error).__name__}: {error!s:.100}") from None
 
 
-def _read(bag: Any, path: Path, topic: str | None, frame: str | None, voxel_m: float) -> FromBag:
+def _read(bag: Any, path: Path, topic: str | None, frame: str | None, voxel_m: float) -> dict[str, NDArray[Any]]:
     counts = {each.topic: each.msgcount for each in bag.connections if each.msgtype in POINTS_OF}
     if not counts:
         kinds = ", ".join(sorted({each.msgtype for each in bag.connections})) or "none"
@@ -136,7 +157,8 @@ def _read(bag: Any, path: Path, topic: str | None, frame: str | None, voxel_m: f
     notes += [f"left out: {count} of {counts[chosen]} messages: {why}" for why, count in dropped.items()]
     if not scans:
         raise ValueError(f"'{path}': no message of {chosen} can be placed: {next(iter(dropped), 'it has none')}")
-    return FromBag(occupancy, scans, notes)
+    octree = np.frombuffer(occupancy.to_bytes("ot"), np.uint8)
+    return {"map": octree, "scans": np.array(scans), "notes": np.array(notes, str)}
 
 
 def _messages(bag: Any, *topics: str) -> Iterator[tuple[Any, str]]:
@@ -170,9 +192,7 @@ def _links(bag: Any) -> dict[str, Link]:
 
 def _root(links: dict[str, Link], frame: str) -> str:
     for _ in range(LEVELS_MAX):
-        if frame not in links:
-            break
-        frame = links[frame].parent
+        frame = links[frame].parent if frame in links else frame
     return frame
 
 
@@ -197,17 +217,11 @@ def _cloud(message: Any) -> NDArray[np.float32] | None:
     if not all(axis in fields and fields[axis].datatype in FLOATS for axis in "xyz"):
         return None
     order = ">" if message.is_bigendian else "<"
-    layout = np.dtype(
-        {
-            "names": list("xyz"),
-            "offsets": [fields[axis].offset for axis in "xyz"],
-            "formats": [order + FLOATS[fields[axis].datatype] for axis in "xyz"],
-            "itemsize": message.point_step,
-        }
-    )
+    places = [(fields[axis].offset, order + FLOATS[fields[axis].datatype]) for axis in "xyz"]
+    offsets, formats = zip(*places, strict=True)
+    layout = np.dtype({"names": [*"xyz"], "offsets": offsets, "formats": formats, "itemsize": message.point_step})
     rows = np.frombuffer(bytes(message.data), np.uint8).reshape(message.height, -1)
-    rows = np.ascontiguousarray(rows[:, : message.width * message.point_step])
-    found = np.frombuffer(rows.tobytes(), layout)
+    found = np.frombuffer(rows[:, : message.width * message.point_step].tobytes(), layout)
     points = np.column_stack([found[axis] for axis in "xyz"]).astype(np.float32)
     return points[np.isfinite(points).all(axis=1)]
 

@@ -10,33 +10,31 @@ from uwsim.scenario.read import contained
 SCRIPT = """
 import ctypes, os, resource, signal, socket, subprocess, sys, tempfile, threading, time
 def read(words, given, other):
-    return repr(eval(words)).encode()
+    return {'answer': repr(eval(words))}
 """
 
 
-def run(folder: Path, words: str, memory_bytes: int = 200_000_000, cpu_s: int = 2) -> bytes:
+def run(folder: Path, words: str, cpu_s: int = 2) -> str:
     for name, text in (("script.py", SCRIPT), ("given", "ours"), ("other", "secret")):
         (folder / name).write_text(text)
     given, other = folder / "given", folder / "other"
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # of a kernel without Landlock or seccomp, which the tests need
-        script = folder / "script.py"
-        return contained.run_contained(
-            script, "it", words, str(given), str(other), reads=[given], memory_bytes=memory_bytes, cpu_s=cpu_s
-        )
+        script, paths = folder / "script.py", (str(given), str(other))
+        return str(contained.run_contained(script, "it", words, *paths, reads=[given], cpu_s=cpu_s)["answer"])
 
 
 @pytest.mark.parametrize(
     "words, answer",
     [
-        ("open(given).read()", b"'ours'"),
-        ("open(tempfile.mkstemp()[1], 'w').write('x')", b"1"),
-        ("threading.Thread(target=print).start()", b"None"),
-        ("os.environ.get('HOME'), os.environ.get('PATH')", b"(None, None)"),
-        ("__import__('scipy.spatial').__name__", b"'scipy'"),
+        ("open(given).read()", "'ours'"),
+        ("open(tempfile.mkstemp()[1], 'w').write('x')", "1"),
+        ("threading.Thread(target=print).start()", "None"),
+        ("os.environ.get('HOME'), os.environ.get('PATH')", "(None, None)"),
+        ("__import__('scipy.spatial').__name__", "'scipy'"),
     ],
 )
-def test_a_reader_has_what_it_needs(words: str, answer: bytes, tmp_path: Path) -> None:
+def test_a_reader_has_what_it_needs(words: str, answer: str, tmp_path: Path) -> None:
     assert run(tmp_path, words) == answer
 
 
@@ -80,5 +78,6 @@ def test_memory_time_and_files_are_bounded(
     words: str, rule: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(contained, "WALL_PER_CPU_S", 2)
+    monkeypatch.setattr(contained, "MEMORY_BYTES", 200_000_000)
     with pytest.raises(ValueError, match=rule):
         run(tmp_path, words, cpu_s=1)

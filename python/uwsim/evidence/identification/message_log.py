@@ -80,7 +80,7 @@ class MessageLog:
         """Yield topic, time [s] and message. For None, yield all topics without their messages. Raises ValueError."""
         try:
             yield from self._decoded(topic)
-        except (OSError, ValueError):
+        except (OSError, ValueError, MemoryError):
             raise
         except Exception as error:  # the libraries raise errors of many types for a damaged file
             raise ValueError(f"{self.path}: is damaged: {type(error).__name__}: {error!s:.100}") from None

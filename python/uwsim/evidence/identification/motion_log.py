@@ -6,6 +6,7 @@ as `/odom:pose.pose.position.x` or `/telemetry:efforts[0]`.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -15,12 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from uwsim.base.extras import need_extra
 from uwsim.base.texts.csv_table import read_csv
+from uwsim.base.texts.json_text import json_object
 from uwsim.evidence.identification.message_log import COMMANDS, MessageLog
 from uwsim.recording.foreign_bag import foreign_bag
 from uwsim.recording.real_flights.motion import MotionLog, motion_of, sampled
 from uwsim.recording.real_flights.read import read_flight
 from uwsim.scenario import VehicleModel
+from uwsim.scenario.read.contained import run_contained
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.read.yaml_file import read_yaml
 from uwsim.scenario.spec.fields import InRange, Model, broken
@@ -79,10 +83,20 @@ def read_log(path: str | Path, mapping: Mapping | None = None, vehicle: str = ""
         if mapping is None or mapping.time_s is None:
             raise ValueError(f"{path}: a table needs a mapping file (--map) with time_s, or --columns")
         return _checked(path, _from_series(mapping, _table(path, mapping), is_sampled=True))
-    messages = MessageLog(path)
-    if mapping is None:
-        mapping = own_mapping(messages, vehicle)
-    return _checked(path, _from_series(mapping, messages.series, is_sampled=False))
+    need_extra("rosbags", "ros", f"{path}: a log of messages")
+    chosen = None if mapping is None else mapping.model_dump(mode="json")
+    made: dict[str, Any] = run_contained(Path(__file__), "rosbags", str(path), chosen, vehicle, reads=[path])
+    noise = json_object(made.pop("noise").tobytes(), str(path))
+    return _checked(path, MotionLog(**made, noise={name: float(str(value)) for name, value in noise.items()}))
+
+
+def read(path: str, mapping: dict[str, Any] | None, vehicle: str) -> dict[str, Any]:
+    """Return the fields of a log of messages: the script of a contained process."""
+    messages = MessageLog(Path(path))
+    chosen = own_mapping(messages, vehicle) if mapping is None else Mapping.model_validate(mapping)
+    made = dict(vars(_from_series(chosen, messages.series, is_sampled=False)))
+    noise = np.frombuffer(json.dumps(made.pop("noise")).encode(), np.uint8)
+    return {**{name: each for name, each in made.items() if name != "thrusters"}, "noise": noise}
 
 
 def read_flown(

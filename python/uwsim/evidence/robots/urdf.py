@@ -6,7 +6,6 @@ Sources: ROS, "URDF XML specification"; UUV Simulator, documentation and sources
 
 from __future__ import annotations
 
-import json
 import re
 import resource
 from collections.abc import Mapping
@@ -24,14 +23,13 @@ from uwsim.evidence.robots.systems import DENSITY_KG_M3, put_plugins
 from uwsim.evidence.robots.uuv_plugins import MOST
 from uwsim.evidence.robots.xacro_process import UNKNOWN
 from uwsim.evidence.robots.xml_file import HERE, Element, Pose, read_xml
-from uwsim.scenario.read.contained import run_contained
+from uwsim.scenario.read.contained import CPU_S, run_contained
 
 XACRO = b"ros.org/wiki/xacro"
 """In a document with macros."""
 SWITCH = re.compile("sim|gazebo|gz|hydro|plugin", re.IGNORECASE)
 """Arguments that switch a simulator's plugins on."""
 EXPANDER = Path(__file__).with_name("xacro_process.py")
-MEMORY_BYTES, CPU_S = 1_000_000_000, 8
 FIND, LOST = re.compile(rb"\$\(find\s+(\w[\w-]*)\)"), re.compile(UNKNOWN.encode() + rb"(\w[\w-]*)")
 
 
@@ -99,10 +97,11 @@ def expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
             if folder is not None and (folder.is_relative_to(root) or (folder / MANIFEST).is_file()):
                 packages[name] = str(folder)
         roots = [str(root), *packages.values()]
-        settings = json.dumps({"roots": roots, "packages": packages, "arguments": dict(arguments)})
-        limits = {"memory_bytes": MEMORY_BYTES, "cpu_s": max(1, CPU_S - round(_children_s() - begun_s))}
+        settings = {"roots": roots, "packages": packages, "arguments": dict(arguments)}
+        reads, cpu_s = [path, *map(Path, roots)], max(1, CPU_S - round(_children_s() - begun_s))
         try:
-            made = run_contained(EXPANDER, "xacro", str(path), settings, reads=[path, *map(Path, roots)], **limits)
+            found = run_contained(EXPANDER, "xacro", str(path), settings, reads=reads, cpu_s=cpu_s)
+            made = found["document"].tobytes()
         except ValueError as refusal:
             made, error = str(refusal).encode(), refusal
         names, seen = set(LOST.findall(made)), names

@@ -9,7 +9,9 @@ from types import ModuleType, SimpleNamespace
 from typing import Any
 from xml.dom import minidom
 
-from uwsim.base.texts.json_text import json_value
+import numpy as np
+from numpy.typing import NDArray
+
 from uwsim.base.texts.text_file import decoded, read_limited
 from uwsim.base.texts.xml_text import xml_root
 from uwsim.evidence.robots.expressions import value_of
@@ -21,12 +23,11 @@ LEFT_OUT = ("type", "vars", "complex", "slice", "hash")
 """Functions of xacro that no robot needs, and that lead from values to classes."""
 
 
-def read(path: str, settings: str) -> bytes:
+def read(path: str, given: dict[str, Any]) -> dict[str, NDArray[np.uint8]]:
     """Return the document of a file after its macros.
 
-    settings: JSON of its `roots`, the folders that it may read, the folders of `packages` and its `arguments`, by name.
+    given: its `roots`, the folders that it may read, the folders of `packages` and its `arguments`, by name.
     """
-    given: Any = json_value(settings.encode(), "settings")
     roots = [Path(each) for each in given["roots"]]
 
     def find(name: str) -> str:
@@ -74,7 +75,8 @@ def read(path: str, settings: str) -> bytes:
     xacro.open = lambda name: io.StringIO(decoded(content(name), f"'{name}'", "YAML"))
     xacro.glob = SimpleNamespace(glob=lambda name: [str(each) for root in roots for each in _matches(root, name)])
     substitution_args._eval, substitution_args._env = evaluated_argument, refused
-    return str(xacro.process_file(path, mappings=given["arguments"]).toxml()).encode()
+    made = str(xacro.process_file(path, mappings=given["arguments"]).toxml()).encode()
+    return {"document": np.frombuffer(made, np.uint8)}
 
 
 def _matches(root: Path, name: str) -> list[Path]:

@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uwsim.base.extras import need_extra
 from uwsim.channels.ros import build
-from uwsim.recording.foreign_bag import METADATA, foreign_bag
+from uwsim.recording.foreign_bag import METADATA, foreign_bag, opened_bag
 from uwsim.recording.real_flights.flight_log import MOST_ROWS, QUANTITIES, Array, FlightLog, Series, series_of
+from uwsim.scenario.read.contained import run_contained
 
 KIND = "a ROS bag"
 MAGICS = (b"#ROSBAG V2.0", b"SQLite format 3", b"\x89MCAP0")
@@ -43,6 +45,8 @@ def _depth_m(message: Any) -> list[float]:
     return [(message.fluid_pressure - AIR_PA) / (STANDARD_DENSITY * GRAVITY_M_S2)]
 
 
+OF_IMU = "the IMU's axes are the body's, and its gyro has no bias"
+OF_PRESSURE = f"{STANDARD_DENSITY:g} kg/m3 of water under {AIR_PA:g} Pa of air"
 THRUSTERS = ("thruster", "motor", "propeller", "setpoint/pwm", "servo", "actuator")
 READS = (
     Read("attitude", "nav_msgs/msg/Odometry", lambda m: _xyzw(m.pose.pose.orientation), "pose.pose.orientation"),
@@ -52,22 +56,8 @@ READS = (
     Read("position", "geometry_msgs/msg/PoseStamped", lambda m: _xyz(m.pose.position), "pose.position [m]"),
     Read("body velocity", "nav_msgs/msg/Odometry", lambda m: _xyz(m.twist.twist.linear), "twist.twist.linear [m/s]"),
     Read("rates", "nav_msgs/msg/Odometry", lambda m: _xyz(m.twist.twist.angular), "twist.twist.angular [rad/s]"),
-    Read(
-        "rates",
-        "sensor_msgs/msg/Imu",
-        lambda m: _xyz(m.angular_velocity),
-        "angular_velocity [rad/s]",
-        (),
-        "the IMU's axes are the body's, and its gyro has no bias",
-    ),
-    Read(
-        "depth",
-        "sensor_msgs/msg/FluidPressure",
-        _depth_m,
-        "fluid_pressure [Pa]",
-        (),
-        f"{STANDARD_DENSITY:g} kg/m3 of water under {AIR_PA:g} Pa of air",
-    ),
+    Read("rates", "sensor_msgs/msg/Imu", lambda m: _xyz(m.angular_velocity), "angular_velocity [rad/s]", (), OF_IMU),
+    Read("depth", "sensor_msgs/msg/FluidPressure", _depth_m, "fluid_pressure [Pa]", (), OF_PRESSURE),
     Read("outputs", "mavros_msgs/msg/RCOut", lambda m: [float(v) for v in m.channels], "channels [us]"),
     *(
         Read("thrusters", f"std_msgs/msg/{kind}MultiArray", lambda m: [float(v) for v in m.data], "data", THRUSTERS)
@@ -84,21 +74,23 @@ def is_bag(path: Path, head: bytes) -> bool:
 def read_bag(path: Path) -> FlightLog:
     """Read a bag. Raises OSError, or ValueError."""
     need_extra("rosbags", "ros", f"{path}: {KIND}")
-    from rosbags.highlevel import AnyReader, AnyReaderError
-    from rosbags.typesys import Stores, get_typestore
-
     bag = foreign_bag(path)
     if bag is None:
         raise ValueError(f"{path}: a recording of uwsim: `uwsim replay` repeats it, `uwsim vehicle identify` reads it")
-    try:
-        with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as opened:
-            return _read(opened, path)
-    except AnyReaderError as error:
-        raise ValueError(f"{path}: is no bag that can be read: {' '.join(str(error).split())}") from None
-    except (OSError, ValueError):
-        raise
-    except Exception as error:  # the library raises errors of many types for a damaged file
-        raise ValueError(f"{path}: {KIND}: is damaged: {type(error).__name__}: {error!s:.100}") from None
+    made = run_contained(Path(__file__), "rosbags", str(bag), reads=[bag])
+    sources, assumed = made.pop("sources"), made.pop("assumed")
+    tables = zip(made.items(), sources.tolist(), strict=True)
+    series = {name: Series(rows[:, 0], rows[:, 1:], source) for (name, rows), source in tables}
+    return FlightLog(path, KIND, series, assumed=tuple(assumed.tolist()))
+
+
+def read(path: str) -> dict[str, NDArray[Any]]:
+    """Return a table of times and values by quantity, their sources, and what is assumed: a contained process's."""
+    with opened_bag(Path(path)) as bag:
+        log = _read(bag, Path(path))
+    tables = {name: np.column_stack([each.times_s, each.values]) for name, each in log.series.items()}
+    sources = [each.source for each in log.series.values()]
+    return {**tables, "sources": np.array(sources, str), "assumed": np.array(log.assumed, str)}
 
 
 def _read(bag: Any, path: Path) -> FlightLog:

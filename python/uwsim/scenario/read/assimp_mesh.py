@@ -9,13 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.extras import need_extra
-from uwsim.base.npz import read_npz
 from uwsim.scenario.read.contained import run_contained
 
 READER = Path(__file__).with_name("assimp_process.py")
-MEMORY_BYTES, MEMORY_PER_BYTE = 2_000_000_000, 20
-CPU_S, CPU_S_PER_BYTE, STEP_CPU_S_PER_BYTE = 8, 1e-6, 1e-5
-"""Limits for a small file, and the allowance per byte of a larger one. A BlueROV2 mesh of 5 MB takes a second."""
+CPU_S_PER_BYTE, STEP_CPU_S_PER_BYTE = 1e-6, 1e-5
 STEP_SUFFIXES = (".step", ".stp")
 """Exact surfaces, which become triangles while they are read."""
 
@@ -48,11 +45,7 @@ def nodes_by_assimp(path: Path) -> list[NodeMesh]:
     """Return the meshes of all nodes in a file. Raises ValueError with the reason, or ImportError."""
     step = path.suffix.lower() in STEP_SUFFIXES
     need_extra(*(("cascadio", "step") if step else ("assimp_py", "meshes")), "this format")
-    size = path.stat().st_size
-    cpu_s = CPU_S + round((STEP_CPU_S_PER_BYTE if step else CPU_S_PER_BYTE) * size)
-    reader = "OpenCASCADE" if step else "assimp"
-    memory_bytes = MEMORY_BYTES + MEMORY_PER_BYTE * size
-    made = run_contained(READER, reader, str(path), reads=[path], memory_bytes=memory_bytes, cpu_s=cpu_s)
-    arrays = read_npz(made, memory_bytes)
+    reader, per_byte = ("OpenCASCADE", STEP_CPU_S_PER_BYTE) if step else ("assimp", CPU_S_PER_BYTE)
+    arrays = run_contained(READER, reader, str(path), reads=[path], cpu_s_per_byte=per_byte)
     parts = [arrays[name] for name in arrays if name != "names"]
     return [NodeMesh(name, *parts[4 * k : 4 * k + 4]) for k, name in enumerate(arrays["names"].tolist())]

@@ -25,7 +25,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+MEMORY_BYTES, MEMORY_PER_BYTE, CPU_S = 2_000_000_000, 20, 8
+"""Limits for a small file, and the allowance per byte of a larger one. A BlueROV2 mesh of 5 MB takes a second."""
 WALL_PER_CPU_S = 10
 """Seconds that a process may last for each that it may compute: it shares the machine, or waits in vain."""
 LIBRARIES = (sys.prefix, sys.base_prefix, str(Path(__file__).parents[2]), "/usr", "/lib", "/lib64", "/etc/ld.so.cache")
@@ -39,17 +42,22 @@ CLONE_THREAD, EQUAL_MASKED, NOT_EQUAL, TSYNC, ALLOW, ERRNO = 0x10000, 7, 1, 4, 0
 
 
 def run_contained(
-    script: Path, reader: str, *arguments: Any, reads: Sequence[Path], memory_bytes: int, cpu_s: int
-) -> bytes:
-    """Return what `read` of a script returns for arguments in JSON: bytes, or arrays by name as .npz.
+    script: Path, reader: str, *arguments: Any, reads: Sequence[Path], cpu_s: int = CPU_S, cpu_s_per_byte: float = 1e-6
+) -> dict[str, NDArray[Any]]:
+    """Return the arrays by name that `read` of a script returns for arguments in JSON.
 
-    reader: the library that it uses, for messages. reads: the files and folders that it needs. memory_bytes: beyond
-    what its libraries take. Raises ValueError with the reason if it failed, OSError for what is no regular file.
+    reader: the library that it uses, for messages. reads: the files and folders that it needs, that of most bytes
+    first. cpu_s, cpu_s_per_byte: the processor time that it may take. Raises ValueError with the reason if it failed,
+    OSError for what is no regular file.
     """
+    from uwsim.base.npz import read_npz
     from uwsim.base.texts.text_file import require_regular
 
-    for path in reads:
+    files = [each for each in reads[0].iterdir() if not each.is_dir()] if reads[0].is_dir() else [reads[0]]
+    for path in files:
         require_regular(path)
+    size = sum(path.stat().st_size for path in files)
+    memory_bytes, cpu_s = MEMORY_BYTES + MEMORY_PER_BYTE * size, cpu_s + round(cpu_s_per_byte * size)
     with tempfile.TemporaryDirectory() as folder:
         own = Path(folder)
         asked = json.dumps([str(script), arguments, [*map(str, reads)], folder, memory_bytes, cpu_s])
@@ -74,7 +82,7 @@ def run_contained(
         raise ValueError(f"{reader} crashed on it ({signal.Signals(-code).name})")
     if code:
         raise ValueError(lines[-1] if lines else f"{reader} gave up")
-    return made
+    return read_npz(made, memory_bytes)
 
 
 def _lock_files(reads: Sequence[str], folder: str) -> bool:
@@ -156,11 +164,8 @@ def main() -> None:
     if lacking := [name for name, locked in locks.items() if not locked]:
         Path(folder, "lacking").write_text(" and ".join(lacking))
     try:
-        made = module.read(*arguments)
-        if not isinstance(made, bytes):
-            np.savez(content := io.BytesIO(), **made)
-            made = content.getvalue()
-        out.write(made)
+        np.savez(content := io.BytesIO(), **module.read(*arguments))
+        out.write(content.getvalue())
         out.close()
     except MemoryError:
         sys.exit(f"takes more than {memory_bytes / 1e9:.1f} GB to read")

@@ -26,8 +26,8 @@ CHUNK_BYTES = 64_000_000
 """The largest chunk of a dataset that is smaller: it is unpacked whole."""
 TEXTS = 1000
 """The most texts of any length in a dataset: each may be the same long one."""
-PROCESS, PROCESS_BYTES, PROCESS_CPU_S = Path(__file__).with_name("hdf5_process.py"), 2_000_000_000, 5
-"""The process that reads texts first, and its limits."""
+PROCESS, PROCESS_CPU_S = Path(__file__).with_name("hdf5_process.py"), 5
+"""The process that reads texts first, and its processor time."""
 SHUFFLE, FLETCHER32 = 2, 3
 """HDF5's numbers of the filters that do not compress."""
 
@@ -95,10 +95,9 @@ class InsideHdf5:
 
     def _require_texts(self, path: str, attributes: Iterable[str] = ()) -> None:
         """Raise Hdf5Error if a process with limits cannot read texts: of some, the library would never return."""
-        limits = {"memory_bytes": PROCESS_BYTES, "cpu_s": PROCESS_CPU_S}
-        asked = str(self._path), path, "\n".join(attributes)
+        asked = str(self._path), path, [*attributes]
         try:
-            run_contained(PROCESS, "HDF5", *asked, reads=[self._path], **limits)
+            run_contained(PROCESS, "HDF5", *asked, reads=[self._path], cpu_s=PROCESS_CPU_S)
         except ValueError as error:
             raise Hdf5Error(f"is not readable: {error}") from None
 

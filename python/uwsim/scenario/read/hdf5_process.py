@@ -5,8 +5,8 @@ from __future__ import annotations
 import h5py
 
 
-def read(path: str, dataset: str, attributes: str) -> bytes:
-    """Read the attributes of a dataset with these names, one a line, or itself if there are none, and forget them.
+def read(path: str, dataset: str, attributes: list[str]) -> dict[str, str]:
+    """Read the attributes of a dataset with these names, or itself if there are none, and forget them.
 
     Texts of any length are stored in a heap of their own, and the library reads a damaged one for ever. An error that
     it raises is no failure here: uwsim's own process gets the same one.
@@ -14,7 +14,7 @@ def read(path: str, dataset: str, attributes: str) -> bytes:
     try:
         with h5py.File(path, "r") as file:
             node = file[dataset]
-            for name in attributes.splitlines():
+            for name in attributes:
                 node.attrs[name]
             if not attributes:
                 node[()]
@@ -22,4 +22,4 @@ def read(path: str, dataset: str, attributes: str) -> bytes:
         raise
     except Exception:  # the reader in uwsim's own process reports it
         pass
-    return b""
+    return {}

@@ -15,7 +15,6 @@ from rasterio.env import Env
 from rasterio.errors import NotGeoreferencedWarning
 from rasterio.io import DatasetReader
 
-from uwsim.base.npz import read_npz
 from uwsim.base.texts.text_file import require_regular
 from uwsim.scenario.read import raster_process
 from uwsim.scenario.read.contained import run_contained
@@ -32,9 +31,6 @@ servers, which would let an untrusted file read anything that this machine can a
 
 RICH = (b"CDF", b"GRIB")
 """The first bytes of formats with which GDAL's libraries may crash, or fill the memory, as HDF5's: netCDF, GRIB."""
-MEMORY_BYTES, MEMORY_PER_BYTE = 2_000_000_000, 20
-CPU_S, CPU_S_PER_BYTE = 8, 1e-6
-"""Limits for a small file, and the allowance per byte of a larger one."""
 
 
 @contextmanager
@@ -54,14 +50,11 @@ def opened(path: Path, band: int) -> Iterator[DatasetReader]:
 
 def _read_apart(path: Path, band: int) -> DatasetReader:
     """Return what has the attributes of an open raster, and of one band the values."""
-    size = path.stat().st_size
-    limits = {"memory_bytes": MEMORY_BYTES + MEMORY_PER_BYTE * size, "cpu_s": CPU_S + round(CPU_S_PER_BYTE * size)}
     asked = str(path), band, FORMATS, 4 * MAX_NODES
     try:
-        made = run_contained(Path(raster_process.__file__), "GDAL", *asked, reads=[path], **limits)
+        arrays = run_contained(Path(raster_process.__file__), "GDAL", *asked, reads=[path])
     except ValueError as error:
         raise ScenarioError(f"terrain '{path.name}': not a readable elevation raster: {error}", at=("file",)) from None
-    arrays = read_npz(made, limits["memory_bytes"])
     found: dict[str, Any] = {name: each.tolist() if each.ndim < 2 else each for name, each in arrays.items()}
     found["transform"] = Affine(*found["transform"])
     found["crs"] = CRS.from_wkt(found["crs"]) if found["crs"] else None
