@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from uwsim.evidence.robots.links import Joint, Links
+from uwsim.evidence.robots.links import Joint, Links, summed_volume
 from uwsim.evidence.robots.robot import Found, Robot
 from uwsim.evidence.robots.sdf import read_sdf
 from uwsim.evidence.robots.urdf import read_urdf
@@ -234,6 +234,30 @@ def test_notes_on_the_motion_come_first_and_those_on_looks_last(tmp_path: Path) 
     )
     of = {word: next(line for line in lines if word in line) for word in ("velocity_decay", "nose", "visual")}
     assert [line.partition(":")[0] for line in of.values()] == ["motion", "senses", "looks"]
+
+
+def test_a_wing_whose_coefficients_mean_something_else_is_named(tmp_path: Path) -> None:
+    wing = (
+        '<plugin name="w" filename="gz-sim-advanced-lift-drag-system"><link_name>prop</link_name><CLa>4</CLa></plugin>'
+    )
+    read = found(tmp_path, BASE + PROP.format(pose=POSE, axis=Z) + THRUSTER.format("") + wing)
+    assert not read.robots[0].fins and any("gz-sim-advanced-lift-drag-system" in note for note in read.notes)
+
+
+def test_an_odd_limit_or_axis_of_a_urdf_joint_is_left_out_alone(tmp_path: Path) -> None:
+    box = "<collision><geometry><{}/></geometry></collision>"
+    link = f'<link name="b">{box.format("box size=&1 1 1&")}{box.format("box size=&1 1&")}'
+    capsule = box.format("capsule radius=&1& length=&2&")
+    joint = '<joint name="{0}" type="revolute"><parent link="b"/><child link="{0}"/>{1}</joint><link name="{0}"/>'
+    odd = joint.format("c", "<limit lower=&-inf& upper=&inf&/><axis xyz=&0 0 7&/>") + joint.format(
+        "d", "<axis xyz=&0 0 0&/>"
+    )
+    text = f'<robot name="a">{link}{capsule}</link>{odd}</robot>'.replace("&", '"')
+    (tmp_path / "a.urdf").write_text(text)
+    notes = Found("")
+    (robot,) = read_urdf(tmp_path / "a.urdf", notes).robots
+    assert summed_volume(robot.solids)[0] == pytest.approx(1.0 + np.pi * (2.0 + 4.0 / 3.0))
+    assert any("joint 'd'/axis: its axis must not be zero" in note for note in notes.notes)
 
 
 def test_urdf_s_origin_may_be_a_quaternion(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from uwsim.evidence.robots import shapes
 from uwsim.evidence.robots.robot import Found, Given, Robot
 from uwsim.evidence.robots.sdf import read_sdf
 from uwsim.evidence.robots.stonefish import read_stonefish
@@ -255,3 +256,27 @@ def test_a_mesh_that_winds_inward_displaces_what_it_encloses(tmp_path: Path) -> 
     with pytest.warns(UserWarning, match="repaired"):
         robot = read_sdf(tmp_path / "world.sdf").robots[0]
     assert robot.volume_m3 == pytest.approx(2.0 * 0.25 * 0.2 + SIDES.prod())
+
+
+DAE = """<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset>{}</asset>
+<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="12">0 0 0 1 0 0 0 2 0 0 0 3
+</float_array><technique_common><accessor source="#a" count="4" stride="3"><param name="X" type="float"/>
+<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="4">
+<input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles></mesh></geometry>
+</library_geometries><library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node>
+</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+
+
+@pytest.mark.parametrize(
+    "asset, unit_m",
+    [("<up_axis>Y_UP</up_axis>", 1.0), ("<up_axis>Z_UP</up_axis>", 1.0), ("", 1.0), ('<unit meter="0.01"/>', 0.01)],
+)
+def test_a_collada_file_has_its_unit_and_the_axes_that_gazebo_gives_it(
+    asset: str, unit_m: float, tmp_path: Path
+) -> None:
+    """Gazebo's ColladaLoader reads the unit alone: whichever axis is up, the corners stay where they are."""
+    pytest.importorskip("assimp_py", reason="the extra meshes")
+    (tmp_path / "a.dae").write_text(DAE.format(asset))
+    vertices, _ = shapes.from_file(tmp_path / "a.dae", np.ones(3))
+    np.testing.assert_allclose(np.ptp(vertices, axis=0), np.array([1.0, 2.0, 3.0]) * unit_m, rtol=1e-5)

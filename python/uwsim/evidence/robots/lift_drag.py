@@ -38,8 +38,11 @@ class _Lift(NamedTuple):
 
 
 def is_lift_drag(file: str) -> bool:
-    """Return whether a plugin's file, in small letters, is LiftDrag, of gz-sim or of Gazebo Classic."""
-    return "lift-drag" in file or "liftdrag" in file
+    """Return whether a plugin's file, in small letters, is LiftDrag, of Gazebo, or asv_sim's of foils.
+
+    Those of others, such as AdvancedLiftDrag and that of sails, have coefficients of another meaning.
+    """
+    return ("lift-drag" in file or "liftdrag" in file) and not any(word in file for word in ("advanced", "sail"))
 
 
 def put_surface(robot: Robot, plugin: Element, links: Links, to_base: Pose, found: Found) -> None:
@@ -47,7 +50,7 @@ def put_surface(robot: Robot, plugin: Element, links: Links, to_base: Pose, foun
 
     Water whose density is not stated elsewhere has the plugin's.
     """
-    density = plugin.number("air_density", AIR_KG_M3)
+    density = plugin.number("air_density", plugin.number("fluid_density", AIR_KG_M3))
     centre = plugin.numbers("cp", 3)
     lift = _Lift(
         _direction(plugin, "forward", 0), _direction(plugin, "upward", 2), np.zeros(3) if centre is None else centre,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,10 @@ ROUND, BALL = 48, 3
 SIZE_MAX_M = 1e6
 TINY_M3 = 1e-9
 """Solids below this volume stand in for a shape that Gazebo needs, and displace nothing."""
+
+
+UP_AXIS, ASSET_BYTES = re.compile(rb"<up_axis>\s*([XYZ])_UP"), 1_000_000
+"""In the asset of a Collada file, and how much of the file is searched for it."""
 
 
 def are_sizes(*sizes_m: float) -> bool:
@@ -74,9 +79,20 @@ def ellipsoid(radii_m: Floats) -> Mesh:
 
 
 def from_file(path: Path, scale: Floats) -> Mesh:
-    """Return a mesh file's vertices, scaled by axis. Raises ValueError or OSError."""
+    """Return a mesh file's vertices, scaled by axis. Raises ValueError or OSError.
+
+    Gazebo and RViz apply the unit of a Collada file, but leave its axes as they are, whichever it says is up.
+    """
     largest = float(np.abs(scale).max()) or 1.0
-    vertices, triangles = load_mesh(path, largest)
+    up: Literal["z"] | None = None
+    if path.suffix.lower() == ".dae" and path.is_file():
+        with path.open("rb") as file:
+            declared = UP_AXIS.search(file.read(ASSET_BYTES))
+        if declared is None or declared[1] != b"Z":
+            if declared is not None and declared[1] != b"Y":
+                raise ValueError(f"mesh '{path}': up_axis {declared[1].decode()}_UP: must be Y_UP or Z_UP")
+            up = "z"  # as it is
+    vertices, triangles = load_mesh(path, largest, up)
     faces = np.asarray(triangles, np.int64)
     return np.asarray(vertices) * (scale / largest), faces if np.prod(scale) > 0.0 else faces[:, ::-1]
 

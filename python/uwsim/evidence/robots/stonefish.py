@@ -291,12 +291,18 @@ class _Reader:
 
     def _poses(self, robot: Element, base: Element) -> dict[str, Pose]:
         """Return the pose of each link that joints connect, in the base link's frame, with joints at zero."""
-        poses, joints = {base.name: HERE}, list(robot.all("joint"))
-        for _ in range(len(joints)):
-            for joint in joints:
-                parent, child = (joint.find(each) for each in ("parent", "child"))
-                if parent is not None and child is not None and parent.name in poses and child.name not in poses:
-                    poses[child.name] = poses[parent.name].then(joint.origin())
+        poses, joints, waiting = {base.name: HERE}, list(robot.all("joint")), [base.name]
+        below: dict[str, list[tuple[Element, str]]] = {}
+        for joint in joints:
+            parent, child = (joint.find(each) for each in ("parent", "child"))
+            if parent is not None and child is not None:
+                below.setdefault(parent.name, []).append((joint, child.name))
+        while waiting:
+            name = waiting.pop()
+            for joint, child_name in below.get(name, []):
+                if child_name not in poses:
+                    poses[child_name] = poses[name].then(joint.origin())
+                    waiting.append(child_name)
         for joint in joints:
             if joint.attribute("type") != "fixed":
                 self.found.left_out(f"{joint.path}: it moves; here it is fixed at zero")

@@ -16,7 +16,7 @@ import numpy as np
 from uwsim.base.extras import need_extra
 from uwsim.evidence.robots import shapes
 from uwsim.evidence.robots.checkout import MANIFEST, folder_of, package_folder
-from uwsim.evidence.robots.links import Joint, Links, inertia
+from uwsim.evidence.robots.links import Joint, Links, inertia, unit
 from uwsim.evidence.robots.robot import Found, Lump, Mesh, Robot, plain_name
 from uwsim.evidence.robots.sensors import put_gz_sensor
 from uwsim.evidence.robots.systems import DENSITY_KG_M3, put_plugins
@@ -140,10 +140,16 @@ def _links(root: Element, path: Path, found: Found) -> Links:
         _fill(links, elements[name], name, path, found)
         for joint in below.get(name, []):
             there = pose.then(joint.origin())
-            xyz = joint.numbers("axis", 3, "xyz")
-            axis = there.turn @ (np.array([1.0, 0.0, 0.0]) if xyz is None else xyz)
+            axis, limits, stated, limit = there.turn[:, 0], (-np.inf, np.inf), joint.find("axis"), joint.find("limit")
+            if stated is not None:
+                axis = np.full(3, np.nan)
+                with found.beside(stated):
+                    xyz = stated.numbers(None, 3, "xyz")
+                    axis = there.turn @ (np.eye(3)[0] if xyz is None else unit(xyz, stated))
+            if limit is not None:
+                with found.beside(limit):
+                    limits = limit.bound("lower", -np.inf), limit.bound("upper", np.inf)
             child = _end(joint, "child")
-            limits = joint.number("limit", -np.inf, "lower"), joint.number("limit", np.inf, "upper")
             links.joints[joint.name] = Joint(joint.name, joint.needed("type"), name, child, there, axis, limits)
             waiting.append((child, there))
     if lost := [name for name in elements if name not in links.poses]:
@@ -167,9 +173,10 @@ def _fill(links: Links, link: Element, name: str, path: Path, found: Found) -> N
         links.lumps[name] = Lump(mass_kg, own.position_m, own.turn @ moments @ own.turn.T)
     links.solids[name] = []
     for collision in link.all("collision"):
-        solid = _solid(collision, path, found)
-        if solid is not None and shapes.displaces(solid):
-            links.solids[name].append(shapes.placed(solid, collision.origin()))
+        with found.beside(collision):
+            solid = _solid(collision, path, found)
+            if solid is not None and shapes.displaces(solid):
+                links.solids[name].append(shapes.placed(solid, collision.origin()))
 
 
 def _solid(collision: Element, path: Path, found: Found) -> Mesh | None:
@@ -182,12 +189,14 @@ def _solid(collision: Element, path: Path, found: Found) -> Mesh | None:
             if size is None or not shapes.are_sizes(*size):
                 raise shape.error("its size must be three positive numbers [m]")
             return shapes.box(size)
-        if shape.tag in ("cylinder", "sphere"):
+        if shape.tag in ("cylinder", "sphere", "capsule"):
             radius = shape.number(None, None, "radius")
             length = 1.0 if shape.tag == "sphere" else shape.number(None, None, "length")
             if not shapes.are_sizes(radius, length):
                 raise shape.error(f"radius and length must be positive, at most {shapes.SIZE_MAX_M:g} m")
-            return shapes.sphere(radius) if shape.tag == "sphere" else shapes.cylinder(radius, length)
+            if shape.tag == "sphere":
+                return shapes.sphere(radius)
+            return (shapes.cylinder if shape.tag == "cylinder" else shapes.capsule)(radius, length)
         if shape.tag == "mesh":
             file = _mesh_file(shape.needed("filename"), path)
             if file is None:

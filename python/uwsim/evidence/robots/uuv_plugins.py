@@ -17,7 +17,7 @@ from uwsim.evidence.robots.checkout import checkout_of
 from uwsim.evidence.robots.links import Links, carried
 from uwsim.evidence.robots.robot import Found, Robot, Thruster, plain_name
 from uwsim.evidence.robots.sensors import Errors
-from uwsim.evidence.robots.xml_file import Element, Floats, Pose
+from uwsim.evidence.robots.xml_file import Element, Floats, Pose, is_yes
 
 DENSITY_KG_M3 = 1028.0
 """UUV Simulator's water."""
@@ -84,7 +84,7 @@ def uuv_current_m_s(current: Element) -> Floats:
 
 def _volume_m3(link: Element, mass_kg: float, found: Found) -> float:
     """Return the volume that a link displaces, 0 for one that is not positive."""
-    if link.text("neutrally_buoyant") in ("1", "true"):
+    if is_yes(link.text("neutrally_buoyant")):
         assert found.density_kg_m3 is not None
         return mass_kg / found.density_kg_m3
     volume_m3 = link.number("volume")

@@ -191,15 +191,15 @@ class Element:
             raise self.error(f"has no {'/'.join(part for part in (path, key) if part)}")
         return default
 
-    def bound(self, path: str, default: float) -> float:
-        """Return a number that may be infinite, as limits are, or the default. Raises ValueError."""
-        text = self.text(path)
+    def bound(self, key: str, default: float) -> float:
+        """Return a number of an element or attribute that may be infinite, or the default. Raises ValueError."""
+        text = self.text(key) if self.find(key) is not None else self.attribute(key)
         try:
             value = default if text is None else float(text)
         except ValueError:
             value = math.nan
         if math.isnan(value):
-            raise self.error(f"{path}: {text!r}: must be a number")
+            raise self.error(f"{key}: {text!r}: must be a number")
         return value
 
     def relative_to(self) -> str | None:
