@@ -349,6 +349,7 @@ READERS = {
     "pcd": Reader(_cloud(".pcd"), ("numpy.lib.npyio",)),
     "ply": Reader(_cloud(".ply"), ("numpy.lib.npyio",)),
     "las": Reader(_cloud(".las"), ("laspy",)),
+    "laz": Reader(_cloud(".laz"), ("laspy",)),
     "gsf": Reader(surveys.reader(".gsf"), ("GSFU",), has_end=_without_end),
     "kmall": Reader(surveys.reader(".kmall"), has_end=_without_end),
     "xtf": Reader(surveys.read_side_scan, ("pyxtf",), has_end=_without_end),

@@ -465,7 +465,7 @@ def _frames() -> list[bytes]:
 
 
 _MAKERS: dict[str, Callable[[], list[bytes]]] = {
-    **{suffix[1:]: _cloud(suffix) for suffix in (".pcd", ".ply", ".las", ".xyz")},
+    **{suffix[1:]: _cloud(suffix) for suffix in (".pcd", ".ply", ".las", ".laz", ".xyz")},
     **{suffix: _mesh(suffix) for suffix in ("stl", "obj", "off", "glb", "gltf")},
     "mesh_ply": _mesh("ply"),
     "map": _map,

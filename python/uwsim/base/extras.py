@@ -19,6 +19,7 @@ EXTRA_OF = {
     "networkx": "meshes",
     "rasterio": "terrain",
     "laspy": "survey-formats",
+    "lazrs": "survey-formats",
     "rosbags": "ros",
     "websockets": "ros",
     "cbor2": "ros",

@@ -32,18 +32,19 @@ MAPS, CLOUDS, GRIDS = (
 MapFile = Annotated[Path, typer.Argument(help=f"A map, {' or '.join(MAPS)}.", callback=readable)]
 FigureFile = Annotated[Path | None, typer.Option(help="The figure to write, a PNG.")]
 MapOrigin = Annotated[
-    tuple[float, float, float],
+    tuple[float, float, float] | None,
     typer.Option(
-        help="World coordinates of the file's zero: x y z [m].", metavar="X Y Z", callback=within(-1e7, 1e7, "m")
+        help="World coordinates of the file's zero: x y z [m]. Default: what the file states, else 0 0 0.",
+        metavar="X Y Z",
+        callback=within(-1e7, 1e7, "m"),
     ),
 ]
-ZERO = (0.0, 0.0, 0.0)
 
 
 @app.command()
 def info(
     source: MapFile,
-    origin: MapOrigin = ZERO,
+    origin: MapOrigin = None,
     as_json: AsJson = False,
 ) -> None:
     """Print a map's format, resolution, counts, bounds and size."""
@@ -81,7 +82,7 @@ def convert(
         str | None,
         typer.Option(help="The scenario whose place on Earth a cloud or a depth grid has.", autocompletion=scenarios),
     ] = None,
-    origin: MapOrigin = ZERO,
+    origin: MapOrigin = None,
 ) -> None:
     """Convert a map, a cloud or a survey file to another format.
 
@@ -140,7 +141,7 @@ def score(
             callback=within(-1e7, 1e7, "m"),
         ),
     ] = None,
-    origin: MapOrigin = ZERO,
+    origin: MapOrigin = None,
 ) -> None:
     """Compare a map with the true world.
 
@@ -178,7 +179,7 @@ def render(
     width: Annotated[
         int, typer.Option(help="Width of the figure [pixels].", callback=within(200, 8000, "pixels"))
     ] = 1600,
-    origin: MapOrigin = ZERO,
+    origin: MapOrigin = None,
 ) -> None:
     """Draw a map in 3D, without a display.
 
@@ -241,7 +242,7 @@ def slice_(
         float | None, typer.Option(help="Horizontal cut at this height [m].", callback=within(-1e7, 1e7, "m"))
     ] = None,
     out: FigureFile = None,
-    origin: MapOrigin = ZERO,
+    origin: MapOrigin = None,
 ) -> None:
     """Draw a horizontal or vertical slice of a map.
 

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import math
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from uwsim.cli.bounds import readable, within
-from uwsim.cli.map import MAPS
+from uwsim.cli.map import CLOUDS, MAPS
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from uwsim.mapping.files.swath import Swath
 
 SHARE = 0.01  # the default voxel, as a share of the first ping's median depth below its sonar
 PLACES = (1.0, 2.0, 5.0)
 RANGE_MAX_M = 15_000.0
-CLOUDS, GRAPH, POINTS_VOXEL_M = (".pcd", ".ply", ".las", ".xyz"), ".graph", 0.1
+REACH_VOXELS = 2**15
+GRAPH, POINTS_VOXEL_M = ".graph", 0.1
 
 
 def build(
@@ -26,7 +31,7 @@ def build(
         list[Path],
         typer.Option(
             "--from",
-            help="A survey (.gsf, .kmall, .xtf), a cloud (.ply, .pcd, .las, .xyz) or scans of OctoMap (.graph); "
+            help=f"A survey (.gsf, .kmall, .xtf), a cloud ({', '.join(CLOUDS)}) or scans of OctoMap (.graph); "
             "repeatable.",
             callback=readable,
         ),
@@ -41,17 +46,19 @@ def build(
     origin: Annotated[
         tuple[float, float] | None,
         typer.Option(
-            help="A survey: latitude and longitude [deg] of the map's zero. Default: the first ping's.",
+            help="The map's zero: of a survey, its latitude and longitude [deg], by default the first ping's; of a "
+            "cloud, its x and y [m], by default 0 0, or the cloud's middle if it is farther away than a map reaches.",
             metavar="LAT LON",
-            callback=within(-180, 180, "deg"),
+            callback=within(-1e7, 1e7, "m"),
         ),
     ] = None,
     sensor_at: Annotated[
         tuple[float, float, float] | None,
         typer.Option(
-            help="A cloud: where its sensor was, in its coordinates: the rays to its points are free.",
+            help="A cloud: where its sensor was, in its coordinates: the rays to its points are free. Default: a "
+            ".pcd's VIEWPOINT, unless that is 0 0 0.",
             metavar="X Y Z",
-            callback=within(-1e5, 1e5, "m"),
+            callback=within(-1e7, 1e7, "m"),
         ),
     ] = None,
     occupied_only: Annotated[
@@ -73,7 +80,7 @@ def build(
         raise ValueError("--from: surveys, clouds and graphs cannot be mixed")
     of_cloud = bool(kinds & {*CLOUDS})
     for option, is_given, is_its in (
-        ("--origin", origin is not None, kinds == {""}),
+        ("--origin", origin is not None, kinds == {""} or of_cloud),
         ("--sensor-at", sensor_at is not None, of_cloud),
         ("--occupied-only", occupied_only, of_cloud),
     ):
@@ -82,23 +89,27 @@ def build(
     if kinds == {""}:
         _from_surveys(out, sources, voxel, origin)
     else:
-        _from_points(out, sources, voxel or POINTS_VOXEL_M, sensor_at, occupied_only)
+        _from_points(out, sources, voxel or POINTS_VOXEL_M, origin, sensor_at, occupied_only)
 
 
 def _from_points(
-    out: Path, sources: list[Path], voxel_m: float, sensor_at: tuple[float, float, float] | None, occupied_only: bool
+    out: Path,
+    sources: list[Path],
+    voxel_m: float,
+    zero: tuple[float, float] | None,
+    sensor_at: tuple[float, float, float] | None,
+    occupied_only: bool,
 ) -> None:
     """Build a map from clouds, each seen from the same place or from nowhere, or from graphs."""
     import numpy as np
 
     from uwsim.mapping import OccupancyMap
-    from uwsim.mapping.files import read_cloud
+    from uwsim.mapping.files.cloud_files import read_cloud, seen_from
     from uwsim.mapping.files.scan_graph import read_scans
 
-    if sources[0].suffix.lower() != GRAPH and (sensor_at is None) == (not occupied_only):
-        rule = "a cloud does not state where it was seen from: give --sensor-at X Y Z or --occupied-only"
-        raise ValueError(f"--from {sources[0]}: {rule}")
-    occupancy = OccupancyMap(resolution_m=voxel_m)
+    if sensor_at is not None and occupied_only:
+        raise ValueError("--sensor-at: must not be given beside --occupied-only, which leaves nothing free")
+    occupancy, origin = OccupancyMap(resolution_m=voxel_m), None if zero is None else np.array([*zero, 0.0])
     scans = points = 0
     for path in sources:
         if path.suffix.lower() == GRAPH:
@@ -106,18 +117,43 @@ def _from_points(
                 occupancy.insert_scan(scan.points_world_m, scan.origin_m, np.inf)
                 scans, points = scans + 1, points + len(scan.points_world_m)
             continue
-        cloud = read_cloud(path).astype(np.float32)
+        sensor = None if occupied_only else seen_from(path) if sensor_at is None else np.array(sensor_at)
+        if sensor is None and not occupied_only:
+            rule = "a cloud does not state where it was seen from: give --sensor-at X Y Z or --occupied-only"
+            raise ValueError(f"--from {path}: {rule}")
+        found = read_cloud(path)
+        if origin is None and len(found):
+            origin = _zero_m(found, occupancy.resolution_m)
+        cloud = (found if origin is None else found - origin).astype(np.float32)
         scans, points = scans + 1, points + len(cloud)
-        if sensor_at is not None:
-            occupancy.insert_scan(cloud, np.array(sensor_at), np.inf)
+        if sensor is not None:
+            if sensor_at is None:
+                typer.echo(f"{path}: seen from {' '.join(f'{x:g}' for x in sensor)}, its VIEWPOINT")
+            occupancy.insert_scan(cloud, sensor if origin is None else sensor - origin, np.inf)
         else:
             one = np.unique(np.floor(cloud / voxel_m), axis=0, return_index=True)[1]
             each = cloud[np.sort(one)]
             occupancy.insert_scans(each, np.ones(len(each), np.int64), each.astype(np.float64), np.inf)
     if not points:
         raise ValueError(f"--from {sources[0]}: has no points")
+    about = ""
+    if origin is not None and origin.any():
+        about = f"; zero at {' '.join(f'{x:.12g}' for x in origin)}, which the file states"
+        with tempfile.NamedTemporaryFile(suffix=".ot") as whole:
+            occupancy.write(whole.name)
+            occupancy = OccupancyMap.read(whole.name, origin)
     occupancy.write(out)
-    typer.echo(f"{out}: {scans:,} scans, {points:,} points, voxels of {voxel_m:g} m")
+    typer.echo(f"{out}: {scans:,} scans, {points:,} points, voxels of {voxel_m:g} m{about}")
+
+
+def _zero_m(points: NDArray[np.float64], voxel_m: float) -> NDArray[np.float64]:
+    """Return zero, or, where a map about it would not reach a cloud's points, their middle in whole metres."""
+    import numpy as np
+
+    low, high = points.min(axis=0), points.max(axis=0)
+    far = np.maximum(np.abs(low), np.abs(high)) >= REACH_VOXELS * voxel_m
+    far[:2] = far[:2].any()
+    return np.where(far, np.round(0.5 * (low + high)), 0.0)
 
 
 def _from_surveys(out: Path, sources: list[Path], voxel: float | None, origin: tuple[float, float] | None) -> None:
@@ -132,6 +168,8 @@ def _from_surveys(out: Path, sources: list[Path], voxel: float | None, origin: t
     surveys = open_surveys(sources, "--from")
     start = surveys[0].first
     latitude, longitude = origin or (start.latitude_deg, start.longitude_deg)
+    if not (abs(latitude) <= 90.0 and abs(longitude) <= 180.0):
+        raise ValueError(f"--origin {latitude:g} {longitude:g}: must be a latitude and a longitude [deg]")
     place = Georeference(metres_about((longitude, latitude)))
     occupancy = OccupancyMap(resolution_m=voxel or _voxel_m(start))
     pings = soundings = 0

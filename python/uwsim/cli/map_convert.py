@@ -12,7 +12,7 @@ from uwsim.mapping.depth_grid import depth_grid
 from uwsim.mapping.files import write_cloud
 from uwsim.mapping.files.formats import CLOUD_FORMATS, GRID_FORMATS, MAP_FORMATS, Origin, placed_clouds
 from uwsim.mapping.files.georeference import Georeference, utm_zone
-from uwsim.mapping.files.map_files import ZERO, open_map, open_points
+from uwsim.mapping.files.map_files import open_map, open_points
 from uwsim.mapping.files.swath import format_of
 from uwsim.mapping.survey_soundings import read_soundings
 from uwsim.scenario import load
@@ -23,7 +23,7 @@ def convert(
     source: Path,
     target: Path,
     *,
-    origin_world_m: Origin = ZERO,
+    origin_world_m: Origin = None,
     cell_m: float | None = None,
     scenario: str | None = None,
 ) -> str:

@@ -48,10 +48,10 @@ def _digest(path: Path) -> str:
 
 def _summed(sources: Sequence[Path]) -> OccupancyMap:
     first = open_map(sources[0])
-    total = OccupancyMap(first.resolution_m, clamping=WIDE)
+    total = OccupancyMap(first.resolution_m, first.origin_world_m, clamping=WIDE)
     for source in sources:
         _merge(total, open_map(source), sources[0], source)
-    limited = OccupancyMap(first.resolution_m)
+    limited = OccupancyMap(first.resolution_m, first.origin_world_m)
     limited.merge(total)
     return limited
 

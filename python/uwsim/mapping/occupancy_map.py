@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, Self
 
@@ -16,7 +17,7 @@ from uwsim.base.sealed import Sealed
 from uwsim.mapping.files.formats import MAP_FORMATS
 from uwsim.mapping.map_options import InstructionSet, MapEngine, OnOutside, map_options
 from uwsim.mapping.occupancy_model import OccupancyModel, probability
-from uwsim.mapping.other_trees import as_octree
+from uwsim.mapping.other_trees import HEADER_BYTES, as_octree
 from uwsim.mapping.query_results import (
     Cubes,
     MapChanges,
@@ -31,14 +32,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MapFormat = Literal["bt", "ot"]
+FARTHEST_M = 1e7
+"""The largest coordinate of an origin, beyond those of UTM and of the Earth's centre."""
 
 
 class OccupancyMap(Sealed):
     """A probabilistic voxel map: OctoMap's octree with OctoMap's sensor model.
 
     resolution_m: edge length of a voxel. OctoMap's cube extends 2**15 voxels from its origin along each axis (+-6.5 km
-    at 0.2 m); origin_world_m (3,) moves it to the survey area. Files hold world minus origin, so pass the same origin
-    to `read`.
+    at 0.2 m); origin_world_m (3,) moves it to the survey area. Files hold world minus origin, and the origin in a
+    comment.
 
     engine: "octomap" is the reference: the system's octomap::OcTree and its insertPointCloud. "bricks" is uwsim's
     engine, which is much faster and smaller. After the same scans, both give the same bytes of .bt and .ot files. A .bt
@@ -98,13 +101,14 @@ class OccupancyMap(Sealed):
         Raises OSError if the file cannot be read; ValueError if it is not a valid map, or if it may need more than half
         of this machine's memory and there is no memory_limit_mb. Of a ColorOcTree or OcTreeStamped, the occupancy is
         read, with a warning. A .bt only distinguishes occupied from free: its
-        voxels get the clamping limits as probabilities.
+        voxels get the clamping limits as probabilities. origin_world_m: the origin that the file states, by default.
         """
         occupancy_map = cls.__new__(cls)
         model = OccupancyModel(hit, miss, clamping)
         options = map_options(engine, model, "best", on_outside, memory_limit_mb, spill_dir)
+        origin = stated_origin(path) if origin_world_m is None else origin_world_m
         with as_octree(path) as plain:
-            occupancy_map._map = _core.OccupancyMap.read(plain, _origin(origin_world_m), options)
+            occupancy_map._map = _core.OccupancyMap.read(plain, _origin(origin), options)
         return occupancy_map
 
     @property
@@ -334,7 +338,8 @@ class OccupancyMap(Sealed):
 
     def to_bytes(self, map_format: MapFormat) -> bytes:
         """Return the bytes that `write` would write to a file with that suffix."""
-        return self._map.to_bytes(map_format)
+        first, end, rest = self._map.to_bytes(map_format).partition(b"\n")
+        return b"".join((first, end, origin_line(self.origin_world_m), rest))
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write a .bt (only occupied or free; small) or an .ot (all probabilities), depending on the path's suffix.
@@ -375,6 +380,31 @@ class OccupancyMap(Sealed):
 
 def _origin(origin_world_m: ArrayLike | None) -> ArrayLike:
     return (0.0, 0.0, 0.0) if origin_world_m is None else origin_world_m
+
+
+def origin_line(origin_world_m: NDArray[np.float64]) -> bytes:
+    """Return the comment that states an origin in a file's header; none for that of the world."""
+    return f"# origin_world_m {' '.join(map(str, origin_world_m.tolist()))}\n".encode() if origin_world_m.any() else b""
+
+
+def stated_origin(path: str | os.PathLike[str]) -> NDArray[np.float64] | None:
+    """Return the origin (3,) that a file's header states, if it does. Raises ValueError if it is not three numbers."""
+    head = b""
+    if Path(path).is_file():
+        with Path(path).open("rb") as file:
+            head = file.read(HEADER_BYTES).partition(b"\ndata\n")[0]
+    found = re.search(rb"^# origin_world_m (.*)$", head, re.MULTILINE)
+    if found is None:
+        return None
+    try:
+        origin = np.array(found[1].split(), np.float64)
+    except ValueError:
+        origin = np.full(3, math.nan)
+    if origin.shape != (3,) or not (np.abs(origin) <= FARTHEST_M).all():
+        text = found[1][:60].decode(errors="replace")
+        rule = f"must be three numbers within {FARTHEST_M:g} m"
+        raise ValueError(f"map '{os.fspath(path)}': origin_world_m '{text}': {rule}")
+    return origin
 
 
 def require_map_path(path: str | os.PathLike[str]) -> None:

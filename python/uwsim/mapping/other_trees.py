@@ -1,7 +1,8 @@
-"""Trees of OctoMap with more than occupancy: ColorOcTree and OcTreeStamped, whose .ot files are read as an OcTree.
+"""Trees of OctoMap with more than occupancy: ColorOcTree and OcTreeStamped, whose files are read as an OcTree.
 
 Source: OctoMap 1.9.7, AbstractOcTree::write and the nodes' writeData: a header of lines, then the nodes in depth-first
-order, each of a fixed size: log-odds, what the type adds, a byte of children. OcTreeStamped writes no time.
+order, each of a fixed size: log-odds, what the type adds, a byte of children. OcTreeStamped writes no time. A .bt has
+the same nodes for all types.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ NODES = {
     b"OcTreeStamped": (PLAIN, "its times are not in the file"),
 }
 """Layout of a node, and a note, by the type in the header."""
-TITLE = b"# Octomap OcTree file"
+TITLE, BINARY_TITLE = b"# Octomap OcTree file", b"# Octomap OcTree binary file"
 
 
 @contextmanager
@@ -41,21 +42,22 @@ def as_octree(path: str | os.PathLike[str]) -> Iterator[str]:
         with named.open("rb") as file:
             head = file.read(HEADER_BYTES)
     found = re.search(rb"^id (\w+)$", head.split(b"\ndata\n")[0], re.MULTILINE)
-    if not head.startswith(TITLE) or found is None or found[1] not in NODES:
+    if not head.startswith((TITLE, BINARY_TITLE)) or found is None or found[1] not in NODES:
         yield os.fspath(path)
         return
     layout, note = NODES[found[1]]
     header, _, body = named.read_bytes().partition(b"\ndata\n")
-    rest = len(body) % layout.itemsize
-    if rest:
-        raise ValueError(f"map '{named}': cut short: {rest} bytes follow its last node")
-    nodes = np.frombuffer(body, layout)
-    plain = np.empty(len(nodes), PLAIN)
-    plain["log_odds"], plain["children"] = nodes["log_odds"], nodes["children"]
+    if head.startswith(TITLE):
+        if rest := len(body) % layout.itemsize:
+            raise ValueError(f"map '{named}': cut short: {rest} bytes follow its last node")
+        nodes = np.frombuffer(body, layout)
+        plain = np.empty(len(nodes), PLAIN)
+        plain["log_odds"], plain["children"] = nodes["log_odds"], nodes["children"]
+        body = plain.tobytes()
     kind = found[1].decode()
     warnings.warn(f"map '{named}': is a {kind}, read as occupancy: {note}", stacklevel=3)
     with tempfile.NamedTemporaryFile(suffix=".ot") as made:
-        made.write(header.replace(b"id " + found[1], b"id OcTree") + b"\ndata\n" + plain.tobytes())
+        made.write(header.replace(b"id " + found[1], b"id OcTree") + b"\ndata\n" + body)
         made.flush()
         try:
             yield made.name

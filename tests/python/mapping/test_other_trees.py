@@ -32,6 +32,10 @@ def test_its_occupancy_is_that_of_the_plain_tree(kind: bytes, tmp_path: Path) ->
     with pytest.warns(UserWarning, match=f"is a {kind.decode()}, read as occupancy: its"):
         found = OccupancyMap.read(path)
     assert found.to_bytes("ot") == plain.to_bytes("ot")
+    binary = path.with_name("other.bt")  # as its writeBinary writes it
+    binary.write_bytes(plain.to_bytes("bt").replace(b"id OcTree", b"id " + kind))
+    with pytest.warns(UserWarning, match=f"is a {kind.decode()}, read as occupancy: its"):
+        assert OccupancyMap.read(binary).to_bytes("bt") == plain.to_bytes("bt")
     path.write_bytes(content[:-2])
     with pytest.raises(ValueError, match=r"map '.*other\.ot': cut short"):
         OccupancyMap.read(path)

@@ -1,14 +1,17 @@
-"""Point cloud files: PCD, PLY, LAS and plain XYZ text, selected by file suffix.
+"""Point cloud files: PCD, PLY, LAS, LAZ and plain XYZ text, selected by file suffix.
 
 write_cloud("bed.ply", points_m)
 points_m = read_cloud("bed.ply")
 
-PCD, PLY and XYZ preserve float32 points bit for bit; XYZ also preserves float64; LAS stores whole millimetres.
+PCD, PLY and XYZ preserve float32 points bit for bit; XYZ also float64; LAS and LAZ store whole millimetres.
+PCD and PLY have doubles where a float32 would move a point by more than a millimetre.
 """
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.cut_short import warn_if_cut_short
+from uwsim.base.texts.text_file import require_regular
 from uwsim.mapping.files.formats import CLOUD_FORMATS, CloudFormat, placed_clouds
 from uwsim.mapping.files.georeference import Georeference
 
@@ -27,7 +31,7 @@ MAX_HEADER = 65_536
 def write_cloud(path: str | os.PathLike[str], points_m: ArrayLike, place: Georeference | None = None) -> None:
     """Write points (n, 3) atomically, in the format given by the file suffix, one of CLOUD_FORMATS.
 
-    PCD and PLY hold float32, as PCL and most programs do. place: writes world points in geographic coordinates. Raises
+    place: writes world points in geographic coordinates. Raises
     ValueError, before writing anything, for another suffix or shape, if there are no points or non-finite points, or
     for a place that is not on Earth or that the format does not hold; OSError if the file cannot be written.
     """
@@ -52,18 +56,38 @@ def read_cloud(path: str | os.PathLike[str]) -> Points:
     """
     source = Path(path)
     cloud_format = _format_of(source)
-    try:
-        data = source.read_bytes()
-    except OSError as error:
-        raise OSError(f"'{source}': cannot be read: {error.strerror or error}") from None
-    try:
+    data = _bytes_of(source)
+    with _named(source):
         points = cloud_format.decode(data)
-    except Exception as error:  # a malformed file can make the libraries raise any exception
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise ValueError(f"'{source}': not a valid {source.suffix[1:].upper()} file: {reason}") from None
     if cloud_format.text_mark is not None and cloud_format.text_mark in data[:MAX_HEADER]:
         warn_if_cut_short(f"'{source}'", data)
     return points[np.isfinite(points).all(axis=1)]
+
+
+def seen_from(path: Path) -> Points | None:
+    """Return where the points of a file were seen from, (3,), if it states that. Raises as `read_cloud` does."""
+    found = _format_of(path).seen_from
+    if found is None:
+        return None
+    with _named(path):
+        return found(_bytes_of(path))
+
+
+def _bytes_of(path: Path) -> bytes:
+    try:
+        require_regular(path)
+        return path.read_bytes()
+    except OSError as error:
+        raise OSError(f"'{path}': cannot be read: {error.strerror or error}") from None
+
+
+@contextmanager
+def _named(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except Exception as error:  # a malformed file can make the libraries raise any exception
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise ValueError(f"'{path}': not a valid {path.suffix[1:].upper()} file: {reason}") from None
 
 
 def _format_of(path: Path) -> CloudFormat:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from uwsim.mapping.files.georeference import Georeference
     from uwsim.mapping.occupancy_map import OccupancyMap
 
-Origin = tuple[float, float, float]
+Origin = tuple[float, float, float] | None  # None: the one that a file states, else zero
 
 
 @dataclass(frozen=True)
@@ -46,13 +46,15 @@ class CloudFormat:
     encode: converts finite points (n, 3), n > 0, float32 or float64, to bytes; raises ValueError. decode: the reverse;
     may raise any exception. text_mark: the part of a header that declares the numbers to be text; None if all files are
     binary. encode_at: like encode, in geographic coordinates, for points in a world with a place on Earth; None for a
-    format that has no such coordinates.
+    format that has no such coordinates. seen_from: returns where the points were seen from, (3,), or None if the file
+    does not state it; None for a format that never does.
     """
 
     encode: Callable[[NDArray[np.floating]], bytes]
     decode: Callable[[bytes], NDArray[np.float64]]
     text_mark: bytes | None = None
     encode_at: Callable[[NDArray[np.floating], Georeference], bytes] | None = None
+    seen_from: Callable[[bytes], NDArray[np.float64] | None] | None = None
 
 
 @dataclass(frozen=True)

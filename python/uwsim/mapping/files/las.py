@@ -16,23 +16,23 @@ SCALE_M = 0.001
 NO_DATE = date(1970, 1, 1)  # a fixed date, so that the same points give the same bytes on any day
 
 
-def encode(points_m: NDArray[np.floating]) -> bytes:
+def encode(points_m: NDArray[np.floating], *, compresses: bool = False) -> bytes:
     """Return a LAS file of the points, in whole millimetres from a corner of the cloud.
 
     Raises ValueError if the cloud extends over more than 2,147 km.
     """
-    return _encoded(np.asarray(points_m, np.float64), None)
+    return _encoded(np.asarray(points_m, np.float64), None, compresses)
 
 
-def encode_at(points_m: NDArray[np.floating], place: Georeference) -> bytes:
+def encode_at(points_m: NDArray[np.floating], place: Georeference, *, compresses: bool = False) -> bytes:
     """Return a LAS file of the points in the place's coordinate system, whose WKT it has. Raises ValueError."""
     assert place.crs is not None
     points = np.array(points_m, np.float64)
     points[:, :2] = points[:, :2] * place.units_per_m + place.origin
-    return _encoded(points, place.crs.to_wkt())
+    return _encoded(points, place.crs.to_wkt(), compresses)
 
 
-def _encoded(points: NDArray[np.float64], wkt: str | None) -> bytes:
+def _encoded(points: NDArray[np.float64], wkt: str | None, compresses: bool) -> bytes:
     import laspy
     from laspy.vlrs.known import WktCoordinateSystemVlr
 
@@ -51,7 +51,7 @@ def _encoded(points: NDArray[np.float64], wkt: str | None) -> bytes:
     las = laspy.LasData(header)
     las.x, las.y, las.z = points.T
     file = io.BytesIO()
-    las.write(file)
+    las.write(file, do_compress=compresses, laz_backend=laspy.LazBackend.Lazrs)
     return file.getvalue()
 
 
@@ -62,7 +62,7 @@ def decode(data: bytes) -> NDArray[np.float64]:
     _require_records(data)
     header = laspy.LasHeader.read_from(io.BytesIO(data))
     if header.are_points_compressed:
-        raise ValueError("compressed (LAZ): decompress it first")
+        raise ValueError("its points are compressed: its name must end in .laz")
     expected = header.offset_to_point_data + header.point_count * header.point_format.size
     if expected > len(data):
         raise ValueError(f"{len(data)} bytes, expected {expected} for its {header.point_count} points")

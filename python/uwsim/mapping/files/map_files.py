@@ -13,10 +13,8 @@ from uwsim.mapping.occupancy_map import OccupancyMap
 
 FIRST_LINES = {b"# Octomap OcTree binary file": ".bt", b"# Octomap OcTree file": ".ot"}
 
-ZERO: Origin = (0.0, 0.0, 0.0)
 
-
-def open_map(path: Path, origin_world_m: Origin = ZERO) -> OccupancyMap:
+def open_map(path: Path, origin_world_m: Origin = None) -> OccupancyMap:
     """Read a map. Raises OSError if the file cannot be read, ValueError if it is not a valid map."""
     suffix = path.suffix if path.suffix in MAP_FORMATS else ".bt"  # whose reader accepts any name
     return MAP_FORMATS[suffix].read(path, origin_world_m)
@@ -28,7 +26,7 @@ def map_format(path: Path) -> str:
         return FIRST_LINES.get(file.readline(64).strip(), path.suffix if path.suffix in MAP_FORMATS else ".bt")
 
 
-def open_points(path: Path, origin_world_m: Origin = ZERO) -> tuple[NDArray[np.float64], float | None]:
+def open_points(path: Path, origin_world_m: Origin = None) -> tuple[NDArray[np.float64], float | None]:
     """Return the occupied voxel centres (n, 3) and resolution of a map file, or the points of a cloud file and None."""
     if path.suffix.lower() in CLOUD_FORMATS:
         return read_cloud(path), None

@@ -12,14 +12,14 @@ import struct
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.mapping.files.float32 import to_float32
+from uwsim.mapping.files.float32 import rounded
 from uwsim.mapping.files.formats import CloudFormat
 
 HEADER = """\
 # .PCD v0.7 - Point Cloud Data file format
 VERSION 0.7
 FIELDS x y z
-SIZE 4 4 4
+SIZE {size} {size} {size}
 TYPE F F F
 COUNT 1 1 1
 WIDTH {n}
@@ -30,11 +30,13 @@ DATA binary
 """
 KINDS = {"F": {4, 8}, "I": {1, 2, 4, 8}, "U": {1, 2, 4, 8}}
 MAX_HEADER = 65_536
+NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d{1,2})?")
 
 
 def encode(points_m: NDArray[np.floating]) -> bytes:
-    """Encode points as a binary PCD file with float32 x, y, z."""
-    return HEADER.format(n=len(points_m)).encode("ascii") + to_float32(points_m).tobytes()
+    """Encode points as a binary PCD file with float32 x, y, z, or float64 far from zero."""
+    stored = rounded(points_m)
+    return HEADER.format(n=len(stored), size=stored.itemsize).encode("ascii") + stored.tobytes()
 
 
 def decode(data: bytes) -> NDArray[np.float64]:
@@ -51,6 +53,19 @@ def decode(data: bytes) -> NDArray[np.float64]:
     if encoding == "binary_compressed":
         return _from_columns(_decompressed(body, count * layout.itemsize), layout, count)
     raise ValueError(f"DATA {encoding}: must be ascii, binary or binary_compressed")
+
+
+def seen_from(data: bytes) -> NDArray[np.float64] | None:
+    """Return the place of VIEWPOINT, in the points' axes as PCL's estimation of normals takes it.
+
+    None for that of a writer that knows none, 0 0 0. Its orientation is not used. Raises ValueError if it is not seven
+    numbers.
+    """
+    words = _split_header(data)[0].get("VIEWPOINT", ["0"] * 7)
+    if len(words) != 7 or not all(NUMBER.fullmatch(word) for word in words):
+        raise ValueError(f"VIEWPOINT {' '.join(words)[:60]}: must be seven numbers")
+    place = np.array(words[:3], np.float64)
+    return place if place.any() else None
 
 
 def _split_header(data: bytes) -> tuple[dict[str, list[str]], bytes]:
@@ -157,4 +172,4 @@ def _xyz(columns: list[NDArray[np.generic]]) -> NDArray[np.float64]:
     return np.stack([column.astype(np.float64) for column in columns], axis=1)
 
 
-PCD = CloudFormat(encode, decode, b"DATA ascii")
+PCD = CloudFormat(encode, decode, b"DATA ascii", seen_from=seen_from)

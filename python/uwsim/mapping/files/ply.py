@@ -11,16 +11,16 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.mapping.files.float32 import to_float32
+from uwsim.mapping.files.float32 import rounded
 from uwsim.mapping.files.formats import CloudFormat
 
 HEADER = """\
 ply
 format binary_little_endian 1.0
 element vertex {n}
-property float x
-property float y
-property float z
+property {kind} x
+property {kind} y
+property {kind} z
 end_header
 """
 MAX_HEADER = 65_536
@@ -33,8 +33,13 @@ TYPES = {
 
 
 def encode(points_m: NDArray[np.floating]) -> bytes:
-    """Encode points as binary little-endian float32 x, y, z, as read by PCL, MeshLab and CloudCompare."""
-    return HEADER.format(n=len(points_m)).encode() + to_float32(points_m).tobytes()
+    """Encode points as binary little-endian float32 x, y, z, as read by PCL, MeshLab and CloudCompare.
+
+    Far from zero as float64, which these read, too.
+    """
+    stored = rounded(points_m)
+    kind = "float" if stored.dtype == np.float32 else "double"
+    return HEADER.format(n=len(stored), kind=kind).encode() + stored.tobytes()
 
 
 def decode(data: bytes) -> NDArray[np.float64]:
