@@ -48,9 +48,12 @@ class _Guard:
         self._entry = entry
         self.has_ended = False
 
-    def call(self, name: str, function: Callable[..., T], default: T, *arguments: Any) -> T:
-        """Return the function's result, or the default if it raises an error, or if anything has raised one before."""
-        if self.has_ended:
+    def call(self, name: str, function: Callable[..., T], default: T, *arguments: Any, closes: bool = False) -> T:
+        """Return the function's result, or the default if it raises an error.
+
+        Once anything has raised one, only functions that close what was opened are called.
+        """
+        if self.has_ended and not closes:
             return default
         try:
             return function(*arguments)
@@ -84,7 +87,7 @@ class _Foreign(Attachment):
         try:
             yield
         finally:
-            self._guard.call("flying", stack.close, None)
+            self._guard.call("flying", stack.close, None, closes=True)
 
     @property
     def observer(self) -> Observer | None:
@@ -109,7 +112,7 @@ class _Foreign(Attachment):
         return flown
 
     def try_close(self) -> OSError | None:
-        return self._guard.call("try_close", self._inner.try_close, None)
+        return self._guard.call("try_close", self._inner.try_close, None, closes=True)
 
 
 class _ForeignObserver:

@@ -24,7 +24,8 @@ import numpy as np
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.npz import npz_bytes, read_npz
-from uwsim.base.own_files import adopt, is_empty, is_own, remove_own
+from uwsim.base.own_files import adopt, is_own, remove_own
+from uwsim.base.own_files import is_empty as has_no_content
 from uwsim.flight.mission_log import LOG
 from uwsim.flight.samples import COLUMNS
 from uwsim.flight.saved_flight import SavedFlight, read_state
@@ -34,6 +35,11 @@ from uwsim.scoring.survey_track import TRACK, SurveyTrack
 MAP, FOLDER, STATE, EARLIER = "map.bt", "checkpoint", "flight.json", "checkpoint.old"
 SIGN = 8  # first columns of the samples, by which a file of them is recognized
 LEFTOVER = re.compile(r"\.uwsim-(\d+)-\d+\.tmp|\.([\w-]+\.(json|npz|png|csv)|report\.html|log\.jsonl)\.\w+")
+
+
+def is_empty(occupancy: OccupancyMap | None) -> bool:
+    """Return whether this is a map in which there is nothing yet, for which no earlier one makes way."""
+    return occupancy is not None and occupancy.bounds() is None
 
 
 class FlightCheckpoint:
@@ -52,7 +58,7 @@ class FlightCheckpoint:
         maps = {f"map-{saved.tick}.ot": saved.occupancy, f"reference-{saved.tick}.ot": saved.reference}
         arrays_name = f"flight-{saved.tick}.npz"
         files = [*(name for name, occupancy in maps.items() if occupancy is not None), arrays_name]
-        if saved.occupancy is not None:
+        if saved.occupancy is not None and not (is_empty(saved.occupancy) and (self.out / MAP).exists()):
             saved.occupancy.write(self.out / MAP)
         try:
             self.folder.mkdir(exist_ok=True)
@@ -167,7 +173,7 @@ def _remove_leftovers(folder: Path) -> None:
     with contextlib.suppress(OSError):
         for path in folder.iterdir():
             found = LEFTOVER.fullmatch(path.name)
-            if found and (is_own(path) or is_empty(path)) and not (found[1] and _is_running(int(found[1]))):
+            if found and (is_own(path) or has_no_content(path)) and not (found[1] and _is_running(int(found[1]))):
                 path.unlink()
 
 

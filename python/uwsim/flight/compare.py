@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from uwsim.base.atomic_file import write_atomically
-from uwsim.base.own_files import require_own
+from uwsim.base.own_files import remove_own_file
 from uwsim.base.texts.json_text import json_value
 from uwsim.flight.fly import fly
 from uwsim.flight.folder import made_folder
@@ -147,7 +147,7 @@ def compare(
             kept = _kept(place, conditions) if resume else None
             if kept is None:
                 with show(f"flying {name}, seed {seed}"):
-                    _discard(place / FLIGHT)
+                    remove_own_file(place / FLIGHT)
                     sim = Simulator(checked, threads=threads)
                     for fault in faults:
                         sim.faults.inject(**fault)
@@ -185,11 +185,6 @@ def _source(mission: MissionFunction | Path | None) -> str | None:
     if path.is_file() or code is None:
         return file_digest(path) if path.is_file() else None
     return hashlib.blake2b(marshal.dumps(code, 2), digest_size=16).hexdigest()  # version 2: without references
-
-
-def _discard(path: Path) -> None:
-    require_own(path)
-    path.unlink(missing_ok=True)
 
 
 def _keep(folder: Path, conditions: str, flown: _Flown) -> None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from uwsim.base.wall_timer import WallTimer
 from uwsim.flight.autosave import FlightAutosave
-from uwsim.flight.checkpoint import MAP, FlightCheckpoint
+from uwsim.flight.checkpoint import MAP, FlightCheckpoint, is_empty
 from uwsim.flight.clock import FlightClock, FlightOverError
 from uwsim.flight.end import End, run_to_end
 from uwsim.flight.folder import remove_stale_results
@@ -50,6 +50,7 @@ class Flight:
         self._repeating = saved is not None and saved.mission is None
         self._maker: MapMaker | None = None
         self._begun: Begun | None = None
+        self._has_made_way = False
 
     @property
     def progress(self) -> float | None:
@@ -63,7 +64,6 @@ class Flight:
     def run(self) -> FlightRecord:
         """Fly and write the results; then, if the mission failed, raise its error."""
         setup = self._setup
-        self._remove_stale_results()
         self._log = MissionLog(setup.out, self._restored.events if self._restored else ())
         attachments = list(setup.attachments.values())
         try:
@@ -86,11 +86,12 @@ class Flight:
             raise unwritten[0]
         return flown
 
-    def _remove_stale_results(self) -> None:
-        """Remove the results of an earlier flight, which would not match this flight's map."""
-        if (out := self._setup.out) is not None:
+    def _make_way(self, out: Path) -> None:
+        """Remove the results of an earlier flight, which would not match this flight's map, before the first of it."""
+        if not self._has_made_way:
             names = RESULT_FILES if self._saved is not None else (MAP, *RESULT_FILES)
             remove_stale_results(out, names, self._setup.screen)
+        self._has_made_way = True
 
     def _verified(self, flown: FlightRecord) -> FlightRecord:
         """Return the record, with the result of comparing its map with stock OctoMap's if requested."""
@@ -103,6 +104,10 @@ class Flight:
     def _written(self, flown: FlightRecord, out: Path) -> FlightRecord:
         """Write the results, then remove the saved flight, so that --resume can repeat a failed report."""
         setup, checkpoint = self._setup, FlightCheckpoint(out)
+        if (flown.interrupted or flown.error is not None) and is_empty(flown.occupancy) and (out / MAP).exists():
+            setup.screen.message(f"{out}: nothing was mapped: its {MAP} is that of an earlier flight")
+            return flown
+        self._make_way(out)
         is_saved = checkpoint.exists and self._autosave.failure is None
         ahead = None if setup.mapping is None else setup.mapping.ahead
         report = "none" if self._autosave.in_haste else setup.report
@@ -227,12 +232,17 @@ class Flight:
         def write() -> None:
             growth = () if maker is None else maker.growth
             with self._timer.measure(AUTOSAVE):
-                self._autosave.save(lambda: FlightCheckpoint(out).write(now.with_growth(growth)))
+                self._autosave.save(lambda: self._keep(now.with_growth(growth), out))
 
         if maker is None:
             write()
         else:
             maker.when_mapped(write)
+
+    def _keep(self, saved: SavedFlight, out: Path) -> None:
+        if saved.occupancy is not None and not is_empty(saved.occupancy):
+            self._make_way(out)
+        FlightCheckpoint(out).write(saved)
 
     def _now(self, request: FlightRequest, begun: Begun) -> SavedFlight:
         """Return the data needed to resume the flight, except the map growth."""

@@ -92,3 +92,11 @@ def test_a_map_that_cannot_be_written_in_its_folder_is_written_elsewhere(
         run_survey("pool", out, mission_time_s=3.0)
     saved = Path(str(raised.value).split("the map is in ")[1])
     assert len(OccupancyMap.read(saved).occupied_voxels()) > 0
+
+
+def test_an_earlier_map_stays_until_the_new_flight_has_something_in_its_own(tmp_path: Path) -> None:
+    run_survey("pool", tmp_path, mission_time_s=1.0, report="none")
+    mapped = (tmp_path / "map.bt").read_bytes()
+    with pytest.raises(ZeroDivisionError):
+        fly(lambda rov: (yield 1 / 0), "pool", tmp_path, map=True, autosave_s=1e-3, report="none")  # type: ignore[arg-type]
+    assert (tmp_path / "map.bt").read_bytes() == mapped

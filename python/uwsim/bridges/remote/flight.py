@@ -94,7 +94,6 @@ def fly_remote(
             folder = None if out is None else results_folder(Path(out), (hull.name for hull in hulls))
             if folder is not None:
                 locked.enter_context(alone_in(folder))
-                remove_stale_results(folder, (MAP, *RESULT_FILES), screen)
             log = MissionLog(folder)
             stack.callback(log.close)
             occupancy = OccupancyMap(resolution_m=voxel_m or VOXEL_M) if map else None
@@ -108,6 +107,7 @@ def fly_remote(
                 flown = replace(flown, area_world_m=scored_area_m(survey_area_m(world), flown.path_world_m))
                 sonars = [sonar for hull in world.vehicles.values() for sonar in hull.sonars.values()]
                 flown = replace(flown, range_max_m=max((float(s.model.range_limit_m) for s in sonars), default=0.0))
+            remove_stale_results(folder, (MAP, *RESULT_FILES), screen)
             flown = write_results(flown, world, folder, "none" if saving.in_haste else report, screen)
     if flown.error is not None:
         raise flown.error
