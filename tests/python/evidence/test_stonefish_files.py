@@ -88,7 +88,7 @@ GRIPPER = """<link name="Claw" type="model"><physical><mesh filename="lost.obj"/
         ('<sensor name="Odd" type="dvl"><link name="Lost"/></sensor>', "'Odd': link 'Lost' is not one of Body"),
         ('<sensor name="Odd" type="nose"/>', "'Odd', of type nose"),
         ('<link name="Odd" type="box"/>', "'Odd': no joint connects it"),
-        ('<joint name="Odd" type="fixed"><parent name="Lost"/></joint>', ""),
+        ('<joint name="Odd" type="fixed"><parent name="Lost"/></joint>', "'Odd': it holds nothing to"),
         (GRIPPER, "link 'Claw': 0.5 kg that displace nothing: 'lost.obj': is in no folder above"),
         ('</robot><robot name="Odd"><base_link type="box"/>', "robot 'Odd': no thruster moves it"),
         ('</robot><static name="Odd" type="model"/><robot name="Prop">', "static 'Odd': has no <physical>"),
@@ -227,3 +227,27 @@ def test_a_mesh_wound_both_ways_encloses_its_volume_and_files_are_found_as_publi
     assert field("scn_mixed_winding.scn").volume_m3 == pytest.approx(0.037)  # 37 kg, neutral in 1000 kg/m3
     assert field("pkg/scenarios/sea.scn").volume_m3 is not None
     np.testing.assert_allclose(field("scn_param.scn", start_xyz="0 0 2").place.position_m, [0.0, 0.0, -2.0])
+
+
+BALL = """<dynamic name="Ball" type="sphere" physics="submerged" buoyant="true"><dimensions radius="0.5"/>
+  <origin xyz="0 0 0" rpy="0 0 0"/><material name="foam"/><world_transform xyz="3 4 2" rpy="0 0 0"/></dynamic>"""
+BEACON = '<comm name="Beacon" type="acoustic_modem" device_id="2"><world_transform xyz="30 5 9" rpy="0 0 0"/></comm>'
+USBL = """<comm name="Fix" type="usbl" device_id="1"><connect device_id="2"/><link name="Body"/><specs range="300"/>
+  <origin xyz="0.1 0 0" rpy="0 0 0"/><autoping rate="2"/><noise range="0.2" horizontal_angle="1" vertical_angle="2"/>
+  <resolution range="0.1"/></comm></robot>"""
+
+
+def test_loose_bodies_beacons_and_usbl_are_taken_over(tmp_path: Path) -> None:
+    """In NED, (3, 4, 2) is 4 m east, 3 m north and 2 m deep; foam of 900 kg/m3 fills a ball of 0.5 m radius."""
+    text = SCN.replace("</robot>", USBL).replace("</scenario>", f"{BALL}{BEACON}</scenario>")
+    found = read(tmp_path / "a.scn", text)
+    scenario = load(write_found(found, tmp_path / "out"))
+    (ball,), (pinger,) = scenario.objects, scenario.pingers
+    volume, centre = shapes.volume_and_centre(found.meshes["Ball"])
+    np.testing.assert_allclose(centre, [4.0, 3.0, -2.0], atol=1e-6)
+    assert volume == pytest.approx(np.pi / 6.0) and ball.mass_kg == pytest.approx(900.0 * np.pi / 6.0)
+    assert pinger.position_m == (5.0, 30.0, -9.0) and scenario.station.position_m == (5.0, 30.0, 0.0)
+    usbl = found.robots[0].sensors["Fix"]
+    assert usbl["rate_hz"] == 2.0 and usbl["range_max_m"] == 300.0 and usbl["position_m"] == [0.1, 0.0, 0.0]
+    assert usbl["channels"]["range"] == {"std": 0.2, "quantum": 0.1}
+    assert usbl["channels"]["bearing"]["std"] == pytest.approx(np.radians(2.0))

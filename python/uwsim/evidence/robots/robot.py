@@ -19,8 +19,8 @@ from uwsim.scenario.spec.scenario import RESERVED_NAMES
 MOTION, SENSES, LOOKS = GRADES = ("motion", "senses", "looks")
 """What a note is about, in the order in which notes are printed."""
 OF_LOOKS = re.compile(
-    r"\b(visuali?z?e?|materials?|lights?|meta|gui|scene|looks?|sky|sun|atmosphere|shadows|texture|render|retro|projector"
-    r"|particles?|emitter|audio|actor|colou?r|transparency)\b"
+    r"^robot material\b|\b(visuali?z?e?|lights?|meta|gui|scene|looks?|sky|sun|atmosphere|shadows|texture|render|retro"
+    r"|projector|particles?|emitter|audio|actor|colou?r|transparency)\b"
 )
 OF_SENSES = re.compile(
     r"\b(sensors?|(multi)?cameras?|sonar|lidar|imu|dvl|gps|navsat|altimeter|magnetometer|pressure|odom|odometry"
@@ -144,9 +144,9 @@ class Found:
     The law of all formats: an element that is stated is used, or noted as left out, with its value and the reason, or
     replaced by what is noted as assumed; one that breaks a rule never refuses those beside it.
 
-    obstacles: as in a scenario. notes: a line for each element that was left out or assumed. grades: of these, by
-    their text. density_kg_m3: of the
-    water, if stated. current_m_s: its velocity, likewise. bed_z_m: of a flat bed, likewise.
+    obstacles, objects, pingers: as in a scenario. station: its place [m], if it is known. notes: a line for each
+    element that was left out or assumed. grades: of these, by their text. density_kg_m3: of the water, if stated.
+    current_m_s: its velocity, likewise. bed_z_m: of a flat bed, likewise.
     refusals: the errors of the vehicles that were left out.
     """
 
@@ -154,6 +154,9 @@ class Found:
     given: Given = field(default_factory=Given)
     robots: list[Robot] = field(default_factory=list)
     obstacles: list[dict[str, Any]] = field(default_factory=list)
+    objects: list[dict[str, Any]] = field(default_factory=list)
+    pingers: list[dict[str, Any]] = field(default_factory=list)
+    station: list[float] | None = None
     meshes: dict[str, Mesh] = field(default_factory=dict)
     density_kg_m3: float | None = None
     current_m_s: Floats | None = None
@@ -206,7 +209,7 @@ class Found:
 
     def body_name(self, text: str) -> str:
         """Return a text as a name for a fixed body that is none of the others' and none that scenarios reserve."""
-        return plain_name(text, [*RESERVED_NAMES, *(body["name"] for body in self.obstacles)])
+        return plain_name(text, [*RESERVED_NAMES, *self.meshes])
 
     def noted(self, what: str, grade: str | None = None) -> None:
         """Note what is worth knowing, once. grade: one of GRADES, if it is a loss."""

@@ -16,9 +16,10 @@ import numpy as np
 
 from uwsim.evidence.robots import shapes
 from uwsim.evidence.robots.links import summed_volume
-from uwsim.evidence.robots.robot import SENSES, Found, Lump, Mesh, Robot, Thruster, plain_name
+from uwsim.evidence.robots.robot import SENSES, Found, Lump, Mesh, Robot, Thruster, merged, plain_name
 from uwsim.evidence.robots.sensors import from_optical, put_camera, put_imaging, put_sensor
 from uwsim.evidence.robots.stonefish_body import FLIP, WetPart, body_lump, drag_about, lump_alone, wet_part
+from uwsim.evidence.robots.stonefish_comms import Fixed, fixed_device, put_comm
 from uwsim.evidence.robots.stonefish_text import Texts, file_named
 from uwsim.evidence.robots.xml_file import HERE, Element, Floats, Pose, read_xml
 
@@ -45,6 +46,7 @@ FILES_MAX = 50
 WOUND = 0.01
 """Volumes of a closed mesh and of the one that a file has differ by less, in parts of it, if it is wound one way."""
 POINTS = 41
+CENTRED_M = 0.005
 NOISE = {
     "imu": {
         "angle": "orientation",
@@ -111,6 +113,7 @@ class _Reader:
         self.materials: dict[str, float] = {}
         self.documents: list[Element] = []
         self.given: list[Mesh] = []
+        self.devices: list[Fixed] = []
         self._closed = cache(lambda path, scale: shapes.closed(shapes.from_file(path, np.full(3, scale)), str(path)))
 
     @property
@@ -156,8 +159,14 @@ class _Reader:
         for static in root.all("static"):
             with self.found.beside(static):
                 self._static(static)
+        for body in root.all("dynamic"):
+            with self.found.beside(body):
+                self._loose(body)
+        for comm in root.all("comm"):
+            with self.found.beside(comm):
+                self._device(comm, comm.origin("world_transform" if comm.find("world_transform") else "origin"))
         for element in root.all("*"):
-            if element.tag in ("dynamic", "animated", "light", "comm", "cable", "glue", "sensor", "contact"):
+            if element.tag in ("animated", "light", "cable", "glue", "sensor", "contact"):
                 self.found.dropped(element)
 
     def _ocean(self, ocean: Element) -> None:
@@ -187,13 +196,45 @@ class _Reader:
         if kind == "plane":
             self.found.bed_z_m = -float(static.origin("world_transform").position_m[2])
             return
+        place = static.origin("world_transform")
+        for comm in static.all("comm"):
+            with self.found.beside(comm):
+                self._device(comm, place.then(comm.origin()))
         mesh, _, _ = self._solid(static, is_body=False)
-        vertices, triangles = shapes.placed(mesh, static.origin("world_transform"))
+        vertices, triangles = shapes.placed(mesh, place)
         name = self.found.body_name(static.name)
         self.found.meshes[name] = (vertices @ ENU_FROM_NED.T, triangles)  # NED to ENU turns, and does not mirror
         self.found.obstacles.append(
             {"kind": "mesh", "name": name, "file": f"{name}.ply", "position_m": [0.0, 0.0, 0.0]}
         )
+
+    def _device(self, comm: Element, place: Pose) -> None:
+        self.devices.append(fixed_device(comm, ENU_FROM_NED @ place.position_m, self.found))
+
+    def _loose(self, body: Element) -> None:
+        """Read a body that water, weight and contacts move: its mass fills its volume here."""
+        place, meshes, lumps = body.origin("world_transform"), [], []
+        if (body.attribute("physics") or "submerged") not in WET:
+            raise body.error(f"physics {body.attribute('physics')}: must be {' or '.join(WET)}")
+        for part, at in self._parts(body):
+            _, mesh, wall = self._solid(part)
+            own = body_lump(part, mesh, wall, self._part_density(part))
+            lumps.append(Lump(own.mass_kg, at.points(own.centre_m[None])[0], own.inertia_kg_m2))
+            if part.tag == "internal_part":
+                continue
+            if part.attribute("buoyant") in NO or wall > 0.0:
+                self.found.assumed(f"{part.path}: it displaces all of its volume here")
+            meshes.append(shapes.placed(mesh, at))
+        if not meshes:
+            raise body.error("has no part that water meets")
+        mesh, whole = shapes.joined(meshes), merged(lumps)
+        away = float(np.linalg.norm(shapes.volume_and_centre(mesh)[1] - whole.centre_m))
+        if away > CENTRED_M:
+            self.found.assumed(f"{body.path}: its centre of mass is that of its volume, {away:.3g} m away")
+        name, (vertices, triangles) = self.found.body_name(body.name), shapes.placed(mesh, place)
+        self.found.meshes[name] = (vertices @ ENU_FROM_NED.T, triangles)
+        shape = {"kind": "mesh", "name": name, "file": f"{name}.ply", "position_m": [0.0, 0.0, 0.0]}
+        self.found.objects.append({"shape": shape, "mass_kg": whole.mass_kg})
 
     def _solid(self, part: Element, is_body: bool = True) -> tuple[Mesh, Mesh, float]:
         """Return a part's surface in its own frame, the same closed, and the thickness of its wall, 0 for a solid [m].
@@ -247,9 +288,11 @@ class _Reader:
         for sensor in element.all("sensor"):
             with self.found.beside(sensor):
                 self._sensor(robot, sensor, poses)
-        for tag in ("comm", "light"):
-            for other in element.all(tag):
-                self.found.dropped(other)
+        for comm in element.all("comm"):
+            with self.found.beside(comm):
+                put_comm(robot, comm, self._mount(comm, poses), self.devices, self.found)
+        for light in element.all("light"):
+            self.found.dropped(light)
         self.found.robots.append(robot)
 
     def _bodies(self, robot: Robot, links: list[Element], poses: dict[str, Pose]) -> None:
@@ -304,7 +347,10 @@ class _Reader:
                     poses[child_name] = poses[name].then(joint.origin())
                     waiting.append(child_name)
         for joint in joints:
-            if joint.attribute("type") != "fixed":
+            ends = [joint.find(end) for end in ("parent", "child")]
+            if any(end is None or end.name not in poses for end in ends):
+                self.found.dropped(joint, ": it holds nothing to the base link")
+            elif joint.attribute("type") != "fixed":
                 self.found.left_out(f"{joint.path}: it moves; here it is fixed at zero")
         return poses
 
@@ -380,6 +426,7 @@ class _Reader:
             thrust = self._density * diameter**4 * speeds * np.abs(speeds) * np.where(speeds < 0.0, back, coefficient)
         else:
             inverted = specs.attribute("inverted_setpoint") in YES
+            specs.attribute("normalized_setpoint")  # as each command is here
             most = abs(specs.number(None, None, "max_setpoint"))
             if (knots := model.numbers("input", None, "value")) is not None and most > 0.0:
                 commands = np.unique(np.round([*commands, *np.clip([*knots, *-knots], -most, most) / most], 9))

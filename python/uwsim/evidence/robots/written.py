@@ -158,6 +158,9 @@ def _scenario(found: Found, vehicles: list[dict[str, Any]], obstacles: list[dict
         "terrain": {"source": "noise", "size_m": [across, across], "spacing_m": BED_SPACING_M, "bed_depth_m": deep},
         "vehicles": vehicles,
         **({"obstacles": obstacles} if obstacles else {}),
+        **({"objects": found.objects} if found.objects else {}),
+        **({"pingers": found.pingers} if found.pingers else {}),
+        **({"station": {"position_m": found.station}} if found.station else {}),
     }
 
 
