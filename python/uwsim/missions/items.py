@@ -23,7 +23,7 @@ from uwsim.navigation.sensor_choice import altimeter
 Vector = NDArray[np.float64]
 SPEED_M_S = 0.5
 ABOVE_SEA, ABOVE_HOME, ABOVE_BED = (0, 5), (3, 6), (10, 11)  # MAV_FRAME; the first two are relative to the surface
-HEIGHT_MAX_M, ITEMS_MAX = 1000.0, 1000
+HEIGHT_MAX_M, ITEMS_MAX, NEAR_BED_M = 1000.0, 1000, 1.0
 FAR_M = 1e5
 """Limit of distances from the world's origin."""
 TIME_MAX_S, TURNS_MAX, RADIUS_MAX_M, TURN_DEG_S = 65535.0, 255.0, 255.0, 60.0
@@ -34,7 +34,7 @@ SURFACE_M = 0.2
 CHORDS = 36  # of a circle
 CONTROL_S = 0.1
 UNSUPPORTED_FRAME, UNSUPPORTED, INVALID_PARAMETER, INVALID_X, INVALID_Z = 2, 3, 6, 10, 12  # MAV_MISSION_RESULT
-CHANGE_SPEED, JUMP, CIRCLE, RETURN, LEFT_OUT = 178, 177, 18, 20, -1
+CHANGE_SPEED, JUMP, CIRCLE, RETURN, LAND, LEFT_OUT = 178, 177, 18, 20, 21, -1
 """LEFT_OUT: in place of an item of a file that is not flown, so that the numbers of the others stand."""
 WAYPOINT, PASSED = 16, (16, 17, 19, 82)
 """The items between which straight legs are flown."""
@@ -119,6 +119,12 @@ class Pilot:
             point[:2] = self.vehicle.pose.position_world_m[:2]
         return point
 
+    def height_m(self, item: Any) -> float | None:
+        """Return an item's height above the bed, which one below the bed has, too; None for one with an altitude."""
+        if item.frame in ABOVE_BED:
+            return float(item.z)
+        return None if self.vehicle.beyond_terrain(*self.place(item)) is None else NEAR_BED_M
+
     def go(self, point: Vector, height_m: float | None = None) -> Steps[None]:
         """Fly along the leg from the last waypoint, if there is one, and to the point.
 
@@ -187,32 +193,29 @@ class Pilot:
         self.passed = None
 
 
-def _height_m(item: Any) -> float | None:
-    """Return an item's height above the bed, None for one with an altitude."""
-    return float(item.z) if item.frame in ABOVE_BED else None
-
-
 def _waypoint(pilot: Pilot, item: Any) -> Steps[None]:
-    yield from pilot.go(point := pilot.place(item), _height_m(item))
+    yield from pilot.go(point := pilot.place(item), pilot.height_m(item))
     yield from pilot.stay(item.param1, point)
 
 
 def _loiter(pilot: Pilot, item: Any) -> Steps[None]:
-    yield from pilot.go(point := pilot.place(item), _height_m(item))
+    yield from pilot.go(point := pilot.place(item), pilot.height_m(item))
     yield from pilot.stay(math.inf, point)
 
 
 def _circle(pilot: Pilot, item: Any) -> Steps[None]:
     """Fly to the nearest point of a circle, then along its chords. A positive radius is clockwise, seen from above."""
-    centre, radius_m = pilot.place(item), abs(item.param3)
+    centre, radius_m, height_m = pilot.place(item), abs(item.param3), pilot.height_m(item)
     east, north = pilot.vehicle.pose.position_world_m[:2] - centre[:2]
     angles = math.atan2(north, east) - math.copysign(math.tau * item.param1, item.param3) * np.linspace(
         0, 1, math.ceil(CHORDS * item.param1) + 1
     )
     points = centre + radius_m * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
-    yield from pilot.go(points[0])
+    yield from pilot.go(points[0], height_m)
+    points[:, 2] = points[0, 2]
     for start, end in pairwise(points):
-        yield from follow_leg(pilot.vehicle, start, end, speed_m_s=pilot.speed_m_s)
+        to = end if height_m is None else end[:2]
+        yield from follow_leg(pilot.vehicle, start, to, altitude_m=height_m, speed_m_s=pilot.speed_m_s)
     pilot.passed = points[-1]
 
 
@@ -317,7 +320,7 @@ KINDS: Mapping[int, ItemKind] = {
     ),
     19: ItemKind("loiter for a time", _waypoint, True, {1: SECONDS}),
     RETURN: ItemKind("return", _return, False, {}),
-    21: ItemKind("surface", _land, True, {}),
+    LAND: ItemKind("surface", _land, True, {}),
     82: ItemKind("spline waypoint", _waypoint, True, {1: SECONDS}),
     93: ItemKind("delay", lambda pilot, item: pilot.stay(item.param1), False, {1: ("delay", 0.0, TIME_MAX_S, "s")}),
     115: ItemKind(
@@ -386,9 +389,14 @@ def _check_place(item: Any, craft: Ground) -> None:
     elif not -FAR_M < item.z <= 0:
         rule = f"must not be above the surface, 0 m, nor below {-FAR_M:g} m"
         raise RefusedItemError(item, INVALID_Z, f"altitude = {item.z:g} m: {rule}")
-    altitude_m = 0.0 if item.frame in ABOVE_BED else item.z
+    altitude_m = 0.0 if item.frame in ABOVE_BED or item.command == LAND else item.z
     east, north, up = (float(part) for part in craft.home.world_m(1e-7 * item.x, 1e-7 * item.y, altitude_m))
-    if (item.x or item.y) and (edge := craft.vehicle.beyond_terrain(east, north, up)) is not None:
+    if not (item.x or item.y) or (edge := craft.vehicle.beyond_terrain(east, north, up)) is None:
+        return
+    if craft.vehicle.beyond_terrain(east, north) is None and altimeter(craft.vehicle.sensors) is not None:
+        rule = f"is below the bed, {edge}: {NEAR_BED_M:g} m above the bed is flown"  # as deep as an ArduSub gets
+        craft.send_text(f"mission item {item.seq}: altitude = {item.z:g} m: {rule}")
+    else:
         place = f"({east:.1f}, {north:.1f}, {up:.1f}) m east, north and up of the origin"
         raise RefusedItemError(item, INVALID_X, f"position {place}: must be above the terrain, {edge}")
 

@@ -85,16 +85,10 @@ class AdaptiveLawnMower(Sealed):
         self.autopilot = survey_pilot(vehicle, period_s)
         self._own = vehicle if isinstance(vehicle, OwnVehicle) else OwnVehicle(vehicle, clock)
         self.lookout = Lookout(
-            self._own,
-            plan.altitude_m,
-            half_width_m=HALF_WIDTH_M,
-            ahead_m=max(20.0, 1.3 * plan.transit_view_m),
-            passable_z_m=PASSABLE_Z_M,
-            turn_first_rad=TURN_FIRST_RAD,
-            most_climb_m=math.inf,
-            autopilot=self.autopilot,
+            self._own, plan.altitude_m, half_width_m=HALF_WIDTH_M, ahead_m=max(20.0, 1.3 * plan.transit_view_m),
+            passable_z_m=PASSABLE_Z_M, turn_first_rad=TURN_FIRST_RAD, most_climb_m=math.inf, autopilot=self.autopilot,
             yoyo=plan.yoyo,
-        )
+        )  # fmt: skip
         self._drives_sway = "sway" in self._own.controllable
         least_m_s = float(getattr(self._own.control, "speed_min_m_s", 0.0))
         self._speed_m_s = max(plan.speed_m_s, least_m_s)

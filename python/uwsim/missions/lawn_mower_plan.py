@@ -55,13 +55,9 @@ class LawnMowerPlan:
             towards = np.sum([SIDES[side] for side in self.entry.split("-")], axis=0)
             near_m = area.mean(axis=0) + 2.0 * np.linalg.norm(np.ptp(area, axis=0)) * towards
         return lawn_mower_lanes(
-            self.area_m,
-            self.line_spacing_m,
-            self.reach_m,
-            near_m,
-            heading_deg=self.heading_deg,
+            self.area_m, self.line_spacing_m, self.reach_m, near_m, heading_deg=self.heading_deg,
             cross_lines=self.cross_lines,
-        )
+        )  # fmt: skip
 
     @property
     def reach_m(self) -> float:

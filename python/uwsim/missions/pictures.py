@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from uwsim.base.own_files import mark, require_own
 from uwsim.mapping.files.georeference import Place
 from uwsim.missions.own_vehicle import OwnVehicle
 
@@ -26,12 +27,14 @@ class Picture(NamedTuple):
 class PictureFolder:
     """Takes pictures with a vehicle's first camera into a folder, which is made with the first one.
 
-    place: the world's location on Earth. The position is the vehicle's estimate; heading from north, pitch nose up,
-    roll to starboard.
+    Pictures that are there already stay, and the table goes on. place: the world's location on Earth. The position is
+    the vehicle's estimate; heading from north, pitch nose up, roll to starboard. Raises FileExistsError for a table of
+    others.
     """
 
     def __init__(self, folder: Path, place: Place) -> None:
         self._folder, self._place, self._count = folder, place, 0
+        require_own(folder / TABLE)
 
     def take(self, vehicle: OwnVehicle, item: int) -> Picture:
         """Take a picture for an item. Raises OSError."""
@@ -39,7 +42,8 @@ class PictureFolder:
 
         name = next(iter(vehicle.cameras))
         picture, pose = vehicle.cameras[name].capture(), vehicle.pose
-        file = self._folder / f"{vehicle.name}-{name}-{self._count:05d}.png"
+        while (file := self._folder / f"{vehicle.name}-{name}-{self._count:05d}.png").exists():
+            self._count += 1
         self._folder.mkdir(parents=True, exist_ok=True)
         write_image(file, picture.rgb)
         latitude, longitude = self._place.degrees(pose.position_world_m)
@@ -51,11 +55,10 @@ class PictureFolder:
         )
         numbers = (vehicle.time_s, latitude, longitude, -pose.position_world_m[2], *angles)
         texts = (file.name, *(f"{value:.{k}f}" for value, k in zip(numbers, (3, 9, 9, 3, 3, 3, 3), strict=True)), item)
-        with (self._folder / TABLE).open("a" if self._count else "w", newline="") as table:
-            rows = csv.writer(table)
-            if not self._count:
-                rows.writerow(COLUMNS)
-            rows.writerow(texts)
+        require_own(table := self._folder / TABLE)
+        with table.open("a", newline="") as stream:
+            csv.writer(stream).writerows([texts] if stream.tell() else [COLUMNS, texts])
+        mark(table)
         self._count += 1
         values = dict(zip(COLUMNS, (file.name, *(float(value) for value in numbers), item), strict=True))
         vehicle.log("picture", **values)

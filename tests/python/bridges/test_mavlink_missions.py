@@ -163,6 +163,25 @@ def test_a_picture_is_a_file_and_a_message_with_its_place(sim: Simulator, tmp_pa
     at = HOME.world_m(1e-7 * message.lat, 1e-7 * message.lon, 1e-3 * message.alt)
     np.testing.assert_allclose(at, sim.rov.pose.position_world_m, atol=0.02)
     assert (message.image_index, message.capture_result) == (0, 1)
+    PictureFolder(tmp_path, HOME).take(OwnVehicle(sim.rov, sim), 5)  # of another flight
+    table = (tmp_path / "pictures.csv").read_text().splitlines()
+    assert [row.partition(",")[0] for row in table] == ["file", "rov-chase-00000.png", "rov-chase-00001.png"]
+    (tmp_path / "pictures.csv").write_text("mine")
+    with pytest.raises(FileExistsError, match="uwsim did not write it"):
+        PictureFolder(tmp_path, HOME)
+
+
+def test_what_is_below_the_bed_is_flown_above_it_and_named(sim: Simulator) -> None:
+    """ArduSub does not know the bed, and takes items at or below it, as those of its own suite's DiveMission are."""
+    TEXTS.clear()
+    flown = fly(
+        sim, item(1, 178, 1, 0.5), item(2, 16, at=(-8.0, -8.0, -50.0)), item(3, 18, 0.2, 0, 3.0, at=(0.0, -8.0, -50.0)),
+        item(4, 21, at=(0.0, 0.0, -50.0)), first=2,
+    )  # fmt: skip
+    assert len(TEXTS) == 2 and "item 2: altitude = -50 m: is below the bed, whose height there is" in TEXTS[0]
+    for number in (2, 3):
+        x, y, z = flown.points[flown.during(number)][-1]
+        assert z - sim.world.height_at([[x, y]])[0] == pytest.approx(1.0, abs=0.5)
 
 
 def keeper_of(texts: list[str]) -> FenceKeeper:
