@@ -9,7 +9,7 @@ from typing import Any
 from uwsim.evidence.scenario_source import Made, ScenarioSource
 
 SUFFIXES = (".bag", ".tif", ".tiff", ".h5", ".nc", ".grd", ".asc", ".img", ".vrt")
-SOUNDED = (".xyz", ".csv", ".txt", ".dat", ".las")
+SOUNDED = (".xyz", ".csv", ".txt", ".dat", ".las", ".laz")
 SIZE_M = 500.0
 
 
@@ -34,7 +34,7 @@ def _from_chart(path: Path, out: Path, options: Mapping[str, Any]) -> Made:
         water_level_m=options.get("water_level", 0.0), **stated,
     )  # fmt: skip
     size, (high, low) = f"{made.size_m:g} x {made.size_m:g} m", made.depth_m
-    return Made(made.path, [f"{size}, {high:.1f} to {low:.1f} m deep; uwsim survey {made.path}"])
+    return Made(made.path, [f"{size}, {high:.1f} to {low:.1f} m deep; uwsim survey {made.path}", *made.notes])
 
 
 def _from_soundings(path: Path, out: Path | None, options: Mapping[str, Any]) -> Made:

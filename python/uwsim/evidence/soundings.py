@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import warnings
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -26,15 +28,18 @@ PER_CELL = 3.0
 """Scattered soundings in a cell, in the mean, by default."""
 REACH = 4.0
 """Cells over which a gap between soundings is filled; a wider one stays a gap."""
-NAMES = (
-    re.compile(r"^(x|e|east(ing)?|lon(g|gitude)?)\b", re.IGNORECASE),
-    re.compile(r"^(y|n|north(ing)?|lat(itude)?)\b", re.IGNORECASE),
-    re.compile(r"^(z|d|depth|elev(ation)?|height|h|tiefe|prof)", re.IGNORECASE),
-)
-"""Names of the columns x, y and z in a first line."""
-DOWN = re.compile(r"^(d|depth|tiefe|prof)", re.IGNORECASE)
+LINE = 1e-9
+"""Ratio of the variances across and along soundings below which they lie in a line."""
+ASIDE = 1e-5, 2.3e-5
+"""Cells by which a place is moved where its triangle is sought: on an edge, the search would try all."""
+EAST = frozenset({"x", "e", "east", "easting", "lon", "lng", "long", "longitude"})
+NORTH = frozenset({"y", "n", "north", "northing", "lat", "latitude"})
+DEPTHS = frozenset({"d", "depth", "tiefe", "prof", "profondeur", "profundidad"})
+HEIGHTS = frozenset({"z", "h", "elev", "elevation", "height", "hoehe"})
+DEGREES = frozenset({"lon", "lng", "long", "longitude"})
+"""First or last words of the names of columns x, y and z, such as Easting_m or UTM_E, and of those in degrees."""
+WORD = re.compile(r"[^\W\d_]+")
 NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d{1,2})?")
-DEGREES = re.compile(r"^(lon|lat)", re.IGNORECASE)
 
 
 @dataclass
@@ -52,9 +57,10 @@ def read_soundings(path: Path) -> Soundings:
     """Return the soundings of a text or LAS file. Raises ValueError, which names a line that is not one, or OSError.
 
     A text has columns that are separated by spaces, tabs, commas or semicolons; with those, decimal commas are read. A
-    first line may name its columns; without one they are x, y, z. Lines that begin with # are comments.
+    first line, or a comment before the first row, may name its columns; without names they are x, y, z, after one that
+    counts the rows. Lines that begin with # are comments.
     """
-    if path.suffix.lower() == ".las":
+    if path.suffix.lower() in (".las", ".laz"):
         from uwsim.mapping.files.cloud_files import read_cloud
 
         return Soundings(path, np.asarray(read_cloud(path), np.float64))
@@ -64,28 +70,57 @@ def read_soundings(path: Path) -> Soundings:
     first = next((k for k, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), None)
     if first is None:
         raise ValueError(f"'{path}': is empty: must have lines of x, y, z")
-    separator = next((each for each in (";", "\t", ",") if each in lines[first]), None)
-    head = [word.strip().strip("\"'") for word in lines[first].split(separator)]
-    found, columns = Soundings(path, np.empty((0, 3))), (0, 1, 2)
-    if not _is_number(head[0], separator):
-        columns = _columns(path, head)
-        first += 1
+    head = _cells(lines[first])
+    is_named, above = not _is_number(head[0], _separator(lines[first])), lines[first - 1].lstrip("# ") if first else ""
+    head = head if is_named else _cells(above) if _columns(_cells(above)) else []
+    first += is_named
+    row = next((line for line in lines[first:] if line.strip() and not line.lstrip().startswith("#")), "")
+    separator, columns, found = _separator(row), _columns(head), Soundings(path, np.empty((0, 3)))
+    if is_named and columns is None:
+        rule = "must name x, y and z, such as by easting, northing, depth or longitude, latitude, elevation"
+        raise ValueError(f"'{path}': its first line is '{' '.join(head)[:LINES_SHOWN]}': {rule}")
+    width = len(_cells(row))
+    is_counted = width == len(head) + 1 if columns else width > 3 and _counts_rows(lines[first:], separator)
+    x, y, z = (k + is_counted for k in columns or (0, 1, 2))
+    if is_counted:
+        found.notes.append("assumed: the first column, which has no name, counts the rows")
+    if columns:
         named = [head[k] for k in columns]
-        found.positive = "down" if DOWN.match(named[2]) else None
-        found.crs = WGS84 if DEGREES.match(named[0]) else None
+        found.positive = "down" if _words(named[2]) & DEPTHS else None
+        found.crs = WGS84 if _words(named[0]) & DEGREES else None
         left = [name for k, name in enumerate(head) if k not in columns]
         found.notes.append(f"read: {', '.join(named)}" + (f"; left out: columns {', '.join(left)}" if left else ""))
-    found.points = _numbers(path, lines, first, separator, columns)
+    found.points = _numbers(path, lines, first, separator, (x, y, z))
     return found
 
 
-def _columns(path: Path, head: list[str]) -> tuple[int, int, int]:
-    places = [next((k for k, name in enumerate(head) if wanted.match(name)), None) for wanted in NAMES]
-    if None in places:
-        rule = "must name x, y and z, such as by easting, northing, depth or longitude, latitude, elevation"
-        raise ValueError(f"'{path}': its first line is '{' '.join(head)[:LINES_SHOWN]}': {rule}")
-    x, y, z = (place for place in places if place is not None)
-    return x, y, z
+def _separator(line: str) -> str | None:
+    return next((each for each in (";", "\t", ",") if each in line), None)
+
+
+def _cells(line: str) -> list[str]:
+    return [word.strip().strip("\"'") for word in line.split(_separator(line))]
+
+
+def _words(name: str) -> set[str]:
+    """Return the first and the last word of a column's name without its unit, in small letters."""
+    words = WORD.findall(re.split(r"[(\[]", name.lower())[0])
+    return {*words[:1], *words[-1:]}
+
+
+def _columns(head: list[str]) -> tuple[int, int, int] | None:
+    """Return the columns x, y and z by their names, None if one is not named."""
+    x, y, z = (
+        next((k for k, name in enumerate(head) if _words(name) & wanted), None)
+        for wanted in (EAST, NORTH, DEPTHS | HEIGHTS)
+    )
+    return None if x is None or y is None or z is None else (x, y, z)
+
+
+def _counts_rows(lines: list[str], separator: str | None) -> bool:
+    """Return whether the first column is 0, 1, 2, ... or 1, 2, 3, ... in all rows."""
+    rows = [line.split(separator, 1)[0].strip() for line in lines if line.strip() and not line.lstrip().startswith("#")]
+    return rows in ([str(k) for k in range(begin, begin + len(rows))] for begin in (0, 1))
 
 
 def _is_number(word: str, separator: str | None) -> bool:
@@ -93,15 +128,17 @@ def _is_number(word: str, separator: str | None) -> bool:
 
 
 def _numbers(path: Path, lines: list[str], first: int, separator: str | None, columns: tuple[int, ...]) -> Floats:
-    last, rows = max(columns), []
-    for number, line in enumerate(lines[first:], first + 1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        words = [word.strip() for word in (line.replace(",", ".") if separator == ";" else line).split(separator)]
-        if len(words) <= last or not all(NUMBER.fullmatch(words[k]) for k in columns):
-            raise ValueError(f"'{path}': line {number}: '{line[:LINES_SHOWN]}': must have numbers x, y, z")
-        rows.append([float(words[k]) for k in columns])
-    return np.array(rows, np.float64).reshape(-1, 3)
+    rows = [line.replace(",", ".") if separator == ";" else line for line in lines[first:]]
+    with suppress(ValueError), warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # numpy warns of a text without rows
+        points = np.loadtxt(rows, np.float64, delimiter=separator, usecols=columns, ndmin=2)
+        if np.isfinite(points).all():
+            return points.reshape(-1, 3)
+    for number, line in enumerate(rows, first + 1):
+        words = [word.strip() for word in line.split("#")[0].split(separator)]
+        if any(words) and not all(NUMBER.fullmatch(words[k]) if k < len(words) else None for k in columns):
+            raise ValueError(f"'{path}': line {number}: '{lines[number - 1][:LINES_SHOWN]}': must have numbers x, y, z")
+    raise ValueError(f"'{path}': must have lines of x, y, z")
 
 
 def grid_soundings(found: Soundings, out: Path, *, cell: float | None, crs: str | None) -> str:
@@ -112,10 +149,11 @@ def grid_soundings(found: Soundings, out: Path, *, cell: float | None, crs: str 
     cell: its width, in the unit of x; by default that of a grid, else such that a cell has PER_CELL soundings in the
     mean. Raises ValueError or OSError.
     """
+    spreads = np.linalg.eigvalsh(np.cov(found.points[:, :2].T)) if len(found.points) >= 9 else np.zeros(2)
+    if spreads[0] <= LINE * spreads[1]:
+        raise ValueError(f"'{found.path}': has {len(found.points)} soundings: must have 9 or more, not in a line")
     place = _crs(found, crs)
     x, y = found.points[:, 0], found.points[:, 1]
-    if len(x) < 9 or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
-        raise ValueError(f"'{found.path}': has {len(x)} soundings: must have 9 or more, not in a line")
     require_own(out)
     grid = _regular(found.points) if cell is None else None
     if grid is not None:
@@ -133,11 +171,15 @@ def grid_soundings(found: Soundings, out: Path, *, cell: float | None, crs: str 
 
 def _crs(found: Soundings, stated: str | None) -> CRS | None:
     """Return the coordinate system: that stated, that of the file, or that of degrees where all could be degrees."""
-    x, y = found.points[:, 0], found.points[:, 1]
-    named = stated or found.crs
-    if named is None and np.abs(x).max() <= 180.0 and np.abs(y).max() <= 90.0 and max(np.ptp(x), np.ptp(y)) < 1.0:
+    named, plane = stated or found.crs, found.points[:, :2]
+    first, second = np.abs(plane).max(axis=0)
+    could_be_degrees = np.ptp(plane, axis=0).max() < 1.0 and min(first, second) <= 90.0 and max(first, second) <= 180.0
+    if named is None and could_be_degrees:
         named = WGS84
-        found.notes.append(f"assumed: x and y are longitude and latitude, {WGS84}: --crs states another, such as local")
+        order = "longitude and latitude" if second <= 90.0 else "latitude and longitude, since the latter exceeds 90"
+        if second > 90.0:
+            found.points[:, :2] = plane[:, ::-1]
+        found.notes.append(f"assumed: x and y are {order}, {WGS84}: --crs states another, such as local")
     if named is None or named == "local":
         return None
     try:
@@ -168,8 +210,8 @@ def default_cell(x: Floats, y: Floats, squeeze: float) -> float:
     """Return the edge of a cell of which each has PER_CELL soundings, in the mean of those that have any."""
     edge = np.sqrt(max(np.ptp(x) * squeeze, 1e-12) * max(np.ptp(y), 1e-12) / len(x))
     for _ in range(40):
-        cells = np.unique(np.column_stack([np.floor(x * squeeze / edge), np.floor(y / edge)]), axis=0)
-        if len(x) >= PER_CELL * len(cells):
+        east, north = (np.floor(each / edge).astype(np.int64) for each in (x * squeeze, y))
+        if len(x) >= PER_CELL * len(np.unique((east << 32) + north)):
             break
         edge *= 1.2
     return float(edge)
@@ -177,8 +219,8 @@ def default_cell(x: Floats, y: Floats, squeeze: float) -> float:
 
 def scattered(path: Path, points: Floats, dx: float, dy: float) -> Floats:
     """Return heights, rows from the north, in cells about whole steps from the least x and the greatest y, else NaN."""
-    from scipy.interpolate import LinearNDInterpolator
-    from scipy.ndimage import distance_transform_edt
+    from scipy.ndimage import binary_erosion, distance_transform_edt
+    from scipy.spatial import QhullError
 
     x, y, z = points.T
     columns, rows = np.rint((x - x.min()) / dx).astype(np.int64), np.rint((y.max() - y) / dy).astype(np.int64)
@@ -195,9 +237,28 @@ def scattered(path: Path, points: Floats, dx: float, dy: float) -> Floats:
     empty = np.isnan(heights)
     near = empty & (distance_transform_edt(empty) <= REACH)
     if near.any():
-        known = np.argwhere(~empty)
-        heights[near] = LinearNDInterpolator(known, heights[~empty])(np.argwhere(near))
+        rim = ~empty & ~binary_erosion(~empty, np.ones((3, 3)))  # no triangle of a gap has other corners
+        try:
+            heights[near] = _between(np.argwhere(rim), heights[rim], np.argwhere(near))
+        except QhullError:
+            raise ValueError(f"'{path}': has {len(points)} soundings in a line: must cover an area") from None
     return heights
+
+
+def _between(known: NDArray[np.int64], values: Floats, wanted: NDArray[np.int64]) -> Floats:
+    """Return values (m,) at places (m, 2), linear in the triangles (Delaunay) of known ones (n, 2); NaN outside."""
+    from scipy.spatial import Delaunay
+
+    mesh = Delaunay(known)
+    inside = mesh.find_simplex(wanted + ASIDE)
+    beyond = inside < 0
+    inside[beyond] = mesh.find_simplex(wanted[beyond])
+    corners = mesh.simplices[inside]
+    a, b, c = (known[corners[:, k]] for k in range(3))
+    (bx, by), (cx, cy), (x, y) = (b - a).T, (c - a).T, (wanted - a).T
+    of_b, of_c = (x * cy - y * cx) / (bx * cy - by * cx), (bx * y - by * x) / (bx * cy - by * cx)
+    found = (1.0 - of_b - of_c) * values[corners[:, 0]] + of_b * values[corners[:, 1]] + of_c * values[corners[:, 2]]
+    return np.where(inside < 0, np.nan, found)
 
 
 def geotiff(heights: Floats, place: Affine, crs: CRS | None) -> bytes:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from command_line import uwsim as command
-from uwsim.evidence.soundings import read_soundings
+from uwsim.evidence.soundings import read_soundings, scattered
 from uwsim.mapping.files.cloud_files import write_cloud
 from uwsim.scenario import build_world, load
 
@@ -50,6 +50,12 @@ FORMS = {
     "semicolons.txt": (3, lambda found: text(found, ";", decimal=","), ()),
     "named.csv": (3, lambda found: text(np.c_[found[:, [2, 1, 0]] * (-1, 1, 1), found[:, 2]], ",",
                                         "depth,northing,easting,beam"), ()),
+    "units.dat": (3, lambda found: text(np.c_[found[:, 2] * 0, found[:, [1, 0, 2]]], ",",
+                                        "date,Northing_m,UTM_E (m),z_corrected"), ()),
+    "commented.txt": (3, lambda found: "# made by hand\n# y,x,z\n" + text(found[:, [1, 0, 2]], " "), ()),
+    "counted.xyz": (3, lambda found: text(np.c_[range(len(found)), found], " ").replace(".000 ", " "), ()),
+    "r.txt": (3, lambda found: "y x z\n" + "".join(f'"{k}" {y:.3f} {x:.3f} {z:.3f}\n' for k, (x, y, z) in
+                                                   enumerate(found)), ()),
     "down.dat": (None, lambda found: text(found * (1, 1, -1), " "), ("--positive", "down")),
 }  # fmt: skip
 
@@ -70,6 +76,22 @@ def test_soundings_in_las_are_read_as_well(tmp_path: Path) -> None:
     off_m, printed = heights(tmp_path / "a.las", tmp_path, "--cell", "4")
     np.testing.assert_allclose(off_m, 0.0, atol=0.1)
     assert "the median of each cell of 4" in printed
+
+
+@pytest.mark.parametrize("columns", [(0, 1, 2), (1, 0, 2)])
+def test_latitude_before_longitude_is_known_by_its_name_or_by_its_range(
+    columns: tuple[int, ...], tmp_path: Path
+) -> None:
+    found = points(7)
+    found[:, :2] = (found[:, :2] - AT) * (1.0 / 90_000.0, 1.0 / 111_000.0) + (-122.0, 36.0)
+    names = np.array(["lon", "lat", "depth"])
+    for name, head in (("named", " ".join(names[list(columns)]) + "\n"), ("bare", "")):
+        rows = (found * (1, 1, -1 if head else 1))[:, columns]
+        (tmp_path / f"{name}.txt").write_text(head + "".join("{:.7f} {:.7f} {:.3f}\n".format(*row) for row in rows))
+        done = command("scenario", "from", tmp_path / f"{name}.txt", "--out", tmp_path / f"{name}.yaml")
+        assert done.returncode == 0, done.stderr
+        longitude, latitude = load(tmp_path / f"{name}.yaml").terrain.centre
+        assert (longitude, latitude) == pytest.approx((-122.0 + 100 / 90_000, 36.0 + 100 / 111_000), abs=1e-4)
 
 
 def test_degrees_are_taken_for_such_and_wide_gaps_stay_gaps(tmp_path: Path) -> None:
@@ -93,6 +115,8 @@ def test_degrees_are_taken_for_such_and_wide_gaps_stay_gaps(tmp_path: Path) -> N
         ("a,b,c\n1,2,3\n", "must name x, y and z"),
         ("1 2 3\n4 5 6\n", "has 2 soundings: must have 9 or more"),
         ("".join(f"{k} 0 -5\n" for k in range(20)), "not in a line"),
+        ("".join(f"{k} {k} -5\n" for k in range(200)), "has 200 soundings: must have 9 or more, not in a line"),
+        ("x,y,z\n", "has 0 soundings: must have 9 or more"),
         ("".join(f"{k % 20} {k // 20} 5\n" for k in range(400)), "if they are depths, give --positive down"),
     ],
 )
@@ -101,6 +125,12 @@ def test_what_is_no_sounding_is_named_and_nothing_is_written(content: str, words
     done = command("scenario", "from", tmp_path / "a.xyz", "--crs", "local", "--out", tmp_path / "made.yaml")
     assert done.returncode == 1 and words in done.stderr and len(done.stderr.splitlines()) == 1
     assert [path.name for path in tmp_path.iterdir()] == ["a.xyz"]
+
+
+def test_cells_in_a_line_are_refused_in_one_line() -> None:
+    found = np.arange(40.0)[:, None] * (2.0, 2.0, 1.0) + np.random.default_rng(1).uniform(-0.1, 0.1, (40, 3))
+    with pytest.raises(ValueError, match=r"^'a.xyz': has 40 soundings in a line: must cover an area$"):
+        scattered(Path("a.xyz"), found, 1.0, 1.0)
 
 
 def test_a_table_of_another_kind_is_no_sounding(tmp_path: Path) -> None:
