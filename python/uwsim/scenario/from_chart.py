@@ -22,16 +22,21 @@ MOST_SPACINGS = 2000
 SPACINGS_PER_CELL, LEAST_SPACING_M, MOST_SPACING_M = 4, 0.25, 100.0
 NAME_LENGTH = 40
 SURVEY_SHARE, SURVEY_MAX_M, ALTITUDE_M = 0.6, 100.0, 12.0
+GUESSES = ("it is in plain metres, without a place on Earth", "its cells are degrees of EPSG:4326")
 WHOLE = 1e-9  # a share of a spacing by which an edge may fall short by rounding
 
 
 @dataclass(frozen=True)
 class FromChart:
-    """A scenario that was made. depth_m: shallowest and deepest of its bed. size_m: its edge."""
+    """A scenario that was made. depth_m: shallowest and deepest of its bed. size_m: its edge.
+
+    notes: what is assumed of the chart, such as a coordinate system that it does not name.
+    """
 
     path: Path
     size_m: float
     depth_m: tuple[float, float]
+    notes: tuple[str, ...] = ()
 
 
 def scenario_from_chart(
@@ -67,7 +72,9 @@ def scenario_from_chart(
                          f"must lie 1 m below it or deeper: choose --centre and --size{down}")  # fmt: skip
     values = _values(chart, out, (x, y), edge_m, spacing_m, (shallow_m, deep_m), read)
     write_atomically(out, yaml_text(values).encode())
-    return FromChart(out, edge_m, (shallow_m, deep_m))
+    guess = f"assumed: '{chart.name}' names no coordinate system: {GUESSES[raster.is_geographic]}: --crs states another"
+    notes = () if raster.names_crs else (guess,)
+    return FromChart(out, edge_m, (shallow_m, deep_m), notes)
 
 
 def _values(

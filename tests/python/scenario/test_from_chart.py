@@ -108,6 +108,17 @@ def test_degrees_are_a_place_too(tmp_path):
     assert georeference(scenario).degrees([0, 0, 0]) == pytest.approx([42.95, 5.1], abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    "crs, step, said",
+    [("EPSG:32610", 4.0, ""), (None, 4.0, "in plain metres"), (None, 1 / 240, "degrees of EPSG:4326")],
+)
+def test_a_chart_that_names_no_coordinate_system_says_what_it_is_taken_for(crs, step, said, tmp_path):
+    transform = Affine(step, 0, 5, 0, -step, 43)
+    chart = write(tmp_path / "a.tif", np.full((40, 60), -55.0), "GTiff", crs, transform)
+    notes = scenario_from_chart(chart, tmp_path / "sea.yaml", size_m=100.0).notes
+    assert len(notes) == bool(said) and all(said in note and "--crs" in note for note in notes)
+
+
 def test_land_and_other_files_are_refused_and_nothing_is_written(tmp_path):
     land = write(tmp_path / "land.tif", np.full((9, 9), 3.0), "GTiff", "EPSG:32610", Affine(4, 0, 5e5, 0, -4, 5e6))
     (tmp_path / "text.bag").write_text("not a chart")

@@ -158,6 +158,7 @@ def _read(spec: RasterTerrain) -> Raster:
             band = spec.band or 1
             values = np.where(file.read_masks(band) > 0, file.read(band, out_dtype=np.float64), np.nan)
             file_from_pixel, crs = file.transform, _crs(spec, file.crs, file.transform)
+            names_crs = spec.crs is not None or file.crs is not None
             unit_m = height_unit_m(file, crs, spec)
             scale, offset = file.scales[band - 1], file.offsets[band - 1]  # of packed heights
     except RasterioError as error:
@@ -171,7 +172,8 @@ def _read(spec: RasterTerrain) -> Raster:
         )
     known = without_gaps(np.where(np.isfinite(values), values, np.nan), spec)
     elevations = (known * scale + offset) * (-unit_m if spec.positive == "down" else unit_m)
-    return Raster(name, _filled(elevations) if spec.fill_nodata else elevations, file_from_pixel, crs)
+    heights = _filled(elevations) if spec.fill_nodata else elevations
+    return Raster(name, heights, file_from_pixel, crs, names_crs)
 
 
 def _filled(elevations: FloatGrid) -> FloatGrid:

@@ -30,13 +30,14 @@ class Raster:
     """A raster read from a file.
 
     elevations: (h, w) [m]; NaN for cells without data. file_from_pixel: transform from pixel corners (column, row) to
-    the file's coordinates.
+    the file's coordinates. names_crs: whether the file or the scenario does; without it, crs is a guess.
     """
 
     name: str
     elevations: FloatGrid
     file_from_pixel: Affine
     crs: CRS | None
+    names_crs: bool = True
 
     @property
     def unit_m(self) -> float:
