@@ -1,5 +1,6 @@
 """Stonefish's files as others publish them: arguments, data folders, formulas, and odd elements beside sound ones."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -251,3 +252,25 @@ def test_loose_bodies_beacons_and_usbl_are_taken_over(tmp_path: Path) -> None:
     assert usbl["rate_hz"] == 2.0 and usbl["range_max_m"] == 300.0 and usbl["position_m"] == [0.1, 0.0, 0.0]
     assert usbl["channels"]["range"] == {"std": 0.2, "quantum": 0.1}
     assert usbl["channels"]["bearing"]["std"] == pytest.approx(np.radians(2.0))
+
+
+TURN = 0.1
+SLOPED = {
+    "plane": f'<static name="F" type="plane"><world_transform xyz="0 0 6" rpy="0 {TURN} 0"/></static>',
+    "pool": f"""<static name="F" type="box"><dimensions xyz="40 40 1"/>
+      <world_transform xyz="0 0 6.5" rpy="0 {TURN} 0"/></static>""",
+}
+
+
+@pytest.mark.parametrize("floor", SLOPED)
+def test_a_sloped_floor_is_the_bed(floor: str, tmp_path: Path) -> None:
+    """In NED, a pitch by a turns the floor's north end up: it rises by tan a per metre to the north."""
+    text = re.sub("<static.*?</static>", "", SCN, flags=re.DOTALL).replace("</scenario>", f"{SLOPED[floor]}</scenario>")
+    found = read(tmp_path / "a.scn", text)
+    scenario = load(write_found(found, tmp_path / "out"))
+    heights = scenario.terrain.heights()
+    rows, columns = heights.shape
+    middle, north = heights[rows // 2, columns // 2], heights[rows // 2 + 20, columns // 2]
+    top = 6.0 if floor == "plane" else 6.5 - 0.5 / np.cos(TURN)
+    assert middle == pytest.approx(-top, abs=1e-3)
+    assert north - middle == pytest.approx(20 * scenario.terrain.spacing_m * np.tan(TURN), rel=1e-3)

@@ -146,8 +146,8 @@ class Found:
 
     obstacles, objects, pingers: as in a scenario. station: its place [m], if it is known. notes: a line for each
     element that was left out or assumed. grades: of these, by their text. density_kg_m3: of the water, if stated.
-    current_m_s: its velocity, likewise. bed_z_m: of a flat bed, likewise.
-    refusals: the errors of the vehicles that were left out.
+    current_m_s: its velocity, likewise. bed_z_m: of a flat bed, likewise. bed_plane: a point and the
+    normal of a sloped one. refusals: the errors of the vehicles that were left out.
     """
 
     name: str
@@ -161,6 +161,7 @@ class Found:
     density_kg_m3: float | None = None
     current_m_s: Floats | None = None
     bed_z_m: float | None = None
+    bed_plane: tuple[Floats, Floats] | None = None
     notes: list[str] = field(default_factory=list)
     grades: dict[str, str] = field(default_factory=dict)
     refusals: list[Exception] = field(default_factory=list)

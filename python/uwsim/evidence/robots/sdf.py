@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from uwsim.evidence.robots import shapes
-from uwsim.evidence.robots.links import Frames, Links, carried, summed_volume
+from uwsim.evidence.robots.floors import put_plane
+from uwsim.evidence.robots.links import Frames, Links, carried, summed_volume, unit
 from uwsim.evidence.robots.robot import Found, Robot, plain_name
 from uwsim.evidence.robots.sdf_models import Models
 from uwsim.evidence.robots.sensors import put_gz_sensor
@@ -19,8 +20,6 @@ from uwsim.evidence.robots.systems import DENSITY_KG_M3, moves, put_plugins
 from uwsim.evidence.robots.uuv_plugins import uuv_current_m_s
 from uwsim.evidence.robots.xml_file import Element, Pose, is_yes
 
-LEVEL, BED_M = 0.999, -0.5
-"""A plane is a bed if it is level and below this height."""
 ALONE_M = 2.0
 """Depth of a model without a world."""
 
@@ -134,7 +133,9 @@ class _Reader(Models):
         for missing in links.missing:
             self.found.left_out(missing)
         for plane, at in links.planes:
-            self._plane(plane, pose.then(at))
+            there, normal = pose.then(at), plane.numbers("normal", 3)
+            up = there.turn @ (np.eye(3)[2] if normal is None else unit(normal, plane))
+            put_plane(self.found, plane.path, there.position_m, up)
         for key, solids in links.solids.items():
             for solid in solids:
                 name = self.found.body_name(model.name)
@@ -142,15 +143,6 @@ class _Reader(Models):
                 self.found.obstacles.append(
                     {"kind": "mesh", "name": name, "file": f"{name}.ply", "position_m": [0.0, 0.0, 0.0]}
                 )
-
-    def _plane(self, plane: Element, at: Pose) -> None:
-        """Read a level plane under water as the bed, the deepest of several."""
-        normal, height_m = plane.numbers("normal", 3), float(at.position_m[2])
-        up = at.turn @ (np.array([0.0, 0.0, 1.0]) if normal is None else normal / np.linalg.norm(normal))
-        if not up[2] > LEVEL or height_m > BED_M:
-            self.found.left_out(f"{plane.path}: at {height_m:g} m, it is no bed under water")
-            return
-        self.found.bed_z_m = height_m if self.found.bed_z_m is None else min(height_m, self.found.bed_z_m)
 
     def _buoyancy(self, robot: Robot, links: Links, base: str, model: str) -> None:
         """Set what displaces water: all solids, or those of the links that the world's plugin enables."""

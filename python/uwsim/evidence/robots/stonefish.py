@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from uwsim.evidence.robots import shapes
+from uwsim.evidence.robots.floors import put_plane
 from uwsim.evidence.robots.links import summed_volume
 from uwsim.evidence.robots.robot import SENSES, Found, Lump, Mesh, Robot, Thruster, merged, plain_name
 from uwsim.evidence.robots.sensors import from_optical, put_camera, put_imaging, put_sensor
@@ -194,7 +195,8 @@ class _Reader:
     def _static(self, static: Element) -> None:
         kind = static.needed("type")
         if kind == "plane":
-            self.found.bed_z_m = -float(static.origin("world_transform").position_m[2])
+            at = static.origin("world_transform")
+            put_plane(self.found, static.path, ENU_FROM_NED @ at.position_m, ENU_FROM_NED @ -at.turn[:, 2])
             return
         place = static.origin("world_transform")
         for comm in static.all("comm"):

@@ -14,6 +14,7 @@ from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
 from uwsim.base.own_files import require_own
 from uwsim.base.texts.yaml_document import yaml_document
+from uwsim.evidence.robots.floors import BED_M, grid_text, ground_heights, ground_of, plane_heights
 from uwsim.evidence.robots.robot import SENSES, Fin, Found, Mesh, Robot, Thruster, plain_name, unlike_zero
 from uwsim.evidence.robots.shapes import closed, joined, volume_and_centre
 from uwsim.evidence.robots.xml_file import Floats, Pose, yaw_pitch_roll_deg
@@ -25,6 +26,8 @@ from uwsim.simulator.simulator import Simulator
 
 ROOM_M, BED_MIN_M, BED_SPACING_M = 60.0, 20.0, 2.0
 """Assumed: the flat bed reaches this far around what was found, and is at least this deep."""
+FINE_M, FINE_COUNT, BORDER, LEVEL_M = 0.5, 1000, 2, 0.05
+"""Spacing of a bed that is not level, its most cells along an edge, those around them, and what counts as level."""
 GUEST, GUEST_DEPTH_M, GUEST_ROOM_M = "bluerov2_heavy", 2.0, 2.0
 """The vehicle of a world without one, where it starts, and how far from objects."""
 PLACES = 21
@@ -77,7 +80,7 @@ def write_found(found: Found, out: Path) -> Path:
         if robot.sonar is not None:
             entry["sonar"] = {"model": 2, "tilt_deg": 30}
         vehicles.append(entry)
-    contents[f"{found.name}.yaml"] = yaml_text(_scenario(found, vehicles, objects)).encode()
+    contents[f"{found.name}.yaml"] = yaml_text(_scenario(found, vehicles, objects, contents)).encode()
     require_simulable(found.name, contents)
     for name in contents:
         require_own(out / name)
@@ -133,7 +136,10 @@ def require_simulable(name: str, contents: Mapping[str, bytes]) -> None:
             raise ValueError(re.sub(rf"\b({lines}):\d+: ", "", str(error).replace(f"{folder}/", ""))) from None
 
 
-def _scenario(found: Found, vehicles: list[dict[str, Any]], obstacles: list[dict[str, Any]]) -> dict[str, Any]:
+def _scenario(
+    found: Found, vehicles: list[dict[str, Any]], obstacles: list[dict[str, Any]], contents: dict[str, bytes]
+) -> dict[str, Any]:
+    """Return a scenario's values; a sloped bed is a file of its own, added to the contents."""
     places = [robot.place.position_m for robot in found.robots]
     lowest_m = 0.0
     if found.meshes:
@@ -143,9 +149,20 @@ def _scenario(found: Found, vehicles: list[dict[str, Any]], obstacles: list[dict
     across = 2.0 * (max(float(np.abs(place[:2]).max()) for place in places) + ROOM_M)
     deep = max(BED_MIN_M, max(-float(place[2]) for place in places) + BED_MIN_M, -lowest_m)
     across = BED_SPACING_M * float(np.ceil(across / BED_SPACING_M))
+    made = _sloped_bed(found, across)
     if found.bed_z_m is not None:
         deep = -found.bed_z_m
-    found.assumed(f"a bed {across:g} m wide" + ("" if found.bed_z_m is not None else f", flat at {deep:g} m"))
+    terrain = {"source": "noise", "size_m": [across, across], "spacing_m": BED_SPACING_M, "bed_depth_m": deep}
+    if made is not None:
+        heights, spacing = made
+        contents[f"{found.name}_bed.asc"] = grid_text(heights, spacing)
+        terrain = {
+            "source": "raster", "file": f"{found.name}_bed.asc", "crs": "local", "water_level_m": 0.0,
+            "size_m": [across, across], "spacing_m": spacing, "interpolation": "linear",
+        }  # fmt: skip
+        found.assumed(f"a bed {across:g} m wide, from {-heights.max():.4g} to {-heights.min():.4g} m deep")
+    else:
+        found.assumed(f"a bed {across:g} m wide" + ("" if found.bed_z_m is not None else f", flat at {deep:g} m"))
     water: dict[str, Any] = {}
     if found.density_kg_m3 is not None:
         water["density_kg_m3"] = found.density_kg_m3
@@ -155,13 +172,40 @@ def _scenario(found: Found, vehicles: list[dict[str, Any]], obstacles: list[dict
         "name": found.name,
         "description": "made by `uwsim scenario from`",
         **({"water": water} if water else {}),
-        "terrain": {"source": "noise", "size_m": [across, across], "spacing_m": BED_SPACING_M, "bed_depth_m": deep},
+        "terrain": terrain,
         "vehicles": vehicles,
         **({"obstacles": obstacles} if obstacles else {}),
         **({"objects": found.objects} if found.objects else {}),
         **({"pingers": found.pingers} if found.pingers else {}),
         **({"station": {"position_m": found.station}} if found.station else {}),
     }
+
+
+def _sloped_bed(found: Found, across_m: float) -> tuple[Floats, float] | None:
+    """Return the heights of a bed that is not level, and their spacing: a plane's, or those of the body under all.
+
+    A level ground sets `bed_z_m` instead.
+    """
+    places = np.array([robot.place.position_m for robot in found.robots])
+    count = min(round(across_m / FINE_M), FINE_COUNT)
+    spacing = across_m / count
+    x = np.asarray((np.arange(count + 2 * BORDER) - 0.5 * (count + 2 * BORDER - 1)) * spacing, np.float64)
+    if found.bed_plane is not None:
+        heights = np.minimum(plane_heights(*found.bed_plane, x, x), BED_M)
+    else:
+        fixed = {each["name"]: found.meshes[each["name"]] for each in found.obstacles}
+        name = None if found.bed_z_m is not None else ground_of(fixed, places)
+        ground = None if name is None else ground_heights(fixed[name], BED_M, x, x)
+        if ground is None:
+            return None
+        heights = ground
+    under = heights[np.abs(x[:, None] - places[:, 1]).argmin(axis=0), np.abs(x[:, None] - places[:, 0]).argmin(axis=0)]
+    if (under > places[:, 2]).any():
+        return None
+    if np.ptp(heights) < LEVEL_M:
+        found.bed_z_m = float(heights.min())
+        return None
+    return heights, spacing
 
 
 def _start(robot: Robot, found: Found) -> dict[str, Any]:
