@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from uwsim.base.own_files import remove_own_file
 from uwsim.evidence.scenario_source import Made, ScenarioSource
 
 SUFFIXES = (".bag", ".tif", ".tiff", ".h5", ".nc", ".grd", ".asc", ".img", ".vrt")
@@ -51,7 +52,7 @@ def _from_soundings(path: Path, out: Path | None, options: Mapping[str, Any]) ->
     try:
         made = _from_chart(chart, out, read)
     except (ValueError, OSError):
-        chart.unlink()
+        remove_own_file(chart)
         raise
     return Made(made.path, [*found.notes, note, *made.notes])
 

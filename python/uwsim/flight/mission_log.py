@@ -9,7 +9,7 @@ from typing import IO
 import orjson
 
 from uwsim.base.atomic_file import write_atomically
-from uwsim.base.own_files import mark, require_own
+from uwsim.base.own_files import mark, remove_own_file, require_own
 from uwsim.missions.own_vehicle import Event
 
 LOG = "log.jsonl"
@@ -42,7 +42,7 @@ class MissionLog:
             self._file.write(_line(event))
         except OSError:
             self.close()
-            self._path.unlink(missing_ok=True)  # no incomplete file is left behind; see rewrite_if_lost
+            remove_own_file(self._path)  # no incomplete file is left behind; see rewrite_if_lost
 
     def close(self) -> None:
         """Close the file."""

@@ -10,6 +10,7 @@ from typing import Any
 
 from pydantic_core import from_json
 
+from uwsim.base.atomic_file import write_atomically
 from uwsim.scenario import Scenario
 from uwsim.scenario.dump import plain
 from uwsim.scenario.fingerprint import scenario_fingerprint
@@ -72,8 +73,9 @@ def _with_files(value: Any, contents: Mapping[str, bytes], folder: Path) -> Any:
 
 
 def _file(content: bytes, original: Path, copy: Path) -> Path:
-    if original.is_file() and original.read_bytes() == content:
-        return original
+    for path in (original, copy):
+        if path.is_file() and path.read_bytes() == content:
+            return path
     copy.parent.mkdir(parents=True, exist_ok=True)
-    copy.write_bytes(content)
+    write_atomically(copy, content, flushes=False)
     return copy

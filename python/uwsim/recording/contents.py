@@ -153,14 +153,9 @@ class DataReader:
         self._compare(int.from_bytes(record.content[-4:], "little"), zlib.crc32(record.content[:-4]))
         self.contents.attachments[name] = data
         index = AttachmentIndex(
-            offset=record.start,
-            length=record.length,
-            log_time=attachment.log_time,
-            create_time=attachment.create_time,
-            data_size=len(data),
-            name=name,
-            media_type=attachment.media_type,
-        )
+            offset=record.start, length=record.length, log_time=attachment.log_time,
+            create_time=attachment.create_time, data_size=len(data), name=name, media_type=attachment.media_type,
+        )  # fmt: skip
         self._list(index, Opcode.ATTACHMENT_INDEX)
 
     def _add_chunk(self, record: Record, chunk: Chunk) -> None:

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import uwsim
+from file_writes import LAWFUL, lawless_writers
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.own_files import LIST, adopt, is_own, mark, remove_own
 from uwsim.mapping import OccupancyMap
@@ -76,6 +78,11 @@ def test_a_map_replaces_only_a_map_of_ours(tmp_path: Path):
         world.write(path)
     assert path.read_bytes() == content[:-1]
     assert {each.name for each in tmp_path.iterdir()} <= {"map.bt", LIST}
+
+
+def test_who_writes_renames_or_removes_a_file_regards_those_of_others():
+    """Each function that does, in the whole tree, by own_files, or for one of a few reasons."""
+    assert sorted(lawless_writers(Path(uwsim.__file__).parent)) == sorted(" ".join(LAWFUL.values()).split())
 
 
 @pytest.mark.usefixtures("marks")

@@ -51,13 +51,9 @@ class Ros2Options(Options):
         from uwsim.bridges.ros2.settings import settings_from
 
         return settings_from(
-            os.environ,
-            distro=self.ros_distro,
-            domain_id=self.ros_domain_id,
-            reach=self.ros_reach or "localhost",
-            peers=self.ros_peer,
-            rmw=self.rmw,
-        )
+            os.environ, distro=self.ros_distro, domain_id=self.ros_domain_id, reach=self.ros_reach or "localhost",
+            peers=self.ros_peer, rmw=self.rmw,
+        )  # fmt: skip
 
 
 class Ros2Plug(BridgePlug[Ros2Options]):
@@ -88,14 +84,9 @@ class Ros2Plug(BridgePlug[Ros2Options]):
         from uwsim.bridges.ros2 import Ros2Node
 
         with Ros2Node(
-            context.live,
-            context.channels,
-            context.services,
-            self._settings,
-            feed=context.feed,
-            namespace=context.namespace,
-            actions=context.actions,
-        ) as node:
+            context.live, context.channels, context.services, self._settings, feed=context.feed,
+            namespace=context.namespace, actions=context.actions,
+        ) as node:  # fmt: skip
             yield Opened(f"ROS 2 {node.settings}", node)
 
     @classmethod

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from uwsim.base.folder_lock import require_free
+from uwsim.base.own_files import remove_own_file
 from uwsim.campaigns.sweeps.job import Job, flat, run_values
 from uwsim.flight.fly import fly
 from uwsim.flight.folder import made_folder
@@ -29,7 +30,7 @@ def fly_run_again(job: Job, folder: Path, expected: Mapping[str, Any], report: s
     require_free(folder)
     scenario = folder / SCENARIO
     if (folder / RECORDING).exists():
-        (folder / RECORDING).unlink()
+        remove_own_file(folder / RECORDING)
         logger.warning("%s: removed: the recording of an earlier flight", folder / RECORDING)
     write_scenario(scenario, job.varied_scenario())
     is_recordable = job.mission is not None or job.estimate == "truth"  # other surveys cannot be recorded

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from uwsim.base.atomic_file import GrowingFile
 from uwsim.base.own_files import mark
@@ -23,17 +24,18 @@ def _writer(map_format: MapFormat) -> Callable[[OccupancyMap, Path], None]:
             occupancy._map.write(str(path), map_format)  # atomically, and without all bytes in memory
             mark(path.resolve())
             return
-        file, whole = GrowingFile(path), path.with_name(f".{path.name}.without-origin")
+        file = GrowingFile(path)
         try:
-            occupancy._map.write(str(whole), map_format)
-            with whole.open("rb") as content:
-                file.write(content.readline() + line)
-                while part := content.read(CHUNK_BYTES):
-                    file.write(part)
+            with TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
+                whole = Path(folder, path.name)
+                occupancy._map.write(str(whole), map_format)
+                with whole.open("rb") as content:
+                    file.write(content.readline() + line)
+                    while part := content.read(CHUNK_BYTES):
+                        file.write(part)
             file.close()
         finally:
             file.discard()
-            whole.unlink(missing_ok=True)
 
     return write
 

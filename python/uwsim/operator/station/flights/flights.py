@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.journal import EFFORT
+from uwsim.base.own_files import remove_own_file
 from uwsim.channels.delivery.feed import Feed
 from uwsim.channels.guest import Values
 from uwsim.channels.table import Table
@@ -335,7 +336,7 @@ class FlightRecording:
             try:
                 recorder.close()
                 if not self._is_flown:
-                    recorder.path.unlink(missing_ok=True)
+                    remove_own_file(recorder.path)
                     LOGGER.warning("flight %s is not kept: it has no commands", recorder.path.name)
             except OSError as error:
                 self._complain(error)

@@ -20,6 +20,7 @@ from threading import Timer
 from typing import Any
 
 from uwsim import _core
+from uwsim.base.own_files import mark, require_own
 from uwsim.base.texts.value_words import details
 from uwsim.bridges.doors.admission import WRONG_MAX_S, WRONG_S
 from uwsim.bridges.rare_log import RareLog
@@ -142,11 +143,13 @@ class Instructor:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             line = json.dumps(entry) + "\n"
-            with (self.folder / LOG).open("a", encoding="utf-8") as file:
+            require_own(path := self.folder / LOG)
+            with path.open("a", encoding="utf-8") as file:
                 if file.tell() + len(line) > LOG_MAX_BYTES:
                     self._rare.warning(f"the instructor's log is full at {LOG_MAX_BYTES} bytes: acts are not written")
                     return
                 file.write(line)
+            mark(path)
         except OSError as error:
             self._rare.warning(f"the instructor's log could not be written: {error}")
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.commands import COMMENT, NOTE, require_note
 from uwsim.base.commands.command import item
+from uwsim.base.own_files import remove_own_file
 from uwsim.base.quaternions import matrix, product
 from uwsim.channels.guest import Values
 from uwsim.instruments.cameras.image_file import encode_png
@@ -102,7 +103,7 @@ class Inspection:
                 )  # fmt: skip
             except BaseException:
                 if picture:
-                    (self.folder / picture).unlink(missing_ok=True)
+                    remove_own_file(self.folder / picture)
                 raise
         return where
 
