@@ -31,9 +31,7 @@ def read_npz(source: Path | bytes, most_bytes: int = MAX_BYTES) -> dict[str, NDA
 
     source: the path of the file, or its content. most_bytes: the largest unpacked size.
     """
-    if isinstance(source, Path):
-        require_regular(source)
-    data = source if isinstance(source, bytes) else source.read_bytes()
+    data = source if isinstance(source, bytes) else require_regular(source).read_bytes()
     try:
         with _READING, np.load(io.BytesIO(data), allow_pickle=False) as file:
             parts = file.zip.infolist()

@@ -26,6 +26,7 @@ from uwsim.base.atomic_file import write_atomically
 from uwsim.base.npz import npz_bytes, read_npz
 from uwsim.base.own_files import adopt, is_own, remove_own
 from uwsim.base.own_files import is_empty as has_no_content
+from uwsim.base.texts.text_file import require_regular
 from uwsim.flight.mission_log import LOG
 from uwsim.flight.samples import COLUMNS
 from uwsim.flight.saved_flight import SavedFlight, read_state
@@ -81,7 +82,7 @@ class FlightCheckpoint:
         self.require_one()
         path = self.folder / STATE
         try:
-            state = read_state(path.read_bytes())
+            state = read_state(require_regular(path).read_bytes())
         except ValueError as error:
             raise ValueError(f"--resume: '{path}': {error}") from None
         maps, arrays = {}, {}
@@ -154,7 +155,7 @@ class FlightCheckpoint:
     def _files_of_state(self) -> Collection[str]:
         """Return the names of the files that belong to the saved state, or none if the state cannot be read."""
         try:
-            return read_state((self.folder / STATE).read_bytes()).files
+            return read_state(require_regular(self.folder / STATE).read_bytes()).files
         except (OSError, ValueError):
             return ()
 

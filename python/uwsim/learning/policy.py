@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.short_repr import ShortRepr
 from uwsim.base.texts.json_text import json_value
+from uwsim.base.texts.text_file import require_regular
 from uwsim.scenario.read.assets import assets_folder
 
 Floats = NDArray[np.float64]
@@ -53,7 +54,7 @@ class LinearPolicy(ShortRepr):
         """
         packaged = assets_folder() / "learning" / "policies" / f"{source}.json"
         path = packaged if packaged.is_file() else Path(source)
-        about = json_value(path.read_bytes(), f"policy '{path}'")
+        about = json_value(require_regular(path).read_bytes(), f"policy '{path}'")
         try:
             weights, bias = (np.array(about.pop(key), np.float64) for key in ("weights", "bias"))
         except (KeyError, TypeError, ValueError, AttributeError):

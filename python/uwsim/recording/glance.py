@@ -11,6 +11,7 @@ from mcap.opcode import Opcode
 from mcap.reader import SeekingReader
 from mcap.records import Metadata
 
+from uwsim.base.texts.text_file import require_regular
 from uwsim.recording.mcap_sink import END, START, VERSION
 from uwsim.recording.metadata import End, Start, checked
 from uwsim.recording.records import HEAD_BYTES, CutOffError, RecordFile
@@ -40,7 +41,7 @@ def glance(path: Path) -> Glance:
     Raises OSError, or ValueError if the file is not a recording, or has a different version.
     """
     last_ns, is_whole = None, True
-    with path.open("rb") as file:
+    with require_regular(path).open("rb") as file:
         try:
             reader = SeekingReader(file, record_size_limit=RECORD_BYTES_MAX)
             metadata = {each.name: each.metadata for each in reader.iter_metadata()}

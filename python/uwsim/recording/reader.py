@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from mcap.opcode import Opcode
 
+from uwsim.base.texts.text_file import require_regular
 from uwsim.channels.ros.cdr import encode, schema
 from uwsim.channels.ros.message_types import resolve
 from uwsim.channels.ros.own_types import OWN_TYPES
@@ -236,7 +237,7 @@ def _fields(text: str) -> list[str]:
 
 def _read_contents(path: Path) -> Contents:
     """Read a file to its end, or to the point where it is cut off. Raises ValueError if it is damaged, or OSError."""
-    with path.open("rb") as opened:
+    with require_regular(path).open("rb") as opened:
         file = RecordFile(path, opened)
         data = DataReader(file)
         contents = data.contents

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.npz import npz_bytes, read_npz
+from uwsim.base.texts.text_file import require_regular
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -69,7 +70,7 @@ class SurveyTrack:
         Raises OSError if the file cannot be read, ValueError if it is not a valid track.
         """
         try:
-            data = Path(path).read_bytes()
+            data = require_regular(Path(path)).read_bytes()
         except OSError as error:
             raise OSError(f"'{path}': cannot be read: {error.strerror or error}") from None
         try:

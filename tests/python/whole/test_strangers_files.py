@@ -1,6 +1,8 @@
 """Untrusted files never run code or write elsewhere, are read completely or not at all, and never crash a reader."""
 
 import json
+import os
+import signal
 from pathlib import Path
 from random import Random
 
@@ -8,7 +10,7 @@ import pytest
 from ruamel.yaml import YAML
 from tests.fuzz.laws import Laws
 from tests.fuzz.mutate_values import mutated
-from tests.fuzz.readers import READERS
+from tests.fuzz.readers import READERS, REFUSED
 from tests.fuzz.seeds import seeds
 
 from uwsim.base.texts.yaml_document import MAX_BYTES
@@ -17,6 +19,7 @@ from uwsim.recording.commands import COMMANDS
 from uwsim.recording.replay import replay
 from uwsim.scenario import load
 
+WITHOUT_FILES = {"notes", "commands", "cdr", "frames", "moos", "imc", "json", "depth_string"}
 WORKFLOWS = Path(__file__).parents[3] / ".github" / "workflows"
 FOUND = sorted((Path(__file__).parents[2] / "fuzz" / "found").glob("*/*"))
 MISSPELT = {b"step_s": b"stop_s", b"on_wall_clock": b"on_wall_clack", b'"name": "undock"': b'"nome": "undock"'}
@@ -60,6 +63,19 @@ def test_the_fuzzers_begin_with_inputs_that_are_accepted_and_not_by_halves(name:
     finally:
         laws.close()
     assert any(not outcome.said for outcome in outcomes)
+
+
+@pytest.mark.parametrize("name", sorted(READERS.keys() - WITHOUT_FILES))
+def test_a_pipe_in_a_file_s_place_is_refused(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It would be read for ever."""
+    monkeypatch.setattr(Path, "write_bytes", lambda path, _: os.mkfifo(path))
+    signal.signal(signal.SIGALRM, lambda *_: pytest.fail("it waits"))
+    signal.alarm(20)
+    try:
+        with pytest.raises(REFUSED):
+            READERS[name].read(b"", tmp_path)
+    finally:
+        signal.alarm(0)
 
 
 @pytest.mark.parametrize("name", [name for name, reader in READERS.items() if reader.values is not None])

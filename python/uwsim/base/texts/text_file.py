@@ -7,18 +7,24 @@ import stat
 from pathlib import Path
 
 
-def require_regular(path: Path) -> None:
-    """Refuse devices, sockets and FIFOs, which could be read for ever, before they are opened. Raises OSError."""
+def require_regular(path: Path) -> Path:
+    """Return a path. Raises OSError for a device, socket or FIFO, which could be read for ever, before it is opened."""
     mode = path.stat().st_mode
     if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
         raise OSError(errno.EINVAL, "it is no regular file", str(path))
+    return path
+
+
+def first_bytes(path: Path, count: int) -> bytes:
+    """Return the first bytes of a file. Raises OSError."""
+    with require_regular(path).open("rb") as file:
+        return file.read(count)
 
 
 def read_limited(path: Path, name: str, most_bytes: int) -> bytes:
     """Return a file's bytes. name: the file's name, for messages. Raises ValueError, also for an unreadable file."""
     try:
-        require_regular(path)
-        with path.open("rb") as file:
+        with require_regular(path).open("rb") as file:
             data = file.read(most_bytes + 1)  # not the size alone: those of /proc are 0
             size = max(path.stat().st_size, len(data))
     except OSError as error:

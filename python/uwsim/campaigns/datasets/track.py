@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from uwsim.base.npz import read_npz
 from uwsim.base.texts.csv_table import CsvTable, read_csv
+from uwsim.base.texts.text_file import require_regular
 
 Floats = NDArray[np.float64]
 POSITIONS, ORIENTATIONS, TIMES, PATH = "position_world_m", "orientation_xyzw", "time_s", "path_world_m"
@@ -45,7 +46,7 @@ def read_track(path: str | Path) -> Track:
     if file.suffix == ".csv":
         return _from_csv(read_csv(file))
     try:
-        data = file.read_bytes()
+        data = require_regular(file).read_bytes()
     except OSError as error:
         raise OSError(f"'{path}': cannot be read: {error.strerror or error}") from None
     try:

@@ -105,7 +105,7 @@ def value_of(text: str, names: Mapping[str, Any], functions: Iterable[Any]) -> A
                     return getattr(kind, node.attr).__get__(of)  # type: ignore[no-any-return]
         if id(found := value(node)) in allowed:
             return found  # type: ignore[no-any-return]
-        raise ValueError(f"{text.strip()[:60]!r}: calls what is no function of expressions here")
+        raise ValueError(f"{text.strip()[:60]!r}: calls something that is not a function of expressions here")
 
     try:
         return value(ast.parse(text.strip(), mode="eval").body)

@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from uwsim.base.texts.text_file import require_regular
 from uwsim.base.texts.yaml_document import yaml_document
 
 GUID = re.compile(r"^guid: ([0-9a-f]{32})", re.MULTILINE)
@@ -61,7 +62,7 @@ class Project:
 
     def documents(self, path: Path) -> dict[int, Document]:
         """Return the documents of a scene or prefab by their identifiers. Raises ValueError or OSError."""
-        text = path.read_text(errors="replace")
+        text = require_regular(path).read_text(errors="replace")
         if not text.startswith("%YAML"):
             raise ValueError(f"'{path}': must be YAML (Unity: Asset Serialization, Force Text)")
         found = {}

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim.base.atomic_file import write_atomically
+from uwsim.base.texts.text_file import require_regular
 from uwsim.evidence.vision.sequence import BASELINE_M, RATE_HZ, Shot
 from uwsim.instruments.cameras.image_file import write_image
 from uwsim.scenario.read.calibration import write_calibration
@@ -70,7 +71,7 @@ def scored(folder: Path) -> list[Scored]:
 def _trajectory(path: Path) -> Floats:
     """Return rows of time and pose (n, 8). Raises ValueError, OSError."""
     rows = []
-    for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
+    for number, line in enumerate(require_regular(path).read_text(errors="replace").splitlines(), 1):
         words = line.split("#")[0].split()
         if not words:
             continue

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from GSFU import gsfu
 
+from uwsim.base.texts.text_file import first_bytes, require_regular
 from uwsim.mapping.files.swath import Array, SoundSpeeds, SurveyHead, Swath
 from uwsim.mapping.ranging import CONFIDENCE, HORIZONTAL_CONFIDENCE
 
@@ -54,11 +55,9 @@ def read_gsf(path: Path) -> tuple[SurveyHead, Iterator[Swath]]:
 
     A file that states no transducer's depth, as CARIS writes them, is read with a head at the surface, with a warning.
     """
-    file = gsfu.gsf(str(path))
+    file = gsfu.gsf(str(require_regular(path)))
     with _named(path, lambda: 0):
-        with path.open("rb") as begun:
-            start = begun.read(12)
-        if start[8:] != b"GSF-":
+        if first_bytes(path, 12)[8:] != b"GSF-":
             raise ValueError("must begin with a GSF header record")
         file.index_file()
     ids = file.Index["RecordID"].to_numpy()

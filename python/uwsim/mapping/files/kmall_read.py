@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from uwsim.base.texts.text_file import require_regular
 from uwsim.mapping.files import kmall_layout as layout
 from uwsim.mapping.files.swath import Array, SoundSpeeds, SurveyHead, Swath
 
@@ -103,7 +104,7 @@ def _places(path: Path) -> dict[bytes, list[tuple[int, int]]]:
     """Return the offset and length of each datagram that is used, by its type."""
     found: dict[bytes, list[tuple[int, int]]] = {kind: [] for kind in USED}
     size, at = path.stat().st_size, 0
-    with path.open("rb") as file:
+    with require_regular(path).open("rb") as file:
         while at < size or at == 0:
             file.seek(at)
             begun = file.read(layout.HEADER.itemsize)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.sockets import load
+from uwsim.base.texts.text_file import first_bytes
 
 if TYPE_CHECKING:
     from uwsim.mapping.files.side_scan_line import SideScanHead, SideScanLine, SideScanWriter
@@ -143,8 +144,7 @@ def format_of(path: Path) -> str | None:
     if name in registered(GROUP):
         return name
     try:
-        with path.open("rb") as file:
-            head = file.read(HEAD)
+        head = first_bytes(path, HEAD)
     except OSError:
         return None
     return next((each for each, marks in MARKS.items() if marks(head)), None)

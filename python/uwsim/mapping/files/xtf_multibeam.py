@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 import pyxtf
 
+from uwsim.base.texts.text_file import require_regular
 from uwsim.mapping.files.gsf_read import leveled
 from uwsim.mapping.files.swath import Array, SoundSpeeds, SurveyHead, Swath
 from uwsim.mapping.files.xtf_read import DEGREES, KNOT_M_S, XtfFile
@@ -68,7 +69,7 @@ def _counted(others: Counter[int]) -> str:
 def _swaths(path: Path, others: Counter[int], speed_m_s: float | None = None) -> Iterator[Swath]:
     """Yield the swaths; count others. speed_m_s: of sound, along all rays; by default that of each ping."""
     file = XtfFile(path)
-    with path.open("rb") as stream:
+    with require_regular(path).open("rb") as stream:
         header = file.header(stream)
         for at, kind, data in file.records(stream):
             if kind in (PROCESSED, QPS):

@@ -18,6 +18,7 @@ import numpy as np
 import pyxtf
 from numpy.typing import NDArray
 
+from uwsim.base.texts.text_file import require_regular
 from uwsim.mapping.files.side_scan_line import Levels, SideScanHead, SideScanLine
 
 MAGIC, SIDE_SCAN_PING, FORMAT = 0xFACE, 0, 123
@@ -39,7 +40,7 @@ def read_xtf(path: Path) -> tuple[SideScanHead, Iterator[SideScanLine]]:
     nan. Raises ValueError also for a file without a ping to both sides.
     """
     file = XtfFile(path)
-    with path.open("rb") as stream:
+    with require_regular(path).open("rb") as stream:
         header = file.header(stream)
         first = next(file.pings(stream, header), None)
     if first is None:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+from uwsim.base.texts.text_file import first_bytes
 from uwsim.recording.real_flights.columns import Columns, read_columns
 from uwsim.recording.real_flights.dataflash import is_dataflash, read_dataflash
 from uwsim.recording.real_flights.flight_log import FlightLog
@@ -34,10 +35,7 @@ READERS = (
 
 def reader_of(path: Path) -> LogReader | None:
     """Return the reader that a path's content asks for; None for a table. Raises OSError."""
-    head = b""
-    if not path.is_dir():
-        with path.open("rb") as file:
-            head = file.read(HEAD_BYTES)
+    head = b"" if path.is_dir() else first_bytes(path, HEAD_BYTES)
     return next((each for each in READERS if each.accepts(path, head)), None)
 
 

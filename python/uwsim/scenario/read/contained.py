@@ -48,7 +48,7 @@ def run_contained(
 
     reader: the library that it uses, for messages. reads: the files and folders that it needs, that of most bytes
     first. cpu_s, cpu_s_per_byte: the processor time that it may take. Raises ValueError with the reason if it failed,
-    OSError for what is no regular file.
+    OSError for a file that is not regular.
     """
     from uwsim.base.npz import read_npz
     from uwsim.base.texts.text_file import require_regular

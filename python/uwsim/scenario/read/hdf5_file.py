@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.extras import need_extra
+from uwsim.base.texts.text_file import require_regular
 from uwsim.scenario.read.contained import run_contained
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -143,7 +144,7 @@ def require_inside(path: Path, what: str) -> None:
 def is_hdf5(path: Path) -> bool:
     """Return whether there is a signature where readers look for it: behind a user's block of 512 bytes, 1024, ..."""
     at, size = 0, path.stat().st_size
-    with path.open("rb") as file:
+    with require_regular(path).open("rb") as file:
         while at < size:
             file.seek(at)
             if file.read(len(SIGNATURE)) == SIGNATURE:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.extras import explained
+from uwsim.base.texts.text_file import require_regular
 from uwsim.scenario.read.assimp_mesh import STEP_SUFFIXES, read_by_assimp
 from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
@@ -128,7 +129,9 @@ def _require_readable(path: Path) -> None:
 
 
 def _read_with_trimesh(path: Path, suffix: str, content: bytes) -> tuple[Vertices, NDArray[Any]]:
-    from uwsim.base.whole_trimesh import trimesh  # takes a second to import, and is not needed for a cached mesh
+    from uwsim.base.whole_trimesh import (  # takes a second to import, and is not needed for a cached mesh
+        trimesh,
+    )
 
     if suffix == ".obj":  # comments and names may be in any encoding
         text = content.decode("utf-8", errors="replace")
@@ -140,9 +143,23 @@ def _read_with_trimesh(path: Path, suffix: str, content: bytes) -> tuple[Vertice
         scene = trimesh.load_scene(io.BytesIO(_sound_stl(path, content)), file_type="stl", process=False)
     else:
         source = io.BytesIO(content) if _is_whole(suffix, content) else path
-        scene = trimesh.load_scene(source, file_type=suffix[1:], process=False)
+        scene = trimesh.load_scene(source, file_type=suffix[1:], process=False, resolver=files_beside(path))
     mesh = scene.to_mesh()
     return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces)
+
+
+def files_beside(path: Path) -> Any:
+    """Return trimesh's finder of the files of which a mesh's file is made: regular ones in its folder."""
+    from uwsim.base.whole_trimesh import trimesh
+
+    class Beside(trimesh.resolvers.FilePathResolver):
+        def get(self, name: str) -> bytes:
+            file = (Path(self.parent) / name).resolve()
+            if not file.is_relative_to(Path(self.parent).resolve()):
+                raise ValueError(f"'{name}': must be in the folder of the file")
+            return require_regular(file).read_bytes()
+
+    return Beside(str(path))
 
 
 def has_places_on_images(content: bytes) -> bool:

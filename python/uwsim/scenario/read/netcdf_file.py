@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.texts.text_file import first_bytes
 from uwsim.scenario.read.hdf5_file import SIGNATURE, inside_hdf5
 
 CLASSIC = b"CDF"
@@ -40,8 +41,7 @@ def read_netcdf(path: Path, what: str, needed: Needed) -> dict[str, NetcdfVariab
     what: the file's role, for messages. Raises NotNetcdfError, Hdf5Error, MissingExtraError, or whatever the readers
     raise for a damaged file.
     """
-    with path.open("rb") as file:
-        magic = file.read(4)
+    magic = first_bytes(path, 4)
     if _is_classic(magic):
         from scipy.io import netcdf_file
 
@@ -61,9 +61,8 @@ def require_whole_netcdf(path: Path) -> None:
 
     Raises OSError if it cannot be read.
     """
-    with path.open("rb") as file:
-        if not _is_classic(file.read(4)):
-            return
+    if not _is_classic(first_bytes(path, 4)):
+        return
     from scipy.io import netcdf_file
 
     try:

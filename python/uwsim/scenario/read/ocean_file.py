@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from uwsim.base.extras import MissingExtraError
 from uwsim.base.texts.csv_table import read_csv
+from uwsim.base.texts.text_file import first_bytes
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.hdf5_file import Hdf5Error
 from uwsim.scenario.read.netcdf_file import NetcdfVariable, NotNetcdfError, read_netcdf
@@ -80,8 +81,7 @@ class OceanField:
 def read_ocean(path: Path) -> OceanField:
     """Read a field: NetCDF by its first bytes, anything else as CSV. Raises ScenarioError."""
     try:
-        with path.open("rb") as file:
-            magic = file.read(4)
+        magic = first_bytes(path, 4)
         axes, values = _of_netcdf(path) if magic[:3] in (b"CDF", b"\x89HD") else _of_csv(path)
     except (ScenarioError, MissingExtraError):
         raise

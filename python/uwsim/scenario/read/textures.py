@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.texts.text_file import require_regular
 from uwsim.scenario.read.disk_cache import Arrays, cached_arrays
-from uwsim.scenario.read.mesh_file import Y_UP_SUFFIXES, has_places_on_images, load_mesh
+from uwsim.scenario.read.mesh_file import Y_UP_SUFFIXES, files_beside, has_places_on_images, load_mesh
 
 TEXTURED_SUFFIXES = (".obj", ".glb", ".gltf")
 MAX_SIDE = 4096
@@ -68,7 +69,7 @@ def _painted(path: Path, content: bytes) -> Texture | None:
     known: dict[str, NDArray[np.float64]] = {}
     try:
         for library in re.findall(r"^mtllib[ \t]+(.*\S)", text, re.MULTILINE):
-            known |= _diffuse_colours((path.parent / library).read_text("utf-8", "replace"))
+            known |= _diffuse_colours(require_regular(path.parent / library).read_text("utf-8", "replace"))
     except (OSError, ValueError):
         return None
     now, colours = UNCOLOURED, []
@@ -100,7 +101,7 @@ def _read_texture(path: Path) -> Texture | None:
     from uwsim.base.whole_trimesh import trimesh  # takes half a second
 
     try:
-        scene = trimesh.load_scene(path, process=False)
+        scene = trimesh.load_scene(path, process=False, resolver=files_beside(path))
         if path.suffix.lower() in Y_UP_SUFFIXES and (colours := _face_colours(scene)) is not None:
             return _palette(colours) if len(colours) == len(load_mesh(path)[1]) else None
         mesh: Any = scene.to_mesh()

@@ -15,7 +15,7 @@ from rasterio.env import Env
 from rasterio.errors import NotGeoreferencedWarning
 from rasterio.io import DatasetReader
 
-from uwsim.base.texts.text_file import require_regular
+from uwsim.base.texts.text_file import first_bytes
 from uwsim.scenario.read import raster_process
 from uwsim.scenario.read.contained import run_contained
 from uwsim.scenario.read.errors import ScenarioError
@@ -36,10 +36,7 @@ RICH = (b"CDF", b"GRIB")
 @contextmanager
 def opened(path: Path, band: int) -> Iterator[DatasetReader]:
     """Open a raster; one of a rich format is read in a process of its own. Raises RasterioError, ScenarioError."""
-    require_regular(path)
-    with path.open("rb") as start:
-        is_rich = start.read(4).startswith(RICH)
-    if is_rich or is_hdf5(path):
+    if first_bytes(path, 4).startswith(RICH) or is_hdf5(path):
         yield _read_apart(path, band)
         return
     with Env(), warnings.catch_warnings():
