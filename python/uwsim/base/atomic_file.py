@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import os
+import secrets
 import shutil
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -62,11 +62,10 @@ class GrowingFile:
             require_own(path)
         self._path = path
         with self._named():
-            descriptor, self._name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+            self._name = str(path.parent / f".{path.name}.{secrets.token_hex(4)}")
+            self._file = Path(self._name).open("xb")  # noqa: SIM115  # mkstemp would ignore the umask
             _unfinished.add(self._name)
-            self._file = os.fdopen(descriptor, "wb")
-            mark_temporary(descriptor)
-            os.fchmod(descriptor, 0o644)
+            mark_temporary(self._file.fileno())
 
     def write(self, content: bytes) -> int:
         """Append bytes; return their number."""

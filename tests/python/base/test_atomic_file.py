@@ -21,6 +21,14 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one_and_no_other(tmp_path)
         write_atomically(nowhere, b"new")
 
 
+@pytest.mark.parametrize("umask, mode", [(0o077, 0o600), (0o002, 0o664)])
+def test_written_files_obey_the_umask(umask, mode, tmp_path):
+    before = os.umask(umask)
+    write_atomically(tmp_path / "a", b"")
+    os.umask(before)
+    assert (tmp_path / "a").stat().st_mode & 0o777 == mode
+
+
 def test_an_error_on_a_full_disk_names_the_target(tmp_path, monkeypatch):
     def full(_descriptor):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

@@ -32,7 +32,8 @@ def write_sealed(folder: Path, files: Mapping[str, str]) -> None:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
             if text.startswith("#!"):
-                path.chmod(0o755)
+                mode = path.stat().st_mode
+                path.chmod(mode | (mode & 0o444) >> 2)  # who may read it may run it
         if target.exists():
             target.rename(before)
         try:

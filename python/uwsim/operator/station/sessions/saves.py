@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
-import shutil
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from uwsim.channels.guest import Values
@@ -23,19 +22,15 @@ def save(running: Running, target: Path) -> None:
     commands = {"tick": tick, "commands": [_plain(entry) for entry in log]}
     contents = pack(live.simulator.scenario)
     contents |= {STATE: state, "commands.json": json.dumps(commands, indent=1).encode()}
-    folder = Path(mkdtemp(prefix=f".{target.name}.", dir=target.parent))
-    try:
+    with TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as made:
+        (folder := Path(made) / "new").mkdir()
         for name, content in contents.items():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_bytes(content)
         for vehicle, ping_map in running.maps.items():
             for suffix in ("bt", "ot"):  # .bt for other programs; .ot with all probabilities, to continue from
                 ping_map.write(folder / f"{vehicle}.{suffix}")
-        folder.chmod(0o755)
         folder.rename(target)
-    except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise
 
 
 def saved_names(folder: Path) -> list[str]:
