@@ -274,3 +274,21 @@ def test_a_sloped_floor_is_the_bed(floor: str, tmp_path: Path) -> None:
     top = 6.0 if floor == "plane" else 6.5 - 0.5 / np.cos(TURN)
     assert middle == pytest.approx(-top, abs=1e-3)
     assert north - middle == pytest.approx(20 * scenario.terrain.spacing_m * np.tan(TURN), rel=1e-3)
+
+
+def test_a_pool_s_own_floor_is_the_bed_and_a_guest_starts_in_its_water(tmp_path: Path) -> None:
+    """24 m long, 1.2 to 3.5 m deep; its faces wind any way, and a deck about it is above the water."""
+    rim = "v -12 -6 -0.2\nv 12 -6 -0.2\nv 12 6 -0.2\nv -12 6 -0.2\nv -15 -9 -0.2\nv 15 -9 -0.2\n"
+    floor = "v -12 -6 1.2\nv 12 -6 3.5\nv 12 6 3.5\nv -12 6 1.2\n"
+    (tmp_path / "pool.obj").write_text(f"{rim}{floor}f 7 8 9\nf 7 10 9\nf 1 2 7\nf 2 7 8\nf 1 2 5\nf 2 5 6\n")
+    still = 'xyz="0 0 0" rpy="0 0 0"/>'
+    pool = f'<physical><mesh filename="pool.obj"/><origin {still}</physical><world_transform {still}'
+    (tmp_path / "a.scn").write_text(f'<scenario><static name="P" type="model">{pool}</static></scenario>')
+    told: list[str] = []
+    found = read_stonefish(tmp_path / "a.scn", Found("a", Given(progress=told.append)))
+    assert told == ["mesh 1: 'pool.obj'"]
+    scenario = load(write_found(found, tmp_path / "out"))
+    heights, step = scenario.terrain.heights(), scenario.terrain.spacing_m
+    middle = heights.shape[0] // 2
+    assert heights[middle + round(6.0 / step), middle] == pytest.approx(-2.35 - 6.0 * 2.3 / 24.0, abs=2e-3)
+    np.testing.assert_allclose(scenario.vehicles[0].start.position_m, [-1.5, 0.0, -1.175], atol=1e-3)

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
 from uwsim.cli.bounds import within
+
+RARE_S = 2.0
+"""Between two lines on progress, and before the first."""
 
 
 def scenario_from(
@@ -96,9 +101,11 @@ def scenario_from(
         "positive": positive, "crs": crs, "cell": cell, "scene": scene, "terrain": terrain,
         "arguments": arguments and _arguments(arguments), "data": data, "outfit": outfit,
     }  # fmt: skip
-    given = {key: value for key, value in options.items() if value is not None}
+    given: dict[str, object] = {key: value for key, value in options.items() if value is not None}
     for key in given.keys() - {*found.options}:
         raise OptionError(f"--{'arg' if key == 'arguments' else key.replace('_', '-')}: is not for {found.what}")
+    if "progress" in found.options:
+        given["progress"] = _rare_lines()
     try:
         made = found.make(source, out, given)
     except NotMadeError as error:
@@ -108,6 +115,19 @@ def scenario_from(
     for note in made.notes:
         typer.echo(note)
     typer.echo(f"{made.path}: fly it with uwsim station {made.path}")
+
+
+def _rare_lines() -> Callable[[str], None]:
+    """Return what prints the newest line to stderr once a while, and nothing of what is over sooner."""
+    last_s = time.monotonic()
+
+    def show(line: str) -> None:
+        nonlocal last_s
+        if time.monotonic() - last_s > RARE_S:
+            last_s = time.monotonic()
+            typer.echo(f"uwsim: {line}", err=True)
+
+    return show
 
 
 def _arguments(given: list[str]) -> dict[str, str]:

@@ -10,9 +10,9 @@ from uwsim.evidence.robots.xml_file import Floats
 
 LEVEL, STEEP, BED_M = 0.99999, 0.5, -0.5
 """A plane is a bed if its normal is this far up, level or sloped, and if it is below this height."""
-COVERS, ROOM_M = 0.8, 2.0
-"""The share of the extent of all fixed bodies that one has to face up with to be the ground, and how far about each
-vehicle."""
+COVERS, ROOM_M, SAMPLES = 0.9, 2.0, 41
+"""The share of the extent of all fixed bodies below which one has to be to be the ground, and how far about each
+vehicle; places along an edge where that is tried."""
 TRIANGLES_MAX = 200_000
 EDGE = 1e-9
 
@@ -38,36 +38,45 @@ def plane_heights(point_m: Floats, normal: Floats, x: Floats, y: Floats) -> Floa
 
 
 def ground_of(meshes: dict[str, Mesh], places_m: Floats) -> str | None:
-    """Return the name of the body that is the ground: under all places (n, 3), and nearly as wide as all together."""
-    boxes = {name: np.array([vertices.min(axis=0), vertices.max(axis=0)]) for name, (vertices, _) in meshes.items()}
+    """Return the name of the body that is the ground: under all places (n, 3), and as wide as all that is in the water.
+
+    What stands above the water, such as a pool's deck, does not count.
+    """
+    wet = {name: vertices[vertices[:, 2] < BED_M] for name, (vertices, _) in meshes.items()}
+    boxes = {name: np.array([each.min(axis=0), each.max(axis=0)]) for name, each in wet.items() if len(each)}
     if not boxes:
         return None
     every = np.concatenate(list(boxes.values()))
-    whole_m2 = float(np.prod(np.ptp(every, axis=0)[:2]))
+    x, y = np.linspace(every.min(axis=0), every.max(axis=0), SAMPLES + 2)[1:-1, :2].T
     for name, (least, most) in boxes.items():
-        over = (least[:2] + ROOM_M <= places_m[:, :2]) & (places_m[:, :2] <= most[:2] - ROOM_M)
-        if over.all() and least[2] < places_m[:, 2].min() and len(meshes[name][1]) <= TRIANGLES_MAX:
-            corners, across = _facing_up(meshes[name])
-            if 0.5 * float(across[corners[:, :, 2].max(axis=1) < BED_M, 2].sum()) >= COVERS * whole_m2:
-                return name
+        around = (least[:2] + ROOM_M <= places_m[:, :2]) & (places_m[:, :2] <= most[:2] - ROOM_M)
+        is_low = around.all() and least[2] < places_m[:, 2].min() and len(meshes[name][1]) <= TRIANGLES_MAX
+        if is_low and np.isfinite(top_heights(meshes[name], BED_M, x, y)).mean() >= COVERS:
+            return name
     return None
 
 
-def _facing_up(mesh: Mesh) -> tuple[Floats, Floats]:
-    """Return the corners (n, 3, 3) of a body's triangles that face up, and their normals of twice their area (n, 3)."""
-    corners = mesh[0][mesh[1]]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    up = across[:, 2] > EDGE * np.linalg.norm(across, axis=1)
-    return corners[up], across[up]
-
-
 def ground_heights(mesh: Mesh, below_m: float, x: Floats, y: Floats) -> Floats | None:
-    """Return the heights (ny, nx) of what a body has facing up below a level, at x (nx,) and y (ny,), evenly spaced.
+    """Return `top_heights` with those of the nearest edge beside the body, or None if it has none."""
+    heights = top_heights(mesh, below_m, x, y)
+    known = np.isfinite(heights)
+    if not known.any():
+        return None
+    rows, columns = distance_transform_edt(~known, return_distances=False, return_indices=True)
+    return np.asarray(heights[rows, columns])
 
-    The highest of several counts. Beside the body, they are those of its nearest edge; None if it faces up nowhere.
+
+def top_heights(mesh: Mesh, below_m: float, x: Floats, y: Floats) -> Floats:
+    """Return the height (ny, nx) of a body's highest surface below a level, -inf beside it, at x (nx,) and y (ny,).
+
+    Triangles may wind either way, as those of others' pools do.
     """
-    heights = np.full((len(y), len(x)), -np.inf)
-    for (a, b, c), normal in zip(*_facing_up(mesh), strict=True):
+    heights, corners = np.full((len(y), len(x)), -np.inf), mesh[0][mesh[1]]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    down = across[:, 2] < 0.0
+    corners[down], across[down] = corners[down][:, ::-1], -across[down]
+    flat = across[:, 2] > EDGE * np.linalg.norm(across, axis=1)
+    for (a, b, c), normal in zip(corners[flat], across[flat], strict=True):
         (west, south), (east, north) = (edge([a, b, c], axis=0)[:2] for edge in (np.min, np.max))
         i0, i1 = np.searchsorted(x, [west - EDGE, east + EDGE])
         j0, j1 = np.searchsorted(y, [south - EDGE, north + EDGE])
@@ -80,11 +89,7 @@ def ground_heights(mesh: Mesh, below_m: float, x: Floats, y: Floats) -> Floats |
         z = plane_heights(a, normal, x[i0:i1], y[j0:j1])
         part = heights[j0:j1, i0:i1]
         part[inside & (z < below_m) & (z > part)] = z[inside & (z < below_m) & (z > part)]
-    known = np.isfinite(heights)
-    if not known.any():
-        return None
-    rows, columns = distance_transform_edt(~known, return_distances=False, return_indices=True)
-    return np.asarray(heights[rows, columns])
+    return heights
 
 
 def grid_text(heights: Floats, spacing_m: float) -> bytes:

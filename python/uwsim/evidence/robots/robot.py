@@ -129,12 +129,14 @@ class Given:
 
     arguments: of xacro and of Stonefish, by name. data: the folder to which Stonefish's paths are relative. outfit: a
     use for which each vehicle gets what it lacks, `survey`: a multibeam and an altimeter. calibrations: of cameras.
+    progress: called with a line for each mesh before it is read, which may take seconds.
     """
 
     arguments: Mapping[str, str] = field(default_factory=dict)
     data: Path | None = None
     outfit: str | None = None
     calibrations: tuple[Path, ...] = ()
+    progress: Callable[[str], None] | None = None
 
 
 @dataclass
@@ -147,7 +149,8 @@ class Found:
     obstacles, objects, pingers: as in a scenario. station: its place [m], if it is known. notes: a line for each
     element that was left out or assumed. grades: of these, by their text. density_kg_m3: of the water, if stated.
     current_m_s: its velocity, likewise. bed_z_m: of a flat bed, likewise. bed_plane: a point and the
-    normal of a sloped one. refusals: the errors of the vehicles that were left out.
+    normal of a sloped one. refusals: the errors of the vehicles that were left out. opened: how
+    many meshes were read.
     """
 
     name: str
@@ -165,6 +168,7 @@ class Found:
     notes: list[str] = field(default_factory=list)
     grades: dict[str, str] = field(default_factory=dict)
     refusals: list[Exception] = field(default_factory=list)
+    opened: int = 0
 
     def lines(self) -> list[str]:
         """Return what was read, a line for each vehicle, and all notes: first those on the motion, last the others."""
@@ -211,6 +215,12 @@ class Found:
     def body_name(self, text: str) -> str:
         """Return a text as a name for a fixed body that is none of the others' and none that scenarios reserve."""
         return plain_name(text, [*RESERVED_NAMES, *self.meshes])
+
+    def opens(self, mesh: Path) -> None:
+        """Report a mesh that is about to be read."""
+        self.opened += 1
+        if self.given.progress is not None:
+            self.given.progress(f"mesh {self.opened}: '{mesh.name}'")
 
     def noted(self, what: str, grade: str | None = None) -> None:
         """Note what is worth knowing, once. grade: one of GRADES, if it is a loss."""

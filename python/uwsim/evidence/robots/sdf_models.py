@@ -233,6 +233,7 @@ class Models:
                     f"'{part.text('name')}' of {file.name}: must be a whole mesh: give it a file of its own"
                 )
             scale = shape.numbers("scale", 3)
+            self.found.opens(file)
             mesh = shapes.from_file(file, np.ones(3) if scale is None else scale)
             return shapes.closed(mesh, shape.path) if links.is_vehicle else mesh
         self.found.left_out(f"{shape.path}: shapes of this kind")

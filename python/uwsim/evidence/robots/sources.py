@@ -66,7 +66,7 @@ def _from_checkout(folder: Path, out: Path | None, given: Mapping[str, Any]) -> 
     raise NotMadeError(f"'{folder}': none of its {len(files)} descriptions of robots can be converted", refused)
 
 
-ROBOT_OPTIONS = ("outfit",)
+ROBOT_OPTIONS = ("outfit", "progress")
 SDF = ScenarioSource("an SDF file", _xml((".sdf", ".world"), b"sdf"), _make("sdf", "read_sdf"), ROBOT_OPTIONS)
 URDF = ScenarioSource(
     "a URDF file", _xml((".urdf", ".xacro"), b"robot"), _make("urdf", "read_urdf"), ("arguments", *ROBOT_OPTIONS)

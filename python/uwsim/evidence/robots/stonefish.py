@@ -253,6 +253,7 @@ class _Reader:
             if file is None:
                 raise physical.error("has no <mesh>")
             path, scale = self._file(file.needed("filename"), file), file.number(None, 1.0, "scale")
+            self.found.opens(path)
             given = shapes.from_file(path, np.full(3, scale))
             closed = self._closed(path, scale) if is_body and wall <= 0.0 else given
         else:

@@ -203,6 +203,7 @@ def _solid(collision: Element, path: Path, found: Found) -> Mesh | None:
                 found.dropped(shape, f" {shape.needed('filename')}: not beside the file")
                 return None
             scale = shape.numbers(None, 3, "scale")
+            found.opens(file)
             with found.beside(shape):
                 return shapes.closed(shapes.from_file(file, np.ones(3) if scale is None else scale), shape.path)
     return None

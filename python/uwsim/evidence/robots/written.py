@@ -92,19 +92,27 @@ def write_found(found: Found, out: Path) -> Path:
 
 def _guest(found: Found) -> Robot:
     """Return a packaged vehicle for a world without one, at its clear place."""
-    at = _clear_place(found, max(-GUEST_DEPTH_M, 0.5 * (-np.inf if found.bed_z_m is None else found.bed_z_m)))
+    ground, bed_m = None, -np.inf if found.bed_z_m is None else found.bed_z_m
+    if found.bed_z_m is None and found.meshes:
+        middle = np.mean(_extent(found), axis=0)[:2]
+        ground = ground_of(found.meshes, np.array([[*middle, BED_M]]))
+    if ground is not None and (floor := ground_heights(found.meshes[ground], BED_M, *middle[:, None])) is not None:
+        bed_m = float(floor[0, 0])
+    at = _clear_place(found, max(-GUEST_DEPTH_M, 0.5 * bed_m), ground)
     found.assumed(f"no vehicle is in it: '{GUEST}' starts at ({', '.join(f'{value:.4g}' for value in at)}) m")
     return Robot(GUEST, Pose(at, np.eye(3)), model=GUEST)
 
 
-def _clear_place(found: Found, height_m: float) -> Floats:
+def _clear_place(found: Found, height_m: float, ground: str | None) -> Floats:
     """Return the place nearest to the middle with nothing beside, above or close below it, else one beside all objects.
 
-    A triangle counts for all of its box, so that a place is never within a solid.
+    A triangle counts for all of its box, so that a place is never within a solid. ground: the name of the body over
+    which places are, if it is known.
     """
     if not found.meshes:
         return np.array([0.0, 0.0, height_m])
-    (low, high), corners = _extent(found), np.concatenate([vertices[each] for vertices, each in found.meshes.values()])
+    (low, high), others = _extent(found), [mesh for name, mesh in found.meshes.items() if name != ground]
+    corners = np.concatenate([np.zeros((0, 3, 3)), *(vertices[each] for vertices, each in others)])
     corners = corners[corners[:, :, 2].max(axis=1) > height_m - GUEST_ROOM_M]
     least, most = corners.min(axis=1)[:, :2] - GUEST_ROOM_M, corners.max(axis=1)[:, :2] + GUEST_ROOM_M
     middle = (low + high)[:2] / 2.0
