@@ -219,8 +219,12 @@ class Found:
     def opens(self, mesh: Path) -> None:
         """Report a mesh that is about to be read."""
         self.opened += 1
+        self.goes_on(f"mesh {self.opened}: '{mesh.name}'")
+
+    def goes_on(self, what: str) -> None:
+        """Report what is about to be done, which may take seconds."""
         if self.given.progress is not None:
-            self.given.progress(f"mesh {self.opened}: '{mesh.name}'")
+            self.given.progress(what)
 
     def noted(self, what: str, grade: str | None = None) -> None:
         """Note what is worth knowing, once. grade: one of GRADES, if it is a loss."""

@@ -237,6 +237,7 @@ def _vehicle(robot: Robot, found: Found) -> tuple[Mesh, dict[str, Any], Floats]:
             f"vehicle '{robot.name}': {what} estimated from its hull, as by `uwsim vehicle --draft`, "
             f"about its centroid, ({', '.join(f'{value:.4g}' for value in centre)}) m from the base link"
         )
+        found.goes_on(f"vehicle '{robot.name}': estimates of its {what.removesuffix(' are').removesuffix(' is')}")
         values |= _estimates(robot.name, hull)
         if robot.drag is not None:
             found.assumed(f"vehicle '{robot.name}': drag is as stated along and about each axis, and their sum between")
@@ -334,6 +335,7 @@ def _hull(robot: Robot, found: Found) -> tuple[Mesh, Floats]:
     """Return the hull, which displaces the stated volume about the stated centre, and its centroid."""
     if not robot.solids:
         raise ValueError(f"vehicle '{robot.name}': has no solid that displaces water")
+    found.goes_on(f"vehicle '{robot.name}': one hull of its {len(robot.solids)} solids")
     hull = closed(joined(robot.solids), f"vehicle '{robot.name}'")
     volume, centroid = volume_and_centre(hull)
     wanted = volume if robot.volume_m3 is None else robot.volume_m3
