@@ -33,7 +33,7 @@ def test_rosapi_knows_the_graph(ask, graph):
     send(Session(graph, "/p"), "advertise", topic="t", type="std_msgs/String")
     other = send(Session(graph, "/s"), "subscribe", topic="t")
     send(other, "advertise_service", service="go", type="demo/Go")
-    assert ask("topics") == {"topics": ["/t"], "types": ["std_msgs/String"]}
+    assert ask("topics") == {"topics": ["/rosout", "/t"], "types": ["rosgraph_msgs/Log", "std_msgs/String"]}
     assert ask("topic_type", topic="t") == {"type": "std_msgs/String"}
     assert ask("topics_for_type", type="std_msgs/msg/String") == {"topics": ["/t"]}
     assert ask("publishers", topic="/t") == {"publishers": ["/p"]}
@@ -49,7 +49,14 @@ def test_rosapi_knows_the_graph(ask, graph):
     assert ask("get_ros_version") == {"version": 1, "distro": "noetic"}
     assert ask("service_type", service="/rosapi/get_ros_version") == {"type": "rosapi/GetROSVersion"}
     assert ask("get_time") == {"time": {"secs": 12, "nsecs": 34}}
-    assert "string data" in ask("topics_and_raw_types")["typedefs_full_text"][0]
+    assert "string data" in ask("topics_and_raw_types")["typedefs_full_text"][1]
+
+
+def test_what_is_refused_is_in_the_graphs_log(ask, graph):
+    reader = send(Session(graph, "/reader"), "subscribe", topic="/rosout")
+    send(Session(graph, "/p"), "publish", topic="t", msg={})
+    line = json.loads(reader.outbox.take()[0])["msg"]
+    assert (line["level"], line["msg"]) == (4, "/p: topic 't': advertise it first, because its type is unknown")
 
 
 def test_arguments_may_be_a_list(graph):

@@ -109,7 +109,7 @@ class Graph:
     on_joined: functions called with a topic name when it has one more subscriber, who has received nothing.
     on_leave: functions called with an owner that has left. on_abandoned: functions called with a topic name when the
     topic's last publisher has left. silence_s: returns the time since anything was received from an owner. time_ns:
-    returns the graph's time. ledger: counts the memory used for clients.
+    returns the graph's time. ledger: counts the memory used for clients. report: writes a refusal into the graph's log.
     """
 
     def __init__(self, ledger: Ledger | None = None) -> None:
@@ -124,6 +124,7 @@ class Graph:
         self.on_abandoned: list[Callable[[str], None]] = []
         self.time_ns: Callable[[], int] = time.time_ns
         self.silence_s: Callable[[str], float] = lambda owner: 0.0
+        self.report: Callable[[str], None] = lambda text: None
 
     def advertise(self, owner: str, name: str, type_name: str, latch: bool = False) -> Topic:
         """Register an owner as a publisher of a topic."""

@@ -13,11 +13,14 @@ from typing import Any
 
 from uwsim.bridges.answers import outcome
 from uwsim.bridges.doors.listener import post
+from uwsim.bridges.rosbridge.encoding import Sample
 from uwsim.bridges.rosbridge.graph import LOGGER, Graph, Handler, Reply, plain_name
 from uwsim.bridges.rosbridge.parameters import Parameters
+from uwsim.bridges.rosbridge.refusals import ROSOUT, ROSOUT_TYPES, WARNING
 from uwsim.bridges.rosbridge.type_details import message_details, part_details
 from uwsim.channels.calls.command_services import by_field
 from uwsim.channels.names import NODE
+from uwsim.channels.ros import build
 from uwsim.channels.ros.message_types import message_text, shortened
 from uwsim.channels.ros.messages import Ros, resolve, spelled
 from uwsim.channels.ros.service_types import field_names
@@ -45,6 +48,14 @@ def offer_rosapi(graph: Graph, parameters: Parameters, ros: Ros, time_ns: Callab
     queries = _graph_queries(graph, ros) | _parameter_queries(parameters, ros) | _world_queries(ros, time_ns)
     queries |= _type_queries(ros, queries)
     graph.nodes[OWNER] = None
+    log = graph.advertise(OWNER, ROSOUT, ROSOUT_TYPES[ros])  # as every graph of ROS has it
+
+    def report(text: str) -> None:
+        if log.sinks and log.type:
+            line = build.message(log.type, level=WARNING[ros], name="uwsim", msg=text)
+            graph.publish(log, Sample(line, time_ns()))
+
+    graph.report = report
     for name, query in queries.items():
         graph.advertise_service(OWNER, f"rosapi/{name}", _type_of(name), _handler(name, query))
 

@@ -203,6 +203,7 @@ class Session:
 
     def _complain(self, message: str, operation: dict[str, Any], level: str = "error") -> None:
         LOGGER.info("%s: %s", self.name, message)
+        self.graph.report(f"{self.name}: {message}")
         if LEVELS.index(level) >= LEVELS.index(self._level):
             status: dict[str, Any] = {"op": "status", "level": level, "msg": message}
             identity = operation.get("id")
