@@ -13,6 +13,7 @@ from command_line import UWSIM
 from uwsim.cli.program import app
 from uwsim.evidence import validate
 from uwsim.evidence.validate.check import Check, along, relative, within
+from uwsim.evidence.validate.check_table import print_checks
 from waiting import until
 
 
@@ -24,6 +25,14 @@ def test_errors_are_relative_to_their_scale_and_a_nan_is_a_miss() -> None:
     assert (worst.expected, worst.got, worst.error, worst.passed) == (2.0, 2.5, 0.25, True)
     assert not relative("g", "n", 1.0, math.nan, 1.0).passed
     assert not along("g", "n", [1.0, 2.0], [1.0, math.nan], 1.0, 1.0).passed
+
+
+def test_in_a_pipe_each_check_is_one_line_with_its_group(capsys: pytest.CaptureFixture[str]) -> None:
+    quantity = "a quantity whose name and conditions together are longer than a narrow terminal's line, at 20 deg C"
+    print_checks([relative("group", f"{quantity}, {k}", 1.0, 1.0, 0.1) for k in range(3)], "suite")
+    lines = capsys.readouterr().out.splitlines()
+    for k in range(3):
+        assert sum("group" in line and f"{quantity}, {k}" in line and "ok" in line for line in lines) == 1
 
 
 @pytest.fixture

@@ -48,6 +48,6 @@ def doctor(
         column.overflow = "fold"  # a command that is cut could not be run
     for finding in findings:
         table.add_row(MARKS[finding.verdict], *map(escape, (finding.what, finding.found, finding.advice)))
-    console.print(table)
+    (console if console.is_terminal else Console(width=1000)).print(table)  # in a pipe, a row is one line
     console.print("nothing is wrong" if not wrong else f"{wrong} wrong")
     return 1 if wrong else 0

@@ -19,6 +19,7 @@ from rich.table import Table
 from scipy.spatial.transform import Rotation
 
 from uwsim.evidence.validate.camera import irradiance_variation
+from uwsim.evidence.validate.check_table import row_console
 from uwsim.evidence.validate.flights import START_M, deep_water
 from uwsim.evidence.validate.reality import predicted_trials as trials
 from uwsim.evidence.validate.reality.arm_tilts import arm_at, flown_deg
@@ -97,7 +98,7 @@ def print_predictions(console: Console | None = None) -> None:
             entry.frozen, entry.text, f"{low:g} to {high:g} {entry.unit}",
             f"{COMPUTED[entry.quantity]():.4g}", measured, entry.result,
         )  # fmt: skip
-    target = console or Console()
+    target = console or row_console()
     target.print(table)
     results = [entry.result for entry in entries]
     target.print(", ".join(f"{results.count(result)} {text}" for result, text in RESULTS.items()))
