@@ -188,9 +188,7 @@ void bind_forces(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .def(
           "forces",
           [](OwnedSimulation& o, std::size_t v) {
-            return o.with([&](Simulation& s) {
-              return by_name(s, s.forces(v), s.has_arm(v), s.feels_wind(v));
-            });
+            return o.with([&](Simulation& s) { return by_name(s, s.forces(v), s.has_arm(v), s.feels_wind(v)); });
           },
           py::arg("vehicle"),
           "Return (name, wrench (6,)) pairs: means over the last step, body axes, at the origin [N, N m]. Raises\n"

@@ -24,8 +24,8 @@ class RigidBodyWorld {
 
   std::size_t add_body(BodySpec spec, const BodyState& state);
 
-  /// Replaces the bodies' properties, one spec per body; the bodies keep their states. On error, throws InvalidValue and
-  /// changes nothing.
+  /// Replaces the bodies' properties, one spec per body; the bodies keep their states. On error, throws InvalidValue
+  /// and changes nothing.
   void change_bodies(std::vector<BodySpec> specs);
 
   /// Adds a tether, after the bodies that it holds, and lays it. Throws InvalidValue, also for Bullet's engine.
@@ -48,7 +48,6 @@ class RigidBodyWorld {
   void change_links(std::size_t body, std::vector<ArmLink> links);
   /// The inverse of a body's mass with added mass, and with its links as if no joint moved; zero for a held body.
   Matrix6d inverse_mass(std::size_t body, const WaterField& water, double time_s);
-
 
   const BodyState& state(std::size_t body) const { return bodies_.at(body).state; }
   void set_state(std::size_t body, const BodyState& state);

@@ -24,7 +24,7 @@ struct ImuErrors {
   /// A sample's specific force is the mean over this time before the sample; 0 if it is an instantaneous value
   double averaging_s = 0;
   BiasModel rate_bias, force_bias;
-  /// Of the rate by the rate [1], of the rate by the force [rad s/m], of the force by the force [1].
+  /// Errors of the rate by the rate [1], of the rate by the force [rad s/m], of the force by the force [1].
   std::array<MatrixErrors, 3> matrices = {};
   Eigen::Matrix3d body_from_imu = Eigen::Matrix3d::Identity();
   /// The largest magnitude that an axis can measure [rad/s], [m/s2]; a sample at this limit understates a shock.

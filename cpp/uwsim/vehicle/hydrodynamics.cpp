@@ -224,8 +224,8 @@ Craft::Load Craft::load(const BodyState& state, const Vector6d& tau_body, const 
   }
   if (submerged > 0) {
     const double centre_z_m = pose.position_m.z() + world_from_body.row(2).dot(buoyancy.centre_body_m);
-    tau += flow_force_body(state.velocity_body, world_from_body, buoyancy, submerged,
-                           water.density_at(centre_z_m), terms);
+    tau +=
+        flow_force_body(state.velocity_body, world_from_body, buoyancy, submerged, water.density_at(centre_z_m), terms);
   }
   return {tau, submerged};
 }

@@ -31,7 +31,7 @@ class _Run(Model, extra="allow"):
 
 
 class _Result(Model, extra="allow"):
-    """What the table uses of a result."""
+    """The part of a result that the table uses."""
 
     team: str
     course: str

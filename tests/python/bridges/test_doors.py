@@ -33,7 +33,7 @@ OPENINGS = {
     "`--mavlink tcp`": (HEARTBEAT, b"\xfd", 40), "`--nmea tcp`": (b"", b"$", 40),
     "`--dvl-a50`": (b'{"command": "get_config"}\n', b'"response_to": "get_config"', 40),
 }  # fmt: skip
-"""What a client says first at each TCP door of ours, what the answer contains, and more than it has places for."""
+"""The first words of a client at each TCP door of ours, what the answer contains, and more than it has places for."""
 LAGOON = Path(__file__).parents[3] / "assets/scenarios/lagoon.yaml"
 HAS_FFMPEG = shutil.which("ffmpeg") is not None or find_spec("imageio_ffmpeg") is not None
 NEEDS = {
@@ -106,7 +106,7 @@ def test_the_sockets_of_a_program_are_those_of_the_table(
         pytest.skip(f"the others were tried; not installed: {', '.join(missing)}")
 
 
-def hears(client: socket.socket, words: bytes, limit_s: float = PATIENCE_S) -> bool:
+def receives(client: socket.socket, words: bytes, limit_s: float = PATIENCE_S) -> bool:
     """Return whether a client is sent these words."""
     client.settimeout(limit_s)
     data = b""
@@ -134,8 +134,8 @@ def test_silent_clients_shut_no_door_and_listeners_are_served_where_it_speaks_fi
                         come().sendall(opening if k % 2 else b"")
                 newcomer = come()
                 newcomer.sendall(opening)
-                assert hears(newcomer, answer), f"{door.option}: a newcomer that speaks"
-                heard = hears(come(), b"", PATIENCE_S if door.speaks_first else 1.0)
+                assert receives(newcomer, answer), f"{door.option}: a newcomer that speaks"
+                heard = receives(come(), b"", PATIENCE_S if door.speaks_first else 1.0)
                 assert heard == door.speaks_first, f"{door.option}: a newcomer that only listens"
 
 

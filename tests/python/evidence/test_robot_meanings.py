@@ -1,4 +1,4 @@
-"""What changes the meaning of a value in a description is used, or the value is refused by name.
+"""Attributes that change the meaning of a value in a description are used, or the value is refused by name.
 
 Each right value follows from the format's own specification: SDFormat's, URDF's, and the sources of the simulators.
 """

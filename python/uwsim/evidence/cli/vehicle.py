@@ -78,7 +78,6 @@ def vehicle(
             help="The length [m] of the mesh's longest side, instead of its unit.", callback=within(0.01, 500, "m")
         ),
     ] = None,
-
 ) -> None:
     """Report how a vehicle floats, moves and sees.
 

@@ -17,7 +17,7 @@ from uwsim.evidence.robots.xml_file import Element, Floats, Pose
 from uwsim.scenario.spec.scenario import RESERVED_NAMES
 
 MOTION, SENSES, LOOKS = GRADES = ("motion", "senses", "looks")
-"""What a note is about, in the order in which notes are printed."""
+"""The grades of notes by what they are about, in the order in which notes are printed."""
 OF_LOOKS = re.compile(
     r"^robot material\b|\b(visuali?z?e?|lights?|meta|gui|scene|looks?|sky|sun|atmosphere|shadows|texture|render|retro"
     r"|projector|particles?|emitter|audio|actor|colou?r|transparency)\b"

@@ -81,7 +81,7 @@ def ellipsoid(radii_m: Floats) -> Mesh:
 def from_file(path: Path, scale: Floats) -> Mesh:
     """Return a mesh file's vertices, scaled by axis. Raises ValueError or OSError.
 
-    Gazebo and RViz apply the unit of a Collada file, but leave its axes as they are, whichever it says is up.
+    Gazebo and RViz apply the unit of a Collada file, but leave its axes as they are, whichever it states is up.
     """
     largest = float(np.abs(scale).max()) or 1.0
     up: Literal["z"] | None = None

@@ -33,9 +33,9 @@ NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?")
 COMMENT = ("#", "%", "*", "!", "//")
 FIELD = re.compile(r"Field\d+\s*:\s*(.+)")
 OFF_SCALE = -99.0, -2.53, 35.5
-"""Of Sippican: no value, and the ends of its thermistor's scale, where a torn or grounded wire is."""
+"""Sippican's marks: no value, and the ends of its thermistor's scale, where a torn or grounded wire is."""
 MISSING, BAD_FLAGS = (-999.0,), ("3", "4", "5", "9")
-"""Of WHP-Exchange (Swift and Diggs 2008): no value; flags for questionable, bad, not reported, not sampled."""
+"""WHP-Exchange's marks (Swift and Diggs 2008): no value; flags for questionable, bad, not reported, not sampled."""
 WIDTH = 11
 """Characters of a column in a .cnv, where columns may touch."""
 VALEPORT = {
