@@ -7,7 +7,8 @@
 
 /// Point-cloud operations by PCL, on pcl::PointCloud<pcl::PointXYZ>: conversion of a LaserScan to points in the world,
 /// filters, a ground plane. Points are rows of x, y, z in metres. PCL stores them as float32, so coordinates far from
-/// the origin lose digits (0.2 mm at 4 km). Filters discard non-finite points; fits refuse them. The same points in the same order produce the same bytes.
+/// the origin lose digits (0.2 mm at 4 km). Filters discard non-finite points; fits refuse them. The same points in the
+/// same order produce the same bytes.
 namespace uwsim {
 
 /// sensor_msgs/LaserScan without its ranges. Beam i points at angle_min + i * angle_increment about +z, counted from +x

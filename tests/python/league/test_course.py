@@ -136,8 +136,8 @@ def test_files_of_others_among_the_results_are_kept(team: Path, tmp_path: Path, 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root may run programs as other users")
 def test_the_program_of_another_user_has_no_right_and_no_file_of_the_referees(tmp_path: Path) -> None:
     """Not even the name of its log, which states the seed."""
-    look = f"id -u nobody; id -u; id -g nobody; id -G; readlink /proc/$$/fd/1; ls {tmp_path}"
-    program = Program(["/bin/sh", "-c", look], Path("/"), tmp_path / "seed-5.log", "nobody")
+    look = f"id -u daemon; id -u; id -g daemon; id -G; readlink /proc/$$/fd/1; ls {tmp_path}"
+    program = Program(["/bin/sh", "-c", look], Path("/"), tmp_path / "seed-5.log", "daemon")
     with program, pytest.raises(ProgramError, match="Permission denied"):
         program.receive()
     user, its_user, group, its_groups, output, _ = (tmp_path / "seed-5.log").read_text().splitlines()
