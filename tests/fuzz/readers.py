@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from tests.fuzz import charts, fields, surveys, text_readers
+from tests.fuzz import charts, fields, others, surveys, text_readers
 
 REFUSED = (ValueError, OSError)
 """The errors that a reader may raise: the command line turns either into one line."""
@@ -62,12 +62,6 @@ def _cloud(suffix: str) -> Callable[[bytes, Path], Any]:
     return read
 
 
-def _scan_graph(data: bytes, folder: Path) -> Any:
-    from uwsim.mapping.files.scan_graph import read_scans
-
-    return [scan.points_world_m.tobytes() for scan in read_scans(_written(folder / "scans.graph", data))]
-
-
 def _mesh(suffix: str) -> Callable[[bytes, Path], Any]:
     def read(data: bytes, folder: Path) -> tuple[bytes, bytes]:
         from uwsim.scenario.read.mesh_file import load_mesh
@@ -94,36 +88,6 @@ def _image(data: bytes, folder: Path) -> bytes:
 
     shape = {"size_m": (20, 10), "spacing_m": 1.0, "black_m": -9, "white_m": -1}
     return ImageTerrain(source="image", file=_written(folder / "terrain.png", data), **shape).heights().tobytes()
-
-
-def _scenario(data: bytes, folder: Path) -> str:
-    from uwsim.scenario import load
-
-    return repr(load(_written(folder / "scenario.yaml", data)))
-
-
-def _part(kind: str) -> Callable[[bytes, Path], Any]:
-    """Return a reader of a file that a scenario names: vehicle, thruster, sensors, sonar or modem."""
-
-    def read(data: bytes, folder: Path) -> str:
-        from uwsim.scenario.spec import actuator, modem, sensor, sonar, vehicle
-
-        loads: dict[str, Callable[[Path], Any]] = {
-            "vehicle": vehicle.load_vehicle,
-            "thruster": actuator.load_thruster,
-            "sensors": sensor.load_sensors,
-            "sonar": sonar.load_sonar,
-            "modem": modem.load_modem,
-        }
-        return repr(loads[kind](_written(folder / "part.yaml", data)))
-
-    return read
-
-
-def _sweep(data: bytes, folder: Path) -> str:
-    from uwsim.campaigns.sweeps.spec import read_sweep
-
-    return repr(read_sweep(_written(folder / "sweep.yaml", data))[0])
 
 
 def _profile(data: bytes, folder: Path) -> list[Any]:
@@ -296,12 +260,6 @@ def _lines(data: bytes) -> Iterator[str | bytes]:
             yield line.decode("utf-8", errors="replace")
 
 
-def _map(data: bytes, folder: Path) -> bytes:
-    from uwsim.mapping import OccupancyMap
-
-    return OccupancyMap.read(_written(folder / "map.bt", data)).to_bytes("ot")
-
-
 def _depth_string(data: bytes, _: Path) -> bytes:
     from uwsim import _core
 
@@ -344,7 +302,7 @@ def _written(path: Path, data: bytes) -> Path:
 
 
 READERS = {
-    "map": Reader(_map),
+    "map": Reader(others.file("color_tree")),
     "depth_string": Reader(_depth_string),
     "pcd": Reader(_cloud(".pcd"), ("numpy.lib.npyio",)),
     "ply": Reader(_cloud(".ply"), ("numpy.lib.npyio",)),
@@ -356,7 +314,7 @@ READERS = {
     "xtf_soundings": Reader(surveys.reader(".xtf"), ("pyxtf",), has_end=_without_end),
     "xyz": Reader(_cloud(".xyz"), has_end=_without_end),
     "stl": Reader(_mesh(".stl"), ("trimesh.exchange",), _has_one_solid),
-    "scan_graph": Reader(_scan_graph),
+    "scan_graph": Reader(others.file("scan_graph")),
     "obj": Reader(_mesh(".obj"), ("trimesh.exchange",), has_end=_without_end),
     "mesh_ply": Reader(_mesh(".ply"), ("trimesh.exchange",)),
     "off": Reader(_mesh(".off"), ("trimesh.exchange",)),
@@ -377,15 +335,15 @@ READERS = {
     "argo": Reader(fields.cast, ("scipy.io",), has_end=_without_end),
     "ocean_csv": Reader(fields.ocean, ("csv",), has_end=_without_end),
     "ocean_netcdf": Reader(fields.ocean, ("scipy.io",), has_end=_without_end),
-    "scenario": Reader(_scenario, ("ruamel",), has_end=_without_end, values=YAML_VALUES),
+    "scenario": Reader(others.file("scenario"), ("ruamel",), has_end=_without_end, values=YAML_VALUES),
     **{
-        kind: Reader(_part(kind), ("ruamel",), has_end=_without_end, values=YAML_VALUES)
+        kind: Reader(others.file(kind), ("ruamel",), has_end=_without_end, values=YAML_VALUES)
         for kind in ("vehicle", "thruster", "sensors", "sonar", "modem")
     },
-    "sweep": Reader(_sweep, ("ruamel",), has_end=_without_end, values=YAML_VALUES),
-    "exercise": Reader(text_readers.exercise, ("ruamel",), has_end=_without_end, values=YAML_VALUES),
+    "sweep": Reader(others.file("sweep"), ("ruamel",), has_end=_without_end, values=YAML_VALUES),
+    "exercise": Reader(others.file("exercise"), ("ruamel",), has_end=_without_end, values=YAML_VALUES),
     "json": Reader(text_readers.json_text, ("json",), has_end=_without_end, values=JSON),
-    "mapping": Reader(text_readers.mapping, ("ruamel",), has_end=_without_end, values=YAML_VALUES),
+    "mapping": Reader(others.file("mapping"), ("ruamel",), has_end=_without_end, values=YAML_VALUES),
     "motion_csv": Reader(text_readers.motion_log(".csv"), ("csv",), has_end=_without_end),
     "motion_mcap": Reader(text_readers.motion_log(".mcap"), ("mcap", "rosbags"), has_end=_without_end),
     "dataflash": Reader(text_readers.real_flight(".BIN"), ("pymavlink.DFReader",), has_end=_without_end),
@@ -395,15 +353,15 @@ READERS = {
     "sdf": Reader(text_readers.robot("sdf", "read_sdf", ".sdf"), ("xml",)),
     "urdf": Reader(text_readers.robot("urdf", "read_urdf", ".urdf"), ("xml",)),
     "stonefish": Reader(text_readers.robot("stonefish", "read_stonefish", ".scn"), ("xml",)),
-    "plan": Reader(text_readers.mission_file, ("json",), values=JSON),
-    "waypoints": Reader(text_readers.mission_file, has_end=_without_end),
-    "geojson": Reader(text_readers.mission_file, ("json",), values=JSON),
-    "kml": Reader(text_readers.mission_file, ("xml",)),
-    "kmz": Reader(text_readers.mission_file, ("xml", "zipfile")),
+    "plan": Reader(others.file("mission"), ("json",), values=JSON),
+    "waypoints": Reader(others.file("mission"), has_end=_without_end),
+    "geojson": Reader(others.file("mission"), ("json",), values=JSON),
+    "kml": Reader(others.file("mission"), ("xml",)),
+    "kmz": Reader(others.file("mission"), ("xml", "zipfile")),
     "moos": Reader(text_readers.moos, has_end=_without_end),
     "imc": Reader(text_readers.imc, has_end=_without_end),
     "holoocean": Reader(text_readers.robot("holoocean", "read_holoocean", ".json"), ("json",), values=JSON),
-    "thruster_csv": Reader(text_readers.thruster_sheet, ("csv",), has_end=_without_end),
+    "thruster_csv": Reader(others.file("thruster_csv"), ("csv",), has_end=_without_end),
     "profile": Reader(_profile, ("csv",), has_end=_without_end),
     "track_csv": Reader(_track(".csv"), ("csv",), has_end=_without_end),
     "track_npz": Reader(_track(".npz"), ("numpy.lib", "zipfile")),
@@ -413,6 +371,19 @@ READERS = {
     "flight": Reader(_flight, ("pydantic", "json"), values=JSON),
     "mcap": Reader(_recording, ("mcap", "rosbags")),
     "cdr": Reader(_cdr, ("rosbags",)),
+    **{
+        kind: Reader(others.file(kind), ("ruamel",), has_end=_without_end, values=YAML_VALUES)
+        for kind in ("prop", "team", "calibration")
+    },
+    "result": Reader(others.file("result"), ("json",), values=JSON),
+    "unity": Reader(others.file("unity"), ("ruamel",), has_end=_without_end),
+    "xacro": Reader(others.file("xacro"), ("xacro", "xml")),
+    "map_bag": Reader(others.file("map_bag"), has_end=_without_end),
+    "color_tree": Reader(others.file("color_tree")),
+    "ping": Reader(others.ping, has_end=_without_end),
+    "a50": Reader(others.a50, ("json",), has_end=_without_end, values=JSON_LINES),
+    "upload": Reader(others.upload, values=JSON),
+    "mesh_upload": Reader(others.mesh, has_end=_without_end, values=JSON_LINES),
     "frames": Reader(_frames, ("cbor2", "json"), has_end=_without_end, values=JSON_LINES),
 }
 """The readers by the name that `tools/fuzz` takes."""

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tests.fuzz import bridge_seeds, charts, fields
+from tests.fuzz import bridge_seeds, charts, fields, others
 from tests.fuzz.readers import CDR_TYPES, simulator_to_restore
 from tests.fuzz.surveys import side_scan, survey, xtf_soundings
 
@@ -365,20 +365,31 @@ def _telemetry_log() -> list[bytes]:
     return [b"".join(parts)]
 
 
-def _flight_bag() -> list[bytes]:
+def _bag(topic: str, name: str, fields: Callable[[Any, int], dict[str, Any]]) -> list[bytes]:
+    """A bag of ROS 1 with 25 messages. fields: from the types by name, and a message's number."""
     from rosbags.rosbag1 import Writer
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS1_NOETIC)
-    t, name = store.types, "std_msgs/msg/Float64MultiArray"
     with tempfile.TemporaryDirectory() as folder:
         with Writer(path := Path(folder) / "dive.bag") as writer:
-            connection = writer.add_connection("/thrusters", name, typestore=store)
-            layout = t["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
+            connection = writer.add_connection(topic, name, typestore=store)
             for k in range(25):
-                message = t[name](layout=layout, data=np.full(8, 0.01 * k))
+                message = store.types[name](**fields(store.types, k))
                 writer.write(connection, 10**8 * (k + 1), store.serialize_ros1(message, name))
         return [path.read_bytes()]
+
+
+def _commanded(t: Any, k: int) -> dict[str, Any]:
+    return {"layout": t["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0), "data": np.full(8, 0.01 * k)}
+
+
+def _scanned(t: Any, k: int) -> dict[str, Any]:
+    stamp = t["builtin_interfaces/msg/Time"](sec=k, nanosec=0)
+    numbers = ("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time", "range_min", "range_max")
+    found: dict[str, Any] = dict(zip(numbers, (-0.5, 0.4, 0.01, 0.0, 0.0, 0.1, 30.0), strict=True))
+    header = t["std_msgs/msg/Header"](seq=k, stamp=stamp, frame_id="sonar")
+    return found | {"header": header, "ranges": np.full(91, 4.05, np.float32), "intensities": np.zeros(0, np.float32)}
 
 
 def _flight_table() -> list[bytes]:
@@ -501,7 +512,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "motion_mcap": _motion_recording,
     "dataflash": _dataflash,
     "tlog": _telemetry_log,
-    "flight_bag": _flight_bag,
+    "flight_bag": lambda: _bag("/thrusters", "std_msgs/msg/Float64MultiArray", _commanded),
     "flight_csv": _flight_table,
     "sdf": lambda: [(ROBOTS / "glider.sdf").read_bytes()],
     "urdf": lambda: [(ROBOTS / "sled.urdf").read_bytes()],
@@ -524,5 +535,17 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "flight": _flight,
     "mcap": _recordings,
     "cdr": _cdr,
+    "prop": _parts("props"),
+    "team": lambda: [others.TEAM],
+    "calibration": lambda: [others.CAMERA],
+    "result": lambda: [json.dumps(others.RESULT).encode()],
+    "unity": lambda: [others.SCENE],
+    "xacro": lambda: [others.XACRO],
+    "map_bag": lambda: _bag("/scan", "sensor_msgs/msg/LaserScan", _scanned),
+    "color_tree": lambda: [others.colored(_map()[1]), _map()[1]],
+    "ping": lambda: [others.pings()],
+    "a50": lambda: [b'{"command": "set_config", "parameters": {"speed_of_sound": 1480}}\n{"command": "trigger_ping"}'],
+    "upload": lambda: [json.dumps(others.UPLOAD).encode()],
+    "mesh_upload": lambda: [others.parts(_mesh("stl")()[0])],
     "frames": _frames,
 }

@@ -33,15 +33,6 @@ def sealed_flight(data: bytes) -> bytes:
     return data
 
 
-def mission_file(data: bytes, folder: Path) -> str:
-    """Read a file of the field; its format is found by its content."""
-    from uwsim.missions.field import read_mission_file
-
-    path = folder / "mission"
-    path.write_bytes(data)
-    return repr(read_mission_file(path))
-
-
 def moos(data: bytes, _: Path) -> bytes:
     """Read what a MOOSDB sends. Accepted packets are read alike after they are written."""
     from uwsim.bridges.moos.wire import PacketReader, encoded
@@ -75,20 +66,6 @@ def imc(data: bytes, _: Path) -> bytes:
     return once
 
 
-def thruster_sheet(data: bytes, folder: Path) -> str:
-    """Read a thruster's performance by voltage."""
-    from uwsim.scenario.read.thruster_sheets import read_sheet_rows
-
-    return repr(read_sheet_rows(_written(folder / "sheet.csv", data)))
-
-
-def mapping(data: bytes, folder: Path) -> str:
-    """Read a mapping file of `uwsim vehicle identify`."""
-    from uwsim.evidence.identification.motion_log import read_mapping
-
-    return repr(read_mapping(_written(folder / "map.yaml", data)))
-
-
 def motion_log(suffix: str) -> Callable[[bytes, Path], Any]:
     """Return a reader of a log for `uwsim vehicle identify`, as far as its division into segments."""
 
@@ -96,12 +73,8 @@ def motion_log(suffix: str) -> Callable[[bytes, Path], Any]:
         from uwsim.evidence.identification.flown import parts_of
         from uwsim.evidence.identification.motion_log import Mapping, read_log
 
-        columns = {
-            "time_s": "t",
-            "position_m": ["x", "y", "z"],
-            "orientation_xyzw": ["a", "b", "c", "d"],
-            "effort": ["e", *[None] * 5],
-        }
+        effort = ["e", *[None] * 5]
+        columns = {"time_s": "t", "position_m": [*"xyz"], "orientation_xyzw": [*"abcd"], "effort": effort}
         chosen = Mapping.model_validate(columns) if suffix == ".csv" else None
         log = read_log(_written(folder / f"log{suffix}", data), chosen)
         assert np.allclose(np.linalg.norm(log.orientation_xyzw, axis=1), 1.0)
@@ -131,13 +104,6 @@ def real_flight(suffix: str, columns: str | None = None) -> Callable[[bytes, Pat
         return [line.encode(errors="replace") for line in said]
 
     return read
-
-
-def exercise(data: bytes, folder: Path) -> str:
-    """Read an exercise."""
-    from uwsim.exercises.exercise import load_exercise
-
-    return repr(load_exercise(_written(folder / "exercise.yaml", data)))
 
 
 def robot(module: str, function: str, suffix: str) -> Callable[[bytes, Path], str]:
