@@ -1,8 +1,10 @@
 """The ROS 2 node by Zenoh, as a session sees it that does what rmw_zenoh_cpp does: its keys, tokens and attachments."""
 
 import json
+import socket
 import struct
 import time
+from contextlib import ExitStack
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from listening_sockets import free_port
 from ros2_tools import until
 from uwsim.bridges.actions import SUCCEEDED, actions_of
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
+from uwsim.bridges.ros2.zenoh_transport import config_of
 from uwsim.channels import Table
 from uwsim.channels.ros import build
 from uwsim.channels.ros.action_types import FLY_PATH
@@ -197,3 +200,15 @@ def test_without_a_router_the_start_says_so(live, monkeypatch):
     monkeypatch.setenv("ZENOH_CONFIG_OVERRIDE", 'connect/endpoints=["tcp/127.0.0.1:1"]')
     with pytest.warns(UserWarning, match="no Zenoh router answers: start one"):
         Ros2Node(live, [], [], SETTINGS).close()
+
+
+def test_silent_connections_shut_out_no_session(monkeypatch):
+    port = free_port()
+    endpoints = f'["tcp/127.0.0.1:{port}"]'
+    monkeypatch.setenv("ZENOH_CONFIG_OVERRIDE", f"listen/endpoints={endpoints};connect/endpoints=[]")
+    with zenoh.open(config_of(SETTINGS)), ExitStack() as stack:
+        for _ in range(150):
+            stack.enter_context(socket.create_connection(("127.0.0.1", port)))
+        client = {"connect/endpoints": json.loads(endpoints), "connect/timeout_ms": 4000}
+        with session("client", **client):  # which raises an error if it is not served
+            pass

@@ -22,6 +22,7 @@ from typing import Any
 import zenoh
 import zenoh.ext
 
+from uwsim.bridges.doors.places import HALF_OPEN_S
 from uwsim.bridges.ros2.settings import ZENOH_PORT, Ros2Settings
 from uwsim.bridges.ros2.transport import DEPTH, Call
 from uwsim.bridges.ros2.zenoh_names import ATTACHMENT, Entity, attachment, gid_of
@@ -29,6 +30,7 @@ from uwsim.bridges.ros2.zenoh_names import ATTACHMENT, Entity, attachment, gid_o
 ROUTER_S, LOOK_S = 1.0, 0.02
 CALLS_MAX = 100
 CLIENT_MS = 10_000  # how long to wait for a router on another machine
+PENDING_MAX = 10_000  # half-open connections, as rmw_zenoh has it; Zenoh's own value, 100, silent ones would take up
 CONFIG_FILE, CONFIG_CHANGES = "ZENOH_SESSION_CONFIG_URI", "ZENOH_CONFIG_OVERRIDE"
 """The environment variables that configure rmw_zenoh."""
 
@@ -248,6 +250,9 @@ def config_of(settings: Ros2Settings) -> Any:
             "listen/endpoints": '["tcp/localhost:0"]',
             "scouting/multicast/enabled": "false",
             "timestamping/enabled": "true",
+            # Zenoh accepts no further connection while so many are half open, and gives each so long.
+            "transport/unicast/accept_pending": str(PENDING_MAX),
+            "transport/unicast/accept_timeout": f"{1000 * HALF_OPEN_S:.0f}",
         }.items():
             config.insert_json5(key, value)
     for change in filter(None, os.environ.get(CONFIG_CHANGES, "").split(";")):
