@@ -152,6 +152,8 @@ def test_files_of_ros_and_opencv_are_read(tmp_path: Path) -> None:
     [
         ("camera_matrix", "matrix", "ost.yaml: camera_matrix: missing"),
         ("214.,", "west,", "ost.yaml:5: camera_matrix: must be a list of finite numbers"),
+        ("214.,", f"{10**400},", "ost.yaml:5: camera_matrix: must be a list of finite numbers"),
+        ("width: 320", f"width: {10**400}", "must be two numbers of pixels, at most 1000000"),
         ("214.", "0.", "fy = 0 pixels: must be above 0"),
         ("plumb_bob", "mei", "distortion_model = 'mei': must be one of plumb_bob, rational_polynomial, equidistant"),
         ("plumb_bob", "equidistant", "5 coefficients of distortion: equidistant has at most k1, k2, k3, k4"),

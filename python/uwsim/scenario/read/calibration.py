@@ -16,6 +16,7 @@ from uwsim.base.texts.text_file import decoded, read_limited
 from uwsim.base.texts.yaml_document import MAX_BYTES, YamlDocument, yaml_document
 from uwsim.scenario.read.errors import ScenarioError
 
+SIDE_MAX = 1_000_000
 MATRIX = ("camera_matrix", "K", "M", "cameraMatrix", "Camera_Matrix", "intrinsic_matrix")
 COEFFICIENTS = ("distortion_coefficients", "D", "distCoeffs", "dist_coeffs", "Distortion_Coefficients", "dist_coeff")
 WIDTH, HEIGHT = ("image_width", "width", "image_Width"), ("image_height", "height", "image_Height")
@@ -126,8 +127,8 @@ def _fields(document: YamlDocument) -> dict[str, Any]:
     size = [values[key] for names in (WIDTH, HEIGHT) if (key := _key(values, names)) is not None]
     if not size:
         return found
-    if len(size) < 2 or not all(isinstance(side, int) and side > 0 for side in size):
-        raise ValueError(f"image_width, image_height = {size}: must be two numbers of pixels")
+    if len(size) < 2 or not all(type(side) is int and 0 < side <= SIDE_MAX for side in size):
+        raise ValueError(f"image_width, image_height = {size}: must be two numbers of pixels, at most {SIDE_MAX}")
     for key, side in (("cx", size[0]), ("cy", size[1])):
         if not 0.0 <= found[key] < side:
             text = (
@@ -150,7 +151,7 @@ def _numbers(document: YamlDocument, names: Sequence[str]) -> list[float]:
     listed = value.get("data") if isinstance(value, Mapping) else value
     try:
         numbers = np.array(listed, np.float64).ravel()
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         numbers = np.array([np.nan])
     if not isinstance(listed, list) or not np.isfinite(numbers).all():
         raise ScenarioError(f"{document.name}:{document.line([key])}: {key}: must be a list of finite numbers")
