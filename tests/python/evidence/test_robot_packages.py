@@ -177,3 +177,25 @@ distortion_coefficients: {{rows: 1, cols: 5, data: [-0.1, 0.01, 0.0, 0.0, 0.0]}}
     assert "read: camera 'eye': its calibration" in done.stdout and "other.yaml': no camera has its name" in done.stdout
     mount = uwsim.Simulator(tmp_path / "out" / "sled_water.yaml").scenario.vehicles[0].model.cameras["eye"]
     assert (mount.width, mount.fx, mount.cy, mount.distortion[0]) == (640, 500.0, 250.0, -0.1)
+
+
+def test_px4_s_classic_hull_and_motors(tmp_path: Path) -> None:
+    """k w |w| at most at the speed of the flight stack's output, and against z for a clockwise motor of positive k."""
+    motor = """<link name="{0}"><pose>-0.2 0 0 0 1.5707963 0</pose></link><joint name="{0}j" type="revolute">
+      <parent>base</parent><child>{0}</child></joint><plugin filename="libgazebo_motor_model.so">
+      <linkName>{0}</linkName><reversible>true</reversible><turningDirection>cw</turningDirection><motorConstant>{1}</motorConstant>
+      <maxRotVelocity>1100</maxRotVelocity><motorNumber>0</motorNumber></plugin>"""
+    model = f"""<link name="base"><inertial><mass>20</mass></inertial><collision name="c"><geometry><box>
+      <size>1 1 0.02</size></box></geometry></collision></link>{motor.format("a", -8.5)}{motor.format("b", 8.5)}
+      <plugin filename="libgazebo_uuv_plugin.so"><baseLinkName>base</baseLinkName><dampingLinear>5 17 18</dampingLinear>
+      <buoyancy><link_name>base</link_name><origin>0 0 0.01</origin><compensation>1.1</compensation></buoyancy></plugin>
+      <plugin filename="m.so"><control_channels><channel><input_index>0</input_index><input_scaling>2</input_scaling>
+      </channel></control_channels></plugin>"""
+    (tmp_path / "a.sdf").write_text(f'<sdf version="1.6"><model name="a">{model}</model></sdf>')
+    (robot,) = read_sdf(tmp_path / "a.sdf").robots
+    for thruster, ahead in zip(robot.thrusters, (1.0, -1.0), strict=True):
+        assert thruster.thrust_n[-1] == (1.0, pytest.approx(34.0)) and not thruster.clockwise
+        np.testing.assert_allclose(thruster.axis, [ahead, 0.0, 0.0], atol=1e-6)
+    assert robot.volume_m3 == pytest.approx(0.022) and robot.linear is not None
+    np.testing.assert_array_equal(np.diagonal(robot.linear)[:3], [5.0, 17.0, 18.0])
+    np.testing.assert_allclose(robot.centre_of_buoyancy_m, [0.0, 0.0, 0.01])

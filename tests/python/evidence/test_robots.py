@@ -255,11 +255,6 @@ def test_poses_of_an_sdf_are_relative_to_what_comes_later_and_prefixes_need_no_d
     (tmp_path / "a.sdf").write_text(WORLD.replace("</model>", parts.split("</model>")[0] + "</model>", 1))
     body = read_sdf(tmp_path / "a.sdf").robots[0].sensors["log"]
     np.testing.assert_allclose(body["position_m"], [0.5, 0.0, 0.3], atol=1e-9)
-    (tmp_path / "b.sdf").write_text(
-        (tmp_path / "a.sdf").read_text().replace('attached_to="base"><pose>', '><pose relative_to="eye">')
-    )
-    with pytest.raises(ValueError, match="its pose refers to itself: eye - mast - eye"):
-        read_sdf(tmp_path / "b.sdf")
 
 
 def test_uuv_simulators_plugins_are_the_same_in_sdf(tmp_path: Path) -> None:

@@ -1,11 +1,14 @@
 """Motors that act on their own link in SDF: PX4's and gz-sim's models of propellers, and gas jets.
 
-Sources: gz-sim's MulticopterMotorModel.cc and SpacecraftThrusterModel.cc; PX4's GenericMotorModel.cc. Each applies a
+Sources: gz-sim's MulticopterMotorModel.cc and SpacecraftThrusterModel.cc; PX4's GenericMotorModel.cpp, and its
+gazebo_motor_model.cpp for Gazebo Classic. Each applies a
 force along its link's z at the link's centre of mass; a propeller that turns counter-clockwise, seen from ahead of its
 thrust, turns about that z, and its torque on the vehicle is against it, thrust times `momentConstant`.
 """
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -13,7 +16,8 @@ from uwsim.evidence.robots.links import Links
 from uwsim.evidence.robots.robot import Found, Robot, Thruster, plain_name
 from uwsim.evidence.robots.xml_file import Element, Floats, Pose, is_yes
 
-MOTORS = ("motor-model", "motormodel")
+CLASSIC = "gazebo_motor_model"
+MOTORS = ("motor-model", "motormodel", CLASSIC)
 JETS = ("spacecraft-thruster", "spacecraftthruster")
 SPEED_RAD_S, N_S2, MOMENT_M, LAG_S = 838.0, 8.54858e-06, 0.016, (1.0 / 80.0, 1.0 / 40.0)
 """Their defaults: of maxRotVelocity, motorConstant, momentConstant, timeConstantUp and timeConstantDown."""
@@ -50,15 +54,18 @@ def edged(commands: Floats, thrust: Floats, band: float) -> list[tuple[float, fl
     return sorted([*pairs, (ends[0], 0.0), (ends[1], 0.0), (ends[1] + EDGE, band)])
 
 
-def motor(plugin: Element, links: Links, to_base: Pose, robot: Robot, found: Found) -> Thruster:
-    """Read a motor, or a jet, which thrusts one way. Raises ValueError."""
+def motor(
+    plugin: Element, links: Links, to_base: Pose, robot: Robot, found: Found, speeds: Mapping[str, tuple[float, float]]
+) -> Thruster:
+    """Read a motor, or a jet, which thrusts one way. speeds: by number, of those with bounds. Raises ValueError."""
     file = (plugin.attribute("filename") or "").lower().replace("_", "-")
     is_jet = any(word in file for word in JETS)
     link = plugin.text("link_name" if is_jet else "linkName") or ""
     at, lump = to_base.then(links.pose(link, plugin)), links.lumps.get(link)
     place = at.position_m if lump is None else at.points(lump.centre_m[None])[0]
     name = plain_name(link.removesuffix("_link"), [each.name for each in robot.thrusters])
-    for key in ("jointName", "actuator_number", "motorNumber", "rotorVelocitySlowdownSim", "robotNamespace"):
+    number = plugin.text("motorNumber") or plugin.text("actuator_number") or ""
+    for key in ("jointName", "actuator_number", "rotorVelocitySlowdownSim", "robotNamespace", "motorSpeedPubTopic"):
         plugin.text(key)  # which the propeller's looks and its messages follow
     topic = plugin.text("topic" if is_jet else "commandSubTopic") or "command"
     found.noted(f"topic: thruster '{name}' is commanded by an element of {topic} in gz-sim")
@@ -73,14 +80,10 @@ def motor(plugin: Element, links: Links, to_base: Pose, robot: Robot, found: Fou
     if kind not in ("velocity", "force_polynomial") or turning not in ("cw", "ccw"):
         rule = "must be velocity or force_polynomial, cw or ccw"
         raise plugin.error(f"motorType {kind!r}, turningDirection {turning!r}: {rule}")
-    lag, torque = 0.0, 0.0
+    lag, torque, axis = 0.0, 0.0, at.turn[:, 2]
     if kind == "velocity":
-        most, constant = plugin.number("maxRotVelocity", SPEED_RAD_S), plugin.number("motorConstant", N_S2)
-        if not (most > 0.0 and constant > 0.0):
-            raise plugin.error(f"maxRotVelocity = {most:g} rad/s, motorConstant = {constant:g}: must be positive")
-        pairs = commanded(-most, most, gain=constant)
-        found.assumed(f"{plugin.path}: {-most:g} rad/s astern, as ahead: it states no bound of that")
-        torque = plugin.number("momentConstant", MOMENT_M)
+        pairs, ahead = _by_speed(plugin, speeds.get(number), turning, found)
+        axis, torque = ahead * axis, plugin.number("momentConstant", MOMENT_M)
         lag, slower = (
             plugin.number(f"timeConstant{way}", each) for way, each in zip(("Up", "Down"), LAG_S, strict=True)
         )
@@ -96,8 +99,33 @@ def motor(plugin: Element, links: Links, to_base: Pose, robot: Robot, found: Fou
         if (value := plugin.number(key, 0.0)) != 0.0:
             found.left_out(f"{plugin.path}: {key} = {value:g}, of flow across the propeller")
     return Thruster(
-        name, place, at.turn[:, 2], pairs, lag, DIAMETER_M, None, clockwise=turning == "ccw", torque_per_thrust_m=torque
+        name, place, axis, pairs, lag, DIAMETER_M, None, clockwise=turning == "ccw", torque_per_thrust_m=torque
     )
+
+
+def _by_speed(
+    plugin: Element, bounds: tuple[float, float] | None, turning: str, found: Found
+) -> tuple[list[tuple[float, float]], float]:
+    """Return pairs of commands and thrusts k w |w|, and 1, or -1 if a positive speed pushes against the link's z.
+
+    To Gazebo Classic, w is the joint's, negative for a clockwise motor, and one that is not reversible pushes one way.
+    bounds: of w, if a flight stack states them.
+    """
+    most, constant = plugin.number("maxRotVelocity", SPEED_RAD_S), plugin.number("motorConstant", N_S2)
+    is_classic = CLASSIC in (plugin.attribute("filename") or "").lower()
+    pushes = constant * (-1.0 if is_classic and turning == "cw" else 1.0)
+    is_reversible = not is_classic or is_yes(plugin.text("reversible"))
+    if not (most > 0.0 and (pushes if is_reversible and not is_classic else abs(constant)) > 0.0):
+        raise plugin.error(f"maxRotVelocity = {most:g} rad/s, motorConstant = {constant:g}: must be positive")
+    low, high = (-most, most) if bounds is None else np.clip(bounds, -most, most).tolist()
+    if not high > 0.0:
+        raise plugin.error(f"speeds from {low:g} to {high:g} rad/s: must reach above 0")
+    low = min(low, 0.0) if is_reversible else 0.0
+    if bounds is None and is_reversible:
+        found.assumed(f"{plugin.path}: {low:g} rad/s astern, as ahead: it states no bound of that")
+    found.assumed(f"{plugin.path}: at most {abs(constant) * high * high:.4g} N, at {high:g} rad/s")
+    pairs = commanded(low, high, gain=abs(constant))
+    return [pair for pair in pairs if low < 0.0 or pair[0] >= 0.0], np.sign(pushes).item() if is_reversible else 1.0
 
 
 def _by_polynomials(plugin: Element, found: Found) -> list[tuple[float, float]]:

@@ -183,7 +183,7 @@ class Found:
             yield
         except (ValueError, OSError) as error:
             rule = str(error).removeprefix(f"'{element.file}': ")
-            self.left_out(rule if rule.startswith(element.path) else f"{element.path}: {rule}", graded(element.path))
+            self.left_out(rule if rule.startswith(element.path) else f"{element.path}: {rule}", element_grade(element))
             element.use_all()
 
     @contextmanager
@@ -254,6 +254,11 @@ class Found:
     def assumed(self, what: str, grade: str = MOTION) -> None:
         """Note a value that the file does not state, once."""
         self.noted(f"assumed: {what}", grade)
+
+
+def element_grade(element: Element) -> str:
+    """Return what an element changes, a plugin by its file."""
+    return graded(f"{element.path} {element.attribute('filename') or ''}")
 
 
 def graded(path: str) -> str:

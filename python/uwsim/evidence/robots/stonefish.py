@@ -533,7 +533,8 @@ class _Reader:
             ahead = Pose(at.position_m, from_optical(at.turn) if kind == "fls" else np.eye(3))
             put_imaging(robot, self.found, sensor.path, sensor.name, name, ahead, stated)
         elif kind in SENSORS:
-            at = Pose(self._mount(sensor, poses).position_m, np.eye(3))
+            mount = self._mount(sensor, poses)
+            at = Pose(mount.position_m, mount.turn @ FLU_FROM_FRD)
             put_sensor(robot, self.found, sensor.path, sensor.name, SENSORS[kind], at, rate, _errors(sensor, kind))
         else:
             self.found.dropped(sensor, f", of type {kind}")

@@ -14,6 +14,7 @@ import numpy as np
 from uwsim.evidence.robots.lift_drag import is_lift_drag, put_surface, put_uuv_fin
 from uwsim.evidence.robots.links import Links, carried, is_same
 from uwsim.evidence.robots.motors import commanded, is_motor, motor
+from uwsim.evidence.robots.px4_classic import is_px4_hull, put_px4_hull, px4_speeds
 from uwsim.evidence.robots.robot import SENSES, Found, Robot, Thruster, plain_name
 from uwsim.evidence.robots.sensors import put_sensor
 from uwsim.evidence.robots.uuv_plugins import is_uuv_object, is_uuv_thruster, put_uuv_object, uuv_errors, uuv_thruster
@@ -66,17 +67,20 @@ class _Reader:
     base: str
     plugins: list[Element]
     limits: dict[str, tuple[float, float]] = field(default_factory=dict)
+    speeds: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.to_base = self.links.poses[self.base].inverse()
         for plugin in self.plugins:
             with self.found.beside(plugin):
                 self.limits.update(_autopilot_limits(plugin))
+                self.speeds.update(px4_speeds(plugin))
 
     def read(self, plugin: Element) -> None:
         file = _file(plugin)
         readers: list[tuple[bool, Callable[[Element], None]]] = [
             (is_uuv_object(file), lambda each: put_uuv_object(self.robot, self.found, each, self.links, self.base)),
+            (is_px4_hull(file), self._px4_hull),
             ("hydrodynamics" in file, self._hydrodynamics),
             (is_lift_drag(file), self._surface),
             (is_uuv_thruster(file), self._uuv_thruster),
@@ -91,7 +95,8 @@ class _Reader:
                 reader(plugin)
                 return
         if (kind := next((kind for word, kind in SENSORS.items() if word in file), None)) is not None:
-            at = self.to_base.then(self.links.pose(plugin.text("link_name") or "", plugin))
+            link = plugin.text("link_name") or plugin.text("linkName") or self.base
+            at = self.to_base.then(self.links.pose(link, plugin))
             rate = plugin.number("update_rate", 10.0)
             put_sensor(self.robot, self.found, plugin.path, kind, kind, at, rate, uuv_errors(plugin, kind))
         elif (what := next((what for word, what in LIKE.items() if word in file), None)) is not None:
@@ -192,8 +197,11 @@ class _Reader:
             )
         )
 
+    def _px4_hull(self, plugin: Element) -> None:
+        put_px4_hull(self.robot, self.found, plugin, self.links, self.to_base)
+
     def _motor(self, plugin: Element) -> None:
-        self.robot.thrusters.append(motor(plugin, self.links, self.to_base, self.robot, self.found))
+        self.robot.thrusters.append(motor(plugin, self.links, self.to_base, self.robot, self.found, self.speeds))
 
     def _bollard(self, plugin: Element, coefficient: float) -> float | None:
         """Return T / (rho n^2 D^4), n in revolutions, of gz-sim's T / (rho omega^2 D^4), if it is a propeller's."""
