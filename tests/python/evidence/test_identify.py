@@ -23,9 +23,9 @@ from uwsim.evidence.identification.unknowns import DELAY, SPREADS, parameters_at
 from uwsim.evidence.validate.flights import deep_scenario
 from uwsim.evidence.validate.identification import covered, true_log
 from uwsim.recording import Recorder
-from uwsim.recording.real_flights.deep_water import completed
 from uwsim.recording.real_flights.motion import sampled
 from uwsim.scenario import VehicleModel, load_vehicle
+from uwsim.scenario.build.completed import completed
 from uwsim.scenario.read.assets import assets_folder
 
 NOISE = np.repeat((0.02, 0.005, 0.01, 0.005), 3)

@@ -61,7 +61,7 @@ def identify(
 
     Estimates mass, centres of mass and buoyancy, a volume that the vehicle's file does not state, added mass, linear
     and quadratic drag, thrust gain and lag, the current and the commands' delay, with 95 % intervals; the report lists
-    what the log does not determine. The log must be from well below the surface.
+    what the log does not determine. The log must be from well below the surface or, of a boat, from calm water.
 
     The vehicle's new file is its old one with the values that the log determines; the comment of each such line states
     the log and the interval. All other lines stay as they are, comments included.

@@ -21,7 +21,7 @@ from scipy.spatial.transform import Rotation
 from uwsim.batch import Batch
 from uwsim.evidence.identification import command_times
 from uwsim.evidence.identification.unknowns import DELAY, Unknown, parameters_at
-from uwsim.recording.real_flights.deep_water import DEPTH_M, STEP_S, in_deep_water
+from uwsim.recording.real_flights.deep_water import STEP_S, in_deep_water, start_m
 from uwsim.recording.real_flights.motion import MotionLog, command
 from uwsim.scenario import VehicleModel
 
@@ -101,7 +101,6 @@ class Flown:
             span_s = log.times_s[-1] - log.times_s[0]
             rule = f"must be at most {MOST_UNKNOWNS}: cut the log, or use longer segments"
             raise ValueError(f"log: {span_s:.0f} s in segments of {segment_s:g} s have {self.size} unknowns: {rule}")
-        self._origin_m = np.array([0.0, 0.0, -DEPTH_M]) - _first(log.position_m)
         self._shifts = max(part.shifts for part in self._parts)
         self._moved = len(found) + OUTPUTS
         self._members = 1 + 2 * self._moved + self._shifts
@@ -111,6 +110,8 @@ class Flown:
         folder = Path(tempfile.mkdtemp(prefix="uwsim-"))
         finalize(self, rmtree, folder, ignore_errors=True)  # members reread the hull when its centre changes
         scenario = in_deep_water(model, density_kg_m3, folder)
+        self._start_m = np.array(start_m(scenario))
+        self._origin_m = self._start_m - _first(log.position_m)
         self._batch = Batch(scenario, n=self._members, threads=threads)
         self._begin = [self._measured_start(part.rows[0]) for part in self._parts]
 
@@ -207,7 +208,7 @@ class Flown:
         """Return the measured state (13,) in a row; 0 for coordinates and velocities that were not measured."""
         log = self._log
         position_m = log.position_m[row] + self._origin_m
-        position_m = np.where(np.isfinite(position_m), position_m, (0.0, 0.0, -DEPTH_M))
+        position_m = np.where(np.isfinite(position_m), position_m, self._start_m)
         return np.concatenate([position_m, log.orientation_xyzw[row], np.nan_to_num(log.velocity_body[row])])
 
     def _placed(self, segment: int, start: Array) -> Array:

@@ -24,9 +24,11 @@ from scipy.stats import norm
 from uwsim.base.short_repr import ShortRepr
 from uwsim.evidence.identification.flown import OUTPUTS, Block, Flown
 from uwsim.evidence.identification.unknowns import Place, Unknown, numbers_at, unknowns
-from uwsim.recording.real_flights.deep_water import VEHICLE, completed
+from uwsim.recording.real_flights.deep_water import VEHICLE
 from uwsim.recording.real_flights.motion import MotionLog
 from uwsim.scenario import VehicleModel
+from uwsim.scenario.build.afloat import is_boat
+from uwsim.scenario.build.completed import completed
 from uwsim.scenario.spec.fields import Model
 
 Array = NDArray[np.float64]
@@ -38,6 +40,8 @@ BOUND = 5.0  # standard deviations of the prior
 DETERMINED = 0.7
 """The log determines a quantity if it reduces the prior's standard deviation to less than this share."""
 ROUNDS = 3
+OF_HULL = ("volume_m3", "centre_of_buoyancy_m")
+"""What is held for a boat: its mesh determines which part is under water."""
 ROUGH, FINE = 1e-3, 1e-6
 """Relative tolerances of the cost, about 1e3: with a guessed noise and with the estimated one."""
 BRIEF_S, MOST_BRIEF = 4.0, 60
@@ -97,7 +101,7 @@ def identify(
     density_kg_m3: float = 1000.0,
     threads: int | None = None,
 ) -> Identified:
-    """Identify a vehicle's coefficients from a log of its motion, deep under water.
+    """Identify a vehicle's coefficients from a log of its motion, deep under water or, a boat's, at a calm surface.
 
     model: the vehicle, with the best values known. spreads, known: see unknowns(). segment_s: the log is simulated in
     parts of about this length, each with its own initial state, so that disturbances do not accumulate. Raises
@@ -105,6 +109,8 @@ def identify(
     """
     model, added = completed(model, density_kg_m3)
     found = unknowns(model, VEHICLE, spreads, known, added=added)
+    if is_boat(model, density_kg_m3):
+        found = [each for each in found if each.group not in OF_HULL]
     if not found:
         raise ValueError("known: nothing is left to be identified")
     flown = Flown(model, log, found, segment_s, density_kg_m3, threads)

@@ -122,7 +122,7 @@ def _velocities(log: FlightLog, times_s: Array, position: Array, turns: Rotation
     body = at_times(log.series.get("body velocity"), times_s, 3)
     if "velocity" in log.series and "body velocity" not in log.series:
         body = turns.inv().apply(at_times(log.series["velocity"], times_s, 3))
-    body[~known.all(axis=1)] = np.nan  # a vehicle that is kept in place does not move
+    body[~known[:, :2].all(axis=1)] = np.nan  # a vehicle that is kept in place does not move
     logged, found = np.hstack([body, at_times(log.series.get("rates"), times_s, 3)]), np.hstack([way, turn])
     found[:, :3] = turns.inv().apply(way)
     return np.where(np.isfinite(logged), logged, found)

@@ -18,10 +18,12 @@ from scipy.spatial.transform import Rotation
 
 from uwsim.base.short_repr import ShortRepr
 from uwsim.batch import Batch
-from uwsim.recording.real_flights.deep_water import DEPTH_M, STEP_S, double_integrator, in_deep_water
+from uwsim.recording.real_flights.deep_water import STEP_S, in_deep_water, start_m
 from uwsim.recording.real_flights.flight_log import Array
 from uwsim.recording.real_flights.motion import GAP_S, MotionLog, command
 from uwsim.scenario import VehicleModel
+from uwsim.scenario.build.afloat import is_boat
+from uwsim.scenario.build.completed import double_integrator
 
 HORIZONS_S = (1.0, 2.0, 5.0, 10.0, 30.0)
 WINDOWS_MAX = 120
@@ -103,7 +105,10 @@ def fly_beside(
     horizons_s: Sequence[float] = HORIZONS_S,
     threads: int | None = None,
 ) -> Beside:
-    """Fly a vehicle's model beside a log, in deep still water. Raises ValueError for a log shorter than a horizon."""
+    """Fly a vehicle's model beside a log, in still water, see in_deep_water.
+
+    Raises ValueError for a log shorter than a horizon.
+    """
     span_s = float(log.times_s[-1] - log.times_s[0])
     wanted = [each for each in horizons_s if each + ROLL_S <= span_s]
     if not wanted:
@@ -129,14 +134,15 @@ def fly_beside(
     notes += [f"missing: a horizon of {h:g} s: the log is too short" for h in horizons_s if h not in horizons]
     lacking = [name for name in ERRORS if all(errors[name] is None for errors in horizons.values())]
     notes += [f"missing: the error of {name}: the log does not have what it needs" for name in lacking]
-    notes.append(f"assumed: deep, still water of {density_kg_m3:g} kg/m3, without tether, current and waves")
+    where = "the calm surface" if is_boat(model, density_kg_m3) else "deep, still water"
+    notes.append(f"assumed: {where} of {density_kg_m3:g} kg/m3, without tether, current, waves and wind")
     return Beside(horizons, integrator, moved, tuple(notes))
 
 
 def _velocities(log: MotionLog) -> tuple[Array, list[str]]:
     """Return velocities (n, 6), in the body's axes: those measured, else from positions, else 0; and notes."""
     velocity, notes = log.velocity_body.copy(), []
-    lacks = ~np.isfinite(velocity[:, :3]).all(axis=1)
+    lacks = ~np.isfinite(velocity[:, :3])
     if lacks.any():
         low = np.searchsorted(log.times_s, log.times_s - 0.5 * DIFFERENCE_S)
         high = np.minimum(np.searchsorted(log.times_s, log.times_s + 0.5 * DIFFERENCE_S), len(log.times_s) - 1)
@@ -152,7 +158,7 @@ def _velocities(log: MotionLog) -> tuple[Array, list[str]]:
         else:
             notes.append("assumed: velocities where none is measured are differences of positions, else 0")
         body = Rotation.from_quat(log.orientation_xyzw).inv().apply(np.nan_to_num(world))
-        velocity[lacks, :3] = body[lacks]
+        velocity[:, :3] = np.where(lacks, body, velocity[:, :3])
     if not np.isfinite(velocity[:, 3:]).all():
         notes.append("assumed: rates where none is measured are 0")
     return np.nan_to_num(velocity), notes
@@ -187,9 +193,9 @@ def _flown(
     threads: int | None,
 ) -> Array:
     """Return the states (windows, 13) after some steps, positions relative to the window's start."""
-    at_m = np.tile([0.0, 0.0, -DEPTH_M], (len(begin_s), 1))
     with tempfile.TemporaryDirectory(prefix="uwsim-") as folder:
-        batch = Batch(in_deep_water(model, density_kg_m3, Path(folder)), n=len(begin_s), threads=threads)
+        alone = in_deep_water(model, density_kg_m3, Path(folder))
+        batch, at_m = Batch(alone, n=len(begin_s), threads=threads), np.tile(start_m(alone), (len(begin_s), 1))
         for tick in range(-round(ROLL_S / STEP_S), ticks, CHUNK):
             if tick in (-round(ROLL_S / STEP_S), 0):
                 batch.place(at_m, first[:, 3:7], first[:, 7:])
@@ -229,7 +235,7 @@ def _errors(flown: Array, logged: Array) -> dict[str, Array]:
         "depth": np.abs(flown[:, 2] - logged[:, 2]),
         "heading": heading,
         "tilt": tilt,
-        "speed": np.linalg.norm(flown[:, 7:10] - logged[:, 7:10], axis=1),
+        "speed": _length(flown[:, 7:10] - logged[:, 7:10]),
     }
 
 

@@ -1,4 +1,4 @@
-"""A vehicle alone in deep, still water, far from both surface and bed: what its motion depends on, and nothing else."""
+"""A vehicle alone in still water, deep or, of a boat, at the surface: what its motion depends on, and nothing else."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from uwsim.scenario import Scenario, VehicleModel
-from uwsim.scenario.build.hull import rigid_body
+from uwsim.scenario.build.afloat import floating_height_m, is_boat
+from uwsim.scenario.build.completed import completed
 
 VEHICLE = "vehicle"
 DEPTH_M, BED_M = 400.0, 1000.0
+WITHOUT: dict[str, Any] = {"sensors": {}, "sonar": None, "imaging_sonars": {}, "cameras": {}}
 STEP_S = 0.005
 BOX = (
     (1, 2, 4), (1, 4, 3), (5, 8, 6), (5, 7, 8), (1, 6, 2), (1, 5, 6),
@@ -20,8 +22,11 @@ BOX = (
 
 
 def in_deep_water(model: VehicleModel, density_kg_m3: float, folder: Path) -> Scenario:
-    """Return the scenario. folder: for the hull, which is read again later."""
-    body = _bare(model, density_kg_m3, folder)
+    """Return the scenario, in which a boat starts afloat, others at DEPTH_M. folder: for the hull, read again later."""
+    if is_boat(model, density_kg_m3):
+        body, height_m = model.model_copy(update=WITHOUT), floating_height_m(model, density_kg_m3)
+    else:
+        body, height_m = _bare(model, density_kg_m3, folder), -DEPTH_M
     return Scenario.model_validate(
         {
             "name": "deep_water",
@@ -33,44 +38,18 @@ def in_deep_water(model: VehicleModel, density_kg_m3: float, folder: Path) -> Sc
                 {
                     "name": VEHICLE,
                     "model": body,
-                    "start": {"position_m": [0, 0, -DEPTH_M]},
+                    "start": {"position_m": [0, 0, height_m]},
                 }
             ],
         }
     )
 
 
-def completed(model: VehicleModel, density_kg_m3: float) -> tuple[VehicleModel, tuple[str, ...]]:
-    """Return a vehicle that states its volume, centre of buoyancy and inertia, and the keys that were added.
-
-    What its file does not state is that of its hull, in water of this density.
-    """
-    body = rigid_body(model, density_kg_m3)
-    own = {
-        "volume_m3": body.volume_m3,
-        "centre_of_buoyancy_m": tuple(map(float, body.centre_of_buoyancy_m)),
-        "inertia_kg_m2": tuple(map(float, body.inertia_kg_m2)),
-    }
-    added = {key: value for key, value in own.items() if getattr(model, key) is None}
-    return model.model_copy(update=added), tuple(added)
-
-
-def double_integrator(model: VehicleModel, density_kg_m3: float) -> VehicleModel:
-    """Return the simplest model of a vehicle: its masses and thrusters, neutral, without drag, lift and righting."""
-    whole, _ = completed(model, density_kg_m3)
-    return whole.model_copy(
-        update={
-            "linear_damping": (0.0,) * 6,
-            "quadratic_damping": (0.0,) * 6,
-            "linear_damping_matrix": None,
-            "quadratic_damping_matrix": None,
-            "munk_share": 0.0,
-            "fins": {},
-            "buoyancy": "neutral",
-            "mass_kg": None,
-            "centre_of_buoyancy_m": whole.centre_of_mass_m,
-        }
-    )
+def start_m(alone: Scenario) -> tuple[float, float, float]:
+    """Return where the vehicle of such a scenario starts."""
+    start = alone.vehicles[0].start
+    assert start is not None and start.position_m is not None
+    return start.position_m
 
 
 def _bare(model: VehicleModel, density_kg_m3: float, folder: Path) -> VehicleModel:
@@ -78,7 +57,6 @@ def _bare(model: VehicleModel, density_kg_m3: float, folder: Path) -> VehicleMod
 
     Deep under water, only the volume of a hull and its centre matter.
     """
-    update: dict[str, Any] = {"sensors": {}, "sonar": None, "imaging_sonars": {}, "cameras": {}, "trim": None}
     completed_model, _ = completed(model, density_kg_m3)
     volume_m3, centre_m = completed_model.volume_m3, completed_model.centre_of_buoyancy_m
     assert volume_m3 is not None and centre_m is not None
@@ -89,6 +67,6 @@ def _bare(model: VehicleModel, density_kg_m3: float, folder: Path) -> VehicleMod
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in corners] + [f"f {a} {b} {c}" for a, b, c in BOX]
     path = folder / "box.obj"
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    update |= {"mesh": path, "mesh_scale": 1.0, "mesh_up": None, "mesh_forward": None}
+    update = {**WITHOUT, "trim": None, "mesh": path, "mesh_scale": 1.0, "mesh_up": None, "mesh_forward": None}
     update |= {"collision": "hull", "collision_pieces": None}
     return completed_model.model_copy(update=update)
