@@ -4,8 +4,8 @@ namespace uwsim {
 namespace {
 
 /// Depth as real depth sensors derive it: gauge pressure (zero at the surface) / (nominal density x gravity), positive
-/// down, 0 in air. The reading is therefore inaccurate in stratified water and, because water is compressible, too
-/// large by 2.3 m at 1000 m. Under waves, it follows the pressure.
+/// down, 0 in air. The reading is therefore inaccurate in stratified water and, because water is compressible and
+/// gravity grows, too large by 2.4 m at 1000 m. Under waves, it follows the pressure.
 class Depth final : public MountedSensor {
  public:
   explicit Depth(const SensorSpec& spec) : MountedSensor(spec), density_kg_m3_(spec.number("density_kg_m3")) {}

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kDeepest_m = 12000;  // deeper than any ocean
 constexpr double kDeepest_pa = 1.5e8;
+constexpr double kGravityGrowth_1_m = 2.26e-7;  // of g with depth in the sea (IOC, SCOR and IAPSO 2010, TEOS-10)
 
 void require_in(double value, double low, double high, const char* path, const char* rule) {
   require(value >= low && value <= high, path, value, rule);
@@ -37,7 +38,7 @@ void Water::check() const {
 }
 
 double Water::pressure_pa(double z_world_m) const {
-  return atmospheric_pressure_pa + compressed_pa(std::max(0.0, still_pressure_at(z_world_m)), depth_m(z_world_m));
+  return atmospheric_pressure_pa + column_pa(std::max(0.0, still_pressure_at(z_world_m)), depth_m(z_world_m));
 }
 
 double Water::pressure_pa(const Eigen::Vector3d& point_world_m, double time_s) const {
@@ -67,7 +68,7 @@ bool Water::gives_sound_speed() const { return profile && profile->levels().fron
 double Water::sound_speed_m_s(double z_world_m) const {
   if (gives_sound_speed()) return profile->at(z_world_m).sound_speed_m_s;
   const double depth = std::clamp(depth_m(z_world_m), 0.0, kDeepest_m);
-  const double gauge_pa = compressed_pa(still_pressure_at(-depth), depth);
+  const double gauge_pa = column_pa(still_pressure_at(-depth), depth);
   return uwsim::sound_speed_m_s(sound_speed_equation, temperature_deg_c(-depth), salinity_at_psu(-depth), depth,
                                 gauge_pa);
 }
@@ -130,12 +131,13 @@ double Water::surface_height_at(double x, double y, double time_s) const {
 double Water::gauge_pressure_at(const Eigen::Vector3d& point_world_m, double time_s) const {
   const Eigen::Vector3d point = below_level(point_world_m, time_s);
   const double head_m = waves ? waves->head_at(point, time_s) + waves->bernoulli_head_at(point, time_s) : -point.z();
-  return compressed_pa(std::max(0.0, still_pressure_at(-head_m)), head_m);
+  return column_pa(std::max(0.0, still_pressure_at(-head_m)), head_m);
 }
 
-/// Uses temperature and salinity as specified in sea_water.h. Below kDeepest_m, the compression is constant.
-double Water::compressed_pa(double still_pa, double depth_m) const {
+/// Uses temperature and salinity as specified in sea_water.h. Below kDeepest_pa, the compression is constant.
+double Water::column_pa(double still_pa, double depth_m) const {
   if (!compressible || !(still_pa > 0)) return still_pa;
+  still_pa *= 1 + 0.5 * kGravityGrowth_1_m * depth_m;
   const double z = -2.0 / 3 * depth_m, squeezed_pa = std::min(still_pa, kDeepest_pa);
   return still_pa - squeezed_pa + compressed_pressure_pa(squeezed_pa, temperature_deg_c(z), salinity_at_psu(z));
 }

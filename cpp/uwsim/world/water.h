@@ -22,9 +22,10 @@ using WaterMasses = SpaceTimeGrid<Eigen::Array2d>;
 /// added. Copies are cheap: they share these parts, which are immutable.
 ///
 /// Densities are those at atmospheric pressure. If the water is compressible, its pressure includes the effect of
-/// compression by its own weight (EOS-80, sea_water.h): 2.2 m of head at 1000 m. Buoyancy does not: hulls are assumed
-/// to compress like the water around them. Syntactic foam and thin pressure hulls have about the bulk modulus of water;
-/// a rigid hull would gain 0.45 % of its displacement at 1000 m.
+/// compression by its own weight (EOS-80, sea_water.h): 2.2 m of head at 1000 m. Gravity grows with depth in it, by
+/// another 0.1 m at 1000 m and 2.8 m at 5000 m; both or neither are on. Buoyancy has neither: hulls are assumed to
+/// compress like the water around them, and their weight is that at the surface. Syntactic foam and thin pressure hulls
+/// have about the bulk modulus of water; a rigid hull would gain 0.45 % of its displacement at 1000 m.
 class Water : public EvenWater {
  public:
   double atmospheric_pressure_pa = 101325;
@@ -46,7 +47,7 @@ class Water : public EvenWater {
   void check() const;
 
   static double depth_m(double z_world_m) { return -z_world_m; }
-  /// Absolute pressure of still water: p_atm + the integral of rho g, with compression; p_atm above the surface.
+  /// Absolute pressure of still water: p_atm + the integral of rho g, both by depth; p_atm above the surface.
   double pressure_pa(double z_world_m) const;
   /// Absolute pressure under the waves at this time.
   double pressure_pa(const Eigen::Vector3d& point_world_m, double time_s) const;
@@ -102,7 +103,8 @@ class Water : public EvenWater {
   Eigen::Vector3d below_level(const Eigen::Vector3d& point_world_m, double time_s) const {
     return {point_world_m.x(), point_world_m.y(), point_world_m.z() - still_level_m(time_s)};
   }
-  double compressed_pa(double still_pa, double depth_m) const;
+  /// Adds to a pressure without compression and at the surface's gravity what both have by this depth.
+  double column_pa(double still_pa, double depth_m) const;
   /// The currents alone, without waves.
   WaterFlow current_at(const Eigen::Vector3d& point_world_m, double time_s) const;
   NearbyFlow current_over(const PlacedVolume& volume, double time_s) const;

@@ -24,6 +24,7 @@ ALIGNMENT_STD_M, ALIGNMENT_STD_M_S = 0.1, 0.05
 """Assumed accuracy of the initial position and velocity, as at a surveyed dock."""
 LEVELS = 100  # depths at which the water's density is compared with the surface's
 MIDDLE_PA = 5e6
+GRAVITY_GROWTH_1_PA = 2.26e-7 / 1e4  # 2.26e-7 a metre, as in cpp/uwsim/world/water.cpp
 MOVES = ("place", "dock", "undock")
 
 
@@ -74,12 +75,12 @@ def new_navigator(vehicle: Instrumented, start: Start, water: _core.Water) -> Na
 
 
 def _compressibility_1_pa(water: _core.Water) -> float:
-    """Return that of the surface's water, in the middle of the upper 1,000 m."""
+    """Return that of the surface's water, in the middle of the upper 1,000 m, and what gravity's growth adds to it."""
     if not water.compressible:
         return 0.0
     state = water.temperature_deg_c(0.0), water.salinity_at_psu(0.0)
     squeezed = _core.sea_water_density_kg_m3(*state, MIDDLE_PA)
-    return (1.0 - _core.sea_water_density_kg_m3(*state) / squeezed) / MIDDLE_PA
+    return (1.0 - _core.sea_water_density_kg_m3(*state) / squeezed) / MIDDLE_PA + GRAVITY_GROWTH_1_PA
 
 
 class OnboardNavigation:

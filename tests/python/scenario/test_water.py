@@ -123,7 +123,8 @@ def test_pressure_includes_compression_unless_the_scenario_says_otherwise() -> N
     assert stiff.pressure_pa(-depth_m) == pytest.approx(101325 + weight_pa, rel=1e-12)
     more_m = (squeezed.pressure_pa(-depth_m) - stiff.pressure_pa(-depth_m)) / (1000 * 9.80665)
     ratio = _core.sea_water_density_kg_m3(15.0, 0.0, weight_pa) / _core.sea_water_density_kg_m3(15.0, 0.0)
-    assert more_m == pytest.approx(depth_m * (ratio - 1) / 2, rel=0.01), "the mean compression over the column"
+    heavier = 2.26e-7 * depth_m  # gravity at the foot, over the surface's
+    assert more_m == pytest.approx(depth_m * (ratio - 1 + heavier) / 2, rel=0.01), "means over the column"
 
 
 def test_the_sound_speed_equation_is_the_best_or_the_named_one() -> None:

@@ -51,7 +51,7 @@ UNKNOWN_SEA_M, LEAST_SEA_M = 0.1, 0.001
 UNKNOWN_TIDE_M, LEAST_TIDE_M = 1.0, 0.005
 UNKNOWN_COLUMN, LEAST_COLUMN = 0.01, 0.0003
 UNKNOWN_SOUND_M_S = (1440.0, 1540.0)  # of most waters (EOS-80): fresh at 8 deg C, a warm sea
-COMPRESSIBILITY_1_PA = 4.5e-10  # of water within 8 %, from a cold lake to a warm sea (EOS-80)
+COMPRESSIBILITY_1_PA = 4.7e-10  # of water within 8 %, from a cold lake to a warm sea (EOS-80), and of gravity 0.2e-10
 YAW_STD_RAD = 0.1  # the initial heading has little weight, since its aid will measure it again
 
 

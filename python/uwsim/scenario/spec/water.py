@@ -319,12 +319,13 @@ class Water(Model):
     (EOS-80). salinity_psu: uniform salinity; by default 0, or derived from a density that fresh water cannot have.
     Density and salinity must agree within 5 kg/m3. surface_temperature_deg_c, bottom_temperature_deg_c: linear between
     the surface and the terrain's deepest point. compressible: whether pressure includes the compression by the water's
-    own weight (EOS-80). sound_speed_equation: automatic selects the best one that is valid throughout the water; an
-    equation that is not valid there is rejected. surface: flat, or with waves. current_world_m_s: a uniform current.
-    current: additional currents; all add up, to 10 m/s at most, with gusts counted at three sigma. profile:
-    temperature, salinity, density and sound speed by depth, instead of the first four. volume_strength_db: backscatter
-    per cubic metre, which a multibeam in physics mode receives as reverberation; by default none. tide: moves the
-    surface, on which vehicles float, and with it pressure; sonars, cameras and sound see it at z = 0.
+    own weight (EOS-80) and gravity's growth. sound_speed_equation: automatic selects the best one that is valid
+    throughout the water; an equation that is not valid there is rejected. surface: flat, or with waves.
+    current_world_m_s: a uniform current. current: additional currents; all add up, to 10 m/s at most, with gusts
+    counted at three sigma. profile: temperature, salinity, density and sound speed by depth, instead of the first four.
+    volume_strength_db: backscatter per cubic metre, which a multibeam in physics mode receives as reverberation; by
+    default none. tide: moves the surface, on which vehicles float, and with it pressure; sonars, cameras and sound see
+    it at z = 0.
     """
 
     density_kg_m3: Density | None = None
