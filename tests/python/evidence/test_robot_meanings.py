@@ -225,13 +225,13 @@ def test_motors_thrust_along_their_link_as_their_sources_state(
 
 def test_notes_on_the_motion_come_first_and_those_on_looks_last(tmp_path: Path) -> None:
     """A wing whose coefficients mean something else than LiftDrag's is one on the motion."""
-    base = BASE.replace("</link>", '<visual name="v"/><sensor name="s" type="nose"/><velocity_decay/></link>')
+    base = BASE.replace("</link>", '<visual name="v"/><sensor name="s" type="nose"/><gravity>0</gravity></link>')
     wing = '<plugin name="w" filename="gz-sim-advanced-lift-drag-system"><link_name>prop</link_name></plugin>'
     lines = found(tmp_path, base + PROP.format(pose=POSE, axis=Z) + THRUSTER.format("") + wing).lines()
     order = ["read", "motion", "senses", "looks", "topic", "for a survey, vehicle 'a' lacks"]
     grades = [order.index(line.partition(":")[0]) for line in lines]
     assert grades == sorted(grades)
-    of = [next(line for line in lines if word in line) for word in ("velocity_decay", "advanced", "nose", "visual")]
+    of = [next(line for line in lines if word in line) for word in ("link/gravity = 0", "advanced", "nose", "visual")]
     assert [line.partition(":")[0] for line in of] == ["motion", "motion", "senses", "looks"]
 
 

@@ -18,13 +18,15 @@ from uwsim.scenario.spec.scenario import RESERVED_NAMES
 
 MOTION, SENSES, LOOKS = GRADES = ("motion", "senses", "looks")
 """The grades of notes by what they are about, in the order in which notes are printed."""
+SHORT = 12
+"""Characters of a value that a note on what was not asked for has."""
 OF_LOOKS = re.compile(
     r"^robot material\b|\b(visuali?z?e?|lights?|meta|gui|scene|looks?|sky|sun|atmosphere|shadows|texture|render|retro"
     r"|projector|particles?|emitter|audio|actor|colou?r|transparency)\b"
 )
 OF_SENSES = re.compile(
     r"\b(sensors?|(multi)?cameras?|sonar|lidar|imu|dvl|gps|navsat|altimeter|magnetometer|pressure|odom|odometry"
-    r"|publisher|comms?|modem|noise|coordinates)\b"
+    r"|publisher|comms?|modem|noise|coordinates|magnetic)\b"
 )
 """Words of elements, plugins and attributes that change no motion; any other may."""
 Mesh = tuple[Floats, NDArray[np.int64]]
@@ -183,7 +185,10 @@ class Found:
             yield
         except (ValueError, OSError) as error:
             rule = str(error).removeprefix(f"'{element.file}': ")
-            self.left_out(rule if rule.startswith(element.path) else f"{element.path}: {rule}", element_grade(element))
+            self.left_out(
+                rule if rule.startswith(element.path) else f"{element.path}: {rule}",
+                graded(f"{element.path} {element.attribute('filename') or ''}"),
+            )
             element.use_all()
 
     @contextmanager
@@ -245,20 +250,21 @@ class Found:
     def note_unused(self, root: Element) -> None:
         """Note what was not asked for in a document, a line for each kind of element, with how often it occurs."""
         kinds: dict[tuple[str, str], Counter[str]] = {}
-        for kind, path in root.unused():
+        values: dict[tuple[str, str], set[str]] = {}
+        for kind, path, value in root.unused():
             kinds.setdefault((kind, graded(f"{kind}/{path}")), Counter())[path] += 1
+            values.setdefault((kind, path), set()).add(value)
         for (kind, grade), paths in kinds.items():
-            each = (f"{path} ({count})" if count > 1 else path for path, count in sorted(paths.items()))
+            each = []
+            for path, count in sorted(paths.items()):
+                one, *others = values[kind, path]
+                stated = f" = {one}" if not others and 0 < len(one) <= SHORT else ""
+                each.append(f"{path}{stated}{f' ({count})' * (count > 1)}")
             self.left_out(f"{kind}: {', '.join(each)}", grade)
 
     def assumed(self, what: str, grade: str = MOTION) -> None:
         """Note a value that the file does not state, once."""
         self.noted(f"assumed: {what}", grade)
-
-
-def element_grade(element: Element) -> str:
-    """Return what an element changes, a plugin by its file."""
-    return graded(f"{element.path} {element.attribute('filename') or ''}")
 
 
 def graded(path: str) -> str:

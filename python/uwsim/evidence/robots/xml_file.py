@@ -146,24 +146,25 @@ class Element:
         for node in self._node.iter():
             self._used |= {(id(node), ""), *((id(node), key) for key in node.attrib)}
 
-    def unused(self) -> Iterator[tuple[str, str]]:
-        """Yield the elements and attributes below this one that were not asked for, as pairs of a kind and a path.
+    def unused(self) -> Iterator[tuple[str, str, str]]:
+        """Yield the elements and attributes below this one that were not asked for: a kind, a path and a value.
 
         The kind is that of the nearest element with a filename or a type, such as "sensor of type camera", and the
         path leads there from it, such as "camera/image/format" or "axis/xyz@expressed_in".
         """
         yield from self._unused(self._node, self._node.tag, "")
 
-    def _unused(self, node: ElementTree.Element, kind: str, path: str) -> Iterator[tuple[str, str]]:
-        for key in node.attrib.keys() - {"name", "filename", "type", "version"}:
-            if (id(node), key) not in self._used:
-                yield kind, f"{path}@{key}"
+    def _unused(self, node: ElementTree.Element, kind: str, path: str) -> Iterator[tuple[str, str, str]]:
+        for key, value in node.attrib.items():
+            if key not in ("name", "filename", "type", "version") and (id(node), key) not in self._used:
+                yield kind, f"{path}@{key}", value
         for child in node:
             inner, below = kind, f"{path}/{child.tag}" if path else child.tag
             if (of := child.get("filename") or child.get("type")) is not None:
                 inner, below = f"{child.tag} of {'file' if child.get('filename') else 'type'} {of}", ""
             if not any((id(each), "") in self._used for each in child.iter()):
-                yield kind, f"{path}/{child.tag}" if path else child.tag
+                text = "" if len(child) else " ".join((child.text or "").split())
+                yield kind, f"{path}/{child.tag}" if path else child.tag, text
             else:
                 yield from self._unused(child, inner, below)
 
