@@ -8,7 +8,9 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
+import distributed
 import pandas as pd
 import psutil
 import pytest
@@ -77,6 +79,13 @@ def test_a_worker_that_gets_a_signal_costs_no_job(crew: Workers, tmp_path: Path,
     assert {k: each.result for k, each in done.items()} == {k: {"value": k} for k in range(6)}
     died = number != signal.SIGINT  # sent to the whole group; workers leave SIGINT to the main process
     assert done[0].trials == 1 + died
+
+
+def test_no_other_client_is_admitted(crew: Any) -> None:
+    """It could run programs as this user: only this process has the certificate."""
+    for address in (crew._client.scheduler.address, *crew._client.scheduler_info()["workers"]):
+        with pytest.raises((OSError, TypeError)):
+            distributed.Client(address.replace("tls://", "tcp://"), timeout=2, set_as_default=False)
 
 
 def test_workers_listen_on_this_machine_alone(crew: Workers) -> None:

@@ -191,7 +191,7 @@ class _Trials:
 
 
 def local_workers(count: int) -> ClusterWorkers:
-    """Start worker processes on this machine that listen on 127.0.0.1 only. Raises OSError."""
+    """Start worker processes on this machine that listen on 127.0.0.1, to this process alone. Raises OSError."""
     closers = contextlib.ExitStack()
     try:
         closers.enter_context(dask.config.set(SETTINGS))
@@ -209,6 +209,7 @@ def local_workers(count: int) -> ClusterWorkers:
             silence_logs=logging.CRITICAL,
             local_directory=scratch,
             loop=loop,
+            security=distributed.Security.temporary(),  # otherwise, any user of this machine could run programs here
         )
         closers.callback(cluster.close, timeout=CONNECT_S)
         client = closers.enter_context(distributed.Client(cluster, set_as_default=False))

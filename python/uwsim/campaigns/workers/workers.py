@@ -78,7 +78,8 @@ def open_workers(count: int | None = None, *, scheduler: str | None = None) -> W
         raise ValueError(f"workers = {count}: has no effect with a scheduler, which has its own workers")
     if count == 0:
         return ThisProcess()
-    need_extra("distributed", "sweeps", "work on several processes")
+    for module in ("distributed", "cryptography"):
+        need_extra(module, "sweeps", "work on several processes")
     from uwsim.campaigns.workers.dask_workers import ClusterWorkers, local_workers
 
     if scheduler is not None:
