@@ -170,8 +170,8 @@ class _Reader:
         unit = "rad/s" if by_speed else "N"
         if not low <= 0.0 < high:
             raise plugin.error(f"commands from {low:g} to {high:g} {unit}: must include 0, and some thrust ahead")
-        if joint.name not in self.limits and not plugin.find("max_thrust_cmd"):
-            self.found.assumed(f"{plugin.path}: limits of {-THRUST_N:g} and {THRUST_N:g} {unit}, gz-sim's defaults")
+        if joint.name not in self.limits and not (plugin.find("max_thrust_cmd") and plugin.find("min_thrust_cmd")):
+            self.found.assumed(f"{plugin.path}: commands from {low:g} to {high:g} {unit}, with gz-sim's defaults")
         coefficient = plugin.number("thrust_coefficient", plugin.number("alpha_1", 1.0))
         diameter, density = plugin.number("propeller_diameter", DIAMETER_M), plugin.number("fluid_density", 1000.0)
         plugin.text("velocity_control")  # of the propeller's speed, which does not change the thrust
