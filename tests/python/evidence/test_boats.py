@@ -82,3 +82,10 @@ def test_a_boat_s_drag_is_identified_from_its_log(otter: VehicleModel, tmp_path:
     known = (*groups.split(), *(f"linear_damping.{axis}" for axis in ("sway", "heave", "roll", "pitch", "yaw")))
     found = identify(log, wrong, known=known, density_kg_m3=SEA_KG_M3).values["linear_damping.surge"]
     assert found.value == pytest.approx(77.55, abs=0.5) and found.is_determined
+
+
+def test_a_log_of_another_kind_is_named_as_what_it_is(tmp_path: Path) -> None:
+    (tmp_path / "a.ulg").write_bytes(b"ULog\x01\x12\x35\x01" + bytes(64))
+    for columns in (None, COLUMNS):
+        with pytest.raises(ValueError, match=r"a\.ulg: is a ULog of PX4 \(ulog2csv reads it\), which is not read"):
+            read_flight(tmp_path / "a.ulg", columns)

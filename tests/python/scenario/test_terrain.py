@@ -245,6 +245,14 @@ def test_noise_repeats_for_one_seed_and_stays_within_its_hills() -> None:
     assert -28 < first.max() <= -21
 
 
+def test_a_bed_too_deep_for_noise_is_a_chart_s() -> None:
+    with pytest.raises(ValueError, match=r"in \[0, 1000\] m; a deeper bed is a chart's: source: raster") as caught:
+        NoiseTerrain.model_validate({"source": "noise", "size_m": [40, 40], "bed_depth_m": 1800})
+    with pytest.raises(ValueError, match=r"in \[0, 1000\] m \["):
+        NoiseTerrain.model_validate({"source": "noise", "size_m": [40, 40], "bed_depth_m": -1})
+    assert "1800" in str(caught.value)
+
+
 def test_a_finer_noise_grid_has_the_same_heights() -> None:
     coarse, fine = build_terrain(lake()).heights_m, build_terrain(lake(spacing_m=1)).heights_m
     np.testing.assert_allclose(fine[::2, ::2], coarse, atol=1e-4)

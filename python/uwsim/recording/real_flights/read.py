@@ -30,13 +30,21 @@ READERS = (
     LogReader(is_glider, read_glider),
     LogReader(is_telemetry, read_telemetry),
 )
-"""The kinds that are known by their content; what is none of them is a table."""
+"""The kinds that are known by their content; what is none of them, nor of OTHERS, is a table."""
+OTHERS = {
+    b"ULog\x01\x12\x35": "a ULog of PX4 (ulog2csv reads it)",
+    b"\x89HDF": "HDF5",
+    b"PK\x03\x04": "a ZIP archive",
+}
 
 
 def reader_of(path: Path) -> LogReader | None:
-    """Return the reader that a path's content asks for; None for a table. Raises OSError."""
+    """Return the reader that a path's content asks for; None for a table. Raises OSError, or ValueError for others."""
     head = b"" if path.is_dir() else first_bytes(path, HEAD_BYTES)
-    return next((each for each in READERS if each.accepts(path, head)), None)
+    found = next((each for each in READERS if each.accepts(path, head)), None)
+    if found is None and (kind := next((OTHERS[mark] for mark in OTHERS if head.startswith(mark)), None)):
+        raise ValueError(f"{path}: is {kind}, which is not read: make a table of it, see --columns")
+    return found
 
 
 def read_flight(path: Path, columns: str | None = None) -> FlightLog:

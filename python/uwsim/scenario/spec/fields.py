@@ -108,11 +108,15 @@ def broken(rule: str, *, at: tuple[str | int, ...] = (), **context: Any) -> Pyda
 
 @dataclass(frozen=True)
 class InRange:
-    """A number in [low, high], including NumPy types but not text or booleans; whole if the field is an int."""
+    """A number in [low, high], including NumPy types but not text or booleans; whole if the field is an int.
+
+    beyond: what to use for a number above, for messages.
+    """
 
     low: float
     high: float
     unit: str = ""
+    beyond: str = ""
 
     def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
         if source is int:
@@ -127,7 +131,8 @@ class InRange:
 
     def _check(self, value: float) -> float:
         if not self.low <= value <= self.high:  # also false for NaN
-            raise broken(f"must be in [{self.low:.12g}, {self.high:.12g}] {self.unit}".rstrip(), unit=self.unit)
+            rule = f"must be in [{self.low:.12g}, {self.high:.12g}] {self.unit}".rstrip()
+            raise broken(rule + (f"; {self.beyond}" if self.beyond and value > self.high else ""), unit=self.unit)
         return value
 
 

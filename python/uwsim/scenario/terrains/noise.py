@@ -56,7 +56,7 @@ class NoiseTerrain(TerrainModel):
     source: Literal["noise"]
     size_m: tuple[Size, Size]
     seed: Annotated[int, InRange(0, 2**31 - 2)] = 0
-    bed_depth_m: Annotated[float, InRange(0, 1000, "m")]
+    bed_depth_m: Annotated[float, InRange(0, 1000, "m", beyond="a deeper bed is a chart's: source: raster")]
     hill_height_m: Annotated[float, InRange(0, 500, "m")] = 0.0
     hill_wavelength_m: Size = 100.0
     octaves: Annotated[int, InRange(1, 8)] = 5
