@@ -119,6 +119,15 @@ std::span<const ContactPoint> ConvexContact::with_shape(const ConvexShape& shape
                                                         double reach_m) {
   const btTransform here = to_bullet(world_from_shape), there = to_bullet(world_from_other);
   std::vector<ContactPoint>& found = impl_->points.all;
+  const std::optional<RoundPiece>&ball = shape.round_body(), &other_ball = other.round_body();
+  if (ball && other_ball && ball->half_axis_m.isZero(0) && other_ball->half_axis_m.isZero(0)) {
+    const Eigen::Vector3d centre = world_from_other.point(other_ball->middle_m);
+    const Eigen::Vector3d apart = world_from_shape.point(ball->middle_m) - centre;
+    const double gap_m = apart.norm() - ball->radius_m - other_ball->radius_m;
+    const Eigen::Vector3d normal = apart.isZero(0) ? Eigen::Vector3d::UnitZ().eval() : apart.normalized();
+    found.assign(gap_m <= reach_m ? 1 : 0, {centre + other_ball->radius_m * normal, normal, gap_m});
+    return found;
+  }
   if (!impl_->find_nearest(shape.impl_->shape, here, other.impl_->shape, there, reach_m)) return found;
   const btVector3 normal = to_bullet(found.front().normal_world);
   const btConvexPolyhedron &hull = *shape.impl_->shape.getConvexPolyhedron(),

@@ -52,6 +52,7 @@ class ConvexContact {
   /// The nearest points; empty if the shapes are farther apart than `reach_m`.
   std::span<const ContactPoint> with_triangle(const ConvexShape& shape, const Pose& world_from_shape,
                                               const std::array<Eigen::Vector3d, 3>& corners_world_m, double reach_m);
+  /// The same; of two balls on the line of their centres, so that no facet turns them or adds energy.
   std::span<const ContactPoint> with_shape(const ConvexShape& shape, const Pose& world_from_shape,
                                            const ConvexShape& other, const Pose& world_from_other, double reach_m);
 

@@ -135,5 +135,31 @@ TEST(Rolling, ADrumStandsOnItsEnd) {
   EXPECT_NEAR(place_m(bodies).z(), kFlatBed_m + kHalfLong_m, 1.1e-3);
 }
 
+/// At restitution 1, without friction, a ball gives another of its mass what it has along the line of their centres and
+/// turns neither; with friction, energy is lost.
+TEST(Rolling, TwoBallsMeetOnTheLineOfTheirCentres) {
+  for (const double aside_m : {0.0, 0.05, 0.11, 0.23, 0.37, 0.5, 0.59}) {
+    for (const double friction : {0.0, 0.2, 0.6}) {
+      RigidBodyWorld bodies(World{}, kStep_s);
+      for (const bool hit : {false, true}) {
+        BodySpec spec = round_body(round_cases()[0], friction);
+        spec.restitution = 1;
+        bodies.add_body(spec, moving({hit ? 0.01 : -1, hit ? aside_m : 0, 0.03}, hit ? 0 : 1, false));
+      }
+      run(bodies, 400, vacuum(0));
+      double energy = 0;
+      for (const std::size_t k : {0U, 1U}) {
+        energy += velocity_m_s(bodies, k).squaredNorm();
+        energy += 0.4 * kRound_m * kRound_m * bodies.state(k).angular_body_rad_s().squaredNorm();
+      }
+      EXPECT_LE(energy, 1 + 1e-7) << aside_m << " " << friction;
+      EXPECT_NEAR((velocity_m_s(bodies, 0) + velocity_m_s(bodies, 1)).x(), 1, 1e-7) << aside_m << " " << friction;
+      if (friction > 0) continue;
+      EXPECT_NEAR(energy, 1, 1e-7) << aside_m;
+      EXPECT_LT(bodies.state(1).angular_body_rad_s().norm(), 1e-12) << aside_m;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace uwsim

@@ -13,7 +13,7 @@ WATER_KG_M3, BED_M = 1000.0, -10.0
 
 
 def body(kind: str, name: str, position_m: list[float], *, on_bed: bool = False, **values: object) -> dict:
-    sizes = {"box": {"size_m": values.pop("size_m", [1.0, 0.8, 0.6])}, "sphere": {"radius_m": 0.2}}[kind]
+    sizes = {"size_m": values.pop("size_m", [1.0, 0.8, 0.6])} if kind == "box" else {"radius_m": values.pop("r", 0.2)}
     shape = {"kind": kind, "name": name, "position_m": position_m, "on_bed": on_bed, **sizes}
     return {"shape": shape, **values}
 
@@ -59,6 +59,20 @@ def test_a_sphere_sinks_at_its_terminal_velocity() -> None:
     expected_m_s = final_m_s * tanh(first_m_s2 * 2.5 / final_m_s)
     assert sim.objects["ball"].velocity.linear_body_m_s[2] == pytest.approx(-expected_m_s, rel=3e-3)
     assert np.abs(sim.objects["ball"].pose.position_world_m[:2]).max() < 1e-9
+
+
+@pytest.mark.parametrize(("radius_m", "density_kg_m3"), [(0.01, 1100.0), (0.05, 1020.0), (0.1, 1050.0), (0.05, 900.0)])
+def test_a_ball_without_a_stated_drag_sinks_as_measured_ones(radius_m: float, density_kg_m3: float) -> None:
+    """Brown and Lawler 2003, "Sphere drag and settling velocity revisited", J. Environ. Eng. 129:222: 480 balls."""
+    sim = site(body("sphere", "ball", [0, 0, -5], r=radius_m, density_kg_m3=density_kg_m3))
+    sim.advance(6.0)
+    number = 2 * radius_m * (speed_m_s := abs(sim.objects["ball"].velocity.linear_body_m_s[2])) / 1.2e-6
+    drag = 24 / number * (1 + 0.15 * number**0.681) + 0.407 / (1 + 8710 / number)
+    net = abs(density_kg_m3 / WATER_KG_M3 - 1)
+    assert speed_m_s == pytest.approx(sqrt(8 * net * gravity(sim) * radius_m / (3 * drag)), rel=0.04)
+    fast = site(body("sphere", "ball", [0, 0, -5], density_kg_m3=1200.0, velocity_m_s=[0, 0, -3])).objects["ball"]
+    share = fast.forces["drag"].force_body_n[2] / (0.5 * WATER_KG_M3 * pi * 0.2**2 * 3.0**2)
+    assert 0.06 < share < 0.2, "Achenbach 1972: turbulent from 4e5 on"
 
 
 def test_added_mass_of_a_sphere_is_half_of_the_water_it_displaces() -> None:

@@ -17,6 +17,7 @@ from uwsim import _core
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, product, turned
 from uwsim.scenario.build.applied_wrench import applied_wrench
 from uwsim.scenario.build.arm import link_specs
+from uwsim.scenario.build.bluff_drag import default_drag
 from uwsim.scenario.build.body_paths import body_path, points_on, standing
 from uwsim.scenario.build.obstacles import grounded
 from uwsim.scenario.build.terrain import build_terrain
@@ -166,8 +167,13 @@ def _parameters(body: LooseBody, shape: _Shape, water_kg_m3: float) -> _core.Cra
     parameters.mass_kg = density * volume_m3
     parameters.inertia_kg_m2 = density * shape.solid.inertia_per_density_m5
     parameters.added_mass, parameters.munk_share = water_kg_m3 * added, body.munk_share
-    drag = body.drag_coefficient
-    turning = drag * paddles + SKIN_FRICTION * rubbing
+    if (stated := body.drag_coefficient) is not None:
+        drag = np.full(3, stated)
+    else:
+        net_kg = parameters.mass_kg - water_kg_m3 * volume_m3
+        drag = default_drag(body.shape.kind, np.ptp(shape.vertices, axis=0), net_kg, water_kg_m3)
+    across = 0.5 * (np.roll(drag, 1) + np.roll(drag, 2))  # a turn moves its paddles along the two other axes
+    turning = across * paddles + SKIN_FRICTION * rubbing
     parameters.quadratic_damping = np.diag(0.5 * water_kg_m3 * np.concatenate([drag * areas, turning]))
     return parameters
 

@@ -23,11 +23,11 @@ class LooseBody(Model):
 
     shape: a box, sphere, cylinder or mesh as under `obstacles`, with its name, place and material. density_kg_m3,
     mass_kg: one of them; the mass fills the shape, so that the centre of mass is that of its volume. drag_coefficient:
-    of the area that faces the flow: 0.47 for a sphere, 1.05 for a cube, 1.2 for a plate (Hoerner 1965, "Fluid-Dynamic
-    Drag", ch. 3, at Reynolds numbers of 1e4 to 2e5). munk_share: how much is left of the Munk moment of
-    its added mass, by which a long body turns broadside: none of one with fins that balance it. friction, restitution:
-    as for vehicles. velocity_m_s: along the
-    world's axes. wrenches: what pushes it from outside, by schedule.
+    of the area that faces the flow; by default by shape and axis, such as 1.05 for a cube and 1.17 for a plate, of a
+    sphere by the Reynolds number at which it sinks or rises, and 1 for a mesh (uwsim.scenario.build.bluff_drag).
+    munk_share: how much is left of the Munk moment of its added mass, by which a long body turns broadside: none of one
+    with fins that balance it. friction, restitution: as for vehicles. velocity_m_s: along the world's axes. wrenches:
+    what pushes it from outside, by schedule.
     path: what the body follows instead, such as a diver or a boat: no force moves it, so it has neither density nor
     mass, and it pushes what it meets. fixed: it stands where its shape is, like an obstacle. links: of a fixed body,
     what joints hold on it, by name, as in a vehicle's `arm` but without motors: a valve's handle, a pin, a door.
@@ -38,7 +38,7 @@ class LooseBody(Model):
     shape: ObstacleSpec
     density_kg_m3: Annotated[float, InRange(1, 25_000, "kg/m3")] | None = None
     mass_kg: Annotated[float, InRange(1e-3, 1e7, "kg")] | None = None
-    drag_coefficient: Annotated[float, InRange(0, 10)] = 1.0
+    drag_coefficient: Annotated[float, InRange(0, 10)] | None = None
     munk_share: Annotated[float, InRange(0, 1)] = 1.0
     friction: Annotated[float, InRange(0, 10)] = 0.5
     restitution: Annotated[float, InRange(0, 1)] = 0.1
