@@ -284,9 +284,9 @@ def test_a_pool_s_own_floor_is_the_bed_and_a_guest_starts_in_its_water(tmp_path:
     still = 'xyz="0 0 0" rpy="0 0 0"/>'
     pool = f'<physical><mesh filename="pool.obj"/><origin {still}</physical><world_transform {still}'
     (tmp_path / "a.scn").write_text(f'<scenario><static name="P" type="model">{pool}</static></scenario>')
-    told: list[str] = []
-    found = read_stonefish(tmp_path / "a.scn", Found("a", Given(progress=told.append)))
-    assert told == ["mesh 1: 'pool.obj'"]
+    lines: list[str] = []
+    found = read_stonefish(tmp_path / "a.scn", Found("a", Given(progress=lines.append)))
+    assert lines == ["mesh 1: 'pool.obj'"]
     scenario = load(write_found(found, tmp_path / "out"))
     heights, step = scenario.terrain.heights(), scenario.terrain.spacing_m
     middle = heights.shape[0] // 2

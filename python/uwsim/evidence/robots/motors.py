@@ -33,9 +33,9 @@ def is_motor(file: str) -> bool:
 
 
 def commanded(low: float, high: float, band: float = 0.0, gain: float | None = None) -> list[tuple[float, float]]:
-    """Return pairs of a command in [-1, 1] and the thrust [N] of a motor that is told forces from low to high.
+    """Return pairs of a command in [-1, 1] and the thrust [N] of a motor that is commanded by forces from low to high.
 
-    gain: of one that is told speeds, [N s2]. band: thrusts below it are none.
+    gain: of one that is commanded by speeds, [N s2]. band: thrusts below it are none.
     """
     if gain is not None:
         steps = np.linspace(-1.0, 1.0, POINTS)
