@@ -87,6 +87,21 @@ def test_globs_optional_files_and_defaults_are_those_of_xacro(tmp_path: Path) ->
     assert b'<link name="part"/>' in made and b'b="none 6"' in made and made.count(b"<a ") == 1
 
 
+def test_a_package_that_is_installed_by_links_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As by colcon's --symlink-install."""
+    source, share = tmp_path / "src" / "deep" / "parts", tmp_path / "install" / "share" / "parts"
+    for folder in (source, share):
+        folder.mkdir(parents=True)
+    (source / "package.xml").write_text("<package><name>parts</name></package>")
+    (source / "p.xacro").write_text(ROBOT.format('<link name="part"/>'))
+    for name in ("package.xml", "p.xacro"):
+        (share / name).symlink_to(source / name)
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path / "install"))
+    (tmp_path / "a" / "b" / "c" / "d" / "e" / "f").mkdir(parents=True)
+    path = robot(tmp_path / "a/b/c/d/e/f", '<xacro:include filename="$(find parts)/p.xacro"/>')
+    assert b'<link name="part"/>' in expanded(path, {})
+
+
 def test_a_package_s_manifest_is_a_regular_file(tmp_path: Path) -> None:
     path = robot(tmp_path, '<xacro:include filename="$(find other)/part.xacro"/>')
     os.mkfifo(path.parent / "package.xml")

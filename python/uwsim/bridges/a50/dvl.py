@@ -13,7 +13,7 @@ import numpy as np
 
 from uwsim import _core
 from uwsim.base.quaternions import matrix
-from uwsim.base.texts.json_text import json_value
+from uwsim.base.texts.json_text import json_object
 from uwsim.bridges.a50.reports import FORMAT, MIRROR, DeadReckoning, Measured, beams, error_m_s
 from uwsim.bridges.doors.line_server import LineServer
 from uwsim.live import LiveSimulator
@@ -130,7 +130,7 @@ class A50:
         """Return the answer to a command."""
         name, result, error = "", None, ""
         try:
-            command = json_value(line, "command")
+            command = json_object(line, "command")
             name = str(command.get("command", ""))[:40]
             if name not in self._commands:
                 raise ValueError(f"unknown command; there are: {', '.join(self._commands)}")

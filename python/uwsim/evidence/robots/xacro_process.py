@@ -71,7 +71,14 @@ def read(path: str, given: dict[str, Any]) -> dict[str, NDArray[np.uint8]]:
     def refused(resolved: str, text: str, *_: Any) -> str:
         raise ValueError(f"$({text}): the environment is not read: an argument can have the value")
 
-    xacro.safe_eval, xacro.parse = evaluated, parse
+    def extension(text: str) -> Any:
+        try:
+            return whole(text) if text == "$(cwd)" else substitution_args.resolve_args(text, given_arguments)
+        except substitution_args.ArgException as error:
+            raise xacro.XacroException("Undefined substitution argument", exc=error) from None
+
+    whole, given_arguments = xacro.eval_extension, xacro.substitution_args_context
+    xacro.safe_eval, xacro.parse, xacro.eval_extension = evaluated, parse, extension
     xacro.open = lambda name: io.StringIO(decoded(content(name), f"'{name}'", "YAML"))
     xacro.glob = SimpleNamespace(glob=lambda name: [str(each) for root in roots for each in _matches(root, name)])
     substitution_args._eval, substitution_args._env = evaluated_argument, refused
