@@ -152,7 +152,8 @@ def upload(data: bytes, _: Path) -> Any:
         lambda item: checked(item, craft, outputs), fence,
     )  # fmt: skip
     kind = number = 0
-    for row in _of("base.texts.json_text:json_value")(data, "rows"):
+    rows = _of("base.texts.json_text:json_value")(data, "rows")
+    for row in rows if isinstance(rows, list) else ():
         try:
             if len(row) == 2:
                 (kind, count), number = row, 0

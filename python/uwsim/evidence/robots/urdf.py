@@ -96,12 +96,8 @@ def expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
             folder = package_folder(name, path)
             if folder is not None and (folder.is_relative_to(root) or (folder / MANIFEST).is_file()):
                 packages[name] = str(folder.resolve())
-        manifests = ((Path(folder) / MANIFEST).resolve() for folder in packages.values())
-        roots = [
-            str(root),
-            *packages.values(),
-            *(str(each.parent) for each in manifests),
-        ]  # files may be links to there
+        sources = (str((Path(folder) / MANIFEST).resolve().parent) for folder in packages.values())  # of links
+        roots = [str(root), *packages.values(), *sources]
         settings = {"roots": roots, "packages": packages, "arguments": dict(arguments)}
         reads, cpu_s = [path, *map(Path, roots)], max(1, CPU_S - round(_children_s() - begun_s))
         try:
