@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
@@ -12,20 +13,22 @@ from pydantic import Field, model_validator
 from uwsim.scenario.spec.fields import InRange, Model, broken
 
 Bound = Annotated[float, InRange(-1e12, 1e12)]
+LOGARITHMIC, BELL, BELL_SHAPE = ("log", "lognormal"), ("normal", "lognormal"), NormalDist()
 
 
 class Variation(Model):
     """The values of one key: numbers from low to high, or choices.
 
     low: the smallest number, in the unit of the key. high: the largest. steps: number of grid points, including both
-    ends. scale: linear, or log for equal density per decade. whole: whole numbers only. choices: any values that the
+    ends. scale: linear, or log for equal density per decade; normal and lognormal: as likely as in a distribution of
+    which low and high are the 95 % interval, without its tails. whole: whole numbers only. choices: any values that the
     scenario file accepts; if they are named, tables show the names.
     """
 
     low: Bound | None = None
     high: Bound | None = None
     steps: Annotated[int, InRange(2, 100_000)] | None = None
-    scale: Literal["linear", "log"] = "linear"
+    scale: Literal["linear", "log", "normal", "lognormal"] = "linear"
     whole: bool = False
     choices: Annotated[tuple[Any, ...] | dict[str, Any], Field(min_length=1, max_length=10_000)] | None = None
 
@@ -44,8 +47,8 @@ class Variation(Model):
             for key, value in (("low", self.low), ("high", self.high)):
                 if self.whole and not value.is_integer():
                     raise broken("must be a whole number for `whole: true`", at=(key,), value=value)
-            if self.scale == "log" and self.low <= 0.0:
-                raise broken("must be positive for `scale: log`", at=("low",), value=self.low)
+            if self.scale in LOGARITHMIC and self.low <= 0.0:
+                raise broken(f"must be positive for `scale: {self.scale}`", at=("low",), value=self.low)
         return self
 
 
@@ -76,7 +79,9 @@ def level_at(variation: Variation, u: float) -> Level:
         levels = choices(variation)
         return levels[min(int(u * len(levels)), len(levels) - 1)]
     low, high = variation.low or 0.0, variation.high or 0.0
-    if variation.scale == "log":
+    if variation.scale in BELL:
+        u = 0.5 + 0.5 * BELL_SHAPE.inv_cdf(0.025 + 0.95 * u) / BELL_SHAPE.inv_cdf(0.975)
+    if variation.scale in LOGARITHMIC:
         value = low * (high / low) ** u
     elif variation.whole:  # all numbers are equally likely
         value = math.floor(low + u * (high - low + 1))

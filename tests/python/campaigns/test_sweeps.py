@@ -1,6 +1,7 @@
 """Sweeps: varied values, runs, tables and reports, all run in this process."""
 
 import json
+import math
 import re
 from pathlib import Path
 
@@ -75,17 +76,20 @@ def test_samples_are_in_range_and_follow_from_the_seed(method: str) -> None:
         "b": {"low": 1, "high": 100, "scale": "log"},
         "c": {"low": 1, "high": 4, "whole": True},
         "d": {"choices": ["x", "y"]},
+        "e": {"low": 3.1, "high": 16.2, "scale": "lognormal"},
     }
     first, again, other = (
         [{k: v.shown for k, v in run.levels.items()} for run in runs(vary=vary, method=method, samples=64, seed=seed)]
         for seed in (1, 1, 2)
     )
     assert first == again != other
-    assert len(first) == (64 * 6 if method == "saltelli" else 64)
+    assert len(first) == (64 * 7 if method == "saltelli" else 64)
     assert all(2 <= s["a"] <= 3 and 1 <= s["b"] <= 100 for s in first)
     assert {s["c"] for s in first} == {1, 2, 3, 4}
     assert {s["d"] for s in first} == {"x", "y"}
     assert 0.35 < np.mean([s["b"] < 10 for s in first]) < 0.65  # about half of the samples are below 10
+    deviations = np.log([s["e"] / math.sqrt(3.1 * 16.2) for s in first]) / (math.log(16.2 / 3.1) / 2 / 1.96)
+    assert np.abs(deviations).max() <= 1.96 and 0.57 < np.mean(np.abs(deviations) < 1) < 0.86  # 0.683 / 0.95
 
 
 def test_the_samples_of_each_method_are_laid_out_as_it_says() -> None:
