@@ -162,7 +162,7 @@ def upload(data: bytes, _: Path) -> Any:
                 head, number = (1, 1, number, *row[:2], 0, 1), number + 1
                 message = dialect.MAVLink_mission_item_int_message(*head, *row[2:], kind)
             message = dialect.MAVLink(None).decode(bytearray(message.pack(dialect.MAVLink(None))))
-        except (TypeError, ValueError, struct.error):
+        except (TypeError, ValueError, OverflowError, struct.error):
             raise ValueError("cannot be sent") from None
         getattr(store, f"on_{message.get_type().lower()}")("station", message)
     return repr((store.items, said, len(sent)))
