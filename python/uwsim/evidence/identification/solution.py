@@ -33,15 +33,12 @@ from uwsim.scenario.spec.fields import Model
 
 Array = NDArray[np.float64]
 NORMAL_95 = float(norm.ppf(0.975))
-FIRST_NOISE = np.repeat((0.05, 0.02, 0.05, 0.05), 3)
-LEAST_NOISE = np.repeat((1e-4, 1e-4, 1e-4, 1e-4), 3)
+FIRST_NOISE, LEAST_NOISE = np.repeat((0.05, 0.02, 0.05, 0.05), 3), np.full(12, 1e-4)
 GROUPS = ("position", "attitude", "velocity", "rate")
 BOUND = 5.0  # standard deviations of the prior
 DETERMINED = 0.7
 """The log determines a quantity if it reduces the prior's standard deviation to less than this share."""
 ROUNDS = 3
-OF_HULL = ("volume_m3", "centre_of_buoyancy_m")
-"""What is held for a boat: its mesh determines which part is under water."""
 ROUGH, FINE = 1e-3, 1e-6
 """Relative tolerances of the cost, about 1e3: with a guessed noise and with the estimated one."""
 BRIEF_S, MOST_BRIEF = 4.0, 60
@@ -109,8 +106,8 @@ def identify(
     """
     model, added = completed(model, density_kg_m3)
     found = unknowns(model, VEHICLE, spreads, known, added=added)
-    if is_boat(model, density_kg_m3):
-        found = [each for each in found if each.group not in OF_HULL]
+    if is_boat(model, density_kg_m3):  # its mesh determines which part is under water
+        found = [each for each in found if each.group not in ("volume_m3", "centre_of_buoyancy_m")]
     if not found:
         raise ValueError("known: nothing is left to be identified")
     flown = Flown(model, log, found, segment_s, density_kg_m3, threads)
