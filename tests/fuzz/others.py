@@ -1,4 +1,4 @@
-"""What else comes from others: readers for the fuzzers, and inputs with which these start."""
+"""Further files and frames of others: readers for the fuzzers, and inputs with which these start."""
 
 from __future__ import annotations
 
