@@ -21,7 +21,7 @@ CRISIS, OVER = 3.38e5, 4e5
 NUMBERS = np.geomspace(1e3, 1e7, 2001)
 """Reynolds numbers: balls that hardly sink are taken for the least, as currents and vehicles move them."""
 PRISM = {0.0: 1.17, 1.0: 1.05, 2.0: 0.85, 4.0: 0.87, 8.0: 0.99}
-"""Drag coefficients of a box by its length along the flow over the root of its area across; a rod's is that of a cylinder."""
+"""Drag coefficients of a box by its length along the flow over the root of its area across; a rod has a cylinder's."""
 AXIAL = {0.0: 1.17, 0.5: 1.15, 1.0: 0.90, 2.0: 0.85, 4.0: 0.87, 8.0: 0.99}
 """Drag coefficients of a cylinder along its axis, by length over diameter."""
 ACROSS = {1.0: 0.64, 2.0: 0.68, 5.0: 0.74, 10.0: 0.82, 20.0: 0.91, 40.0: 0.98, 1000.0: 1.20}
