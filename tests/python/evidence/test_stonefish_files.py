@@ -111,6 +111,8 @@ def test_an_odd_element_refuses_none_beside_it(odd: str, noted: str, tmp_path: P
 def test_what_cannot_move_or_float_is_refused_with_the_reason(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="robot 'Robot': none of its thrusters can be used"):
         read(tmp_path / "a.scn", SCN.replace("<specs max", "<none max"))
+    with pytest.raises(ValueError, match="robot 'Robot': none of its thrusters can be used"):
+        read(tmp_path / "a.scn", SCN.replace('diameter="0.2"', 'diameter="1e308"'))
     with pytest.raises(ValueError, match="robot 'Robot': no part of it that can be used displaces water"):
         read(tmp_path / "a.scn", SCN.replace('<dimensions xyz="1 0.5 0.2"/>', ""))
 

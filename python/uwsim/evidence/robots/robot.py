@@ -18,6 +18,7 @@ from uwsim.scenario.spec.scenario import RESERVED_NAMES
 
 MOTION, SENSES, LOOKS = GRADES = ("motion", "senses", "looks")
 """The grades of notes by what they are about, in the order in which notes are printed."""
+BEYOND = "its numbers are too large, or zero, to compute with"
 SHORT = 12
 """Characters of a value that a note on what was not asked for has."""
 OF_LOOKS = re.compile(
@@ -183,8 +184,8 @@ class Found:
         """Leave out an element without which those beside it stand, with the rule that it breaks."""
         try:
             yield
-        except (ValueError, OSError) as error:
-            rule = str(error).removeprefix(f"'{element.file}': ")
+        except (ValueError, OSError, ArithmeticError) as error:
+            rule = BEYOND if isinstance(error, ArithmeticError) else str(error).removeprefix(f"'{element.file}': ")
             self.left_out(
                 rule if rule.startswith(element.path) else f"{element.path}: {rule}",
                 graded(f"{element.path} {element.attribute('filename') or ''}"),
@@ -198,9 +199,9 @@ class Found:
         with self.beside(element):
             try:
                 yield
-            except (ValueError, OSError) as error:
+            except (ValueError, OSError, ArithmeticError) as error:
                 del self.robots[count:]
-                self.refusals.append(error)
+                self.refusals.append(element.error(BEYOND) if isinstance(error, ArithmeticError) else error)
                 raise
 
     def refuse(self, robot: Robot, error: Exception) -> None:

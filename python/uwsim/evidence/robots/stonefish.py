@@ -172,6 +172,8 @@ class _Reader:
 
     def _ocean(self, ocean: Element) -> None:
         if (density := ocean.numbers("water", 1, "density")) is not None:
+            if not density[0] > 0.0:
+                raise ocean.error(f"water: density = {density[0]:g} kg/m3: must be positive")
             self.found.density_kg_m3 = float(density[0])
         self.require_water()
         for current in ocean.all("current"):
