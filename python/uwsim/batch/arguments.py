@@ -9,18 +9,27 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
+from uwsim.base.axes import AXES
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.fault import FaultModel, FaultSpec
 from uwsim.scenario.spec.fields import Model
 
 Changes = Mapping[str, Any]
 FaultList = Sequence[Mapping[str, Any]]
+FASTEST = 100.0  # sim/placement.cpp
 
 
 class _Faults(Model):
     """Validates faults passed as arguments rather than in a file."""
 
     faults: Annotated[tuple[FaultSpec, ...], Field(max_length=1000)]
+
+
+def require_possible(where: object, times_s: NDArray[np.float64], velocity_body: NDArray[np.float64]) -> None:
+    """Raise ValueError for a measured speed [m/s] or rate [rad/s], NaN or (n, 6), at which no vehicle can be placed."""
+    for row, axis in np.argwhere(np.abs(velocity_body) > FASTEST):
+        speed = f"{AXES[axis]} at {velocity_body[row, axis]:g} {'m/s' if axis < 3 else 'rad/s'}"
+        raise ValueError(f"{where}: at {times_s[row]:.12g} s, {speed}: must be within {FASTEST:g}")
 
 
 def whole(value: Any, name: str, least: int, most: int) -> int:

@@ -19,6 +19,7 @@ from pydantic import Field, model_validator
 from uwsim.base.extras import need_extra
 from uwsim.base.texts.csv_table import read_csv
 from uwsim.base.texts.json_text import json_object
+from uwsim.batch.arguments import require_possible
 from uwsim.evidence.identification.message_log import COMMANDS, MessageLog
 from uwsim.recording.foreign_bag import foreign_bag
 from uwsim.recording.real_flights.motion import MotionLog, motion_of, sampled
@@ -189,6 +190,7 @@ def _checked(path: Path, log: MotionLog) -> MotionLog:
     if not np.isfinite(log.efforts).all() or np.abs(log.efforts).max() > 1:
         worst = float(log.efforts.ravel()[np.argmax(np.abs(np.nan_to_num(log.efforts, nan=np.inf)))])
         raise ValueError(f"{path}: effort = {worst:g}: must be in [-1, 1]")
+    require_possible(path, times_s, log.velocity_body[kept])
     quaternions = log.orientation_xyzw[kept] / norms[kept, None]
     return replace(
         log,

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim.base.short_repr import ShortRepr
-from uwsim.batch import Batch
+from uwsim.batch import Batch, arguments
 from uwsim.recording.real_flights.deep_water import STEP_S, in_deep_water, start_m
 from uwsim.recording.real_flights.flight_log import Array
 from uwsim.recording.real_flights.motion import GAP_S, MotionLog, command
@@ -114,6 +114,7 @@ def fly_beside(
     if not wanted:
         raise ValueError(f"log: {span_s:.3g} s of motion: must be at least {min(horizons_s) + ROLL_S:g} s")
     velocity, notes = _velocities(log)
+    arguments.require_possible("log", log.times_s, velocity)
     state = np.hstack([log.position_m, log.orientation_xyzw, velocity])
     starts = _starts(log, min(wanted))
     measured = np.hstack([log.position_m, log.orientation_xyzw, log.velocity_body])
@@ -168,8 +169,7 @@ def _starts(log: MotionLog, shortest_s: float) -> NDArray[np.intp]:
     """Return the rows at which windows begin, evenly spaced, after the commands are known for a while."""
     earliest = max(log.times_s[0], log.effort_times_s[0] + ROLL_S)
     last = log.times_s[-1] - shortest_s
-    if last <= earliest:
-        earliest = log.times_s[0]
+    earliest = earliest if last > earliest else log.times_s[0]
     times_s = np.linspace(earliest, last, min(WINDOWS_MAX, max(int((last - earliest) / shortest_s) + 1, 1)))
     return np.unique(np.searchsorted(log.times_s, times_s))
 
