@@ -7,8 +7,6 @@ namespace uwsim {
 
 Matrix6d inverse_of_positive(const Matrix6d& matrix) { return matrix.llt().solve(Matrix6d::Identity()); }
 
-Vector6d solve_positive(const Matrix6d& matrix, const Vector6d& right) { return matrix.llt().solve(right); }
-
 Eigen::Vector3d eigenvalues(const Eigen::Matrix3d& symmetric) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
 }

@@ -12,9 +12,6 @@ namespace uwsim {
 /// The inverse of a positive definite matrix, by its Cholesky factors.
 Matrix6d inverse_of_positive(const Matrix6d& matrix);
 
-/// x in `matrix` x = `right` for a positive definite matrix.
-Vector6d solve_positive(const Matrix6d& matrix, const Vector6d& right);
-
 /// Ascending.
 Eigen::Vector3d eigenvalues(const Eigen::Matrix3d& symmetric);
 Vector6d eigenvalues(const Matrix6d& symmetric);

@@ -65,8 +65,6 @@ class BuoyantHull {
 
   const TriangleMesh& mesh_body() const { return mesh_body_; }
   std::optional<std::size_t> division() const { return division_; }
-  /// The division into slices in these waves while the hull is at the surface.
-  std::size_t division_afloat(const WaterField& water) const { return water.division_of(parts_, 0); }
   /// Volume, centroid and inertia of the whole hull, body frame.
   const SolidProperties& solid() const { return solid_; }
   /// The part below the plane z = level_m.
