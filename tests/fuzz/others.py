@@ -133,11 +133,11 @@ def _world() -> Any:
 
 def a50(data: bytes, _: Path) -> Any:
     """Answer the commands of a program of a DVL A50, one a line, and look at the DVL after each."""
-    rov = _world().rov
-    name = next(name for name, sensor in rov.sensors.items() if sensor.kind == "dvl")
+    name = next(name for name, sensor in _world().rov.sensors.items() if sensor.kind == "dvl")
     live = SimpleNamespace(simulator=_world(), time_ns=0)
-    dvl = _of("bridges.a50.dvl:A50")(live, rov.name, name, None)
-    return json.dumps([(dvl.answer(line), dvl._look(_world())) for line in data.splitlines()], allow_nan=False)
+    dvl = _of("bridges.a50.dvl:A50")(live, _world().rov.name, name, None)
+    found = [(dvl.answer(line), json.dumps(dvl._look(_world()), allow_nan=False)) for line in data.splitlines()]
+    return json.dumps([answer for answer, _ in found])  # reports have the time of day
 
 
 def upload(data: bytes, _: Path) -> Any:

@@ -82,7 +82,9 @@ def test_a_map_replaces_only_a_map_of_ours(tmp_path: Path):
 
 def test_who_writes_renames_or_removes_a_file_regards_those_of_others():
     """Each function that does, in the whole tree, by own_files, or for one of a few reasons."""
-    assert sorted(lawless_writers(Path(uwsim.__file__).parent)) == sorted(" ".join(LAWFUL.values()).split())
+    here = Path(uwsim.__file__).parent
+    lawful = [each for each in " ".join(LAWFUL.values()).split() if (here / each.partition(":")[0]).exists()]
+    assert sorted(lawless_writers(here)) == sorted(lawful)  # add-ons may be deleted
 
 
 @pytest.mark.usefixtures("marks")

@@ -19,7 +19,7 @@ vehicles:
 objects:
   - shape: {kind: sphere, name: buoy, position_m: [-3, 0, -4], radius_m: 0.2}
     density_kg_m3: 300
-    tether: {anchor: [-3, 0, -6], length_m: 3, elements: 8}
+    tether: {anchor: [-3, 0, -6], length_m: 2, elements: 8}
 """
 
 

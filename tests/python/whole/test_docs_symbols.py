@@ -31,7 +31,7 @@ OTHERS: dict[str, set[str]] = {
         "uuv_sensor_ros_plugins",
         "uuv_thruster_manager",
     },
-    "ardupilot": {"wait_heartbeat", "pause_mission", "return_to_launch"},  # of pymavlink, MAVSDK
+    "ardupilot": {"pause_mission", "return_to_launch"},  # of pymavlink, MAVSDK
     "conventions": {"rate_body_rad_s"},  # a name constructed from the rule
     "datasets": {  # output of the command
         "_val",

@@ -367,7 +367,7 @@ def test_formats_of_clouds_and_grids_are_in_help_written_read_and_refused(ran: R
     ]
     assert "wrong.csv': not a valid CSV file: " in error_line(ran["wrong csv"])
     unknown = error_line(uwsim("map", "convert", folder / "a.xyz", folder / "e.csv"))  # without the package
-    assert "must end in .bt, .ot, .pcd, .ply, .las, .xyz, .tif, .tiff" in unknown
+    assert "must end in .bt, .ot, .pcd, .ply, .las, .laz, .xyz, .tif, .tiff" in unknown
 
 
 def test_a_recording_with_the_packages_kinds_repeats_to_the_byte(ran: Ran, folder: Path) -> None:
