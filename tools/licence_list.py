@@ -57,7 +57,7 @@ def python_packages(everything: bool) -> Iterable[tuple[str, str, str, str]]:
     """Yield kind, name, version and licence of the packages for uwsim and its extras and, if requested, for tests."""
     config = tomllib.loads((ROOT / "pyproject.toml").read_text())
     project = config["project"]
-    extras = [line for extra, lines in project["optional-dependencies"].items() if extra != "fuzz" for line in lines]
+    extras = [line for lines in project["optional-dependencies"].values() for line in lines]
     needed = _closure(project["dependencies"])
     optional = _closure(line for line in extras if not line.startswith("uwsim["))
     test = _closure(line for line in config["dependency-groups"]["dev"] if line != "uwsim[all]") if everything else {}

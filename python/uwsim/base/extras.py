@@ -13,13 +13,13 @@ EXTRA_OF = {
     "jinja2": "figures",
     "PIL": "cameras",
     "simplejpeg": "cameras",
-    "shapely": "areas",
-    "assimp_py": "meshes",
-    "manifold3d": "meshes",
-    "networkx": "meshes",
-    "rasterio": "terrain",
-    "laspy": "survey-formats",
-    "lazrs": "survey-formats",
+    "shapely": "files",
+    "assimp_py": "files",
+    "manifold3d": "files",
+    "networkx": "files",
+    "rasterio": "files",
+    "laspy": "files",
+    "lazrs": "files",
     "rosbags": "ros",
     "websockets": "ros",
     "cbor2": "ros",
@@ -27,24 +27,23 @@ EXTRA_OF = {
     "GSFU": "survey",
     "pyxtf": "survey",
     "pygeomag": "survey",
-    "coacd": "decompose",
-    "cryptography": "certificates",
+    "coacd": "robots",
+    "cryptography": "sweeps",
     "cascadio": "step",
     "cyclonedds": "ros2",
     "zenoh": "zenoh",
     "foxglove": "foxglove",
     "pymavlink": "mavlink",
-    "imageio_ffmpeg": "video",
     "xacro": "robots",
-    "xxhash": "unity",
+    "xxhash": "robots",
     "pandas": "tables",
     "pyarrow": "tables",
     "xarray": "tables",
-    "gymnasium": "gym",
-    "cma": "learn",
+    "gymnasium": "learning",
+    "cma": "learning",
     "stable_baselines3": "rl",
     "distributed": "sweeps",
-    "h5py": "seakeeping",
+    "h5py": "files",
     "cv2": "vision",
 }
 """The smallest extra in pyproject.toml that installs each module."""
@@ -54,10 +53,10 @@ class MissingExtraError(ImportError, ValueError):
     """Raised if a package for an optional feature is missing. Also a ValueError, since the user can fix it."""
 
 
-def need_extra(module: str, extra: str, what: str) -> None:
+def need_extra(module: str, what: str) -> None:
     """Raise MissingExtraError, with the command that installs the module, if the module cannot be found."""
     if find_spec(module) is None:
-        message = f"{what} needs '{module}', which is not installed: pip install 'uwsim[{extra}]'"
+        message = f"{what} needs '{module}', which is not installed: pip install 'uwsim[{EXTRA_OF[module]}]'"
         raise MissingExtraError(message, name=module)
 
 
@@ -75,7 +74,7 @@ class _MissingExtras:
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         if fullname in EXTRA_OF and (importer := _importing_module()).startswith("uwsim."):
-            need_extra(fullname, EXTRA_OF[fullname], importer)
+            need_extra(fullname, importer)
         return None
 
 

@@ -63,7 +63,7 @@ def signer_of(values: Mapping[str, Any], what: str, key: Path | None = None) -> 
 
 
 def _need() -> None:
-    need_extra("cryptography", "certificates", "a signature")
+    need_extra("cryptography", "a signature")
 
 
 def _canonical(values: Mapping[str, Any]) -> bytes:

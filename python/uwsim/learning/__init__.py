@@ -1,4 +1,4 @@
-"""Gymnasium environments for learning: `pip install 'uwsim[gym]'`, then `import uwsim.learning` registers them.
+"""Gymnasium environments for learning: `pip install 'uwsim[learning]'`, then `import uwsim.learning` registers them.
 
     import gymnasium
     import uwsim.learning
@@ -13,7 +13,7 @@ empty file.
 
 from uwsim.base.extras import need_extra
 
-need_extra("gymnasium", "gym", "uwsim.learning")
+need_extra("gymnasium", "uwsim.learning")
 
 from uwsim.learning.registration import ENVIRONMENTS, register, register_packaged  # noqa: E402, after the check
 

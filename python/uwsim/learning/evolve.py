@@ -51,7 +51,7 @@ def evolve(
     weights, each multiplied by the usual size of its input. The policy is for observations in their own units,
     regardless of `options.normalise`. Raises MissingExtraError if cma is not installed.
     """
-    need_extra("cma", "learn", "learning by CMA-ES")
+    need_extra("cma", "learning by CMA-ES")
     import cma
 
     episodes = Episodes(kind, candidates * episodes_each, replace(options, normalise=False))

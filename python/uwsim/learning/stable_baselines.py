@@ -9,7 +9,7 @@ import numpy as np
 
 from uwsim.base.extras import need_extra
 
-need_extra("stable_baselines3", "rl", "uwsim.learning.stable_baselines")
+need_extra("stable_baselines3", "uwsim.learning.stable_baselines")
 
 import gymnasium  # noqa: E402, after the check
 from gymnasium.vector import AutoresetMode  # noqa: E402

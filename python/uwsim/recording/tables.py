@@ -30,7 +30,7 @@ def arrow(recording: Messages, topic: str) -> pyarrow.Table:
     as name, such as "pose.pose.position.x". Time stamps are integers in nanoseconds. Arrays become lists, and messages
     in arrays become structs.
     """
-    need_extra("pyarrow", "tables", "a recording as a table")
+    need_extra("pyarrow", "a recording as a table")
     import pyarrow
 
     kind = recording.info(topic).type
@@ -50,7 +50,7 @@ def arrow(recording: Messages, topic: str) -> pyarrow.Table:
 
 def pandas_frame(recording: Messages, topic: str) -> pandas.DataFrame:
     """Return a channel as a pandas DataFrame indexed by simulated seconds, with the columns of `arrow`."""
-    need_extra("pandas", "tables", "a recording as a table")
+    need_extra("pandas", "a recording as a table")
     return arrow(recording, topic).to_pandas().set_index(TIME)
 
 
@@ -61,7 +61,7 @@ def dataset(recording: Messages, topic: str) -> xarray.Dataset:
     LaserScan has (time, beam) and the coordinate `angle_rad`; a PointCloud2 has its fields as (time, point); pictures
     are (time, row, column[, rgb]). Text and messages in arrays are omitted.
     """
-    need_extra("xarray", "tables", "a recording as a dataset")
+    need_extra("xarray", "a recording as a dataset")
     import xarray
 
     kind = recording.info(topic).type

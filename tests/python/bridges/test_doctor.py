@@ -151,4 +151,4 @@ def test_commands_to_copy_are_whole_on_a_narrow_terminal_and_json_has_the_same(m
 def test_extras_that_are_missing_are_named_as_pip_takes_them(monkeypatch):
     monkeypatch.setattr(software, "find_spec", lambda module: None if module in ("PIL", "cma") else True)
     found = software.other_extras()
-    assert found.found.endswith("not installed: cameras,learn") and "'uwsim[cameras,learn]'" in found.advice
+    assert found.found.endswith("not installed: cameras,learning") and "'uwsim[cameras,learning]'" in found.advice

@@ -109,6 +109,7 @@ OF_OTHERS = {
     "typing_extensions",
     "mpl_toolkits",
     "IPython",
+    "imageio_ffmpeg",  # where the system has no ffmpeg
     "dask",
     "filterpy",
     "gsw",
@@ -140,8 +141,8 @@ def test_a_plain_installation_is_light_and_the_extra_of_everything_else_is_known
     for module, extra in EXTRA_OF.items():
         brought = {name.lower() for name in packages(PROJECT["optional-dependencies"][extra])}
         assert {PACKAGE_OF.get(module, module).replace("_", "-"), module} & brought, module
-    assert set(PROJECT["optional-dependencies"]) - {"all", "rl", "fuzz"} <= {
-        extra for name in ("all", "standard", "learning") for line in PROJECT["optional-dependencies"][name]
+    assert set(PROJECT["optional-dependencies"]) - {"all", "rl"} <= {
+        extra for name in ("all", "standard") for line in PROJECT["optional-dependencies"][name]
         for extra in Requirement(line).extras
     }  # fmt: skip
 

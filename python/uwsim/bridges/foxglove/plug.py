@@ -25,7 +25,7 @@ class FoxglovePlug(BridgePlug[FoxgloveOptions]):
         super().__init__(options)
         from uwsim.base.extras import need_extra
 
-        need_extra("foxglove", "foxglove", "Foxglove")
+        need_extra("foxglove", "Foxglove")
 
     @contextmanager
     def open(self, context: Context) -> Iterator[Opened]:

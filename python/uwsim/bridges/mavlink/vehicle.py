@@ -104,7 +104,7 @@ class MavlinkVehicle(Bridge):
         pictures: Path | None = None,
         video: VideoStream | None = None,
     ) -> None:
-        need_extra("pymavlink", "mavlink", "--mavlink")
+        need_extra("pymavlink", "--mavlink")
         from pymavlink.dialects.v20 import ardupilotmega
 
         super().__init__("mavlink", live, channels, services, feed)

@@ -93,9 +93,9 @@ class Ros2Settings:
 def need_middleware(rmw: Rmw) -> None:
     """Raise MissingExtraError unless the library for a middleware is installed."""
     if rmw == "zenoh":
-        need_extra("zenoh", "zenoh", "ROS 2 by Zenoh")
+        need_extra("zenoh", "ROS 2 by Zenoh")
     else:
-        need_extra("cyclonedds", "ros2", "ROS 2")
+        need_extra("cyclonedds", "ROS 2")
 
 
 def settings_from(

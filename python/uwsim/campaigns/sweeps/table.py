@@ -19,7 +19,7 @@ def write_table(path: Path, rows: Rows, notes: Mapping[str, str]) -> None:
 
     The same rows give the same bytes with the same version of pyarrow. Columns of mixed types become text.
     """
-    need_extra("pyarrow", "sweeps", "the table of a sweep")
+    need_extra("pyarrow", "the table of a sweep")
     import pyarrow as pa
     from pyarrow import parquet
 

@@ -79,7 +79,7 @@ def open_workers(count: int | None = None, *, scheduler: str | None = None) -> W
     if count == 0:
         return ThisProcess()
     for module in ("distributed", "cryptography"):
-        need_extra(module, "sweeps", "work on several processes")
+        need_extra(module, "work on several processes")
     from uwsim.campaigns.workers.dask_workers import ClusterWorkers, local_workers
 
     if scheduler is not None:

@@ -25,7 +25,7 @@ class MessageLog:
     """The messages of a log by topic, decoded once."""
 
     def __init__(self, path: Path) -> None:
-        need_extra("rosbags", "ros", f"{path}: a log of messages")
+        need_extra("rosbags", f"{path}: a log of messages")
         if not path.exists():
             raise FileNotFoundError(2, "No such file or directory", str(path))
         self.path = path
@@ -104,7 +104,7 @@ class MessageLog:
             raise ValueError(f"{self.path}: neither .csv, .mcap nor a ROS bag: {error}") from None
 
     def _read_mcap(self, topic: str | None) -> Iterator[tuple[str, float, Any]]:
-        need_extra("mcap", "recording", f"{self.path}: an MCAP file")
+        need_extra("mcap", f"{self.path}: an MCAP file")
         from mcap.exceptions import McapError
         from mcap.reader import make_reader
         from rosbags.typesys import Stores, get_types_from_msg, get_typestore

@@ -84,7 +84,7 @@ def read_log(path: str | Path, mapping: Mapping | None = None, vehicle: str = ""
         if mapping is None or mapping.time_s is None:
             raise ValueError(f"{path}: a table needs a mapping file (--map) with time_s, or --columns")
         return _checked(path, _from_series(mapping, _table(path, mapping), is_sampled=True))
-    need_extra("rosbags", "ros", f"{path}: a log of messages")
+    need_extra("rosbags", f"{path}: a log of messages")
     chosen = None if mapping is None else mapping.model_dump(mode="json")
     made: dict[str, Any] = run_contained(Path(__file__), "rosbags", str(path), chosen, vehicle, reads=[path])
     noise = json_object(made.pop("noise").tobytes(), str(path))

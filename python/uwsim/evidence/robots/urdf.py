@@ -70,7 +70,7 @@ def _document(path: Path, found: Found) -> Element:
         if found.given.arguments.keys() - {MOST}:
             found.left_out("--arg: the file has no macros, which could take a value")
         return root
-    need_extra("xacro", "robots", f"'{path}': xacro")
+    need_extra("xacro", f"'{path}': xacro")
     stated = {each.name: each.attribute("default") or "" for each in root.all("xacro:arg")}
     if stated:
         found.noted(f"arguments: {', '.join(f'{key}={value}' for key, value in stated.items())}; --arg states another")

@@ -237,7 +237,7 @@ def _number(name: str) -> int:
 
     It is the xxHash64 of type and name, as the identifiers of the published simulator's five models show.
     """
-    need_extra("xxhash", "unity", "a model file with several meshes")
+    need_extra("xxhash", "a model file with several meshes")
     import xxhash
 
     return int(np.uint64(xxhash.xxh64(f"Type:Mesh->{name}0".encode()).intdigest()).astype(np.int64))

@@ -112,7 +112,7 @@ def _certify(book: Book, person: str, folder: Path, key: Path | None) -> None:
     from uwsim.base.signing import signed
     from uwsim.exercises.certificate import certificate_of, write_certificate
 
-    need_extra("jinja2", "figures", "a certificate's page")
+    need_extra("jinja2", "a certificate's page")
     made = certificate_of(book, person)
     written = write_certificate(folder, made if key is None else signed(made, key))
     typer.echo("  ".join(map(str, written)))

@@ -49,7 +49,7 @@ def teleop(
     """
     from uwsim.base.extras import need_extra
 
-    need_extra("websockets", "ros", "uwsim teleop")
+    need_extra("websockets", "uwsim teleop")
     from uwsim.operator.teleop.app import fly
 
     if url is not None:

@@ -32,7 +32,7 @@ def is_dataflash(path: Path, head: bytes) -> bool:
 
 def pass_messages(path: Path, names: Iterable[str], take: Callable[[Any], object]) -> None:
     """Call a function with each message of some types. Raises OSError, or ValueError for a damaged or a large log."""
-    need_extra("pymavlink", "mavlink", f"{path}: {KIND}")
+    need_extra("pymavlink", f"{path}: {KIND}")
     from pymavlink.DFReader import DFReader_binary
 
     if ENDLESS.search(read_limited(path, str(path), MOST_BYTES)):

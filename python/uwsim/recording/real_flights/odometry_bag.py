@@ -73,7 +73,7 @@ def is_bag(path: Path, head: bytes) -> bool:
 
 def read_bag(path: Path) -> FlightLog:
     """Read a bag. Raises OSError, or ValueError."""
-    need_extra("rosbags", "ros", f"{path}: {KIND}")
+    need_extra("rosbags", f"{path}: {KIND}")
     bag = foreign_bag(path)
     if bag is None:
         raise ValueError(f"{path}: a recording of uwsim: `uwsim replay` repeats it, `uwsim vehicle identify` reads it")

@@ -45,7 +45,7 @@ def is_telemetry(path: Path, head: bytes) -> bool:
 
 def read_telemetry(path: Path) -> FlightLog:
     """Read a telemetry log. Raises ValueError."""
-    need_extra("pymavlink", "mavlink", f"{path}: {KIND}")
+    need_extra("pymavlink", f"{path}: {KIND}")
     from pymavlink.dialects.v20 import ardupilotmega
 
     data = read_limited(path, str(path), MOST_BYTES)

@@ -38,7 +38,7 @@ def compass_field(earth: Earth | None) -> dict[str, list[float]]:
 
 @cache
 def _field(latitude_deg: float, longitude_deg: float, year: float) -> tuple[float, float, float, float]:
-    need_extra("pygeomag", "survey", "earth.magnetic_year")
+    need_extra("pygeomag", "earth.magnetic_year")
     from pygeomag import GeoMag
 
     model = GeoMag(coefficients_file=f"wmm/WMM_{2020 if year < NEXT_MODEL else 2025}.COF")

@@ -44,7 +44,7 @@ def read_by_assimp(path: Path) -> list[tuple[NDArray[np.float64], NDArray[Any]]]
 def nodes_by_assimp(path: Path) -> list[NodeMesh]:
     """Return the meshes of all nodes in a file. Raises ValueError with the reason, or ImportError."""
     step = path.suffix.lower() in STEP_SUFFIXES
-    need_extra(*(("cascadio", "step") if step else ("assimp_py", "meshes")), "this format")
+    need_extra("cascadio" if step else "assimp_py", "this format")
     reader, per_byte = ("OpenCASCADE", STEP_CPU_S_PER_BYTE) if step else ("assimp", CPU_S_PER_BYTE)
     arrays = run_contained(READER, reader, str(path), reads=[path], cpu_s_per_byte=per_byte)
     parts = [arrays[name] for name in arrays if name != "names"]

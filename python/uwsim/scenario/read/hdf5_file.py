@@ -106,7 +106,7 @@ class InsideHdf5:
 @contextmanager
 def inside_hdf5(path: Path, what: str) -> Iterator[InsideHdf5]:
     """Open a file. what: its role, for messages. Raises MissingExtraError, OSError."""
-    need_extra("h5py", "seakeeping", f"{what}, HDF5,")
+    need_extra("h5py", f"{what}, HDF5,")
     import h5py
 
     with h5py.File(path, "r") as file:
@@ -120,7 +120,7 @@ def require_inside(path: Path, what: str) -> None:
     """
     if not is_hdf5(path):
         return
-    need_extra("h5py", "terrain", f"{what}, HDF5,")
+    need_extra("h5py", f"{what}, HDF5,")
     import h5py
 
     def leading_out(name: bytes, link: Any) -> bytes | None:  # an error in it would not be passed on

@@ -19,19 +19,19 @@ PROCESS = Path(__file__).with_name("laz_process.py")
 
 def encode(points_m: NDArray[np.floating]) -> bytes:
     """Return a LAZ file of the points, as las.encode does. Raises ValueError."""
-    need_extra("lazrs", "survey-formats", "a LAZ file")
+    need_extra("lazrs", "a LAZ file")
     return las.encode(points_m, compresses=True)
 
 
 def encode_at(points_m: NDArray[np.floating], place: Georeference) -> bytes:
     """Return a LAZ file of the points in the place's coordinate system, as las.encode_at does. Raises ValueError."""
-    need_extra("lazrs", "survey-formats", "a LAZ file")
+    need_extra("lazrs", "a LAZ file")
     return las.encode_at(points_m, place, compresses=True)
 
 
 def decode(data: bytes) -> NDArray[np.float64]:
     """Return the points of a LAZ file of any version. Raises ValueError."""
-    need_extra("lazrs", "survey-formats", "a LAZ file")
+    need_extra("lazrs", "a LAZ file")
     with tempfile.NamedTemporaryFile(suffix=".laz") as file:
         file.write(data)
         file.flush()
