@@ -22,7 +22,7 @@ def read_argo(path: Path, name: str) -> tuple[dict[str, Floats], list[str]]:
     names = {"PRES": PRESSURE, "TEMP": "temperature_deg_c", "PSAL": "salinity_psu"}
     wanted = {f"{key}{end}" for key in names for end in ("", "_QC", "_ADJUSTED", "_ADJUSTED_QC")}
     try:
-        held = read_netcdf(path, f"cast '{name}'", lambda key, _: key in wanted | {"DATA_MODE", "LATITUDE"})
+        held = read_netcdf(path, f"cast '{name}'", wanted | {"DATA_MODE", "LATITUDE"})
     except ImportError:
         raise
     except Exception as error:  # damaged files raise anything in both readers

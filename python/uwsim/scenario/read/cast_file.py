@@ -24,8 +24,7 @@ from uwsim.base.texts.text_file import read_limited
 from uwsim.scenario.read.argo_cast import read_argo
 from uwsim.scenario.read.cast_levels import Cast, Limits, levels_of
 from uwsim.scenario.read.cast_quantity import PRESSURE, quantity_of, unit_of
-from uwsim.scenario.read.hdf5_file import SIGNATURE
-from uwsim.scenario.read.netcdf_file import CLASSIC
+from uwsim.scenario.read.netcdf_file import CLASSIC, SIGNATURE
 
 Floats = NDArray[np.float64]
 MOST_BYTES = 1 << 27

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,16 +10,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.extras import need_extra
 from uwsim.base.texts.text_file import first_bytes
-from uwsim.scenario.read.hdf5_file import SIGNATURE, inside_hdf5
+from uwsim.scenario.read.contained import run_contained
 
-CLASSIC = b"CDF"
+CLASSIC, SIGNATURE = b"CDF", b"\x89HDF\r\n\x1a\n"
+PROCESS, PROCESS_CPU_S = Path(__file__).with_name("hdf5_process.py"), 5
 MAX_VALUES = 50_000_000
 ATTRIBUTES = ("units", "standard_name", "positive", "_FillValue", "missing_value", "scale_factor", "add_offset")
 
 
 class NotNetcdfError(ValueError):
-    """The file is no NetCDF."""
+    """The file is no NetCDF, or a damaged one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,15 +33,11 @@ class NetcdfVariable:
     attributes: Mapping[str, Any] = field(default_factory=dict)
 
 
-Needed = Callable[[str, Mapping[str, Any]], bool]
-"""A variable is needed or not, by its name and attributes: others, of any number and size, are not read."""
+def read_netcdf(path: Path, what: str, names: Collection[str]) -> dict[str, NetcdfVariable]:
+    """Return the variables with one of these names, or standard names, by name: at most MAX_VALUES values each.
 
-
-def read_netcdf(path: Path, what: str, needed: Needed) -> dict[str, NetcdfVariable]:
-    """Return the needed variables of at most MAX_VALUES values by name.
-
-    what: the file's role, for messages. Raises NotNetcdfError, Hdf5Error, MissingExtraError, or whatever the readers
-    raise for a damaged file.
+    what: the file's role, for messages. Raises NotNetcdfError, MissingExtraError, or whatever SciPy raises for a
+    damaged file.
     """
     magic = first_bytes(path, 4)
     if _is_classic(magic):
@@ -49,10 +47,11 @@ def read_netcdf(path: Path, what: str, needed: Needed) -> dict[str, NetcdfVariab
             return {
                 name: NetcdfVariable(tuple(each.dimensions), np.array(each.data), _attributes(each._attributes))
                 for name, each in data.variables.items()
-                if np.prod([float(n) for n in each.shape]) <= MAX_VALUES and needed(name, _attributes(each._attributes))
+                if np.prod([float(n) for n in each.shape]) <= MAX_VALUES
+                and not {name, _attributes(each._attributes).get("standard_name")}.isdisjoint(names)
             }
     if magic == SIGNATURE[:4]:
-        return _of_hdf5(path, what, needed)
+        return _of_hdf5(path, what, names)
     raise NotNetcdfError("must be a NetCDF file: neither classic nor HDF5")
 
 
@@ -78,19 +77,17 @@ def _is_classic(magic: bytes) -> bool:
     return magic.startswith(CLASSIC) and len(magic) == 4 and magic[3] in (1, 2)
 
 
-def _of_hdf5(path: Path, what: str, needed: Needed) -> dict[str, NetcdfVariable]:
+def _of_hdf5(path: Path, what: str, names: Collection[str]) -> dict[str, NetcdfVariable]:
+    need_extra("h5py", f"{what}, NetCDF in HDF5, HDF5,")
+    asked = str(path), [*names], ATTRIBUTES
+    try:
+        made = run_contained(PROCESS, "HDF5", *asked, reads=[path], cpu_s=PROCESS_CPU_S)
+    except ValueError as error:
+        raise NotNetcdfError(str(error)) from None
     found = {}
-    with inside_hdf5(path, f"{what}, NetCDF in HDF5") as data:
-        for name in data.names():
-            if (each := data.dataset(name)) is None or each.size is None or each.size > MAX_VALUES:
-                continue
-            attributes = _attributes(data.attributes(each, ATTRIBUTES))
-            if not needed(name, attributes):
-                continue
-            axes = [axis[0].name.strip("/") if len(axis) else "" for axis in each.dims]
-            if each.is_scale and each.ndim == 1 and axes == [""]:
-                axes = [name]
-            found[name] = NetcdfVariable(tuple(axes), data.values(name, each), attributes)
+    for k, name in enumerate(made["names"].tolist()):
+        given = {key: made[f"{k} {key}"] for key in ATTRIBUTES if f"{k} {key}" in made}
+        found[name] = NetcdfVariable(tuple(made[f"{k} axes"].tolist()), made[f"{k} values"], _attributes(given))
     return found
 
 

@@ -20,7 +20,6 @@ from uwsim.base.extras import MissingExtraError
 from uwsim.base.texts.csv_table import read_csv
 from uwsim.base.texts.text_file import first_bytes
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.hdf5_file import Hdf5Error
 from uwsim.scenario.read.netcdf_file import NetcdfVariable, NotNetcdfError, read_netcdf
 
 Floats = NDArray[np.float64]
@@ -85,7 +84,7 @@ def read_ocean(path: Path) -> OceanField:
         axes, values = _of_netcdf(path) if magic[:3] in (b"CDF", b"\x89HD") else _of_csv(path)
     except (ScenarioError, MissingExtraError):
         raise
-    except (NotNetcdfError, Hdf5Error) as error:
+    except NotNetcdfError as error:
         raise _broken(path, str(error)) from None
     except Exception as error:  # damaged files raise anything in both readers
         raise _broken(path, f"is not readable: {type(error).__name__}: {error}") from error
@@ -177,11 +176,11 @@ def _of_csv(path: Path) -> tuple[list[Floats], dict[str, Floats]]:
 
 
 def _of_netcdf(path: Path) -> tuple[list[Floats], dict[str, Floats]]:
-    variables = read_netcdf(path, f"ocean '{path}'", lambda key, given: _quantity(key, given) in KNOWN)
+    variables = read_netcdf(path, f"ocean '{path}'", KNOWN)
     known = {}
     for key, each in variables.items():
         name = _quantity(key, each.attributes)
-        if KNOWN[name][0] not in known:
+        if name in KNOWN and KNOWN[name][0] not in known:
             known[KNOWN[name][0]] = (key, name, each)
     lacking = [name for name, (short, _) in AXES.items() if short not in known and short != "t"]
     if lacking:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,6 @@ from rasterio.crs import CRS
 from rasterio.env import Env
 from rasterio.io import DatasetReader
 
-HDF5 = b"\x89HDF"
 COVERAGE, VALUES, FILL = "BathymetryCoverage", "Group_001/values", 1e6
 PLACE = ("gridOriginLongitude", "gridOriginLatitude", "gridSpacingLongitudinal", "gridSpacingLatitudinal")
 
@@ -24,14 +22,15 @@ def opened(path: str, formats: list[str]) -> DatasetReader:
 
 
 @contextmanager
-def _opened_apart(path: str, formats: list[str]) -> Iterator[Any]:
+def _opened_apart(path: str, formats: list[str], is_hdf5: bool) -> Iterator[Any]:
     """Open an S-102, or a raster as `opened` does. Raises RasterioError, ValueError, OSError."""
-    with Path(path).open("rb") as start:
-        is_hdf5 = start.read(len(HDF5)) == HDF5
     if is_hdf5:
         import h5py
 
+        from uwsim.scenario.read.hdf5_process import require_inside
+
         with h5py.File(path, "r") as file:
+            require_inside(file)  # GDAL follows links out of it, into pipes as well
             if COVERAGE in file:
                 yield _S102(file)
                 return
@@ -92,10 +91,10 @@ def described(file: Any, band: int, most_cells: int) -> dict[str, Any]:
     return found
 
 
-def read(path: str, band: int, formats: list[str], most_cells: int) -> dict[str, Any]:
+def read(path: str, band: int, formats: list[str], most_cells: int, is_hdf5: bool) -> dict[str, Any]:
     """Return what `described` does. Raises ValueError."""
     try:
-        with Env(), _opened_apart(path, formats) as file:
+        with Env(), _opened_apart(path, formats, is_hdf5) as file:
             return described(file, band, most_cells)
     except MemoryError:
         raise

@@ -21,7 +21,6 @@ from uwsim.mapping.files.georeference import WGS84, Georeference
 from uwsim.scenario.build.terrain_grid import SPLINE_MARGIN, grid_axes, pixel_ranges, resampled
 from uwsim.scenario.build.whole_tiff import require_whole_tiff
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.hdf5_file import Hdf5Error, require_inside
 from uwsim.scenario.read.netcdf_file import require_whole_netcdf
 from uwsim.scenario.spec.terrain import LOCAL, MAX_NODES
 from uwsim.scenario.terrains.raster_file import opened
@@ -132,10 +131,6 @@ def _heights(raster: Raster, elevations: FloatGrid, spec: RasterTerrain) -> Floa
 
 def _read(spec: RasterTerrain) -> Raster:
     name = spec.file.name
-    try:
-        require_inside(spec.file, f"terrain '{name}'")  # GDAL follows links out of it, into pipes as well
-    except Hdf5Error as error:
-        raise ScenarioError(f"terrain '{name}': {error}", at=("file",)) from None
     try:
         with opened(spec.file, spec.band or 1) as file:
             if file.driver in WHOLE:

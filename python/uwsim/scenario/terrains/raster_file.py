@@ -15,11 +15,12 @@ from rasterio.env import Env
 from rasterio.errors import NotGeoreferencedWarning
 from rasterio.io import DatasetReader
 
-from uwsim.base.texts.text_file import first_bytes
+from uwsim.base.extras import need_extra
+from uwsim.base.texts.text_file import first_bytes, require_regular
 from uwsim.scenario.read import raster_process
 from uwsim.scenario.read.contained import run_contained
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.hdf5_file import is_hdf5
+from uwsim.scenario.read.netcdf_file import CLASSIC, SIGNATURE
 from uwsim.scenario.spec.terrain import MAX_NODES
 
 FORMATS = (
@@ -29,15 +30,18 @@ FORMATS = (
 """GDAL's names of formats that contain the elevations themselves. Others, such as VRT, refer to further files and
 servers, which would let an untrusted file read anything that this machine can access."""
 
-RICH = (b"CDF", b"GRIB")
+RICH = (CLASSIC, b"GRIB")
 """The first bytes of formats with which GDAL's libraries may crash, or fill the memory, as HDF5's: netCDF, GRIB."""
 
 
 @contextmanager
 def opened(path: Path, band: int) -> Iterator[DatasetReader]:
     """Open a raster; one of a rich format is read in a process of its own. Raises RasterioError, ScenarioError."""
-    if first_bytes(path, 4).startswith(RICH) or is_hdf5(path):
-        yield _read_apart(path, band)
+    is_hdf5 = _is_hdf5(path)
+    if is_hdf5:
+        need_extra("h5py", f"terrain '{path.name}', HDF5,")
+    if is_hdf5 or first_bytes(path, 4).startswith(RICH):
+        yield _read_apart(path, band, is_hdf5)
         return
     with Env(), warnings.catch_warnings():
         warnings.simplefilter("ignore", NotGeoreferencedWarning)  # `_read` raises an error instead
@@ -45,9 +49,9 @@ def opened(path: Path, band: int) -> Iterator[DatasetReader]:
             yield file
 
 
-def _read_apart(path: Path, band: int) -> DatasetReader:
+def _read_apart(path: Path, band: int, is_hdf5: bool) -> DatasetReader:
     """Return what has the attributes of an open raster, and of one band the values."""
-    asked = str(path), band, FORMATS, 4 * MAX_NODES
+    asked = str(path), band, FORMATS, 4 * MAX_NODES, is_hdf5
     try:
         arrays = run_contained(Path(raster_process.__file__), "GDAL", *asked, reads=[path])
     except ValueError as error:
@@ -57,3 +61,15 @@ def _read_apart(path: Path, band: int) -> DatasetReader:
     found["crs"] = CRS.from_wkt(found["crs"]) if found["crs"] else None
     found["read_masks"], found["read"] = (lambda band: found["masks"]), (lambda band, out_dtype: found["values"])
     return cast(DatasetReader, SimpleNamespace(**found))
+
+
+def _is_hdf5(path: Path) -> bool:
+    """Return whether there is a signature where readers look for it: behind a user's block of 512 bytes, 1024, ..."""
+    at, size = 0, path.stat().st_size
+    with require_regular(path).open("rb") as file:
+        while at < size:
+            file.seek(at)
+            if file.read(len(SIGNATURE)) == SIGNATURE:
+                return True
+            at = max(512, 2 * at)
+    return False
