@@ -29,7 +29,6 @@ LAWFUL = {
         operator/station/editor/editor.py:Editor.save operator/station/flights/flights.py:Flights.make_room
         scenario/read/disk_cache.py:_make_room""",
     "just created, with mode x": "recording/mcap_sink.py:McapSink.__init__",
-    "of the sources, for who develops it": "operator/station/wire_js.py:",
 }
 """The functions that need no law, by the reason."""
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)

@@ -1,4 +1,4 @@
-"""Generates the page's message module, `page/wire/messages.js`: `python -m uwsim.operator.station.wire_js`.
+"""Makes the page's module wire/messages.js, which the site serves.
 
 It contains a function for each station service, the types of requests, responses and topic messages, and those tables
 of Python that the page needs.
@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
-from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, get_args, get_origin
 
@@ -27,11 +26,8 @@ from uwsim.operator.station.services.services import DEAD_S
 from uwsim.operator.station.wire.calls import CALLS, Call
 from uwsim.operator.station.wire.messages import Message, Refused
 
-PATH = Path(__file__).parent / "page/wire/messages.js"
 TOPIC_TYPES = (STATION_STATE, TELEMETRY, SENSOR_GAUGES, MAP_CHANGES, LINK)
 HEAD = """\
-// Made by `python -m uwsim.operator.station.wire_js` from commands, messages and calls.py: do not edit.
-
 /** @typedef {{ stamp: { sec: number, nanosec: number }, frame_id: string }} Header */
 /** @typedef {ArrayLike<number> & Iterable<number>} Numbers */
 /** @typedef {{ call(service: string, args?: object): Promise<any> }} Caller */
@@ -56,7 +52,7 @@ def _constants() -> str:
         for each in SHOWN
     ]
     return "".join(
-        f"{comment}export const {name} = {_literal(value)};\n"
+        f"{comment}export const {name} = {json.dumps(value)};\n"
         for name, value, comment in (
             ("AXES", list(AXES), ""),
             ("ALL_STOPPED", ALL_STOPPED, "// The alarm in the telemetry of a vehicle whose all stop is set.\n"),
@@ -76,37 +72,16 @@ def _constants() -> str:
     )
 
 
-def _literal(value: Any) -> str:
-    """Return a constant in prettier's format."""
-    if isinstance(value, dict):
-        return "{\n" + "".join(f"  {key}: {_literal(item)},\n" for key, item in value.items()) + "}"
-    if isinstance(value, list) and value and isinstance(value[0], dict):
-        rows = (", ".join(f"{key}: {_literal(item)}" for key, item in each.items()) for each in value)
-        return "[\n" + "".join(f"  {{ {row} }},\n" for row in rows) + "]"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_literal, value)) + "]"
-    return json.dumps(value).replace('"', "'")
-
-
 def _function(call: Call) -> str:
     """Return the function that calls a service, sending only fields known to the service."""
     name = re.sub(r"_(\w)", lambda match: match[1].upper(), call.name)
-    names = list(call.request.model_fields)
-    given = f"{{ {', '.join(names)} }}" if names else ""
-    head = f"export const {name} = (bridge{', ' + given if names else ''}) =>"
-    body = f"bridge.call('/station/{call.name}'{', ' + given if names else ''});"
-    line = f"{head} {body}"
+    names = ", ".join(call.request.model_fields)
+    given = f", {{ {names} }}" if names else ""
     sentence = call.description[0].upper() + call.description[1:]
     request = f" * @param {{{call.request.__name__}}} request\n" if names else ""
     answer = f" * @returns {{Promise<{call.answer.__name__} | Refused>}}\n"
     comment = f"/** {sentence}.\n * @param {{Caller}} bridge\n{request}{answer} */\n"
-    if len(head) > 120:  # wrapped as by prettier
-        every = "".join(f"    {field},\n" for field in names)
-        if len(given) > 117:  # with its indent and comma
-            given = "{\n" + "".join(f"    {field},\n" for field in names) + "  }"
-        head = f"export const {name} = (\n  bridge,\n  {given},\n) =>"
-        return f"{comment}{head}\n  bridge.call('/station/{call.name}', {{\n{every}  }});\n"
-    return comment + (line if len(line) <= 120 else f"{head}\n  {body}") + "\n"
+    return f"{comment}export const {name} = (bridge{given}) => bridge.call('/station/{call.name}'{given});\n"
 
 
 def _typedefs() -> Iterator[str]:
@@ -139,7 +114,7 @@ def _js(hint: Any) -> str:
     """Return a Python type in JSDoc notation."""
     origin, parts = get_origin(hint), get_args(hint)
     if origin is Literal:
-        return " | ".join(_literal(part) for part in parts)
+        return " | ".join(json.dumps(part) for part in parts)
     if origin is UnionType:
         return " | ".join(_js(part) for part in parts)
     if origin is list:
@@ -163,7 +138,3 @@ def _ros(kind: Kind) -> str:
     if kind.length is None:
         return base
     return "Numbers" if base == "number" else f"{base}[]"
-
-
-if __name__ == "__main__":
-    PATH.write_text(messages_js())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from functools import lru_cache
+from functools import cache, lru_cache
 from http import HTTPStatus
 from pathlib import Path
 from typing import NamedTuple
@@ -13,7 +13,10 @@ from urllib.parse import parse_qs, urlsplit
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
+from uwsim.operator.station.wire_js import messages_js
+
 PAGE = Path(__file__).resolve().parents[1] / "page"
+MADE = PAGE / "wire/messages.js"  # as it is called: no such file is carried
 TYPES = {
     ".js": "text/javascript", ".css": "text/css", ".html": "text/html", ".svg": "image/svg+xml", ".png": "image/png",
     ".jpg": "image/jpeg", ".txt": "text/plain", ".json": "application/json", ".glb": "model/gltf-binary",
@@ -59,11 +62,14 @@ def page_file(request: Request, path: str) -> Response:
         return not_found(request)
     try:
         found = (PAGE / (path.lstrip("/") or "index.html")).resolve()
-        if not found.is_relative_to(PAGE) or not found.is_file():
+        if found == MADE:
+            file, tag = _made()
+        elif found.is_relative_to(PAGE) and found.is_file():
+            file, tag = _read(found, found.stat().st_mtime_ns)
+        else:
             return not_found(request)
     except OSError:  # a name too long for a file
         return not_found(request)
-    file, tag = _read(found, found.stat().st_mtime_ns)
     headers = {"Cache-Control": "no-cache", "ETag": tag}
     if tag in [offered.strip() for offered in request.headers.get("If-None-Match", "").split(",")]:
         return answer(request, HTTPStatus.NOT_MODIFIED, File(b"", file.type), headers)
@@ -72,8 +78,16 @@ def page_file(request: Request, path: str) -> Response:
 
 @lru_cache(200)
 def _read(path: Path, changed_ns: int) -> tuple[File, str]:
+    return _tagged(path.read_bytes(), path)
+
+
+@cache
+def _made() -> tuple[File, str]:
+    return _tagged(messages_js().encode(), MADE)
+
+
+def _tagged(body: bytes, path: Path) -> tuple[File, str]:
     """Return a file and its ETag."""
-    body = path.read_bytes()
     kind = TYPES.get(path.suffix, "application/octet-stream")
     kind += "; charset=utf-8" if kind.startswith("text/") else ""
     return File(body, kind), f'"{hashlib.sha256(body).hexdigest()[:20]}"'
