@@ -167,7 +167,7 @@ def test_a_stream_ends_with_its_encoder_and_says_so_once(
 
 def test_without_ffmpeg_the_command_to_install_it_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "which", lambda name: None)
-    monkeypatch.setattr("uwsim.base.extras.find_spec", lambda module: None)
+    monkeypatch.setattr("uwsim.base.ffmpeg.find_spec", lambda module: None)
     with pytest.raises(MissingExtraError, match="apt install ffmpeg"):
         video_module.encoder_path()
 
