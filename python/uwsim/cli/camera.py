@@ -1,4 +1,4 @@
-"""`uwsim camera`: capture pictures with a camera of the scenario."""
+"""`uwsim scenario camera`: capture pictures with a camera of the scenario."""
 
 from __future__ import annotations
 
@@ -9,11 +9,9 @@ import typer
 
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
-from uwsim.cli.groups import under
 from uwsim.cli.options import Pose, ScenarioName, Seed, Threads, VehicleName
 
 
-@under("Look")
 def camera(
     scenario: ScenarioName = "lake",
     out: Annotated[Path, typer.Option(help="The picture to write: .png or .jpg.")] = Path("camera.png"),

@@ -1,4 +1,4 @@
-"""Drawing for `uwsim camera`: pictures from one camera with different effects, side by side in one file."""
+"""Drawing for `uwsim scenario camera`: pictures from one camera with different effects, side by side in one file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Drawing for `uwsim sonar`: pings of a vehicle's multibeam and of imaging sonars from one pose."""
+"""Drawing for `uwsim scenario sonar`: pings of a vehicle's multibeam and of imaging sonars from one pose."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ GAP_IN = 1.3  # between panels, for titles and legends
 
 @dataclass(frozen=True)
 class Request:
-    """The options of `uwsim sonar`: what to draw, and from which pose."""
+    """The options of `uwsim scenario sonar`: what to draw, and from which pose."""
 
     scenario: str | Path
     out: Path

@@ -38,6 +38,9 @@ GONE = {
     "decompose": "vehicle decompose",
     "identify": "vehicle identify",
     "fingerprint": "scenario fingerprint",
+    "sonar": "scenario sonar",
+    "camera": "scenario camera",
+    "film": "recording film",
 }
 """Spellings of up to 0.3, and what is there instead."""
 OTHERS = "From other packages"

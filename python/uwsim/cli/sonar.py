@@ -1,4 +1,4 @@
-"""`uwsim sonar`: draw pictures of a vehicle's sonars from a pose."""
+"""`uwsim scenario sonar`: draw pictures of a vehicle's sonars from a pose."""
 
 from __future__ import annotations
 
@@ -9,11 +9,9 @@ import typer
 
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
-from uwsim.cli.groups import under
 from uwsim.cli.options import Pose, ScenarioName, SonarOptions, VehicleName
 
 
-@under("Look")
 def sonar(
     *,
     scenario: ScenarioName = "lake",

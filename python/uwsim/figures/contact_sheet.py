@@ -1,6 +1,6 @@
 """Contact sheet: pictures of the same size laid out in rows, with thin gaps.
 
-`uwsim camera` writes one; tools/assets/make_contact_sheet.py draws docs/guides/cameras.jpg with it.
+`uwsim scenario camera` writes one; tools/assets/make_contact_sheet.py draws docs/guides/cameras.jpg with it.
 """
 
 from __future__ import annotations

@@ -27,8 +27,8 @@ POOL_TERRAIN = "source: noise\n  size_m: [20, 20]\n  spacing_m: 0.5\n  bed_depth
         (["survey", "\x1b[31mlake"], "\\x1b[31mlake"),  # would command a terminal
         (["survey", "no/such.yaml"], "no such file"),
         (["survey", "pool", "--sonar-model", "7"], "sonar.model"),
-        (["sonar", "pool", "--sonar-model", "em2040-9"], "unknown sonar 'em2040-9'"),
-        (["sonar", "pool", "--sonar-model", "em2040-07"], "frequency_hz: missing"),
+        (["scenario", "sonar", "pool", "--sonar-model", "em2040-9"], "unknown sonar 'em2040-9'"),
+        (["scenario", "sonar", "pool", "--sonar-model", "em2040-07"], "frequency_hz: missing"),
         (["survey", "pool", "--frequency", "310"], "frequency_hz = 310000 Hz"),
         (["survey", "pool", "--mission-time", "-5"], "--mission-time = -5.0 s: must be in [1, 1000000] s"),
         (["survey", "pool", "--threads", "0"], "threads"),

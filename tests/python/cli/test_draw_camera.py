@@ -1,4 +1,4 @@
-"""`uwsim camera` writes images side by side, and reports errors in one line."""
+"""`uwsim scenario camera` writes images side by side, and reports errors in one line."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.scenario.read.calibration import read_calibration
 
 
 def test_pictures_with_and_without_effects_lie_side_by_side(tmp_path: Path) -> None:
-    words = "camera pool --effects on,off --out pair.png --pose 0,0,-3,10,0,0 --jerlov 5C"
+    words = "scenario camera pool --effects on,off --out pair.png --pose 0,0,-3,10,0,0 --jerlov 5C"
     made = uwsim(*words.split(), cwd=tmp_path)
     assert made.returncode == 0, made.stderr
     assert "2 x 640 x 360 pixels, camera 'front'" in made.stdout
@@ -29,16 +29,18 @@ def test_pictures_with_and_without_effects_lie_side_by_side(tmp_path: Path) -> N
 
 
 def test_the_calibration_is_written_beside_the_picture(tmp_path: Path) -> None:
-    assert uwsim(*["camera", "pool", "--effects", "off", "--calibration", "front.yaml"], cwd=tmp_path).returncode == 0
+    written = ["scenario", "camera", "pool", "--effects", "off", "--calibration", "front.yaml"]
+    assert uwsim(*written, cwd=tmp_path).returncode == 0
     assert read_calibration(tmp_path / "front.yaml")["width"] == 640
     assert "must end in .yaml (ROS) or .yml" in error_line(
-        uwsim(*["camera", "pool", "--calibration", "f.xml"], cwd=tmp_path)
+        uwsim(*["scenario", "camera", "pool", "--calibration", "f.xml"], cwd=tmp_path)
     )
     assert sorted(path.name for path in tmp_path.iterdir()) == ["camera.png", "front.yaml"]
 
 
 def test_camera_lamps_sun_and_time_can_be_chosen(tmp_path: Path) -> None:
-    common = ["camera", "pool", "--camera", "down", "--sun", "-6", "--pose", "0,0,-3,0,0,0", "--at", "0.05", "--out"]
+    where = ["scenario", "camera", "pool", "--camera", "down"]
+    common = [*where, "--sun", "-6", "--pose", "0,0,-3,0,0,0", "--at", "0.05", "--out"]
     assert uwsim(*common, "lit.jpg", "--lamps", "down,front", cwd=tmp_path).returncode == 0
     assert uwsim(*common, "dark.jpg", cwd=tmp_path).returncode == 0
     lit, dark = (np.asarray(Image.open(tmp_path / name)).mean() for name in ("lit.jpg", "dark.jpg"))
@@ -61,7 +63,7 @@ def test_camera_lamps_sun_and_time_can_be_chosen(tmp_path: Path) -> None:
     ],
 )
 def test_a_mistake_is_reported_in_one_line_and_nothing_is_written(words: str, message: str, tmp_path: Path) -> None:
-    assert message in error_line(uwsim("camera", "pool", *words.split(), cwd=tmp_path))
+    assert message in error_line(uwsim("scenario", "camera", "pool", *words.split(), cwd=tmp_path))
     assert not list(tmp_path.iterdir())
 
 

@@ -18,7 +18,8 @@ ELSEWHERE = {
     "figures.json of --out": ["reproduce"],
     "vision.json of --out": ["range"],
     "the file or the pictures that it writes": [
-        "sonar", "camera", "film", "exercise film", "vehicle decompose", "ros package", "scenario new", "scenario from",
+        "scenario sonar", "scenario camera", "recording film", "exercise film", "vehicle decompose",
+        "ros package", "scenario new", "scenario from",
         "scenario plan", "course new", "course world", "course bag",
         "course table", "map convert", "map merge", "map render",
         "map slice", "map build", "map from", "map film", "map waterfall",

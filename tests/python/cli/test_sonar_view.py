@@ -1,4 +1,4 @@
-"""`uwsim sonar` and its figures: echoes are drawn where they belong, and errors take one line."""
+"""`uwsim scenario sonar` and its figures: echoes are drawn where they belong, and errors take one line."""
 
 import re
 from dataclasses import replace
@@ -116,7 +116,7 @@ def test_an_error_is_named_and_leaves_no_file(tmp_path: Path, changes: dict[str,
 
 
 def test_the_command_accepts_a_pose_that_begins_with_a_minus_and_names_an_unwritable_picture(tmp_path: Path) -> None:
-    words = ("sonar", "pool", "--pose", "-3,0.5,-2.5", "--kind", "fan", "--out")
+    words = ("scenario", "sonar", "pool", "--pose", "-3,0.5,-2.5", "--kind", "fan", "--out")
     result = uwsim(*words, "fan.png", cwd=tmp_path)
     assert (result.returncode, result.stderr) == (0, "") and "fan: EM 2040" in result.stdout
     (tmp_path / "taken.png").mkdir()

@@ -53,8 +53,8 @@ def refused(folder: Path, *words: str) -> str:
         ("run.mcap", ("sweep", "s.yaml", "--again", "0", "--out", "out")),
         ("summary.json", ("fleet", "pool", "--tile", "20", "--out", "out", "--workers", "0")),
         ("compare.png", ("compare", "m.py", "--scenario", "pool", "--out", "out")),
-        ("picture.png", ("camera", "pool", "--out", "out/picture.png")),
-        ("picture.png", ("sonar", "pool", "--out", "out/picture.png")),
+        ("picture.png", ("scenario", "camera", "pool", "--out", "out/picture.png")),
+        ("picture.png", ("scenario", "sonar", "pool", "--out", "out/picture.png")),
         ("map.ply", ("map", "convert", "own.bt", "out/map.ply")),
         ("map.bt", ("map", "convert", "own.ot", "out/map.bt")),
         ("new.yaml", ("scenario", "new", "new", "--out", "out/new.yaml")),
@@ -66,7 +66,7 @@ def test_a_foreign_file_where_a_command_writes_is_kept(folder: Path, name: str, 
         world = run_survey("pool", folder / "survey", mission_time_s=1.0, report="none").occupancy
         world.write(folder / "own.bt"), world.write(folder / "own.ot")
     (folder / "out" / name).write_bytes(THEIRS)
-    if words[0] == "scenario":  # which has an option to replace any file
+    if words[:2] == ("scenario", "new"):  # which has an option to replace any file
         done = uwsim(*words, cwd=folder)
         assert done.returncode == 1 and "exists already; --force" in done.stderr
     else:

@@ -1,4 +1,4 @@
-"""`uwsim film`: a film of a recorded run, of a mission, or of a scenario's survey."""
+"""`uwsim recording film`: a film of a recorded run, of a mission, or of a scenario's survey."""
 
 from __future__ import annotations
 
@@ -9,11 +9,9 @@ import typer
 
 from uwsim.campaigns.workers.options import CampaignOptions
 from uwsim.cli.exit_codes import INTERRUPTED
-from uwsim.cli.groups import under
 from uwsim.recording.filming.options import FilmOptions
 
 
-@under("Look")
 def film(
     *,
     source: Annotated[

@@ -1,4 +1,4 @@
-"""make_film: films a recorded run, or flies a mission and films it; `uwsim film` calls it."""
+"""make_film: films a recorded run, or flies a mission and films it; `uwsim recording film` calls it."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def _encoder(out: Path, size: tuple[int, int], fps: float) -> Callable[[list[Pat
         return lambda frames: _write_webp(out, frames, fps)
     if size[0] % 2 or size[1] % 2:
         raise ValueError(f"--size {size[0]}x{size[1]}: both must be even for .mp4")
-    program = encoder_path("uwsim film")
+    program = encoder_path("uwsim recording film")
     return lambda frames: _write_mp4(program, out, frames, fps)
 
 

@@ -12,7 +12,7 @@ from uwsim.cli.bounds import readable
 from uwsim.cli.groups import with_default
 from uwsim.cli.options import AsJson, print_json
 
-app = with_default("recording", "List the contents of a recording; compare two.", "Record")
+app = with_default("recording", "List the contents of a recording; compare two; film one.", "Record")
 
 
 @app.command("info")

@@ -1,4 +1,4 @@
-"""The options of a film, which are the flags of `uwsim film` and the keywords of make_film."""
+"""The options of a film, which are the flags of `uwsim recording film` and the keywords of make_film."""
 
 from __future__ import annotations
 

@@ -50,13 +50,13 @@ class Scenario(Model):
     unless the terrain has a coordinate system. water: its surface, currents and profile. wind: over it; by default
     none. optics: optical conditions for cameras. terrain: the bed. ground: its materials. detail: `fine` lets cameras
     see the relief and patterns of fixed surfaces down to a pixel's footprint (pebbles, pits, grain), and ripples of
-    sand across the waves; no other sensor perceives them. view: from where stills show the scenario, and `uwsim camera`
-    looks unless it is given a pose; by default the start of the first vehicle. obstacles: fixed obstacles in the water.
-    cover: layers of stones, plants and animals on the bed: stones stop bodies, plants brake them. life: fish, which
-    instruments meet. water_targets: fish and bubbles, which a multibeam in physics mode receives. station: the
-    reference for distances; it has the dock. vehicles: at least one. objects: loose bodies and bodies on paths. props:
-    sets of obstacles and objects, such as a bin with its lid, each placed as one; those of a course, say. pingers:
-    sources of sound for hydrophones; sound: what else those hear.
+    sand across the waves; no other sensor perceives them. view: from where stills show the scenario, and `uwsim
+    scenario camera` looks unless it is given a pose; by default the start of the first vehicle. obstacles: fixed
+    obstacles in the water. cover: layers of stones, plants and animals on the bed: stones stop bodies, plants brake
+    them. life: fish, which instruments meet. water_targets: fish and bubbles, which a multibeam in physics mode
+    receives. station: the reference for distances; it has the dock. vehicles: at least one. objects: loose bodies and
+    bodies on paths. props: sets of obstacles and objects, such as a bin with its lid, each placed as one; those of a
+    course, say. pingers: sources of sound for hydrophones; sound: what else those hear.
     warnings: when the panel issues warnings. survey: the survey flown by `uwsim survey`. mission_time_s: battery life
     after the release of a vehicle without a `battery`, and the default time limit of a flight. link: the link between
     station and vehicles; None: messages are delivered immediately. faults: what fails, and when. wire: the topics that
