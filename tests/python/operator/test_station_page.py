@@ -8,9 +8,6 @@ import pytest
 
 from browser import desk, judge, shows, until, when
 from relay import Relay
-from uwsim.base.axes import AXES
-from uwsim.bridges import RosbridgeServer
-from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario.read.assets import assets_folder
 
@@ -76,28 +73,6 @@ def test_from_the_start_screen_to_a_map_on_disk(browser, tmp_path):
         assert not here.complaints  # no errors and no content security policy violations
         host = here.url.removeprefix("http://")
         assert all(re.match(rf"(http|ws)://{host}/|blob:|data:", url) for url in asked), asked
-
-
-def test_a_rosbridge_without_a_station_can_be_flown_and_stopped(browser, tmp_path):
-    with (
-        desk(browser, tmp_path) as here,
-        LiveSimulator("pool") as live,
-        RosbridgeServer(live, origins=[here.url]) as other,
-    ):
-        page = here.open(f"/?rosbridge={other.url}")
-        when(page, "globalThis.station?.telemetry.message")
-        page.wait_for_selector("#station:not([hidden])")
-        page.click("#dock")
-        until(lambda: live.simulator.rov.released, "the release")
-        page.keyboard.down("d")
-        until(lambda: float(live.simulator.rov.effort[AXES.index("sway")]) == -0.5, "to starboard")
-        page.keyboard.up("d")
-        until(lambda: not live.simulator.rov.effort.any(), "zero")
-        when(page, "station.views.picture('front').drawn > 0 && station.scene.store.count > 0")
-        page.keyboard.press("x")
-        until(lambda: live.rov.all_stopped, "all stop")
-        page.click("#end-stop")
-        until(lambda: not live.rov.all_stopped, "the release of all stop")
 
 
 def test_the_pilot_sees_a_failsafe_and_the_link_and_takes_the_vehicle_back(browser, tmp_path):

@@ -45,7 +45,6 @@ def _constants() -> str:
     types = {name.split("/")[-1]: name.replace("/msg/", "/") for name in TOPIC_TYPES}
     piloted = [command for command in COMMANDS.values() if command.is_piloted]
     commands = {command.name: [argument.name for argument in command.arguments] for command in piloted}
-    services = [name for name in commands if COMMANDS[name].service and COMMANDS[name].of != "simulator"]
     gauges = [
         {"name": each.name, **({"word": each.called} if each.called else {}), "unit": each.unit}
         | {"list": each.shown_in, "column": each.column}
@@ -67,7 +66,6 @@ def _constants() -> str:
             ("HOLDS", list(HOLDS), "// The arguments of the command `hold`.\n"),
             ("TYPES", types, "// The types of topics, by their last name.\n"),
             ("COMMANDS", commands, "// The arguments of each command that the pilot may give by name.\n"),
-            ("SERVICES", services, "// Those that are services of a vehicle, too.\n"),
         )
     )
 

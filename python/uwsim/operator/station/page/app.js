@@ -303,12 +303,11 @@ function showInstruction() {
 function showBanner() {
   const { connected, state, isSilent, isBlind } = station;
   const seconds = Number.isFinite(station.silence_s) ? WORDS.seconds(Math.floor(station.silence_s)) : '';
-  const left = station.isPlain ? WORDS.goesOn : WORDS.stops;
   byId('station').classList.toggle('is-blind', isBlind);
   const text = !connected
-    ? WORDS.notConnected(new URL(station.bridge.url, location.href).host, seconds, left)
+    ? WORDS.notConnected(new URL(station.bridge.url, location.href).host, seconds)
     : isSilent
-      ? WORDS.silent(seconds, station.flew, left)
+      ? WORDS.silent(seconds, station.flew)
       : state.error
         ? WORDS.stopped(state.error)
         : station.pilotSilence > 0

@@ -65,7 +65,7 @@ export class Recorder {
     const { large, largeView } = this.views;
     const name = `${this.#stem(large.replaceAll('/', '-'))}.png`;
     try {
-      if (largeView.isCamera && !this.station.isPlain) {
+      if (largeView.isCamera) {
         const answer = await fetch(this.station.href(`/snapshot/${encodeURIComponent(large)}.png`));
         if (!answer.ok) throw new Error(`${answer.status} ${await answer.text()}`.trim());
         save(await answer.blob(), name);

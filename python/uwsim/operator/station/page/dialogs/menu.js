@@ -60,10 +60,7 @@ export function showMenu(station, { keys, gamepad, edit }) {
         control: 'restart',
       }),
       item(WORDS.keys, () => leave(keys), { forAll: true, hint: '?' }),
-      ...(station.isPlain ||
-      station.description?.is_fixed ||
-      station.description?.replay ||
-      station.description?.is_supervised
+      ...(station.description?.is_fixed || station.description?.replay || station.description?.is_supervised
         ? []
         : [item(WORDS.editTheScene, () => leave(edit, true), { control: 'pause' })]),
       item(WORDS.gamepad, () => leave(gamepad), { forAll: true }),
@@ -107,7 +104,7 @@ function nameForm(station) {
     { className: 'row', onsubmit: rename },
     el('label', { htmlFor: 'pilot-name' }, WORDS.yourName),
     name,
-    el('button', { type: 'submit', disabled: station.isPlain }, WORDS.change),
+    el('button', { type: 'submit' }, WORDS.change),
   );
 }
 

@@ -25,7 +25,6 @@ export class Inspection extends EventTarget {
   notes = []; // as the server lists them
   #vehicle = '';
   #shown = ''; // the run and the number of notes shown
-  #own = ''; // this page's comment, if the server stores none
 
   constructor(station, views) {
     super();
@@ -65,7 +64,6 @@ export class Inspection extends EventTarget {
 
   begin(vehicle) {
     this.#vehicle = vehicle.name;
-    this.form.hidden = this.list.hidden = this.links.hidden = this.station.isPlain;
     this.links.replaceChildren(
       ...['csv', 'geojson'].map((kind) =>
         el(
@@ -81,7 +79,7 @@ export class Inspection extends EventTarget {
 
   // The comment currently shown in pictures.
   get shownComment() {
-    return this.station.isPlain ? this.#own : (this.station.state.comment ?? '');
+    return this.station.state.comment ?? '';
   }
 
   // Focus the field so that the pilot can type.
@@ -110,15 +108,12 @@ export class Inspection extends EventTarget {
   }
 
   async #setComment() {
-    if (this.station.isPlain) this.#own = this.comment.value;
-    else {
-      const { value: text } = this.comment;
-      const answer = await attempt(
-        request(this.station.bridge, { action: 'comment', vehicle: this.#vehicle, text }),
-        WORDS.commented,
-      );
-      if (answer) this.#show(answer);
-    }
+    const { value: text } = this.comment;
+    const answer = await attempt(
+      request(this.station.bridge, { action: 'comment', vehicle: this.#vehicle, text }),
+      WORDS.commented,
+    );
+    if (answer) this.#show(answer);
   }
 
   #submit(event, act) {
@@ -129,13 +124,13 @@ export class Inspection extends EventTarget {
 
   // Follow the state: the comment and the number of notes.
   async #look() {
-    const { state, isPilot, isPlain, isRunning } = this.station;
+    const { state, isPilot, isRunning } = this.station;
     if (document.activeElement !== this.comment && this.comment.value !== this.shownComment)
       this.comment.value = this.shownComment;
     for (const part of [this.text, this.category, this.place, this.button]) part.disabled = !isPilot;
     this.comment.disabled = this.set.disabled = !isPilot;
     const wanted = `${state.session} ${state.notes}`;
-    if (isPlain || !isRunning || state.notes === undefined || wanted === this.#shown) return;
+    if (!isRunning || state.notes === undefined || wanted === this.#shown) return;
     this.#shown = wanted;
     try {
       this.#show(await request(this.station.bridge, { action: 'list' }));

@@ -92,11 +92,6 @@ export class Rosbridge extends EventTarget {
     this.#send({ op: 'ack', topic, count });
   }
 
-  // Return whether the message was passed to an open socket. Messages are not stored for later.
-  publish(topic, msg) {
-    return this.#send({ op: 'publish', topic, msg });
-  }
-
   // Return the values of the answer. Rejects with a ServiceError that contains the server's message.
   call(service, args = {}) {
     const id = `call${(this.#count += 1)}`;

@@ -1,8 +1,6 @@
 // The station as seen by the page: the state, this page's identity, and its requests.
 import * as messages from './messages.js';
-import { PlainBackend } from './plain_backend.js';
 import { accepted, Rosbridge } from './rosbridge.js';
-import { StationBackend } from './station_backend.js';
 
 // The address of the rosbridge: this page's own server, or the one in the address bar (?rosbridge=ws://HOST:PORT).
 export function bridgeUrl(location) {
@@ -29,8 +27,6 @@ export class Station extends EventTarget {
   id = '';
   flew = false; // whether this page had the controls in the last known state
   isSilent = false; // whether nothing arrives, although the connection seems open
-  /** @type {StationBackend | PlainBackend} */
-  #backend;
   #isAsking = false;
   #formerId = '';
   #watchedMs = performance.now();
@@ -39,7 +35,7 @@ export class Station extends EventTarget {
     super();
     this.name = name;
     this.bridge = new Rosbridge(url);
-    this.#backend = new StationBackend(this.bridge, (state) => this.#update(state));
+    this.bridge.subscribe('/station/state', messages.TYPES.StationState, (state) => this.#update(state));
     this.bridge.addEventListener('open', () => this.#joined());
     this.bridge.addEventListener('close', () => {
       this.id = '';
@@ -83,11 +79,6 @@ export class Station extends EventTarget {
     return this.flew && !this.isBlind && this.id !== '' && !this.isPilot && isFree;
   }
 
-  // Whether this is a rosbridge without a station: see PlainBackend.
-  get isPlain() {
-    return this.#backend.isPlain;
-  }
-
   // True if the pilot may use a control, such as 'pause'. With an instructor, only a few are permitted.
   may(action) {
     return this.description?.controls?.includes(action) ?? true;
@@ -101,7 +92,7 @@ export class Station extends EventTarget {
 
   // Change the name shown to the other members.
   async rename(name) {
-    const { id } = await accepted(this.#backend.join(name));
+    const { id } = await accepted(messages.join(this.bridge, { name }));
     [this.name, this.id] = [name, id];
   }
 
@@ -126,26 +117,26 @@ export class Station extends EventTarget {
     return messages.handOver(this.bridge, { to });
   }
 
-  // stampMs: performance.now() when the controls were read.
-  drive(vehicle, efforts, stampMs) {
-    return this.#backend.drive(vehicle, efforts, stampMs);
+  // stamp_ms: performance.now() when the controls were read.
+  drive(vehicle, efforts, stamp_ms) {
+    return messages.drive(this.bridge, { vehicle, ...efforts, stamp_ms });
   }
 
   moveArm(request) {
-    return this.#backend.moveArm(request);
+    return messages.moveArm(this.bridge, request);
   }
 
   command(name, vehicle, args = {}) {
-    return this.#backend.command(name, vehicle, args);
+    return messages.command(this.bridge, { name, vehicle, args });
   }
 
   // Set all stop, which any page may do, or release it, which only the pilot may do.
   allStop(vehicle, on) {
-    return this.#backend.allStop(vehicle, on);
+    return messages.allStop(this.bridge, { vehicle, on });
   }
 
   control(action, args = {}) {
-    return this.#backend.control(action, args);
+    return messages.control(this.bridge, { action, ...args });
   }
 
   // The names of all current parameters.
@@ -165,16 +156,16 @@ export class Station extends EventTarget {
 
   // Change parameters by name, all or none.
   setParameters(changes) {
-    return this.#backend.setParameters(changes);
+    return this.command('set_parameters', '', { changes });
   }
 
   // Restore the scenario's values at and below a name; null restores all.
   resetParameters(name) {
-    return this.#backend.resetParameters(name);
+    return this.command('reset_parameters', '', { name });
   }
 
   setView(options) {
-    return this.#backend.setView(options);
+    return messages.setView(this.bridge, options);
   }
 
   // A path on the server of this page's simulator, such as '/map/rov.bt'.
@@ -195,14 +186,10 @@ export class Station extends EventTarget {
   async #joined() {
     this.dispatchEvent(new Event('open'));
     try {
-      this.id = (await accepted(this.#backend.join(this.name))).id;
+      this.id = (await accepted(messages.join(this.bridge, { name: this.name }))).id;
     } catch (error) {
-      if (this.isPlain || !/nobody offers/.test(error.message)) {
-        this.#report(error.message);
-        return;
-      }
-      this.#backend = new PlainBackend(this.bridge, (state) => this.#update(state));
-      this.id = (await accepted(this.#backend.join(this.name))).id;
+      this.#report(error.message);
+      return;
     }
     this.dispatchEvent(new Event('state'));
   }
@@ -235,7 +222,7 @@ export class Station extends EventTarget {
     if (this.#isAsking) return;
     this.#isAsking = true;
     try {
-      const description = await this.#backend.describe();
+      const description = await messages.describe(this.bridge);
       if (description.success) {
         const isSame = this.description?.session === description.session;
         this.description = /** @type {import('./messages.js').Description} */ (description);
