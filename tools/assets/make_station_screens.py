@@ -1,19 +1,16 @@
 """Draw the screenshots of the operator's station: docs/connections/station-start.jpg and station.jpg.
 
 They show a pilot's page in headless Chromium, next to a pipeline in the lake, after a lane over the bed has been
-mapped. Needs the development installation (tools/setup --dev). `--extra FOLDER` also writes screens for visual
-inspection: at dusk, with alarms, in the light theme and on a phone.
+mapped. Needs the development installation (tools/setup --dev).
 """
 
 from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
-import typer
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Page, sync_playwright
 
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator
@@ -69,14 +66,7 @@ def shoot(page: Page, path: Path) -> None:
     print(f"{path}: {path.stat().st_size / 1000:.0f} kB")
 
 
-def open_page(browser: Browser, url: str, **options: object) -> Page:
-    """Open a page of a running simulator."""
-    page = browser.new_page(**{"viewport": SIZE, "color_scheme": "dark", **options})  # type: ignore[arg-type]
-    page.goto(url)
-    return page
-
-
-def main(extra: Annotated[Path | None, typer.Option(help="Folder for further screens.")] = None) -> None:
+def main() -> None:
     """Draw the two screenshots."""
     station = Station(offered="lake")
     with (
@@ -84,10 +74,9 @@ def main(extra: Annotated[Path | None, typer.Option(help="Folder for further scr
         station.serving(server.show),
         sync_playwright() as playwright,
     ):
-        url = server.url.replace("ws", "http", 1)
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--enable-unsafe-swiftshader"])
-        page = open_page(browser, url)
-        page.set_viewport_size(WHOLE_START)  # type: ignore[arg-type]
+        page = browser.new_page(viewport=WHOLE_START, color_scheme="dark")  # type: ignore[arg-type]
+        page.goto(server.url.replace("ws", "http", 1))
         until(page, "document.querySelector('.preview:not([hidden]) img')?.naturalWidth")
         shoot(page, DOCS / "connections" / "station-start.jpg")
         page.set_viewport_size(SIZE)  # type: ignore[arg-type]
@@ -96,35 +85,8 @@ def main(extra: Annotated[Path | None, typer.Option(help="Folder for further scr
         live = station.present().live
         survey_a_lane(live)
         shoot(page, DOCS / "connections" / "station.jpg")
-        if extra is not None:
-            extra.mkdir(parents=True, exist_ok=True)
-            further(browser, page, url, live, extra)
         browser.close()
 
 
-def further(browser: Browser, page: Page, url: str, live: LiveSimulator, folder: Path) -> None:
-    """Take the additional screenshots that are inspected before a release."""
-    for name in ("scene", "fan", "chase"):
-        page.evaluate(f"station.views.enlarge('{name}')")
-        shoot(page, folder / f"{name}.jpg")
-    page.evaluate("station.views.enlarge('front')")
-    live.command("set_optics", sun_elevation_deg=1.0).result()
-    shoot(page, folder / "dusk.jpg")
-    place(live, -72.0, -23.6, 0.2, 22.0)  # on the bed
-    page.keyboard.down("Space")
-    shoot(page, folder / "alarm.jpg")
-    page.keyboard.up("Space")
-    live.command("set_optics", sun_elevation_deg=60.0).result()
-    place(live, *BESIDE_PIPE)
-    for name, options in {
-        "light": {"color_scheme": "light"},
-        "phone": {"viewport": {"width": 400, "height": 860}, "has_touch": True, "is_mobile": True},
-    }.items():
-        other = open_page(browser, url, **options)
-        until(other, "globalThis.station?.telemetry?.message")
-        shoot(other, folder / f"{name}.jpg")
-        other.close()
-
-
 if __name__ == "__main__":
-    typer.run(main)
+    main()

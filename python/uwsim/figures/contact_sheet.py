@@ -1,7 +1,4 @@
-"""Contact sheet: pictures of the same size laid out in rows, with thin gaps.
-
-`uwsim scenario camera` writes one; tools/assets/make_contact_sheet.py draws docs/guides/cameras.jpg with it.
-"""
+"""Contact sheet: pictures of the same size laid out in rows, with thin gaps; `uwsim scenario camera` writes one."""
 
 from __future__ import annotations
 

@@ -29,7 +29,6 @@ ELSEWHERE = {
     "makers": "needs Blue Robotics' library; test_ping.py uses it where it is there",
     "rosbridge": "needs a server; test_readme.py runs the README's, which is alike",
 }
-NOT_MADE_HERE = {"octovis.png": "a window of Debian 13's octovis"}
 HIDDEN = (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning)
 """Warning categories that Python hides by default."""
 PAGES = sorted(path.stem for path in docs_pages.PAGES if blocks(path, "python") and path.stem not in ELSEWHERE)
@@ -134,13 +133,11 @@ def test_notebooks_are_kept_with_what_their_code_gave() -> None:
     assert sum(path.stat().st_size for path in notebooks) < 2_000_000
 
 
-def test_every_picture_is_shown_and_made_by_a_command() -> None:
+def test_every_picture_is_shown() -> None:
     texts = "".join(path.read_text() for path in [*docs_pages.PAGES, DOCS.parent / "README.md"])
-    commands = (DOCS.parent / "tools" / "pictures").read_text()
     assert docs_pages.PICTURES
     for name in [path.name for path in docs_pages.PICTURES]:
         assert name in texts, name
-        assert name in commands or name in NOT_MADE_HERE, name
 
 
 def test_an_evenings_read_is_ten_functions_of_the_code_in_250_lines() -> None:
