@@ -53,7 +53,7 @@ FILES: dict[str, Callable[[Path], object]] = {
 SUFFIX = re.compile(r"(?<![\w.])\w*(\.(?:bt|ot|mcap|bag|png|csv|json|ya?ml|py|obj|tif|ply))\b")
 
 # Lines that work and end soon. SERVER marks those that end by SIGTERM.
-SERVER = frozenset({"serve", "station", "ros connect", "ros nodes", "teleop", "map view"})
+SERVER = frozenset({"serve", "station", "ros connect", "teleop", "map view"})
 BROWSING = ("station", "map view")
 BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "survey": (["pool.yaml"], {"out": "out", "mission_time_s": "2", "report": "none"}),
@@ -74,7 +74,6 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "station": (["pool.yaml"], {"port": "0"}),
     "teleop": ([], {"scenario": "pool.yaml"}),
     "ros connect": (["ws://127.0.0.1:9"], {}),
-    "ros nodes": (["octomap"], {"url": "ws://127.0.0.1:9", "patience": "0"}),
     "ros doctor": ([], {"listen": "0.1"}),
     "recording info": (["run.mcap"], {}),
     "replay": (["run.mcap"], {"until_s": "0.1"}),

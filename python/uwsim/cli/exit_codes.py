@@ -12,7 +12,7 @@ EXIT_CODES = {
     STUCK: "survey, run: the vehicle was stuck or capsized",
     INCOMPLETE: "survey, run: coverage is below --min-coverage, or a mission without a plan ended early; exercise: "
     "not passed; replay: the recording was cut off; exercise logbook: lines were left out or are not valid",
-    INTERRUPTED: "interrupted by Ctrl-C, SIGTERM or SIGHUP; serve, station and ros nodes exit with 0 instead once they "
+    INTERRUPTED: "interrupted by Ctrl-C, SIGTERM or SIGHUP; serve and station exit with 0 instead once they "
     "are running",
 }
 """The meaning of each code; USAGE is typer's."""

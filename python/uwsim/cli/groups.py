@@ -30,7 +30,6 @@ GONE = {
     "link": "scenario link",
     "rays": "scenario rays",
     "connect": "ros connect",
-    "nodes": "ros nodes",
     "doctor": "ros doctor",
     "diff": "recording diff",
     "tune": "vehicle tune",

@@ -5,7 +5,6 @@ import logging
 import math
 import re
 import subprocess
-import threading
 from collections.abc import Iterator
 from typing import Any
 
@@ -16,8 +15,6 @@ import pytest
 from ros1_tools import PYTHON
 from strict_rosbridge import StrictRosbridge, strict_rosbridge
 from uwsim.bridges import RosbridgeClient
-from uwsim.bridges.nodes.chain import NODES
-from uwsim.bridges.nodes.node import Node
 from uwsim.bridges.rosbridge.encoding import publication
 from uwsim.channels import Channel, Table
 from uwsim.channels.ros import build
@@ -151,43 +148,6 @@ def test_refused_messages_are_reported_at_once_and_counted_and_not_sent_for_ever
     (first,) = [line for line in caplog.messages if "a message on /scan is refused" in line]
     assert "does not have a field scan.ranges" in first
     assert f"has refused {refused} messages, on /scan" in caplog.messages[-1]
-
-
-def test_the_chain_of_nodes_needs_no_package_that_ros_lacks(any_server: StrictRosbridge, tmp_path: Any) -> None:
-    server = any_server
-    nodes = {name: Node(server.url) for name in NODES}
-    reports: list[str] = []
-    stopping = threading.Event()
-    threads = []
-    for name in reversed(NODES):
-        node = nodes[name]
-        node.complain = reports.append
-        NODES[name](node, tmp_path / "map.bt")
-        assert node.settle() == ""
-        assert node.ros == server.ros
-        node.follow_refusals()
-        threads.append(threading.Thread(target=node.spin, args=(stopping.is_set,)))
-        threads[-1].start()
-    sim = Simulator("pool")
-    table = {channel.name: channel for channel in Table(sim, wire="both").channels}
-    vehicle = Node(server.url)
-    for name in ("clock", "propPos", "scanPos", "depthArray"):
-        vehicle.advertise(name, table[name].type)(table[name].read(sim))
-    server.wait(lambda: "octomap_node/inserted" in server.published)
-    stopping.set()
-    for thread in threads:
-        thread.join()
-    vehicle.close()
-    for node in nodes.values():
-        node.finish()
-        node.close()
-    assert (
-        not reports
-        and not any("rosapi" not in line for line in server.refused)
-        and not any(node.is_refused for node in nodes.values())
-    )
-    assert server.types["decodedDepth"] == "std_msgs/Float32MultiArray"
-    assert (tmp_path / "map.bt").stat().st_size > 200
 
 
 LIBRARY = """

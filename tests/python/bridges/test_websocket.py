@@ -17,9 +17,9 @@ def test_a_node_speaks_through_encryption(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setenv("SSL_CERT_FILE", str(certfile))
     before = threading.active_count()
     with RosbridgeServer(None, certfile=certfile, keyfile=keyfile) as server:
-        node = Node(f"wss://localhost:{server.port}")
+        node = Node(f"wss://localhost:{server.port}", queue=10)
         assert [thread.name for thread in threading.enumerate()].count("uwsim-websocket") == 1
-        node.settle()
+        assert node.ask("/rosapi/get_time")["result"]
         node.close()
     assert threading.active_count() == before
 

@@ -25,7 +25,7 @@ ELSEWHERE = {
         "map slice", "map build", "map from", "map film", "map waterfall",
     ],
     "a server or a vehicle, until Ctrl-C": [
-        "serve", "station", "teleop", "ardusub", "ros connect", "ros nodes", "map view",
+        "serve", "station", "teleop", "ardusub", "ros connect", "map view",
     ],
     "it prints nothing but JSON": ["scenario schema"],
     "only subcommands": ["course", "ros", "scenario", "map", "bench"],

@@ -9,18 +9,7 @@ import pytest
 from PIL import Image
 
 from command_line import error_line, uwsim
-from uwsim.evidence.reproduce import (
-    drawn_graphs,
-    movement_and_ray,
-    mown_map,
-    node_map,
-    paper,
-    running_system,
-    scenes,
-    screens,
-    sonar,
-)
-from uwsim.evidence.reproduce.running_system import Edge, Link
+from uwsim.evidence.reproduce import graphs, movement_and_ray, mown_map, paper, scenes, screens, sonar
 from uwsim.scenario import load
 from uwsim.simulator.simulator import Simulator
 
@@ -36,53 +25,27 @@ def picture(path):
     return pixels
 
 
-def test_what_a_running_system_tells_is_the_published_tree_and_chain(tmp_path):
-    with running_system.running(tmp_path / "nodes.bt") as (published, standard):
-        tree = {(link.parent, link.child) for link in running_system.transforms(published)}
-        edges = {(edge.publisher, edge.topic, edge.subscriber) for edge in running_system.connections(published)}
-        full = {link.child: link for link in running_system.transforms(standard)}
-    assert tree == {("odom", "base_footprint"), ("base_footprint", "base_scan")}
-    assert edges >= {
-        ("simulator", "depthArray", "string_decoder"), ("string_decoder", "decodedDepth", "scan_publisher"),
-        ("scan_publisher", "scan", "laser_to_cloud"), ("laser_to_cloud", "laserPointCloud", "octomap"),
-        ("simulator", "propPos", "tf_broadcaster"), ("tf_broadcaster", "tf", "octomap"),
-        ("simulator", "stateData", "parameter_decoder"), ("key_publisher", "key", "simulator"),
+def test_the_transform_tree_has_the_published_frames_and_the_standard_topics(sim, tmp_path):
+    rows = graphs.transform_tree(sim, tmp_path / "tree.png").rows
+    assert [row[1:] for row in rows if row[0] == "published"] == [
+        ("odom", "base_footprint", 50.0), ("base_footprint", "base_scan", 50.0)
+    ]  # fmt: skip
+    assert {("standard", "odom", "base_footprint", 50.0), ("standard", "map", "odom", "static")} <= {*rows}
+    assert picture(tmp_path / "tree.png").std() > 10
+
+
+def test_the_node_map_joins_the_simulator_to_the_published_chain(sim, tmp_path):
+    rows = {*graphs.node_map(sim, tmp_path / "map.png").rows}
+    assert rows >= {
+        ("simulator", "depthArray", "stringDecoder"), ("stringDecoder", "decodedDepth", "Laser_Scan_Publisher"),
+        ("Laser_Scan_Publisher", "scan", "laser2PointCloud"), ("laser2PointCloud", "laserPointCloud", "octomap_server"),
+        ("simulator", "propPos", "AUV_Pose_Broadcaster"), ("AUV_Pose_Broadcaster", "tf", "octomap_server"),
+        ("simulator", "stateData", "paraPublisher"), ("LawnMower", "key", "simulator"),
     }  # fmt: skip
-    unread = {topic for publisher, topic, subscriber in edges if publisher == "simulator" and not subscriber}
-    assert unread == {"hFOV", "proximitySensor", "image/compressed", "images/compressed"}
-    assert full["odom"].rate_hz == 0.0  # static transform
-    assert full["base_footprint"].rate_hz == pytest.approx(50.0, rel=0.05)
-
-
-def test_trees_and_node_maps_are_drawn_with_all_that_they_hold(tmp_path):
-    links = [Link("odom", "base_footprint", 50.0), Link("base_footprint", "base_scan", 50.0)]
-    figure = drawn_graphs.transform_tree(links, links, tmp_path / "tree.png")
-    assert [row[2] for row in figure.rows] == 2 * ["base_footprint", "base_scan"]
-    assert picture(tmp_path / "tree.png").max() > 100
-
-
-def test_on_the_node_map_no_line_crosses_the_box_of_a_name(tmp_path):
-    edges = [
-        Edge("simulator", "depthArray", "b"),
-        Edge("simulator", "modelTrigger", "c"),
-        Edge("b", "two", "c"),
-        Edge("keyboard", "key", "simulator"),
-        Edge("simulator", "hFOV", ""),
-    ]
-    vertices = node_map.layered(edges)
-    node_map.arrange(vertices)
-    columns = {vertex.name: vertex.column for vertex in vertices if vertex.name}
-    assert columns["sonar"] < columns["depthArray"] < columns["b"] < columns["two"] < columns["c"]
-    assert columns["force control"] < columns["key"] < columns["keyboard"]
-    for start in vertices:  # each line has a slot of its own in every column that it passes
-        assert all(end.column == start.column + 1 for end in start.after)
-        assert all(
-            abs(start.y - other.y) >= 0.999 for other in vertices if other is not start and other.column == start.column
-        )
-    rows = node_map.node_map(edges, tmp_path / "map.png").rows
-    assert ("simulator: sonar", "hFOV", "none") in rows and ("keyboard", "key", "simulator: force control") in rows
-    with pytest.raises(ValueError, match="loop"):
-        node_map.layered([Edge("a", "one", "b"), Edge("b", "two", "a")])
+    assert {topic for _, topic, reader in rows if reader == "none"} == {
+        "image/compressed", "images/compressed", "rovParameters", "octomap_binary"
+    }  # fmt: skip
+    assert picture(tmp_path / "map.png").std() > 10
 
 
 def test_what_lies_under_water_is_seen_nearer_to_the_eye_by_the_law_of_refraction():

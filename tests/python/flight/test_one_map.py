@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -12,16 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from uwsim import fly, recording
-from uwsim.bridges.nodes.chain import decode, to_cloud, to_scan, to_transform
-from uwsim.bridges.nodes.map_builder import CHAIN, MapBuilder
 from uwsim.bridges.remote.sonar import RemotePing
 from uwsim.channels import Table
 from uwsim.channels.families.map import binary
 from uwsim.channels.families.pings import TakenPing
-from uwsim.channels.ros import build
 from uwsim.flight.survey import fly_survey
 from uwsim.flight.vehicle_chain import chain_of, filters_outliers
 from uwsim.link.ashore import placed_points
@@ -91,17 +86,18 @@ def made(folder: Path, setting: str) -> Made:
             flown = [len(inserted(chain, each)) for each in taken]
     maps["recording"] = live_map(run)[0]
     heard = {topic: [each.message for each in run.messages(topic)] for topic in TOPICS}
-    maps["nodes"] = by_nodes(heard["depthArray"], taken)
-    maps["ashore"], maps["remote"] = OccupancyMap(voxel), OccupancyMap(voxel)
+    for name in ("nodes", "ashore", "remote"):
+        maps[name] = OccupancyMap(voxel)
     ashore = [placed_points(each) for each in heard["placed_ping"]]
     remote = [by_remote(scan, each) for scan, each in zip(heard["scan"], taken, strict=True)]
-    for name, scans in (("ashore", ashore), ("remote", remote)):
+    nodes = [by_nodes(text, each) for text, each in zip(heard["depthArray"], taken, strict=True)]
+    for name, scans in (("nodes", nodes), ("ashore", ashore), ("remote", remote)):
         for points_m, origin_m in scans:
             maps[name].insert_scan(points_m, origin_m)
     echoes = {
         "flight": flown,
         "cloud": [each.width for each in heard["laserPointCloud"]],
-        "nodes": [int(np.isfinite(decode(each, 2).data).sum()) for each in heard["depthArray"]],
+        "nodes": [len(points_m) for points_m, _ in nodes],
         "ashore": [len(points_m) for points_m, _ in ashore],
         "remote": [len(points_m) for points_m, _ in remote],
     }
@@ -120,17 +116,10 @@ def inserted(chain: PingToMap, taken: TakenPing) -> NDArray[np.float32]:
     return chain.insert(taken.ping.ranges_m, *poses, time_s, taken.deviation_m)
 
 
-def by_nodes(texts: Iterable[Any], pings: Iterable[TakenPing]) -> OccupancyMap:
-    builder = MapBuilder()
-    for text, taken in zip(texts, pings, strict=True):
-        stamp = build.header(taken.ping.time_ns, "").stamp
-        sonar = np.linalg.inv(taken.odom_from_body) @ taken.odom_from_sonar
-        for matrix, link in ((taken.odom_from_body, CHAIN[0]), (sonar, CHAIN[1])):
-            pose = build.pose(matrix[:3, 3], Rotation.from_matrix(matrix[:3, :3]).as_quat())
-            builder.add_transforms(to_transform(pose, stamp, *link))
-        builder.add_cloud(to_cloud(to_scan(decode(text, 2), 2, stamp), 2))
-        assert builder.insert_ready() == 1
-    return builder.map
+def by_nodes(text: Any, taken: TakenPing) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Return a depth string's echoes in odom, as the published nodes compute them, and the sonar's position."""
+    points = ranging.to_point_cloud(ranging.to_laser_scan(ranging.decode_depth_string(text.data, 2), 2))
+    return ranging.transform_points(points, taken.odom_from_sonar), taken.odom_from_sonar[:3, 3]
 
 
 def by_remote(scan: Any, taken: TakenPing) -> tuple[NDArray[np.float32], NDArray[np.float64]]:

@@ -86,11 +86,6 @@ class WebSocket:
             asyncio.run_coroutine_threadsafe(self._close(), self._loop).result()
             self._end()
 
-    def abort(self) -> None:
-        """End the connection without waiting: calls in progress raise ConnectionClosed. May be called by a signal."""
-        if self._loop.is_running():
-            self._loop.call_soon_threadsafe(self._connection.transport.abort)
-
     def _begin(self, work: Coroutine[object, object, Result]) -> Future[Result]:
         with self._lock:
             if not self._is_open:

@@ -12,21 +12,20 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from uwsim import _core
-from uwsim.bridges.nodes.chain import decode, to_cloud, to_scan, to_transform
-from uwsim.bridges.nodes.map_builder import VOXEL_M, MapBuilder
 from uwsim.channels import channels
 from uwsim.channels.ros import build
 from uwsim.channels.table import ORIGINS
 from uwsim.evidence.reproduce.figure import Figure
 from uwsim.figures.truth_and_map import draw_truth_and_map, render_truth_and_map
 from uwsim.live import LiveSimulator
-from uwsim.mapping import ranging
+from uwsim.mapping import OccupancyMap, ranging
 from uwsim.missions.published_mower import BEAMS, FULL_AHEAD, Key, Seen, published_mower
 
 CONTROL_S = 0.1
 FALL_S = 5.0  # the published node's wait after the release
 LONGEST_S = 2000.0
 MAPPED_M = 0.5
+VOXEL_M, REACH_M = 0.2, 95.0  # of the published octomap
 ORIGIN_M = np.array(ORIGINS["published"])  # of the world, in odom
 
 
@@ -37,7 +36,7 @@ class Flight:
         self._live = live
         self._table = {c.name: c for c in channels(live.simulator, wire="published", origin="published")}
         self._last_ping = ""
-        self.builder = MapBuilder("bricks")  # the same bytes
+        self.map, self.pings = OccupancyMap(VOXEL_M, on_outside="count"), 0
         self.track_m: list[tuple[float, float, float]] = []
 
     def fly(self) -> list[Key]:
@@ -59,7 +58,8 @@ class Flight:
         pose, text = self._read("propPos"), self._read("depthArray").data
         ranges = ranging.decode_depth_string(text, 2)
         if text != self._last_ping:
-            self._insert(pose, text)
+            self._last_ping = text
+            self._insert(pose, ranges)
         turn = pose.orientation
         yaw_rad = float(Rotation.from_quat([turn.x, turn.y, turn.z, turn.w]).as_euler("ZYX")[0])
         position = pose.position.x, pose.position.y, pose.position.z
@@ -67,16 +67,22 @@ class Flight:
         first, middle, last = (float(ranges[beam]) for beam in BEAMS)
         return Seen(position, yaw_rad, (first, middle, last), float(self._read("proximitySensor").data))
 
-    def _insert(self, pose: Any, text: str) -> None:
-        self._last_ping = text
-        stamp, model = build.time(self._live.simulator.time_ns), 2
-        self.builder.add_transforms(to_transform(pose, stamp, "odom", "base_footprint"))
-        self.builder.add_transforms(to_transform(self._read("scanPos"), stamp, "base_footprint", "base_scan"))
-        self.builder.add_cloud(to_cloud(to_scan(decode(self._read("depthArray"), model), model, stamp), model))
-        self.builder.insert_ready()
+    def _insert(self, pose: Any, ranges_m: NDArray[np.float32]) -> None:
+        """Insert a ping as the published nodes do, at odom -> base_footprint -> base_scan."""
+        odom_from_scan = _matrix(pose) @ _matrix(self._read("scanPos"))
+        points_m = ranging.to_point_cloud(ranging.to_laser_scan(ranges_m, 2))
+        self.map.insert_scan(ranging.transform_points(points_m, odom_from_scan), odom_from_scan[:3, 3], REACH_M)
+        self.pings += 1
 
     def _read(self, topic: str) -> Any:
         return self._table[topic].read(self._live.simulator)
+
+
+def _matrix(pose: Any) -> NDArray[np.float64]:
+    matrix, turn = np.eye(4), pose.orientation
+    matrix[:3, :3] = Rotation.from_quat([turn.x, turn.y, turn.z, turn.w]).as_matrix()
+    matrix[:3, 3] = pose.position.x, pose.position.y, pose.position.z
+    return matrix
 
 
 def bed_share(
@@ -101,8 +107,8 @@ def mown_map(path: Path, map_file: Path) -> Figure:
         flight = Flight(live)
         keys = flight.fly()
         seconds, collisions = live.simulator.time_s, live.rov.collisions
-        flight.builder.write(map_file)
-        track, voxels = np.array(flight.track_m), flight.builder.map.occupied_voxels()
+        flight.map.write(map_file)
+        track, voxels = np.array(flight.track_m), flight.map.occupied_voxels()
         sim, track_m, voxels_m = live.simulator, track - ORIGIN_M, voxels - ORIGIN_M
         mapped = bed_share(sim.world, track_m, voxels_m, live.rov.sonar.model.range_max_m)
         low, high = np.quantile(voxels_m[:, :2], (0.01, 0.99), axis=0)
@@ -118,7 +124,7 @@ def mown_map(path: Path, map_file: Path) -> Figure:
         "The true terrain beside the OctoMap that the published lawn-mower leaves, in one view with the same colours "
         "by height.",
         "Theirs shows another terrain, which may not be copied; in its frame the surface is at z = 75.3 m.",
-        values={"simulated_s": round(seconds, 1), "lanes": lanes, "pings": flight.builder.inserted,
+        values={"simulated_s": round(seconds, 1), "lanes": lanes, "pings": flight.pings,
                 "path_m": round(length_m, 1), "collisions": collisions,
                 "least_depth_m": round(float(depth_m.min()), 2), "greatest_depth_m": round(float(depth_m.max()), 2),
                 "occupied_voxels": len(voxels), "voxel_m": VOXEL_M, "bed_mapped_percent": round(100.0 * mapped, 1)},

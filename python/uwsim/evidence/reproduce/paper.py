@@ -12,16 +12,7 @@ from typing import Any
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.folder_lock import alone_in
-from uwsim.evidence.reproduce import (
-    drawn_graphs,
-    movement_and_ray,
-    mown_map,
-    node_map,
-    running_system,
-    scenes,
-    screens,
-    sonar,
-)
+from uwsim.evidence.reproduce import graphs, movement_and_ray, mown_map, scenes, screens, sonar
 from uwsim.evidence.reproduce.figure import PAPER, Figure
 from uwsim.figures.html_page import data_uri, filled_page
 from uwsim.scenario import Scenario, load
@@ -34,7 +25,7 @@ def reproduce_paper(out: Path, progress: Callable[[str], object] = lambda text: 
     """Write Figs. 1 to 12 as fig01.png to fig12.png, figures.json with their values, and index.html. Raises OSError.
 
     progress: called with a one-line message about each finished file. Pictures and values are the same in every run,
-    except for the rates in Fig. 10 and the screens, which come from a live simulator (see `screens`).
+    except for the screens, which come from a live simulator (see `screens`).
     """
     out.mkdir(parents=True, exist_ok=True)
     with alone_in(out):
@@ -80,11 +71,8 @@ def draw(subject: Subject, out: Path, add: Callable[[Figure], object]) -> None:
     """Draw the figures that show a world, all but the table of Fig. 8 and the map of Fig. 12, into a folder."""
     cameras = {"overview": scenes.OVERVIEW, "beside": sonar.BESIDE}
     sim = Simulator(scenes.with_cameras(subject.scenario, **cameras))
-    with running_system.running(out / "nodes.bt", subject.scenario) as (published, standard):
-        trees = running_system.transforms(published), running_system.transforms(standard)
-        edges = running_system.connections(published)
-    add(drawn_graphs.transform_tree(*trees, out / "fig10.png"))
-    add(node_map.node_map(edges, out / "fig11.png"))
+    add(graphs.transform_tree(sim, out / "fig10.png"))
+    add(graphs.node_map(sim, out / "fig11.png"))
     add(scenes.overview(sim, out / "fig01.png"))
     add(scenes.scene(sim, out / "fig02.png", subject.before_the_gate))
     add(movement_and_ray.movements(sim, out / "fig03.png", subject.size))
