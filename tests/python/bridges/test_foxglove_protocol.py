@@ -26,8 +26,8 @@ from ros2_tools import PATIENCE_S, until
 from uwsim.bridges.foxglove import FoxgloveServer, outbox, protocol, session
 from uwsim.bridges.foxglove.outbox import Outbox, Room
 from uwsim.bridges.foxglove.protocol import Call, Offer
+from uwsim.bridges.foxglove.protocol import described as described_parameter
 from uwsim.bridges.foxglove.session import Session
-from uwsim.bridges.live_parameters import described as described_parameter
 from uwsim.bridges.playback.feed import PlayedFeed
 from uwsim.channels import Channel, Service, Table
 from uwsim.live import LiveSimulator

@@ -35,7 +35,7 @@ def test_rosapi_reads_and_sets_them_and_keeps_a_store_beside(client: ClientConne
     assert call(client, "/rosapi/get_param", name=name) == (True, {"value": "29.4"})
     assert call(client, "/rosapi/set_param", name=name, value="44.5")[0] is True
     assert live.simulator.parameters["rov.drag.linear.surge"] == 44.5
-    assert list(live.log)[-1].arguments == {"name": "rov.drag.linear.surge", "value": 44.5}
+    assert list(live.log)[-1].arguments == {"changes": {"rov.drag.linear.surge": 44.5}}
     drag = json.loads(call(client, "/rosapi/get_param", name="/rov/drag/linear")[1]["value"])
     assert drag[0] == 44.5
     refused = call(client, "/rosapi/set_param", name=name, value="-1")

@@ -147,7 +147,7 @@ def test_a_parameter_is_set_by_a_message_and_an_unknown_one_is_refused(other, he
         other.say("set_parameter", build.message("rcl_interfaces/msg/Parameter", name=name, value=value))
     assert "/set_parameter: rov.drag.linear.surge = 44.5" in heard("surgee")
     assert live.simulator.parameters["rov.drag.linear.surge"] == 44.5
-    assert "set_parameter" in {entry.name for entry in live.log}
+    assert "set_parameters" in {entry.name for entry in live.log}
 
 
 def test_parameter_values_of_every_type_are_read():

@@ -12,7 +12,7 @@ from uwsim.channels import Table
 from uwsim.channels.families.covariance import variance
 from uwsim.channels.ros.message_types import fields
 
-TOUCHES, ARROW = "the vehicle touches nothing", "an arrow from the origin; see test_forces.py"
+TOUCHES = "the vehicle touches nothing"
 ABSENT, IDLE, LINK = "there is none", "not in this run", "this scenario has no link"
 PANEL = "of a vehicle without trouble"
 REASONS = {
@@ -48,20 +48,6 @@ REASONS = {
     "Range.field_of_view": "one ray", "Range.min_range": "from the sensor",
     "Forces.contact_forces": TOUCHES, "Forces.contact_others": TOUCHES, "Forces.contact_points": TOUCHES,
     "Forces.contact_links": TOUCHES, "Forces.contact_other_links": TOUCHES,
-    **{f"MarkerArray.markers.{name}": ARROW for name in (
-        "colors", "frame_locked", "lifetime.nanosec", "lifetime.sec", "mesh_file.data", "mesh_file.filename",
-        "mesh_resource", "mesh_use_embedded_materials", "points", "pose.orientation.x", "pose.orientation.y",
-        "pose.orientation.z", "pose.position.x", "pose.position.y", "pose.position.z", "text", "texture.data",
-        "texture.format", "texture.header.frame_id", "texture.header.stamp.nanosec", "texture.header.stamp.sec",
-        "texture_resource", "type", "uv_coordinates",
-    )},
-    **{f"Marker.{name}": "triangles in the vehicle's frame" for name in (
-        "action", "frame_locked", "id", "lifetime.nanosec", "lifetime.sec", "mesh_file.data", "mesh_file.filename",
-        "mesh_resource", "mesh_use_embedded_materials", "pose.orientation.x", "pose.orientation.y",
-        "pose.orientation.z", "pose.position.x", "pose.position.y", "pose.position.z", "text", "texture.data",
-        "texture.format", "texture.header.frame_id", "texture.header.stamp.nanosec", "texture.header.stamp.sec",
-        "texture_resource", "uv_coordinates",
-    )},
     "Telemetry.alarms": PANEL, "Telemetry.collision_warning": PANEL, "Telemetry.collisions": PANEL,
     "Telemetry.failsafe": PANEL, "Telemetry.failsafe_cause": PANEL, "Telemetry.range_warning": PANEL,
     "Telemetry.holds": IDLE, "Telemetry.hold_targets": IDLE, "Telemetry.hold_note": IDLE,  # see test_holds.py

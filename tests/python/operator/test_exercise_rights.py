@@ -13,9 +13,9 @@ from browser import until
 from station_pages import page, serving
 from uwsim.bridges.actions import actions_of
 from uwsim.bridges.bridge import Bridge
-from uwsim.bridges.live_parameters import Parameters
-from uwsim.bridges.ros2.parameter_topic import parameter_channel
+from uwsim.bridges.ros2.parameters import parameter_channel
 from uwsim.bridges.rosbridge.parameters import Parameters as RosbridgeParameters
+from uwsim.channels.calls.parameter_table import ParameterTable
 from uwsim.channels.calls.rcl_parameters import rcl_parameter_services
 from uwsim.channels.ros import build
 from uwsim.exercises import load_exercise
@@ -97,7 +97,7 @@ def test_every_door_to_the_world_is_closed(exercise):
     with pytest.raises(ValueError, match=CLOSED):
         RosbridgeParameters({}, lambda: live).set_json("mission_time_s", "9")
     with pytest.raises(ValueError, match=CLOSED):
-        Parameters(live, lambda name, arguments: None).set({"mission_time_s": 9.0}, lambda error: None)
+        ParameterTable(live).set({"mission_time_s": 9.0})
     assert {name for name, command in COMMANDS.items() if command.changes_world} == set(VALUES)
     for name, arguments in VALUES.items():
         with pytest.raises(ValueError, match=CLOSED):

@@ -10,7 +10,6 @@ from scipy.spatial.transform import Rotation
 from test_forces import puddle
 from test_loose_bodies import body, site
 from uwsim import Simulator
-from uwsim.channels import Table
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.spec.vehicle import load_vehicle
 
@@ -94,19 +93,6 @@ def test_in_waves_the_wet_part_lies_below_the_surface_and_pushes_like_the_volume
         assert np.linalg.norm(pushed - buoyancy) < tolerance * np.linalg.norm(buoyancy)
     sim.rov.place([0.0, 0.0, -3.0])
     assert sim.rov.wet_triangles().area_m2 == pytest.approx(hull_m2, rel=1e-12)
-
-
-def test_a_channel_draws_them_on_request_and_nothing_in_the_air() -> None:
-    sim = puddle()
-    sim.rov.place([0.0, 0.0, 0.0])
-    (channel,) = [channel for channel in Table(sim).channels if channel.name == "wet_triangles"]
-    marker, wet = channel.read(sim), sim.rov.wet_triangles()
-    corners = np.array([(point.x, point.y, point.z) for point in marker.points])
-    np.testing.assert_array_equal(corners, wet.corners_body_m.reshape(-1, 3))
-    assert len(marker.colors) == len(corners) and marker.type == 11 and channel.delivery.on_request
-    sim.rov.place([0.0, 0.0, 3.0])
-    assert channel.read(sim).action == 2 and not len(sim.rov.wet_triangles())
-    assert "wet_triangles" not in {channel.name for channel in Table(sim, truth=False).channels}, "they are the truth"
 
 
 def test_paper_buoyant_floats_by_its_wet_triangles_and_rights_itself() -> None:

@@ -149,3 +149,15 @@ def _schema_text(offer: Offer) -> str:
     if offer.schema_encoding in BINARY_SCHEMAS:
         return b64encode(offer.schema).decode()
     return offer.schema.decode()
+
+
+def described(name: str, value: Any) -> dict[str, Any]:
+    """Return a parameter in the protocol's format, without a value if it has none."""
+    if value is None:
+        return {"name": name}
+    kind: dict[str, str] = {}
+    if isinstance(value, float):
+        kind = {"type": "float64"}
+    elif isinstance(value, list | tuple) and value and all(isinstance(part, float) for part in value):
+        kind = {"type": "float64_array"}
+    return {"name": name, "value": value, **kind}

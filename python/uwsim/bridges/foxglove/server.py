@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
+from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +22,8 @@ from uwsim.bridges.foxglove.outbox import Outbox, Room
 from uwsim.bridges.foxglove.protocol import Call
 from uwsim.bridges.foxglove.session import Session
 from uwsim.bridges.foxglove.shows import shows_of
-from uwsim.bridges.live_parameters import Parameters
 from uwsim.channels import Channel, Service
+from uwsim.channels.calls.parameter_table import ParameterTable
 from uwsim.channels.delivery.feed import Reading, Readings
 from uwsim.channels.delivery.outgoing import Outgoing
 from uwsim.channels.ros.message_cost import Meter
@@ -94,15 +94,15 @@ class FoxgloveServer(Bridge):
         self._offers.complete(shows_of(live, channels, self.feed, self._outgoing, self._offers.send, origin_m))
         self._greeting = self._greet()
         self._end_clock: Callable[[], None] = lambda: None
-        self._parameters: Parameters | None = None
+        self._parameters: ParameterTable | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         try:
             self._listener.start()
             self.start_updates()
             self._end_clock = self.feed.listen_time(TIME_S, self._send_time)
             if live is not None:
-                self._parameters = Parameters(live, lambda name, arguments: self._notice_parameters())
-                self._parameters.open()
+                self._parameters = ParameterTable(live)
+                self._parameters.listen(lambda command, arguments: self._notice_parameters())
         except (OSError, RuntimeError):
             self.close()
             raise
@@ -183,7 +183,7 @@ class FoxgloveServer(Bridge):
         self.call(service, protocol.read_json(call.data), done)
 
     @property
-    def parameters(self) -> Parameters:
+    def parameters(self) -> ParameterTable:
         """The simulator's parameters. Raises ValueError if there is only a recording."""
         if self._parameters is None:
             raise ValueError("parameters: there is no simulator, only a recording")
@@ -191,7 +191,13 @@ class FoxgloveServer(Bridge):
 
     def set_parameters(self, changes: Mapping[str, Any], done: Callable[[str | None], object]) -> None:
         """Set parameters; `done` is called later with the error, if any. Raises ValueError or NotRunningError."""
-        self.parameters.set(changes, partial(post, asyncio.get_running_loop(), done))
+        loop = asyncio.get_running_loop()
+
+        def finish(order: Future[Any]) -> None:
+            error = None if order.cancelled() else order.exception()
+            post(loop, done, None if error is None else str(error))
+
+        self.parameters.set(changes).add_done_callback(finish)
 
     def _notice_parameters(self) -> None:
         """Have each session report changes, from the simulator's thread."""

@@ -11,8 +11,8 @@ from uwsim.bridges.doors.conversation import Frame
 from uwsim.bridges.foxglove import protocol
 from uwsim.bridges.foxglove.outbox import Outbox
 from uwsim.bridges.foxglove.protocol import Call
-from uwsim.bridges.live_parameters import UNSET, Parameters, described
 from uwsim.channels import Channel
+from uwsim.channels.calls.parameter_table import UNSET, ParameterTable
 
 LISTS_MAX = 1000  # entries in a list in one frame, and channels advertised by one client
 TEXT_BYTES_MAX = 1 << 17  # size limit of a JSON frame: the app's lists, including schemas, take about 10 kB
@@ -30,7 +30,7 @@ class Served(Protocol):
     inputs: dict[str, Channel]
 
     @property
-    def parameters(self) -> Parameters:
+    def parameters(self) -> ParameterTable:
         """The simulator's parameters."""
 
     @property
@@ -206,7 +206,7 @@ class Session:
     def _get_parameters(self, operation: dict[str, Any]) -> None:
         names = _names(operation)
         self._send_parameters(names, _request_id(operation))
-        for name in self._server.parameters.unknown(names)[:MISTAKES_SHOWN]:
+        for name in [name for name in names if name not in self._server.parameters.own][:MISTAKES_SHOWN]:
             self.complain(f"parameter '{name}': no parameter has this name")
 
     def _set_parameters(self, operation: dict[str, Any]) -> None:
@@ -242,11 +242,11 @@ class Session:
         changed = {name: value for name, value in now.items() if value != self._watched[name]}
         if changed:
             self._watched |= changed
-            self.outbox.reply(protocol.parameter_values([described(*one) for one in changed.items()]))
+            self.outbox.reply(protocol.parameter_values([protocol.described(*one) for one in changed.items()]))
 
     def _send_parameters(self, names: list[str], request: str | None) -> None:
         values = self._server.parameters.values(names)
-        self.outbox.reply(protocol.parameter_values([described(*one) for one in values.items()], request))
+        self.outbox.reply(protocol.parameter_values([protocol.described(*one) for one in values.items()], request))
 
     _requests: ClassVar[dict[str, Callable[[Session, dict[str, Any]], None]]] = {
         "getParameters": _get_parameters,

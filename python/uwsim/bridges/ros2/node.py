@@ -13,8 +13,7 @@ from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.ros2.action_server import ActionServer
 from uwsim.bridges.ros2.graph import dds_name
 from uwsim.bridges.ros2.lossy_readers import LossyReaders
-from uwsim.bridges.ros2.parameter_events import EVENTS, EVENTS_DEPTH, EVENTS_TOPIC, ParameterEvents
-from uwsim.bridges.ros2.parameter_topic import parameter_channel
+from uwsim.bridges.ros2.parameters import EVENTS, EVENTS_DEPTH, EVENTS_TOPIC, ParameterEvents, parameter_channel
 from uwsim.bridges.ros2.rosout import LOG, LOG_DEPTH, LOG_TOPIC, WARN, log_message
 from uwsim.bridges.ros2.service_topics import service_channels
 from uwsim.bridges.ros2.settings import Ros2Settings, need_middleware
@@ -156,7 +155,6 @@ class Ros2Node(Bridge):
                 self._report(WARN, f"/{service.name}: only by a topic: its type {service.type} is not defined")
         publish = self._publisher(EVENTS_TOPIC, EVENTS, EVENTS_DEPTH, latched=False)
         self._parameter_events = ParameterEvents(live, f"/{self.name}", publish)
-        self._parameter_events.open()
 
     def _act(self, live: LiveSimulator, actions: Sequence[Offered]) -> None:
         """Offer the actions whose types exist in the distribution."""

@@ -10,8 +10,8 @@ from typing import Any
 
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.parse import parse_value
+from uwsim.channels.calls.parameter_table import ParameterTable
 from uwsim.live import LiveSimulator
-from uwsim.simulator.parameters import Parameters as SimulatorParameters
 
 MOST = 10_000
 LONGEST = 100_000  # maximum length of a value in JSON
@@ -40,26 +40,26 @@ class Parameters:
 
     def names(self) -> list[str]:
         """Return all names, sorted."""
-        own = self._simulators()
-        return sorted([*{**self._described(), **self._values}, *(name.replace(".", "/") for name in own or ())])
+        own = () if (table := self._table()) is None else table.own
+        return sorted([*{**self._described(), **self._values}, *(name.replace(".", "/") for name in own)])
 
-    def _simulators(self) -> SimulatorParameters | None:
+    def _table(self) -> ParameterTable | None:
         live = self._live()
-        return None if live is None else live.simulator.parameters
+        return None if live is None else ParameterTable(live)
 
-    def _in_simulator(self, name: str) -> bool:
-        own = self._simulators()
-        return own is not None and name.replace("/", ".") in own
+    def _simulators(self, name: str) -> tuple[ParameterTable, str] | None:
+        """Return the table and its name of a simulator's parameter, or of a prefix of some; None for any other name."""
+        table, dotted = self._table(), name.replace("/", ".")
+        return None if table is None or dotted not in table.own else (table, dotted)
 
     def has(self, name: str) -> bool:
         """Return whether a parameter has a value."""
-        return name in self._values or name in self._described() or self._in_simulator(name)
+        return name in self._values or name in self._described() or self._simulators(name) is not None
 
     def get_json(self, name: str, default: str = "null") -> str:
         """Return a parameter's value as JSON or, for a prefix of simulator names, an object of all values below it."""
-        own = self._simulators()
-        if own is not None and self._in_simulator(name):
-            return json.dumps(own[name.replace("/", ".")])
+        if (found := self._simulators(name)) is not None:
+            return json.dumps(found[0].own[found[1]])
         if name in self._values:
             return self._values[name]
         described = self._described()
@@ -76,9 +76,8 @@ class Parameters:
             value = parse_value(text, VALUE_LIMITS)
         except ValueError as error:
             raise ValueError(f"parameter '{name}': {error}") from None
-        live = self._live()
-        if live is not None and self._in_simulator(name):
-            return live.command("set_parameter", name=name.replace("/", "."), value=value)
+        if (found := self._simulators(name)) is not None:
+            return found[0].set({found[1]: value})
         if name not in self._values and len(self._values) >= MOST:
             raise ValueError(f"parameter '{name}': there are {MOST}, the maximum")
         grown = self._bytes + _size(name, text) - (_size(name, self._values[name]) if name in self._values else 0)
@@ -89,7 +88,7 @@ class Parameters:
 
     def delete(self, name: str) -> None:
         """Remove a parameter from the store. Raises ValueError if it is not in the store."""
-        if self._in_simulator(name):
+        if self._simulators(name) is not None:
             raise ValueError(f"parameter '{name}': belongs to the simulator: reset it with simulation/reset_parameters")
         text = self._values.pop(name, None)
         if text is None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
 from uwsim.base.texts.json_text import json_object
+from uwsim.channels.calls.parameter_table import ParameterTable
 from uwsim.channels.channel import Service
 from uwsim.channels.ros.message_types import shortened
 from uwsim.live import LiveSimulator
@@ -41,42 +43,35 @@ def parameter_services() -> list[Service]:
 
 
 def _list(live: LiveSimulator, request: Request) -> Request:
-    return _answered(lambda: {"names": live.simulator.parameters.list(_text(request, "prefix", ""))})
+    return _answered(lambda: {"names": ParameterTable(live).own.list(_text(request, "prefix", ""))})
 
 
 def _get(live: LiveSimulator, request: Request) -> Request:
-    own = live.simulator.parameters
+    own = ParameterTable(live).own
     return _answered(lambda: {"values_json": json.dumps({name: own[name] for name in _names(request)})})
 
 
 def _describe(live: LiveSimulator, request: Request) -> Request:
-    own = live.simulator.parameters
+    own = ParameterTable(live).own
     return _answered(
         lambda: {"descriptions_json": json.dumps([asdict(own.describe(name)) for name in _names(request)])}
     )
 
 
 def _set(live: LiveSimulator, request: Request) -> Request:
-    def act() -> Request:
-        changes = json_object(_text(request, "values_json", None), "values_json")
-        live.command("set_parameters", changes=changes).result()
-        return {}
+    def act() -> None:
+        ParameterTable(live).set(json_object(_text(request, "values_json", None), "values_json")).result()
 
     return _answered(act)
 
 
 def _reset(live: LiveSimulator, request: Request) -> Request:
-    def act() -> Request:
-        for name in _names(request) or [None]:
-            live.command("reset_parameters", name=name).result()
-        return {}
-
-    return _answered(act)
+    return _answered(lambda: ParameterTable(live).reset(_names(request)))
 
 
-def _answered(act: Any) -> Request:
+def _answered(act: Callable[[], Request | None]) -> Request:
     try:
-        return {"success": True, "message": "", **act()}
+        return {"success": True, "message": "", **(act() or {})}
     except (ValueError, RecursionError) as error:
         return {"success": False, "message": str(error)}
 

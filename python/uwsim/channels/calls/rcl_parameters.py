@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from uwsim.base.texts.json_text import json_value
+from uwsim.channels.calls.parameter_table import ParameterTable
 from uwsim.channels.channel import Service
 from uwsim.live import LiveSimulator
 from uwsim.simulator.parameters import Parameter
@@ -75,7 +76,7 @@ def _list(live: LiveSimulator, request: Request) -> Request:
     prefixes = request["prefixes"]
     names = [
         name
-        for name in live.simulator.parameters
+        for name in ParameterTable(live).own
         if (not prefixes and is_near(name))
         or any(
             name == prefix or (name.startswith(f"{prefix}.") and is_near(name[len(prefix) + 1 :]))
@@ -86,23 +87,14 @@ def _list(live: LiveSimulator, request: Request) -> Request:
     return {"result": {"names": names, "prefixes": list(groups)}}
 
 
-def _known(live: LiveSimulator, names: Iterable[str]) -> list[Parameter | None]:
-    own = live.simulator.parameters
-    found: list[Parameter | None] = []
-    for name in names:
-        try:
-            found.append(own.describe(name))
-        except ValueError:  # unknown, or a group
-            found.append(None)
-    return found
-
-
 def _get(live: LiveSimulator, request: Request) -> Request:
-    return {"values": [plain_value(one and one.value) for one in _known(live, request["names"])]}
+    return {"values": [plain_value(one and one.value) for one in ParameterTable(live).known(request["names"])]}
 
 
 def _types(live: LiveSimulator, request: Request) -> Request:
-    return {"types": [NOT_SET if one is None else _declared(one) for one in _known(live, request["names"])]}
+    return {
+        "types": [NOT_SET if one is None else _declared(one) for one in ParameterTable(live).known(request["names"])]
+    }
 
 
 def _declared(one: Parameter) -> int:
@@ -112,7 +104,11 @@ def _declared(one: Parameter) -> int:
 
 def _describe(live: LiveSimulator, request: Request) -> Request:
     asked: Sequence[str] = request["names"]
-    return {"descriptors": [_described(name, one) for name, one in zip(asked, _known(live, asked), strict=True)]}
+    return {
+        "descriptors": [
+            _described(name, one) for name, one in zip(asked, ParameterTable(live).known(asked), strict=True)
+        ]
+    }
 
 
 def _described(name: str, one: Parameter | None) -> Request:
@@ -152,7 +148,7 @@ def _changed(live: LiveSimulator, parameters: Sequence[Any]) -> Request:
     follow from others.
     """
     try:
-        known = _known(live, [one.name for one in parameters])
+        known = ParameterTable(live).known(one.name for one in parameters)
         wanted = [_wanted(one, now) for one, now in zip(parameters, known, strict=True)]
         changes = {
             one.name: value
@@ -160,7 +156,7 @@ def _changed(live: LiveSimulator, parameters: Sequence[Any]) -> Request:
             if now is None or (type_of(now.value), now.value) != (one.value.type, value)
         }
         if changes:
-            live.command("set_parameters", changes=changes).result()
+            ParameterTable(live).set(changes).result()
     except ValueError as error:
         return {"successful": False, "reason": str(error)}
     return {"successful": True, "reason": ""}
