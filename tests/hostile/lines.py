@@ -32,7 +32,6 @@ NONSENSE = PATHS | {"", LONG, "\x01\x1b[31m", "%s%n{}$(x)"}
 MEANT = {
     ("exercise fly", "person"): PATHS | {"%s%n{}$(x)"},
     ("exercise logbook", "person"): NONSENSE,
-    ("station", "instructor_token"): NONSENSE,
     ("vehicle identify", "name"): frozenset({""}),
     **{(command, name): PATHS | {""} for command in ("serve", "ros connect") for name in ("namespace", "frame_prefix")},
 }

@@ -9,8 +9,8 @@ from typing import Any
 
 from uwsim.base.options import Options, need, option
 
-TOKEN_VARIABLE, INSTRUCTOR_VARIABLE = "UWSIM_TOKEN", "UWSIM_INSTRUCTOR_TOKEN"
-"""Environment variables with tokens, which other users cannot see in the list of processes."""
+TOKEN_VARIABLE = "UWSIM_TOKEN"
+"""Environment variable with the token, which other users cannot see in the list of processes."""
 TOKEN_BYTES_MAX = 1000
 
 
@@ -30,7 +30,7 @@ class Tokens(Options):
 
         host: the address to listen on. Raises ValueError for two tokens or a bad file.
         """
-        return {"host": host, "token": secret("--token", self.token, self.token_file, TOKEN_VARIABLE)}
+        return {"host": host, "token": _secret(self.token, self.token_file)}
 
 
 @dataclass(frozen=True)
@@ -55,18 +55,18 @@ class Access(Tokens):
         return super().settings(host) | {"origins": self.page, "certfile": self.certfile, "keyfile": self.keyfile}
 
 
-def secret(option: str, value: str | None, file: Path | None, variable: str) -> str | None:
-    """Return a token: an option's value, the content of `option`-file or an environment variable. Raises ValueError."""
+def _secret(value: str | None, file: Path | None) -> str | None:
+    """Return the token: the option's value, the file's content or the environment variable's. Raises ValueError."""
     if file is None:
-        if value is None and (value := os.environ.get(variable)) == "":  # as from a missing file: it would be open
-            raise ValueError(f"{variable} is empty: give it a value, or unset it")
+        if value is None and (value := os.environ.get(TOKEN_VARIABLE)) == "":  # as from a missing file: it is no token
+            raise ValueError(f"{TOKEN_VARIABLE} is empty: give it a value, or unset it")
         return value
     if value is not None:
-        raise ValueError(f"{option}: cannot be given with {option}-file")
+        raise ValueError("--token: cannot be given with --token-file")
     try:
         text = file.read_bytes()[:TOKEN_BYTES_MAX].decode().strip()
     except (OSError, UnicodeDecodeError):
-        raise ValueError(f"{option}-file '{file}': must be a readable text file") from None
+        raise ValueError(f"--token-file '{file}': must be a readable text file") from None
     if not text:
-        raise ValueError(f"{option}-file '{file}': is empty")
+        raise ValueError(f"--token-file '{file}': is empty")
     return text

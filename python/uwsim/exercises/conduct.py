@@ -34,9 +34,8 @@ class PilotAct(NamedTuple):
 class Conduct:
     """The acts and the aids of one attempt.
 
-    It is not part of a saved moment: what was done remains, even if the instructor returns to a time before. allowed:
-    the aids that the exercise allows. acts: those of others than the pilot. pilot_acts: commands to the vehicle.
-    omitted, pilot_omitted: the numbers of acts beyond ACTS_MAX, which are only counted.
+    allowed: the aids that the exercise allows. acts: those of others than the pilot. pilot_acts: commands to the
+    vehicle. omitted, pilot_omitted: the numbers of acts beyond ACTS_MAX, which are only counted.
     """
 
     allowed: Sequence[Aid]
@@ -65,7 +64,7 @@ class Conduct:
         again_s, is_full = time_s - self._last.get(text, -AGAIN_S), len(self.pilot_acts) >= ACTS_MAX
         if text in self._last or not is_full:
             self._last[text] = time_s
-        if 0.0 <= again_s < AGAIN_S:  # negative if the instructor has returned to a time before
+        if 0.0 <= again_s < AGAIN_S:  # negative if time was set back
             return
         if is_full:
             self.pilot_omitted += 1

@@ -43,7 +43,7 @@ class Happening:
 
 @dataclass
 class _State:
-    """Everything that changes, so that a saved moment can be restored."""
+    """Everything that changes in an attempt."""
 
     progress: list[Progress]
     begun_tick: int
@@ -86,7 +86,6 @@ class Course:
         self._outsider, self._other_aids = outsider, aids
         self._issues = False  # while the course itself issues a command
         self.due_tick = sim.tick
-        self._returning: Any = None
         self.attempt = 1
         self.restart()
         sim.journal.listen(self, efforts=False)
@@ -154,19 +153,6 @@ class Course:
     def _jump(self, tick: int) -> None:
         self.due_tick = tick
 
-    def saved(self) -> object:
-        """Return a copy of the state, for `return_to`."""
-        return self.sim.tick, copy.deepcopy(self._now), self.has_begun
-
-    def return_to(self, saved: Any) -> None:
-        """Continue from a saved state once the simulator has been restored to the same moment."""
-        self._returning = saved
-
-    @property
-    def is_returning(self) -> bool:
-        """True from `return_to` until the simulator is back at that moment and has been judged there."""
-        return self._returning is not None
-
     @property
     def time_s(self) -> float:
         """Simulated seconds since the beginning, up to the end."""
@@ -207,10 +193,6 @@ class Course:
         sim, now = self.sim, self._now
         period_ns, step_ns = round(PERIOD_S * 1e9), round(sim.step_s * 1e9)
         self.due_tick = next_tick(sim.tick, period_ns, step_ns)
-        if self._returning is not None and sim.tick == self._returning[0]:
-            now = self._now = copy.deepcopy(self._returning[1])
-            self.has_begun, self._returning = self._returning[2], None
-            return
         if not self.has_begun:
             return
         if self.has_jumped_back:

@@ -11,7 +11,6 @@ from uwsim.base.commands import COMMANDS, NOTE
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.bridges.bridge import Bridge
 from uwsim.channels import Channel, Table, require_live
-from uwsim.channels.authority.rights import OF_EXERCISE
 from uwsim.channels.calls.command_services import arguments_of
 from uwsim.channels.delivery.feed import Reading
 from uwsim.channels.delivery.pictures import Stream
@@ -53,7 +52,7 @@ class Aboard(Bridge):
         if pictures_hz is not None:
             for name in live.simulator.rov.cameras:
                 table.pictures.set_stream(table.sources[0].topic(name), Stream(rate_hz=pictures_hz))
-        table.rights.close_world(live, OF_EXERCISE)
+        table.rights.close_world(live)
         table.rights.allow_only([aid.kind for aid in exercise.aids])
         services = [each for each in table.services if each.permit is not None]
         super().__init__("course", live, open_channels(table, live), services)

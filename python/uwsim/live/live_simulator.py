@@ -311,7 +311,7 @@ class LiveSimulator:
 
     @contextmanager
     def privileged(self) -> Iterator[None]:
-        """Within the block, this thread's acts are not refused: those of an instructor, or of the program itself."""
+        """Within the block, this thread's acts are not refused: those of the program itself."""
         before, self._privileges.is_held = getattr(self._privileges, "is_held", False), True
         try:
             yield

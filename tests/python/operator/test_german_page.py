@@ -1,7 +1,7 @@
 """The page in German, in each state that it has: no fault of access, no word cut, nothing wider than the screen.
 
 What shows a state is judged in each theme, and the whole page in one. `test_exercise_by_keys` has the states of an
-exercise, `test_hud_page` the bar and the pictures, `test_trainees_page` and `test_night_page` the instructor's pages.
+exercise, `test_hud_page` the bar and the pictures.
 """
 
 from browser import desk, judge, shows, until, when

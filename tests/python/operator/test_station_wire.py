@@ -22,7 +22,6 @@ from uwsim.operator.station.site.answers import PAGE
 from uwsim.operator.station.wire import messages
 from uwsim.operator.station.wire.calls import CALLS, Call
 from uwsim.scenario.spec.failsafe import Behaviour
-from uwsim.scenario.spec.fault import FAULTS
 from uwsim.simulator.failures.alarms import FAILSAFE_CAUSES
 from uwsim.simulator.helm import Reason
 
@@ -39,8 +38,6 @@ def test_the_page_names_services_and_types_of_the_station_nowhere_else() -> None
 
 def test_the_page_has_a_text_for_each_name_of_python_s_tables() -> None:
     texts = json.loads((PAGE / "strings/en.json").read_text())
-    own_faults = {kind for kind, model in FAULTS.models().items() if model.__module__.startswith("uwsim.")}
-    assert set(texts["instructor"]["kinds"]) == own_faults
     assert set(texts["inspection"]["categories"]) == set(get_args(NoteCategory))
     assert set(texts["exercise"]["aids"]) == set(get_args(AidKind))
     assert {*FAILSAFE_CAUSES, *get_args(Behaviour)} <= set(texts["failsafe"])

@@ -12,7 +12,7 @@ import pytest
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.doors import admission
 from uwsim.bridges.doors.admission import has_token
-from uwsim.cli.access import Access, secret
+from uwsim.cli.access import Access
 from uwsim.operator.station import Site, Station
 
 pytest.importorskip("playwright", reason="needs playwright")
@@ -67,15 +67,15 @@ def test_a_token_comes_from_the_option_the_file_or_the_environment(
     assert Access(token_file=file).settings("127.0.0.1")["token"] == TOKEN
     assert Access(token="by-option").settings("127.0.0.1")["token"] == "by-option"
     with pytest.raises(ValueError, match="--token: cannot be given with --token-file"):
-        secret("--token", "by-option", file, "UWSIM_TOKEN")
+        Access(token="by-option", token_file=file).settings("127.0.0.1")
     monkeypatch.setenv("UWSIM_TOKEN", "")
     with pytest.raises(ValueError, match="UWSIM_TOKEN is empty"):
-        secret("--token", None, None, "UWSIM_TOKEN")
+        Access().settings("127.0.0.1")
     monkeypatch.delenv("UWSIM_TOKEN")
-    assert secret("--token", None, None, "UWSIM_TOKEN") is None
+    assert Access().settings("127.0.0.1")["token"] is None
     file.write_text("\n")
     with pytest.raises(ValueError, match="is empty"):
-        secret("--token", None, file, "UWSIM_TOKEN")
+        Access(token_file=file).settings("127.0.0.1")
 
 
 def test_a_token_from_a_file_is_visible_to_nobody(tmp_path: Path) -> None:

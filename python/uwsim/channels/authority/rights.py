@@ -7,8 +7,8 @@
 - Services of the simulation stay open, since they do not drive: pace, parameters, pictures, maps.
 - Without a pilot, the last command takes effect. The station shows who issued it, and no page takes the controls
   automatically.
-- While an exercise is flown, or the station has an instructor, the world is closed to every client but the instructor:
-  parameters, faults, light, places, pace and jumps in time.
+- While an exercise is flown, the world is closed to every client: parameters, faults, light, places, pace and jumps in
+  time.
 - Of the aids, such as holds, an exercise allows those that it names. Programs that command the vehicle are such an aid.
 """
 
@@ -23,8 +23,7 @@ from uwsim.simulator.helm import Helm, Source
 
 AidKind = Literal["autopilot", "hold", "program"]
 """The aids of a pilot: plans that the station flies, the vehicle's holds, and programs that command the vehicle."""
-OF_EXERCISE = "an exercise is flown: only its instructor may change the world or the pace of time"
-OF_INSTRUCTOR = "only the instructor may change the world or the pace of time"
+OF_EXERCISE = "an exercise is flown: no client may change the world or the pace of time"
 
 
 class Rights:
@@ -38,7 +37,7 @@ class Rights:
         self._helms = tuple(helms)
         self.permitted: Callable[[str], object] = lambda name: None
         self.stopped: Callable[[str], object] = lambda name: None
-        self._closed = ""
+        self._is_closed = False
         self._aids: frozenset[AidKind] | None = None  # all
 
     @property
@@ -46,9 +45,9 @@ class Rights:
         """The name of the station's pilot, or ""."""
         return next((name for helm in self._helms if (name := helm.name_of(Source.PILOT))), "")
 
-    def close_world(self, live: LiveSimulator, because: str) -> None:
-        """Refuse clients' changes of the world and of the pace from now on, with this reason."""
-        self._closed, live.refusal_of = because, self.refusal_of
+    def close_world(self, live: LiveSimulator) -> None:
+        """Refuse clients' changes of the world and of the pace from now on, because an exercise is flown."""
+        self._is_closed, live.refusal_of = True, self.refusal_of
 
     def allow_only(self, aids: Collection[AidKind]) -> None:
         """Refuse all other aids from now on."""
@@ -57,7 +56,7 @@ class Rights:
     def refusal_of(self, act: str) -> str:
         """Return the reason why a client may not do something to the world, or ""; see LiveSimulator.refusal_of."""
         is_of_world = act in ACTS or (act in COMMANDS and COMMANDS[act].changes_world)
-        return f"{act}: refused: {self._closed}" if self._closed and is_of_world else ""
+        return f"{act}: refused: {OF_EXERCISE}" if self._is_closed and is_of_world else ""
 
     def require_aid(self, aid: AidKind) -> None:
         """Raise ValueError if an exercise is flown that does not allow this aid."""

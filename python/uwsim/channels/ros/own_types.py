@@ -154,6 +154,5 @@ string comment                 # stands in pictures; empty: none
 uint32 notes                   # written so far in this run, comments included
 string flight                  # automatic recording of this flight; empty: none
 string flight_trouble          # why the flight is not recorded, or no further; empty: it is, or none are kept
-string instruction             # the instructor's last message to the pilot; empty: none
 """,
 }

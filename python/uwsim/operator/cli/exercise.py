@@ -18,7 +18,7 @@ from uwsim.cli.groups import with_default
 from uwsim.cli.options import AsJson, Threads, print_json
 from uwsim.cli.seeds import listed_seeds
 from uwsim.cli.values import exercises
-from uwsim.operator.cli.station import KEPT, InstructorOptions, kept_flights, station_server
+from uwsim.operator.cli.station import KEPT, kept_flights, station_server
 from uwsim.recording.flight_options import RecordOptions
 
 if TYPE_CHECKING:
@@ -84,7 +84,6 @@ def exercise(
         typer.Option(help="Port of --serve; 0 chooses a free one. Default: 9090.", callback=within(0, 65535)),
     ] = None,
     tokens: Tokens,
-    instructor: InstructorOptions,
     keep_flights: Annotated[
         str | None,
         typer.Option(
@@ -115,7 +114,7 @@ def exercise(
         _list({each: load_exercise(each) for each in exercise_names()}, as_json)
         return
     if not serve:
-        need("--serve", port=port, **tokens.arguments, **instructor.arguments, keep_flights=keep_flights)
+        need("--serve", port=port, **tokens.arguments, keep_flights=keep_flights)
     if serve == (pilot is not None):
         raise WithoutEffectError("needs either --pilot FILE, which flies it, or --serve, for a person")
     lags, seeds = _lags(lag), [] if seed is None else listed_seeds(seed, "--seed")
@@ -134,7 +133,7 @@ def exercise(
         refuse("has no effect with --serve; each attempt's score.json is in --out", json=as_json)
         bounds = kept_flights(KEPT if keep_flights is None else keep_flights)
         packaged = name if name in exercise_names() and not lags else ""
-        _serve(found, out, 9090 if port is None else port, tokens, instructor, bounds, threads, named, packaged)
+        _serve(found, out, 9090 if port is None else port, tokens, bounds, threads, named, packaged)
         return
     from uwsim.exercises.flight import fly_exercise
     from uwsim.exercises.sheet_text import score_lines
@@ -221,17 +220,13 @@ def _list(found: dict[str, Exercise], as_json: bool) -> None:
 
 
 def _serve(
-    found: Exercise, out: Path, port: int, tokens: Tokens, instructor: InstructorOptions, bounds: Bounds,
-    threads: int | None, person: str, name: str,
+    found: Exercise, out: Path, port: int, tokens: Tokens, bounds: Bounds, threads: int | None, person: str, name: str,
 ) -> None:  # fmt: skip
     from uwsim.cli.run_live import wait_for_interrupt
     from uwsim.operator.station import Station
 
-    hub = Station(
-        is_fixed=True, truth=False, threads=threads, folder=out, instructor_token=instructor.secret, keep_flights=bounds
-    )
+    hub = Station(is_fixed=True, truth=False, threads=threads, folder=out, keep_flights=bounds)
     with station_server(hub, port=port, **tokens.settings("127.0.0.1")) as server:
         hub.run_exercise(found, person, name)
         url = page_url(server.url, tokens.token)
-        where = f"the exercise is at {url}{instructor.text(url)}; its sheets will be in {out}"
-        wait_for_interrupt(f"{where}; Ctrl-C ends it")
+        wait_for_interrupt(f"the exercise is at {url}; its sheets will be in {out}; Ctrl-C ends it")

@@ -5,16 +5,13 @@ from __future__ import annotations
 import webbrowser
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from uwsim.base.options import Options, option
 from uwsim.bridges.cli.serve import Origin, Wire
 from uwsim.bridges.page import page_url
-from uwsim.cli.access import INSTRUCTOR_VARIABLE, Access, secret
+from uwsim.cli.access import Access
 from uwsim.cli.bounds import within
 from uwsim.cli.groups import under
 from uwsim.cli.options import Threads
@@ -38,32 +35,6 @@ KeepFlights = Annotated[
     ),
 ]
 KEPT = "50,2000"
-
-
-@dataclass(frozen=True)
-class InstructorOptions(Options):
-    """The token of an instructor, who has a page with other rights."""
-
-    instructor_token: str | None = option(
-        None,
-        "Token of an instructor, who changes the world on the page that is printed; the pilot then neither sees nor "
-        "changes parameters. At least 8 characters. All users of this machine can see it: prefer "
-        f"--instructor-token-file, or the environment variable {INSTRUCTOR_VARIABLE}.",
-    )
-    instructor_token_file: Path | None = option(None, "File with the token, in place of --instructor-token.")
-
-    @property
-    def secret(self) -> str | None:
-        """The token. Raises ValueError for two tokens or a bad file."""
-        return secret("--instructor-token", self.instructor_token, self.instructor_token_file, INSTRUCTOR_VARIABLE)
-
-    def text(self, url: str) -> str:
-        """Return the text that names the instructor's page at a station's address, or "" without a token."""
-        if not self.secret:
-            return ""
-        path, _, query = url.partition("?")
-        shown = self.instructor_token or "TOKEN"  # not one from a file, since a terminal is visible, too
-        return f", the instructor's page at {path}instructor.html{query and '?' + query}#{shown}"
 
 
 @under("Connect")
@@ -90,7 +61,6 @@ def station(
     wire: Wire = None,
     origin: Origin = None,
     access: Access,
-    instructor: InstructorOptions,
     keep_flights: KeepFlights = KEPT,
     threads: Threads = None,
 ) -> None:
@@ -115,7 +85,6 @@ def station(
         wire=wire or "both",  # type: ignore[arg-type]  # checked there
         origin=origin,
         threads=threads,
-        instructor_token=instructor.secret,
         keep_flights=kept_flights(keep_flights),
     )
     with station_server(hub, port=port, **accessible) as server:
@@ -123,7 +92,7 @@ def station(
         url = page_url(server.url, access.token)
         if browser and has_display():
             webbrowser.open(url)
-        wait_for_interrupt(f"the station is at {url}{instructor.text(url)}; Ctrl-C ends it")
+        wait_for_interrupt(f"the station is at {url}; Ctrl-C ends it")
 
 
 @contextmanager

@@ -11,7 +11,6 @@ from uwsim.channels.guest import Node
 from uwsim.channels.table import Wire, checked_wire
 from uwsim.operator.station.flights.flights import FOLDER, Bounds, Flights
 from uwsim.operator.station.helm.lease import Lease
-from uwsim.operator.station.services.instructor import Instructor
 from uwsim.operator.station.services.services import Services
 from uwsim.operator.station.sessions.pulse import Pulse
 from uwsim.operator.station.sessions.sessions import Sessions, Show
@@ -29,9 +28,9 @@ class Station:
     scenario's. is_fixed: whether to run a single simulator, passed to `run`, without a start screen. truth: whether
     pilots may see the vehicle's true position. wire, origin: see uwsim.channels. If origin is None, it is the world's
     or, for a session that joins the user's rosbridge, the scenario's. threads: the number of threads of simulators.
-    folder: where `save` writes. instructor_token: the token of a second page, whose user alone may change the world;
-    see `instructor`. keep_flights: how many automatically recorded flights to keep in `folder`/flights, or None to
-    record and list none. Raises ValueError for invalid values. start, run, run_exercise, present: of `Sessions`.
+    folder: where `save` writes. keep_flights: how many automatically recorded flights to keep in `folder`/flights, or
+    None to record and list none. Raises ValueError for invalid values. start, run, run_exercise, present: of
+    `Sessions`.
     """
 
     name = "/station"
@@ -47,23 +46,21 @@ class Station:
         origin: str | Sequence[float] | None = None,
         threads: int | None = None,
         folder: Path | None = None,
-        instructor_token: str | None = None,
         keep_flights: Bounds | None = None,
     ) -> None:
         # Checked here, so that errors do not appear only when a pilot starts the first simulator.
         checked_wire(wire, "world" if origin is None else origin)
         folder = folder or Path.cwd()
         self.lease = Lease()
-        self.instructor = None if instructor_token is None else Instructor(instructor_token, folder, self.lease)
         self._pulse = Pulse(self.lease)
         self.sessions = Sessions(
             self.lease, self._pulse.wake, self._pulse.publish, offered=offered, is_fixed=is_fixed, folder=folder,
-            threads=threads, origin=origin, is_supervised=self.instructor is not None, truth=truth, wire=wire,
+            threads=threads, origin=origin, truth=truth, wire=wire,
             flights=None if keep_flights is None else Flights(folder / FOLDER, keep_flights, threads),
         )  # fmt: skip
         self.start, self.run = self.sessions.start, self.sessions.run
         self.run_exercise, self.present = self.sessions.run_exercise, self.sessions.present
-        self.services = Services(self.sessions, self.lease, self.instructor, self._pulse.publish, link).all()
+        self.services = Services(self.sessions, self.lease, self._pulse.publish, link).all()
 
     def __repr__(self) -> str:
         return f"<Station: {self.sessions.phase}, offers '{self.sessions.offered}'>"
@@ -76,8 +73,6 @@ class Station:
 
     def left(self, client: str) -> None:
         """Remove a closed connection. If it was the pilot's, set efforts to zero."""
-        if self.instructor is not None:
-            self.instructor.clients.discard(client)
         if self.lease.leave(client):
             self.sessions.change_pilot()
         self.sessions.editor.left(client)

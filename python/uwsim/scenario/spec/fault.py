@@ -111,9 +111,6 @@ class FaultModel(Model):
     if TYPE_CHECKING:
         kind: str
 
-    example: ClassVar[Mapping[str, Any]] = {}
-    """Values with which a form for this kind begins, such as the instructor's."""
-
     cuts_link: ClassVar[bool] = False
     """True for a kind that blocks all messages between station and vehicle while it is active."""
 

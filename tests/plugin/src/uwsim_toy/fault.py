@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from uwsim.base.axes import AXES
 from uwsim.scenario.spec.fault import FaultModel, FaultyVehicle, Overlay
@@ -17,8 +17,6 @@ class Kelp(FaultModel):
 
     kind: Literal["kelp"]
     times: Annotated[float, InRange(1, 100)] = 2.0
-
-    example: ClassVar = {"times": 3.0}
 
     def apply(self, over: Overlay, vehicle: FaultyVehicle, water_kg: float) -> None:
         """Multiply the drag, on top of earlier faults."""

@@ -57,10 +57,6 @@ class Lease:
     def hand_over(self, client: str, to: object) -> None:
         """Hand over the controls to a member, or release them if `to` is "". Raises ValueError."""
         self.require_pilot(client)
-        self.assign(to)
-
-    def assign(self, to: object) -> None:
-        """Give the controls to a member, or take them from all if `to` is "". Raises ValueError."""
         if not isinstance(to, str) or (to and to not in self.members):
             raise ValueError(f"to = {str(to)[:NAME_MAX]!r}: is not a member")
         self._set_pilot(to)

@@ -141,7 +141,6 @@ station.addEventListener('state', () => {
   document.title = description ? WORDS.titleOf(description.scenario) : WORDS.title;
   if (isRunning && !IS_ALONE) lease.takeOnce();
   showBanner();
-  showInstruction();
 });
 station.addEventListener('close', showBanner);
 station.addEventListener('open', showBanner);
@@ -158,7 +157,7 @@ function describe() {
   panel.begin(vehicle, description);
   holds.begin(vehicle);
   inspection.begin(vehicle);
-  byId('inspect').hidden = Boolean(description.is_supervised || description.has_exercise);
+  byId('inspect').hidden = description.has_exercise;
 }
 
 // Show another simulator, or the same one from its start.
@@ -289,15 +288,6 @@ function openKeys() {
 
 function openMenu() {
   showMenu(station, { keys: openKeys, gamepad: () => showGamepads(pilot.gamepads), edit: () => editor.open('') });
-}
-
-let instruction = '';
-// The instructor's message stays at the top of the panel; a new one also appears over the picture.
-function showInstruction() {
-  const text = station.state.instruction ?? '';
-  if (text !== instruction && text) toast(STRINGS.instructor.from(text));
-  instruction = text;
-  panel.showInstruction(text);
 }
 
 function showBanner() {

@@ -266,7 +266,7 @@ function boundsText({ low, high, optional }) {
  * logarithm; else over the bounds or, where these are too wide, to twice the value. ends: the input's attributes.
  * @returns {{ ends: object, placeOf: (value: number) => number, valueAt: (place: number) => number } | null}
  */
-export function sliderScale({ type, low, high, default: usual }) {
+function sliderScale({ type, low, high, default: usual }) {
   if (type !== 'number' || typeof usual !== 'number' || low === null) return null;
   const isLog = low >= 0 && usual > 0;
   const [least, most] = isLog

@@ -48,7 +48,7 @@ export function happened({ name, vehicle, details }) {
 /** The values of an event or of a command.
  * @type {(details: import('./wire/messages.js').EventDetail[]) => string}
  */
-export function inWords(details) {
+function inWords(details) {
   const found = details.map(({ name, text }) => [
     UNSAID.has(name) ? '' : (EVENTS.details[name] ?? name),
     EVENTS.values[text] ?? text,

@@ -103,6 +103,6 @@ CONTROLS: dict[str, Callable[[Sessions, Values], str | None]] = {
     "helm": lambda sessions, request: f"you have the helm, starting at {sessions.branch()}",
 }
 OF_EXERCISES = ("begin", "restart", "record", "stop_recording")
-"""The controls of an exercise's pilot. With an instructor, `restart` is the instructor's."""
+"""The controls of an exercise's pilot."""
 OF_REPLAYS = ("seek", "helm")
 NOT_OF_REPLAYS = ("begin", "restart", "save", "record", "stop_recording")

@@ -6,7 +6,6 @@ from pathlib import Path
 
 from uwsim.channels.guest import Values
 from uwsim.operator.station.helm.lease import Lease
-from uwsim.operator.station.services.instructor import Instructor
 from uwsim.operator.station.services.rebuild import rebuild
 from uwsim.operator.station.sessions.running import Running
 from uwsim.operator.station.sessions.sessions import Sessions
@@ -22,12 +21,12 @@ ACTIONS = (*OPENS, "report", *CHANGES, "check", "save", "meshes", "upload", "app
 class EditService:
     """Handles the requests to edit a scenario.
 
-    On the start screen, a member may open one if no other member edits; while a simulator runs, the pilot alone or, if
-    there is one, the instructor. The next to open a scenario in which unsaved changes were left continues with them.
+    On the start screen, a member may open one if no other member edits; while a simulator runs, the pilot alone. The
+    next to open a scenario in which unsaved changes were left continues with them.
     """
 
-    def __init__(self, sessions: Sessions, lease: Lease, instructor: Instructor | None) -> None:
-        self._sessions, self._lease, self._instructor = sessions, lease, instructor
+    def __init__(self, sessions: Sessions, lease: Lease) -> None:
+        self._sessions, self._lease = sessions, lease
         self._editor = sessions.editor
         self._of: Running | None = None  # whose scenario is edited, if it is that of a simulator
 
@@ -39,8 +38,6 @@ class EditService:
             raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(ACTIONS)}")
         if action != "report":
             self._require(caller, is_open=action in OPENS)
-        elif self._instructor is not None and self._sessions.running is not None:
-            self._instructor.require(caller)  # who may prepare what the trainee must not see
         if action in OPENS:
             if self._new(caller) if action == "new" else self._open(caller, request.get("scenario")):
                 message = "continues with what was not saved"
@@ -58,8 +55,6 @@ class EditService:
             rebuild(self._sessions, self._editor.draft.scenario)
             self._of = self._sessions.running
             message = "the world is rebuilt"
-            if self._instructor is not None and self._of is not None:
-                self._instructor.note(1e-9 * self._of.live.time_ns, "instructor", "rebuild", {})
         elif action == "close":
             self._editor.close(caller)
         elif action in CHANGES:
@@ -75,8 +70,6 @@ class EditService:
         if self._sessions.running is None:
             if caller not in self._lease.members:
                 raise ValueError("join first")
-        elif self._instructor is not None:
-            self._instructor.require(caller)
         else:
             self._lease.require_pilot(caller)
         by = self._editor.by

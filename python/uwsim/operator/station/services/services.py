@@ -23,8 +23,6 @@ from uwsim.operator.station.helm.pilot import answered, is_stop
 from uwsim.operator.station.helm.plan import Plan, PlanFlight, survey_lanes
 from uwsim.operator.station.services.control import CONTROLS, NOT_OF_REPLAYS, OF_EXERCISES, OF_REPLAYS, new_path
 from uwsim.operator.station.services.editing import EditService
-from uwsim.operator.station.services.fault_kinds import fault_kinds
-from uwsim.operator.station.services.instructor import Instructor, parameters
 from uwsim.operator.station.sessions.description import describe
 from uwsim.operator.station.sessions.running import Running
 from uwsim.operator.station.sessions.saves import saved_names
@@ -44,7 +42,6 @@ from uwsim.scenario import ScenarioError
 from uwsim.simulator.helm import Reason
 from uwsim.simulator.notes import comment_of
 
-SUPERVISED = ("record", "stop_recording")  # controls of a pilot who has an instructor
 DEAD_S = 3.0  # others may take the controls if a pilot sends nothing for this long, not even replies to pings
 
 
@@ -58,13 +55,11 @@ class Services:
         self,
         sessions: Sessions,
         lease: Lease,
-        instructor: Instructor | None,
         publish: Callable[[], object],
         link: str | None,
     ) -> None:
-        self._sessions, self._lease, self._instructor, self._publish = sessions, lease, instructor, publish
-        self._link = link
-        self._editing = EditService(sessions, lease, instructor)
+        self._sessions, self._lease, self._publish, self._link = sessions, lease, publish, link
+        self._editing = EditService(sessions, lease)
 
     def all(self) -> list[GuestService]:
         """Return the services that the station offers."""
@@ -88,10 +83,7 @@ class Services:
 
     def _controls(self) -> list[str]:
         running = self._sessions.running
-        is_judged = running is not None and running.judged is not None
-        if self._instructor is not None:
-            return ["begin", *SUPERVISED] if is_judged else list(SUPERVISED)
-        if is_judged:
+        if running is not None and running.judged is not None:
             return [*OF_EXERCISES, *([] if self._sessions.is_fixed else ["quit"])]
         other = OF_REPLAYS if running is None or running.replay is None else NOT_OF_REPLAYS
         closed = (*other, "begin", *(["quit"] if self._sessions.is_fixed else []))
@@ -110,13 +102,11 @@ class Services:
             is_silent = self._sessions.node.silence_s(self._lease.pilot) > DEAD_S
             self._lease.request(caller, time.monotonic(), is_silent=is_silent)
             self._sessions.change_pilot()
-            self._note_helm()
         return {"success": True, "message": ""}
 
     def _hand_over(self, caller: str, request: Values) -> Values:
         self._lease.hand_over(caller, request.get("to", ""))
         self._sessions.change_pilot()
-        self._note_helm()
         self._publish()
         return {"success": True, "message": ""}
 
@@ -144,7 +134,6 @@ class Services:
         response = running.pilot.all_stop(request, _sent(running))
         if caller != self._lease.pilot and running.judged is not None:
             running.judged.note_stop(self._lease.members.get(caller, "a watcher"), "all stop")
-        self._note_act(caller, "all stop" if is_stop(request) else "all stop released", {}, response)
         return response
 
     def _command(self, caller: str, request: Values) -> Future[Values]:
@@ -168,9 +157,7 @@ class Services:
             running.end_plan(Reason.PILOT)
         if name == "hold" and isinstance(vehicle, str):
             running.pilot.note_holds(vehicle, given)
-        response = answered(live, future, text=text)
-        self._note_act(caller, name, given, response)
-        return response
+        return answered(live, future, text=text)
 
     def _plan(self, caller: str, request: Values) -> Values:
         running, action = self._sessions.present(), request.get("action")
@@ -204,54 +191,11 @@ class Services:
         if running.plan is not None and running.plan.is_on:
             raise ValueError("a plan is flown already: stop it first")
         running.plan = PlanFlight(running.live, str(name), plan)
-        self._note_act(caller, "plan", {"points": len(plan.points_world_m)})
         return self._planned(running)
 
     def _planned(self, running: Running) -> Values:
         found = {"is_flying": False, "reached": 0, "ended_because": ""}
         return {"success": True, "message": "", **(found if running.plan is None else running.plan.report())}
-
-    def _required_instructor(self) -> Instructor:
-        if self._instructor is None:
-            raise ValueError("this station has no instructor")
-        return self._instructor
-
-    def _note_act(self, caller: str, act: str, arguments: Values, response: Future[Values] | None = None) -> None:
-        """Write a member's act to the instructor's log, if there is an instructor."""
-        if self._instructor is not None:
-            time_s = 1e-9 * self._sessions.present().live.time_ns
-            self._instructor.note(time_s, self._lease.members.get(caller, "a watcher"), act, arguments, response)
-
-    def _note_helm(self) -> None:
-        """Note that the instructor flies an attempt, whose score then does not count."""
-        running, own = self._sessions.running, self._instructor
-        if running is not None and running.judged is not None and own is not None and self._lease.pilot in own.clients:
-            running.judged.note_instruction("took the controls", changed=True)
-
-    def _supervise(self, caller: str, request: Values) -> Future[Values]:
-        return self._required_instructor().admit(caller, request.get("token"))
-
-    def _instruct(self, caller: str, request: Values) -> Values:
-        own = self._required_instructor()
-        own.require(caller)
-        message = own.act(self._sessions, request)
-        if request.get("action") == "hand_over":
-            self._note_helm()
-        self._publish()
-        return {"success": True, "message": message, "tick": self._sessions.present().live.tick}
-
-    def _overview(self, caller: str, request: Values) -> Values:
-        own = self._required_instructor()
-        own.require(caller)
-        return {"success": True, **own.overview(self._sessions.present())}
-
-    def _parameters(self, caller: str, request: Values) -> Values:
-        self._required_instructor().require(caller)
-        return {"success": True, **parameters(self._sessions.present().live)}
-
-    def _fault_kinds(self, caller: str, request: Values) -> Values:
-        self._required_instructor().require(caller)
-        return {"success": True, "kinds": fault_kinds()}
 
     def _exercise(self, caller: str, request: Values) -> Values:
         judged = self._sessions.present().judged
@@ -332,9 +276,6 @@ class Services:
             raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(self._controls())}")
         live = self._sessions.present().live
         said = CONTROLS[action](self._sessions, request)
-        if action == "begin":
-            self._note_helm()
-        self._note_act(caller, action, {})
         self._publish()
         return {"success": True, "message": said or "", "tick": live.tick}
 

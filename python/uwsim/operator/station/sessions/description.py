@@ -50,7 +50,6 @@ def describe(running: Running) -> Values:
         "objects": f"/{OBJECTS}" if running.objects is not None and running.objects.topics() else None,
         "life": running.life.described() if running.life is not None else None,
         "commands": running.commands(),
-        "is_supervised": running.is_supervised,
         "is_recorded": running.flight is not None,
         "has_exercise": running.judged is not None,
         "has_survey": scenario.survey is not None,

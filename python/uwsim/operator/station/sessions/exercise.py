@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from uwsim.channels.authority.rights import OF_EXERCISE, AidKind, Rights
+from uwsim.channels.authority.rights import AidKind, Rights
 from uwsim.channels.guest import Values
 from uwsim.exercises import Course, Exercise
 from uwsim.exercises.certified import certified_sheet
@@ -30,7 +30,7 @@ class Judged:
 
     An attempt begins when the pilot presses Begin; until then, time stands still. It ends with the exercise, with a
     restart, or with the simulator. folder: receives the score sheets, in subfolders sheet-1, sheet-2 and so on.
-    instructor: whether an instructor may change the world. aids: returns the aids in use that the station knows.
+    aids: returns the aids in use that the station knows.
     pilot: returns the name of the member who has the controls; another than the one who began makes a score invalid.
     person: the name on the sheet and in the log book, by default that of the member who began. name: of a packaged
     exercise, or "". following: name and title of the next one that the pilot may start, or empty texts. recording:
@@ -44,7 +44,6 @@ class Judged:
         folder: Path,
         rights: Rights,
         *,
-        instructor: bool = False,
         aids: Callable[[], set[AidKind]] = set,
         pilot: Callable[[], str] = str,
         person: str = "",
@@ -56,7 +55,7 @@ class Judged:
         self.live, self._folder, self._aids, self._pilot = live, folder, aids, pilot
         self._person, self._began = person, ""
         self._recording = recording
-        outsider = "the instructor" if instructor else "the program that runs the simulator"
+        outsider = "the program that runs the simulator"
         self.course = Course(exercise, live.simulator, self._command, outsider=outsider, aids=self._aids_in_use)
         self.course.wait_to_begin(1)
         self._acts = Counter[tuple[str, str]]()  # outside acts since the last judgement: by whom, and a text
@@ -67,7 +66,7 @@ class Judged:
         self._flight = ""  # the recording that the sheet names
         self._error = ""
         self._lock = threading.Lock()
-        rights.close_world(live, OF_EXERCISE)
+        rights.close_world(live)
         rights.allow_only([aid.kind for aid in exercise.aids])
         rights.permitted = self._note_program
         rights.stopped = lambda name: self.note_stop("a program", f"/{name}")
@@ -104,10 +103,6 @@ class Judged:
             self.live.read(lambda sim: self._conclude(because)).result(STOP_S)
         except (NotRunningError, FutureTimeoutError):
             self._conclude(because)
-
-    def note_instruction(self, text: str, *, changed: bool) -> None:
-        """Note an instructor's act. changed: whether it spoils the score."""
-        self.course.note_outside(text, "the instructor", changed=changed)
 
     def stop(self) -> None:
         """End the attempt, and wait for the sheets still being written. Called before the simulator stops."""
@@ -162,7 +157,7 @@ class Judged:
 
     def _judge(self) -> None:
         was_over = self.course.is_over
-        if self.course.has_begun and self.course.has_jumped_back and not self.course.is_returning:
+        if self.course.has_begun and self.course.has_jumped_back:
             with self.live.privileged():
                 self.live.pause()
             self._conclude("broken off: time was set back")

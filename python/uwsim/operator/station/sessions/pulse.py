@@ -113,7 +113,6 @@ def _progress(running: Running) -> Values:
     return {
         "scenario": live.simulator.scenario.name,
         "error": str(live.error or ""),
-        "instruction": running.instruction,
         "comment": comment_of(live.simulator.events),
         "notes": len(notes_of(live.simulator.events)),
         "time": 1e-9 * live.time_ns,

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from uwsim.base.commands import COMMANDS
 from uwsim.bridges.rosbridge.client import RosbridgeClient
-from uwsim.channels.authority.rights import OF_INSTRUCTOR, AidKind
+from uwsim.channels.authority.rights import AidKind
 from uwsim.channels.delivery.feed import Feed
 from uwsim.channels.families.scans import PLACED
 from uwsim.channels.guest import GuestTopic, Node
@@ -42,16 +41,6 @@ def piloted_commands() -> list[str]:
     return sorted(name for name, command in COMMANDS.items() if command.is_piloted)
 
 
-@dataclass
-class Moment:
-    """A saved moment. course: the state of the exercise, if there is one."""
-
-    name: str
-    time_s: float
-    state: bytes
-    course: object = None
-
-
 class Running:
     """A live simulator, from `start` to `stop`.
 
@@ -59,7 +48,7 @@ class Running:
     whether the true position may be shown. folder: where notes are written. edition: a number that increases when a
     change of a parameter changes its description; see `notice_changes`. replay: the replay that the simulator
     follows, if any. In a replay, the truth is shown, and all values are those aboard, without a link. branched_from:
-    the point in a replay at which a pilot took the helm, or "". instruction: the instructor's last message, or "".
+    the point in a replay at which a pilot took the helm, or "".
     """
 
     def __init__(
@@ -102,14 +91,11 @@ class Running:
         self.recorder: Recorder | None = None
         self.flight: FlightRecording | None = None
         self.branched_from = ""
-        self.instruction = ""
         self.judged: Judged | None = None
         self.plan: PlanFlight | None = None
-        self.is_supervised = False
         self.rosbridge: RosbridgeClient | None = None
         self.edition = 0
         self._described = sim.parameters.scenario
-        self.moments: list[Moment] = []
         self.snapshots = Snapshots(live, table, self.views, self.arrivals)
         self.inspection = Inspection(self.snapshots, lambda: self.recorder, folder or Path.cwd())
 
@@ -150,12 +136,6 @@ class Running:
             self.judged.start()
         if self.flight is not None:
             self.flight.start()
-
-    def hide_the_simulation(self) -> None:
-        """Hide what shows the world from clients, and refuse what changes it, by whatever door."""
-        self.table.rights.close_world(self.live, OF_INSTRUCTOR)
-        self.table.services = [each for each in self.table.services if not each.name.startswith("simulation/")]
-        self.is_supervised = True
 
     def join(self, rosbridge: UserRosbridge) -> None:
         """Join the user's rosbridge with the topics of the paper's simulator, as `uwsim ros connect` does."""
@@ -213,12 +193,8 @@ class Running:
             self.plan.stop(because)
 
     def commands(self) -> list[str]:
-        """Return the commands that a pilot may issue by name.
-
-        With an instructor or in an exercise, only those to a vehicle are included.
-        """
-        is_closed = self.is_supervised or self.judged is not None
-        return [name for name in piloted_commands() if not is_closed or COMMANDS[name].crosses_link]
+        """Return the commands that a pilot may issue by name; in an exercise, only those to a vehicle are included."""
+        return [name for name in piloted_commands() if self.judged is None or COMMANDS[name].crosses_link]
 
     def topics(self) -> list[GuestTopic]:
         """Return the topics of all views."""

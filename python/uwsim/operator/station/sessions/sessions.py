@@ -53,7 +53,7 @@ class Sessions:
 
     lease: determines who has the helms. wake: called when a picture may be due. publish: called when the state has
     changed. offered, is_fixed, folder, threads, origin: as for `Station`. flights: where recordings are kept, if at
-    all. is_supervised: whether an instructor alone may change the world. options: of `Running`.
+    all. options: of `Running`.
 
     phase: "idle" is the start screen. number: changes with each simulator and each restart. node, show: set by the
     server that the station joins.
@@ -71,12 +71,11 @@ class Sessions:
         threads: int | None,
         origin: str | Sequence[float] | None,
         flights: Flights | None,
-        is_supervised: bool,
         **options: Any,
     ) -> None:
         self._lease, self._wake, self._publish = lease, wake, publish
         self.offered, self.is_fixed, self.folder, self.flights = offered, is_fixed, folder, flights
-        self.threads, self._origin, self._is_supervised, self._options = threads, origin, is_supervised, options
+        self.threads, self._origin, self._options = threads, origin, options
         self.prepared = Prepared(lambda scenario: Simulator(scenario, threads=threads))
         self.node: Node
         self.show: Show = lambda live, channels, services, feed, actions: None
@@ -114,8 +113,8 @@ class Sessions:
     def _train(self, choice: Values) -> None:
         """Run an exercise that is packaged or beside a saved scene: from the start screen, or after another one."""
         follows = self.running is not None and self.running.judged is not None
-        if self._is_supervised or (self.is_fixed and not follows):
-            raise ValueError("exercise_name: this server runs one scenario, or its instructor decides")
+        if self.is_fixed and not follows:
+            raise ValueError("exercise_name: this server runs one scenario")
         own = self.editor.exercises
         name = chosen_exercise(choice, own)
         self.prepared.forget()
@@ -176,10 +175,9 @@ class Sessions:
         """Run an exercise, with its score sheets in `folder`, without the truth. Raises ScenarioError or ValueError.
 
         person: the name on the sheets and in the log book, by default that of the member who begins the attempt. name:
-        of a packaged exercise, after which the pilot may start the next one unless an instructor decides.
+        of a packaged exercise, after which the pilot may start the next one.
         """
         self._person = person
-        following = ("", "") if self._is_supervised else next_exercise(name)
 
         def make() -> LiveSimulator:
             nonlocal exercise
@@ -189,8 +187,8 @@ class Sessions:
         def judge(running: Running) -> None:
             running.judged = Judged(
                 running.live, exercise, self.folder, running.table.rights,
-                instructor=self._is_supervised, aids=running.aids_in_use,
-                pilot=lambda: self._lease.pilot_name, person=person, name=name, following=following,
+                aids=running.aids_in_use, pilot=lambda: self._lease.pilot_name, person=person, name=name,
+                following=next_exercise(name),
                 recording=lambda: "" if running.flight is None else running.flight.name,
             )  # fmt: skip
             running.scene.hidden = frozenset(exercise.hidden)
@@ -231,8 +229,6 @@ class Sessions:
             )  # fmt: skip
             if self.flights is not None and replay is None:
                 running.flight = FlightRecording(live, running.table, running.feed, self.flights, notes)
-            if self._is_supervised:
-                running.hide_the_simulation()
             running.pilot.pass_to(self._lease.pilot_name)
             prepare(running)
             self._end()
@@ -259,21 +255,21 @@ class Sessions:
             self._starting.release()  # first, since a page that sees the phase may start the next one at once
             self._publish()
 
-    def rewind(self, state: bytes | None = None) -> None:
-        """Return to a saved state, by default the initial state, in a new session.
+    def rewind(self) -> None:
+        """Return to the initial state, in a new session.
 
-        Pages then request everything again. The recording of the flight ends, and a new recording begins. Without a
-        state, an attempt at an exercise is broken off. Raises ValueError.
+        Pages then request everything again. The recording of the flight ends, and a new recording begins. An attempt
+        at an exercise is broken off. Raises ValueError.
         """
         running = self.present()
-        if running.judged is not None and state is None:
+        if running.judged is not None:
             running.end_plan("the exercise was restarted")
             running.judged.break_off("broken off: the exercise was restarted")
         if running.flight is not None:
             running.flight.stop()
         try:
             with running.live.privileged():
-                running.live.reset(state)
+                running.live.reset()
         finally:
             if running.flight is not None:
                 running.flight.start()

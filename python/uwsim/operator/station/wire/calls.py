@@ -25,15 +25,10 @@ from uwsim.operator.station.wire.messages import (
 from uwsim.operator.station.wire.start import Catalog, Choice, ChoiceTaken, FilmRequest, FilmState
 from uwsim.operator.station.wire.training import (
     ExerciseState,
-    FaultKinds,
-    Instruct,
     NotesRequest,
     NotesState,
-    Overview,
-    ParameterList,
     PlanRequest,
     PlanState,
-    Supervise,
 )
 
 
@@ -74,17 +69,6 @@ _CALLS = (
     ),
     Call("command", "issue another command; for the pilot only", Order, Commanded),
     Call("exercise", "report how the exercise stands", answer=ExerciseState, is_brief=False),
-    Call("supervise", "become the instructor, with the instructor's token", Supervise),
-    Call(
-        "instruct",
-        "change the trainee's world, pause, save a moment or return to it; for the instructor only",
-        Instruct,
-        Commanded,
-        is_brief=False,
-    ),
-    Call("overview", "report the truth; for the instructor only", answer=Overview, is_brief=False),
-    Call("fault_kinds", "list the kinds of faults; for the instructor only", answer=FaultKinds, is_brief=False),
-    Call("parameters", "describe all parameters; for the instructor only", answer=ParameterList, is_brief=False),
     Call("plan", "save, fly, stop or report on a plan drawn on the chart", PlanRequest, PlanState, is_brief=False),
     Call("notes", "list inspection notes, add one, or set the comment", NotesRequest, NotesState, is_brief=False),
     Call("set_view", "change the rate, width and quality of a view", SetView),

@@ -260,7 +260,6 @@ class Description(Message):
     commands: list[str]
     has_exercise: bool
     has_survey: bool
-    is_supervised: bool
     is_recorded: bool
     replay: ReplayDescription | None
     branched_from: str

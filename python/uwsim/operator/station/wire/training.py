@@ -1,11 +1,11 @@
-"""Requests and responses of the station's services for exercises, the instructor, plans and notes; see `messages`."""
+"""Requests and responses of the station's services for exercises, plans and notes; see `messages`."""
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 from uwsim.channels.authority.rights import AidKind
-from uwsim.operator.station.wire.messages import EventDetail, Message
+from uwsim.operator.station.wire.messages import Message
 
 
 class GoalState(Message):
@@ -68,127 +68,6 @@ class ExerciseState(Message):
     has_sheet: bool
     flight: str
     error: str
-
-
-# The instructor
-
-
-class Supervise(Message):
-    """A request to become the instructor."""
-
-    token: str
-
-
-class Instruct(Message):
-    """A request by the instructor. action, args: see docs/connections/station-wire.md."""
-
-    action: str
-    args: dict[str, Any] | None = None
-
-
-class VehicleTruth(Message):
-    """A vehicle's true state. is_stopped: whether all stop is set, paused or not."""
-
-    name: str
-    position_world_m: list[float]
-    heading_deg: float
-    speed_m_s: float
-    altitude_m: float | None
-    battery_percent: float
-    collisions: int
-    is_stopped: bool
-    sensors: list[str]
-    thrusters: list[str]
-    cameras: list[str]
-
-
-class SavedMoment(Message):
-    """A moment to return to."""
-
-    name: str
-    time_s: float
-
-
-class Instruction(Message):
-    """An entry of the log of both sides. clock: wall-clock time, ISO 8601. by: "instructor", or the pilot's name."""
-
-    time_s: float
-    clock: str
-    by: str
-    action: str
-    args: dict[str, Any]
-    text: str
-    details: list[EventDetail]
-
-
-class FaultTime(Message):
-    """When a fault began or begins. end_s: when it ended, or null. planned_end_s: when it is to end, null for never."""
-
-    name: str
-    kind: str
-    size: str
-    begin_s: float
-    end_s: float | None
-    planned_end_s: float | None
-
-
-class Overview(Message):
-    """The truth, for the instructor. exercise: an ExerciseState without `success`. log: newest first."""
-
-    success: Literal[True]
-    time_s: float
-    vehicles: list[VehicleTruth]
-    faults: list[str]
-    fault_times: list[FaultTime]
-    exercise: dict[str, Any] | None
-    moments: list[SavedMoment]
-    log: list[Instruction]
-
-
-class ParameterList(Message):
-    """All parameters. descriptions_json: as returned by /simulation/describe_parameters.
-
-    visibility_m: how far one sees horizontally in each type of water.
-    """
-
-    success: Literal[True]
-    descriptions_json: str
-    visibility_m: dict[str, float]
-
-
-class FaultField(Message):
-    """A key of a kind of fault. part: the list in VehicleTruth of which it names an item, or "".
-
-    width: the number of values. low, high: their bounds, or null. choices: the permitted values, or none for any.
-    value: the one with which a form begins.
-    """
-
-    name: str
-    meaning: str
-    is_number: bool
-    is_optional: bool
-    width: int
-    unit: str
-    low: float | None
-    high: float | None
-    choices: list[Any]
-    part: str
-    value: Any
-
-
-class FaultKind(Message):
-    """A kind of fault that the instructor may inject, and its keys."""
-
-    kind: str
-    meaning: str
-    fields: list[FaultField]
-
-
-class FaultKinds(Message):
-    """All kinds of faults, those of other packages last."""
-
-    success: Literal[True]
-    kinds: list[FaultKind]
 
 
 # The chart

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from uwsim.scenario.spec.fault import FaultModel, FaultyVehicle, Overlay, Share
 from uwsim.scenario.spec.faults.weaken import weaken_axis, weaken_thruster
@@ -13,8 +13,6 @@ class BatteryFault(FaultModel):
 
     kind: Literal["battery"]
     thrust: Share
-
-    example: ClassVar = {"thrust": 0.5}
 
     def apply(self, over: Overlay, vehicle: FaultyVehicle, water_kg: float) -> None:
         """See FaultModel."""

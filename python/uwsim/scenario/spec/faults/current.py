@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from uwsim.scenario.spec.fault import FaultModel, FaultyVehicle, Overlay
 from uwsim.scenario.spec.fields import InRange
@@ -19,8 +19,6 @@ class CurrentFault(FaultModel):
 
     kind: Literal["current"]
     velocity_world_m_s: tuple[Speed, Speed, Speed]
-
-    example: ClassVar = {"velocity_world_m_s": (0.0, 0.2, 0.0), "for_s": 20.0}
 
     def apply(self, over: Overlay, vehicle: FaultyVehicle, water_kg: float) -> None:
         """See FaultModel."""

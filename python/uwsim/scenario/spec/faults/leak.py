@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from uwsim.scenario.spec.fault import FaultModel, FaultyVehicle, Overlay
 from uwsim.scenario.spec.fields import InRange, Point3
@@ -20,8 +20,6 @@ class LeakFault(FaultModel):
     kg_per_s: Annotated[float, InRange(1e-6, 1000, "kg/s")]
     kg_max: Annotated[float, InRange(1e-3, 1e6, "kg")] | None = None
     position_m: Point3 | None = None
-
-    example: ClassVar = {"kg_per_s": 0.05, "kg_max": 2.0}
 
     def water_kg_after(self, water_kg: float, steps: int, step_s: float) -> float:
         """See FaultModel."""

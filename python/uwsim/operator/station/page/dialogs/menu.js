@@ -25,7 +25,7 @@ export function showMenu(station, { keys, gamepad, edit }) {
     resumes = false;
     setLanguage(name);
   };
-  // Entries that an exercise or an instructor does not permit are left out.
+  // Entries that an exercise does not permit are left out.
   const item = (text, act, { forAll = false, hint = '', className = '', control = '' } = {}) =>
     control && !station.may(control)
       ? null
@@ -60,7 +60,7 @@ export function showMenu(station, { keys, gamepad, edit }) {
         control: 'restart',
       }),
       item(WORDS.keys, () => leave(keys), { forAll: true, hint: '?' }),
-      ...(station.description?.is_fixed || station.description?.replay || station.description?.is_supervised
+      ...(station.description?.is_fixed || station.description?.replay
         ? []
         : [item(WORDS.editTheScene, () => leave(edit, true), { control: 'pause' })]),
       item(WORDS.gamepad, () => leave(gamepad), { forAll: true }),

@@ -81,9 +81,7 @@ export class Panel {
     );
     this.#own = this.#values.length;
     this.exercise = new ExercisePanel(station);
-    this.instruction = el('p', { className: 'failsafe', id: 'instruction', role: 'status', hidden: true });
     container.append(
-      this.instruction,
       this.allStop.element,
       this.failsafe.element,
       this.exercise.element,
@@ -125,12 +123,6 @@ export class Panel {
         ),
       ),
     );
-  }
-
-  // text: the instructor's last message, or ''.
-  showInstruction(text) {
-    this.instruction.hidden = text === '';
-    write(this.instruction, STRINGS.instructor.from(text));
   }
 
   showMap({ count, resolution_m }) {

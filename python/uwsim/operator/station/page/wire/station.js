@@ -79,7 +79,7 @@ export class Station extends EventTarget {
     return this.flew && !this.isBlind && this.id !== '' && !this.isPilot && isFree;
   }
 
-  // True if the pilot may use a control, such as 'pause'. With an instructor, only a few are permitted.
+  // True if the pilot may use a control, such as 'pause'. In an exercise, only a few are permitted.
   may(action) {
     return this.description?.controls?.includes(action) ?? true;
   }
