@@ -94,7 +94,7 @@ def dataset(
 ) -> None:
     """Create a dataset of labelled pictures.
 
-    Writes colour, depth, normals, masks and boxes (COCO), sonar pictures with masks, and poses (transforms.json), split
+    Writes colour, depth, normals, masks and boxes (COCO), sonar pictures with masks, and poses, split
     into training and validation sets. Poses are random, in open water with a target in view, or taken from a track. The
     bytes do not depend on the number of workers. Ctrl-C and kills lose only the frames in progress: --resume renders
     the rest. With --sequence, a mission is flown, and everything that the vehicle's instruments measure is written.

@@ -13,7 +13,6 @@ from uwsim.base.npz import npz_bytes
 from uwsim.campaigns.datasets.formats.coco import annotations_of
 from uwsim.campaigns.datasets.formats.pixels import depth_pixels, level_pixels, normal_pixels
 from uwsim.campaigns.datasets.formats.yolo import yolo_lines
-from uwsim.campaigns.datasets.parts import drawn
 from uwsim.campaigns.datasets.poses import Viewpoint
 from uwsim.campaigns.datasets.spec import OF_CAMERA, DatasetSpec
 from uwsim.campaigns.datasets.studio import Studio, studio_of
@@ -109,8 +108,6 @@ def _add_picture(studio: Studio, frame: Frame, record: dict[str, Any], files: di
         files["instances"] = encode_png(labels)
     if spec.writes("classes"):
         files["classes"] = encode_png(np.asarray(studio.class_of_label, np.uint8)[labels])
-    if spec.writes("parts"):
-        files["parts"] = encode_png(drawn(studio.part_masks(frame), labels.shape))
     if spec.writes("arrays"):
         files["arrays"] = npz_bytes(
             rgb=frame.rgb, depth_m=frame.depth_m, normals_world=frame.normals_world, labels=frame.labels

@@ -14,13 +14,11 @@ from uwsim.scenario.spec.camera import LARGEST_SIDE
 from uwsim.scenario.spec.fields import InRange, Model, broken
 from uwsim.scenario.variation import Variation
 
-Product = Literal[
-    "rgb", "depth", "normals", "instances", "classes", "parts", "boxes", "yolo", "arrays", "sonar", "multibeam"
-]
+Product = Literal["rgb", "depth", "normals", "instances", "classes", "boxes", "yolo", "arrays", "sonar", "multibeam"]
 PRODUCTS: tuple[str, ...] = get_args(Product)
 """Everything that can be written for a frame."""
 USUAL: tuple[Product, ...] = ("rgb", "depth", "normals", "instances", "classes", "boxes")
-OF_CAMERA = {"rgb", "depth", "normals", "instances", "classes", "parts", "boxes", "yolo", "arrays"}
+OF_CAMERA = {"rgb", "depth", "normals", "instances", "classes", "boxes", "yolo", "arrays"}
 MAX_FRAMES = 1_000_000
 MIN_PIXELS = 16
 Pixels = Annotated[int, InRange(1, LARGEST_SIDE, "pixels")]
@@ -38,7 +36,7 @@ class DatasetSpec(Model):
     the vehicle or the station, such as down; of a --sequence also several, comma-separated. size: pixels, WxH; by
     default the camera's own. effects: those of the picture, on, off, or joined by +, as for Camera.capture. without:
     effects to omit, such as wobble; of a --sequence, instruments, such as multibeam. write: outputs, comma-separated:
-    rgb, depth, normals, instances, classes, parts, boxes, yolo, arrays, sonar, multibeam. pictures: format of rgb, png
+    rgb, depth, normals, instances, classes, boxes, yolo, arrays, sonar, multibeam. pictures: format of rgb, png
     or jpg. sonar: the forward-looking sonar; by default the first. look_at: names or classes of targets, also of cover
     and fish, comma-separated, such as gate,pipeline; by default all obstacles, vehicles and the terrain. distance_m:
     distance to the target [m], LOW..HIGH; by default up to 0.6 of the water's visibility. clearance_m: free space
@@ -100,8 +98,8 @@ class DatasetSpec(Model):
             raise broken("has no effect unless `write` contains sonar", at=("sonar",), value=self.sonar)
         if self.pictures != "png" and "rgb" not in self.write:
             raise broken("has no effect unless `write` contains rgb", at=("pictures",), value=self.pictures)
-        if self.label_range_m is not None and not self.writes("instances", "classes", "parts", "boxes", "yolo"):
-            rule = "has no effect unless `write` contains instances, classes, parts, boxes or yolo"
+        if self.label_range_m is not None and not self.writes("instances", "classes", "boxes", "yolo"):
+            rule = "has no effect unless `write` contains instances, classes, boxes or yolo"
             raise broken(rule, at=("label_range_m",), value=self.label_range_m, unit="m")
         if self.min_pixels != MIN_PIXELS and not self.writes("boxes", "yolo", "sonar"):
             rule = "has no effect unless `write` contains boxes, yolo or sonar"

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.campaigns.datasets.formats.coco import annotations_of
-from uwsim.campaigns.datasets.parts import Parts
 from uwsim.campaigns.datasets.poses import Eye, FreeWater, Limits, Viewpoint, draw_viewpoint
 from uwsim.campaigns.datasets.spec import OF_CAMERA, DatasetSpec
 from uwsim.campaigns.datasets.targets import TERRAIN, Targets
@@ -22,7 +21,9 @@ from uwsim.instruments.sonars.imaging import ForwardLooking, SonarImage, look_ah
 from uwsim.instruments.sonars.mounted import ImagingSonar
 from uwsim.scenario import load
 from uwsim.scenario.build.hull import hull_radius_m
+from uwsim.scenario.build.obstacles import obstacle_parts
 from uwsim.scenario.build.optics import core_optics
+from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.fingerprint import scenario_fingerprint
 from uwsim.scenario.spec.turbidity import visibility_m
 from uwsim.scenario.variation import extremes, level_at
@@ -51,11 +52,6 @@ class Studio:
         self._try_variations()
         self.camera = self._chosen_camera()
         self.effects = spec.effects_on
-        if self.info.distortion_model == "rational_polynomial" and spec.writes("rgb"):
-            raise ValueError(
-                f"camera '{spec.camera}': distortion_model = rational_polynomial: transforms.json has no such lens: "
-                "leave out the effect `distortion`"
-            )
         self.rays = self.camera.ray_table(distort="distortion" in self.effects)
         self._slant = np.sqrt(np.float32(1.0) + (self.rays**2).sum(axis=-1))  # distance at a depth of 1
         self.sonar = self._chosen_sonar() if spec.writes("sonar") else None
@@ -63,8 +59,11 @@ class Studio:
             _ = self.vehicle.sonar  # raises ValueError if there is none
         small = self.camera.resized(8, 8).capture(geometry_only=True)
         self.label_names = list(small.label_names)
-        self.parts = Parts(self.sim, list(small.class_names))
-        self.class_names = self.parts.class_names
+        terrain = build_terrain(self.sim.scenario.terrain)
+        self.parts = [
+            (each.name, part) for each in self.sim.scenario.obstacles for part in obstacle_parts(each, terrain)
+        ]
+        self.class_names = list(small.class_names)
         self.class_of_label = small.class_of_label
         self._drawing: tuple[Targets, Targets | None, Eye] | None = None
 
@@ -160,7 +159,8 @@ class Studio:
 
     def looked_at(self, things: list[dict[str, Any]]) -> list[dict[str, Any]]:
         """Return the annotations of what the dataset looks at; all of them if it does not state that."""
-        names = {*(self.spec.look_at or ())} - {TERRAIN}
+        wanted = {*(self.spec.look_at or ())} - {TERRAIN}
+        names = wanted | {name for name, part in self.parts if part.kind in wanted}
         return [each for each in things if not names or {each["name"], self.class_names[each["category_id"]]} & names]
 
     def _objects(self, number: int, viewpoint: Viewpoint, least_pixels: int) -> list[dict[str, Any]]:
@@ -178,14 +178,7 @@ class Studio:
         """Return COCO's annotations of the objects that have as many pixels within the range of labels."""
         pieces = frame.pieces if len(frame.pieces) else None
         labels, distances_m = self.labels(frame), self.distances_m(frame)
-        found = annotations_of(labels, self.class_of_label, self.label_names, distances_m, least_pixels, pieces)
-        return found + self.parts.annotations(self.part_masks(frame), distances_m, self.label_names, least_pixels)
-
-    def part_masks(self, frame: Frame) -> dict[int, NDArray[np.bool_]]:
-        """Return the masks (H, W) of the obstacles' parts within the range of labels, by number."""
-        if not len(self.parts):
-            return {}
-        return self.parts.masks(frame, self.rays, self.distances_m(frame), self.label_range_m)
+        return annotations_of(labels, self.class_of_label, self.label_names, distances_m, least_pixels, pieces)
 
     def labels(self, frame: Frame) -> NDArray[np.uint16]:
         """Return the label of each pixel, (H, W); 0 beyond the range of labels."""
@@ -216,7 +209,7 @@ class Studio:
     def _targets(self, look_at: Sequence[str] | None) -> Targets:
         classes = [self.class_names[k] for k in self.class_of_label]
         by_name = dict(zip(self.label_names, classes, strict=True))
-        return Targets(self.sim, self.vehicle.name, by_name, look_at, self.parts.all)
+        return Targets(self.sim, self.vehicle.name, by_name, look_at, self.parts)
 
     def _eye(self) -> Eye:
         mount = self.camera.mount

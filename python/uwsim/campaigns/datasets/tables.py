@@ -1,4 +1,4 @@
-"""Tables that cover all frames of a dataset: dataset.json, frames.jsonl, annotations, transforms.json."""
+"""Tables that cover all frames of a dataset: dataset.json, frames.jsonl, annotations."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ from typing import Any
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.campaigns.datasets.formats.coco import coco
-from uwsim.campaigns.datasets.formats.nerf import transforms
 from uwsim.campaigns.datasets.formats.yolo import yolo_yaml
 from uwsim.campaigns.datasets.frame import file_name, folders
 from uwsim.campaigns.datasets.spec import OF_CAMERA, DatasetSpec
 from uwsim.campaigns.datasets.split import SPLITS
 from uwsim.campaigns.datasets.studio import Studio
 
-ABOUT, FRAMES, TRANSFORMS = "dataset.json", "frames.jsonl", "transforms.json"
+ABOUT, FRAMES = "dataset.json", "frames.jsonl"
 OF_TABLES = ("annotations", "sonar_annotations", "job", "trials")
 """Fields of a record that are left out of frames.jsonl."""
 CONVENTIONS = {
@@ -31,7 +30,6 @@ CONVENTIONS = {
     "sonar": "row 0 is the farthest range, column 0 port; black and white at sonar_limits_db; sonar_arrays have the "
     "nearest range first, and starboard",
 }
-OF_PARTS = {"parts": "value = number of one of `parts`, 0 for none; where parts overlap, the larger number"}
 
 
 def write_tables(
@@ -48,8 +46,6 @@ def write_tables(
     lines = [_line(spec, record, split) for record, split in zip(records, splits, strict=True)]
     write(FRAMES, "".join(json.dumps(line) + "\n" for line in lines))
     about = _about(studio, plan, splits)
-    if spec.writes("rgb"):
-        write(TRANSFORMS, _dumped(_transforms(studio, lines)))
     if spec.writes("yolo"):
         write("data.yaml", yolo_yaml(studio.class_names))
     for split in SPLITS:
@@ -83,8 +79,7 @@ def _about(studio: Studio, plan: Mapping[str, Any], splits: Sequence[str]) -> di
         "label_names": studio.label_names,
         "class_names": studio.class_names,
         "class_of_label": [int(number) for number in studio.class_of_label],
-        **({"parts": studio.parts.described()} if len(studio.parts) else {}),
-        "conventions": CONVENTIONS | (OF_PARTS if studio.spec.writes("parts") else {}),
+        "conventions": CONVENTIONS,
     }
     if studio.spec.writes(*OF_CAMERA):
         info = studio.info
@@ -96,20 +91,6 @@ def _about(studio: Studio, plan: Mapping[str, Any], splits: Sequence[str]) -> di
         figures = {key: value for key, value in vars(studio.sonar.model).items() if key != "strengths_db"}
         about["sonar"] = {"name": studio.sonar.name, "kind": studio.sonar.model.kind, **figures}
     return about
-
-
-def _transforms(studio: Studio, lines: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    frames = [
-        {
-            "file": line["files"]["rgb"],
-            "split": line["split"],
-            "world_from_optical": line["world_from_optical"],
-            **({"depth_file": line["files"]["depth"]} if "depth" in line["files"] else {}),
-        }
-        for line in lines
-    ]
-    info = studio.info
-    return transforms(info.k, info.d, (info.width, info.height), frames)
 
 
 def _coco(

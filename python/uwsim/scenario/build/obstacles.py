@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from uwsim.scenario.build.growth import overgrown, thickness_m
+from uwsim.scenario.build.growth import overgrown
 from uwsim.scenario.build.solids import bed_below
 from uwsim.scenario.build.surface_points import surface_points
 from uwsim.scenario.spec.obstacle import Bed, ObstacleModel, Placed, Solid
-from uwsim.scenario.spec.part import Mask, Part, Seen
+from uwsim.scenario.spec.part import Part
 
 
 def obstacle_solid(obstacle: ObstacleModel, terrain: Bed) -> Solid:
@@ -18,16 +18,8 @@ def obstacle_solid(obstacle: ObstacleModel, terrain: Bed) -> Solid:
 
 
 def obstacle_parts(obstacle: ObstacleModel, terrain: Bed) -> list[Part]:
-    """Return the parts of an obstacle in the world: first its growth, then its own. Raises ScenarioError."""
-    parts = grounded(obstacle, terrain).parts(terrain)
-    growth = obstacle.growth
-    if growth is None or not growth.age_years:
-        return parts
-
-    def shows(seen: Seen) -> Mask:
-        return np.asarray(seen.is_on & (thickness_m(growth, seen.points_m[:, 2]) > 0.0))
-
-    return [Part("growth", None, np.inf, shows), *parts]
+    """Return the parts of an obstacle in the world. Raises ScenarioError."""
+    return grounded(obstacle, terrain).parts(terrain)
 
 
 def grounded(obstacle: ObstacleModel, terrain: Bed) -> ObstacleModel:

@@ -1,10 +1,9 @@
-"""Joints, anodes and features of a pipeline as parts that pictures show, and the debris that lies on it."""
+"""Places of a pipeline's joints, anodes and features, and the debris that lies on it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,18 +11,14 @@ from numpy.typing import NDArray
 from uwsim.scenario.build.cover_meshes import Mesh
 from uwsim.scenario.build.debris_meshes import lying_about
 from uwsim.scenario.build.pipe_shape import (
-    ANODE_M,
     COVER_M,
-    DAMAGE_HALF_RAD,
-    JOINT_M,
-    LEAK_HALF_RAD,
     all_features,
     anodes_m,
     clock_angle,
     joints_m,
 )
 from uwsim.scenario.spec.bubble_plume import BubblePlume
-from uwsim.scenario.spec.part import Mask, Part, Seen
+from uwsim.scenario.spec.part import Part
 from uwsim.scenario.spec.pipe_condition import PipeCondition, PipeFeature
 
 Floats = NDArray[np.float64]
@@ -57,37 +52,17 @@ class Course:
         _, left, up = self.frame(at_m)
         return np.asarray(self.middle(at_m) + self.radius_m * (np.cos(angle_rad) * left + np.sin(angle_rad) * up))
 
-    def around(self, points_m: Floats, start_m: float, end_m: float) -> tuple[Floats, Floats, Floats]:
-        """Return how far points (n, 3) near a piece of the pipe are along it, left of its axis and above it, (n,)."""
-        first = max(int(np.searchsorted(self.along_m, start_m, side="right")) - 1, 0)
-        last = min(int(np.searchsorted(self.along_m, end_m)), len(self.along_m) - 1)
-        best = np.full(len(points_m), np.inf)
-        along, aside, above = np.full(len(points_m), np.nan), np.zeros(len(points_m)), np.zeros(len(points_m))
-        for k, after in pairwise(range(first, last + 1)):
-            start, step = self.axis_m[k], self.axis_m[after] - self.axis_m[k]
-            length = np.hypot(step[0], step[1])
-            off = points_m - start
-            share = off[:, :2] @ step[:2] / length**2
-            left = (step[0] * off[:, 1] - step[1] * off[:, 0]) / length
-            beyond = np.maximum(np.maximum(-share, share - 1), 0) * length
-            nearer = np.hypot(left, beyond) < best
-            best[nearer] = np.hypot(left, beyond)[nearer]
-            along[nearer] = (self.along_m[k] + share * (self.along_m[after] - self.along_m[k]))[nearer]
-            aside[nearer], above[nearer] = left[nearer], (off[:, 2] - share * step[2])[nearer]
-        return along, aside, above
-
 
 def pipe_parts(condition: PipeCondition, course: Course, length_m: float) -> list[Part]:
     """Return the parts of a pipeline: its features, then its anodes and joints."""
     features = all_features(condition, length_m)
-    parts = [_band(one.kind, one.at_m, one.extent_m, course) for one in features if one.kind in ("burial", "span")]
-    parts += [_band("joint", float(at), JOINT_M, course) for at in joints_m(condition, length_m)]
-    parts += [_band("anode", float(at), ANODE_M, course) for at in anodes_m(condition, length_m)]
-    parts += [_patch(one, course, DAMAGE_HALF_RAD) for one in features if one.kind == "damage"]
-    parts += [_patch(one, course, LEAK_HALF_RAD) for one in features if one.kind == "leak"]
-    lying = [one for one in features if one.kind == "debris"]
-    meshes = pipe_debris(condition, course, length_m)
-    return parts + [_lump(mesh, one, course) for mesh, one in zip(meshes, lying, strict=True)]
+    parts = [_band(one.kind, one.at_m, course) for one in features if one.kind in ("burial", "span")]
+    parts += [_band("joint", float(at), course) for at in joints_m(condition, length_m)]
+    parts += [_band("anode", float(at), course) for at in anodes_m(condition, length_m)]
+    for kind in ("damage", "leak"):
+        marked = [one for one in features if one.kind == kind]
+        parts += [Part(kind, course.surface(one.at_m, clock_angle(one.clock_h))) for one in marked]
+    return parts + [_lump(mesh) for mesh in pipe_debris(condition, course, length_m)]
 
 
 def pipe_debris(condition: PipeCondition, course: Course, length_m: float) -> list[Mesh]:
@@ -117,38 +92,12 @@ def _dropped(one: PipeFeature, course: Course, seed: Sequence[int]) -> Mesh:
     return size_m * vertices[:, :2] @ level + up[:, None] * [0.0, 0.0, 1.0] + at, triangles
 
 
-def _lump(mesh: Mesh, one: PipeFeature, course: Course) -> Part:
-    vertices, _ = mesh
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    middle, half = 0.5 * (low + high), 0.5 * (high - low) + 1e-3
-
-    def shows(seen: Seen) -> Mask:
-        _, aside, above = course.around(seen.points_m, one.at_m - one.extent_m, one.at_m + one.extent_m)
-        off_pipe = np.hypot(aside, above) > 1.02 * course.radius_m
-        return np.asarray(seen.is_on & off_pipe & (np.abs(seen.points_m - middle) <= half).all(axis=1))
-
-    return Part("debris", np.array([*middle[:2], high[2]]), float(np.linalg.norm(high - low)), shows)
+def _lump(mesh: Mesh) -> Part:
+    low, high = mesh[0].min(axis=0), mesh[0].max(axis=0)
+    return Part("debris", np.array([*0.5 * (low + high)[:2], high[2]]))
 
 
-def _band(kind: str, at_m: float, extent_m: float, course: Course) -> Part:
-    """Return a part that goes all around the pipe."""
-
-    def shows(seen: Seen) -> Mask:
-        along, _, _ = course.around(seen.points_m, at_m - extent_m, at_m + extent_m)
-        return np.asarray(seen.is_on & (np.abs(along - at_m) <= extent_m / 2))
-
+def _band(kind: str, at_m: float, course: Course) -> Part:
+    """Return a part that goes all around the pipe, at its top."""
     above_m = COVER_M if kind == "burial" else 0.0  # where it is buried, its place is on the bed
-    place = course.surface(at_m, clock_angle(TOP_H)) + np.array([0.0, 0.0, above_m])
-    return Part(kind, place, extent_m / 2 + 3 * course.radius_m + 1.0, shows)
-
-
-def _patch(one: PipeFeature, course: Course, half_rad: float) -> Part:
-    """Return a part that goes around the pipe by an angle to both sides of an hour."""
-    hour = clock_angle(one.clock_h)
-
-    def shows(seen: Seen) -> Mask:
-        along, aside, above = course.around(seen.points_m, one.at_m - one.extent_m, one.at_m + one.extent_m)
-        off = np.abs(np.angle(np.exp(1j * (np.arctan2(above, aside) - hour))))
-        return np.asarray(seen.is_on & (np.abs(along - one.at_m) <= one.extent_m / 2) & (off <= half_rad))
-
-    return Part(one.kind, course.surface(one.at_m, hour), one.extent_m / 2 + 3 * course.radius_m, shows)
+    return Part(kind, course.surface(at_m, clock_angle(TOP_H)) + np.array([0.0, 0.0, above_m]))

@@ -14,7 +14,7 @@ from uwsim.scenario.read.mesh_file import joined
 from uwsim.scenario.spec.fields import InRange, Name, Size, broken
 from uwsim.scenario.spec.material import Material, MaterialSpec
 from uwsim.scenario.spec.obstacle import LEVEL, Bed, Placed, Solid
-from uwsim.scenario.spec.part import Mask, Part, Seen
+from uwsim.scenario.spec.part import Part
 
 MAX_KNOTS = 100_000
 COLLAR_M, SINKER_M = 0.2, 0.08
@@ -71,21 +71,7 @@ class Net(Placed):
 
     def parts(self, terrain: Bed) -> list[Part]:
         """See ObstacleModel."""
-        return [self._hole(place) for place in self.holes_m()]
-
-    def _hole(self, place_m: Floats) -> Part:
-        """Return a hole: the rays through its disc that no strand stops."""
-        out = (place_m - self.position_m) * [1, 1, 0] / self.radius_m
-
-        def shows(seen: Seen) -> Mask:
-            ways = seen.points_m - seen.eye_m
-            with np.errstate(divide="ignore", invalid="ignore"):
-                share = (place_m - seen.eye_m) @ out / (ways @ out)
-                off = np.linalg.norm(share[:, None] * ways + seen.eye_m - place_m, axis=1)
-            before_m = (1 - share) * np.linalg.norm(ways, axis=1)
-            return np.asarray((off <= 0.5 * self.hole_m) & (share > 0) & (before_m > 2 * self.strand_m))
-
-        return Part("hole", place_m, 0.6 * self.hole_m, shows)
+        return [Part("hole", place_m) for place_m in self.holes_m()]
 
     def solid(self, terrain: Bed) -> Solid:
         """See ObstacleModel."""

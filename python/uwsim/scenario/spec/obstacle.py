@@ -87,7 +87,7 @@ class ObstacleModel(Model):
         raise NotImplementedError
 
     def parts(self, terrain: Bed) -> list[Part]:
-        """Return what an inspection looks for, in the world; where parts overlap, later ones count. May raise."""
+        """Return what an inspection looks for, in the world. May raise."""
         return []
 
     @property
