@@ -15,7 +15,6 @@ EXTRA_OF = {
     "simplejpeg": "cameras",
     "shapely": "files",
     "assimp_py": "files",
-    "manifold3d": "files",
     "networkx": "files",
     "rasterio": "files",
     "laspy": "files",

@@ -12,14 +12,13 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
+import manifold3d
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.scenario.read.mesh_union import crossings, volume
+from uwsim.scenario.read.mesh_union import as_mesh, crossings, manifold, parts_of, volume
 
 if TYPE_CHECKING:
-    import manifold3d
-
     from uwsim.base.whole_trimesh import trimesh
 
 WRAP_CELLS, FEW_CELLS = 48, 8
@@ -32,11 +31,7 @@ FEW_CROSSINGS = 0.01
 
 def closed(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, list[str]]:
     """Return a closed mesh and a description of the changes. Raises ValueError if it encloses nothing."""
-    import manifold3d
-
-    from uwsim.base.whole_trimesh import trimesh
-
-    given_m3 = abs(volume(mesh.triangles))
+    given_m3 = abs(volume(mesh))
     parts, done = _capped_parts(mesh)
     if not parts:
         raise ValueError("encloses no volume")
@@ -52,15 +47,13 @@ def closed(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, list[str]]:
         else:
             solids[k] = wrap(part, cell_m)
             wrapped.append(cell_m)
-    out = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add).to_mesh64()
-    vertices, faces = np.array(out.vert_properties[:, :3]), np.array(out.tri_verts, np.int64)
+    found = as_mesh(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
     if wrapped:
         done.append(f"wrapped {len(wrapped)} parts that cross themselves, to within {max(wrapped):.2g} m")
     if small:
         done.append(f"replaced {small} small parts that cross themselves by their convex hulls")
     if len(parts) > 1:
         done.append(f"united {len(parts)} parts")
-    found = trimesh.Trimesh(vertices, faces, process=False)
     change = f", {100 * (found.volume / given_m3 - 1):+.1f} % of that of the given triangles" if given_m3 > 0 else ""
     return found, [*done, f"it encloses {found.volume:.4g} m3{change}"]
 
@@ -70,13 +63,11 @@ def _capped_parts(mesh: trimesh.Trimesh) -> tuple[list[trimesh.Trimesh], list[st
     from uwsim.base.whole_trimesh import trimesh
 
     parts, holes, turned, sheets = [], 0, 0, 0
-    for faces in trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1):
-        part = trimesh.Trimesh(mesh.vertices, mesh.faces[faces], process=False)
-        part.remove_unreferenced_vertices()
+    for part in parts_of(mesh):
         if not part.is_winding_consistent:
             trimesh.repair.fix_winding(part)  # type: ignore[no-untyped-call]
         capped, rims = _capped(np.asarray(part.vertices, np.float64), np.asarray(part.faces, np.int64))
-        volume_m3 = volume(capped.triangles)
+        volume_m3 = volume(capped)
         if abs(volume_m3) < SHEET * capped.area**1.5:
             sheets += 1
             continue
@@ -93,13 +84,9 @@ def _capped_parts(mesh: trimesh.Trimesh) -> tuple[list[trimesh.Trimesh], list[st
 
 def _solid(part: trimesh.Trimesh) -> manifold3d.Manifold | None:
     """Return a closed part as a solid, or None if it is not a solid or intersects itself in many places."""
-    import manifold3d
-
-    vertices, faces = np.ascontiguousarray(part.vertices), np.ascontiguousarray(part.faces, np.uint64)
-    if crossings(vertices, faces) > FEW_CROSSINGS * len(faces):
-        return None
-    solid = manifold3d.Manifold(manifold3d.Mesh64(vertices, faces))
-    return solid if solid.status() == manifold3d.Error.NoError else None
+    solid = manifold(part)
+    is_solid = solid.status() == manifold3d.Error.NoError and crossings(solid) <= FEW_CROSSINGS * len(part.faces)
+    return solid if is_solid else None
 
 
 def _capped(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> tuple[trimesh.Trimesh, int]:
@@ -145,7 +132,6 @@ def _simple_cycles(onward: dict[int, list[int]]) -> list[list[int]]:
 
 def wrap(part: trimesh.Trimesh, cell_m: float) -> manifold3d.Manifold:
     """Return the space that cannot be reached from outside through gaps of less than two cells, as a solid."""
-    import manifold3d
     from scipy.ndimage import distance_transform_edt, label
     from scipy.spatial import cKDTree
 

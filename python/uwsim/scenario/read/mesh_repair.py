@@ -12,7 +12,7 @@ from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.errors import RepairWarning, ScenarioError
 from uwsim.scenario.read.mesh_closing import closed
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
-from uwsim.scenario.read.mesh_union import crossings, united, volume
+from uwsim.scenario.read.mesh_union import crossings, is_around, manifold, parts_of, united, volume, whole_of
 
 if TYPE_CHECKING:  # takes a second to import, and is not needed for a cached hull
     from uwsim.base.whole_trimesh import trimesh
@@ -75,7 +75,7 @@ def _without_overlaps(mesh: trimesh.Trimesh, repairs: list[str]) -> trimesh.Trim
         if whole is not None:
             mesh, count = whole
             repairs.append(f"united {count} parts that overlapped")
-        pierced = crossings(mesh.vertices, mesh.faces)
+        pierced = crossings(manifold(mesh))
         if not pierced:
             return mesh
         repairs.append(f"crosses itself ({pierced} edges pierce its triangles)")
@@ -97,32 +97,19 @@ def _repair(mesh: trimesh.Trimesh) -> list[str]:
     if mesh.is_watertight and not mesh.is_winding_consistent:  # otherwise each part is closed alone
         trimesh.repair.fix_winding(mesh)  # type: ignore[no-untyped-call]
         repairs.append("made the winding consistent")
-    if _is_closed(mesh) and _turn_outward(mesh):
+    parts = parts_of(mesh) if _is_closed(mesh) else []
+    inverted = [part for part in parts if volume(part) < 0.0 and not any(is_around(each, part) for each in parts)]
+    if inverted:
+        for part in inverted:
+            part.invert()
+        whole = whole_of(parts)
+        mesh.vertices, mesh.faces = whole.vertices, whole.faces
         repairs.append("turned inside-out parts outward")
     return repairs
 
 
 def _is_closed(mesh: trimesh.Trimesh) -> bool:
     return bool(mesh.is_watertight and mesh.is_winding_consistent)
-
-
-def _turn_outward(mesh: trimesh.Trimesh) -> bool:
-    """Flip parts with negative volume, except cavities inside another part; return whether any was flipped."""
-    from uwsim.base.whole_trimesh import trimesh
-
-    parts = trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1)
-    volumes = [volume(mesh.triangles[part]) for part in parts]
-    boxes = [(mesh.triangles[part].min(axis=(0, 1)), mesh.triangles[part].max(axis=(0, 1))) for part in parts]
-    faces = mesh.faces.copy()
-    flipped = False
-    for part, volume_m3, (low, high) in zip(parts, volumes, boxes, strict=True):
-        inside = any((outer[0] < low).all() and (high < outer[1]).all() for outer in boxes)
-        if volume_m3 < 0.0 and not inside:
-            faces[part] = faces[part][:, ::-1]
-            flipped = True
-    if flipped:
-        mesh.faces = faces
-    return flipped
 
 
 def _defects(mesh: trimesh.Trimesh) -> str:
