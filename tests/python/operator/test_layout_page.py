@@ -1,4 +1,4 @@
-"""How the station's screen is divided, in a real browser: the picture first, layouts by task, a view of its own."""
+"""How the station's screen is divided, in a real browser: the picture first, all stop always."""
 
 import pytest
 
@@ -32,36 +32,6 @@ def test_the_picture_has_most_of_the_screen_the_bar_one_row_and_type_the_size_th
     page.evaluate("document.documentElement.style.fontSize = '24px'")
     assert box(page, "#all-stop")["height"] == pytest.approx(1.5 * stop["height"], rel=0.05)
     page.evaluate("document.documentElement.style.fontSize = ''")
-
-
-def test_a_layout_is_kept_by_name_and_a_view_opens_in_a_window_of_its_own(here, page):
-    page.set_viewport_size({"width": 1440, "height": 900})
-    page.click("#layouts")
-    judge(page, "layouts")
-    page.click("#layouts-dialog >> text=Transit")
-    assert page.is_visible("#lamp-bed") and page.is_visible("#all-stop") and not page.is_visible(".downloads")
-    judge(page, "transit")
-    page.evaluate("station.views.enlarge('chart')")
-    page.click("#layouts")
-    page.fill("[aria-label='Name of the layout']", "mine")
-    page.click("#layouts-dialog >> text=Save")
-    page.click("#layouts-dialog >> text=Survey")
-    when(page, "station.views.large === 'scene'")
-    assert page.is_visible(".downloads")
-    page.click("#layouts")
-    page.click("#layouts-dialog >> text=mine")
-    when(page, "station.views.large === 'chart'")
-    page.click("#layouts")
-    with page.expect_popup() as opened:
-        page.click("text=in a window of its own")
-    alone = opened.value
-    alone.wait_for_selector("#station:not([hidden])")
-    when(alone, "station.views.large === 'chart'")
-    assert alone.is_visible("#all-stop") and not alone.is_visible(".panel") and not alone.is_visible("#dock")
-    assert box(alone, ".view.is-large")["width"] == alone.viewport_size["width"]
-    assert not alone.evaluate("station.station.isPilot") and page.evaluate("station.station.isPilot")
-    alone.close()
-    page.keyboard.press("Escape")
 
 
 STOP_IS_ON_TOP = """() => {

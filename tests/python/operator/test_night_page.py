@@ -126,7 +126,7 @@ def test_the_start_screen_the_editor_the_station_its_dialogs_and_a_replay(browse
         hold(page, "parameters")
         judge(page, "parameters at night")
         page.click("#inspect")
-        for each in ("layouts", "help", "menu"):
+        for each in ("help", "menu"):
             page.click(f"#{each}")
             page.wait_for_selector("dialog[open]")
             hold(page, each)

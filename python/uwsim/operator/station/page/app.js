@@ -7,7 +7,6 @@ import { CameraAim } from './camera_aim.js';
 import { watchDialogs } from './dialogs/dialog.js';
 import { showGamepads } from './dialogs/gamepad.js';
 import { showKeys } from './dialogs/keys.js';
-import { showLayouts } from './dialogs/layouts.js';
 import { showMenu } from './dialogs/menu.js';
 import { byId, targetOf, toast, write } from './dom.js';
 import { SceneEditor } from './editor/editor.js';
@@ -47,7 +46,6 @@ const WORDS = STRINGS.app;
 const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 0];
 const MAP = { throttle_rate: 250, queue_length: 1 };
 const SCAN = { throttle_rate: 200 };
-const IS_ALONE = new URLSearchParams(location.search).has('alone'); // one view, for a second screen
 
 const station = new Station(bridgeUrl(location), keptName());
 const telemetry = new Telemetry(station);
@@ -105,8 +103,6 @@ byId('vehicle').addEventListener('change', (event) => {
 });
 byId('help').addEventListener('click', () => openKeys());
 byId('menu').addEventListener('click', () => openMenu());
-byId('layouts').addEventListener('click', () => showLayouts(views));
-byId('station').classList.toggle('is-alone', IS_ALONE);
 byId('unfold').addEventListener('click', () => {
   const isUnfolded = byId('station').classList.toggle('is-unfolded'); // on a hand-held screen
   byId('unfold').setAttribute('aria-expanded', String(isUnfolded));
@@ -139,7 +135,7 @@ station.addEventListener('state', () => {
   byId('start').hidden = isRunning || station.state.phase === '';
   if (station.state.phase === 'idle') start.show();
   document.title = description ? WORDS.titleOf(description.scenario) : WORDS.title;
-  if (isRunning && !IS_ALONE) lease.takeOnce();
+  if (isRunning) lease.takeOnce();
   showBanner();
 });
 station.addEventListener('close', showBanner);

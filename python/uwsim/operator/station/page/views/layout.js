@@ -1,7 +1,6 @@
 // The views: one large, the others small, swapped by click or number key. Each camera or sonar is a stream of pictures.
 import { el, write } from '../dom.js';
-import { covered, isHandheld } from '../handheld.js';
-import { has, smallOnes, unchosen } from './arrangement.js';
+import { covered, isHandheld, isNarrow } from '../handheld.js';
 import { cameraAxis, focalPixels } from './camera_axis.js';
 import { Hud } from './hud.js';
 import { numberKeys } from './number_keys.js';
@@ -18,6 +17,11 @@ const WORDS = STRINGS.views;
 const LATE_MS = 2500; // of the large view; small ones take turns
 const SMALL_LATE_MS = 20000;
 const KINDS = ['camera', 'chase', 'scene', 'chart', 'fan', ...SONAR_KINDS, 'station'];
+const HELD = {
+  // the small views of a hand-held screen, while its bar is folded
+  tablet: { kinds: ['chart', 'fan', 'forward_looking', 'camera'], most: 3 },
+  phone: { kinds: ['chart', 'camera'], most: 1 },
+};
 const AHEAD = /front/; // cameras that look ahead, where the server does not describe them
 const CAMERAS = new Set(['camera', 'station', 'chase']);
 const REDUCED = 0.95; // share of its width below which a picture is reduced
@@ -39,8 +43,6 @@ const rank = ({ kind }) => (KINDS.includes(kind) ? KINDS.indexOf(kind) : KINDS.l
 export class Views extends EventTarget {
   #views = new Map(); // name: { view, element, picture, hud, scene, lost }
   #large = new URLSearchParams(location.search).get('view') ?? ''; // as uwsim.view asks for the scene
-  /** @type {import('./arrangement.js').Arrangement | null} */
-  #chosen = null;
   #isFilled = false; // the large picture has no bars
   #isUnfolded = false; // on a hand-held screen: all views are shown, to choose one
   #isAboard = false; // whether views show the vehicle's own pictures, not those carried by the link
@@ -60,7 +62,7 @@ export class Views extends EventTarget {
     this.drawn = drawn;
     telemetry.addEventListener('change', () => this.#drawHud());
     document.addEventListener('visibilitychange', () => this.#choosePictures());
-    addEventListener('screen', () => this.#arrangeAgain());
+    addEventListener('screen', () => this.enlarge(this.#large));
     new ResizeObserver(() => {
       this.#fit();
       this.#drawHud();
@@ -115,26 +117,9 @@ export class Views extends EventTarget {
     this.enlarge(this.#views.has(this.#large) ? this.#large : (shown?.view.name ?? this.names[0]));
   }
 
-  // Show the views of an arrangement, of those that there are.
-  arrange(arrangement) {
-    this.#chosen = arrangement;
-    this.#arrangeAgain();
-    const large = [...this.#views.values()].find(({ view }) => has([arrangement.large], view));
-    this.enlarge(large?.view.name ?? this.#large);
-  }
-
-  get arrangement() {
-    return this.#chosen ?? unchosen();
-  }
-
-  // Show all views as small ones, or those of the arrangement; see the button that unfolds the bar.
+  // Show all views as small ones on a hand-held screen, or those of HELD; see the button that unfolds the bar.
   setUnfolded(isUnfolded) {
     this.#isUnfolded = isUnfolded;
-    this.enlarge(this.#large);
-  }
-
-  #arrangeAgain() {
-    this.container.parentElement?.classList.toggle('has-no-panel', !this.arrangement.panel && !isHandheld());
     this.enlarge(this.#large);
   }
 
@@ -174,12 +159,18 @@ export class Views extends EventTarget {
     return [...this.#keys].map(([name, key]) => ({ key: String(key), title: this.#views.get(name)?.title ?? name }));
   }
 
+  // The names of the small views.
+  #small(isFolded) {
+    const found = [...this.#views.values()].map(({ view }) => view).filter(({ name }) => name !== this.#large);
+    const { kinds, most } = HELD[isNarrow() ? 'phone' : 'tablet'];
+    const chosen = kinds.flatMap((each) => found.filter(({ kind }) => kind === each)).slice(0, most);
+    return (isFolded ? chosen : found).map(({ name }) => name);
+  }
+
   #fit() {
     const { clientWidth, clientHeight, style, parentElement } = this.container;
-    const all = [...this.#views.values()].map(({ view }) => view);
     const isFolded = isHandheld() && !this.#isUnfolded;
-    const arrangement = isHandheld() && this.#isUnfolded ? { ...this.arrangement, small: null } : this.arrangement;
-    const small = smallOnes(arrangement, all, this.#large);
+    const small = this.#small(isFolded);
     const divided = isFolded ? folded : isHandheld() ? unfolded : strip;
     const { columns, rows, row_px } = divided(clientWidth, clientHeight, small.length);
     let isChanged = false;
