@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from uwsim.bridges.cli.connect import connect
+from uwsim.bridges.cli.doctor import doctor
 from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS
 from uwsim.cli.values import scenarios
@@ -45,3 +47,7 @@ def package(
     files = ros_packages(scenario)
     write_sealed(out, files)
     typer.echo(f"{out}: {len(files)} files; copy ros1 or ros2 into the src folder of your workspace")
+
+
+app.command()(doctor)
+app.command()(connect)

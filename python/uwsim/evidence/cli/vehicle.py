@@ -12,9 +12,12 @@ import typer
 from uwsim.base.axes import AXES
 from uwsim.base.own_files import require_own
 from uwsim.cli.bounds import UsageError, within, writable
+from uwsim.cli.decompose import decompose
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.groups import with_default
 from uwsim.cli.values import vehicles
+from uwsim.evidence.cli.identify import identify
+from uwsim.evidence.cli.tune import tune
 
 if TYPE_CHECKING:
     from uwsim.simulator.simulator import Simulator
@@ -192,3 +195,7 @@ def _print_draft(
     for warning in dict.fromkeys((*made.doubts, *check.warnings)):
         typer.echo(f"uwsim: warning: {warning}", err=True)
     typer.echo(made.text, nl=False)
+
+
+for subcommand in (tune, decompose, identify):
+    app.command()(subcommand)
