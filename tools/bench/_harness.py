@@ -22,13 +22,11 @@ from rich.markup import escape
 from rich.table import Table
 
 from uwsim import Simulator, _core
-from uwsim.channels.ros import build
 from uwsim.scenario import Scenario, VehicleEntry, load
 from uwsim.scenario.read.validated import validated
 
 console = Console()
 SWITCH_S = 0.0005  # as uwsim serve sets it
-SCAN, PICTURE = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/CompressedImage"
 PACKET_BYTES = 580  # see native/embree_bare_rays.cpp
 
 Rounds = Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")]
@@ -57,24 +55,6 @@ def alternated(cases: Mapping[Any, Case], rounds: int, *, warm_up: bool = False,
         if done == 1 and remaining and left_s > 5.0 and not console.is_terminal:
             console.print(f"{what}{rounds} rounds, about {left_s:.0f} s")
     return found
-
-
-def beside(
-    title: str, cases: Mapping[str, Case], rounds: int, of: str | Callable[[str], str], most: float | None = None
-) -> dict[str, dict[str, float]]:
-    """Measure the times of cases alternately; print and return their medians, and the medians of ratios to `of`.
-
-    most: the largest ratio that is wanted.
-    """
-    found = alternated(cases, rounds, warm_up=True)
-    table, results = new_table(title, "case", "time", "ratio", "at most", "met"), {}
-    for name, times_s in found.items():
-        reference = of if isinstance(of, str) else of(name)
-        results[name] = {"s": statistics.median(times_s), "ratio": ratio(times_s, found[reference])}
-        goal = goal_cells(results[name]["ratio"], None if name == reference else most, at_most=True)
-        table.add_row(escape(name), readable(results[name]["s"]), f"{results[name]['ratio']:.3g}", *goal)
-    console.print(table)
-    return results
 
 
 def medians(found: Mapping[Any, Iterable[float]]) -> dict[Any, float]:
@@ -153,27 +133,6 @@ def lake_fleet(starts_m: Sequence[Sequence[float]], model: str = "bluerov2_heavy
         for k, start in enumerate(starts_m)
     )
     return load("lake").model_copy(update={"vehicles": fleet, **changes})
-
-
-def true_messages(sim: Simulator) -> tuple[Any, Any]:
-    """Return one true scan and one true picture, so that servers and recordings are measured and not sensors."""
-    from uwsim.channels import channels
-
-    table = {channel.name: channel for channel in channels(sim)}
-    camera = next(channel for channel in table.values() if channel.type == PICTURE)
-    scan, picture = table["scan"].read(sim), None
-    while picture is None:
-        picture = camera.read(sim)
-        sim.advance(0.1)
-    return scan, picture
-
-
-def stamped(message: Any) -> Any:
-    """Return a copy stamped with the monotonic clock, from which latency is measured, if it has a header."""
-    copy = type(message)(**vars(message))
-    if hasattr(copy, "header"):
-        copy.header = build.header(time.monotonic_ns(), message.header.frame_id)
-    return copy
 
 
 def native_program(name: str) -> Path | None:

@@ -7,7 +7,6 @@ larger half of the sizes, in logarithms of cost and size: 1 is proportional, 0 d
 from __future__ import annotations
 
 import statistics
-import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -16,7 +15,6 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import typer
 from _harness import (
-    SWITCH_S,
     PlotFile,
     Rounds,
     alternated,
@@ -26,9 +24,7 @@ from _harness import (
     new_table,
     readable,
     spent_s,
-    true_messages,
 )
-from network import load
 
 from uwsim import Batch, Simulator, _core, recording
 from uwsim.figures.style import ACCENT, FAINT_INK, INK, MISSED, label_axes, new_figure, save_figure
@@ -40,7 +36,6 @@ FAN_RAD = np.radians(60.0)  # to each side
 START_M = (-60.0, -28.0, -10.0)  # in open water of the lake
 STEPS = 200
 TILE_CELLS, VOXEL_M = 100, 0.2
-CLIENTS_S = 2.0
 
 Costs = dict[str, float]  # the processor time of each operation [s]
 
@@ -204,14 +199,6 @@ def seconds(count: int) -> Callable[[], Costs]:
     return record
 
 
-def clients(count: int) -> Callable[[], Costs]:
-    """Measure the server's cost per second with `count` clients that read scans at 50 Hz and pictures at 10 Hz."""
-    sys.setswitchinterval(SWITCH_S)
-    sim = Simulator("lake", sonar_model=4)
-    scan, picture = true_messages(sim)
-    return lambda: {"a second in real time": load(sim, scan, picture, count, 0, CLIENTS_S)["cores"]}
-
-
 def water(vehicle: dict[str, Any], **others: Any) -> Simulator:
     """Return calm water, 20 m deep over a flat bed, with one vehicle."""
     return flat_water([{"start": {"position_m": [15, 0, -8]}, **vehicle}], **others)
@@ -280,7 +267,6 @@ GROWTHS = (
     Growth("pieces", "pieces of cover", (1_000, 4_000, 16_000, 64_000, 256_000, 1_024_000), pieces),
     Growth("elements", "elements of a tether", (10, 20, 40, 80, 160, 320), elements),
     Growth("joints", "joints of an arm", (1, 2, 4, 8, 16), joints),
-    Growth("clients", "clients", (1, 4, 16, 50), clients),
 )
 
 

@@ -1,4 +1,4 @@
-"""Environment steps per second by members, observations and threads, compared with the bare C++ step and pybullet.
+"""Environment steps per second by members, observations and threads, compared with the bare C++ step.
 
 Single-threaded cases are measured by processor time. The others, and the ratio of many threads to one, are measured by
 wall time, which requires an idle machine. Actions are random; episodes end and restart as in training.
@@ -15,18 +15,17 @@ from typing import Annotated, Any
 import gymnasium
 import numpy as np
 import typer
-from _harness import Rounds, alternated, console, medians, ratio, show
+from _harness import Rounds, alternated, medians, ratio, show
 
 import uwsim.learning  # noqa: F401, registers the environments
 
 MANY = 256
-PROPRIOCEPTION, BARE, PYBULLET = "proprioception", "bare C++ step", "pybullet and NumPy, one vehicle"
+PROPRIOCEPTION, BARE = "proprioception", "bare C++ step"
 KINDS: dict[str, tuple[str, dict[str, Any]]] = {
     PROPRIOCEPTION: ("uwsim/StationKeeping-v1", {}),
     "sonar of 64 beams": ("uwsim/PipelineFollowing-v1", {}),
     "camera of 84 x 84": ("uwsim/PipelineFollowing-v1", {"camera": "front"}),
 }
-PERIOD_STEPS = 10  # of uwsim/StationKeeping-v1
 
 
 def main(
@@ -42,14 +41,9 @@ def main(
             cases[f"{kind}, n = {count}, threads = {threads}"] = driven(name, count, threads, options, seconds)
     for threads in sorted({1, cores}):
         cases[f"{BARE}, n = {MANY}, threads = {threads}"] = bare(threads, seconds)
-    try:
-        cases[PYBULLET] = pybullet_steps()
-    except ImportError:
-        console.print("without pybullet: not installed (pip install pybullet)")
     found = alternated(cases, rounds)
     own, wall = ({name: [rate[k] for rate in rates] for name, rates in found.items()} for k in (0, 1))
     results, ratios = medians(own), {}
-    first = f"{PROPRIOCEPTION}, n = {MANY}, threads = 1"
     for threads in sorted({1, cores}):
         case = f"n = {MANY}, threads = {threads}"
         peer = f"{BARE}, {case}"
@@ -57,8 +51,6 @@ def main(
         for kind in KINDS if threads > 1 else ():
             one, many = (wall[f"{kind}, n = {MANY}, threads = {n}"] for n in (1, threads))
             ratios[f"{kind}, {threads} threads / 1"] = ratio(many, one)
-    if PYBULLET in own:
-        ratios[f"{PROPRIOCEPTION} / pybullet, 1 thread"] = ratio(own[first], own[PYBULLET])
     show("environment steps of all members a second, and ratios", results | ratios)
     return {"steps_s": results, "ratios": ratios}
 
@@ -92,38 +84,3 @@ def bare(threads: int, seconds: float) -> Any:
     batch, steps = env.episodes.batch, env.episodes.steps
     batch.step(1, np.random.default_rng(0).uniform(-0.3, 0.3, (MANY, 6)))
     return partial(rates, lambda call: batch.step(steps), MANY, threads, seconds)
-
-
-def pybullet_steps() -> Callable[[], tuple[float, float]]:
-    """Return a measurement of a BlueROV2 Heavy in pybullet: drag and thrust in Python at every step, no added mass."""
-    import pybullet
-    from pybullet_utils import bullet_client
-
-    p = bullet_client.BulletClient(connection_mode=pybullet.DIRECT)
-    p.setGravity(0, 0, -9.80665)
-    p.setTimeStep(0.005)
-    start = [0.0, 0.0, -10.0]
-    body = p.createMultiBody(13.5, p.createCollisionShape(p.GEOM_BOX, halfExtents=[0.2285, 0.2875, 0.127]))
-    linear_drag = np.array([13.7, 0.0, 33.0, 0.0, 0.8, 0.0])
-    quadratic_drag = np.array([141.0, 217.0, 190.0, 1.192, 0.470, 1.5])
-    thrust = np.random.default_rng(0).normal(size=(6, 8)) @ np.full(8, 2.0)
-    lift = np.array([0.0, 0.0, 0.0134 * 1000 * 9.80665])
-
-    def step(call: int) -> None:
-        position, orientation = p.getBasePositionAndOrientation(body)
-        linear, angular = p.getBaseVelocity(body)
-        rotation = np.array(p.getMatrixFromQuaternion(orientation)).reshape(3, 3)
-        nu = np.concatenate([rotation.T @ linear, rotation.T @ angular])
-        wrench = thrust - linear_drag * nu - quadratic_drag * np.abs(nu) * nu
-        torque = rotation @ (wrench[3:] + np.cross([0.0, 0.0, 0.01], rotation.T @ lift))
-        p.applyExternalForce(body, -1, (rotation @ wrench[:3] + lift).tolist(), position, p.WORLD_FRAME)
-        p.applyExternalTorque(body, -1, torque.tolist(), p.WORLD_FRAME)
-        p.stepSimulation()
-
-    def run() -> tuple[float, float]:
-        p.resetBasePositionAndOrientation(body, start, [0, 0, 0, 1])
-        p.resetBaseVelocity(body, [0, 0, 0], [0, 0, 0])
-        own, wall = rates(step, 1, 1, 0.3)
-        return own / PERIOD_STEPS, wall / PERIOD_STEPS
-
-    return run
