@@ -42,7 +42,6 @@ OTHERS: dict[str, set[str]] = {
         "labels/",
         "multibeam/",
         "normals/",
-        "parts/",
         "sonar_arrays/",
         "sonar_classes/",
         "sonar_instances/",

@@ -78,7 +78,7 @@ def test_every_number_on_a_command_line_has_bounds(command: str) -> None:
             assert math.isfinite(low) and math.isfinite(high), parameter.name
 
 
-@pytest.mark.parametrize("words", ["validate dynamics sona", "survey --engine brick", "camera --jerlov 4C"])
+@pytest.mark.parametrize("words", ["validate dynamics sona", "survey --engine brick", "scenario camera --jerlov 4C"])
 def test_a_word_that_is_none_is_a_wrong_command_line(
     words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
