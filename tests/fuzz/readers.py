@@ -360,7 +360,6 @@ READERS = {
     "kmz": Reader(others.file("mission"), ("xml", "zipfile")),
     "moos": Reader(text_readers.moos, has_end=_without_end),
     "imc": Reader(text_readers.imc, has_end=_without_end),
-    "holoocean": Reader(text_readers.robot("holoocean", "read_holoocean", ".json"), ("json",), values=JSON),
     "thruster_csv": Reader(others.file("thruster_csv"), ("csv",), has_end=_without_end),
     "profile": Reader(_profile, ("csv",), has_end=_without_end),
     "track_csv": Reader(_track(".csv"), ("csv",), has_end=_without_end),

@@ -524,7 +524,6 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "kmz": lambda: [_kmz(zipfile.ZIP_STORED), _kmz(zipfile.ZIP_DEFLATED)],
     "moos": bridge_seeds.moos,
     "imc": bridge_seeds.imc,
-    "holoocean": lambda: [(ROBOTS / "dive.json").read_bytes()],
     "thruster_csv": lambda: [SHEET],
     "profile": lambda: [PROFILE],
     "track_csv": lambda: [TRACK],

@@ -109,7 +109,6 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "scenario from": (["folder"], {"out": "unity"}),
     "scenario schema": (["scenario"], {}),
     "scenario plan": (["pool.yaml"], {"out": "pool.plan"}),
-    "range": (["vision", "pool"], {"out": "range", "seeds": "1", "frames": "3", "conditions": "sun"}),
 }
 MORE_BASES: dict[str, list[tuple[list[str], dict[str, str]]]] = {
     "map build": [

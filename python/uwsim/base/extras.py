@@ -43,7 +43,6 @@ EXTRA_OF = {
     "stable_baselines3": "rl",
     "distributed": "sweeps",
     "h5py": "files",
-    "cv2": "vision",
 }
 """The smallest extra in pyproject.toml that installs each module."""
 

@@ -40,8 +40,9 @@ GONE = {
     "sonar": "scenario sonar",
     "camera": "scenario camera",
     "film": "recording film",
+    "range": "docs/notebooks/sight.ipynb",
 }
-"""Spellings of up to 0.3, and what is there instead."""
+"""Spellings of up to 0.3, and what is there instead: a command, or a notebook."""
 OTHERS = "From other packages"
 """The heading of commands that give none."""
 
@@ -86,7 +87,8 @@ class Program(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return name, command and arguments. Raises a usage error; of one that is gone, it names the present one."""
         if (old := args[0]) in GONE and old not in self.commands:
-            raise USAGE_ERROR(f"No such command '{old}': it is 'uwsim {GONE[old]}' now", ctx)
+            now = GONE[old] if GONE[old].startswith("docs/") else f"uwsim {GONE[old]}"
+            raise USAGE_ERROR(f"No such command '{old}': it is '{now}' now", ctx)
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:

@@ -57,15 +57,10 @@ def required_survey(scenario: Scenario) -> Survey:
 
 def require_lanes_flown_by(sim: Simulator) -> None:
     """Raise ScenarioError, with all that is missing, if the first vehicle cannot fly a survey's lanes."""
-    if missing := missing_for_survey(sim):
+    if missing := missing_for_lanes(sim.rov, required_survey(sim.scenario).altitude_m):
         with sim.scenario.source_file.errors_at("vehicles", 0, "model"):
             lacks = "; ".join(missing.values())
             raise ScenarioError(f"vehicle '{sim.rov.name}' cannot fly the survey's lanes: {lacks}")
-
-
-def missing_for_survey(sim: Simulator) -> dict[str, str]:
-    """Return what the first vehicle lacks to fly the scenario's survey; see missing_for_lanes."""
-    return missing_for_lanes(sim.rov, required_survey(sim.scenario).altitude_m)
 
 
 def survey_plan(survey: Survey) -> LawnMowerPlan:

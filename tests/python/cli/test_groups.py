@@ -30,6 +30,7 @@ WORDS = {
     "camera": "pool --sun 30",
     "film": "run.mcap --fps 5",
 }
+NOTEBOOKS = {old: there for old, there in GONE.items() if there.startswith("docs/")}
 DEFAULTS = {"vehicle": "report", "exercise": "fly", "recording": "info"}
 
 
@@ -48,11 +49,17 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "a").touch(), (tmp_path / "b").touch()
 
 
-@pytest.mark.parametrize("old", GONE)
+@pytest.mark.parametrize("old", [old for old in GONE if old not in NOTEBOOKS])
 def test_a_spelling_that_is_gone_is_refused_with_the_present_one(old: str) -> None:
     ran = uwsim(old, *WORDS[old].split())
     assert ran.returncode == 2 and f"it is 'uwsim {GONE[old]}' now" in error_line(ran)
     assert parsed([*GONE[old].split(), *WORDS[old].split()])[0] == f"uwsim {GONE[old]}"
+
+
+def test_a_command_that_is_a_notebook_is_refused_with_its_file() -> None:
+    ran, (name,) = uwsim("range", "vision"), NOTEBOOKS.values()
+    assert ran.returncode == 2 and f"it is '{name}' now" in error_line(ran)
+    assert (Path(__file__).parents[3] / name).is_file()
 
 
 def test_help_lists_few_commands_and_no_old_spelling() -> None:

@@ -16,7 +16,6 @@ ELSEWHERE = {
     "runs.parquet of --out": ["sweep"],
     "dataset.json of --out": ["dataset"],
     "figures.json of --out": ["reproduce"],
-    "vision.json of --out": ["range"],
     "the file or the pictures that it writes": [
         "scenario sonar", "scenario camera", "recording film", "exercise film", "vehicle decompose",
         "ros package", "scenario new", "scenario from",

@@ -1,9 +1,8 @@
-"""`uwsim scenario from` an SDF, URDF, Stonefish or HoloOcean file: small vehicles of our own in those formats.
+"""`uwsim scenario from` an SDF, URDF or Stonefish file: small vehicles of our own in those formats.
 
 The laws: terminal speed and trim by the formulas of each source, and what is where in the world.
 """
 
-import json
 import os
 from pathlib import Path
 
@@ -30,7 +29,6 @@ pytestmark = pytest.mark.usefixtures("panels_left_out")
 G = 9.80665
 DATA = Path(__file__).parents[1] / "data" / "robots"
 WORLD, URDF, SCN = ((DATA / name).read_text() for name in ("glider.sdf", "sled.urdf", "robot.scn"))
-HOLO = (DATA / "dive.json").read_text()
 
 
 def screw(right: str, inverted: str) -> str:
@@ -365,45 +363,6 @@ def test_files_of_a_ros_package_are_found_beside_a_stonefish_scenario(tmp_path: 
         read_stonefish(lost)
 
 
-@pytest.mark.parametrize("kind, model", [("CougUV", "remus100"), ("SurfaceVessel", "otter")])
-def test_every_agent_of_holoocean_that_floats_or_dives_has_a_counterpart(kind: str, model: str, tmp_path: Path) -> None:
-    agent = {"agent_type": kind, "location": [0, 0, 0 if model == "otter" else -3]}
-    sim, _ = made(tmp_path, "dive.json", json.dumps({"agents": [agent]}))
-    assert sim.scenario.vehicles[0].model.name == model
-
-
-def test_a_holoocean_agent_becomes_the_vehicle_that_resembles_it(tmp_path: Path) -> None:
-    sim, printed = made(tmp_path, "dive.json", HOLO)
-    np.testing.assert_allclose(sim.vehicles["auv0"].pose.position_world_m, [-3.0, 10.0, -4.0])  # north, west, up
-    assert sim.scenario.vehicles[0].start.yaw_deg == pytest.approx(180.0)
-    assert sim.scenario.vehicles[0].model.name == "bluerov2_heavy"
-    assert "left out: world 'PierHarbor'" in printed and "sensor LidarSensor" in printed
-
-
-def test_cameras_and_sonars_of_holoocean_are_the_vehicle_s_and_an_unknown_agent_is_left_out(tmp_path: Path) -> None:
-    camera = {"CaptureWidth": 320, "CaptureHeight": 200, "FOVAngle": 70, "ISO": 200}
-    sonar = {"Azimuth": 90, "Elevation": 12, "RangeMin": 1, "RangeMax": 41, "RangeRes": 0.1, "AzimuthBins": 96}
-    sensors = [
-        {"sensor_type": "RGBCamera", "sensor_name": "eye", "location": [0.3, 0, 0], "configuration": camera},
-        {"sensor_type": "ImagingSonar", "rotation": [0, 30, 0], "configuration": sonar},
-        {"sensor_type": "SidescanSonar", "socket": "SonarSocket"},
-        {"sensor_type": "SinglebeamSonar", "configuration": {"OpeningAngle": -3}},
-    ]
-    agents = [{"agent_type": "BlueROV2", "location": [0, 0, -3], "sensors": sensors}, {"agent_type": "Turtle"}]
-    sim, printed = made(tmp_path, "dive.json", json.dumps({"agents": agents}))
-    (vehicle,) = sim.scenario.vehicles
-    eye, ahead, aside = (
-        vehicle.model.cameras["eye"],
-        *(vehicle.model.imaging_sonars[f"{each}Sonar"] for each in ("Imaging", "Sidescan")),
-    )
-    assert (eye.width, eye.height, eye.field_of_view_deg, eye.position_m) == (320, 200, 70.0, (0.3, 0.0, 0.0))
-    assert (ahead.figures["range_bins"], ahead.figures["beams"], ahead.figures["range_max_m"]) == (400, 96, 41)
-    assert ahead.yaw_pitch_roll_deg == pytest.approx((0.0, 30.0, 0.0))
-    assert aside.figures["along_width_rad"] == pytest.approx(np.radians(0.25))
-    for word in ("ISO = 200", "RangeMin = 1", "'SonarSocket' is at the vehicle's origin", "-3: must be", "'Turtle'"):
-        assert word in printed
-
-
 @pytest.mark.parametrize("angles", [(0.3, -0.7, 2.1), (0.0, np.pi / 2, 0.4), (3.0, 1.2, -3.1)])
 def test_angles_and_rotations_are_inverse(angles: tuple[float, float, float]) -> None:
     yaw, pitch, roll = np.radians(yaw_pitch_roll_deg(turned(*angles)))
@@ -482,13 +441,6 @@ BOMB = '<!DOCTYPE a [<!ENTITY a "aaaa">]><sdf/>'
         ("a.scn", SCN + "<a/>", "must be XML"),
         ("a.scn", SCN.replace("thruster", "lamp").replace("static", "floor"), "has no <robot> that a thruster moves"),
         ("a.scn", SCN.replace("${600/60*2*pi}", "$(arg most)"), "arguments without a value: give --arg most=VALUE"),
-        ("a.json", "[]", "must be an object with a list of agents"),
-        ("a.json", json.dumps({"agents": [{"agent_type": "Turtle"}]}), "'Turtle': must be one of HoveringAUV"),
-        (
-            "a.json",
-            json.dumps({"agents": [{"agent_type": "HoveringAUV", "location": [1, 2]}]}),
-            "three finite",
-        ),
     ],
 )
 def test_mistakes_are_one_line_after_what_was_found_and_write_nothing(

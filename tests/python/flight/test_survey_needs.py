@@ -10,6 +10,10 @@ import yaml
 from command_line import error_line, uwsim
 from uwsim.scenario.read.assets import find_yaml
 
+BLIND = {"sensors": {"imu": {"kind": "imu"}}, "sonar": None}
+FORCES = {"max_force_n": [0, 10, 0], "max_torque_nm": [0, 0, 0]}
+NEAR = {"sensors": {"sounder": {"kind": "altitude", "range_max_m": 1, "noise": {"std": 0.01}}}}
+
 
 def pool_with(folder: Path, name: str, change) -> Path:
     """Write the scenario `pool` with a changed copy of a packaged vehicle."""
@@ -31,7 +35,8 @@ def pool_with(folder: Path, name: str, change) -> Path:
             {"sonar": None, "fins": {}, "control": {}},
             ["no sonar", "drives its heave or pitch", "drives its yaw"],
         ),
-        ("rov", {"sensors": {"imu": {"kind": "imu"}}}, ["no sensor of kind 'altitude'"]),
+        ("rov", BLIND | FORCES, ["no sonar", "no sensor of kind 'altitude'", "its surge", "heave or pitch", "its yaw"]),
+        ("rov", NEAR, ["its altimeter, by which it keeps its height above the bed, reaches 1 m, not 2 m"]),
     ],
 )
 @pytest.mark.parametrize("command", [("scenario", "check"), ("survey",), ("fleet", "--tile", "20", "--workers", "0")])
@@ -44,6 +49,13 @@ def test_all_that_is_missing_is_reported_and_nothing_written(tmp_path, name, par
     assert re.search(rf"{path}:\d+: vehicle 'rov(_0)?' cannot fly the survey's lanes: ", line)
     assert all(each in line for each in missing)
     assert not (tmp_path / "out").exists()
+
+
+def test_the_vehicle_and_the_area_are_refused_at_once(tmp_path):
+    path = pool_with(tmp_path, "rov", lambda vehicle: vehicle.update(sonar=None))
+    path.write_text(re.sub(r"bed_depth_m: \S+", "bed_depth_m: 3", path.read_text()))
+    refused = uwsim("scenario", "check", str(path))
+    assert [line.split(": ")[3][:11] for line in refused.stderr.splitlines()] == ["vehicle 'ro", "survey.area"]
 
 
 def test_after_an_error_no_library_complains_of_a_repaired_mesh(tmp_path):

@@ -26,7 +26,11 @@ OTHERS: dict[str, set[str]] = {
     },
     "coming-from": {  # names from the other simulators
         "AcousticBeaconSensor",
+        "DepthSensor",
         "OpticalModemSensor",
+        "ProfilingSonar",
+        "SidescanSonar",
+        'holoocean.make("...")',
         "stonefish_simulator",
         "uuv_sensor_ros_plugins",
         "uuv_thruster_manager",

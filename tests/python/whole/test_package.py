@@ -96,7 +96,6 @@ def packages(lines: list[str]) -> set[str]:
 
 
 PACKAGE_OF = {
-    "cv2": "opencv-python-headless",
     "GSFU": "gsfu",
     "PIL": "pillow",
     "zenoh": "eclipse-zenoh",
@@ -113,7 +112,7 @@ OF_OTHERS = {
     "dask",
     "filterpy",
     "gsw",
-    "pycolmap",  # a judge if it is there
+    "cv2",
     "playwright",  # takes screens if it is there; kept ones otherwise
     "mujoco",
     "pvlib",

@@ -60,9 +60,6 @@ def _print(reports: list) -> None:  # type: ignore[type-arg]  # the class is imp
     for report in reports:
         for mistake in report.mistakes:
             typer.echo(f"uwsim: error: {mistake}", err=True)
-        if report.paste:
-            typer.echo("# proposed, by estimates, in place of `model:` in the vehicle's entry:")
-            typer.echo(report.paste, nl=False)
         if not report.mistakes:
             typer.echo("\n".join(report_lines(report)))
         for warning in report.warnings:

@@ -87,7 +87,7 @@ def scenario_from(
 
     Of a chart (BAG, GeoTIFF, NetCDF, ...), the largest square without gaps becomes the bed, at its place on Earth, with
     a vehicle and a survey in its middle; elevations are positive up. Of a robot's description (SDF, URDF, Stonefish's
-    .scn, HoloOcean's JSON), the scenario and its vehicles are written, with hulls, mass, hydrodynamics, thrusters and
+    .scn), the scenario and its vehicles are written, with hulls, mass, hydrodynamics, thrusters and
     sensors; files that it refers to are looked for beside it. Of a Unity project, bed, station, gates, pipelines and
     vehicle are read, with their materials' colours, of a picture its mean. All that is left out or
     assumed is printed.

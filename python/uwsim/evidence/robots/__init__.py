@@ -1,1 +1,1 @@
-"""Scenarios from the robot and world descriptions of other simulators: SDF, URDF, Stonefish's and HoloOcean's."""
+"""Scenarios from the robot and world descriptions of other simulators: SDF, URDF and Stonefish's."""

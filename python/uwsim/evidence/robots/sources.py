@@ -27,10 +27,6 @@ def _xml(suffixes: tuple[str, ...], root: bytes) -> Callable[[Path], bool]:
     return accepts
 
 
-def _json(path: Path) -> bool:
-    return path.is_file() and path.suffix.lower() == ".json"
-
-
 def _make(module: str, function: str) -> Callable[[Path, Path | None, Mapping[str, Any]], Made]:
     def make(path: Path, out: Path | None, given: Mapping[str, Any]) -> Made:
         from uwsim.evidence.robots.written import write_found
@@ -77,7 +73,6 @@ STONEFISH = ScenarioSource(
     _make("stonefish", "read_stonefish"),
     ("arguments", "data", *ROBOT_OPTIONS),
 )
-HOLOOCEAN = ScenarioSource("a HoloOcean scenario (.json)", _json, _make("holoocean", "read_holoocean"))
 CHECKOUT = ScenarioSource(
     "a folder with the description of a robot", is_checkout, _from_checkout, ("arguments", "data", *ROBOT_OPTIONS)
 )

@@ -18,7 +18,6 @@ from uwsim.evidence.robots.floors import BED_M, grid_text, ground_heights, groun
 from uwsim.evidence.robots.robot import SENSES, Fin, Found, Mesh, Robot, Thruster, plain_name, unlike_zero
 from uwsim.evidence.robots.shapes import closed, joined, volume_and_centre
 from uwsim.evidence.robots.xml_file import Floats, Pose, yaw_pitch_roll_deg
-from uwsim.evidence.scenario_check.remedy import ALTITUDE as ALTIMETER
 from uwsim.evidence.vehicle.draft import drafted
 from uwsim.scenario.dump import yaml_text
 from uwsim.scenario.read.calibration import read_calibration
@@ -39,8 +38,8 @@ BEYOND = 1.1
 STRAIGHT = 1e-3
 """Smaller components of a thruster's axis are errors of angles that a file states to three digits, such as 1.571.
 As levers, they would let an allocation balance a moment by far more thrust than there is."""
-ALTIMETER_M = 100.0
-"""Range of an altimeter that is added, as that of a Ping."""
+ALTIMETER = {"kind": "altitude", "rate_hz": 15, "noise": {"std": 0.0024}, "range_max_m": 100.0}
+"""An altimeter that is added: the range of a Ping, the errors of the packaged sensors `bluerov2`."""
 STATES = ("added_mass", "linear", "quadratic")
 KEYS = {"added_mass": "added_mass", "linear": "linear_damping", "quadratic": "quadratic_damping"}
 
@@ -70,11 +69,6 @@ def write_found(found: Found, out: Path) -> Path:
             entry["model"] = f"{robot.name}.yaml"
             robot.place = robot.place.then(Pose(origin, np.eye(3)))
             contents[f"{robot.name}.ply"] = _ply(hull)
-            contents[f"{robot.name}.yaml"] = yaml_text(values).encode()
-        elif robot.cameras or robot.imaging_sonars:
-            entry["model"] = f"{robot.name}.yaml"
-            parts = {"cameras": robot.cameras, "imaging_sonars": robot.imaging_sonars}
-            values = {"builds_on": robot.model, "name": robot.name} | {key: part for key, part in parts.items() if part}
             contents[f"{robot.name}.yaml"] = yaml_text(values).encode()
         entry["start"] = _start(robot, found)
         if robot.sonar is not None:
@@ -295,7 +289,7 @@ def _outfit(robot: Robot, found: Found, vertices: Floats) -> None:
         robot.sonar = [0.9 * float(high[0]), 0.0, float(low[2])]
     if lacks["an altimeter"]:
         name = plain_name("altitude", robot.sensors)
-        robot.sensors[name] = ALTIMETER | {"position_m": [0.0, 0.0, float(low[2])], "range_max_m": ALTIMETER_M}
+        robot.sensors[name] = ALTIMETER | {"position_m": [0.0, 0.0, float(low[2])]}
 
 
 def _possible(name: str, moments: list[float], found: Found) -> list[float]:

@@ -7,11 +7,9 @@ from typing import Any
 
 from uwsim.base.caught_warnings import caught_warnings
 from uwsim.base.texts.yaml_document import YamlDocument
-from uwsim.evidence.scenario_check.remedy import remedy
 from uwsim.evidence.scenario_check.report import CheckReport
 from uwsim.evidence.scenario_check.scene import measured_scene
 from uwsim.evidence.scenario_check.surprises import surprises
-from uwsim.flight.flyable_lanes import missing_for_survey
 from uwsim.flight.survey_check import checked
 from uwsim.scenario import Scenario, ScenarioError, build_world, load
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
@@ -43,7 +41,7 @@ def check_file(source: str | Path) -> CheckReport:
         with caught_warnings():
             return CheckReport(document.name, _mistakes(document, path.resolve().parent) or found.mistakes)
     if mistakes := (*_fault_mistakes(sim), *found.mistakes):
-        return CheckReport(document.name, mistakes, paste=_remedy(sim))
+        return CheckReport(document.name, mistakes)
     with caught_warnings() as issued:  # again, since the scene builds water of its own
         scene = measured_scene(sim)
     warned = dict.fromkeys((*found.warnings, *(str(each.message) for each in issued), *surprises(sim, scene)))
@@ -64,12 +62,6 @@ def _fault_mistakes(sim: Simulator) -> tuple[str, ...]:
                 line = sim.scenario.source_file.line_prefix("faults", index)
                 raise ScenarioError(f"{line}faults[{index}]: while it lasts: {error}") from None
     return tuple(found.mistakes)
-
-
-def _remedy(sim: Simulator) -> str:
-    """Return YAML that gives the vehicle what it lacks to fly the scenario's survey, "" if it lacks nothing."""
-    missing = {} if sim.scenario.survey is None else missing_for_survey(sim)
-    return remedy(sim, missing) if missing else ""
 
 
 def _mistakes(document: YamlDocument, folder: Path) -> tuple[str, ...]:

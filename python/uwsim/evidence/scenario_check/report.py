@@ -16,8 +16,7 @@ class CheckReport:
 
     mistakes, warnings: one line each. scene: None if the file has mistakes or is not a scenario. vehicle: properties in
     fresh water of the vehicle in a vehicle file, None for other files. simulator: a simulator of the scenario, or of
-    the vehicle in open water. paste: YAML that replaces `model:` of the first vehicle's entry, if that lacks something
-    for the survey; otherwise empty.
+    the vehicle in open water.
     """
 
     file: str
@@ -26,7 +25,6 @@ class CheckReport:
     scene: Scene | None = None
     simulator: Simulator | None = None
     vehicle: VehicleFigures | None = None
-    paste: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         """Return the report as plain values, for JSON."""
@@ -35,7 +33,6 @@ class CheckReport:
             "ok": not self.mistakes,
             "mistakes": list(self.mistakes),
             "warnings": list(self.warnings),
-            "paste": self.paste,
             "scene": None if self.scene is None else self.scene.to_dict(),
             "vehicle": None if self.vehicle is None else plain(asdict(self.vehicle)),
         }

@@ -1,1 +1,0 @@
-"""How well cameras navigate: `uwsim range vision`."""
