@@ -81,7 +81,6 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "vehicle report": (["remus100"], {"out": "vehicle.html"}),
     "vehicle tune": (["remus100"], {"generations": "0", "population": "1", "out": "tuned"}),
     "scenario sonar": (["pool.yaml"], {"kind": "fan", "out": "sonar.png"}),
-    "scenario link": (["pool.yaml"], {"out": "link.png"}),
     "scenario rays": (["pool.yaml"], {"source": "0,0,-1", "receiver": "2,0,-1", "out": "rays.png"}),
     "validate": (["control"], {}),
     "scenario fingerprint": (["pool.yaml"], {}),

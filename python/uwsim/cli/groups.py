@@ -27,7 +27,6 @@ Those of some commands with subcommands are groups, too, such as `uwsim.cli.map`
 """
 GONE = {
     "logbook": "exercise logbook",
-    "link": "scenario link",
     "rays": "scenario rays",
     "connect": "ros connect",
     "doctor": "ros doctor",

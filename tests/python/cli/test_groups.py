@@ -15,7 +15,6 @@ from uwsim.cli.program import app
 PROGRAM: Any = typer.main.get_command(app)
 WORDS = {
     "logbook": "--csv --person Ada",
-    "link": "pool --depth 2",
     "rays": "pool --from=0,0,-1 --to 1,1,-1 --json",
     "connect": "ws://host pool --ros 2",
     "nodes": "octomap --url ws://host",
