@@ -3037,7 +3037,7 @@ class InstructionSet:
 
 class MapOptions:
     """
-    The engine of a map, its memory limit, and its probabilities of hit, miss and clamping.
+    The engine of a map, and its probabilities of hit, miss and clamping.
     """
     def __init__(
         self,
@@ -3049,8 +3049,6 @@ class MapOptions:
         clamping_max: typing.SupportsFloat | typing.SupportsIndex,
         instruction_set: InstructionSet,
         count_outside: bool,
-        memory_limit_mb: typing.SupportsFloat | typing.SupportsIndex | None,
-        spill_folder: str,
     ) -> None: ...
 
 class OccupancyMap:
@@ -3201,8 +3199,7 @@ class OccupancyMap:
         """
     def statistics(self) -> tuple[int, int, int, int, int, int]:
         """
-        Return (occupied voxels, free voxels, nodes, bytes of memory, discarded points, evictions). Releases
-        the GIL.
+        Return (occupied voxels, free voxels, nodes, bytes of memory, discarded points). Releases the GIL.
         """
     def to_bytes(self, format: str) -> bytes:
         """

@@ -41,23 +41,16 @@ void bind_options(py::module_& m) {
       .value("PORTABLE", InstructionSet::portable)
       .value("AVX2", InstructionSet::avx2)
       .value("AVX512", InstructionSet::avx512);
-  py::class_<MapOptions>(m, "MapOptions",
-                         "The engine of a map, its memory limit, and its probabilities of hit, miss and clamping.")
+  py::class_<MapOptions>(m, "MapOptions", "The engine of a map, and its probabilities of hit, miss and clamping.")
       .def(py::init([](MapEngineKind engine, double hit, double miss, double clamping_min, double clamping_max,
-                       InstructionSet instruction_set, bool count_outside, std::optional<double> memory_limit_mb,
-                       const std::string& spill_folder) {
-             const double limit_mb = memory_limit_mb.value_or(1.0);
-             require(limit_mb > 0 && limit_mb <= 1e9, "map.memory_limit_mb", limit_mb, "must be in (0, 1e9] MB");
+                       InstructionSet instruction_set, bool count_outside) {
              return MapOptions{engine,
                                {hit, miss, clamping_min, clamping_max},
                                instruction_set,
-                               count_outside ? OnOutside::count : OnOutside::refuse,
-                               memory_limit_mb ? std::max<std::size_t>(1, static_cast<std::size_t>(limit_mb * 1e6)) : 0,
-                               spill_folder};
+                               count_outside ? OnOutside::count : OnOutside::refuse};
            }),
            py::kw_only(), py::arg("engine"), py::arg("hit"), py::arg("miss"), py::arg("clamping_min"),
-           py::arg("clamping_max"), py::arg("instruction_set"), py::arg("count_outside"), py::arg("memory_limit_mb"),
-           py::arg("spill_folder"));
+           py::arg("clamping_max"), py::arg("instruction_set"), py::arg("count_outside"));
 }
 
 void bind_map(py::module_& m) {
@@ -124,11 +117,9 @@ void bind_map(py::module_& m) {
           "statistics",
           [](const OccupancyMap& map) {
             const MapStatistics s = without_gil([&] { return map.statistics(); });
-            return std::make_tuple(s.occupied_voxels, s.free_voxels, s.nodes, s.memory_bytes, s.outside_points,
-                                   s.evictions);
+            return std::make_tuple(s.occupied_voxels, s.free_voxels, s.nodes, s.memory_bytes, s.outside_points);
           },
-          "Return (occupied voxels, free voxels, nodes, bytes of memory, discarded points, evictions). Releases\n"
-          "the GIL.")
+          "Return (occupied voxels, free voxels, nodes, bytes of memory, discarded points). Releases the GIL.")
       .def(
           "count",
           [](const OccupancyMap& map) {

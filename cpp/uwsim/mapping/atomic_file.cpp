@@ -146,23 +146,6 @@ void AtomicFile::fail(int error) { fail_to_write(path_, error); }
 
 void AtomicFile::append(std::string_view bytes) {
   if (!write_all(fd_, bytes)) fail(errno);
-  size_ += bytes.size();
-}
-
-void AtomicFile::overwrite(std::uint64_t at, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(at));
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail(errno);
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-    at += static_cast<std::uint64_t>(written);
-  }
-}
-
-void AtomicFile::truncate(std::uint64_t size) {
-  const auto end = static_cast<off_t>(size);
-  if (::ftruncate(fd_, end) != 0 || ::lseek(fd_, end, SEEK_SET) != end) fail(errno);
-  size_ = size;
 }
 
 void AtomicFile::commit() {

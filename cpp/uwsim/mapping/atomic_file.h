@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -21,12 +20,6 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void append(std::string_view bytes);
-  /// Replaces previously appended bytes.
-  void overwrite(std::uint64_t at, std::string_view bytes);
-  /// Removes all bytes after the first `size`.
-  void truncate(std::uint64_t size);
-  std::uint64_t size() const { return size_; }
-
   void commit();
 
  private:
@@ -34,7 +27,6 @@ class AtomicFile {
 
   std::string path_, target_, temporary_;
   int fd_ = -1;
-  std::uint64_t size_ = 0;
 };
 
 /// Removes the temporary files of all files being written. For use when a process must end while other threads are

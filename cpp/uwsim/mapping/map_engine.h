@@ -18,8 +18,6 @@
 
 namespace uwsim {
 
-class AtomicFile;
-
 /// One ping: rows of x, y, z in the world (non-finite points are skipped), and the start of its rays in the tree's
 /// frame.
 struct Scan {
@@ -82,13 +80,9 @@ class MapEngine {
   virtual TreeBytes full_tree() const = 0;
   /// The tree of a .bt, in which known voxels are either occupied or free, as written by OctoMap's writeBinary.
   virtual TreeBytes binary_tree() const = 0;
-  /// Writes the file for either tree, including its header.
-  virtual void write_tree(MapFormat format, AtomicFile& file) const = 0;
   /// The number of nodes in the pruned tree.
   virtual std::uint64_t nodes() const = 0;
   virtual std::size_t memory_bytes() const = 0;
-  /// The number of times that a part of the map has been evicted from memory.
-  virtual std::uint64_t evictions() const { return 0; }
 };
 
 }  // namespace uwsim

@@ -28,7 +28,6 @@ void for_each_voxel(const VoxelKey& corner, int levels, const Visit& visit) {
 /// Refuses a map that is too large before memory is allocated: a file of a few bytes per chunk may need a thousand
 /// times its size in memory.
 void require_memory_for(const OctreeFile& file, std::string_view name, const MapOptions& options) {
-  if (options.memory_limit_bytes > 0) return;
   constexpr double kChunkBytes = 2'200, kFullBrickBytes = 2'240, kOctomapNodeBytes = 100;
   const auto inner_nodes = [&](int levels) {
     return static_cast<double>(file.inner_nodes[std::size_t(kTreeDepth - levels)]);
@@ -40,7 +39,7 @@ void require_memory_for(const OctreeFile& file, std::string_view name, const Map
       static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   require(needed <= available / 2, "map '" + std::string(name) + "': memory",
           std::to_string(static_cast<std::uint64_t>(needed / 1e6)) + " MB",
-          "may be needed, more than half of what this machine has; read it with a memory_limit_mb");
+          "may be needed, more than half of what this machine has");
 }
 
 }  // namespace
@@ -50,8 +49,7 @@ std::unique_ptr<MapEngine> OccupancyMap::Impl::make_engine(double resolution_m, 
   if (options.engine == MapEngineKind::octomap) {
     return make_octomap_engine(resolution_m, origin_world_m, options.model);
   }
-  return make_brick_engine(resolution_m, origin_world_m, options.model, options.instruction_set,
-                           options.memory_limit_bytes, options.spill_folder);
+  return make_brick_engine(resolution_m, origin_world_m, options.model, options.instruction_set);
 }
 
 void OccupancyMap::Impl::require_in_cube(const Eigen::Vector3f& tree_m, const char* path) const {
@@ -66,8 +64,6 @@ OccupancyMap::OccupancyMap(double resolution_m, const Eigen::Vector3d& origin_wo
   require_resolution(resolution_m, "map.resolution_m");
   require(origin_world_m.allFinite(), "map.origin_world_m", origin_world_m.transpose(), "must be finite");
   options.model.check();
-  require(options.memory_limit_bytes == 0 || options.engine == MapEngineKind::bricks, "map.memory_limit_mb",
-          static_cast<double>(options.memory_limit_bytes) / 1e6, "only engine 'bricks' can keep a limit of memory");
   impl_ = std::make_unique<Impl>(resolution_m, origin_world_m, options);
 }
 
@@ -137,10 +133,7 @@ std::string OccupancyMap::to_bytes(MapFormat format) const {
 }
 
 void OccupancyMap::write(const std::string& path, MapFormat format) const {
-  AtomicFile file(path);
-  const std::scoped_lock lock(impl_->mutex);
-  impl_->engine->write_tree(format, file);
-  file.commit();
+  write_file_atomically(path, to_bytes(format));
 }
 
 std::shared_ptr<octomap::OcTree> OccupancyMap::octree() const {

@@ -39,11 +39,6 @@ struct MapOptions {
   OccupancyModel model;
   InstructionSet instruction_set = InstructionSet::best;  ///< for the kernels of `bricks`; does not affect the bytes
   OnOutside on_outside = OnOutside::refuse;
-  /// The memory that the voxels may take, excluding one batch of scans and unused reserves; 0 for no limit. The least
-  /// recently used parts of the map are moved to an unnamed file in `spill_folder` (if empty, the system's folder for
-  /// temporary files), and restored when they are needed. Only for engine `bricks`.
-  std::size_t memory_limit_bytes = 0;
-  std::string spill_folder = {};
 };
 
 struct MapStatistics {
@@ -53,7 +48,6 @@ struct MapStatistics {
   /// Octomap: as OctoMap reports it, excluding the allocator's overhead; bricks: all memory of the map
   std::size_t memory_bytes;
   std::uint64_t outside_points;  ///< discarded so far, with OnOutside::count
-  std::uint64_t evictions;       ///< number of times that a part of the map has been evicted from memory
 };
 
 /// The box around the known voxels of a map.
@@ -216,11 +210,10 @@ class OccupancyMap {
   void set_model(const OccupancyModel& model);
 
   /// Returns the bytes of a file. The map does not change: writing a .bt during a survey does not reset the log-odds to
-  /// the clamping limits. A .bt is written by octomap::OcTree's writeBinary or, if the map is large or has a memory
-  /// limit, by uwsim's own writer, with the same bytes.
+  /// the clamping limits. A .bt is written by octomap::OcTree's writeBinary or, if the map is large, by uwsim's own
+  /// writer, with the same bytes.
   std::string to_bytes(MapFormat format) const;
-  /// Writes a file atomically (AtomicFile). An .ot, and a .bt of a map with a memory limit, are written in pieces,
-  /// which takes a few megabytes of memory. Throws FileError.
+  /// Writes a file atomically (AtomicFile). Throws FileError.
   void write(const std::string& path, MapFormat format) const;
 
   /// A copy as OctoMap's own tree, with all log-odds.

@@ -65,9 +65,7 @@ std::optional<KeyBox> OccupancyMap::Impl::keys_in(const Eigen::Vector3d& low_wor
 MapStatistics OccupancyMap::statistics() const {
   const std::scoped_lock lock(impl_->mutex);
   const VoxelCounts voxels = impl_->engine->count();
-  return {voxels.occupied,        voxels.free,
-          impl_->engine->nodes(), impl_->engine->memory_bytes(),
-          impl_->outside_points,  impl_->engine->evictions()};
+  return {voxels.occupied, voxels.free, impl_->engine->nodes(), impl_->engine->memory_bytes(), impl_->outside_points};
 }
 
 VoxelCounts OccupancyMap::count() const {

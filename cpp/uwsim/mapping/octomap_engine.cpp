@@ -6,7 +6,6 @@
 #include <sstream>
 #include <utility>
 
-#include "uwsim/mapping/atomic_file_stream.h"
 #include "uwsim/mapping/log_odds.h"
 #include "uwsim/mapping/morton.h"
 #include "uwsim/mapping/quiet_stderr.h"
@@ -199,18 +198,6 @@ class OctomapEngine : public MapEngine {
 
   /// Does the same as writeBinary, but on a copy, so that the tree keeps its log-odds.
   TreeBytes binary_tree() const override { return Root::of(tree_) ? binary_data(*likely_copy()) : TreeBytes{}; }
-
-  void write_tree(MapFormat format, AtomicFile& file) const override {
-    AtomicFileStream stream(file);
-    const auto write = [&](const octomap::OcTree& tree) {
-      file.append(octree_header(format, tree.size(), tree.getResolution()));
-      const QuietStderr quiet;
-      format == MapFormat::bt ? tree.writeBinaryData(stream) : tree.writeData(stream);
-      stream.flush();
-    };
-    if (format == MapFormat::ot || !Root::of(tree_)) return write(tree_);
-    write(*likely_copy());
-  }
 
   std::uint64_t nodes() const override { return tree_.size(); }
   std::size_t memory_bytes() const override { return tree_.memoryUsage(); }

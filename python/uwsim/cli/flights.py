@@ -37,11 +37,6 @@ class MapOptions(Options):
         None, "Engine of the map: bricks (default), or octomap, the stock library.", choices=("bricks", "octomap")
     )
     verify_map: bool = option(False, "Also build a stock OctoMap map; exit with 1 if a byte differs.")
-    map_memory_mb: float | None = option(
-        None,
-        "Limit of the map's memory [MB]; the rest of the map goes to disk. Default: no limit.",
-        bounds=(0.001, 1e9, "MB"),
-    )
     outlier_filter: bool | None = option(
         None, "Discard ranges with which their neighbours in the swath disagree. Default: in physics mode."
     )

@@ -74,11 +74,8 @@ class FlightCheckpoint:
             raise
         self._remove_other_files(files)
 
-    def read(self, memory_limit_mb: float | None = None) -> SavedFlight:
-        """Return the saved flight. memory_limit_mb: memory limit for its map.
-
-        Raises ValueError if there is no saved flight or it is damaged, OSError if it cannot be read.
-        """
+    def read(self) -> SavedFlight:
+        """Return the saved flight; raise ValueError if there is none or it is damaged, OSError if it cannot be read."""
         self.require_one()
         path = self.folder / STATE
         try:
@@ -96,8 +93,7 @@ class FlightCheckpoint:
             if file.suffix == ".npz":
                 arrays = read_npz(file)
             elif kind in engines:
-                limit_mb = memory_limit_mb if kind == "map" else None
-                maps[kind] = OccupancyMap.read(file, engine=engines[kind], memory_limit_mb=limit_mb)
+                maps[kind] = OccupancyMap.read(file, engine=engines[kind])
         if ("map" in maps) != state.request.map or ("reference" in maps) != state.request.verify_map:
             raise ValueError(f"--resume: '{path}': its maps, {sorted(maps)}, are not those of its request")
         self._adopt(state.files)

@@ -48,7 +48,6 @@ def fly(
     voxel_m: float | None = None,
     engine: MapEngine | None = None,
     verify_map: bool = False,
-    map_memory_mb: float | None = None,
     map_growth: bool = True,
     sample_sensors: bool = True,
     outlier_filter: bool | None = None,
@@ -92,15 +91,14 @@ def fly(
     and those of other packages, see uwsim.flight.attachment.
 
     Map options: engine is "bricks" by default. verify_map also inserts every scan into a stock OctoMap and compares the
-    two maps byte for byte. map_memory_mb limits the map's memory; the rest is kept on disk. map_growth measures the map
-    as it grows. outlier_filter overrides the scenario's setting.
+    two maps byte for byte. map_growth measures the map as it grows. outlier_filter overrides the scenario's setting.
 
     Raises ScenarioError or ValueError for invalid arguments, before anything is written; OSError if results cannot be
     written; and the mission's own errors, as MissionError if the mission is a file, after the results so far have been
     written.
     """
     of_map = {
-        "voxel_m": voxel_m, "engine": engine, "verify_map": verify_map or None, "map_memory_mb": map_memory_mb,
+        "voxel_m": voxel_m, "engine": engine, "verify_map": verify_map or None,
         "outlier_filter": outlier_filter,
     }  # fmt: skip
     if isinstance(scenario, Mapping):
@@ -158,9 +156,7 @@ def fly(
         request=request if can_be_saved and out is not None else None, report=report, autosave=saving, screen=screen,
     )  # fmt: skip
     if map:
-        occupancy = OccupancyMap(
-            resolution_m=request.voxel_m or 1.0, engine=request.engine, memory_limit_mb=map_memory_mb
-        )
+        occupancy = OccupancyMap(resolution_m=request.voxel_m or 1.0, engine=request.engine)
         setup.mapping = replace(
             _map_setup(sim, request, occupancy, request.new_reference(), report),
             on_ping=tuple(each.on_ping for each in taking_part.values() if each.on_ping is not None),
@@ -179,7 +175,6 @@ def resume(
     out: str | Path,
     *,
     threads: int | None = None,
-    map_memory_mb: float | None = None,
     report: str = "full",
     autosave_s: float = AUTOSAVE_S,
     autosave: FlightAutosave | None = None,
@@ -198,7 +193,7 @@ def resume(
     checkpoint.require_one()
     with alone_in(checkpoint.out):
         with screen.status(f"resuming {out}"):
-            saved = checkpoint.read(map_memory_mb)
+            saved = checkpoint.read()
             saved.request.require_same(arguments)
             saved.request.require_same_file()
             warn_of_other_build("the saved flight", saved.build)

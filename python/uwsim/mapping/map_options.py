@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import Literal
 
 from uwsim import _core
@@ -27,8 +26,6 @@ def map_options(
     model: OccupancyModel,
     instruction_set: str,
     on_outside: str,
-    memory_limit_mb: float | None,
-    spill_dir: str | os.PathLike[str] | None,
 ) -> _core.MapOptions:
     """Return the core's options; see OccupancyMap. Raises ValueError for an unknown name."""
     for name, value, known in (
@@ -47,6 +44,4 @@ def map_options(
         clamping_max=highest,
         instruction_set=INSTRUCTION_SETS[instruction_set],
         count_outside=on_outside == "count",
-        memory_limit_mb=memory_limit_mb,
-        spill_folder="" if spill_dir is None else os.fsdecode(spill_dir),
     )

@@ -45,19 +45,14 @@ class OccupancyMap(Sealed):
 
     engine: "octomap" is the reference: the system's octomap::OcTree and its insertPointCloud. "bricks" is uwsim's
     engine, which is much faster and smaller. After the same scans, both give the same bytes of .bt and .ot files. A .bt
-    is written by an octomap::OcTree or, with a memory_limit_mb or from 30 million nodes on, by uwsim's writer with the
-    same bytes, since OctoMap's tree would take gigabytes. hit: probability that a voxel with a point in it is occupied,
-    in [0.5, 1). miss: the same for a voxel that a ray passes through, in (0, 0.5]. clamping: the limits of the
-    probability that scans can give a voxel. The defaults are OctoMap's. instruction_set: used by the bricks kernels,
-    for tests and benchmarks; the bytes do not depend on it. on_outside: with "raise", a scan with points outside the
-    cube raises ValueError, and nothing is inserted; with "count", such points (all points, if the scan's origin is
-    outside) are discarded, and counted in statistics(). memory_limit_mb: approximate limit on the memory used by
-    bricks, not including one batch of scans and the states kept for changed_voxels. The least recently used parts of
-    the map are moved to an unnamed file in spill_dir (by default the system's folder for temporary files; it must not
-    be on a memory file system) and loaded again when needed. The file disappears when the process ends, for whatever
-    reason. The bytes of the map do not depend on the limit. If that file cannot be written, inserting raises OSError
-    with nothing inserted, and the map stays intact. Up to 64 MB of voxel storage from deleted maps, and the ray tables,
-    are kept for new maps.
+    is written by an octomap::OcTree or, from 30 million nodes on, by uwsim's writer with the same bytes, since
+    OctoMap's tree would take gigabytes. hit: probability that a voxel with a point in it is occupied, in [0.5, 1).
+    miss: the same for a voxel that a ray passes through, in (0, 0.5]. clamping: the limits of the probability that
+    scans can give a voxel. The defaults are OctoMap's. instruction_set: used by the bricks kernels, for tests and
+    benchmarks; the bytes do not depend on it. on_outside: with "raise", a scan with points outside the cube raises
+    ValueError, and nothing is inserted; with "count", such points (all points, if the scan's origin is outside) are
+    discarded, and counted in statistics(). Up to 64 MB of voxel storage from deleted maps, and the ray tables, are kept
+    for new maps.
 
     The bytes of a map depend only on the scans and their order. Calls release the GIL; concurrent calls are serialised.
     """
@@ -75,11 +70,9 @@ class OccupancyMap(Sealed):
         clamping: tuple[float, float] = (0.1192, 0.971),
         instruction_set: InstructionSet = "best",
         on_outside: OnOutside = "raise",
-        memory_limit_mb: float | None = None,
-        spill_dir: str | os.PathLike[str] | None = None,
     ) -> None:
         model = OccupancyModel(hit, miss, clamping)
-        options = map_options(engine, model, instruction_set, on_outside, memory_limit_mb, spill_dir)
+        options = map_options(engine, model, instruction_set, on_outside)
         self._map = _core.OccupancyMap(resolution_m, _origin(origin_world_m), options)
 
     @classmethod
@@ -93,19 +86,17 @@ class OccupancyMap(Sealed):
         miss: float = 0.4,
         clamping: tuple[float, float] = (0.1192, 0.971),
         on_outside: OnOutside = "raise",
-        memory_limit_mb: float | None = None,
-        spill_dir: str | os.PathLike[str] | None = None,
     ) -> Self:
         """Return the map in a .bt or .ot file; the format is recognised by the file's first line, not by its name.
 
         Raises OSError if the file cannot be read; ValueError if it is not a valid map, or if it may need more than half
-        of this machine's memory and there is no memory_limit_mb. Of a ColorOcTree or OcTreeStamped, the occupancy is
-        read, with a warning. A .bt only distinguishes occupied from free: its
-        voxels get the clamping limits as probabilities. origin_world_m: the origin that the file states, by default.
+        of this machine's memory. Of a ColorOcTree or OcTreeStamped, the occupancy is read, with a warning. A .bt only
+        distinguishes occupied from free: its voxels get the clamping limits as probabilities. origin_world_m: the
+        origin that the file states, by default.
         """
         occupancy_map = cls.__new__(cls)
         model = OccupancyModel(hit, miss, clamping)
-        options = map_options(engine, model, "best", on_outside, memory_limit_mb, spill_dir)
+        options = map_options(engine, model, "best", on_outside)
         origin = stated_origin(path) if origin_world_m is None else origin_world_m
         with as_octree(path) as plain:
             occupancy_map._map = _core.OccupancyMap.read(plain, _origin(origin), options)

@@ -25,8 +25,7 @@ class MapStatistics:
 
     nodes: nodes of the pruned tree. memory_bytes: for "bricks", all memory of the map; for "octomap", OctoMap's
     estimate, which omits the allocator's overhead. outside_points: with on_outside="count", the number of points
-    discarded so far because they were outside the cube. evictions: with a memory_limit_mb, the number of times that a
-    part of the map was moved to disk.
+    discarded so far because they were outside the cube.
     """
 
     occupied_voxels: int
@@ -34,7 +33,6 @@ class MapStatistics:
     nodes: int
     memory_bytes: int
     outside_points: int
-    evictions: int
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -260,7 +260,7 @@ def test_a_map_in_limited_memory_is_the_same_and_verified_even_when_resumed(tmp_
     options = {"voxel_m": 0.05, "mission_time_s": 8.0}
     assert run_survey("pool", tmp_path / "whole", **options).verified is None
     out = tmp_path / "out"
-    survey(out, map_memory_mb=2.0, verify_map=True, autosave=StopAfter(40), **options)
+    survey(out, verify_map=True, autosave=StopAfter(40), **options)
     assert list((out / "checkpoint").glob("reference-*.ot"))
-    assert resume_survey(out, map_memory_mb=2.0).verified is True
+    assert resume_survey(out).verified is True
     assert (out / "map.bt").read_bytes() == (tmp_path / "whole" / "map.bt").read_bytes()

@@ -1,8 +1,6 @@
-"""Queries, changed voxels, merging, the sensor model and the memory limit, in both engines."""
+"""Queries, changed voxels, merging and the sensor model, in both engines."""
 
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -164,51 +162,3 @@ def test_model_acts_on_later_scans_only(engine):
     with pytest.raises(ValueError, match=r"map\.hit = 0\.2: must be in \[0\.5, 1\)"):
         occupancy.model = OccupancyModel(hit=0.2)
     assert occupancy.model.hit == 0.6
-
-
-def test_limit_of_memory_does_not_change_the_map(tmp_path):
-    spill = tmp_path / "spill"
-    spill.mkdir()
-    whole, tiles = some_map("bricks"), some_map("bricks", memory_limit_mb=0.05, spill_dir=spill)
-    assert tiles.statistics().evictions > 0
-    assert list(spill.iterdir()) == []  # the spill file is unlinked
-    for suffix in ("bt", "ot"):
-        tiles.write(tmp_path / f"tiles.{suffix}")
-        assert (tmp_path / f"tiles.{suffix}").read_bytes() == whole.to_bytes(suffix)
-        again = OccupancyMap.read(tmp_path / f"tiles.{suffix}", whole.origin_world_m, memory_limit_mb=0.05)
-        assert again.to_bytes(suffix) == whole.to_bytes(suffix)
-        np.testing.assert_array_equal(again.occupied_voxels(), whole.occupied_voxels())
-    for bad in (0, -1, math.nan, math.inf):
-        with pytest.raises(ValueError, match=r"map\.memory_limit_mb = "):
-            OccupancyMap(memory_limit_mb=bad)
-    with pytest.raises(ValueError, match="only engine 'bricks'"):
-        OccupancyMap(memory_limit_mb=10, engine="octomap")
-    with pytest.raises(OSError, match="No such file or directory"):
-        OccupancyMap(memory_limit_mb=10, spill_dir=tmp_path / "nowhere")
-
-
-def test_full_disk_leaves_the_map_whole(tmp_path):
-    script = """
-import resource, sys
-import numpy as np
-from uwsim.mapping import OccupancyMap
-whole, tiles = OccupancyMap(0.2), OccupancyMap(0.2, memory_limit_mb=0.3, spill_dir=sys.argv[1])
-resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, resource.RLIM_INFINITY))
-rng, refused = np.random.default_rng(1), 0
-for x in range(0, 100, 5):
-    points = rng.uniform(-9, 9, (100, 3)) + [x, 0, 0]
-    try:
-        tiles.insert_scan(points, [x, 0, 0])
-        whole.insert_scan(points, [x, 0, 0])
-    except OSError as error:
-        refused += 1
-        message = str(error)
-assert refused, "nothing was refused"
-assert tiles.to_bytes("ot") == whole.to_bytes("ot")
-print(message)
-"""
-    command = [sys.executable, "-c", script, str(tmp_path)]
-    said = subprocess.run(command, check=True, capture_output=True, text=True, timeout=300)
-    assert "cannot be kept there: File too large; the map is whole" in said.stdout
-    assert said.stderr == ""
-    assert list(tmp_path.iterdir()) == []

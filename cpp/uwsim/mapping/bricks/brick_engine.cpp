@@ -1,6 +1,5 @@
 #include "uwsim/mapping/bricks/brick_engine.h"
 
-#include "uwsim/mapping/atomic_file.h"
 #include "uwsim/mapping/bricks/brick_octree.h"
 #include "uwsim/mapping/bricks/cube_adder.h"
 #include "uwsim/mapping/bricks/scan_inserter.h"
@@ -16,14 +15,12 @@ constexpr std::uint64_t kMostOctomapNodes = 30'000'000;
 class BrickEngine : public MapEngine {
  public:
   BrickEngine(double resolution_m, const Eigen::Vector3d& tree_origin_world_m, const OccupancyModel& model,
-              InstructionSet instruction_set, std::size_t memory_limit_bytes, const std::string& spill_folder)
+              InstructionSet instruction_set)
       : resolution_m_(resolution_m),
         tree_origin_world_m_(tree_origin_world_m),
         model_(model),
         store_(model.in_log_odds()),
-        inserter_(store_, kernels_for(instruction_set)) {
-    if (memory_limit_bytes > 0) store_.limit_memory(memory_limit_bytes, spill_folder);
-  }
+        inserter_(store_, kernels_for(instruction_set)) {}
 
   void insert(std::span<const Scan> scans, double max_range_m, int threads) override {
     const auto scan = [&](std::size_t i) {
@@ -35,7 +32,6 @@ class BrickEngine : public MapEngine {
       }
       return input;
     };
-    store_.evict_excess_or_throw();
     inserter_.insert(scans.size(), scan, threads);
   }
 
@@ -44,10 +40,7 @@ class BrickEngine : public MapEngine {
     store_.changed().add(corner, levels);
     adder_->add(morton::code(corner), levels, log_odds);
   }
-  void finish_adding() override {
-    adder_.reset();
-    store_.evict_excess();
-  }
+  void finish_adding() override { adder_.reset(); }
 
   void set_model(const OccupancyModel& model) override {
     model_ = model;
@@ -96,28 +89,12 @@ class BrickEngine : public MapEngine {
   TreeBytes full_tree() const override { return bricks::full_tree(store_); }
   TreeBytes binary_tree() const override {
     TreeBytes tree = bricks::binary_tree(store_);
-    return is_written_by_octomap(tree) ? written_by_octomap(tree, resolution_m_, model_) : std::move(tree);
-  }
-  void write_tree(MapFormat format, AtomicFile& file) const override {
-    if (format == MapFormat::ot) return bricks::write_full_tree(store_, resolution_m_, file);
-    if (store_.is_limited()) {
-      return bricks::write_binary_tree(store_, bricks::likely_shape(store_), resolution_m_, file);
-    }
-    const TreeBytes tree = binary_tree();
-    file.append(octree_header(format, tree.nodes, resolution_m_));
-    file.append(tree.body);
+    return tree.nodes <= kMostOctomapNodes ? written_by_octomap(tree, resolution_m_, model_) : std::move(tree);
   }
   std::uint64_t nodes() const override { return count_nodes(store_); }
   std::size_t memory_bytes() const override { return store_.memory_bytes(); }
-  std::uint64_t evictions() const override { return store_.evictions(); }
 
  private:
-  /// Whether octomap::OcTree writes the .bt. This engine writes it itself, with the same bytes, if the map has a memory
-  /// limit or if OctoMap's tree would take gigabytes.
-  bool is_written_by_octomap(const TreeBytes& tree) const {
-    return !store_.is_limited() && tree.nodes <= kMostOctomapNodes;
-  }
-
   const double resolution_m_;
   const Eigen::Vector3d tree_origin_world_m_;
   OccupancyModel model_;
@@ -129,10 +106,8 @@ class BrickEngine : public MapEngine {
 }  // namespace
 
 std::unique_ptr<MapEngine> make_brick_engine(double resolution_m, const Eigen::Vector3d& tree_origin_world_m,
-                                             const OccupancyModel& model, InstructionSet instruction_set,
-                                             std::size_t memory_limit_bytes, const std::string& spill_folder) {
-  return std::make_unique<BrickEngine>(resolution_m, tree_origin_world_m, model, instruction_set, memory_limit_bytes,
-                                       spill_folder);
+                                             const OccupancyModel& model, InstructionSet instruction_set) {
+  return std::make_unique<BrickEngine>(resolution_m, tree_origin_world_m, model, instruction_set);
 }
 
 }  // namespace uwsim

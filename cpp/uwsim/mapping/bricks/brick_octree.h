@@ -7,10 +7,6 @@
 #include "uwsim/mapping/bricks/brick_store.h"
 #include "uwsim/mapping/map_engine.h"
 
-namespace uwsim {
-class AtomicFile;
-}
-
 /// Functions that treat a store of bricks as OctoMap's octree: they list its leaves, and write and read OctoMap's
 /// files. Inner nodes and pruned leaves are computed on the fly and never stored.
 namespace uwsim::bricks {
@@ -36,20 +32,9 @@ void occupied_in(const BrickStore& store, std::uint32_t chunk, OccupiedWords& wo
 TreeBytes full_tree(const BrickStore& store);
 std::uint64_t count_nodes(const BrickStore& store);
 
-/// The shape of the same tree after OctoMap's toMaxLikelihood and prune. OctoMap's prune proceeds upwards, level by
-/// level, and stops at the first level where it prunes nothing, even if nodes above could be pruned; this shape
-/// reproduces that behaviour.
-struct LikelyShape {
-  int pruned_levels;
-  std::uint64_t nodes;
-};
-LikelyShape likely_shape(const BrickStore& store);
-/// Returns the tree in that shape as the body of a .bt, identical to what octomap::OcTree writes.
+/// Returns the same tree after OctoMap's toMaxLikelihood and prune as the body of a .bt, identical to what
+/// octomap::OcTree writes.
 TreeBytes binary_tree(const BrickStore& store);
-
-/// These write a whole file chunk by chunk, so that the memory needed does not depend on the size of the map.
-void write_full_tree(const BrickStore& store, double resolution_m, AtomicFile& file);
-void write_binary_tree(const BrickStore& store, const LikelyShape& shape, double resolution_m, AtomicFile& file);
 
 // Defined in brick_octree_read.cpp:
 

@@ -72,9 +72,8 @@ void for_each_leaf_in(const BrickStore& store, const KeyBox& box, const MapEngin
 std::optional<VoxelCounts> count_voxels(const BrickStore& store) {
   if (!store.large_leaves().empty()) return std::nullopt;
   VoxelCounts voxels;
-  for (const BrickStore::ChunkRef& ref : store.sorted_chunks()) {
-    const BrickStore::LoadedChunk loaded(store, ref);
-    for (const std::uint32_t slot : loaded.chunk().bricks) {
+  for (const auto& [code, chunk] : store.sorted_chunks()) {
+    for (const std::uint32_t slot : chunk->bricks) {
       if (slot == kNone) continue;
       if (slot >= BrickStore::kUniform) {
         (is_occupied(store.uniform(slot)) ? voxels.occupied : voxels.free) += 512;

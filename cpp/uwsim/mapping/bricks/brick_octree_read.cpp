@@ -55,8 +55,6 @@ class OctreeReader {
   void fill(int levels, std::uint64_t code, float log_odds) {
     const auto chunk_code = static_cast<std::uint32_t>(code >> 18);
     if (levels > 6) return store_.add_large_leaf({chunk_code, levels, log_odds});
-    if (chunk_code != chunk_code_) store_.evict_excess();
-    chunk_code_ = chunk_code;
     BrickStore::Chunk& chunk = store_.writable_chunk(chunk_code);
     const std::size_t brick = code >> 9 & 511;
     if (levels < 3) {
@@ -82,7 +80,6 @@ class OctreeReader {
   BrickAllocator allocator_;
   std::string_view body_;
   std::size_t at_ = 0;
-  std::uint32_t chunk_code_ = kNone;
 };
 
 }  // namespace

@@ -54,10 +54,7 @@ class OctreeWalk {
     if (chunks.empty() && leaves.empty()) {
       return cover ? visitor_.leaf(levels, std::uint64_t{code} << 18, cover->log_odds) : visitor_.unknown();
     }
-    if (levels == 6) {
-      const BrickStore::LoadedChunk loaded(store_, chunks[0]);
-      return walk_bricks(6, std::uint64_t{code} << 18, loaded.chunk(), 0);
-    }
+    if (levels == 6) return walk_bricks(6, std::uint64_t{code} << 18, *chunks[0].second, 0);
     return visitor_.inner(levels, std::uint64_t{code} << 18, [&](unsigned child) {
       const std::uint32_t first = code + (child << (3 * (levels - 7)));
       const std::uint64_t end = std::uint64_t{first} + (std::uint64_t{1} << (3 * (levels - 7)));

@@ -2,10 +2,11 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <string>
+#include <utility>
 
 #include "uwsim/mapping/bricks/brick_octree.h"
 #include "uwsim/mapping/bricks/brick_octree_walk.h"
-#include "uwsim/mapping/bricks/octree_buffer.h"
 
 namespace uwsim::bricks {
 namespace {
@@ -25,15 +26,11 @@ class OctreeWriter {
   using Counts = std::array<std::uint64_t, kTreeDepth + 1>;
 
   /// Writes all log-odds, as an .ot. buffer: null to count only.
-  explicit OctreeWriter(OctreeBuffer* buffer) : buffer_(buffer) {}
-  /// Writes the most likely values, which makes more leaves equal. Equal leaves are pruned up to `pruned_levels` above
-  /// the voxels.
-  OctreeWriter(OctreeBuffer* buffer, MapFormat format, const OccupancyLogOdds& model, int pruned_levels)
-      : buffer_(buffer),
-        is_binary_(format == MapFormat::bt),
-        is_likely_(true),
-        model_(model),
-        pruned_levels_(pruned_levels) {}
+  explicit OctreeWriter(std::string* buffer) : buffer_(buffer) {}
+  /// Writes the most likely values, as a .bt, which makes more leaves equal. Equal leaves are pruned up to
+  /// `pruned_levels` above the voxels.
+  OctreeWriter(std::string* buffer, const OccupancyLogOdds& model, int pruned_levels)
+      : buffer_(buffer), is_binary_(true), model_(model), pruned_levels_(pruned_levels) {}
 
   Node unknown() { return {}; }
 
@@ -81,7 +78,7 @@ class OctreeWriter {
 
  private:
   float likely(float log_odds) const {
-    if (!is_likely_) return log_odds;
+    if (!is_binary_) return log_odds;
     return is_occupied(log_odds) ? model_.clamping_max : model_.clamping_min;
   }
 
@@ -103,16 +100,16 @@ class OctreeWriter {
       std::memcpy(bytes, &log_odds, 4);
       bytes[4] = static_cast<char>(flags);
     }
-    buffer_->overwrite(at, bytes, is_binary_ ? 2 : 5);
+    std::memcpy(buffer_->data() + at, bytes, is_binary_ ? 2 : 5);
   }
 
   void remove_from(std::uint64_t at, std::uint64_t nodes_before) {
-    if (buffer_) buffer_->truncate(at);
+    if (buffer_) buffer_->resize(at);
     nodes = nodes_before;
   }
 
-  OctreeBuffer* const buffer_;
-  const bool is_binary_ = false, is_likely_ = false;
+  std::string* const buffer_;
+  const bool is_binary_ = false;
   const OccupancyLogOdds model_{};
   const int pruned_levels_ = 0;
 };
@@ -121,6 +118,14 @@ OctreeWriter write(const BrickStore& store, OctreeWriter writer) {
   OctreeWalk(store, writer).run();
   return writer;
 }
+
+/// The shape of the tree after OctoMap's toMaxLikelihood and prune. OctoMap's prune proceeds upwards, level by level,
+/// and stops at the first level where it prunes nothing, even if nodes above could be pruned; this shape reproduces
+/// that behaviour.
+struct LikelyShape {
+  int pruned_levels;
+  std::uint64_t nodes;
+};
 
 /// Derives the shape from the counts of `all`, a writer that has pruned all levels.
 LikelyShape shape_by(const OctreeWriter& all) {
@@ -135,40 +140,22 @@ LikelyShape shape_by(const OctreeWriter& all) {
 
 }  // namespace
 
-LikelyShape likely_shape(const BrickStore& store) {
-  return shape_by(write(store, OctreeWriter(nullptr, MapFormat::ot, store.model(), kTreeDepth)));
-}
-
 TreeBytes full_tree(const BrickStore& store) {
-  OctreeBuffer buffer;
+  std::string buffer;
   const std::uint64_t nodes = write(store, OctreeWriter(&buffer)).nodes;
-  return {buffer.release(), nodes};
+  return {std::move(buffer), nodes};
 }
 
 std::uint64_t count_nodes(const BrickStore& store) { return write(store, OctreeWriter(nullptr)).nodes; }
 
 TreeBytes binary_tree(const BrickStore& store) {
-  OctreeBuffer guess;  // OctoMap usually prunes everything that can be pruned
-  const OctreeWriter all = write(store, OctreeWriter(&guess, MapFormat::bt, store.model(), kTreeDepth));
+  std::string guess;  // OctoMap usually prunes everything that can be pruned
+  const OctreeWriter all = write(store, OctreeWriter(&guess, store.model(), kTreeDepth));
   const LikelyShape shape = shape_by(all);
-  if (shape.nodes == all.nodes) return {guess.release(), shape.nodes};
-  OctreeBuffer buffer;
-  write(store, OctreeWriter(&buffer, MapFormat::bt, store.model(), shape.pruned_levels));
-  return {buffer.release(), shape.nodes};
-}
-
-void write_full_tree(const BrickStore& store, double resolution_m, AtomicFile& file) {
-  file.append(octree_header(MapFormat::ot, count_nodes(store), resolution_m));
-  OctreeBuffer buffer(&file);
-  write(store, OctreeWriter(&buffer));
-  buffer.flush();
-}
-
-void write_binary_tree(const BrickStore& store, const LikelyShape& shape, double resolution_m, AtomicFile& file) {
-  file.append(octree_header(MapFormat::bt, shape.nodes, resolution_m));
-  OctreeBuffer buffer(&file);
-  write(store, OctreeWriter(&buffer, MapFormat::bt, store.model(), shape.pruned_levels));
-  buffer.flush();
+  if (shape.nodes == all.nodes) return {std::move(guess), shape.nodes};
+  std::string buffer;
+  write(store, OctreeWriter(&buffer, store.model(), shape.pruned_levels));
+  return {std::move(buffer), shape.nodes};
 }
 
 }  // namespace uwsim::bricks

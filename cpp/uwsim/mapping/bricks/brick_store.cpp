@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "uwsim/mapping/bricks/brick_allocator.h"
-#include "uwsim/mapping/bricks/chunk_spill.h"
 #include "uwsim/mapping/morton.h"
 
 namespace uwsim::bricks {
@@ -20,18 +19,15 @@ BrickStore::BrickStore(const OccupancyLogOdds& model)
   uniform_slot(model.clamping_min);  // kUniformAtMin
 }
 
-BrickStore::~BrickStore() = default;
+std::size_t BrickStore::memory_bytes() const {
+  constexpr std::size_t kHashBytes = 64;  // of a chunk's entry in the hash table
+  return sizeof(*this) + chunks_.size() * (sizeof(Chunk) + kHashBytes) + bricks_.memory_bytes() +
+         blocks_.memory_bytes();
+}
 
 const BrickStore::Chunk* BrickStore::find_chunk(std::uint32_t code) const {
   const auto found = chunks_.find(code);
-  if (found != chunks_.end()) return found->second.get();
-  if (!spill_ || !spill_->saved.contains(code)) return nullptr;
-  // Const is kept in effect: callers cannot observe where a chunk is stored
-  BrickStore& self = const_cast<BrickStore&>(*this);
-  self.evict_excess();
-  Chunk* const chunk = self.restore(code);
-  chunk->last_use = ++spill_->clock;
-  return chunk;
+  return found == chunks_.end() ? nullptr : found->second.get();
 }
 
 const BrickStore::LargeLeaf* BrickStore::large_leaf_over(std::uint32_t code) const {
@@ -47,30 +43,17 @@ ChangedChunks BrickStore::take_changed() { return std::exchange(changed_, {}); }
 BrickStore::Chunk& BrickStore::writable_chunk(std::uint32_t code) {
   if (!changed_.all) changed_.codes.insert(code);
   const auto found = chunks_.find(code);
-  Chunk* chunk = found == chunks_.end() ? nullptr : found->second.get();
-  if (!chunk && spill_) chunk = restore(code);
-  if (!chunk) {
-    auto made = std::make_unique<Chunk>();
-    const LargeLeaf* leaf = large_leaf_over(code);
-    made->bricks.fill(leaf ? uniform_slot(leaf->log_odds) : kNone);
-    chunk = (chunks_[code] = std::move(made)).get();
-  }
-  if (spill_) {
-    chunk->last_use = ++spill_->clock;
-    chunk->is_saved = false;
-  }
-  return *chunk;
+  if (found != chunks_.end()) return *found->second;
+  auto made = std::make_unique<Chunk>();
+  const LargeLeaf* leaf = large_leaf_over(code);
+  made->bricks.fill(leaf ? uniform_slot(leaf->log_odds) : kNone);
+  return *(chunks_[code] = std::move(made));
 }
 
 std::vector<BrickStore::ChunkRef> BrickStore::sorted_chunks() const {
   std::vector<ChunkRef> sorted;
   sorted.reserve(chunks_.size());
   for (const auto& [code, chunk] : chunks_) sorted.emplace_back(code, chunk.get());
-  if (spill_) {
-    for (const auto& [code, extent] : spill_->saved) {
-      if (!chunks_.contains(code)) sorted.emplace_back(code, nullptr);
-    }
-  }
   std::sort(sorted.begin(), sorted.end());
   return sorted;
 }
@@ -95,11 +78,7 @@ std::vector<BrickStore::ChunkRef> BrickStore::sorted_chunks(const KeyBox& box) c
       for (std::uint32_t x = low[0]; x <= high[0]; ++x) {
         const auto code = static_cast<std::uint32_t>(morton::code(x, y, z));
         const auto chunk = chunks_.find(code);
-        if (chunk != chunks_.end()) {
-          found.emplace_back(code, chunk->second.get());
-        } else if (spill_ && spill_->saved.contains(code)) {
-          found.emplace_back(code, nullptr);
-        }
+        if (chunk != chunks_.end()) found.emplace_back(code, chunk->second.get());
       }
     }
   }
@@ -119,7 +98,6 @@ void BrickStore::set_model(const OccupancyLogOdds& model) {
   uniform_values_[0] = model.clamping_min;
   uniform_indices_[model.clamping_min] = 0;
   for (const ChunkRef& ref : sorted_chunks()) {
-    evict_excess();
     move_clamping_min(writable_chunk(ref.first), old_slot, known_slot, old_min);
   }
 }

@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <span>
-#include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -18,8 +16,6 @@
 
 namespace uwsim::bricks {
 
-struct ChunkSpill;
-
 /// The voxels of a map: chunks of 8 x 8 x 8 bricks of 8 x 8 x 8 voxels, found in a hash table. A brick whose voxels are
 /// all known and equal is stored as a single value, and so is a leaf, read from a file, that is larger than a chunk.
 /// README.md shows the levels.
@@ -29,14 +25,11 @@ class BrickStore {
   /// equal), or the index of a brick.
   struct Chunk {
     std::array<std::uint32_t, 512> bricks;
-    std::uint64_t last_use = 0;  ///< value of ChunkSpill::clock at its last use
-    bool is_saved = false;       ///< whether the spill file contains the chunk in its present state
   };
   static constexpr std::uint32_t kUniform = 0x80000000;
   static constexpr std::uint32_t kUniformAtMin = kUniform;  ///< the first value is always clamping_min
 
-  /// A chunk's code (the Morton code of its first voxel without the lowest 18 bits) and a pointer to the chunk, which
-  /// is null if the chunk is only in the spill file.
+  /// A chunk's code (the Morton code of its first voxel without the lowest 18 bits) and the chunk.
   using ChunkRef = std::pair<std::uint32_t, const Chunk*>;
 
   /// A cube of 2^levels voxels that are all known and equal.
@@ -47,46 +40,17 @@ class BrickStore {
   };
 
   explicit BrickStore(const OccupancyLogOdds& model);
-  ~BrickStore();
 
   const OccupancyLogOdds& model() const { return model_; }
   /// Sets the model for later scans; existing voxels keep their values.
   void set_model(const OccupancyLogOdds& model);
 
-  // Memory; defined in chunk_spill.cpp:
-
-  /// Keeps the memory of the chunks near `bytes`: the least recently used chunks are moved to a file in `folder` (if
-  /// empty, the system's folder for temporary files) and restored when they are needed. Throws FileError.
-  void limit_memory(std::size_t bytes, const std::string& folder);
-  bool is_limited() const { return spill_ != nullptr; }
-  /// Evicts chunks if too many are in memory. This invalidates pointers from find_chunk() and writable_chunk(). If the
-  /// file cannot be written, chunks stay in memory.
-  void evict_excess();
-  /// Like evict_excess(), but throws FileError if chunks must be evicted and the file cannot be written.
-  void evict_excess_or_throw();
-  std::uint64_t evictions() const;
-  /// Provides a chunk for reading. A chunk that is not in memory is loaded from the spill file for the lifetime of this
-  /// object.
-  class LoadedChunk {
-   public:
-    LoadedChunk(const BrickStore& store, const ChunkRef& chunk);
-    ~LoadedChunk();
-    LoadedChunk(const LoadedChunk&) = delete;
-    LoadedChunk& operator=(const LoadedChunk&) = delete;
-    const Chunk& chunk() const { return *chunk_; }
-
-   private:
-    BrickStore& store_;
-    const std::uint32_t code_;
-    const Chunk* chunk_;
-    const bool is_temporary_;
-  };
   /// The memory of the map, including unused reserves.
   std::size_t memory_bytes() const;
 
   // Chunks:
 
-  /// Returns null if the map has no such chunk. The pointer is valid until the next call.
+  /// Returns null if the map has no such chunk.
   const Chunk* find_chunk(std::uint32_t code) const;
   /// Returns a chunk for writing; if there is none, it is created and filled from the large leaf that covers it, if
   /// any. Not thread-safe.
@@ -117,14 +81,7 @@ class BrickStore {
 
  private:
   friend class BrickAllocator;
-  friend class LoadedChunk;
 
-  std::size_t used_bytes() const;
-  std::vector<std::byte> packed(const Chunk& chunk) const;
-  void unpack(std::span<const std::byte> in, Chunk& chunk);
-  Chunk* restore(std::uint32_t code);
-  void drop(std::uint32_t code);
-  void evict(std::uint32_t code, Chunk& chunk);
   void move_clamping_min(Chunk& chunk, std::uint32_t old_slot, std::uint32_t known_slot, float old_min);
 
   OccupancyLogOdds model_;
@@ -136,7 +93,6 @@ class BrickStore {
   std::vector<std::uint32_t> spare_bricks_, spare_blocks_;  ///< allocated but not used
   std::mutex mutex_;                                        ///< guards the arenas and the spares
   ChangedChunks changed_{true, {}};
-  std::unique_ptr<ChunkSpill> spill_;  ///< null: no memory limit
 };
 
 /// Log-odds of a known voxel of a brick; `index` in Morton order.

@@ -15,7 +15,7 @@ void sort_by_code(std::vector<BrickStore::LargeLeaf>& leaves) {
 
 }  // namespace
 
-CubeAdder::CubeAdder(BrickStore& store) : store_(store), allocator_(store) { store.evict_excess_or_throw(); }
+CubeAdder::CubeAdder(BrickStore& store) : store_(store), allocator_(store) {}
 
 void CubeAdder::add(std::uint64_t code, int levels, float log_odds) {
   const auto chunk_code = static_cast<std::uint32_t>(code >> 18);
@@ -30,7 +30,6 @@ void CubeAdder::add(std::uint64_t code, int levels, float log_odds) {
 /// in the same one.
 BrickStore::Chunk& CubeAdder::chunk(std::uint32_t code) {
   if (code != code_) {
-    store_.evict_excess();
     chunk_ = &store_.writable_chunk(code);
     code_ = code;
   }

@@ -13,7 +13,6 @@ namespace uwsim::bricks {
 /// changed by other means.
 class CubeAdder {
  public:
-  /// Throws FileError if there are too many chunks in memory and they cannot be evicted.
   explicit CubeAdder(BrickStore& store);
 
   /// `code`: the Morton code of the lowest voxel of a cube of 2^levels voxels, aligned to its size.

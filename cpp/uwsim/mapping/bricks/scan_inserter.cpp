@@ -34,7 +34,6 @@ void ScanInserter::insert(std::size_t count, const std::function<ScanInput(std::
   batch_ = {};
   std::atomic<std::size_t> next_group = 0, next_scan = 0;
   const auto plan = [&] {
-    store_.evict_excess();
     group_by_chunk();
     batch_ = batch_after(batch_, count, team_size);
     next_group = next_scan = 0;
@@ -56,7 +55,6 @@ void ScanInserter::insert(std::size_t count, const std::function<ScanInput(std::
     while (team.phase(trace_and_update) && more && team.phase(plan_on_one_thread)) {
     }
   });
-  store_.evict_excess();
 }
 
 ScanInserter::Batch ScanInserter::batch_after(const Batch& batch, std::size_t count, std::size_t threads) const {

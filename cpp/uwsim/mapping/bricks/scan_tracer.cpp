@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <utility>
 
 #include "uwsim/mapping/morton.h"
 
@@ -34,7 +33,6 @@ void ScanTracer::trace(const ScanInput& scan, ScanTrace& trace) {
   }
   const AddressLayout layout(origin, rays_.end_key, scan.count);
   if (layout.fits_table) bitmap_.begin(layout.bits);
-  if (kernels_.slabs && layout.fits_table) set_up_slabs(scan.count, origin);
   find_addresses(scan.count, layout);
   sort_walks(scan.count);
   walk(layout, layout.address(origin));
@@ -63,46 +61,7 @@ void ScanTracer::reserve(std::size_t rays) {
   rays_.steps = steps_.data();
   rays_.negative = bytes_.data();
   rays_.kind = bytes_.data() + rays;
-  if (kernels_.slabs) reserve_slabs(rays);
   capacity_ = rays;
-}
-
-void ScanTracer::reserve_slabs(std::size_t rays) {
-  slab_columns_.resize(10 * rays);
-  slab_order_.resize(rays);
-  heading_.resize(rays);
-  slab_rays_.heading = heading_.data();
-  std::uint32_t* column = slab_columns_.data();
-  for (std::uint32_t** to : {&slab_rays_.slabs, &slab_rays_.flags, &slab_rays_.slope, &slab_rays_.fraction,
-                             &slab_rays_.minor_slab, &slab_rays_.minor_fraction, &slab_rays_.minor_slabs,
-                             &slab_rays_.minor_slabs_fraction, &slab_rays_.minor_middle, &slab_rays_.minor_middles}) {
-    *to = std::exchange(column, column + rays);
-  }
-}
-
-/// Finds the rays that can be walked by slabs, and sorts them by heading and then into 16 classes by number of slabs.
-/// The sort keeps neighbouring rays together, since many of them mark the same voxels.
-void ScanTracer::set_up_slabs(std::size_t count, const Key& origin) {
-  constexpr std::size_t kClasses = 16, kBuckets = 4 * kClasses;
-  slabs_ = {&rays_, count, {origin[0], origin[1], origin[2]}, &slab_rays_, slab_order_.data(), {}};
-  kernels_.slabs->setup(slabs_);
-  std::uint32_t most = 1;
-  for (std::size_t i = 0; i < count; ++i) most = std::max(most, heading_[i] != 0 ? slab_rays_.slabs[i] : 0);
-  const auto bucket = [&](std::size_t i) {
-    return (heading_[i] - 1) * kClasses + slab_rays_.slabs[i] * (kClasses - 1) / most;
-  };
-  std::array<std::uint32_t, kBuckets + 1> starts{};
-  for (std::size_t i = 0; i < count; ++i) {
-    if (heading_[i] == 0) continue;
-    ++starts[bucket(i) + 1];
-    ++slabs_.first[heading_[i]];
-    steps_[i] = 0;  // excludes the ray from the other walk
-  }
-  for (std::size_t heading = 0; heading < 4; ++heading) slabs_.first[heading + 1] += slabs_.first[heading];
-  for (std::size_t i = 0; i < kBuckets; ++i) starts[i + 1] += starts[i];
-  for (std::size_t i = 0; i < count; ++i) {
-    if (heading_[i] != 0) slab_order_[starts[bucket(i)]++] = static_cast<std::uint32_t>(i);
-  }
 }
 
 void ScanTracer::find_addresses(std::size_t count, const AddressLayout& layout) {
@@ -153,7 +112,6 @@ void ScanTracer::walk(const AddressLayout& layout, std::uint64_t origin_address)
     };
   }
   kernels_.walk(input);
-  if (kernels_.slabs && layout.fits_table) kernels_.slabs->walk(slabs_, input);
 }
 
 void ScanTracer::mark_hits(std::size_t count, const AddressLayout& layout) {

@@ -41,8 +41,6 @@ class ScanTracer {
   using Key = AddressLayout::Key;
 
   void reserve(std::size_t rays);
-  void reserve_slabs(std::size_t rays);
-  void set_up_slabs(std::size_t count, const Key& origin);
   void find_addresses(std::size_t count, const AddressLayout& layout);
   void sort_walks(std::size_t count);
   void walk(const AddressLayout& layout, std::uint64_t origin_address);
@@ -58,10 +56,6 @@ class ScanTracer {
   std::vector<std::uint32_t> steps_, order_;
   std::vector<std::uint64_t> address_, end_address_;
   Rays rays_{};  ///< points into the vectors above
-  std::vector<std::uint32_t> slab_columns_, slab_order_;
-  std::vector<std::uint8_t> heading_;
-  SlabRays slab_rays_{};  ///< points into the vectors above
-  SlabInput slabs_{};
   ScanBitmap bitmap_;
 
   struct WideBrick {

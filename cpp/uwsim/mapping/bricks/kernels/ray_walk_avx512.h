@@ -1,13 +1,61 @@
 #pragma once
 
-#include "uwsim/mapping/bricks/kernels/mark_buffer.h"
 #include "uwsim/mapping/bricks/kernels/ray_walk.h"
-#include "uwsim/mapping/bricks/kernels/voxel_address.h"
 
 /// The counterpart of ray_walk.h for 32 rays at a time. Only the files named scan_kernels_*avx512.cpp may include this
-/// file, after lanes_avx512.h.
+/// file, after <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
+
+inline __m512i all_lanes(std::uint64_t value) { return _mm512_set1_epi32(static_cast<int>(value)); }
+
+/// Adds one to the bits of `axis` in each address, as if they were adjacent.
+inline __m512i add_one(__m512i address, __m512i axis) {
+  const __m512i others_set = _mm512_ternarylogic_epi32(address, axis, axis, 0xf3);  // address | ~axis
+  const __m512i sum = _mm512_sub_epi32(others_set, _mm512_set1_epi32(-1));
+  return _mm512_ternarylogic_epi32(axis, sum, address, 0xca);  // axis ? sum : address, bit by bit
+}
+
+/// A buffer of marks to be written to the table: each mark is the index of a half word (4 x 4 x 2 voxels) and its bits.
+/// The caller keeps the number of marks, so that this number stays in a register.
+class MarkBuffer {
+ public:
+  using HalfWord __attribute__((may_alias)) = std::uint32_t;
+  static constexpr std::size_t kCapacity = 4096;
+
+  explicit MarkBuffer(const WalkInput& walk)
+      : table_(reinterpret_cast<HalfWord*>(walk.table)), touched_(walk.touched) {}
+
+  /// Appends those of the lanes' marks that `which` selects, after the first `marks` marks; returns the new number of
+  /// marks.
+  std::size_t append(std::size_t marks, __mmask16 which, __m512i half, __m512i mask) {
+    _mm512_storeu_si512(halves_ + marks, _mm512_maskz_compress_epi32(which, half));
+    _mm512_storeu_si512(masks_ + marks, _mm512_maskz_compress_epi32(which, mask));
+    return marks + static_cast<std::size_t>(__builtin_popcount(which));
+  }
+
+  /// Writes the first `marks` marks. Successive marks often fall into the same word, where each would have to wait for
+  /// the previous one to be written. The buffer is therefore written from eight positions in turn.
+  void write(std::size_t marks) {
+    constexpr std::size_t kPlaces = 8;
+    const std::size_t stride = marks / kPlaces;
+    for (std::size_t i = 0; i < stride; ++i) {
+      for (std::size_t place = 0; place < kPlaces; ++place) write_one(place * stride + i);
+    }
+    for (std::size_t i = kPlaces * stride; i < marks; ++i) write_one(i);
+  }
+
+ private:
+  void write_one(std::size_t i) {
+    table_[halves_[i]] |= masks_[i];
+    touched_[halves_[i] >> 4] = 1;
+  }
+
+  HalfWord* table_;
+  std::uint8_t* touched_;
+  alignas(64) std::uint32_t halves_[kCapacity];
+  alignas(64) std::uint32_t masks_[kCapacity];
+};
 
 /// The next face crossings of eight rays, in double precision.
 struct EightCrossings {
@@ -62,7 +110,7 @@ struct SixteenRays {
     }
     mirror = _mm512_load_si512(mirrors);
     end = _mm512_load_si512(ends);
-    const __m512i origin = all_lanes(static_cast<std::uint32_t>(in.origin_address));
+    const __m512i origin = all_lanes(in.origin_address);
     address = _mm512_xor_si512(origin, mirror);
     half = _mm512_srli_epi32(origin, 5);
     mask = _mm512_rolv_epi32(_mm512_set1_epi32(1), origin);
@@ -109,7 +157,7 @@ struct SixteenRays {
   }
 
   std::size_t append(MarkBuffer& buffer, std::size_t count, __mmask16 which) const {
-    return buffer.append(count, {which}, half, mask);
+    return buffer.append(count, which, half, mask);
   }
 };
 
@@ -129,9 +177,8 @@ std::size_t walk_to_the_end(SixteenRays rays, __m512i axis_x, __m512i axis_y, __
 
 /// Walks two groups of sixteen rays: while one group waits for the result of a comparison, the other proceeds.
 void walk_thirty_two(const WalkInput& in, const std::uint32_t* rays, MarkBuffer& buffer) {
-  const __m512i axis_x = all_lanes(static_cast<std::uint32_t>(in.axis_mask[0])),
-                axis_y = all_lanes(static_cast<std::uint32_t>(in.axis_mask[1])),
-                axis_z = all_lanes(static_cast<std::uint32_t>(in.axis_mask[2]));
+  const __m512i axis_x = all_lanes(in.axis_mask[0]), axis_y = all_lanes(in.axis_mask[1]),
+                axis_z = all_lanes(in.axis_mask[2]);
   SixteenRays a, b;
   a.start(in, rays);
   b.start(in, rays + 16);

@@ -62,30 +62,6 @@ struct WalkInput {
   void* context;
 };
 
-/// Parameters of the rays that can be walked slab by slab, in columns; slab_setup.h explains them. The main axis
-/// a is x or y, whichever the ray runs along more; the middle axis b is the other of the two; the minor axis is z.
-struct SlabRays {
-  std::uint8_t* heading;         ///< 0: not walked by slabs; 1 to 4: a is +x, -x, +y, -y
-  std::uint32_t *slabs, *flags;  ///< number of faces across a that the ray crosses; SlabFlag
-  /// Numbers of faces across b that the ray crosses: per slab, and so far
-  std::uint32_t *slope, *fraction;
-  std::uint32_t *minor_slab, *minor_fraction;         ///< slab in which the ray crosses the next face across z
-  std::uint32_t *minor_slabs, *minor_slabs_fraction;  ///< number of slabs from that crossing to the next
-  std::uint32_t *minor_middle, *minor_middles;  ///< position along b at that crossing, modulo 2; change until the next
-};
-struct SlabInput {
-  const Rays* rays;
-  std::size_t count;
-  std::uint32_t origin_key[3];
-  const SlabRays* slab_rays;   ///< written by `setup`, read by `walk`
-  const std::uint32_t* order;  ///< rays to walk, sorted by heading
-  std::size_t first[5];        ///< rays of heading h are order[first[h - 1]] to order[first[h] - 1]
-};
-struct SlabKernels {
-  void (*setup)(const SlabInput& slabs);                        ///< finds the rays that can be walked by slabs
-  void (*walk)(const SlabInput& slabs, const WalkInput& walk);  ///< marks their voxels in the table
-};
-
 /// The effect of one scan on one brick: which of the brick's eight words contain missed and hit voxels. The masks of
 /// these words, with one bit per voxel, are stored consecutively in a separate list: first those of the missed words,
 /// then those of the hit words.
@@ -123,10 +99,8 @@ struct Kernels {
   void (*walk)(const WalkInput& walk);                          ///< converts rays to marked voxels
   Collected (*collect)(const CollectInput& chunk);              ///< converts marked voxels to entries and masks
   void (*update)(const UpdateInput& update);                    ///< converts entries and masks to log-odds
-  const SlabKernels* slabs;                                     ///< a faster walk for most rays; null if there is none
 };
 
-extern const SlabKernels kAvx2SlabKernels, kAvx512SlabKernels;
 extern const Kernels kPortableKernels, kAvx2Kernels, kAvx512Kernels;
 
 }  // namespace bricks

@@ -63,7 +63,6 @@ struct Avx2 : ScalarWords {
 
 }  // namespace
 
-const Kernels kAvx2Kernels{start_rays, walk_eight_at_a_time, collect_chunk<Avx2>, update_bricks<Avx2>,
-                           &kAvx2SlabKernels};
+const Kernels kAvx2Kernels{start_rays, walk_eight_at_a_time, collect_chunk<Avx2>, update_bricks<Avx2>};
 
 }  // namespace uwsim::bricks

@@ -1,7 +1,5 @@
 #include <immintrin.h>
 
-#include "uwsim/mapping/bricks/kernels/lanes_avx512.h"
-// After the lanes:
 #include "uwsim/mapping/bricks/kernels/brick_update.h"
 #include "uwsim/mapping/bricks/kernels/mask_collect.h"
 #include "uwsim/mapping/bricks/kernels/ray_start_avx512.h"
@@ -61,6 +59,6 @@ struct Avx512 {
 }  // namespace
 
 const Kernels kAvx512Kernels{start_eight_at_a_time, walk_thirty_two_at_a_time, collect_chunk<Avx512>,
-                             update_bricks<Avx512>, &kAvx512SlabKernels};
+                             update_bricks<Avx512>};
 
 }  // namespace uwsim::bricks

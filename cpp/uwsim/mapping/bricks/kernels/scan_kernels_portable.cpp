@@ -42,6 +42,6 @@ struct Portable : ScalarWords {
 
 }  // namespace
 
-const Kernels kPortableKernels{start_rays, walk_one_by_one, collect_chunk<Portable>, update_bricks<Portable>, nullptr};
+const Kernels kPortableKernels{start_rays, walk_one_by_one, collect_chunk<Portable>, update_bricks<Portable>};
 
 }  // namespace uwsim::bricks
