@@ -87,7 +87,6 @@ __all__: list[str] = [
     "Reception",
     "RoundShape",
     "RowReduction",
-    "SedimentClouds",
     "SensorKind",
     "SensorReading",
     "SensorSpec",
@@ -782,30 +781,6 @@ class FixedWorld(World):
         """
     @water.setter
     def water(self, arg1: Water) -> None: ...
-
-class SedimentClouds:
-    """
-    The sediment in the water at one time.
-    """
-    def columns_kg_m2(self, origins_m: typing.Any, ends_m: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        Return the sediment along straight lines between points (n, 3), (n,) [kg/m^2]. Raises ValueError.
-        """
-    @property
-    def extinction_m2_kg(self) -> float:
-        """
-        Attenuation of light by each kilogram [m^2/kg].
-        """
-    @property
-    def settling_m_s(self) -> float:
-        """
-        Speed at which a grain sinks [m/s].
-        """
-    @property
-    def table(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        A row for each cloud, (n, 6): middle on the bed [m], standard deviations across and up [m], mass [kg].
-        """
 
 class SurfaceSampler:
     """
@@ -2881,7 +2856,6 @@ class CameraScene:
         velocity_camera: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"] = ...,
         threads: typing.SupportsInt | typing.SupportsIndex = 1,
         colours_only: bool = False,
-        clouds: SedimentClouds | None = None,
     ) -> Picture:
         """
         Render one picture; the camera's frame is x ahead, y left, z up. effects: names of the effects that are
@@ -3197,7 +3171,7 @@ class OccupancyMap:
         Return the states of the voxels whose centres are in a box, (nx, ny, nz) int8: 1 occupied, 0 free, -1
         unknown. Also return the centre of the first voxel, (3,). Raises ValueError. Releases the GIL.
         """
-    def statistics(self) -> tuple[int, int, int, int, int, int]:
+    def statistics(self) -> tuple[int, int, int, int, int]:
         """
         Return (occupied voxels, free voxels, nodes, bytes of memory, discarded points). Releases the GIL.
         """
@@ -3560,17 +3534,6 @@ class SimulationSpec:
     ) -> None:
         """
         Let the station ride on a vehicle, in whose frame its position (3,) and the pose of what is docked are.
-        """
-    def set_sediment(
-        self,
-        critical_pa: typing.SupportsFloat | typing.SupportsIndex,
-        rate_kg_m2_s: typing.SupportsFloat | typing.SupportsIndex,
-        grain_m: typing.SupportsFloat | typing.SupportsIndex,
-        mixing_m2_s: typing.SupportsFloat | typing.SupportsIndex,
-        water_kg_m3: typing.SupportsFloat | typing.SupportsIndex = 1000.0,
-    ) -> None:
-        """
-        Let propellers lift sediment off the terrain.
         """
     def set_wind(
         self,
@@ -4677,11 +4640,6 @@ class Simulation:
         """
         Return the corners (n, 3, 3) [m] of the triangles of the hull that are under water, those at the surface
         cut at it, and the force of the water's pressure on each (n, 3) [N]; body axes.
-        """
-    @property
-    def sediment_clouds(self) -> SedimentClouds | None:
-        """
-        The sediment in the water; None if propellers lift none.
         """
     @property
     def tick(self) -> int: ...
@@ -5988,7 +5946,6 @@ def render_many(
     vehicle_orientations_xyzw: typing.Any,
     hidden_vehicle: typing.SupportsInt | typing.SupportsIndex | None,
     velocities_camera: typing.Any,
-    clouds: collections.abc.Sequence[SedimentClouds | None],
     threads: typing.SupportsInt | typing.SupportsIndex,
 ) -> numpy.typing.NDArray[numpy.uint8]:
     """
@@ -5996,7 +5953,7 @@ def render_many(
     scenes: None for a black picture. cameras: all with pictures of the same size. positions_m (n, 3),
     orientations_xyzw (n, 4) and velocities_camera (n, 6) of the cameras. lamps: for each scene, the lamps
     that are on, as (vehicle, lamp with its pose on that vehicle). vehicle_positions_m (n, v, 3),
-    vehicle_orientations_xyzw (n, v, 4): of all vehicles. clouds: of each scene, or None. Releases the GIL. Raises ValueError.
+    vehicle_orientations_xyzw (n, v, 4): of all vehicles. Releases the GIL. Raises ValueError.
     """
 
 def run_servo_exchanges(

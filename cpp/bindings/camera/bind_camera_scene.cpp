@@ -66,10 +66,9 @@ PictureArrays render_picture(const CameraScene& scene, const Camera& camera, con
                              std::uint64_t tick, const std::vector<std::string>& effects, std::vector<SpotLamp> lamps,
                              const py::object& vehicle_positions_m, const py::object& vehicle_orientations_xyzw,
                              std::optional<std::size_t> hidden_vehicle, bool geometry_only, bool keep_radiance,
-                             bool measure, bool record, const Vector6d& velocity_camera, int threads, bool colours_only,
-                             std::optional<SedimentClouds> clouds) {
+                             bool measure, bool record, const Vector6d& velocity_camera, int threads,
+                             bool colours_only) {
   PictureRequest request;
-  if (clouds) request.clouds = std::move(*clouds);
   request.world_from_camera = as_pose(position_m, orientation_xyzw, "camera");
   require(std::isfinite(time_s), "time_s", time_s, "must be finite");
   require(velocity_camera.allFinite(), "velocity_camera", velocity_camera.transpose(), "must be finite");
@@ -99,22 +98,18 @@ PictureArrays render_picture(const CameraScene& scene, const Camera& camera, con
 using MountedLamp = std::pair<std::size_t, SpotLamp>;
 
 /// Pictures in colour of several scenes, each with its own camera.
-py::array_t<std::uint8_t> render_many(const std::vector<std::optional<std::shared_ptr<CameraScene>>>& scenes,
-                                      const std::vector<std::shared_ptr<Camera>>& cameras,
-                                      const std::vector<Optics>& optics, const py::object& positions_m,
-                                      const py::object& orientations_xyzw, const std::vector<std::uint64_t>& times_ns,
-                                      const std::vector<std::string>& effects,
-                                      const std::vector<std::vector<MountedLamp>>& lamps,
-                                      const py::object& vehicle_positions_m,
-                                      const py::object& vehicle_orientations_xyzw,
-                                      std::optional<std::size_t> hidden_vehicle, const py::object& velocities_camera,
-                                      const std::vector<std::optional<SedimentClouds>>& clouds, int threads) {
+py::array_t<std::uint8_t> render_many(
+    const std::vector<std::optional<std::shared_ptr<CameraScene>>>& scenes,
+    const std::vector<std::shared_ptr<Camera>>& cameras, const std::vector<Optics>& optics,
+    const py::object& positions_m, const py::object& orientations_xyzw, const std::vector<std::uint64_t>& times_ns,
+    const std::vector<std::string>& effects, const std::vector<std::vector<MountedLamp>>& lamps,
+    const py::object& vehicle_positions_m, const py::object& vehicle_orientations_xyzw,
+    std::optional<std::size_t> hidden_vehicle, const py::object& velocities_camera, int threads) {
   const std::size_t count = scenes.size();
   const auto n = static_cast<py::ssize_t>(count);
   for (const auto& [name, size] : {std::pair{"cameras", cameras.size()},
                                    {"optics", optics.size()},
                                    {"times_ns", times_ns.size()},
-                                   {"clouds", clouds.size()},
                                    {"lamps", lamps.size()}}) {
     require(size == count, std::string(name) + ".size", size, "must equal the number of scenes");
   }
@@ -151,7 +146,6 @@ py::array_t<std::uint8_t> render_many(const std::vector<std::optional<std::share
       request.lamps.push_back(placed);
     }
     request.hidden_vehicle = hidden_vehicle;
-    if (clouds[k]) request.clouds = *clouds[k];
   }
   const py::ssize_t height = count == 0 ? 0 : cameras[0]->lens().height;
   const py::ssize_t width = count == 0 ? 0 : cameras[0]->lens().width;
@@ -272,7 +266,7 @@ void bind_camera_scene(py::module_& m) {
            py::arg("vehicle_orientations_xyzw") = py::none(), py::arg("hidden_vehicle") = py::none(),
            py::arg("geometry_only") = false, py::arg("keep_radiance") = false, py::arg("measure") = false,
            py::arg("record") = false, py::arg("velocity_camera") = Vector6d(Vector6d::Zero()), py::arg("threads") = 1,
-           py::arg("colours_only") = false, py::arg("clouds") = py::none(),
+           py::arg("colours_only") = false,
            "Render one picture; the camera's frame is x ahead, y left, z up. effects: names of the effects that are\n"
            "on. vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none.\n"
            "velocity_camera: (6,), in the camera's frame [m/s, rad/s]. The bytes do not depend on the number of\n"
@@ -280,13 +274,12 @@ void bind_camera_scene(py::module_& m) {
   m.def("render_many", &render_many, py::arg("scenes"), py::arg("cameras"), py::arg("optics"), py::arg("positions_m"),
         py::arg("orientations_xyzw"), py::arg("times_ns"), py::arg("effects"), py::arg("lamps"),
         py::arg("vehicle_positions_m"), py::arg("vehicle_orientations_xyzw"), py::arg("hidden_vehicle"),
-        py::arg("velocities_camera"), py::arg("clouds"), py::arg("threads"),
+        py::arg("velocities_camera"), py::arg("threads"),
         "Render one picture of each of n scenes, (n, H, W, 3) uint8, like CameraScene.render, several at a time.\n"
         "scenes: None for a black picture. cameras: all with pictures of the same size. positions_m (n, 3),\n"
         "orientations_xyzw (n, 4) and velocities_camera (n, 6) of the cameras. lamps: for each scene, the lamps\n"
         "that are on, as (vehicle, lamp with its pose on that vehicle). vehicle_positions_m (n, v, 3),\n"
-        "vehicle_orientations_xyzw (n, v, 4): of all vehicles. clouds: of each scene, or None. Releases the GIL. "
-        "Raises ValueError.");
+        "vehicle_orientations_xyzw (n, v, 4): of all vehicles. Releases the GIL. Raises ValueError.");
 }
 
 }  // namespace uwsim::bindings

@@ -258,15 +258,6 @@ void bind_arm(py::module_&, py::class_<OwnedSimulation>& simulation) {
           },
           py::arg("body"),
           "Return the arm's ArmReading: of a vehicle or, after those, of an object. Raises ValueError.")
-      .def_property_readonly(
-          "sediment_clouds",
-          [](OwnedSimulation& o) {
-            return o.with_briefly([](Simulation& s) {
-              const SedimentClouds* const clouds = s.sediment_clouds();
-              return clouds == nullptr ? std::nullopt : std::optional(*clouds);
-            });
-          },
-          "The sediment in the water; None if propellers lift none.")
       .def(
           "link_surfaces",
           [](OwnedSimulation& o) { return rows(o.with_briefly([](Simulation& s) { return s.link_surfaces(); })); },

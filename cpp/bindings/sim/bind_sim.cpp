@@ -80,18 +80,6 @@ void bind_specs(py::module_& m) {
           "Set the wind 10 m above the water, and where it blows. gusts: (n, 3), amplitude [m/s], angular frequency\n"
           "[rad/s] and phase [rad] of each harmonic.")
       .def(
-          "set_sediment",
-          [](SimulationSpec& spec, double critical_pa, double rate_kg_m2_s, double grain_m, double mixing_m2_s,
-             double water_kg_m3) {
-            spec.sediment = Sediment{.critical_pa = critical_pa,
-                                     .rate_kg_m2_s = rate_kg_m2_s,
-                                     .grain_m = grain_m,
-                                     .mixing_m2_s = mixing_m2_s,
-                                     .water_kg_m3 = water_kg_m3};
-          },
-          py::arg("critical_pa"), py::arg("rate_kg_m2_s"), py::arg("grain_m"), py::arg("mixing_m2_s"),
-          py::arg("water_kg_m3") = Sediment{}.water_kg_m3, "Let propellers lift sediment off the terrain.")
-      .def(
           "carry_station",
           [](SimulationSpec& spec, std::size_t vehicle, const py::object& position_body_m, const py::object& docked_m,
              const py::object& docked_xyzw) {

@@ -283,7 +283,6 @@ void bind_world(py::module_& m) {
             "Return where the fish of a school are at a time: positions (n, 3) [m] and unit vectors ahead (n, 3).\n"
             "Raises ValueError.");
   bind_fixed_world(m);
-  bind_sediment(m);
   bind_surface_sampler(m);
 }
 

@@ -39,7 +39,6 @@ Class& def_add_plume(Class& world, Function add, const char* doc) {
 
 void bind_currents(pybind11::module_& m);
 void bind_fixed_world(pybind11::module_& m);
-void bind_sediment(pybind11::module_& m);
 void bind_surface_sampler(pybind11::module_& m);
 void bind_water(pybind11::module_& m);
 void bind_waves(pybind11::module_& m);

@@ -25,13 +25,11 @@ enum class Effect : std::uint8_t {
   kNoise,           ///< photon and read noise
   kShutter,         ///< motion during exposure and readout
   kForwardScatter,  ///< blur by light that water scatters by small angles
-  kSediment,        ///< clouds that propellers lift off the bed
 };
 
-inline constexpr std::array<std::string_view, 17> kEffectNames = {
-    "attenuation", "backscatter", "sunlight",  "surface",         "shadows",    "lamps",
-    "caustics",    "shafts",      "particles", "wobble",          "distortion", "vignetting",
-    "exposure",    "noise",       "shutter",   "forward_scatter", "sediment"};
+inline constexpr std::array<std::string_view, 16> kEffectNames = {
+    "attenuation", "backscatter", "sunlight",   "surface",    "shadows",  "lamps", "caustics", "shafts",
+    "particles",   "wobble",      "distortion", "vignetting", "exposure", "noise", "shutter",  "forward_scatter"};
 
 class Effects {
  public:

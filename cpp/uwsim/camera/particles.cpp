@@ -13,7 +13,7 @@ constexpr double kParticleCell_m = 0.25;
 constexpr double kCellRadius_m = 0.867 * kParticleCell_m;  // more than from its centre to a corner
 constexpr double kReach_m = 2.5, kNearest_m = 0.15;
 constexpr double kSwirl_m = 0.03;  // more than particles swirl
-constexpr std::array<float, 3> kAlbedo = {0.5f, 0.5f, 0.5f};
+constexpr float kAlbedo = 0.5f;
 constexpr double kAperture_rad_m = 0.0015;  // defocus of near objects, in radians times metres
 constexpr double kGeneration_s = 4;         // each particle is visible for two of these intervals and brightest halfway
 
@@ -46,6 +46,31 @@ std::array<Generation, 2> generations_at(double time_s) {
   const double last = std::floor(time_s / kGeneration_s), age = time_s / kGeneration_s - last;
   const auto number = static_cast<std::int64_t>(last);
   return {{{number - 1, (last - 1) * kGeneration_s, 1 - age}, {number, last * kGeneration_s, age}}};
+}
+
+/// Radiance that reaches the eye from a particle, without a shadow: daylight from all directions and the light of each
+/// lamp, attenuated on its path to the eye. `at`: relative to the eye.
+std::array<float, 3> light_on(const Eigen::Vector3f& at, const camera::View& view) {
+  std::array<float, 3> light;
+  const float depth = std::max(0.0f, view.surface_z - (at.z() + view.camera_z)), range = at.norm();
+  for (int band = 0; band < 3; ++band) {
+    light[band] = 0.5f * view.total_level[band] * std::exp(-view.kd[band] * depth);
+  }
+  for (int k = 0; k < view.lamp_count; ++k) {
+    const camera::SpotLight& lamp = view.lamps[k];
+    const Eigen::Vector3f from = at - Eigen::Map<const Eigen::Vector3f>(lamp.position);
+    const float distance = std::max(from.norm(), 0.05f);
+    const float cone = from.dot(Eigen::Map<const Eigen::Vector3f>(lamp.axis)) / distance;
+    const float edge = std::clamp((cone - lamp.cos_outer) / (lamp.cos_inner - lamp.cos_outer), 0.0f, 1.0f);
+    const float spot = edge * edge * (3 - 2 * edge) / (distance * distance);
+    for (int band = 0; band < 3; ++band)
+      light[band] += lamp.intensity[band] * spot * std::exp(-view.c[band] * distance);
+  }
+  for (int band = 0; band < 3; ++band) {
+    const float transmitted = view.has_attenuation ? std::exp(-view.c[band] * range) : 1.0f;
+    light[band] *= kAlbedo * static_cast<float>(1 / std::numbers::pi) * transmitted;
+  }
+  return light;
 }
 
 void add_generation(const Generation& generation, const CameraScene& scene, const Camera& camera, const Optics& optics,
@@ -101,7 +126,7 @@ void add_generation(const Generation& generation, const CameraScene& scene, cons
     // Distant particles fade out, so that none appears suddenly.
     const double fade = std::clamp(3 * (1 - at.norm() / kReach_m), 0.0, 1.0);
     const auto share = static_cast<float>(3 * generation.strength * fade * sharp * sharp / (radius * radius));
-    const std::array<float, 3> light = light_on(at.cast<float>(), kAlbedo, view);
+    const std::array<float, 3> light = light_on(at.cast<float>(), view);
     found.push_back({static_cast<float>(pixel.x()),
                      static_cast<float>(pixel.y()),
                      static_cast<float>(seen.z()),
@@ -111,29 +136,6 @@ void add_generation(const Generation& generation, const CameraScene& scene, cons
 }
 
 }  // namespace
-
-std::array<float, 3> light_on(const Eigen::Vector3f& at, const std::array<float, 3>& albedo, const camera::View& view) {
-  std::array<float, 3> light;
-  const float depth = std::max(0.0f, view.surface_z - (at.z() + view.camera_z)), range = at.norm();
-  for (int band = 0; band < 3; ++band) {
-    light[band] = 0.5f * view.total_level[band] * std::exp(-view.kd[band] * depth);
-  }
-  for (int k = 0; k < view.lamp_count; ++k) {
-    const camera::SpotLight& lamp = view.lamps[k];
-    const Eigen::Vector3f from = at - Eigen::Map<const Eigen::Vector3f>(lamp.position);
-    const float distance = std::max(from.norm(), 0.05f);
-    const float cone = from.dot(Eigen::Map<const Eigen::Vector3f>(lamp.axis)) / distance;
-    const float edge = std::clamp((cone - lamp.cos_outer) / (lamp.cos_inner - lamp.cos_outer), 0.0f, 1.0f);
-    const float spot = edge * edge * (3 - 2 * edge) / (distance * distance);
-    for (int band = 0; band < 3; ++band)
-      light[band] += lamp.intensity[band] * spot * std::exp(-view.c[band] * distance);
-  }
-  for (int band = 0; band < 3; ++band) {
-    const float transmitted = view.has_attenuation ? std::exp(-view.c[band] * range) : 1.0f;
-    light[band] *= albedo[static_cast<std::size_t>(band)] * static_cast<float>(1 / std::numbers::pi) * transmitted;
-  }
-  return light;
-}
 
 std::vector<Particle> visible_particles(const CameraScene& scene, const Camera& camera, const Optics& optics,
                                         const PictureRequest& request, const camera::View& view) {

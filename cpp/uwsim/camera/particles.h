@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <span>
 #include <vector>
 
@@ -23,10 +22,6 @@ struct Particle {
   float radius;    ///< of its defocused image [pixels]
   float light[3];  ///< radiance at the centre of its image
 };
-
-/// Radiance that reaches the eye from something of this albedo [bands], in the water and without a shadow: daylight
-/// from all directions and the light of each lamp, attenuated on its path to the eye. `at`: relative to the eye.
-std::array<float, 3> light_on(const Eigen::Vector3f& at, const std::array<float, 3>& albedo, const camera::View& view);
 
 /// The particles that the camera can see; none if the camera is in air.
 std::vector<Particle> visible_particles(const CameraScene& scene, const Camera& camera, const Optics& optics,

@@ -11,7 +11,6 @@
 #include "uwsim/camera/ray_record.h"
 #include "uwsim/core/body_state.h"
 #include "uwsim/core/pose.h"
-#include "uwsim/world/sediment.h"
 
 namespace uwsim {
 
@@ -24,7 +23,6 @@ struct PictureRequest {
   Effects effects = Effects::all();
   std::vector<SpotLamp> lamps;                ///< lamps that are switched on
   std::vector<Pose> world_from_vehicles;      ///< poses of all CameraScene::vehicles, or empty
-  SedimentClouds clouds;                      ///< in the water
   std::optional<std::size_t> hidden_vehicle;  ///< the vehicle that carries the camera and is not visible to it
   /// Light that adds at most this fraction to a pixel's radiance, summed over the bands, is added without a shadow ray.
   /// The default is half a step of 8 bits where a step is the smallest fraction of the signal: at full scale, where it

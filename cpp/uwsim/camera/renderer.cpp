@@ -15,7 +15,6 @@
 #include "uwsim/camera/development.h"
 #include "uwsim/camera/forward_scatter.h"
 #include "uwsim/camera/lamp_glow.h"
-#include "uwsim/camera/murk.h"
 #include "uwsim/camera/parallel_rows.h"
 #include "uwsim/camera/particles.h"
 #include "uwsim/camera/prepared_view.h"
@@ -64,7 +63,7 @@ class Rendering {
         kernels_(request.kernels != nullptr ? *request.kernels : camera::kernels()),
         classes_(scene.classes_by_label()),
         thin_from_m_(classes_.size(), std::numeric_limits<float>::infinity()),
-        keeps_geometry_(!request.colours_only || on(Effect::kParticles) || !request.clouds.all.empty()) {
+        keeps_geometry_(!request.colours_only || on(Effect::kParticles)) {
     find_thin_solids();
     timer_.add(kPrepare);
   }
@@ -357,10 +356,9 @@ class Rendering {
     set_textures(scene_, tracer_, view_, hits, block);
   }
 
-  /// Converts radiance to bytes. Sediment and particles come last because they need the depth of the whole picture.
+  /// Converts radiance to bytes. Particles come last because they need the depth of the whole picture.
   void develop() {
     radiance_ = {bands_[0].data(), bands_[1].data(), bands_[2].data()};
-    add_murk();
     picture_.gain = exposure_gain(camera_.sensor(), request_.effects, root_luminance_,
                                   bands_[0].size() * static_cast<std::size_t>(parts_));
     if (request_.rgb == nullptr) picture_.rgb.resize(3 * bands_[0].size());
@@ -379,20 +377,6 @@ class Rendering {
       }
       timer.add(kDevelopment);
     });
-  }
-
-  /// Comes before the exposure, which it changes.
-  void add_murk() {
-    const std::vector<SedimentCloud> clouds = clouds_in_sight(request_, view_);
-    if (clouds.empty()) return;
-    std::vector<double> changes(static_cast<std::size_t>(view_.height));
-    for_rows(view_.height, threads_, [&](int row, int worker) {
-      TaskTimer timer(request_.measure, costs_[static_cast<std::size_t>(worker)]);
-      changes[static_cast<std::size_t>(row)] =
-          parts_ * draw_murk(scene_, request_, clouds, picture_.depth_m, view_, row, radiance_);
-      timer.add(kParticles);
-    });
-    root_luminance_.insert(root_luminance_.end(), changes.begin(), changes.end());
   }
 
   void keep_radiance(int row) {
@@ -425,7 +409,7 @@ class Rendering {
   std::vector<float> thin_from_m_;                        // by label: where it is seen in parts of pixels
   std::optional<ThinSolidsAround> thin_around_;           // seen from the camera
   std::array<camera::View, kPixelParts.size()> shifted_;  // through these parts
-  const bool keeps_geometry_;                             // without it, neither particles nor sediment can be drawn
+  const bool keeps_geometry_;                             // without it, no particles can be drawn
   Picture picture_;
   std::array<ImageBuffer<float>, 3> bands_, exposed_;
   bool scatters_ = false;

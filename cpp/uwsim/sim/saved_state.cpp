@@ -79,7 +79,6 @@ void Simulation::exchange_applied(StateArchive& archive) {
   bodies_.exchange_tethers(archive);
   bodies_.exchange_arms(archive);
   for (LooseObject& one : objects_) one.pushes.exchange_state(archive);
-  if (stirring_) stirring_->exchange_state(archive);
 }
 
 /// The details of samples: what an instrument's readings depend on besides the vehicle's state.

@@ -55,7 +55,6 @@ Simulation::Simulation(const World& world, std::shared_ptr<const RayScene> scene
       hulls_version_(kUnplaced),
       sway_tick_(kUnplaced) {
   require(scene_ != nullptr, "scene", "none", "must be a RayScene");
-  if (spec.sediment) stirring_.emplace(*spec.sediment);
 }
 
 std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
@@ -143,7 +142,6 @@ void Simulation::step_once() {
   }
   ++tick_;
   ++version_;
-  if (stirring_) stirring_->advance(vehicles_, bodies_, world_, *scene_, tick_, spec_.step_s);
   if (link_) receive();
   for (const std::shared_ptr<Tape>& tape : tapes_) {
     if (tape->due(tick_)) tape->write(*this);
@@ -308,8 +306,7 @@ void Simulation::ping(std::size_t index, std::size_t head, const PingRows& rows)
 }
 
 AcousticPing Simulation::acoustic_ping(std::size_t index, std::size_t head, int threads, bool water_column) const {
-  return sonar(index, head)
-      .acoustic_ping(scene_around(index), state(index), tick_, threads, {time_s(), water_column, sediment_clouds()});
+  return sonar(index, head).acoustic_ping(scene_around(index), state(index), tick_, threads, {time_s(), water_column});
 }
 
 void Simulation::ping_together(std::span<PingOrder* const> orders, int threads) const {

@@ -12,7 +12,6 @@
 #include "uwsim/rays/ray_scene.h"
 #include "uwsim/sim/link.h"
 #include "uwsim/sim/saved_state_format.h"
-#include "uwsim/sim/stirring.h"
 #include "uwsim/sim/tape.h"
 #include "uwsim/sim/telemetry.h"
 #include "uwsim/sim/vehicle.h"
@@ -38,7 +37,6 @@ struct SimulationSpec {
   EngineKind engine = EngineKind::kUwsim;
   Wind wind;
   std::optional<CarriedStation> carried_station;  ///< in place of `station_world_m`
-  std::optional<Sediment> sediment;               ///< of the terrain; empty: propellers lift none
 
   /// Throws InvalidValue naming the field.
   void check() const;
@@ -197,8 +195,6 @@ class Simulation {
   /// All vehicles, objects, schools, then arms and tethers, at their present poses, for RayScene::with.
   const MovingBodies& vehicles_for_rays() const;
   const Water& water() const { return world_.water; }
-  /// The sediment in the water; null if the bed has none that propellers could lift.
-  const SedimentClouds* sediment_clouds() const { return stirring_ ? &stirring_->clouds() : nullptr; }
 
   /// Returns, as bytes, everything that future steps depend on, except for the parameters of the simulation. If a
   /// simulation built in the same way restores these bytes, its steps and samples are bitwise identical. `notes` are
@@ -249,7 +245,6 @@ class Simulation {
   std::vector<Vehicle> vehicles_;
   std::vector<LooseObject> objects_;
   std::optional<Link> link_;
-  std::optional<Stirring> stirring_;
   std::vector<std::shared_ptr<Tape>> tapes_;
   std::shared_ptr<MovingBodies> hulls_;       // the bodies as ray targets
   mutable std::uint64_t hulls_version_;       // the version for which they were placed

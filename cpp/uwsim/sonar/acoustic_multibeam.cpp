@@ -246,11 +246,10 @@ AcousticPing AcousticMultibeam::ping(const RayScene& scene, const Pose& world_fr
       spec_.false_detections ? detector_.false_alarm(fan_.range_max_m, spec_.parameters.range_cell_m(c)) : 0,
       speckle_.view(world_from_sonar),
       tick,
-      request.water_column ? static_cast<std::size_t>(std::ceil(cells / cells_per_sample)) : 0,
-      request.clouds != nullptr && !request.clouds->all.empty() ? request.clouds : nullptr};
+      request.water_column ? static_cast<std::size_t>(std::ceil(cells / cells_per_sample)) : 0};
   ping.water_column_db.resize(beams * sent.samples);
   ping.water_column_sample_m = cells_per_sample * spec_.parameters.range_cell_m(c);
-  OtherEchoes others(targets_.empty() && !spec_.multipath && sent.clouds == nullptr ? 0 : beams);
+  OtherEchoes others(targets_.empty() && !spec_.multipath ? 0 : beams);
   add_targets(sent, request.time_s, others);
   const auto rays = static_cast<std::size_t>(footprint_.rays());
   const auto work = [&](std::size_t first, std::size_t last) {
@@ -277,7 +276,6 @@ void AcousticMultibeam::ping_beams(const Transmission& sent, std::size_t first, 
     const auto silent = std::partition(all.begin(), all.end(), [](const RayEcho& e) { return e.energy > 0; });
     const std::span<RayEcho> surface(all.begin(), silent);
     BeamEcho echo = beam_echo(surface, sent.cell_m);
-    if (sent.clouds != nullptr) add_clouds(sent, beam, surface, *sent.clouds, others[beam]);
     const std::span<RayEcho> other = others.empty() ? std::span<RayEcho>() : std::span<RayEcho>(others[beam]);
     std::vector<RayEcho> loudest(other.begin(), other.end());
     if (!loudest.empty()) {

@@ -17,7 +17,6 @@
 #include "uwsim/sonar/scatter_curve.h"
 #include "uwsim/sonar/speckle_field.h"
 #include "uwsim/sonar/water_targets.h"
-#include "uwsim/world/sediment.h"
 #include "uwsim/world/water.h"
 
 namespace uwsim {
@@ -48,9 +47,8 @@ struct HeadMotion {
 
 /// Options of a ping: the results to compute besides its detections.
 struct PingRequest {
-  double time_s = 0;                       ///< moves the bubbles of a seep
-  bool water_column = false;               ///< whether to compute AcousticPing::water_column_db
-  const SedimentClouds* clouds = nullptr;  ///< in the water; null: none
+  double time_s = 0;          ///< moves the bubbles of a seep
+  bool water_column = false;  ///< whether to compute AcousticPing::water_column_db
 };
 
 /// One ping in physics mode, with one value per beam. Fields that also exist in MultibeamPing have the same meaning.
@@ -147,9 +145,6 @@ class AcousticMultibeam {
   void record(const Transmission& sent, std::size_t beam, const BeamEcho& echo, const BottomDetection& found,
               AcousticPing& ping) const;
   void add_targets(const Transmission& sent, double time_s, OtherEchoes& others) const;
-  /// Adds what sediment in front of a beam's surfaces sends back.
-  void add_clouds(const Transmission& sent, std::size_t beam, std::span<const RayEcho> surface,
-                  const SedimentClouds& clouds, std::vector<RayEcho>& others) const;
   void add_ghosts(const Transmission& sent, std::size_t first, std::size_t last, OtherEchoes& others) const;
   /// The power that a fluid reflects, by the cosine of the incidence in kMirrorSteps.
   static std::vector<float> mirror(const FluidBottom& fluid);

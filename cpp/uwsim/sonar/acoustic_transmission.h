@@ -22,8 +22,7 @@ struct AcousticMultibeam::Transmission {
   double false_alarm;  // probability that noise exceeds the threshold somewhere in a beam
   SpeckleField::View speckle;
   std::uint64_t tick;
-  std::size_t samples;           // of each beam's water column
-  const SedimentClouds* clouds;  // null: none
+  std::size_t samples;  // of each beam's water column
 };
 
 struct AcousticMultibeam::HitLanes {

@@ -11,9 +11,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kFaint = 1e-6;    // of the beam's pattern, below which a target is not received
-constexpr double kCloudReach = 3;  // standard deviations from where a cloud is densest
-constexpr int kSlices = 8;         // of a cloud along a beam
+constexpr double kFaint = 1e-6;  // of the beam's pattern, below which a target is not received
 constexpr float kShapeReach = 15.0f / 16;
 constexpr std::size_t kLanes = 16;  // samples of a kernel
 
@@ -73,41 +71,6 @@ void AcousticMultibeam::add_targets(const Transmission& sent, double time_s, Oth
     }
   }
   if (count > 0) receive();
-}
-
-/// A cloud's echo is that of its sediment along the beam's axis, in slices of the beam's solid angle. What sound loses
-/// to the sediment is neglected: some 0.2 dB there and back through 1 kg/m^2 of silt.
-void AcousticMultibeam::add_clouds(const Transmission& sent, std::size_t beam, std::span<const RayEcho> surface,
-                                   const SedimentClouds& clouds, std::vector<RayEcho>& others) const {
-  const Eigen::Vector3d& head = sent.world_from_sonar.position_m;
-  const Eigen::Vector3d axis =
-      (sent.rotation * footprint_.axes().col(static_cast<Eigen::Index>(beam))).cast<double>().normalized();
-  double end_m = fan_.range_max_m;
-  for (const RayEcho& echo : surface) end_m = std::min(end_m, double{echo.range_m});
-  const double wave_number = 2 * std::numbers::pi * spec_.parameters.frequency_hz / sent.sound_speed_m_s;
-  const double section_sr = clouds.sediment.backscatter_m2_kg(wave_number) * spec_.parameters.beam_solid_angle_sr() *
-                            footprint_.widening(beam);
-  for (const SedimentCloud& cloud : clouds.all) {
-    if (!(cloud.column_kg_m2(head, axis, end_m) > 0)) continue;
-    const auto [densest_m, deviation_m] = cloud.passage(head, axis);
-    const double from_m = std::clamp(densest_m - kCloudReach * deviation_m, 0.01, end_m);
-    const double slice_m = (std::min(densest_m + kCloudReach * deviation_m, end_m) - from_m) / kSlices;
-    double before_kg_m2 = cloud.column_kg_m2(head, axis, from_m);
-    for (int k = 0; k < kSlices && slice_m > 0; ++k) {
-      const double range_m = from_m + (k + 0.5) * slice_m;
-      const double column_kg_m2 = cloud.column_kg_m2(head, axis, range_m + 0.5 * slice_m);
-      const double depth_m = std::max(0.0, sent.depth_m - range_m * axis.z());
-      RayEcho echo;
-      echo.range_m = static_cast<float>(range_m);
-      echo.energy = static_cast<float>(section_sr * (column_kg_m2 - before_kg_m2) / (range_m * range_m) *
-                                       lost(sent, depth_m, 2 * range_m));
-      echo.width_m = std::hypot(sent.cell_m, static_cast<float>(slice_m));
-      echo.point_m2 = sent.cell_m * sent.cell_m;
-      echo.cosine = 1;
-      if (echo.energy > 0) others.push_back(echo);
-      before_kg_m2 = column_kg_m2;
-    }
-  }
 }
 
 /// The volume's echo from a range cell at 1 m without losses, as a ratio of the source's intensity.

@@ -103,11 +103,6 @@ class SimulatorProperties(Attached):
         """Return where the links of arms are that have a shape, (n, 7): position [m] and quaternion x, y, z, w."""
         return self._core.link_surfaces()
 
-    @property
-    def sediment_clouds(self) -> native.SedimentClouds | None:
-        """The sediment that propellers have lifted into the water; None without `ground.sediment`."""
-        return self._core.sediment_clouds
-
     def around(self, vehicle: str | None = None) -> Surroundings:
         """Return the current surroundings of a sonar: the world and all vehicles except the sonar's carrier.
 

@@ -135,7 +135,6 @@ TEST_F(Renderer, EveryEffectChangesThePictureButNotItsGeometry) {
   request.velocity_camera << 0.5, 0.2, 0, 0, 0, 0.3;
   camera = std::make_unique<Camera>("test", camera->lens(), moving_sensor());
   optics.forward_scatter_rad = 0.03;
-  request.clouds.all = {{.middle_m = {1, 0, -5}, .across_m = 1, .up_m = 0.5, .mass_kg = 0.1}};
   const Picture whole = render(scene, *camera, optics, request);
   for (std::size_t k = 0; k < kEffectNames.size(); ++k) {
     request.effects = Effects::all();

@@ -49,8 +49,6 @@ def surprises(sim: Simulator, scene: Scene) -> tuple[str, ...]:
     found += [(("station",), text) for text in _of_station(scene)]
     found += [(("survey",), text) for text in _of_survey(sim)]
     found += [(("terrain",), text) for text in _of_bed(scene)]
-    if sim.scenario.ground.sediment and not any(each.model.thrusters for each in sim.scenario.vehicles):
-        found.append((("ground", "sediment"), "no vehicle has propellers that could lift the bed's sediment"))
     if scene.bed.dry_share > 0.9:
         found.append((("terrain",), f"{100 * scene.bed.dry_share:.0f} % of the terrain is above the water"))
     return tuple(f"{source.line_prefix(*keys)}{text}" for keys, text in found)

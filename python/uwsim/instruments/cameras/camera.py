@@ -276,7 +276,6 @@ class Camera(Attached):
             geometry_only=geometry_only,
             velocity_camera=self.velocity(snapshot),
             threads=scene.threads if threads is None else threads,
-            clouds=snapshot.clouds,
             **options,
         )
         return picture, snapshot.time_ns, world_from_camera

@@ -27,7 +27,7 @@ class Snapshot:
 
     positions_m (n, 3), orientations_xyzw (n, 4): pose of each vehicle, then of each object, then of what is attached to
     them, see SharedScene.attached_surfaces. velocities_body (m, 6): of each vehicle and object. lamps: the lamps that
-    are on. aims_rad: pan and tilt of each motorised camera, by name. clouds: sediment in the water.
+    are on. aims_rad: pan and tilt of each motorised camera, by name.
     """
 
     time_ns: int
@@ -37,7 +37,6 @@ class Snapshot:
     lamps: list[_core.SpotLamp]
     optics: Optics
     aims_rad: Mapping[str, tuple[float, float]]
-    clouds: _core.SedimentClouds | None
 
 
 @dataclass(eq=False)
@@ -144,11 +143,6 @@ class SharedScene:
         """Return where links of arms and tubes of tethers are, (n, 7): position [m] and quaternion x, y, z, w."""
         return self._simulation.attached_surfaces()
 
-    @property
-    def clouds(self) -> _core.SedimentClouds | None:
-        """The sediment in the water; None if propellers lift none."""
-        return self._simulation.sediment_clouds
-
     def vehicle_pose(self, index: int) -> tuple[Floats, Floats]:
         """Return a vehicle's current position (3,) and orientation x, y, z, w (4,)."""
         state = self._simulation.state(index)
@@ -160,7 +154,7 @@ class SharedScene:
             version = self._simulation.version
             states = [self._simulation.state(k) for k in range(len(self.lamps))]
             states += [self._simulation.object_state(k) for k in range(len(self._scenario.objects))]
-            attached, clouds = self.attached_surfaces(), self.clouds
+            attached = self.attached_surfaces()
             time_ns = self._simulation.time_ns
             if self._simulation.version == version:
                 break
@@ -176,7 +170,7 @@ class SharedScene:
         lamps += self.fixed_lights if with_lamps else []
         aims = {name: head.angles_rad(time_ns) for name, head in self.heads.items()}
         velocities = np.array([state.velocity_body for state in states])
-        return Snapshot(time_ns, positions, orientations, velocities, lamps, self.optics, aims, clouds)
+        return Snapshot(time_ns, positions, orientations, velocities, lamps, self.optics, aims)
 
 
 def _same_hulls(one: Scenario, other: Scenario) -> bool:

@@ -82,7 +82,6 @@ class Together:
             orientations_xyzw,
             cameras[0].hidden,
             velocities,
-            [camera.scene.clouds for camera in cameras],
             threads,
         )
 

@@ -7,7 +7,6 @@ import math
 from uwsim import _core
 from uwsim.base.quaternions import about_z
 from uwsim.scenario.build.station import carrier_index, dock_position
-from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.build.wind import set_wind
 from uwsim.scenario.spec.scenario import Scenario
 
@@ -25,9 +24,6 @@ def simulation_spec(scenario: Scenario) -> _core.SimulationSpec:
     spec.range_warning_m = scenario.warnings.range_m
     spec.proximity_warning_m = scenario.warnings.proximity_m
     set_wind(spec, scenario)
-    if (bed := scenario.ground.sediment) is not None:
-        water_kg_m3 = surface_density_kg_m3(scenario.water)
-        spec.set_sediment(bed.critical_pa, bed.rate_kg_m2_s, bed.grain_m, bed.mixing_m2_s, water_kg_m3)
     if (carrier := carrier_index(scenario)) is not None:
         station = scenario.station
         docked = dock_position(station), about_z(math.radians(station.yaw_deg))

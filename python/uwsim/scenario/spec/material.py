@@ -127,27 +127,13 @@ MaterialSpec = Annotated[Material, BeforeValidator(_named, json_schema_input_typ
 """A material's name, or its kind and the values that differ."""
 
 
-class Sediment(Model):
-    """Loose grains of a bed, which propellers' jets lift.
-
-    grain_m: diameter, of quartz. critical_pa: shear stress above which the bed erodes. rate_kg_m2_s: eroded at twice
-    that stress. mixing_m2_s: diffusivity of the water above the bed.
-    """
-
-    grain_m: Annotated[float, InRange(1e-6, 2e-3, "m")] = 1e-5
-    critical_pa: Annotated[float, InRange(1e-3, 100, "Pa")] = 0.1
-    rate_kg_m2_s: Annotated[float, InRange(1e-9, 1, "kg/(m2 s)")] = 1e-4
-    mixing_m2_s: Annotated[float, InRange(1e-6, 1, "m2/s")] = 1e-3
-
-
 class Ground(Model):
     """The materials of the terrain: under water, on steep slopes, and above the water.
 
     bed: material under water. steep: material on steep slopes. land: material above the water. strength_db, relief,
     seabed: the backscatter of the whole terrain, as in Backscatter; they override those of the bed's material.
     ripples_deg: direction across the crests of the ripples that a bed of sand has, from east to north; with it, imaging
-    sonars and a multibeam in physics mode meet the slopes of the ripples that cameras see. sediment: grains that
-    propellers lift into the water of cameras and of a multibeam in physics mode; without it, the bed stays as it is.
+    sonars and a multibeam in physics mode meet the slopes of the ripples that cameras see.
     """
 
     bed: MaterialName = "sand"
@@ -157,7 +143,6 @@ class Ground(Model):
     relief: Relief | None = None
     seabed: SeabedName | None = None
     ripples_deg: Annotated[float, InRange(-360, 360, "deg")] | None = None
-    sediment: Sediment | None = None
 
     @model_validator(mode="after")
     def _has_ripples_of_sand(self) -> Ground:
