@@ -22,6 +22,7 @@ EXTRA_OF = {
     "rosbags": "ros",
     "websockets": "ros",
     "cbor2": "ros",
+    "brping": "ros",
     "mcap": "recording",
     "GSFU": "survey",
     "pyxtf": "survey",

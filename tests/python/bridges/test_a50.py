@@ -65,7 +65,7 @@ def connected(**live: Any) -> Iterator[tuple[LiveSimulator, Program]]:
     sim.rov.undock()
     with LiveSimulator(sim, paused=True, speed="max", **live) as running, ExitStack() as stack:
         opened = stack.enter_context(plug().open(Context(channels=[], feed=Feed(running), live=running)))
-        yield running, Program(running, opened.bridge[0])
+        yield running, Program(running, opened.bridge[0].address)
 
 
 def test_the_figure_of_merit_is_that_of_the_published_example() -> None:

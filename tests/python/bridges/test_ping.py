@@ -1,12 +1,15 @@
 """Ping1D and Ping360: the wire, the devices in simulated time, and Blue Robotics' own library as their program."""
 
 import socket
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
+import brping
 import numpy as np
 import pytest
+from brping import definitions as ids
+from brping.pingmessage import PingMessage
 
 from uwsim import Simulator
 from uwsim.bridges.ping import wire
@@ -36,7 +39,7 @@ def world(*, noise: bool = True) -> Simulator:
 
 
 class Program:
-    """A program by UDP that knows the protocol from our own table."""
+    """A program by UDP that reads with the maker's library."""
 
     def __init__(self, device: Device) -> None:
         self.device, self.reader = device, Reader()
@@ -49,30 +52,16 @@ class Program:
         self.socket.send(encoded(number, values, source=255))
 
     def answer(self) -> tuple[int, Any]:
-        data = self.socket.recv(4096)
-        _, length, number, _, _ = wire.HEADER.unpack_from(data)
-        payload = data[wire.HEADER.size : wire.HEADER.size + length]
-        form, names = wire.LAYOUTS[number]
-        fixed = np.dtype([(name, f"<{kind}") for name, kind in _columns(form, names)])
-        values = dict(zip(fixed.names or (), np.frombuffer(payload, fixed, 1)[0].tolist(), strict=True))
-        return number, values | {"tail": payload[fixed.itemsize :]}
+        found = PingMessage(msg_data=self.socket.recv(4096), payload_dict=wire.MESSAGES)
+        values = {name: getattr(found, name) for name in found.payload_field_names}
+        tail = [bytes(value) for value in values.values() if not isinstance(value, int)]
+        return found.message_id, values | {"tail": tail[0] if tail else b""}
 
     def ask(self, number: int) -> Any:
-        self.tell(wire.GENERAL_REQUEST, requested_id=number)
+        self.tell(ids.COMMON_GENERAL_REQUEST, requested_id=number)
         got, values = self.answer()
         assert got == number, values["tail"]
         return values
-
-
-def _columns(form: str, names: str) -> Iterator[tuple[str, str]]:
-    kinds = {"B": "u1", "H": "u2", "I": "u4"}
-    letters, count = "", ""
-    for letter in form:
-        if letter.isdigit():
-            count += letter
-        else:
-            letters, count = letters + letter * int(count or 1), ""
-    yield from zip(names.split(), (kinds[letter] for letter in letters), strict=False)
 
 
 @contextmanager
@@ -97,7 +86,7 @@ def transmit(program: Program, angle: int, **changed: int) -> None:
 
 
 def test_a_message_is_that_of_the_documentation() -> None:
-    assert encoded(wire.GENERAL_REQUEST, {"requested_id": wire.PROTOCOL_VERSION}, source=0) == REQUEST
+    assert encoded(ids.COMMON_GENERAL_REQUEST, {"requested_id": ids.COMMON_PROTOCOL_VERSION}, source=0) == REQUEST
     (found,) = Reader().read(REQUEST)
     assert found == Message(6, b"\x05\x00", 0) and found.values == {"requested_id": 5}
 
@@ -147,7 +136,7 @@ def test_ping1d_measures_the_altimeters_height_by_the_speed_of_sound_it_is_set_t
         sound_m_s = sim.world.water.sound_speed_m_s(float(sim.rov.pose.position_world_m[2]))
         for set_m_s in (1500, 1400):
             program.tell(1002, speed_of_sound=1000 * set_m_s)
-            assert program.answer() == (wire.ACK, {"acked_id": 1002, "tail": b""})
+            assert program.answer() == (ids.COMMON_ACK, {"acked_id": 1002, "tail": b""})
             seen = program.ask(1300)
             assert seen["distance"] == pytest.approx(1000 * height_m * set_m_s / sound_m_s, abs=1)
             profile = np.frombuffer(seen["tail"], np.uint8)
@@ -161,7 +150,7 @@ def test_ping1d_measures_the_altimeters_height_by_the_speed_of_sound_it_is_set_t
         assert program.ask(1211)["confidence"] == 0, "the bed is out of the scan"
         program.tell(1001, scan_start=90_000, scan_length=200)
         number, refused = program.answer()
-        assert number == wire.NACK and b"scan_start: must be less than 99 times scan_length" in refused["tail"]
+        assert number == ids.COMMON_NACK and b"scan_start: must be less than 99 times scan_length" in refused["tail"]
 
 
 def test_ping1d_pings_at_multiples_of_its_interval_in_simulated_time() -> None:
@@ -221,27 +210,24 @@ def test_ping360_scans_a_sector_there_and_back_until_it_is_stopped() -> None:
         sector = {"start_angle": 390, "stop_angle": 10, "num_steps": 10, "delay": 0}
         program.tell(2602, mode=1, gain_setting=1, transmit_duration=32, sample_period=80, transmit_frequency=750,
                      number_of_samples=200, **sector)  # fmt: skip
-        assert program.answer()[0] == wire.ACK
+        assert program.answer()[0] == ids.COMMON_ACK
         assert [program.answer()[1]["angle"] for _ in range(6)] == [390, 0, 10, 0, 390, 0]
         program.tell(2903)
-        while program.answer()[0] != wire.ACK:
+        while program.answer()[0] != ids.COMMON_ACK:
             pass
         transmit(program, 7, transmit=0)
         assert program.answer()[1]["angle"] == 7
         transmit(program, 400)
         number, refused = program.answer()
-        assert (number, refused["nacked_id"]) == (wire.NACK, 2601)
+        assert (number, refused["nacked_id"]) == (ids.COMMON_NACK, 2601)
         assert refused["tail"] == b"angle = 400: must be in [0, 399]"
 
 
 def test_blue_robotics_library_runs_unmodified() -> None:
-    brping = pytest.importorskip("brping", reason="needs bluerobotics-ping (pip)")
-    # Ping1D() of 0.2 takes the messages of the S500, of which some have the same numbers, for its own.
-    messages = brping.definitions.payload_dict_ping1d
-    make: Callable[[], Any] = (lambda: brping.Ping1D(messages)) if hasattr(brping, "S500") else brping.Ping1D
     both = Ping1dPlug(Ping1dOptions(ping1d=("udp:0", "pty")))
     with opened(world(), both) as (live, (by_udp, by_pty)):
-        first, second = make(), make()
+        # Ping1D() takes the messages of the S500, of which some have the same numbers, for its own.
+        first, second = (brping.Ping1D(ids.payload_dict_ping1d) for _ in range(2))
         first.connect_udp("127.0.0.1", by_udp.line.port)  # type: ignore[attr-defined]
         second.connect_serial(by_pty.line.address)
         for sonar in (first, second):

@@ -96,6 +96,7 @@ def packages(lines: list[str]) -> set[str]:
 
 
 PACKAGE_OF = {
+    "brping": "bluerobotics-ping",
     "GSFU": "gsfu",
     "PIL": "pillow",
     "zenoh": "eclipse-zenoh",

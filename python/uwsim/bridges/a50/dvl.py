@@ -40,7 +40,8 @@ class A50:
     the water's until a program sets it; velocities and distances are then in proportion to it. Use it as a context.
     """
 
-    def __init__(self, live: LiveSimulator, vehicle: str, instrument: str, server: LineServer) -> None:
+    def __init__(self, live: LiveSimulator, vehicle: str, instrument: str, server: LineServer, address: str) -> None:
+        self.address = address
         self._live, self._vehicle, self._instrument, self._server = live, vehicle, instrument, server
         dvl = live.simulator.vehicles[vehicle].sensors[instrument]
         self._beams = beams(dvl.spec.parameters)

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 from uwsim.base.options import Options, option
+from uwsim.bridges.aboard.instrument import InstrumentPlug
 from uwsim.bridges.doors.door import EVERYONE, OWN, Door
-from uwsim.bridges.plug import BridgePlug, Context, Opened
+
+if TYPE_CHECKING:
+    from uwsim.bridges.a50.dvl import A50
+    from uwsim.live import LiveSimulator
+    from uwsim.simulator.vehicle import Vehicle
 
 PORT = 16171
 
@@ -27,52 +31,45 @@ class A50Options(Options):
     )
 
 
-class A50Plug(BridgePlug[A50Options]):
-    """The DVLs. Raises ValueError for a wrong address."""
+class Address(NamedTuple):
+    """Where the DVL listens, and which instrument it is: its name, "VEHICLE/NAME", or "" for the first one."""
+
+    instrument: str
+    host: str
+    port: int
+
+
+class A50Plug(InstrumentPlug[A50Options]):
+    """The DVLs."""
 
     options = A50Options
-    needs_live = True
-    crosses_link = False
+    title, needed = "DVL A50", "a sensor of kind dvl"
     doors = (
         Door("`--dvl-a50`", "TCP", 1, OWN, "Water Linked's DVL protocol",
              f"{EVERYONE}; no web page; it sets the DVL alone", ("--dvl-a50", "0"), speaks_first=True),
     )  # fmt: skip
 
-    def __init__(self, options: A50Options) -> None:
-        super().__init__(options)
+    def parsed(self, text: str) -> Address:
+        """See InstrumentPlug."""
         from uwsim.bridges.doors.hosts import checked_host
 
-        self._addresses: list[tuple[str, str, int]] = []
-        for text in options.dvl_a50:
-            instrument, _, where = text.rpartition("=")
-            found = re.fullmatch(r"(?:([^:=\s]+):)?(\d{1,5})", where)
-            if found is None or int(found[2]) > 65535 or ("=" in text and not instrument):
-                raise ValueError(f"dvl_a50 = '{text[:80]}': must be [INSTRUMENT=][HOST:]PORT, such as {PORT}")
-            host = checked_host(found[1] or "127.0.0.1", f"dvl_a50 = '{text[:80]}'")
-            self._addresses.append((instrument, host, int(found[2])))
+        instrument, _, where = text.rpartition("=")
+        found = re.fullmatch(r"(?:([^:=\s]+):)?(\d{1,5})", where)
+        if found is None or int(found[2]) > 65535 or ("=" in text and not instrument):
+            raise ValueError(f"dvl_a50 = '{text[:80]}': must be [INSTRUMENT=][HOST:]PORT, such as {PORT}")
+        return Address(instrument, checked_host(found[1] or "127.0.0.1", f"dvl_a50 = '{text[:80]}'"), int(found[2]))
 
-    @contextmanager
-    def open(self, context: Context) -> Iterator[Opened]:
-        """Send until the `with` statement ends. Raises OSError, or ValueError for an instrument that does not fit."""
-        from contextlib import ExitStack
+    def fitting(self, vehicle: Vehicle) -> list[str]:
+        """Return the DVLs."""
+        return [name for name, sensor in vehicle.sensors.items() if sensor.kind == "dvl"]
 
+    def device(self, live: LiveSimulator, vehicle: str, name: str, address: Address) -> A50:
+        """See InstrumentPlug."""
         from uwsim.bridges.a50.dvl import A50, logger
-        from uwsim.bridges.aboard.instrument import instrument
         from uwsim.bridges.doors.admission import warn_beyond_loopback
         from uwsim.bridges.doors.line_server import LineServer
-        from uwsim.channels import require_live
 
-        live = require_live(context.live)
-        with ExitStack() as stack:
-            where = []
-            for given, host, port in self._addresses:
-                vehicle, name = instrument(
-                    "dvl_a50", given, live.simulator,
-                    lambda vehicle: [key for key, sensor in vehicle.sensors.items() if sensor.kind == "dvl"],
-                    "a sensor of kind dvl",
-                )  # fmt: skip
-                warn_beyond_loopback(host, None, tls=False)
-                server = LineServer(host, port, f"DVL A50 {host}:{port}", logger)
-                stack.enter_context(A50(live, vehicle, name, server))
-                where.append(f"{host}:{server.port}")
-            yield Opened(f"DVL A50 at {', '.join(where)}", where)
+        _, host, port = address
+        warn_beyond_loopback(host, None, tls=False)
+        server = LineServer(host, port, f"DVL A50 {host}:{port}", logger)
+        return A50(live, vehicle, name, server, f"{host}:{server.port}")

@@ -9,19 +9,11 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
+from brping import definitions as ids
 from numpy.typing import NDArray
 
 from uwsim.bridges.ping.line import Line
-from uwsim.bridges.ping.wire import (
-    ACK,
-    DEVICE_INFORMATION,
-    GENERAL_REQUEST,
-    NACK,
-    PROTOCOL_VERSION,
-    SET_DEVICE_ID,
-    Message,
-    encoded,
-)
+from uwsim.bridges.ping.wire import Message, encoded
 from uwsim.live import LiveSimulator, NotRunningError
 from uwsim.simulator.simulator import Simulator
 
@@ -52,7 +44,7 @@ class Device:
     type: ClassVar[int]
 
     def __init__(self, live: LiveSimulator, vehicle: str, instrument: str, line: Line) -> None:
-        self.line = line
+        self.line, self.address = line, line.address
         self._live, self._vehicle, self._instrument = live, vehicle, instrument
         self._log = logging.getLogger("uwsim.ping")
         self._id = 1
@@ -124,24 +116,26 @@ class Device:
 
     def _take(self, message: Message) -> None:
         try:
-            if message.number == GENERAL_REQUEST:
+            if message.number == ids.COMMON_GENERAL_REQUEST:
                 self._report(message.values["requested_id"])
             elif not message.payload and message.number in self.reports:  # an older form of a request
                 self._report(message.number)
-            elif message.number == SET_DEVICE_ID:
+            elif message.number == ids.COMMON_SET_DEVICE_ID:
                 self.rename(message.values["device_id"])
-                self.send(ACK, {"acked_id": message.number})
+                self.send(ids.COMMON_ACK, {"acked_id": message.number})
             elif message.number not in self.commands:
                 raise ValueError("this device does not have this message")
             elif not self.commands[message.number](message.values):
-                self.send(ACK, {"acked_id": message.number})
+                self.send(ids.COMMON_ACK, {"acked_id": message.number})
         except ValueError as error:
-            self.send(NACK, {"nacked_id": message.number, "nack_message": str(error).encode("ascii", "replace")})
+            self.send(
+                ids.COMMON_NACK, {"nacked_id": message.number, "nack_message": str(error).encode("ascii", "replace")}
+            )
 
     def _report(self, number: int) -> None:
-        if number == DEVICE_INFORMATION:
+        if number == ids.COMMON_DEVICE_INFORMATION:
             self.send(number, {"device_type": self.type, "device_revision": 1, "reserved": 0, **FIRMWARE})
-        elif number == PROTOCOL_VERSION:
+        elif number == ids.COMMON_PROTOCOL_VERSION:
             self.send(number, {"version_major": 1, "version_minor": 0, "version_patch": 0, "reserved": 0})
         elif number in self.reports:
             self.send(number, self.reports[number]())
@@ -149,9 +143,9 @@ class Device:
             raise ValueError(f"this device does not have message {number}")
 
 
-def intensities(level_db: NDArray[np.float32], full_db: float) -> NDArray[np.uint8]:
+def intensities(level_db: NDArray[np.float32], full_db: float) -> bytes:
     """Return echo levels as a device reports them, 0 to 255. full_db: the level of 255; 0 is SPAN_DB below."""
-    return np.asarray(np.clip(255.0 * (1.0 + (level_db - full_db) / SPAN_DB), 0, 255), np.uint8)
+    return bytes(np.clip(255.0 * (1.0 + (level_db - full_db) / SPAN_DB), 0, 255).astype(np.uint8))
 
 
 def within(values: Mapping[str, Any], limits: Mapping[str, tuple[int, int]]) -> None:

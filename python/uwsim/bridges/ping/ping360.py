@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from brping import definitions as ids
 from numpy.typing import NDArray
 
 from uwsim.bridges.ping.device import Device, Values, intensities, within
@@ -24,7 +25,6 @@ STEP_NS = 20_000_000
 """The motor's time for a step: the maker's 9 s for a turn at 2 m and 35 s at 50 m, less the travel of sound."""
 FULL_DB, GAINS_DB = 175.0, (-10.0, 0.0, 10.0)
 """The level whose intensity is 255, and the amplifications low, normal and high; assumed."""
-DEVICE_DATA, AUTO_DEVICE_DATA, TRANSDUCER = 2300, 2301, 2601
 LIMITS = {
     "gain_setting": (0, 2), "angle": (0, TURN - 1), "transmit_duration": (1, 1000), "sample_period": (80, 40_000),
     "transmit_frequency": (500, 1000), "number_of_samples": (200, 1200), "start_angle": (0, TURN - 1),
@@ -34,7 +34,6 @@ START = {
     "mode": 1, "gain_setting": 0, "angle": 0, "transmit_duration": 32, "sample_period": 80, "transmit_frequency": 740,
     "number_of_samples": 200,
 }  # fmt: skip
-_NONE = np.zeros(0, np.uint8)
 
 
 @dataclass(frozen=True)
@@ -61,16 +60,16 @@ class Ping360(Device):
     def __init__(self, live: LiveSimulator, vehicle: str, instrument: str, line: Line) -> None:
         super().__init__(live, vehicle, instrument, line)
         self._set: Values = dict(START)
-        self._data = _NONE
+        self._data = b""
         self._sector: Values | None = None
         self._along, self._step = 0, 1
-        self.reports = {DEVICE_DATA: self._state, AUTO_DEVICE_DATA: self._state}
+        self.reports = dict.fromkeys((ids.PING360_DEVICE_DATA, ids.PING360_AUTO_DEVICE_DATA), self._state)
         self.commands = {
-            2000: lambda values: self.rename(values["id"]),
-            2600: self._reset,
-            TRANSDUCER: self._transducer,
-            2602: self._scan,
-            2903: self._stop,
+            ids.PING360_SET_DEVICE_ID: lambda values: self.rename(values["id"]),
+            ids.PING360_RESET: self._reset,
+            ids.PING360_TRANSDUCER: self._transducer,
+            ids.PING360_AUTO_TRANSMIT: self._scan,
+            ids.PING360_MOTOR_OFF: self._stop,
         }
 
     @property
@@ -83,7 +82,7 @@ class Ping360(Device):
         if self._sector is None:
             return
         start, steps = self._sector["start_angle"], self._sector["num_steps"]
-        self._ping((start + self._along) % TURN, AUTO_DEVICE_DATA, self._sector["delay"] * 1_000_000)
+        self._ping((start + self._along) % TURN, ids.PING360_AUTO_DEVICE_DATA, self._sector["delay"] * 1_000_000)
         span = (self._sector["stop_angle"] - start) % TURN
         if span == TURN - 1:  # round and round
             self._along = (self._along + steps) % TURN
@@ -99,7 +98,7 @@ class Ping360(Device):
     def _reset(self, values: Values) -> None:
         if values["bootloader"]:
             raise ValueError("bootloader: the simulated device has none")
-        self._set, self._data, self._sector = dict(START), _NONE, None
+        self._set, self._data, self._sector = dict(START), b"", None
 
     def _stop(self, values: Values) -> None:
         self._sector = None
@@ -117,9 +116,9 @@ class Ping360(Device):
         self._set |= {**values, "mode": 1}
         del self._set["reserved"]
         if transmit:
-            self._ping(self._set["angle"], DEVICE_DATA)
+            self._ping(self._set["angle"], ids.PING360_DEVICE_DATA)
         else:
-            self.send(DEVICE_DATA, self._state())
+            self.send(ids.PING360_DEVICE_DATA, self._state())
         return True
 
     def _ping(self, angle: int, answer: int, delay_ns: int = 0) -> None:
@@ -136,7 +135,7 @@ class Ping360(Device):
         model: Any = sonar.model
         return _Seen(sim.time_ns, model, pose, sim.around(self._vehicle), speed_m_s, sonar.stream)
 
-    def _echoes(self, seen: _Seen, range_max_m: float) -> NDArray[np.uint8]:
+    def _echoes(self, seen: _Seen, range_max_m: float) -> bytes:
         model = replace(
             seen.model, beams=1, frequency_hz=1e3 * self._set["transmit_frequency"], range_max_m=range_max_m,
             range_bins=self._set["number_of_samples"],
