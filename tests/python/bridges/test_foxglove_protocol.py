@@ -105,7 +105,10 @@ def test_the_conversation_is_that_of_the_sdk() -> None:
         ],
     )  # fmt: skip
     try:
-        theirs = Plain(f"ws://127.0.0.1:{peer.port}")
+        url, subprotocols = f"ws://127.0.0.1:{peer.port}", protocol.SUBPROTOCOLS
+        with connect(f"{url}/?token=wrong", origin="https://any.example", subprotocols=subprotocols):  # type: ignore[arg-type]
+            pass  # the reason why theirs is not ours
+        theirs = Plain(url)
         info = theirs.next("serverInfo")
         info["metadata"].pop("fg-library")
         info.pop("metadata")
