@@ -74,14 +74,17 @@ def node_map(sim: Simulator, path: Path) -> Figure:
 def _draw(edges: Iterable[tuple[str, str]], path: Path, size_in: tuple[float, float]) -> None:
     """Draw a graph without loops from left to right."""
     graph = nx.DiGraph(edges)
+    places: dict[str, tuple[float, float]] = {}
     for layer, names in enumerate(nx.topological_generations(graph)):
-        nx.set_node_attributes(graph, dict.fromkeys(names, layer), "layer")
+        heights = {name: [places[each][1] for each in graph.predecessors(name)] or [0.0] for name in names}
+        for slot, name in enumerate(sorted(names, key=lambda name: (-sum(heights[name]) / len(heights[name]), name))):
+            places[name] = layer, 0.5 * (len(names) - 1) - slot
     figure = new_figure(*size_in)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     box = {"boxstyle": "round,pad=0.3", "facecolor": "#eef4f8", "edgecolor": INK}
     nx.draw_networkx(
-        graph, nx.multipartite_layout(graph, subset_key="layer"), ax=axes, font_size=8, bbox=box, node_size=1200,
-        node_color="none", edge_color=FAINT_INK, connectionstyle="arc3,rad=0.08", min_target_margin=36,
+        graph, places, ax=axes, font_size=8, bbox=box, node_size=1200,
+        node_color="none", edge_color=FAINT_INK, connectionstyle="arc3,rad=0.08", min_target_margin=30,
     )  # fmt: skip
     axes.margins(0.08)
     axes.set_axis_off()
