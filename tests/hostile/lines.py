@@ -7,6 +7,7 @@ here. Each line starts as a working one (BASES), in which one parameter gets a h
 from __future__ import annotations
 
 import inspect
+import json
 import os
 import random
 import re
@@ -31,7 +32,6 @@ PATHS = frozenset({"/dev/full", "/dev/zero", "/proc/self"})
 NONSENSE = PATHS | {"", LONG, "\x01\x1b[31m", "%s%n{}$(x)"}
 MEANT = {
     ("exercise fly", "person"): PATHS | {"%s%n{}$(x)"},
-    ("exercise logbook", "person"): NONSENSE,
     ("vehicle identify", "name"): frozenset({""}),
     **{(command, name): PATHS | {""} for command in ("serve", "ros connect") for name in ("namespace", "frame_prefix")},
 }
@@ -60,8 +60,7 @@ BASES: dict[str, tuple[list[str], dict[str, str]]] = {
     "compare": (["mission.py"], {"scenario": "pool.yaml", "out": "out", "seeds": "0", "time_limit_s": "2"}),
     "sweep": (["sweep.yaml"], {"out": "out", "workers": "0"}),
     "exercise fly": (["hover"], {"pilot": "mission.py", "out": "out"}),
-    "exercise film": (["run.mcap"], {"out": "debrief.webp"}),
-    "exercise logbook": ([], {}),
+    "exercise check": (["score.json"], {}),
     "course new": (["team"], {}),
     "course world": (["pool-course", "world.yaml"], {}),
     "course bag": (["folder", "first.mcap"], {}),
@@ -265,6 +264,7 @@ def prepare(folder: Path) -> None:
     from fuzz.surveys import side_scan, survey, xtf_soundings
 
     from uwsim import Simulator, fly
+    from uwsim.exercises.certified import digest_of
     from uwsim.recording import Recorder
     from uwsim.scenario.read.assets import assets_folder
 
@@ -286,6 +286,8 @@ def prepare(folder: Path) -> None:
     (folder / "mission.py").write_text(
         "from uwsim.missions import wait\n\ndef mission(vehicle):\n    vehicle.release()\n    yield wait(1.0)\n"
     )
+    sheet = {"person": "", "title": "Hover", "date": "2026-12-01T12:00:00+00:00"}
+    (folder / "score.json").write_text(json.dumps({**sheet, "digest": digest_of(sheet)}))
     (folder / "sweep.yaml").write_text(
         "scenario: pool.yaml\nmission: mission.py\nvary: {survey.altitude_m: {choices: [1.5]}}\nworst: 0\n"
     )

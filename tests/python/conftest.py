@@ -18,7 +18,6 @@ from uwsim.figures import style, truth_and_map
 from uwsim.scenario import build_world, load
 
 os.environ.setdefault("MPLBACKEND", "Agg")
-os.environ["UWSIM_LOGBOOK"] = ""  # attempts in tests are not the user's
 MAY_GROW_BYTES, KEPT_BYTES = 100 << 20, [0]
 settings.register_profile("uwsim", derandomize=True, deadline=None, database=None)
 settings.load_profile("uwsim")

@@ -17,7 +17,7 @@ LAWFUL = {
         evidence/robots/written.py:_estimates evidence/unity/scenario.py:_Files.drafted
         evidence/validate/closed_forms.py:_write_obj examples/m07_wall_scan.py:main
         examples/m08_station_keeping.py:main examples/m10_digital_twin.py:main
-        operator/station/flights/films.py:Making._copied operator/station/sessions/saves.py:save
+        operator/station/sessions/saves.py:save
         recording/foreign_bag.py:map_from_bag recording/real_flights/deep_water.py:_bare
         scenario/read/contained.py:run_contained scenario/read/contained.py:main""",
     "in a folder that is new or empty": """campaigns/datasets/sequences/euroc.py:Rows.__init__
@@ -25,7 +25,7 @@ LAWFUL = {
         campaigns/datasets/sequences/instruments.py:Imaged.close campaigns/datasets/sequences/make.py:_describe
         campaigns/datasets/sequences/tum.py:Tum.__init__ evidence/reproduce/beside.py:reproduce_beside
         league/new.py:new_team operator/station/editor/meshes.py:Meshes._keep""",
-    "ours by its content": """bridges/ros_packages/write.py:write_sealed exercises/logbook.py:log_attempt
+    "ours by its content": """bridges/ros_packages/write.py:write_sealed
         operator/station/editor/editor.py:Editor.save operator/station/flights/flights.py:Flights.make_room
         scenario/read/disk_cache.py:_make_room""",
     "just created, with mode x": "recording/mcap_sink.py:McapSink.__init__",

@@ -11,7 +11,7 @@ EXIT_CODES = {
     USAGE: "an unknown command, option or value, a number out of bounds, or an option that would have no effect",
     STUCK: "survey, run: the vehicle was stuck or capsized",
     INCOMPLETE: "survey, run: coverage is below --min-coverage, or a mission without a plan ended early; exercise: "
-    "not passed; replay: the recording was cut off; exercise logbook: lines were left out or are not valid",
+    "not passed; replay: the recording was cut off",
     INTERRUPTED: "interrupted by Ctrl-C, SIGTERM or SIGHUP; serve and station exit with 0 instead once they "
     "are running",
 }

@@ -26,7 +26,6 @@ SOCKET = "uwsim.cli"
 Those of some commands with subcommands are groups, too, such as `uwsim.cli.map` and `uwsim.cli.vehicle`.
 """
 GONE = {
-    "logbook": "exercise logbook",
     "rays": "scenario rays",
     "connect": "ros connect",
     "doctor": "ros doctor",

@@ -29,35 +29,29 @@ def checked_person(name: str) -> str:
     return found
 
 
-def certified_sheet(
-    course: Course, person: str = "", date: datetime | None = None, script: str = "", recording: str = ""
-) -> dict[str, Any]:
+def certified_sheet(course: Course, person: str = "", script: str = "", recording: str = "") -> dict[str, Any]:
     """Return the sheet of a course with person, date, build and digest.
 
-    date: of its end, by default now. script: the name of the mission that flew it, if it was no person. recording: the
-    name of the run's recording from the begin, if there is one.
+    script: the name of the mission that flew it, if it was no person. recording: the name of the run's recording from
+    the begin, if there is one.
     """
     sheet = {
         **course.sheet(),
         "person": checked_person(person) if person else "",
         "script": script,
         "recording": recording,
-        "date": (date or datetime.now().astimezone()).isoformat(timespec="seconds"),
+        "date": datetime.now().astimezone().isoformat(timespec="seconds"),
         "uwsim": metadata.version("uwsim"),
         "build": build_fingerprint(),
     }
     return {**sheet, "digest": digest_of(sheet)}
 
 
-def digest_of(sheet: Mapping[str, Any], own: str = "digest") -> str:
-    """Return the digest of all values but its own, whose key is `own`: 32 hexadecimal digits of BLAKE2b."""
-    values = {key: value for key, value in sheet.items() if key != own}
-    return bytes_digest(json.dumps(values, sort_keys=True, separators=(",", ":")).encode())
-
-
-def bytes_digest(data: bytes) -> str:
-    """Return 32 hexadecimal digits of BLAKE2b."""
-    return hashlib.blake2b(data, digest_size=16).hexdigest()
+def digest_of(sheet: Mapping[str, Any]) -> str:
+    """Return the digest of all values but its own: 32 hexadecimal digits of BLAKE2b."""
+    values = {key: value for key, value in sheet.items() if key != "digest"}
+    text = json.dumps(values, sort_keys=True, separators=(",", ":"))
+    return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
 
 
 def read_sheet(path: Path) -> dict[str, Any]:

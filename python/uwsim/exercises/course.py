@@ -341,7 +341,7 @@ class Course:
             for h in self._now.log
         ]  # fmt: skip
         return {
-            **self.state(), "task": self.exercise.task, "seed": self.sim.seed, "scenario": self.exercise.scenario,
+            **self.state(), "seed": self.sim.seed, "scenario": self.exercise.scenario,
             "lag_s": self.exercise.lag_s, "goals": goals,
             "limits": [self._limit_figures(limit) for limit in self.exercise.limits], "log": log,
             **self.conduct.listed(),

@@ -54,7 +54,7 @@ class Event(Model):
 
     at_s: the time since the beginning; near: a place; after: the name of a goal that has been met. Exactly one of these
     three is required. command: a command of the simulator. arguments: its arguments. note: its description in the
-    debriefing.
+    sheet.
     """
 
     at_s: Annotated[float, InRange(0, 1e5, "s")] | None = None
@@ -91,19 +91,17 @@ class Aid(Model):
 class Exercise(Model):
     """An exercise for a pilot.
 
-    title: one line. task: the kind of a pilot's work that it trains, under which a certificate lists it. brief: the
-    task in words. scenario: a packaged name, or the path of a YAML file, looked for beside the exercise's first.
-    vehicle: a packaged model that replaces the first vehicle's. obstacles, props: added to the scenario's. exchanged:
-    sets of props of which the seed draws who stands in whose place. layout: how far props may stand from their places,
-    by the seed. conditions: water and light by the seed. hidden: names of obstacles that the station's 3D view and
-    chart leave out. start, tether: of the first vehicle, by default as in the scenario. seed: seed of all random draws.
-    time_s: time after which it ends. goals, limits, events: see their models. aids: those that the pilot may use; all
-    others are refused. pass_points: points needed to pass. lag_s: the time that sound takes from the pilot to the
-    vehicle, and as long back, by which commands and sight are late; 0: none, nor a link.
+    title: one line. brief: the task in words. scenario: a packaged name, or the path of a YAML file, looked for beside
+    the exercise's first. vehicle: a packaged model that replaces the first vehicle's. obstacles, props: added to the
+    scenario's. exchanged: sets of props of which the seed draws who stands in whose place. layout: how far props may
+    stand from their places, by the seed. conditions: water and light by the seed. hidden: names of obstacles that the
+    station's 3D view and chart leave out. start, tether: of the first vehicle, by default as in the scenario. seed:
+    seed of all random draws. time_s: time after which it ends. goals, limits, events: see their models. aids: those
+    that the pilot may use; all others are refused. pass_points: points needed to pass. lag_s: the time that sound takes
+    from the pilot to the vehicle, and as long back, by which commands and sight are late; 0: none, nor a link.
     """
 
     title: str = Field(min_length=1, max_length=120)
-    task: str = Field(default="", max_length=40)
     brief: str = Field(min_length=1, max_length=2000)
     scenario: str
     vehicle: str | None = None
@@ -237,13 +235,6 @@ def next_exercise(name: str) -> tuple[str, str]:
     names = exercise_names()
     following = names[names.index(name) + 1 :][:1] if name in names else []
     return next(((each, load_exercise(each).title) for each in following), ("", ""))
-
-
-def require_own_title(exercise: Exercise) -> None:
-    """Raise ValueError if an exercise has the title of a packaged one: log books tell exercises apart by it."""
-    for name in exercise_names():
-        if load_exercise(name).title == exercise.title:
-            raise ValueError(f"title = '{exercise.title}': is that of the packaged exercise '{name}'")
 
 
 def exercise_names() -> list[str]:

@@ -10,15 +10,11 @@ from uwsim.base.agenda import NEVER, Rank
 from uwsim.exercises import Course, Exercise, load_exercise
 from uwsim.exercises.certified import certified_sheet, checked_person
 from uwsim.exercises.flyable import flyable
-from uwsim.exercises.logbook import log_attempt
-from uwsim.exercises.seat import ashore
 from uwsim.exercises.sheet import remove_stale_sheet, require_room, write_sheet
 from uwsim.flight.fly import fly
-from uwsim.flight.mission_file import FUNCTION, load_mission
 from uwsim.flight.missions import AnyMission
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.terminal import Silent
-from uwsim.missions.run import MissionFunction, first_parameter
 from uwsim.simulator.simulator import Simulator
 
 
@@ -42,26 +38,24 @@ def fly_exercise(
     """Fly a mission as the pilot of an exercise, and judge it against the truth.
 
     exercise: a packaged name, a path or an Exercise. mission: see uwsim.fly. out: folder for sheet.html, score.json and
-    the flight's files. person: on the sheet, and in the log book, which has no attempts without a name. options: other
-    arguments of uwsim.fly, such as `function`, `estimate` or `record`. An exercise with a lag is flown from a Seat, at
-    the station's end of the link. The flight ends when the mission does, or when
-    the exercise's time is up. If the mission fails, its error is raised once the sheet has been written. Raises
-    ValueError, ScenarioError or OSError.
+    the flight's files. person: on the sheet. options: other arguments of uwsim.fly, such as `function`, `estimate` or
+    `record`. The flight ends when the mission does, or when the exercise's time is up. If the mission fails, its error
+    is raised once the sheet has been written. Raises ValueError, ScenarioError or OSError.
     """
     read = exercise if isinstance(exercise, Exercise) else load_exercise(exercise)
+    if read.lag_s:
+        raise ValueError(f"lag_s = {read.lag_s:g} s: must be 0 for a mission, which is aboard; a person flies with it")
     person = checked_person(person) if person else ""
     if out is not None:
         require_room(Path(out))
     found, sim = flyable(read, threads)
-    script, flown = mission_title(mission, options), mission
-    if found.lag_s:
-        flown = ashore(_function(mission, options.pop("function", None)), sim)
+    script = mission_title(mission, options)
     course, begun_tick = Course(found, sim).attach(), sim.tick
     if out is not None:
         _StaleSheet(Path(out), sim)
     options.setdefault("report", "json")
     try:
-        record = fly(flown, sim, out, time_limit_s=found.time_s, screen=screen, **options)
+        record = fly(mission, sim, out, time_limit_s=found.time_s, screen=screen, **options)
         course.judge()
     except Exception as error:
         if sim.tick > begun_tick:
@@ -83,21 +77,9 @@ def mission_title(mission: AnyMission, options: Mapping[str, Any]) -> str:
     return str(getattr(mission, "__name__", type(mission).__name__))
 
 
-def _function(mission: AnyMission, function: str | None) -> MissionFunction:
-    """Return the steps of a mission for one vehicle. Raises ValueError, MissionError or OSError."""
-    steps: Any = load_mission(mission, function or FUNCTION) if isinstance(mission, str | Path) else mission
-    if steps is None or not callable(steps) or first_parameter(steps) != "vehicle":
-        raise ValueError("a lag needs a mission for one vehicle, `def mission(vehicle)`, since its pilot sits ashore")
-    return steps  # type: ignore[no-any-return]
-
-
 def _write(out: str | Path | None, course: Course, person: str, script: str) -> None:
-    sheet = certified_sheet(course, person, script=script)
-    try:
-        if out is not None:
-            write_sheet(Path(out), course, sheet)
-    finally:  # an attempt counts, also if its sheet cannot be written
-        log_attempt(sheet)
+    if out is not None:
+        write_sheet(Path(out), course, certified_sheet(course, person, script=script))
 
 
 class _StaleSheet:

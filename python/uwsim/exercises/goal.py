@@ -50,7 +50,7 @@ class Progress:
         self.share = max(self.share, min(self._kept_s / for_s, 1.0))
 
     def note(self, time_s: float, error_m: float) -> None:
-        """Record an error for the debriefing."""
+        """Record an error for the sheet."""
         self.times_s.append(time_s)
         self.errors_m.append(error_m)
 

@@ -17,7 +17,7 @@ from uwsim.base.signing import signed
 from uwsim.campaigns.workers import Campaign, Ledger, RetriedOptions
 from uwsim.exercises import Exercise
 from uwsim.exercises.certified import digest_of
-from uwsim.exercises.lag_table import mean_interval
+from uwsim.exercises.seed_table import mean_interval
 from uwsim.exercises.sheet_text import sheet_lines
 from uwsim.flight.folder import made_folder
 from uwsim.league.referee import Run, fly_run
@@ -50,16 +50,14 @@ def score_team(
     course: str | None = None,
     user: str | None = None,
     key: str | Path | None = None,
-    films: bool = False,
     **options: Any,
 ) -> Scored:
     """Fly a team's program over a course once for each seed; write result.json, and sheets and recordings.
 
     folder: the team's. course: by default the one in the team's file. user: another user of this machine as whom the
     program runs, so that it can read nothing of the referee's; takes root. key: the referee's, which signs the result
-    (see uwsim.base.signing). films: whether what decided the best and the worst run is filmed, whose recordings are
-    kept in any case. options: as for uwsim.campaigns.sweeps.run_sweep. The result depends on neither the workers nor
-    the wall clock, unless the program does. Raises ScenarioError, ValueError or OSError.
+    (see uwsim.base.signing). options: as for uwsim.campaigns.sweeps.run_sweep. The result depends on neither the
+    workers nor the wall clock, unless the program does. Raises ScenarioError, ValueError or OSError.
     """
     campaign = Campaign(RetriedOptions, **options)
     if key is not None:
@@ -67,7 +65,7 @@ def score_team(
     team = load_team(folder)
     exercise = load_course(team.course if course is None else course, folder)
     team.require_rate(exercise.made_scenario())
-    names = (f"seed-{seed}{end}" for seed in seeds for end in (".log", ".mcap", ".json", ".txt", ".webp"))
+    names = (f"seed-{seed}{end}" for seed in seeds for end in (".log", ".mcap", ".json", ".txt"))
     into = made_folder(Path(out), (RESULT, *names), 0o700).resolve()
     if user is not None and into.stat().st_mode & 0o077:
         raise PermissionError(f"--out {out}: the program's user could read it: must be closed, as by chmod 700")
@@ -90,10 +88,8 @@ def score_team(
             return Scored(into, {}, len(results) - len(failed), len(runs), failed)
         found = _result(team, exercise, plan, [results[number] for number in runs])
         found = found if key is None else signed(found, Path(key))
-        kept = _keep(runs, results, found)
+        _keep(runs, results, found)
         write_atomically(into / RESULT, (json.dumps(found, indent=1) + "\n").encode())
-        if films:
-            _film([runs[number] for number in kept], [results[number] for number in kept], campaign)
     return Scored(into, found, len(runs), len(runs))
 
 
@@ -122,16 +118,8 @@ def _run(result: Mapping[str, Any]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _film(runs: Sequence[Run], results: Sequence[Mapping[str, Any]], campaign: Campaign) -> None:
-    from uwsim.exercises.debrief import film_debrief  # here, since SciPy takes half a second
-
-    for run, result in zip(runs, results, strict=True):
-        with campaign.show(f"filming seed {run.seed}"):
-            film_debrief(run.file(".mcap"), run.file(".webp"), result["sheet"], threads=run.threads)
-
-
-def _keep(runs: Mapping[int, Run], results: Mapping[int, Mapping[str, Any]], found: dict[str, Any]) -> list[int]:
-    """Write a sheet for each run, and keep the recordings of the best and of the worst, whose numbers are returned."""
+def _keep(runs: Mapping[int, Run], results: Mapping[int, Mapping[str, Any]], found: dict[str, Any]) -> None:
+    """Write a sheet for each run, and keep the recordings of the best and of the worst."""
     order = sorted(runs, key=lambda number: (found["runs"][number]["score"], -number))
     for number, run in runs.items():
         sheet = results[number]["sheet"]
@@ -140,7 +128,6 @@ def _keep(runs: Mapping[int, Run], results: Mapping[int, Mapping[str, Any]], fou
         write_atomically(run.file(".txt"), ("\n".join(lines) + "\n").encode())
         if number not in (order[0], order[-1]):
             remove_own_file(run.file(".mcap"))
-    return list(dict.fromkeys((order[-1], order[0])))
 
 
 def course_digest(exercise: Exercise) -> str:

@@ -12,7 +12,7 @@ from uwsim.base.atomic_file import write_atomically
 from uwsim.base.signing import SIGNATURE, signer_of
 from uwsim.base.texts.json_text import read_json
 from uwsim.exercises.certified import digest_of
-from uwsim.exercises.lag_table import mean_interval
+from uwsim.exercises.seed_table import mean_interval
 from uwsim.league.score import RESULT, VERSION
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.fields import Model

@@ -14,7 +14,6 @@ from uwsim.cli.program import app
 
 PROGRAM: Any = typer.main.get_command(app)
 WORDS = {
-    "logbook": "--csv --person Ada",
     "rays": "pool --from=0,0,-1 --to 1,1,-1 --json",
     "connect": "ws://host pool --ros 2",
     "nodes": "octomap --url ws://host",
@@ -88,7 +87,7 @@ def test_options_go_to_the_default_too() -> None:
     ("words", "meant"),
     [
         ("recording dif", "'uwsim recording diff'"),
-        ("exercise logbok", "'uwsim exercise logbook'"),
+        ("exercise chek", "'uwsim exercise check'"),
         ("scenario rayz", "'rays'"),
         ("ros docter", "'doctor'"),
     ],

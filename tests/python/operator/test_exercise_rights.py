@@ -19,7 +19,6 @@ from uwsim.channels.calls.rcl_parameters import rcl_parameter_services
 from uwsim.channels.ros import build
 from uwsim.exercises import load_exercise
 from uwsim.exercises.exercise import Aid
-from uwsim.exercises.logbook import read_book
 from uwsim.live import COMMANDS
 from uwsim.operator.station.flights.flights import Bounds
 from uwsim.recording.replay import replay
@@ -211,16 +210,13 @@ def test_an_attempt_in_a_changed_world_is_not_valid_and_the_next_one_is(tmp_path
     assert (act["by"], act["changed"]) == (because.rpartition(" by ")[2], True) and "sonar" in act["text"]
 
 
-def test_an_attempt_at_the_station_is_in_the_log_book_also_if_its_sheet_cannot_be_written(tmp_path, monkeypatch):
-    monkeypatch.setenv("UWSIM_LOGBOOK", str(tmp_path / "book.jsonl"))
+def test_a_sheet_that_cannot_be_written_is_reported_on_the_page(tmp_path, monkeypatch):
     monkeypatch.setattr("uwsim.exercises.sheet.sheet_html", Mock(side_effect=OSError("no space")))
     with attempt(tmp_path, hover(time_s=0.5)) as (_, _, ada):
         until(lambda: "no space" in ada.call("exercise")["error"], "the error on the page")
-    assert [each.person for each in read_book(tmp_path / "book.jsonl").entries] == ["Ada"]
 
 
-def test_an_attempt_is_of_the_person_who_began_it_and_has_a_sheet_if_the_server_ends(tmp_path, monkeypatch):
-    monkeypatch.setenv("UWSIM_LOGBOOK", str(tmp_path / "book.jsonl"))
+def test_an_attempt_is_of_the_person_who_began_it_and_has_a_sheet_if_the_server_ends(tmp_path):
     with attempt(tmp_path) as (station, server, ada), page(server, "Bob") as bob:
         until(lambda: station.present().live.tick > 20, "time")
         assert ada.call("exercise")["is_valid"]
@@ -228,8 +224,6 @@ def test_an_attempt_is_of_the_person_who_began_it_and_has_a_sheet_if_the_server_
         until(lambda: not ada.call("exercise")["is_valid"], "another pilot")
     score = score_of(station)
     assert score["person"] == "Ada" and score["invalid_because"] == "Bob had the controls, too"
-    (entry,) = read_book(tmp_path / "book.jsonl").entries
-    assert (entry.person, entry.is_valid, entry.digest) == ("Ada", False, score["digest"])
     assert score["ended_because"] == "broken off: the simulator was stopped" and score["time_s"] > 0.1
     assert (tmp_path / "sheet-1/sheet.html").is_file()
 
@@ -268,5 +262,7 @@ def test_an_events_command_is_no_outside_act_and_a_recorded_exercise_is_replayed
     assert (score["log"][0]["kind"], score["log"][0]["time_s"]) == ("event", 0.0)
     assert score["is_valid"] and score["outside_acts"] == []
     (flight,) = (tmp_path / "flights").glob("*.mcap")
+    (listed,) = station.sessions.flights.listed()
+    assert (listed["name"], listed["exercise"]) == (score["recording"], short.title) == (flight.name, short.title)
     again = replay(flight)
     assert again.difference is None and again.state_compared and again.commands >= 2, "the event, and the pilot's"

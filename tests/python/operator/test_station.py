@@ -97,8 +97,7 @@ def test_the_member_who_starts_a_simulator_flies_it_after_another_was_lost():
         assert state["lost_by"] == "" and bob.call("drive", vehicle="rov", surge=0.5)["success"]
 
 
-def test_exercises_are_started_from_the_start_screen_and_one_after_another(tmp_path, monkeypatch):
-    monkeypatch.setenv("UWSIM_LOGBOOK", str(tmp_path / "logbook.jsonl"))
+def test_exercises_are_started_from_the_start_screen_and_one_after_another(tmp_path):
     with serving(tmp_path) as (station, server), page(server, "Ada") as ada:
         wrong = ada.call("start", exercise_name="hoover")["errors"]
         assert wrong["exercise_name"].startswith("'hoover': must be one of hover, slalom")
@@ -116,8 +115,6 @@ def test_exercises_are_started_from_the_start_screen_and_one_after_another(tmp_p
         assert ada.call("control", action="quit")["success"]
         catalog = ada.call("catalog")
         assert "own" not in [each["group"] for each in catalog["scenarios"]]
-        scores = {each["name"]: each["best"] for each in catalog["exercises"]}
-        assert scores["hover"] == 0.0 and scores["slalom"] is None, "the attempt that was broken off counts"
 
 
 def test_what_is_wrong_is_said_at_its_field():

@@ -104,7 +104,6 @@ def score(
     sign: Annotated[
         Path | None, typer.Option(help="Sign the result with this key, Ed25519 as PEM.", callback=readable)
     ] = None,
-    films: Annotated[bool, typer.Option("--films", help="Film what decided the best and the worst run.")] = False,
     out: Annotated[Path, typer.Option(help="Folder for result.json, sheets, and recordings.")] = Path("results"),
     work: RetriedOptions,
     as_json: AsJson = False,
@@ -120,8 +119,7 @@ def score(
 
     with job_progress("runs") as progress:
         found = score_team(
-            folder, seeds_in(seeds), out, course=course, user=user, key=sign, films=films, **work.arguments,
-            **progress.arguments,
+            folder, seeds_in(seeds), out, course=course, user=user, key=sign, **work.arguments, **progress.arguments,
         )  # fmt: skip
     if not found.result:
         _exit_without(found)

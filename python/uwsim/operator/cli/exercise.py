@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
     from uwsim.operator.station.flights.flights import Bounds
 
 
-app = with_default("exercise", "Fly an exercise with goals, limits and events; the log book.", "Fly")
+app = with_default("exercise", "Fly an exercise with goals, limits and events; check a sheet.", "Fly")
 
 
 @app.command("fly")
@@ -50,16 +49,16 @@ def exercise(
     person: Annotated[
         str | None,
         typer.Option(
-            help="Name of the pilot, on the score sheet and in the log book (uwsim exercise logbook). With --serve, "
-            "by default the name that the pilot gives on the page."
+            help="Name of the pilot, on the score sheet. With --serve, by default the name that the pilot gives on "
+            "the page."
         ),
     ] = None,
     lag: Annotated[
-        str | None,
+        float | None,
         typer.Option(
-            help="The acoustic lag [s], one way, 0 to 3: commands and sight are late by it. With --pilot also several, "
-            "as 0,0.5,1,2: each is flown, and the sheets are joined. Default: the exercise's own.",
-            metavar="S[,S...]",
+            help="With --serve: the acoustic lag [s], one way: commands and sight are late by it. Default: the "
+            "exercise's own.",
+            callback=within(0, 3),
         ),
     ] = None,
     seed: Annotated[
@@ -68,13 +67,6 @@ def exercise(
             help="Seed of random draws and of the layout. With --pilot also several, as 1,2,5-20: each is flown, and "
             "the sheets are joined to seeds.csv and seeds.json. Default: the exercise's own.",
             metavar="N[,N-N...]",
-        ),
-    ] = None,
-    join: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="Instead of flying: join the score sheets in a folder to lags.csv, lags.json, lags.png; repeatable.",
-            show_default=False,
         ),
     ] = None,
     out: Out = Path("out"),
@@ -97,65 +89,51 @@ def exercise(
 ) -> None:
     """Fly an exercise with goals, limits and events.
 
-    It is judged by the vehicle's true state. Writes score.json and sheet.html, the debriefing. Exits with 4 if the
-    score is too low to pass; not with several lags, whose scores are the result.
+    It is judged by the vehicle's true state. Writes score.json and sheet.html. Exits with 4 if the score is too low to
+    pass; not with several seeds, whose scores are the result.
     """
     from uwsim.exercises import exercise_names, load_exercise
     from uwsim.exercises.certified import checked_person
 
-    if join:
-        refuse("has no effect with --join, which flies nothing", name=name, pilot=pilot, serve=serve or None,
-               person=person, lag=lag, seed=seed, **recorded.arguments)  # fmt: skip
-        from uwsim.exercises.lag_table import LAGS, sheets_in
-
-        _join(out, sheets_in(join), LAGS, as_json)
-        return
     if name is None:
         _list({each: load_exercise(each) for each in exercise_names()}, as_json)
         return
     if not serve:
-        need("--serve", port=port, **tokens.arguments, keep_flights=keep_flights)
+        need("--serve", lag=lag, port=port, **tokens.arguments, keep_flights=keep_flights)
     if serve == (pilot is not None):
         raise WithoutEffectError("needs either --pilot FILE, which flies it, or --serve, for a person")
-    lags, seeds = _lags(lag), [] if seed is None else listed_seeds(seed, "--seed")
+    seeds = [] if seed is None else listed_seeds(seed, "--seed")
     found = load_exercise(name)
-    if lags:
-        found = found.model_copy(update={"lag_s": lags[0]})
+    if lag is not None:
+        found = found.model_copy(update={"lag_s": lag})
     if seeds:
         found = found.model_copy(update={"seed": seeds[0]})
     named = "" if person is None else checked_person(person)
     if serve:
-        if len(lags) > 1:
-            raise OptionError(f"--lag {lag}: must be one lag with --serve, since a person flies one after another")
         if len(seeds) > 1:
             raise OptionError(f"--seed {seed}: must be one seed with --serve, since a person flies one after another")
         refuse("has no effect with --serve; the page's menu records", **recorded.arguments)
         refuse("has no effect with --serve; each attempt's score.json is in --out", json=as_json)
         bounds = kept_flights(KEPT if keep_flights is None else keep_flights)
-        packaged = name if name in exercise_names() and not lags else ""
+        packaged = name if name in exercise_names() and lag is None else ""
         _serve(found, out, 9090 if port is None else port, tokens, bounds, threads, named, packaged)
         return
     from uwsim.exercises.flight import fly_exercise
     from uwsim.exercises.sheet_text import score_lines
     from uwsim.flight.terminal import Silent, Terminal
 
-    if len(lags) > 1 and len(seeds) > 1:
-        raise OptionError(f"--lag {lag} --seed {seed}: several of only one of them")
-    if len(lags) > 1 or len(seeds) > 1:
-        from uwsim.exercises.lag_table import LAGS, SEEDS, sheets_in
-
-        stem = LAGS if len(lags) > 1 else SEEDS
+    if len(seeds) > 1:
         parts = []
-        for each in lags if stem == LAGS else seeds:
-            parts.append(out / f"{stem.removesuffix('s')}-{each:g}")
-            typer.echo(f"lag {each:g} s, one way: {parts[-1]}" if stem == LAGS else f"seed {each}: {parts[-1]}")
+        for each in seeds:
+            parts.append(out / f"seed-{each}")
+            typer.echo(f"seed {each}: {parts[-1]}")
             flown = fly_exercise(
-                found.model_copy(update={"lag_s" if stem == LAGS else "seed": each}), pilot, parts[-1], person=named,
-                threads=threads, screen=Silent(), **recorded.arguments,
+                found.model_copy(update={"seed": each}), pilot, parts[-1], person=named, threads=threads,
+                screen=Silent(), **recorded.arguments,
             ).record  # fmt: skip
             if flown.interrupted:
                 raise typer.Exit(INTERRUPTED)
-        _join(out, sheets_in(parts), stem, as_json)
+        _join(out, parts, as_json)
         return
     course, flown = fly_exercise(
         found, pilot, out, person=named, threads=threads, screen=Terminal(), **recorded.arguments
@@ -172,39 +150,22 @@ def exercise(
         raise typer.Exit(INCOMPLETE)
 
 
-def _lags(text: str | None) -> list[float]:
-    """Return the lags of an option. Raises OptionError."""
-    from uwsim.exercises.lag import LAG_MAX_S
+def _join(out: Path, parts: list[Path], as_json: bool) -> None:
+    from uwsim.exercises.seed_table import mean_score, seed_row, write_table
+    from uwsim.exercises.sheet import SCORE
 
-    found: list[float] = []
-    for part in [] if text is None else text.split(","):
-        try:
-            found.append(float(part))
-        except ValueError:
-            found.append(math.nan)
-        if not 0.0 <= found[-1] <= LAG_MAX_S:
-            raise OptionError(f"--lag {text}: {part.strip() or 'nothing'} s: must be in [0, {LAG_MAX_S:g}] s")
-    if len(set(found)) < len(found):
-        raise OptionError(f"--lag {text}: must be different lags")
-    return found
-
-
-def _join(out: Path, sheets: list[Path], stem: str, as_json: bool) -> None:
-    from uwsim.exercises.lag_table import SEEDS, lag_rows, mean_score, write_table
-
-    rows = lag_rows(sheets)
-    written = write_table(out, rows, stem)
+    rows = [seed_row(part / SCORE) for part in parts]
+    written = write_table(out, rows)
     if as_json:
         print_json(rows)
         return
     for row in rows:
         verdict = ("passed" if row["passed"] else "not passed") if row["valid"] else "not valid"
         typer.echo(
-            (f"seed {row['seed']:6}  " if stem == SEEDS else f"lag {row['lag_s']:4g} s  ")
-            + f"{row['score']:6.1f} of {row['points']:g}  {row['time_s']:6.1f} s  {verdict:10}  {row['pilot']}"
+            f"seed {row['seed']:6}  {row['score']:6.1f} of {row['points']:g}  {row['time_s']:6.1f} s  {verdict:10}  "
+            f"{row['pilot']}"
         )
-    if stem == SEEDS:
-        typer.echo(mean_score(rows))
+    typer.echo(mean_score(rows))
     typer.echo("  ".join(map(str, written)))
 
 

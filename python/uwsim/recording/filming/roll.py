@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from pathlib import Path
 
 import numpy as np
@@ -25,13 +24,12 @@ class Roll:
     """The states of a run at the times of its frames, with one more after the last.
 
     sim: the simulator that repeats it. states: snapshots, in order. camera: the one that is followed, or None. poses:
-    (n, 7), its own: position and orientation x, y, z, w. collisions: of the vehicle, counted until each state.
+    (n, 7), its own: position and orientation x, y, z, w.
     """
 
     def __init__(self, from_s: float, until_s: float, fps: float, camera: str | None, vehicle: str | None) -> None:
         """camera: the vehicle's camera whose poses are kept, or None. vehicle: its name; by default the first."""
         self.states: list[Snapshot] = []
-        self.collisions: list[int] = []
         self.poses: NDArray[np.float64] = np.empty((0, 7))
         self.due_tick = NEVER
         self._from_s, self._until_s, self._fps, self._names = from_s, until_s, fps, (camera, vehicle)
@@ -56,13 +54,6 @@ class Roll:
         roll.poses = np.array(roll._poses).reshape(-1, 7)
         return roll
 
-    def part(self, frames: range) -> Roll:
-        """Return the roll of some frames, and of the state after the last of them."""
-        found, states = copy.copy(self), slice(frames.start, frames.stop + 1)
-        found.states, found.collisions = self.states[states], self.collisions[states]
-        found.poses = self.poses[states]
-        return found
-
     def attach(self, sim: Simulator) -> None:
         """Start to collect. Raises ValueError for an unknown vehicle or camera."""
         name, vehicle = self._names
@@ -83,7 +74,6 @@ class Roll:
 
     def _take(self, tick: int) -> None:
         self.states.append(scene_of(self.sim).snapshot(with_lamps=True))
-        self.collisions.append(self._vehicle.collisions)
         if self.camera is not None:
             self._poses.append(np.concatenate(self.camera.pose))
         due_s = self._from_s + len(self.states) / self._fps

@@ -15,7 +15,6 @@ from uwsim.base.arguments import is_number
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.channels.guest import Values
-from uwsim.exercises.exercise import require_own_title
 from uwsim.exercises.flyable import flyable
 from uwsim.flight.survey_check import checked
 from uwsim.operator.station.editor.draft import Draft
@@ -185,8 +184,6 @@ class Editor:
             for file, known in ((path, self._base.scenario), (beside, self._base.exercise)):
                 if file.exists() and not (known and file.read_bytes() == known.encode()):
                     raise ValueError(f"{file.name}: is another scene's: save under another name")
-            if draft.exercise is not None:
-                require_own_title(draft.exercise)
             draft.take(draft.files.renamed(name))
             draft.files.read(self._folder)  # the files that it names may lie elsewhere
             self._folder.mkdir(parents=True, exist_ok=True)
@@ -211,7 +208,6 @@ class Editor:
             wrong = list(found.mistakes)
             if not wrong and draft.exercise is not None:
                 try:
-                    require_own_title(draft.exercise)
                     flyable(draft.exercise, self._threads, draft.scenario)
                 except ValueError as error:
                     wrong = [f"{draft.files.exercise_name}: {each}" for each in getattr(error, "mistakes", (error,))]

@@ -218,6 +218,7 @@ def _summary(path: Path, size: int, changed_ns: int) -> Values:
         "cut_off": end is None,
         "size_bytes": size,
         "branched_from": str(notes.get("branched_from", "")),
+        "exercise": str(notes.get("exercise", "")),
         "from_log": str(log.get("file", "")) if isinstance(log := notes.get(FROM_LOG), dict) else "",
         "refused": "was made by another build of uwsim" if is_other else "",
     }
@@ -226,7 +227,7 @@ def _summary(path: Path, size: int, changed_ns: int) -> Values:
 def _unreadable(path: Path, size: int, error: Exception) -> Values:
     what = " ".join(str(error).replace(f"'{path}'", f"'{path.name}'").split())
     empty = {"scenario": "", "begun": "", "duration_s": 0.0, "cut_off": False, "size_bytes": size}
-    empty |= {"branched_from": "", "from_log": ""}
+    empty |= {"branched_from": "", "exercise": "", "from_log": ""}
     return {"name": path.name, **empty, "refused": what}
 
 

@@ -1,9 +1,8 @@
-// The start screen's list of exercises, each with the best score of the log book and a button that starts it.
+// The start screen's list of exercises, each with a button that starts it.
 import { byId, clockText, el, write } from './dom.js';
 import { STRINGS } from './strings.js';
 
 const WORDS = STRINGS.exercises;
-const points = (value) => String(+value.toFixed(1));
 
 export class Exercises {
   constructor(station) {
@@ -24,19 +23,17 @@ export class Exercises {
     this.list.replaceChildren(...exercises.map((each) => this.#row(each)));
   }
 
-  #row({ name, title, brief, scenario, time_s, points: most, pass_points, best }) {
-    const score = best === null ? WORDS.notFlown : WORDS.best(points(best), points(most));
+  #row({ name, title, brief, scenario, time_s }) {
     const button = el('button', { type: 'button', 'aria-label': WORDS.startOf(title) }, WORDS.start);
     button.addEventListener('click', () => this.#start(name, button));
     return el(
       'li',
-      { 'data-exercise': name, 'data-passed': String(best !== null && best >= pass_points) },
+      { 'data-exercise': name },
       el(
         'div',
         {},
         el('b', {}, title),
         el('span', {}, WORDS.about(scenario.replaceAll('_', ' '), clockText(time_s))),
-        el('span', { className: 'best' }, score),
         el('small', {}, brief),
       ),
       button,

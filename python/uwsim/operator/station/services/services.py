@@ -15,7 +15,6 @@ from uwsim.base.commands import COMMANDS, HOLDS
 from uwsim.base.commands.command import item
 from uwsim.channels.authority.steering import require_link
 from uwsim.channels.guest import GuestService, Values
-from uwsim.exercises.logbook import best_scores
 from uwsim.operator.station.editor.forms import described_forms
 from uwsim.operator.station.flights.replay import REFUSAL
 from uwsim.operator.station.helm.lease import Lease
@@ -224,21 +223,11 @@ class Services:
         found = catalog(self._sessions.offered)
         defaults = found["defaults"] | ({"link": self._link} if self._link else {})
         flights = [] if self._sessions.flights is None else self._sessions.flights.listed()
-        flights = self._sessions.films.listed(flights)
         editor, offered = self._sessions.editor, [each["name"] for each in found["scenarios"]]
         saved = {name: path for name, path in editor.saved.items() if name not in offered}
-        best, trained = best_scores(), [*_readable(editor.exercises, described_exercise), *found["exercises"]]
-        exercises = [{**each, "best": best.get(each["title"])} for each in trained]
+        exercises = [*_readable(editor.exercises, described_exercise), *found["exercises"]]
         found = {**found, "scenarios": [*_readable(saved, described), *found["scenarios"]], "exercises": exercises}
         return {**found, "defaults": defaults, "saves": saved_names(self._sessions.folder), "flights": flights}
-
-    def _film(self, caller: str, request: Values) -> Values:
-        films, flight = self._sessions.films, str(request.get("flight", ""))
-        if (language := request.get("language")) is not None:
-            if self._sessions.running is not None:
-                self._lease.require_pilot(caller)
-            films.make(flight, language)
-        return {"success": True, **films.state(flight)}
 
     def _check(self, caller: str, request: Values) -> Values:
         if request.get("flight") is not None:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import logging
 import threading
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import TimeoutError as FutureTimeoutError
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,6 @@ from uwsim.channels.guest import Values
 from uwsim.exercises import Course, Exercise
 from uwsim.exercises.certified import certified_sheet
 from uwsim.exercises.course import PERIOD_S
-from uwsim.exercises.logbook import log_attempt
 from uwsim.exercises.sheet import SCORE, SHEET, write_sheet
 from uwsim.live import LiveSimulator, NotRunningError
 
@@ -32,7 +30,7 @@ class Judged:
     restart, or with the simulator. folder: receives the score sheets, in subfolders sheet-1, sheet-2 and so on.
     aids: returns the aids in use that the station knows.
     pilot: returns the name of the member who has the controls; another than the one who began makes a score invalid.
-    person: the name on the sheet and in the log book, by default that of the member who began. name: of a packaged
+    person: the name on the sheet, by default that of the member who began. name: of a packaged
     exercise, or "". following: name and title of the next one that the pilot may start, or empty texts. recording:
     returns the name of the file into which the flight is being recorded, or "".
     """
@@ -63,7 +61,6 @@ class Judged:
         self._program_s = 0.0  # until when the last of them counts
         self._writing: list[threading.Thread] = []
         self._sheet: Path | None = None
-        self._flight = ""  # the recording that the sheet names
         self._error = ""
         self._lock = threading.Lock()
         rights.close_world(live)
@@ -83,7 +80,7 @@ class Judged:
                 raise ValueError("begin: the attempt has begun: restart for another one")
             self.course.restart()
             self._began = self._pilot()
-            self._sheet, self._flight, self._error = None, "", ""
+            self._sheet, self._error = None, ""
             self._judge()  # at time 0, when events may be due
 
         self.live.read(act).result(STOP_S)
@@ -115,7 +112,7 @@ class Judged:
         """Return the part of the exercise's state that the pilot may see, and whether the sheet has been written."""
         state: Values = self.live.read(lambda sim: self.course.state()).result()
         next_name, next_title = self._following
-        own = {"name": self.name, "has_sheet": self._sheet is not None, "error": self._error, "flight": self._flight}
+        own = {"name": self.name, "has_sheet": self._sheet is not None, "error": self._error}
         return {**state, **own, "next_name": next_name, "next_title": next_title}
 
     def sheet(self, name: str) -> bytes:
@@ -177,7 +174,7 @@ class Judged:
 
     def _write(self, course: Course) -> None:
         """Write a sheet on a thread of its own."""
-        recording = self._recording() if course.begun_tick == 0 else ""  # a film needs the run's beginning
+        recording = self._recording() if course.begun_tick == 0 else ""  # from its begin
         sheet = certified_sheet(course, self._person or self._began, recording=recording)
         given = (course, sheet)
         writing = threading.Thread(target=self._write_now, args=given, name="uwsim-sheet", daemon=True)
@@ -185,21 +182,13 @@ class Judged:
         self._writing = [*(each for each in self._writing if each.is_alive()), writing]
 
     def _write_now(self, course: Course, sheet: Values) -> None:
-        with self._noted("the score sheet"):
+        try:
             folder = self._new_folder()
             write_sheet(folder, course, sheet)
-            self._sheet, self._flight = folder, sheet["recording"]
-        with self._noted("the line in the log book"):  # an attempt counts, also if its sheet cannot be written
-            log_attempt(sheet)
-
-    @contextmanager
-    def _noted(self, what: str) -> Iterator[None]:
-        """Log an error in the block, and add it to those that the page shows."""
-        try:
-            yield
+            self._sheet = folder
         except Exception as error:
-            self._error = "; ".join(filter(None, [self._error, f"{what} could not be written: {error}"]))
-            LOGGER.exception("%s could not be written", what)
+            self._error = "; ".join(filter(None, [self._error, f"the score sheet could not be written: {error}"]))
+            LOGGER.exception("the score sheet could not be written")
 
     def _new_folder(self) -> Path:
         self._folder.mkdir(parents=True, exist_ok=True)

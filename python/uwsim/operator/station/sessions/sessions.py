@@ -20,7 +20,6 @@ from uwsim.exercises.exercise import next_exercise
 from uwsim.exercises.flyable import flyable
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.editor import Editor
-from uwsim.operator.station.flights.films import Films
 from uwsim.operator.station.flights.flights import FlightRecording, Flights
 from uwsim.operator.station.flights.replay import Replay
 from uwsim.operator.station.helm.lease import Lease
@@ -83,7 +82,6 @@ class Sessions:
         self.phase: Phase = "starting" if is_fixed else "idle"
         self.number = 0
         self.editor = Editor(folder, threads)
-        self.films = Films(folder)
         self.choice: Values = {}  # of which the running simulator is made, if any
         self._person = ""  # who flies the exercise, if that was stated
         self._numbers = itertools.count(1)
@@ -174,7 +172,7 @@ class Sessions:
     def run_exercise(self, exercise: Exercise, person: str = "", name: str = "") -> None:
         """Run an exercise, with its score sheets in `folder`, without the truth. Raises ScenarioError or ValueError.
 
-        person: the name on the sheets and in the log book, by default that of the member who begins the attempt. name:
+        person: the name on the sheets, by default that of the member who begins the attempt. name:
         of a packaged exercise, after which the pilot may start the next one.
         """
         self._person = person
@@ -193,7 +191,7 @@ class Sessions:
             )  # fmt: skip
             running.scene.hidden = frozenset(exercise.hidden)
 
-        self.run(make, judge, truth=False)
+        self.run(make, judge, notes={"exercise": exercise.title}, truth=False)
 
     def run(
         self,
@@ -295,7 +293,6 @@ class Sessions:
         if self.flights is not None:
             self.flights.close()
         self.prepared.close()
-        self.films.close()
         if self.running is not None:
             self.running.stop()
 

@@ -33,9 +33,8 @@ from uwsim.operator.station.station import Station
 WAITING_MAX = 40  # maximum number of requests waiting for generated content
 Route = tuple[str, Callable[..., tuple[bytes, str]]]
 """A pattern of paths, and what makes the content and the name of a download, "" for none."""
-DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|flight|film|edit)/")
+DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|flight|edit)/")
 PREVIEW = re.compile(r"/preview/(.{1,1000})\.(png|jpg)")
-FILM = re.compile(r"/film/(.{1,100})\.webp")
 EDITED = re.compile(r"/edit/([0-9a-f]{1,64})/(.{1,200})")
 
 
@@ -89,9 +88,6 @@ class Site:
         asked = PREVIEW.fullmatch(path)
         if asked is not None:
             return File(self._sessions.preview(asked[1], asked[2]), TYPES[f".{asked[2]}"])
-        film = FILM.fullmatch(path)
-        if film is not None:
-            return File(self._sessions.films.read(film[1]), TYPES[".webp"])
         edited = EDITED.fullmatch(path)
         if edited is not None:  # for those who may edit alone
             self._sessions.editor.require(edited[1])

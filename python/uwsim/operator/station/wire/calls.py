@@ -22,7 +22,7 @@ from uwsim.operator.station.wire.messages import (
     Order,
     SetView,
 )
-from uwsim.operator.station.wire.start import Catalog, Choice, ChoiceTaken, FilmRequest, FilmState
+from uwsim.operator.station.wire.start import Catalog, Choice, ChoiceTaken
 from uwsim.operator.station.wire.training import (
     ExerciseState,
     NotesRequest,
@@ -78,13 +78,6 @@ _CALLS = (
     Call("edit_forms", "list a scenario's kinds of parts", answer=EditForms, is_brief=False, is_start_screen=True),
     Call(
         "edit", "open, change, check, save or apply a scenario", Edit, EditState, is_brief=False, is_start_screen=True
-    ),
-    Call(
-        "film",
-        "report on a flight's debriefing film, or begin to make it; of a running simulator, for the pilot only",
-        FilmRequest,
-        FilmState,
-        is_brief=False,
     ),
     Call(
         "control",

@@ -347,7 +347,7 @@ class SetView(Message):
 class Control(Message):
     """A request to control the simulation. action: one of the controls listed in the description.
 
-    steps, speed, name, time_s, language: for the actions that need them.
+    steps, speed, name, time_s: for the actions that need them.
     """
 
     action: str
@@ -355,4 +355,3 @@ class Control(Message):
     speed: float | None = None
     name: str | None = None
     time_s: float | None = None
-    language: str | None = None

@@ -71,7 +71,7 @@ class OfferedSonar(Message):
 
 
 class OfferedExercise(Message):
-    """A packaged exercise. best: the best valid score in the log book, or null."""
+    """A packaged exercise."""
 
     name: str
     title: str
@@ -80,40 +80,14 @@ class OfferedExercise(Message):
     time_s: float
     points: float
     pass_points: float
-    best: float | None
 
 
-class FilmRequest(Message):
-    """A request about the debriefing film of a flight. language: begin to make it in that language."""
-
-    flight: str
-    language: str | None = None
-
-
-class Film(Message):
-    """The debriefing film of a flight. exercise: the title of the one whose attempt is recorded, or "".
-
-    film: is offered, is being made, of which film_share is done, or is made; "" if no attempt is recorded from its
-    begin. film_trouble: why it could not be made, or "".
-    """
-
-    exercise: str
-    film: Literal["", "offered", "making", "made"]
-    film_share: float
-    film_trouble: str
-
-
-class FilmState(Film):
-    """The response to a FilmRequest."""
-
-    success: Literal[True]
-
-
-class RecordedFlight(Film):
+class RecordedFlight(Message):
     """A recorded flight. begun: wall-clock time, ISO 8601. refused: why the flight cannot be replayed, or empty.
 
-    from_log: the file of a real flight from which it was made, or empty. cut_off: whether its recording ends early,
-    after duration_s, because the station was killed or the disk was full.
+    exercise: the title of the one that was flown, or empty. from_log: the file of a real flight from which it was made,
+    or empty. cut_off: whether its recording ends early, after duration_s, because the station was killed or the disk
+    was full.
     """
 
     name: str
@@ -123,6 +97,7 @@ class RecordedFlight(Film):
     cut_off: bool
     size_bytes: int
     branched_from: str
+    exercise: str
     from_log: str
     refused: str
 

@@ -39,8 +39,7 @@ class ExerciseState(Message):
     """The state of an exercise. points: the maximum; lost: deducted; has_sheet: whether an attempt's sheet exists.
 
     has_begun: false until the pilot begins the attempt. invalid_because: why the score is not valid, or "". name: of a
-    packaged exercise, or "". next_name, next_title: of the one that the pilot may start after it, or "". flight:
-    the recording of the attempt that has ended, from its begin, or "".
+    packaged exercise, or "". next_name, next_title: of the one that the pilot may start after it, or "".
     """
 
     success: Literal[True]
@@ -66,7 +65,6 @@ class ExerciseState(Message):
     goals: list[GoalState]
     broken: list[BrokenLimit]
     has_sheet: bool
-    flight: str
     error: str
 
 

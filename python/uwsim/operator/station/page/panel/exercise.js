@@ -1,7 +1,6 @@
 // The current exercise, if any: its task, score so far, goals, broken limits, and the score sheet at the end.
 import { attempt, clockText, el, write } from '../dom.js';
 import { said } from '../said.js';
-import { Film } from '../replay/film.js';
 import { STRINGS } from '../strings.js';
 import * as messages from '../wire/messages.js';
 
@@ -52,7 +51,6 @@ export class ExercisePanel {
     this.next = el('button', { type: 'button', className: 'primary', onclick: () => this.#next() });
     this.after = el('div', { className: 'exercise-after', hidden: true }, this.again, this.next);
     this.sheet = el('a', { className: 'exercise-sheet', download: 'sheet.html', hidden: true }, WORDS.sheet);
-    this.film = new Film(station);
     this.title = el('span', {}, WORDS.heading);
     this.element = el(
       'section',
@@ -67,7 +65,7 @@ export class ExercisePanel {
       this.losses,
       this.note,
       this.after,
-      el('div', { className: 'exercise-files' }, this.sheet, this.film.element),
+      el('div', { className: 'exercise-files' }, this.sheet),
     );
   }
 
@@ -134,7 +132,6 @@ export class ExercisePanel {
     write(this.note, notes.filter(Boolean).join('. '));
     this.sheet.hidden = !state.has_sheet;
     this.sheet.href = this.station.href('/exercise/sheet.html');
-    this.film.follow(state.flight);
   }
 }
 

@@ -1,7 +1,6 @@
 // The start screen's list of recorded flights, each with a button to replay it or the reason why this is impossible.
 import { byId, clockText, el, toast, write } from '../dom.js';
 import { STRINGS } from '../strings.js';
-import { Film } from './film.js';
 
 const WORDS = STRINGS.flights;
 
@@ -54,8 +53,6 @@ export class Flights {
     const { name, scenario, begun, duration_s, cut_off, size_bytes, branched_from, from_log, exercise, refused } =
       flight;
     const title = el('b', {}, begunText(begun) || name);
-    const film = new Film(this.station, begunText(begun) || name);
-    film.show(flight);
     const duration = cut_off ? WORDS.cutOff(clockText(duration_s)) : clockText(duration_s);
     const about = scenario ? WORDS.about(scenario, duration, (size_bytes / 1e6).toFixed(1)) : '';
     const wrong = el('small', { className: 'wrong', role: 'status' }, refused);
@@ -79,7 +76,6 @@ export class Flights {
         from_log ? el('small', {}, WORDS.fromLog(from_log)) : null,
         wrong,
       ),
-      flight.film ? film.element : null,
       replay,
     );
   }

@@ -2,7 +2,6 @@
 import { attempt, byId, clockText, el, fixed, tip, toast, write } from '../dom.js';
 import { happened } from '../said.js';
 import { STRINGS } from '../strings.js';
-import { Film } from './film.js';
 import { begunText } from './flights.js';
 import { Ghost } from './ghost.js';
 import { drawPlot } from './plot.js';
@@ -32,7 +31,6 @@ export class Timeline {
     this.events = el('select', { 'aria-label': WORDS.events, onchange: () => this.#goToEvent() });
     this.helm = el('button', { type: 'button', className: 'primary', onclick: () => this.#takeHelm() }, WORDS.helm);
     this.overlay = el('select', { 'aria-label': WORDS.overlay, onchange: () => this.#choose() });
-    this.film = new Film(station);
     this.plot = el('canvas', { className: 'timeline-plot', role: 'img', 'aria-label': WORDS.plot });
     this.plot.addEventListener('click', ({ offsetX }) => this.seek(this.#timeAt(offsetX)));
     this.apart = el('output', { className: 'timeline-apart', 'aria-label': WORDS.apartLabel });
@@ -41,7 +39,7 @@ export class Timeline {
     this.element.append(
       el('div', { className: 'group' }, this.play, this.time),
       this.slider,
-      el('div', { className: 'group' }, this.events, this.helm, this.film.element),
+      el('div', { className: 'group' }, this.events, this.helm),
       this.overlay,
       this.plot,
       this.apart,
@@ -65,7 +63,6 @@ export class Timeline {
     this.panel.efforts.element.closest('section').hidden = replay !== null;
     tip(byId('scenario-name'), branchedFrom ? WORDS.branched(branchedFrom) : '');
     this.ghost.show('');
-    this.film.follow(replay?.flight ?? '');
     if (!replay) return;
     this.slider.min = String(Math.floor(replay.start_s)); // whole steps from 0
     this.slider.max = String(Math.ceil(replay.end_s));
