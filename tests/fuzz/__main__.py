@@ -28,17 +28,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="tools/fuzz", description="Fuzz what reads bytes from outside.")
     parser.add_argument(
         "name",
-        choices=[*names, "all", "figures"],
+        choices=[*names, "all"],
         metavar="NAME",
-        help=f"{', '.join(names)}; all, in turn; or figures: what all runs so far came to",
+        help=f"{', '.join(names)}; or all, in turn",
     )
     parser.add_argument("--seconds", type=int, default=60, help="for each; default 60")
     arguments = parser.parse_args()
     if arguments.seconds < 1:
         parser.error(f"--seconds {arguments.seconds}: must be at least 1")
-    if arguments.name == "figures":
-        print(totals.table({name: totals.read(_folder(name) / "total.json") for name in names}))
-        return 0
     chosen = names if arguments.name == "all" else [arguments.name]
     _require_tools(chosen)
     found = [name for name in chosen if not _fuzz(name, arguments.seconds)]
@@ -55,8 +52,8 @@ def _require_tools(names: list[str]) -> None:
 
 
 def _fuzz(name: str, seconds: int) -> bool:
-    """Return whether nothing was found. The corpus and totals in build/fuzz/NAME grow with each run."""
-    folder = _folder(name)
+    """Return whether nothing was found. The corpus in build/fuzz/NAME grows with each run."""
+    folder = ROOT / "build" / "fuzz" / name
     corpus, found = folder / "corpus", folder / "found"
     for each in (corpus, found):
         each.mkdir(parents=True, exist_ok=True)
@@ -74,18 +71,10 @@ def _fuzz(name: str, seconds: int) -> bool:
         new = set(found.iterdir()) - before
         real = [path for path in new if _is_real(path, name)]
         status = not new or bool(real)
-    total = totals.read(folder / "total.json").plus(run)
-    totals.write(folder / "total.json", total)
     print(f"fuzz: {name}: {run}", flush=True)
-    if total.runs > 1:
-        print(f"fuzz: {name}: all {total.runs} runs: {total}", flush=True)
     if status:
         print(f"fuzz: {name}: FOUND; the log: {log}", flush=True)
     return not status
-
-
-def _folder(name: str) -> Path:
-    return ROOT / "build" / "fuzz" / name
 
 
 def _is_real(found: Path, name: str) -> bool:

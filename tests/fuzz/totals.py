@@ -1,15 +1,13 @@
-"""The totals of all runs of a fuzzer: an hour of each can be put together from many short runs."""
+"""The totals of a fuzzer's run."""
 
 from __future__ import annotations
 
-import json
 import re
 import resource
 import signal
 import subprocess
 import time
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 COVERED = re.compile(r"^#(\d+)\s+(\w+)\s+cov: (\d+)")
@@ -21,9 +19,8 @@ MEMORY = re.compile(r"^stat::peak_rss_mb:\s+(\d+)")
 
 @dataclass
 class Total:
-    """One reader's totals. seconds: wall time; processor_s: its share of it; idle_s: since the last new edge."""
+    """One run's totals. seconds: wall time; processor_s: its share of it; idle_s: since the last new edge."""
 
-    runs: int = 0
     seconds: float = 0
     processor_s: float = 0
     inputs: int = 0
@@ -38,42 +35,6 @@ class Total:
             f"{self.edges} edges, {new}, {self.memory_mb} MB at most"
         )
 
-    def plus(self, run: Total) -> Total:
-        """Return the sum of both; a run without a new edge extends the idle time of those before."""
-        silent = run.idle_s >= run.seconds
-        return Total(
-            self.runs + run.runs,
-            self.seconds + run.seconds,
-            self.processor_s + run.processor_s,
-            self.inputs + run.inputs,
-            max(self.edges, run.edges),
-            self.idle_s + run.idle_s if silent else run.idle_s,
-            max(self.memory_mb, run.memory_mb),
-        )
-
-
-def table(totals: Mapping[str, Total]) -> str:
-    """Return the totals in Markdown."""
-    rows = [
-        f"| `{name}` | {each.inputs:,} | {each.processor_s / 60:.1f} | {each.edges:,} | {each.idle_s / 60:.1f} | "
-        f"{each.memory_mb} |"
-        for name, each in totals.items()
-    ]
-    title = "| reader | inputs | minutes of a processor | edges | minutes since the last new one | MB at most |"
-    return "\n".join([title, "|---|" + "---:|" * 5, *rows])
-
-
-def read(path: Path) -> Total:
-    """Read a total; without a file, that of no runs."""
-    return Total(**json.loads(path.read_text())) if path.exists() else Total()
-
-
-def write(path: Path, total: Total) -> None:
-    """Write the file atomically, by one rename."""
-    beside = path.with_suffix(".part")
-    beside.write_text(json.dumps(asdict(total)) + "\n")
-    beside.replace(path)
-
 
 def slowness() -> float:
     """Return the slowdown against a quiet machine, since libFuzzer's limits are in wall time."""
@@ -85,7 +46,7 @@ def slowness() -> float:
 
 def watch(command: list[str], log: Path, folder: Path) -> tuple[int, Total]:
     """Run a fuzzer in `folder`, with its output in `log`; return its exit code, 0 if interrupted, and its totals."""
-    run = Total(runs=1)
+    run = Total()
     began_s, before = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
     last_new_s, begun = began_s, False
     with (
