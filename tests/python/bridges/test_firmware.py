@@ -137,21 +137,29 @@ def test_the_origin_is_the_scenarios(scenario: Scenario, binary: Path, tmp_path:
     assert (origin.latitude, origin.longitude) == pytest.approx((602500000, 55000000), abs=1)
 
 
-def test_another_program_cannot_take_the_firmwares_place(sim: Simulator, binary: Path, tmp_path: Path) -> None:
+def test_another_program_cannot_take_the_firmwares_place(
+    sim: Simulator, binary: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither by a message before its first one nor by one after it."""
     folder = living(tmp_path / "own", message=sent(HEARTBEAT))
     origin = bytes.fromhex(sent(dialect.MAVLink_gps_global_origin_message(0, 0, 0)))
-    with (
-        udp() as stranger,
-        ArduSub(sim, port=0) as ardusub,
-        firmware_flying(ardusub, binary, folder=folder) as program,
-    ):
-        sim.step(21)
-        host, port = words_of(program)["serial1"].removeprefix("udpclient:").split(":")
-        stranger.sendto(origin, (host, int(port)))
-        sim.advance(1.1)
-        stranger.setblocking(False)
-        with pytest.raises(BlockingIOError):
-            stranger.recv(100)
+    starts = Firmware.__enter__
+    with udp() as stranger, ArduSub(sim, port=0) as ardusub:
+
+        def spoken(firmware: Firmware) -> Firmware:
+            host, port = firmware._options["serial1"].removeprefix("udpclient:").split(":")
+            stranger.connect((host, int(port)))
+            stranger.send(origin)
+            return starts(firmware)
+
+        monkeypatch.setattr(Firmware, "__enter__", spoken)
+        with firmware_flying(ardusub, binary, folder=folder):
+            sim.step(21)
+            stranger.send(origin)
+            sim.advance(1.1)
+            stranger.setblocking(False)
+            with pytest.raises(BlockingIOError):
+                stranger.recv(100)
     assert "SET_GPS_GLOBAL_ORIGIN" in {message.get_type() for message in heard(folder)}
 
 

@@ -13,7 +13,7 @@ ARDUSUB = (
     Door("`--ardusub`", "UDP", 1, "`--ardusub-host`, by default 127.0.0.1", "ArduSub's servo outputs",
          f"{EVERYONE}; while one sends frames, no other", ("--ardusub", "--ardusub-port", "0")),
     Door("`--ardusub-binary`", "UDP", 1, LOOPBACK, "the firmware's navigation",
-         "the first program that sends, until the firmware starts again", _BINARY),
+         "the firmware's own process", _BINARY),
     Door("`--ardusub-binary`", "UDP", 2, ANYWHERE, "in the firmware: RC input at port 5501, motion at a free port",
          f"{EVERYONE}; the first steers, the second moves: a firewall must close them", _BINARY),
     Door("`--ardusub-binary`", "UDP", 2, "127.0.0.1 if `--ardusub-station` is", "in the firmware: MAVLink",

@@ -66,7 +66,7 @@ def firmware_flying(
         with firmware:
             _await_frame(ardusub, firmware)
             ardusub.require_alive = firmware.require_running
-            link.attach(ardusub)
+            link.attach(ardusub, firmware.pid)
             yield firmware
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import os
 import socket
 from collections.abc import Mapping
 from contextlib import suppress
+from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import Any, Self
 
@@ -38,7 +40,7 @@ class FirmwareLink:
     the simulated barometer show the pressure at the vehicle's sensor, with waves and the water's density, and
     SIM_BATT_VOLTAGE the voltage of the vehicle's battery, if that is one of cells. Messages are sent while the firmware
     waits for a line, so that they arrive at the same frame in every run; in a live simulator they are left out if it is
-    late. The first program that sends something is the firmware, until that starts again.
+    late. Only a socket of the firmware's process, or of one that it has started, is heard.
 
     home: where the world's origin is. system: the firmware's MAVLink system id. needed: parameters, if the firmware may
     have kept others; see KeptParameters. The attribute address is that to which the firmware must send its MAVLink:
@@ -58,15 +60,19 @@ class FirmwareLink:
         self.address = f"127.0.0.1:{self._socket.getsockname()[1]}"
         self._peer: tuple[str, int] | None = None
         self._ardusub: ArduSub | None = None
+        self._pid = 0
         self._step_ns, self._resets, self._booted_ns = 0, 0, 0
         self._values: dict[bytes, float] = {}
         self._kept = KeptParameters(needed, self._mav, system, self._send)
         self.has_origin = False
         self.due_tick = NEVER
 
-    def attach(self, ardusub: ArduSub) -> None:
-        """Send messages to the firmware that steps this simulator. Raises ValueError for a vehicle without an IMU."""
-        self._ardusub = ardusub
+    def attach(self, ardusub: ArduSub, pid: int) -> None:
+        """Send messages to the firmware that steps this simulator. Raises ValueError for a vehicle without an IMU.
+
+        pid: the process that leads the firmware's session.
+        """
+        self._ardusub, self._pid = ardusub, pid
         sim = ardusub.simulator
         self._step_ns = round(1e9 * sim.step_s)
         self._booted_ns = sim.time_ns + BOOT_NS
@@ -142,7 +148,8 @@ class FirmwareLink:
         with suppress(BlockingIOError, ConnectionError):
             while True:
                 data, sender = self._socket.recvfrom(4096)
-                self._peer = self._peer or sender
+                if self._peer is None and has_udp_port(self._pid, sender[1]):
+                    self._peer = sender
                 if sender == self._peer and not (self.has_origin and self._kept.is_done):  # the rest is of no interest
                     for message in self._mav.parse_buffer(data) or ():
                         self.has_origin |= message.get_type() == "GPS_GLOBAL_ORIGIN"
@@ -152,3 +159,14 @@ class FirmwareLink:
         assert self._peer is not None
         with suppress(OSError):  # a firmware that has ended; a full buffer
             self._socket.sendto(message.pack(self._mav), self._peer)
+
+
+def has_udp_port(session: int, port: int) -> bool:
+    """Return whether a process of a session has the UDP socket of a port."""
+    rows = (line.split() for line in Path("/proc/net/udp").read_text().splitlines()[1:])
+    sockets = {f"socket:[{row[9]}]" for row in rows if int(row[1].rpartition(":")[2], 16) == port}
+    for process in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):  # of a process that has ended
+            if os.getsid(int(process.name)) == session and sockets & {*map(os.readlink, (process / "fd").iterdir())}:
+                return True
+    return False
