@@ -349,6 +349,7 @@ READERS = {
     "dataflash": Reader(text_readers.real_flight(".BIN"), ("pymavlink.DFReader",), has_end=_without_end),
     "tlog": Reader(text_readers.real_flight(".tlog"), has_end=_without_end),
     "flight_bag": Reader(text_readers.real_flight(".bag"), ("rosbags",), has_end=_without_end),
+    "glider": Reader(text_readers.glider, ("json",), values=JSON),
     "flight_csv": Reader(text_readers.real_flight(".csv", FLIGHT_COLUMNS), ("csv",), has_end=_without_end),
     "sdf": Reader(text_readers.robot("sdf", "read_sdf", ".sdf"), ("xml",)),
     "urdf": Reader(text_readers.robot("urdf", "read_urdf", ".urdf"), ("xml",)),

@@ -303,6 +303,14 @@ def _motion_log() -> list[bytes]:
     return ["\n".join(["t,x,y,z,a,b,c,d,e", *rows, ""]).encode()]
 
 
+def _glider() -> list[bytes]:
+    names = [
+        *(f"m_{each}" for each in ("roll", "pitch", "heading", "depth", "lat", "lon", "ballast_pumped", "battpos"))
+    ]
+    times_s = [4.0 * k for k in range(12)]
+    return [json.dumps({name: [times_s, [0.01 * k * j for j in range(12)]] for k, name in enumerate(names)}).encode()]
+
+
 def _kmz(method: int) -> bytes:
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w", method) as archive:
@@ -513,6 +521,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "dataflash": _dataflash,
     "tlog": _telemetry_log,
     "flight_bag": lambda: _bag("/thrusters", "std_msgs/msg/Float64MultiArray", _commanded),
+    "glider": _glider,
     "flight_csv": _flight_table,
     "sdf": lambda: [(ROBOTS / "glider.sdf").read_bytes()],
     "urdf": lambda: [(ROBOTS / "sled.urdf").read_bytes()],

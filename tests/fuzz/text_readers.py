@@ -88,22 +88,52 @@ def real_flight(suffix: str, columns: str | None = None) -> Callable[[bytes, Pat
     """Return a reader of the log of a real flight, as far as the motion and commands of a vehicle."""
 
     def read(data: bytes, folder: Path) -> list[bytes]:
-        from uwsim.recording.real_flights.motion import motion_of
         from uwsim.recording.real_flights.read import read_flight
-        from uwsim.scenario import load_vehicle
 
-        log = read_flight(_written(folder / f"dive{suffix}", data), columns)
-        for each in log.series.values():
-            assert (np.diff(each.times_s) > 0).all() and not np.isinf(each.values).any()
-        said = [*log.notes(), *(text for _, text in log.events)]
-        with suppress(ValueError):
-            motion, notes = motion_of(log, load_vehicle("bluerov2_heavy"))
-            assert np.isfinite(motion.efforts).all() and np.abs(motion.efforts).max() <= 1.0
-            assert np.allclose(np.linalg.norm(motion.orientation_xyzw, axis=1), 1.0)
-            said += notes
-        return [line.encode(errors="replace") for line in said]
+        return _of_flight(read_flight(_written(folder / f"dive{suffix}", data), columns), "bluerov2_heavy")
 
     return read
+
+
+def _of_flight(log: Any, vehicle: str) -> list[bytes]:
+    """Return what a log and its motion as a vehicle's have to note."""
+    from uwsim.recording.real_flights.motion import motion_of
+    from uwsim.scenario import load_vehicle
+
+    for each in log.series.values():
+        assert (np.diff(each.times_s) > 0).all() and not np.isinf(each.values).any()
+    said = [*log.notes(), *(text for _, text in log.events)]
+    with suppress(ValueError):
+        motion, notes = motion_of(log, load_vehicle(vehicle))
+        assert np.isfinite(motion.efforts).all() and np.abs(motion.efforts).max() <= 1.0
+        assert np.allclose(np.linalg.norm(motion.orientation_xyzw, axis=1), 1.0)
+        said += notes
+    return [line.encode(errors="replace") for line in said]
+
+
+def glider(data: bytes, folder: Path) -> list[bytes]:
+    """Read what dbdreader gives of a glider's log, times and values by name, here from JSON.
+
+    The library is GPL, so that it is no dependency.
+    """
+    from uwsim.base.texts.json_text import json_object
+    from uwsim.recording.real_flights.glider_log import flight_of
+
+    tables = json_object(data, "log")
+
+    class Dbd:
+        def get(self, name: str) -> tuple[Any, Any]:
+            """Return the times and values of a name. Raises LookupError."""
+            times_s, values = (np.array(each, float) for each in tables[name][:2])
+            if times_s.ndim != 1 or times_s.shape != values.shape:
+                raise LookupError(name)  # the library gives equally many of both
+            return times_s, values
+
+    try:
+        log = flight_of(folder / "dive.dbd", Dbd(), LookupError)
+    except TypeError as error:
+        raise ValueError(str(error)) from None
+    return _of_flight(log, "slocum")
 
 
 def robot(module: str, function: str, suffix: str) -> Callable[[bytes, Path], str]:

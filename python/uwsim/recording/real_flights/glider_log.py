@@ -51,12 +51,14 @@ def read_glider(path: Path) -> FlightLog:
     except library.DbdError as error:
         raise ValueError(f"{path}: {KIND}: cannot be read with the descriptions (.cac) in {cache}: {error}") from None
     try:
-        return _flight(path, log, library.DbdError)
+        return flight_of(path, log, library.DbdError)
     finally:
         log.close()
 
 
-def _flight(path: Path, log: Any, failure: type[Exception]) -> FlightLog:
+def flight_of(path: Path, log: Any, failure: type[Exception]) -> FlightLog:
+    """Return the log of an open file. failure: what its `get` raises for a name that it lacks. Raises ValueError."""
+
     def of(name: str) -> tuple[Array, Array] | None:
         try:
             times_s, values = log.get(name)

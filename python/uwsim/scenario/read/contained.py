@@ -76,8 +76,10 @@ def run_contained(
             out.seek(0)
             err.seek(max(err.seek(0, os.SEEK_END) - 10_000, 0))
             made, lines = out.read(), err.read().decode(errors="replace").strip().splitlines()
-    if code in (-signal.SIGXCPU, -signal.SIGKILL):
+    if code == -signal.SIGXCPU:
         raise ValueError(f"{reader} had not read it after {cpu_s} s")
+    if code == -signal.SIGKILL:  # which no limit of ours sends
+        raise ValueError(f"{reader} was killed while it read it: this machine has too little memory")
     if code < 0:
         raise ValueError(f"{reader} crashed on it ({signal.Signals(-code).name})")
     if code:
@@ -154,12 +156,12 @@ def main() -> None:
     taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     for kind, limit in (
         (resource.RLIMIT_AS, taken + memory_bytes),
-        (resource.RLIMIT_CPU, cpu_s),
         (resource.RLIMIT_FSIZE, memory_bytes),
         (resource.RLIMIT_CORE, 0),
         (resource.RLIMIT_NOFILE, 256),
     ):
         resource.setrlimit(kind, (limit, limit))
+    resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 1))  # SIGXCPU; at the second, SIGKILL
     locks = {"Landlock (it could read other files)": _lock_files(reads, folder), "seccomp": _lock_calls()}
     if lacking := [name for name, locked in locks.items() if not locked]:
         Path(folder, "lacking").write_text(" and ".join(lacking))
