@@ -2,9 +2,10 @@
 
 A ball's depends on the Reynolds number: the standard drag curve, by Clift and Gauvin 1971 up to 3.38e5, within 6 % of
 measurements, and beyond, where the boundary layer of a smooth ball becomes turbulent, by Clift, Grace and Weber 1978,
-"Bubbles, Drops, and Particles", table 5.2. Bodies with edges keep theirs from 1e4 on, and a cylinder across its axis up
-to 2e5 (White 2011, "Fluid Mechanics", 7th ed., table 7.3; Hoerner 1965, "Fluid-Dynamic Drag", ch. 3, for plate and
-cube).
+"Bubbles, Drops, and Particles", table 5.2. Bodies with edges have theirs from 1e4 on (White 2011, "Fluid Mechanics",
+7th ed., table 7.3; Hoerner 1965, "Fluid-Dynamic Drag", ch. 3, for plate and cube), a cylinder across its axis that of
+laminar flow. Assumed, without measurements of ours: that this lasts up to 2e5, that smaller bodies have the same, and
+that a box has the cylinder's along its axis.
 """
 
 from __future__ import annotations
