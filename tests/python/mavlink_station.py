@@ -22,7 +22,8 @@ from uwsim.live import LiveSimulator
 from uwsim.scenario import load, load_vehicle
 
 AUTOPILOT, CAMERA = 1, 100
-TRIES = 30
+TRIES, AGAIN_S = 30, 20.0
+"""Seconds until a command is sent again: on loopback little is lost; a late answer passes for the next command's."""
 PATIENCE_S = 180.0  # generous because the machine may be busy
 
 
@@ -84,7 +85,7 @@ class Station:
             else:
                 self.mav.command_long_send(1, component, command, confirmation, *padded)
             with suppress(AssertionError):  # lost: again, as ground stations do
-                return int(self.receive("COMMAND_ACK", fits, 2.0).result)
+                return int(self.receive("COMMAND_ACK", fits, AGAIN_S).result)
         raise AssertionError(f"command {command} is not acknowledged")
 
     def drain(self) -> None:
