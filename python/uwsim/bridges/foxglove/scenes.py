@@ -166,6 +166,14 @@ class MapBlocks:
         self._sequence = -1
         self._newest: Reading | None = None
 
+    def time_ns(self) -> int:
+        """Return the time of the most recent changes."""
+        return 0 if self._newest is None else self._newest.time_ns
+
+    def forget(self) -> None:
+        """Have no map for a new client until the next message."""
+        self._newest = None
+
     def changed(self, reading: Reading) -> SceneUpdate | None:
         """Apply a MapChanges message; return the blocks that changed, or None if the message is out of date."""
         message = reading.message
