@@ -184,14 +184,6 @@ def _commands(data: bytes, _: Path) -> bytes:
         sim.restore_state(begin)
 
 
-def _flight(data: bytes, folder: Path) -> str:
-    from uwsim.flight.checkpoint import FOLDER, STATE, FlightCheckpoint
-
-    (folder / FOLDER).mkdir(exist_ok=True)
-    _written(folder / FOLDER / STATE, text_readers.sealed_flight(data))
-    return repr(FlightCheckpoint(folder).read())
-
-
 def _recording(data: bytes, folder: Path) -> list[Any]:
     """Read a recording's messages and its scenario. An incomplete recording is recognised as such."""
     from uwsim import recording
@@ -368,7 +360,6 @@ READERS = {
     "survey_track": Reader(_survey_track, ("numpy.lib", "zipfile")),
     "notes": Reader(_notes, ("json",), values=JSON),
     "commands": Reader(_commands, ("pydantic", "json"), has_end=_without_end, values=JSON_LINES),
-    "flight": Reader(_flight, ("pydantic", "json"), values=JSON),
     "mcap": Reader(_recording, ("mcap", "rosbags")),
     "cdr": Reader(_cdr, ("rosbags",)),
     **{

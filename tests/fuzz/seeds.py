@@ -8,7 +8,6 @@ import struct
 import tempfile
 import zipfile
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -423,16 +422,6 @@ def _commands() -> list[bytes]:
     return [b"\n".join(json.dumps({"tick": 0, "name": n, "arguments": a}).encode() for n, a in COMMANDS.items())]
 
 
-def _flight() -> list[bytes]:
-    from uwsim.flight.request import FlightRequest
-
-    request = FlightRequest(mission="m.py", function="mission", mission_digest="0", arguments={"depth_m": 3})
-    state = {"version": 2, "request": asdict(request), "tick": 4, "state_digest": "0", "files": {}}
-    with_map = {**state, "files": {"map-4.ot": "0"}}
-    mission = {"state": {"leg": 3}, "clock": [0, 1.5], "begun_tick": 0, "events": [[0.0, "rov", "begun", {}]]}
-    return [json.dumps(each).encode() for each in (state, with_map, {**state, "mission": mission})]
-
-
 def _recordings() -> list[bytes]:
     """Return one as it is written, and one without compression or checksums, so that mutations reach its content."""
     from mcap.reader import make_reader
@@ -540,7 +529,6 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "survey_track": _survey_track,
     "notes": _notes,
     "commands": _commands,
-    "flight": _flight,
     "mcap": _recordings,
     "cdr": _cdr,
     "prop": _parts("props"),

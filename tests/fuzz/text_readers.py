@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
@@ -21,16 +20,6 @@ def json_text(data: bytes, _: Path) -> str:
     for each in value if isinstance(value, list) else value.values() if isinstance(value, dict) else [value]:
         assert not is_number(each) or float(each) == each or abs(each) > 2**53
     return repr(value)
-
-
-def sealed_flight(data: bytes) -> bytes:
-    """Return a saved flight with the checksum that fits, so that its reader gets beyond it."""
-    from uwsim.flight.saved_flight import checksum_of
-
-    with suppress(ValueError, RecursionError):
-        if isinstance(content := json.loads(data), dict):
-            return json.dumps({**content, "checksum": checksum_of(content)}).encode()
-    return data
 
 
 def moos(data: bytes, _: Path) -> bytes:

@@ -20,7 +20,7 @@ STYLE = """<style>.h{font-size:15px;font-weight:bold;fill:#1b2733}.b{font-size:1
 TEXTS = {
     "examples": "programs to copy",
     "cli": "the uwsim command",
-    "flight": "flies a mission or a survey: map, log, report, resume",
+    "flight": "flies a mission or a survey: map, log, report",
     "figures": "pictures of maps, scenes, flights",
     "scoring": "a map against the true world",
     "missions": "steps, moves, planners",

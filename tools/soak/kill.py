@@ -1,11 +1,12 @@
-"""Kill surveys, missions, sweeps and fleets at random times, resume them, and compare their results.
+"""Kill surveys, missions, sweeps and fleets at random times, fly them on, and compare their results.
 
     .venv/bin/python tools/soak/kill.py --kills 200
 
 A kill is a kill -9 of the command and of all its workers. Half of the kill times are uniform over the job; a quarter
 are within milliseconds of a file being written (autosaves, renames, results), and a quarter while the final results are
-written. After each kill an existing map must open; the job is resumed, and killed again. Its final results must be
-byte-identical to those of an uninterrupted job. Exits with 1 if one of these rules is broken.
+written. After each kill an existing map must open; a sweep or a fleet is resumed, a flight is flown again, and killed
+again. The final results must be byte-identical to those of an uninterrupted job. Exits with 1 if one of these rules is
+broken.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from uwsim.mapping import OccupancyMap
 
 UWSIM = [sys.executable, "-c", "from uwsim.cli import main; main()"]
 POLL_S = 0.001
-NOTHING_SAVED = ("no unfinished flight", "there is no sweep", "there is no fleet")
+NOTHING_SAVED = ("there is no sweep", "there is no fleet")
 SWEEP = """\
 scenario: pool
 mission: MISSION
@@ -80,8 +81,7 @@ def works(folder: Path) -> list[Work]:
 
 def start(work: Work, out: Path, *, resume: bool) -> subprocess.Popen[str]:
     """Start a command as the leader of its own process group."""
-    arguments = () if resume and work.name in ("survey", "run") else work.options
-    command = [*UWSIM, work.name, *arguments, *["--resume"] * resume, "--out", str(out)]
+    command = [*UWSIM, work.name, *work.options, *["--resume"] * resume, "--out", str(out)]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
 
 
@@ -125,7 +125,7 @@ def attack(work: Work, out: Path, took_s: float, draw: random.Random, kills: int
                 os.killpg(process.pid, signal.SIGKILL)  # its workers as well
                 process.communicate()
                 kinds.append(kind)
-                resume = True
+                resume = work.name in ("sweep", "fleet")
                 if (out / "map.bt").exists():
                     OccupancyMap.read(out / "map.bt")  # raises an error if the file is damaged
                 continue
@@ -144,7 +144,7 @@ def main(
     seed: Annotated[int, typer.Option(help="The seed of the moments.")] = 0,
     only: Annotated[str, typer.Option(help="Only survey, run, sweep or fleet.")] = "",
 ) -> None:
-    """Kill, check, resume, compare and repeat."""
+    """Kill, check, go on, compare and repeat."""
     draw = random.Random(seed)
     moments: Counter[str] = Counter()
     failures = 0

@@ -38,12 +38,6 @@ def mark_temporary(descriptor: int) -> None:
         os.setxattr(descriptor, MARK, UNFINISHED)
 
 
-def adopt(path: Path) -> None:
-    """Mark a file that has no mark, such as a copy of ours whose content shows that it is."""
-    if path.is_file() and not is_own(path) and _mark_of(path) is None:
-        mark(path)
-
-
 def is_own(path: Path) -> bool:
     """Return whether uwsim wrote this file, or created this folder, and the file has not changed since."""
     try:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from typing import ParamSpec, TypeVar
 
 P = ParamSpec("P")
@@ -12,10 +12,10 @@ T = TypeVar("T")
 
 
 class WallTimer:
-    """Accumulates wall time by stage, on top of an earlier flight's, if any. Only one thread may time a given stage."""
+    """Accumulates wall time by stage. Only one thread may time a given stage."""
 
-    def __init__(self, stages: Iterable[str] = (), wall_s: Mapping[str, float] | None = None) -> None:
-        self.wall_s = {**dict.fromkeys(stages, 0.0), **(wall_s or {})}
+    def __init__(self, stages: Iterable[str] = ()) -> None:
+        self.wall_s = dict.fromkeys(stages, 0.0)
         self._measurements: dict[str, Measurement] = {}
         self._inner = _Inner()
 

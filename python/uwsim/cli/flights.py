@@ -12,7 +12,6 @@ from uwsim.base.options import Options, option
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED, STUCK
 from uwsim.cli.options import VOXEL, VOXELS
 from uwsim.cli.values import scenarios
-from uwsim.flight.attachment import Attachments
 
 if TYPE_CHECKING:
     from uwsim.flight.record import FlightRecord
@@ -72,21 +71,13 @@ class FlightOptions(Options):
         choices=("full", "json", "none"),
     )
     autosave_s: float | None = option(
-        None, "Wall time between saves [s]; 0 for none. Default: 30.", bounds=(0, 1e6, "s")
+        None, "Wall time between saves of the map [s]; 0 for none. Default: 30.", bounds=(0, 1e6, "s")
     )
-    resume: bool = option(False, "Continue the flight last saved in --out.")
 
-    @property
-    def arguments(self) -> dict[str, Any]:
-        """Those that are given, as arguments of `fly`."""
-        return {name: value for name, value in super().arguments.items() if name != "resume"}
-
-    def require_fit(self, maps: MapOptions, attachments: Attachments) -> None:
+    def require_fit(self, maps: MapOptions) -> None:
         """Raise ValueError for options that contradict each other."""
         if maps.min_coverage and self.report == "none":
             raise ValueError("--min-coverage: needs a score of the map, which --report none leaves out")
-        if self.resume:
-            attachments.require_start()
 
 
 def given(**options: Any) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""`uwsim run`: fly a mission from a file, or resume one."""
+"""`uwsim run`: fly a mission from a file."""
 
 from __future__ import annotations
 
@@ -21,9 +21,6 @@ from uwsim.flight.elsewhere import Elsewhere
 if TYPE_CHECKING:
     from uwsim.flight.record import FlightRecord
     from uwsim.simulator.simulator import Simulator
-
-UNSAVED = "a remote vehicle cannot be put back to where it was, so its flight is neither saved nor resumed"
-ALONE = "an autopilot cannot be put back to where it was, so its flight is neither saved nor resumed"
 
 
 @under("Fly")
@@ -65,25 +62,21 @@ def run(
 ) -> None:
     """Fly a mission from a file; write its log, map and report.
 
-    Ctrl-C ends it early and keeps the results so far. If it is killed, --resume repeats it up to the last saved point,
-    without its map, and then continues to the same results.
+    Ctrl-C ends it early and keeps the results so far. If it is killed, the log and the last saved map remain.
     """
     autopilot, other = autopilots.only, elsewhere.only
     of_map = maps.given() | {name: True for name in attachments.requested if name == "raw"}
-    if mission is None and not flight.resume:
+    if mission is None:
         raise WithoutEffectError("needs the mission's file, such as my_mission.py")
-    saved = {"autosave_s": flight.autosave_s is not None, "resume": flight.resume}
-    if autopilot is not None:
-        refuse(f"cannot be given with {flag_name(str(autopilot.switch))}: {ALONE}", **saved)
     if other is not None:
         beside = f"cannot be given with {flag_name(str(other.switch))}"
         simulated = simulator.given() | of_map | dict.fromkeys(attachments.arguments, True)
         simulated |= {"estimate": flight.estimate is not None, **dict.fromkeys(autopilots.requested, True)}
-        refuse(f"{beside}: {UNSAVED}", **saved)
+        refuse(f"{beside}: the map is written at the end", autosave_s=flight.autosave_s is not None)
         refuse(f"{beside}: the server has its own, or there is none", **{**simulated, "voxel_m": False})
-    if not make_map and not flight.resume:
+    if not make_map:
         need("--map", **of_map)
-    flight.require_fit(maps, attachments)
+    flight.require_fit(maps)
     from uwsim.flight.terminal import Terminal
 
     asked = given(
@@ -93,12 +86,7 @@ def run(
     asked |= flight.arguments | maps.arguments
     flown: FlightRecord
     if other is not None:
-        assert mission is not None
         flown = other.fly(mission, out, truth=scenario, **asked)
-    elif flight.resume:
-        from uwsim.flight.fly import resume
-
-        flown = resume(out, mission=mission, scenario=scenario, **asked, **simulator.arguments)
     else:
         from uwsim.flight.fly import fly
 

@@ -1,4 +1,4 @@
-"""`uwsim survey`: fly a survey, or resume one."""
+"""`uwsim survey`: fly a survey."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from uwsim.base.options import Options, option, refuse
+from uwsim.base.options import Options, option
 from uwsim.cli.flights import FlightOptions, MapOptions, Out, ScenarioOfFlight, exit_as, given
 from uwsim.cli.groups import under
 from uwsim.cli.options import SimulatorOptions
@@ -66,18 +66,10 @@ def survey(
 ) -> None:
     """Fly the survey of a scenario, map what is seen, and report.
 
-    Ctrl-C ends it early and keeps the map so far. If it is killed, the last saved map remains, and --resume continues
-    to the same map as an uninterrupted run.
+    Ctrl-C ends it early and keeps the map so far. If it is killed, the last saved map remains.
     """
-    flight.require_fit(maps, attachments)
-    if flight.resume:
-        refuse("has no effect with --resume, which flies the lanes that were begun", **lanes.given())
+    flight.require_fit(maps)
     asked = given(mission=mission) | simulator.arguments | maps.arguments | flight.arguments
-    if flight.resume:
-        from uwsim.flight.survey import resume_survey
-
-        exit_as(resume_survey(out, scenario=scenario, **asked), maps.min_coverage)
-        return
     from uwsim.scenario.world_ahead import make_world_ahead
 
     if lanes.arguments:

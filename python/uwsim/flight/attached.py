@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -95,14 +94,6 @@ class _Foreign(Attachment):
         if found is None:
             return None
         return (_ForeignListener if isinstance(found, CommandObserver) else _ForeignObserver)(self._guard, found)
-
-    def save(self) -> dict[str, Any] | None:
-        return self._guard.call("save", self._saved, None)
-
-    def _saved(self) -> dict[str, Any] | None:
-        found = self._inner.save()
-        json.dumps(found)  # raises an error here for what cannot be kept
-        return found
 
     def ended(self, flown: FlightRecord) -> FlightRecord:
         found = self._guard.call("ended", self._inner.ended, flown, flown)

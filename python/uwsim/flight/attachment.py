@@ -16,12 +16,12 @@ Then `uwsim run` and `uwsim survey` have the flag `--diary FILE`, and `uwsim.fly
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
-from uwsim.base.options import OptionError, Options, flag_name
+from uwsim.base.options import Options
 from uwsim.base.registered_options import RegisteredOptions
 
 if TYPE_CHECKING:
@@ -35,12 +35,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Departure:
-    """A flight that is about to begin or to continue, as its attachments see it.
+    """A flight that is about to begin, as its attachments see it.
 
     names: the vehicles that fly. is_planned: whether they fly the scenario's survey. has_map: whether pings are mapped.
     request: what was asked for, for the flight's own files, if it writes any. carried: name endings of the channels
-    that cross a link. saved: the state of each attachment of the flight that continues, by name. others: those attached
-    earlier, by name.
+    that cross a link. others: those attached earlier, by name.
     """
 
     sim: Simulator
@@ -49,7 +48,6 @@ class Departure:
     has_map: bool
     request: FlightRequest | None = None
     carried: tuple[str, ...] | None = None
-    saved: Mapping[str, Any] = field(default_factory=dict)
     others: dict[str, Attachment] = field(default_factory=dict)
 
 
@@ -77,10 +75,6 @@ class Attachment:
         """An observer of the simulator that is called after the pings of its tick."""
         return None
 
-    def save(self) -> dict[str, Any] | None:
-        """Return what a continued flight needs, as JSON values; None for nothing."""
-        return None
-
     def ended(self, flown: FlightRecord) -> FlightRecord:
         """Return the flight's record, with what this attachment adds to it."""
         return flown
@@ -91,12 +85,7 @@ class Attachment:
 
 
 class AttachmentOptions(Options):
-    """The base of an attachment's options. Their values are JSON values, or `since_start` is stated.
-
-    since_start: why a flight that is resumed cannot have it, or "" if it can.
-    """
-
-    since_start: ClassVar[str] = ""
+    """The base of an attachment's options."""
 
     def attach(self, flight: Departure) -> Attachment | None:
         """Return what takes part in a flight, or None if there is nothing to do. Raises ValueError or OSError."""
@@ -110,19 +99,7 @@ class Attachments(RegisteredOptions[AttachmentOptions]):
     base = AttachmentOptions
     is_switched = False
 
-    def require_start(self) -> None:
-        """Raise OptionError for what a flight that is resumed cannot have."""
-        for options in self.requested.values():
-            if options.since_start:
-                raise OptionError(f"{flag_name(str(options.switch))}: {options.since_start}")
-
     @property
     def arguments(self) -> dict[str, Any]:
         """The options that are given, as keywords of `uwsim.fly`."""
         return {name: value for each in self.requested.values() for name, value in each.arguments.items()}
-
-    @property
-    def kept(self) -> dict[str, Any]:
-        """Those of them with which the flight is resumed."""
-        lasting = [each for each in self.requested.values() if not each.since_start]
-        return {name: value for each in lasting for name, value in each.arguments.items()}

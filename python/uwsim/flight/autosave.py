@@ -1,4 +1,4 @@
-"""Decides when a flight is saved, and whether a signal has asked it to stop."""
+"""Decides when a flight's map is saved, and whether a signal has asked it to stop."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class FlightAutosave(Stoppable):
 
     @property
     def is_on(self) -> bool:
-        """Whether the flight is saved at all."""
+        """Whether the map is saved at all."""
         return self._interval_s > 0.0
 
     def flying(self) -> AbstractContextManager[None]:
@@ -61,7 +61,7 @@ class FlightAutosave(Stoppable):
         else:
             self.failure = None
             if self._handles_signals:
-                note_kept("the flight is kept as last saved: --resume continues")
+                note_kept("the map is kept as last saved")
             if self._reported:
                 self._report("autosave works again")
                 self._reported = False

@@ -17,28 +17,21 @@ class FlightClock:
 
     Waits are rounded to whole steps, at least one; rounding errors do not accumulate. end_tick: the tick at which the
     flight ends; end_because: the reason to report. on_pause: called after each wait, before the mission continues; may
-    raise FlightOverError. physics: measures the wall time of the steps. phase: the phase of a saved clock to continue
-    from.
+    raise FlightOverError. physics: measures the wall time of the steps.
     """
 
     def __init__(
-        self, sim: Simulator, end_tick: int, end_because: str, on_pause: Callable[[], None], physics: Measurement,
-        phase: tuple[int, float] | None = None,
-    ) -> None:  # fmt: skip
+        self, sim: Simulator, end_tick: int, end_because: str, on_pause: Callable[[], None], physics: Measurement
+    ) -> None:
         self._sim, self._step_s, self._physics = sim, sim.step_s, physics
         self._end_tick, self.end_because = end_tick, end_because
         self._on_pause = on_pause
-        self._start_tick, self._waited_s = phase or (sim.tick, 0.0)
+        self._start_tick, self._waited_s = sim.tick, 0.0
 
     @property
     def time_s(self) -> float:
         """Simulated time in seconds."""
         return self._sim.time_s
-
-    @property
-    def phase(self) -> tuple[int, float]:
-        """The tick at which the clock started, and the sum of the waits requested since then [s]."""
-        return self._start_tick, self._waited_s
 
     def wait(self, duration_s: float) -> None:
         """Let simulated time pass. Raises FlightOverError at the time limit."""

@@ -1,4 +1,4 @@
-"""fly and resume: fly a mission in a simulator, with log, samples, map and report. `uwsim run` calls them."""
+"""fly: fly a mission in a simulator, with log, samples, map and report. `uwsim run` calls it."""
 
 from __future__ import annotations
 
@@ -12,16 +12,14 @@ from uwsim.base.folder_lock import alone_in, require_free
 from uwsim.flight.attached import attached
 from uwsim.flight.attachment import Attachments, Departure
 from uwsim.flight.autosave import AUTOSAVE_S, FlightAutosave
-from uwsim.flight.checkpoint import FlightCheckpoint
 from uwsim.flight.engine import Flight
-from uwsim.flight.folder import results_folder
+from uwsim.flight.folder import remove_leftovers, results_folder
 from uwsim.flight.mission_file import FUNCTION
 from uwsim.flight.missions import AnyMission, FlownMission, found_mission
 from uwsim.flight.pinging import MapSetup
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import ESTIMATES, OF_SIMULATOR, EstimateKind, FlightRequest, file_digest, resolved_path
 from uwsim.flight.results import require_report
-from uwsim.flight.saved_flight import SavedFlight
 from uwsim.flight.setup import Setup
 from uwsim.flight.survey_area import with_survey
 from uwsim.flight.terminal import Silent
@@ -29,7 +27,6 @@ from uwsim.flight.vehicle_chain import default_voxel_m, filters_outliers, requir
 from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.missions.mission import R_co
 from uwsim.scenario import AnyScenario, Scenario, Survey, load
-from uwsim.scenario.fingerprint import warn_of_other_build
 from uwsim.scenario.read.validated import validated
 from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.simulator.simulator import Simulator
@@ -82,8 +79,8 @@ def fly(
     name or file, that replaces the scenario's; the map built ashore from the pings that arrive is written to
     map_ashore.bt. survey: values that replace those of the scenario's survey, by key. carried: name endings of the
     channels that vehicles send over the link; by default all that the link can carry. sample_sensors: whether the
-    record's samples include the readings of all sensors. autosave_s: wall time between saves, from which `resume` can
-    continue; 0 disables saving. screen: displays the flight; by default nothing is displayed. With a Terminal, Ctrl-C
+    record's samples include the readings of all sensors. autosave_s: wall time between saves of the map; 0 disables
+    them. screen: displays the flight; by default nothing is displayed. With a Terminal, Ctrl-C
     ends the flight and keeps its results.
 
     attachments: options of what takes part in the flight, named as the flags of `uwsim run`: record (path of a new
@@ -143,17 +140,15 @@ def fly(
         map_growth=map_growth,
         sample_sensors=sample_sensors,
         time_limit_s=time_limit_s,
-        attachments=options.kept,
     )
     if found.file is None:
         request = replace(request, mission=found.name)
     taking_part = attached(options, Departure(sim, names, found.make is not None, map, request, carried))
-    can_be_saved = isinstance(begun_with, str | Path) and (mission is None or request.mission)
     setup = Setup(
         sim=sim, mission=found, names=names, estimate=estimate, time_limit_s=time_limit_s,
         plan=plan, lanes_left_out=left_out, attachments=taking_part, sample_sensors=sample_sensors,
         out=None if out is None else results_folder(Path(out), names),
-        request=request if can_be_saved and out is not None else None, report=report, autosave=saving, screen=screen,
+        report=report, autosave=saving, screen=screen,
     )  # fmt: skip
     if map:
         occupancy = OccupancyMap(resolution_m=request.voxel_m or 1.0, engine=request.engine)
@@ -164,69 +159,12 @@ def fly(
     if setup.out is None:
         return Flight(setup).run()
     with alone_in(setup.out):
-        checkpoint = FlightCheckpoint(setup.out)
-        checkpoint.remove_leftovers()
-        if (earlier := checkpoint.set_aside()) is not None:
-            screen.message(f"an unfinished flight was in {setup.out}; it is kept in {earlier}")
-        return Flight(setup).run()
-
-
-def resume(
-    out: str | Path,
-    *,
-    threads: int | None = None,
-    report: str = "full",
-    autosave_s: float = AUTOSAVE_S,
-    autosave: FlightAutosave | None = None,
-    screen: Silent | None = None,
-    **arguments: Any,
-) -> FlightRecord:
-    """Continue the flight that was last saved in `out`, with the same results; see checkpoint.py.
-
-    arguments: other arguments of `fly`; any that is not None must match the saved flight. Raises ValueError
-    if no flight is saved there, an argument differs, the mission's file has changed, or the repeated flight differs;
-    OSError if files cannot be read or written.
-    """
-    require_report(report)
-    screen, checkpoint = screen or Silent(), FlightCheckpoint(Path(out))
-    saving = autosave or _autosave(autosave_s, screen)
-    checkpoint.require_one()
-    with alone_in(checkpoint.out):
-        with screen.status(f"resuming {out}"):
-            saved = checkpoint.read()
-            saved.request.require_same(arguments)
-            saved.request.require_same_file()
-            warn_of_other_build("the saved flight", saved.build)
-            setup = _resumed(saved, threads, report, checkpoint.out)
-        setup.out, setup.autosave, setup.screen = results_folder(checkpoint.out, setup.names), saving, screen
-        checkpoint.remove_leftovers()
+        remove_leftovers(setup.out)
         return Flight(setup).run()
 
 
 def _autosave(interval_s: float, screen: Silent) -> FlightAutosave:
     return FlightAutosave(interval_s, screen.message, handles_signals=screen.handles_signals)
-
-
-def _resumed(saved: SavedFlight, threads: int | None, report: str, out: Path) -> Setup:
-    request = saved.request
-    mission = found_mission(request.mission, request.function, request.arguments)
-    sim = request.new_simulator(threads)
-    sim.scene.prepare()
-    names = request.vehicles or (sim.rov.name,)
-    mission = mission.bound(sim, names, out)
-    plan, left_out = mission.planned(sim)
-    mapping = None
-    if saved.occupancy is not None:
-        mapping = _map_setup(sim, request, saved.occupancy, saved.reference, report)
-    states = {} if saved.mission is None else saved.mission.attachments
-    has_map = mapping is not None
-    departure = Departure(sim, names, mission.make is not None, has_map, request, request.carried, saved=states)
-    return Setup(
-        sim=sim, mission=mission, names=names, estimate=request.estimate, mapping=mapping,
-        time_limit_s=request.time_limit_s, plan=plan, lanes_left_out=left_out,
-        attachments=attached(Attachments(**request.attachments), departure), request=request, report=report,
-        saved=saved, sample_sensors=request.sample_sensors,
-    )  # fmt: skip
 
 
 def _map_setup(

@@ -96,9 +96,7 @@ def flyable_plan(
 
     Raises ScenarioError if less than least_share of the total lane length can be flown.
     """
-    start_m, _ = start_pose(
-        sim.scenario, sim.scenario.vehicles[0]
-    )  # not the current pose, so that a resumed flight has the same plan
+    start_m, _ = start_pose(sim.scenario, sim.scenario.vehicles[0])
     lanes = plan.lanes_near(np.array(start_m[:2]))
     found = flyable_lanes(sim, lanes, least_share)
     return (plan, None) if found.left_out is None else (replace(plan, lanes=found.lanes), found.left_out)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import re
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
-from uwsim.base.own_files import remove_own_file, require_own
-from uwsim.flight.checkpoint import MAP
+from uwsim.base.own_files import is_empty, is_own, remove_own_file, require_own
 from uwsim.flight.mission_log import LOG
-from uwsim.flight.results import RESULT_FILES
+from uwsim.flight.results import MAP, RESULT_FILES
 from uwsim.flight.terminal import Silent
+
+LEFTOVER = re.compile(r"\.uwsim-(\d+)-\d+\.tmp|\.([\w-]+\.(json|npz|png|csv)|report\.html|log\.jsonl)\.\w+")
 
 
 def made_folder(out: Path, writes: Iterable[str] = (), mode: int = 0o777) -> Path:
@@ -45,3 +49,22 @@ def remove_stale_results(out: Path, names: Iterable[str], screen: Silent) -> Non
         remove_own_file(out / name)
     if stale:
         screen.message(f"{out}: removed the results of an earlier flight: {', '.join(stale)}")
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Remove temporary files left by a flight that was killed while writing: marked, or empty and not marked yet."""
+    with contextlib.suppress(OSError):
+        for path in folder.iterdir():
+            found = LEFTOVER.fullmatch(path.name)
+            if found and (is_own(path) or is_empty(path)) and not (found[1] and _is_running(int(found[1]))):
+                path.unlink()
+
+
+def _is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True

@@ -45,7 +45,6 @@ class GrowthWatch:
     """Measures the map when due, as an Observer of the simulator's journal.
 
     when_mapped: runs a job as soon as the map contains all pings so far. begun_tick: tick at which the flight began.
-    first_tick: tick up to which `rows` already exist.
     """
 
     def __init__(
@@ -55,15 +54,11 @@ class GrowthWatch:
         when_mapped: Callable[[Callable[[], None]], None],
         *,
         begun_tick: int,
-        first_tick: int,
-        rows: tuple[GrowthRow, ...],
     ) -> None:
         self._sim, self._occupancy, self._when_mapped = sim, occupancy, when_mapped
         self._begun_tick, self._next_s = begun_tick, FIRST_S
-        self.rows = list(rows)
+        self.rows: list[GrowthRow] = []
         self.due_tick = self._tick_of_next()
-        while self.due_tick <= first_tick:
-            self._go_on()
 
     def observe(self) -> None:
         """Schedule a measurement to run once the map contains all pings so far."""

@@ -18,11 +18,10 @@ LOG = "log.jsonl"
 class MissionLog:
     """The events of a flight, in order; if there is an output folder, also written to a new file as they occur.
 
-    events: earlier events of a flight that is being resumed. If the disk is full, the flight continues with the events
-    in memory.
+    If the disk is full, the flight continues with the events in memory.
     """
 
-    def __init__(self, out: Path | None, events: Iterable[Event] = ()) -> None:
+    def __init__(self, out: Path | None) -> None:
         self.events: list[Event] = []
         self._path = None if out is None else out / LOG
         self._file: IO[bytes] | None = None
@@ -30,8 +29,6 @@ class MissionLog:
             require_own(self._path)
             self._file = self._path.open("wb", buffering=0)
             mark(self._path, unfinished=True)
-        for event in events:
-            self.add(event)
 
     def add(self, event: Event) -> None:
         """Add an event."""

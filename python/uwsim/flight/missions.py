@@ -22,7 +22,7 @@ from uwsim.flight.flyable_lanes import (
     survey_plan,
 )
 from uwsim.flight.mission_file import FUNCTION, load_mission, mission_name, with_arguments
-from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission, ResumableMission, StoppedError
+from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission, StoppedError
 from uwsim.missions.field import is_mission_file
 from uwsim.missions.mission import R_co, SteppedMission
 from uwsim.missions.own_vehicle import OwnVehicle
@@ -53,23 +53,14 @@ class Begun:
         """The fraction flown so far, 0..1; None if unknown."""
         return getattr(self.parts[0], "progress", None)
 
-    @property
-    def resumable(self) -> ResumableMission | None:
-        """The mission, if it can be saved and restored, else None.
-
-        A mission with several parts cannot be saved, since some parts would still be waiting when another is saved.
-        """
-        only = self.parts[0] if len(self.parts) == 1 else None
-        return only if isinstance(only, ResumableMission) else None
-
 
 @dataclass(frozen=True)
 class FlownMission:
     """A mission to fly.
 
     title: its name in reports. steps: its function or class; None for a planned mission. make: creates a planned
-    mission. file: the file that contains it, if any. name: the name under which a resumed flight imports a mission that
-    is not in a file. field: a flight by a file of the field, which has steps once it is bound.
+    mission. file: the file that contains it, if any. name: the MODULE:NAME of a mission that is not in a
+    file. field: a flight by a file of the field, which has steps once it is bound.
     """
 
     title: str

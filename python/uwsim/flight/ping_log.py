@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from operator import attrgetter
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,21 +95,3 @@ class PingLog:
     def mapped_path_m(self) -> Array:
         """The sonar position used for the map at each ping, (n, 3)."""
         return np.array(self.mapped_m, np.float64).reshape(-1, 3)
-
-    def save(self) -> dict[str, NDArray[Any]]:
-        """Return the log as arrays by name."""
-        counts = [self.echo_count, *self.pings_with_warning.values()]
-        sample = {} if self.sample is None else {f"sample.{name}": value for name, value in vars(self.sample).items()}
-        score = np.array([self.sample_score])
-        arrays = {"path": self.path_world_m, "mapped": self.mapped_path_m, "counts": np.array(counts), "score": score}
-        return arrays | sample
-
-    def restore(self, saved: Mapping[str, NDArray[Any]]) -> None:
-        """Continue from the result of `save`. Raises KeyError or ValueError if it is incomplete or malformed."""
-        self.positions_m = np.asarray(saved["path"], np.float64).reshape(-1, 3).tolist()
-        self.mapped_m = np.asarray(saved["mapped"], np.float64).reshape(-1, 3).tolist()
-        self.echo_count, *counts = np.asarray(saved["counts"], np.int64).tolist()
-        self.pings_with_warning = dict(zip(PANEL_WARNINGS, counts, strict=True))
-        self.sample_score = float(saved["score"][0])
-        sample = {name.partition(".")[2]: value for name, value in saved.items() if name.startswith("sample.")}
-        self.sample = PingSample(**sample) if sample else None

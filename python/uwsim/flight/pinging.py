@@ -59,20 +59,6 @@ class MapSetup:
     on_ping: tuple[TakePing, ...] = ()
 
 
-@dataclass(frozen=True)
-class SavedPinging:
-    """The pings of a saved flight up to `tick`.
-
-    logs: saved logs by vehicle, see PingLog.save. due: for each vehicle, the tick of the next ping and the number of
-    steps from it to the following ping. growth: measurements of the map so far.
-    """
-
-    tick: int
-    logs: Mapping[str, Mapping[str, NDArray[Any]]]
-    due: Mapping[str, tuple[int, int]]
-    growth: tuple[GrowthRow, ...] = ()
-
-
 class Pinger:
     """Takes one vehicle's pings, as an Observer of the simulator's journal.
 
@@ -113,14 +99,13 @@ class Pinger:
 class MapMaker:
     """Context manager that builds the map of a flight from the pings of one or several vehicles.
 
-    saved: pings of the flight being resumed; they are already in the map. With one vehicle the map is filled on a
-    separate thread; several vehicles fill it in turn on the flying thread, so that the map's bytes do not depend on
-    scheduling.
+    With one vehicle the map is filled on a separate thread; several vehicles fill it in turn on the flying thread, so
+    that the map's bytes do not depend on scheduling.
     """
 
     def __init__(
         self, sim: Simulator, vehicles: Mapping[str, OwnVehicle], setup: MapSetup, timer: WallTimer, *,
-        begun_tick: int, saved: SavedPinging | None = None,
+        begun_tick: int,
     ) -> None:  # fmt: skip
         self.setup = setup
         self._sim, self._stack = sim, ExitStack()
@@ -140,20 +125,7 @@ class MapMaker:
             log = PingLog(survey_area_m(sim))
             self._fillers.append(filler)
             self.pingers[name] = Pinger(sim, vehicle, chain, timer, log, setup.on_ping)
-        first_tick = -1
-        if saved is not None:
-            first_tick = saved.tick
-            self._restore(saved)
-        self._growth = GrowthWatch(
-            sim, setup.occupancy, self.when_mapped, begun_tick=begun_tick, first_tick=first_tick,
-            rows=() if saved is None else saved.growth,
-        )  # fmt: skip
-
-    def _restore(self, saved: SavedPinging) -> None:
-        for name, pinger in self.pingers.items():
-            if name in saved.logs:
-                pinger.log.restore(saved.logs[name])
-            pinger.due_tick, pinger.steps = saved.due[name]
+        self._growth = GrowthWatch(sim, setup.occupancy, self.when_mapped, begun_tick=begun_tick)
 
     @property
     def growth(self) -> tuple[GrowthRow, ...]:
@@ -192,12 +164,6 @@ class MapMaker:
             map_growth=self.growth,
             area_world_m=scored_area_m(survey_area_m(sim), np.concatenate(list(true_m.values()))),
         )
-
-    def save(self) -> SavedPinging:
-        """Return the ping data needed to resume the flight, except growth, which is measured later."""
-        logs = {name: pinger.log.save() for name, pinger in self.pingers.items()}
-        due = {name: (pinger.due_tick, pinger.steps) for name, pinger in self.pingers.items()}
-        return SavedPinging(self._sim.tick, logs, due)
 
     def __enter__(self) -> MapMaker:
         for filler, pinger in zip(self._fillers, self.pingers.values(), strict=True):

@@ -23,7 +23,6 @@ class RawOptions(AttachmentOptions):
     """The options of a raw survey. From Python, offsets and uncertainty may also be what they are parsed to."""
 
     switch = "raw"
-    since_start = "a flight that is resumed has no pings from its start"
 
     raw: Path | None = option(
         None,

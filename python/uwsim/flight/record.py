@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Generic, Protocol
+from typing import TYPE_CHECKING, Generic, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,9 +43,6 @@ class Ashore(Protocol):
 
     def made_map(self, resolution_m: float, engine: MapEngine) -> OccupancyMap:
         """Return a map built from the pings that have arrived."""
-
-    def save(self) -> dict[str, Any]:
-        """Return everything that future results depend on, as JSON values."""
 
 
 @dataclass(frozen=True, eq=False)

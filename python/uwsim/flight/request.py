@@ -30,8 +30,7 @@ class FlightRequest:
     vehicle's. link: a modem that replaces the scenario's. survey: values that replace those of the scenario's survey.
     carried: name endings of the channels that vehicles send over the link. time_limit_s: limit in simulated time; by
     default the battery life. voxel_m, engine, verify_map, outlier_filter, map_growth: options of the map, if one is
-    built. sample_sensors: whether `samples` include the sensors' readings. attachments: options of what takes part in
-    the flight, by name.
+    built. sample_sensors: whether `samples` include the sensors' readings.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
@@ -59,7 +58,6 @@ class FlightRequest:
     map_growth: bool = True
     sample_sensors: bool = True
     time_limit_s: float | None = None
-    attachments: dict[str, Any] = field(default_factory=dict)
 
     def new_simulator(self, threads: int | None = None) -> Simulator:
         """Return a new simulator for the flight. Raises ScenarioError or ValueError if the request is invalid."""
@@ -70,22 +68,6 @@ class FlightRequest:
         """Return an empty stock OctoMap for verification if requested, else None."""
         assert self.voxel_m is not None or not self.verify_map
         return OccupancyMap(resolution_m=self.voxel_m or 1.0, engine="octomap") if self.verify_map else None
-
-    def require_same_file(self) -> None:
-        """Raise ValueError if the mission's file has changed."""
-        if self.mission is None or self.mission_digest is None:
-            return
-        path = Path(self.mission)
-        if not path.is_file() or file_digest(path) != self.mission_digest:
-            raise ValueError(f"--resume: '{path}' is missing or has changed since: the flight cannot be repeated")
-
-    def require_same(self, arguments: dict[str, Any]) -> None:
-        """Raise ValueError if any argument other than None differs from this request."""
-        for name, value in arguments.items():
-            requested = resolved_path(value) if name in PATHS else value
-            begun_with = getattr(self, name)
-            if requested is not None and requested != begun_with:
-                raise ValueError(f"--resume: {name} = {requested}: the flight was started with {begun_with}")
 
 
 def resolved_path(name: Any) -> Any:

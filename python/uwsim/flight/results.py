@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from uwsim.base.extras import MissingExtraError
-from uwsim.flight.checkpoint import MAP
 from uwsim.flight.mission_log import rewrite_if_lost
 from uwsim.flight.record import Ashore, FlightRecord
 from uwsim.flight.summary import ashore_text, flight_values, summary_table
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
     from uwsim.figures.truth_and_map import TruthAndMap
 
 REPORTS = ("full", "json", "none")
-REPORT, SUMMARY, MAP_ASHORE = "report.html", "summary.json", "map_ashore.bt"
+MAP, REPORT, SUMMARY, MAP_ASHORE = "map.bt", "report.html", "summary.json", "map_ashore.bt"
 FIGURE_FILES = (
     "truth_and_map.png", "map_from_above.png", "where_it_is_wrong.png", "sonar_fan.png", "depth_profile.png",
     "map_growth.png", "track.png", "estimate.png", "estimate_budget.png",
@@ -55,14 +54,13 @@ def write_results(
     screen: Silent,
     *,
     ahead: SurfaceAhead | None = None,
-    is_saved: bool = False,
 ) -> FlightRecord:
     """Write map, track, samples, summary and report; return the record with the map's score. Raises OSError.
 
     sim: the flight's simulator, or another of the same world; None if the world is unknown. report: "full", "json" (no
-    report.html) or "none" (no summary either). ahead: the part of the true surface examined so far. is_saved: whether
-    --resume can repeat a failed report. The map is written while it is being scored. The key values are printed before
-    the other files are written, in case writing fails on a full disk.
+    report.html) or "none" (no summary either). ahead: the part of the true surface examined so far. The map is written
+    while it is being scored. The key values are printed before the other files are written, in case writing fails on a
+    full disk.
     """
     if report == "full" and find_spec("matplotlib") is None:
         warnings.warn(f"no {REPORT}, which needs figures: pip install 'uwsim[figures]'", UserWarning, stacklevel=2)
@@ -75,7 +73,7 @@ def write_results(
     with ThreadPoolExecutor(1, "scoring") as pool:
         score = pool.submit(scored, flown, sim, ahead, ashore) if wants_score and sim is not None else None
         if flown.occupancy is not None:
-            _write_map(flown.occupancy, out / MAP, is_saved)
+            _write_map(flown.occupancy, out / MAP)
         if score is not None:
             with screen.status("scoring the map"):
                 flown = score.result()
@@ -85,8 +83,7 @@ def write_results(
             ashore.write(out / MAP_ASHORE)
         _write_files(flown, sim, out, report, screen, rendered)
     except OSError as error:
-        hint = "; --resume makes the report" if is_saved else ""
-        whole = f" ({out / MAP} is complete{hint})" if flown.occupancy is not None else ""
+        whole = f" ({out / MAP} is complete)" if flown.occupancy is not None else ""
         raise OSError(f"{error}{whole}") from error
     screen.result("  ".join(str(out / name) for name in (MAP, REPORT, SUMMARY) if (out / name).exists()))
     return flown
@@ -147,14 +144,12 @@ def _rendered(occupancy: OccupancyMap, flown: FlightRecord, sim: Simulator) -> T
     )
 
 
-def _write_map(occupancy: OccupancyMap, path: Path, is_saved: bool) -> None:
+def _write_map(occupancy: OccupancyMap, path: Path) -> None:
     """Write the map; if that fails, write it to a temporary folder and raise OSError that names the paths tried."""
     try:
         occupancy.write(path)
     except OSError as error:
         tried = str(error)
-        if is_saved:
-            tried += "; free some space, then --resume continues from the last save"
         try:
             elsewhere = Path(tempfile.mkdtemp(prefix="uwsim-")) / MAP
             occupancy.write(elsewhere)

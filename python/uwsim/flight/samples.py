@@ -125,30 +125,19 @@ class Sampler:
     """Samples a simulator's vehicles and reports changes on their panels as events, as an Observer of its journal.
 
     vehicles: the vehicles by name, as seen by the mission. on_event: receives events. timer: measures the time spent on
-    sampling. saved: by vehicle, the rows (n, columns) of the flight being resumed; that flight began at begun_tick.
-    with_sensors: whether the samples include the sensors' readings, which take longer than everything else.
+    sampling. with_sensors: whether the samples include the sensors' readings, which take longer than everything else.
     """
 
     def __init__(
         self, sim: Simulator, vehicles: Mapping[str, OwnVehicle], on_event: OnEvent, timer: Measurement, *,
-        with_sensors: bool = True, begun_tick: int = 0, saved: Mapping[str, NDArray[np.float64]] | None = None,
+        with_sensors: bool = True,
     ) -> None:  # fmt: skip
         self._sim, self._on_event, self._timer = sim, on_event, timer
         self._steps = max(1, round(PERIOD_S / sim.step_s))
         self._vehicles = [(name, sim.vehicles[name], own) for name, own in vehicles.items()]
         self._columns = {name: _Columns(sim.vehicles[name], with_sensors) for name in vehicles}
         self._rows: dict[str, list[list[float]]] = {name: [] for name in vehicles}
-        if saved:
-            self._rows = {name: saved[name].tolist() for name in vehicles}
-            for name, columns in self._columns.items():
-                if saved[name].shape[1] != (width := len(COLUMNS) + len(columns.names)):
-                    raise ValueError(
-                        f"--resume: vehicle '{name}': the saved samples have {saved[name].shape[1]} columns, expected "
-                        f"{width}: the flight was saved by another version"
-                    )
-            self.due_tick = begun_tick + self._steps * ((sim.tick - begun_tick) // self._steps + 1)
-        else:
-            self.observe()
+        self.observe()
 
     def observe(self) -> None:
         """Take a sample of each vehicle."""

@@ -10,8 +10,7 @@ from uwsim.flight.attachment import Attachment
 from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.missions import FlownMission
 from uwsim.flight.pinging import MapSetup
-from uwsim.flight.request import EstimateKind, FlightRequest
-from uwsim.flight.saved_flight import SavedFlight
+from uwsim.flight.request import EstimateKind
 from uwsim.flight.terminal import Silent
 from uwsim.missions import LawnMowerPlan
 from uwsim.simulator.simulator import Simulator
@@ -21,8 +20,8 @@ from uwsim.simulator.simulator import Simulator
 class Setup:
     """The parts of a flight, already validated; see fly() for their meaning.
 
-    request: None for a flight that cannot be saved. mapping: None without a map. plan, lanes_left_out: see
-    FlownMission.planned. saved: the flight to resume. sample_sensors: whether `samples` include the sensors' readings.
+    mapping: None without a map. plan, lanes_left_out: see FlownMission.planned. sample_sensors: whether `samples`
+    include the sensors' readings.
     """
 
     sim: Simulator
@@ -35,9 +34,7 @@ class Setup:
     lanes_left_out: str | None = None
     attachments: Mapping[str, Attachment] = field(default_factory=dict)
     out: Path | None = None
-    request: FlightRequest | None = None
     sample_sensors: bool = True
     report: str = "full"
     autosave: FlightAutosave | None = None
     screen: Silent = Silent()  # noqa: RUF009  # Silent has no state
-    saved: SavedFlight | None = None

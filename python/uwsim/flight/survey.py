@@ -1,4 +1,4 @@
-"""run_survey and resume_survey: map a scenario's survey area, by default by flying parallel lanes."""
+"""run_survey and fly_survey: map a scenario's survey area, by default by flying parallel lanes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from uwsim.flight.attached import attached
 from uwsim.flight.attachment import Attachments, Departure
 from uwsim.flight.engine import Flight
-from uwsim.flight.fly import fly, resume
+from uwsim.flight.fly import fly
 from uwsim.flight.flyable_lanes import LEAST_SHARE, required_survey
 from uwsim.flight.missions import AnyMission, found_mission
 from uwsim.flight.pinging import SURVEYED, MapSetup, TakePing
@@ -56,15 +56,6 @@ def run_survey(
         screen=screen or Terminal(),
         **options,
     )
-
-
-def resume_survey(out: str | Path, *, screen: Silent | None = None, **options: Any) -> FlightRecord:
-    """Continue the survey last saved by `run_survey` in `out`; the map is the same as without the interruption.
-
-    options: see uwsim.flight.fly.resume. Raises ValueError if there is nothing to resume or an argument differs, and
-    the errors of run_survey.
-    """
-    return resume(out, screen=screen or Terminal(), **options)
 
 
 def fly_survey(

@@ -16,7 +16,7 @@ from uwsim.missions.own_vehicle import OwnVehicle
 
 @dataclass(frozen=True)
 class Watched:
-    """A flight that is about to begin or continue. own: its vehicles, as seen by the mission."""
+    """A flight that is about to begin. own: its vehicles, as seen by the mission."""
 
     setup: Setup
     own: Mapping[str, OwnVehicle]
@@ -27,13 +27,8 @@ class Watched:
 @contextmanager
 def sampling(flight: Watched, on_event: OnEvent) -> Iterator[Sampler]:
     """Take samples while the block runs."""
-    sim, saved = flight.setup.sim, flight.setup.saved
-    rows = saved.samples if saved is not None and saved.mission is not None else None
-    timer = flight.timer.measure(SAMPLING)
-    with_sensors = flight.setup.sample_sensors
-    sampler = Sampler(
-        sim, flight.own, on_event, timer, with_sensors=with_sensors, begun_tick=flight.begun_tick, saved=rows
-    )
+    sim, timer = flight.setup.sim, flight.timer.measure(SAMPLING)
+    sampler = Sampler(sim, flight.own, on_event, timer, with_sensors=flight.setup.sample_sensors)
     sim.journal.attach(sampler, efforts=False)
     try:
         yield sampler
@@ -45,12 +40,11 @@ def sampling(flight: Watched, on_event: OnEvent) -> Iterator[Sampler]:
 def mapping(flight: Watched) -> Iterator[MapMaker | None]:
     """Build the map, if there is one, while the block runs; attachments observe after the pings of a tick."""
     setup, journal, maker = flight.setup, flight.setup.sim.journal, None
-    saved = None if setup.saved is None else setup.saved.pinging
     observers = [each.observer for each in setup.attachments.values()]
     with ExitStack() as stack:
         if setup.mapping is not None:
             maker = stack.enter_context(
-                MapMaker(setup.sim, flight.own, setup.mapping, flight.timer, begun_tick=flight.begun_tick, saved=saved)
+                MapMaker(setup.sim, flight.own, setup.mapping, flight.timer, begun_tick=flight.begun_tick)
             )
         for observer in observers:
             if observer is not None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from dataclasses import replace
@@ -90,21 +89,13 @@ class Carrier:
                 hint = did_you_mean(pattern, topics)
                 raise ValueError(f"link.repeats: '{pattern}': must match a channel that goes over the link{hint}")
 
-    def start(self, saved: dict[str, Any] | None = None) -> Self:
-        """Start carrying, or continue from the result of `save`; return self.
+    def start(self) -> Self:
+        """Start carrying; return self.
 
         Raises NotRunningError if the live simulator is not running.
         """
-        self._live.read(lambda sim: self._begin(sim, saved)).result()
+        self._live.read(self._begin).result()
         return self
-
-    def save(self) -> dict[str, Any]:
-        """Return the send schedule as JSON values.
-
-        The messages themselves are in the simulator's state.
-        """
-        due = [[list(turn.names), turn.due_tick] for turn in self._turns]
-        return {"rates": self.rates, "schedule": due, "tick": self._tick, "arrived_ns": self._arrived_ns}
 
     def close(self) -> None:
         """Stop carrying messages."""
@@ -207,9 +198,9 @@ class Carrier:
         """Record that the station reads a channel. Called on the simulator's thread."""
         self._listened[name] = sim.time_ns + round(1e9 * LISTENED_S)
 
-    def _begin(self, sim: Simulator, saved: dict[str, Any] | None) -> None:
-        self._arrived_ns = sim.time_ns if saved is None else saved["arrived_ns"]
-        self.rates = self._made_rates(sim) if saved is None else saved["rates"]
+    def _begin(self, sim: Simulator) -> None:
+        self._arrived_ns = sim.time_ns
+        self.rates = self._made_rates(sim)
         left_out = [
             name for name, one in self._carried.items() if name not in self.rates and one.channel.direction == "out"
         ]
@@ -219,10 +210,6 @@ class Carrier:
         self._turns = turns(self._carried, self.rates, sim.step_s, self._send_newest, shared=is_modem)
         for turn in self._turns:
             turn.due_tick = sim.tick
-        if saved is not None:
-            self._tick = saved["tick"]
-            for turn, (names, due_tick) in zip(self._turns, saved["schedule"], strict=True):
-                turn.names, turn.due_tick = deque(names), due_tick
         sim.agenda.add(self, Rank.DELIVERY, self.act, jump=self.jump)
         for turn in self._turns:
             sim.agenda.add(turn, Rank.DELIVERY, turn.act, jump=turn.jump)

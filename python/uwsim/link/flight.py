@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
 
 from uwsim.channels import Table
 from uwsim.channels.families.scans import PLACED
@@ -28,25 +26,21 @@ class Ashore:
 
     table: the simulator's channels. only: name endings of the channels that the vehicle sends, unless the scenario
     selects what its link carries; if None, all channels that the link can carry. steps: simulator steps between
-    collections. saved: a result of `save` to continue from. Nothing on board depends on the link.
+    collections. Nothing on board depends on the link.
     """
 
-    def __init__(
-        self, sim: Simulator, table: Table, vehicle: str, steps: int, *, only: tuple[str, ...] | None,
-        saved: dict[str, Any] | None,
-    ) -> None:  # fmt: skip
+    def __init__(self, sim: Simulator, table: Table, vehicle: str, steps: int, *, only: tuple[str, ...] | None) -> None:
         assert sim.link is not None
         self._sim, self._network, self._steps = sim, sim.link, steps
         carried = carried_channels(table.channels, sim)
         named = {one.channel.name: one for one in carried if one.vehicle == vehicle}
         self._ping = next((one for name, one in named.items() if name.endswith(PLACED.name)), None)
         self._reach_m = sim.vehicles[vehicle].sonar.model.range_max_m
-        self._pings = [base64.b64decode(ping) for ping in saved["pings"]] if saved else []
-        self._looked_ns = int(saved["looked_ns"]) if saved else sim.time_ns
-        self.due_tick = int(saved["due_tick"]) if saved else sim.tick + steps
+        self._pings: list[bytes] = []
+        self._looked_ns, self.due_tick = sim.time_ns, sim.tick + steps
         self._carrier = Carrier(sim, table, only=only)
         self._seen = [one for one in self._carrier.channels if one.name.endswith(SURVEYED)]
-        self._carrier.start(saved["carrier"] if saved else None)
+        self._carrier.start()
 
     def observe(self) -> None:
         """Collect the pings that have arrived since the last call, since the link does not keep them."""
@@ -57,13 +51,6 @@ class Ashore:
             if self._ping is not None and got.topic == self._ping.channel.name:
                 self._pings.append(got.payload)
         self._looked_ns = self._sim.time_ns
-
-    def save(self) -> dict[str, Any]:
-        """Return everything that future results depend on, as JSON values."""
-        pings = [base64.b64encode(ping).decode() for ping in self._pings]
-        return {
-            "pings": pings, "looked_ns": self._looked_ns, "due_tick": self.due_tick, "carrier": self._carrier.save(),
-        }  # fmt: skip
 
     def close(self) -> None:
         """Stop sending messages over the link."""
@@ -106,8 +93,7 @@ class LinkAttachment(Attachment):
             with Carrier(sim, table):
                 yield
             return
-        carried, saved = self._flight.carried, self._flight.saved.get("link")
-        self._ashore = Ashore(sim, table, name, ping_steps(sim, name), only=carried, saved=saved)
+        self._ashore = Ashore(sim, table, name, ping_steps(sim, name), only=self._flight.carried)
         try:
             yield
         finally:
@@ -117,10 +103,6 @@ class LinkAttachment(Attachment):
     def observer(self) -> Ashore | None:
         """The station's end."""
         return self._ashore
-
-    def save(self) -> dict[str, Any] | None:
-        """Return the station's pings and the messages on their way."""
-        return None if self._ashore is None else self._ashore.save()
 
     def ended(self, flown: FlightRecord) -> FlightRecord:
         """Return the record with the station's end."""

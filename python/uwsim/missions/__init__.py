@@ -5,7 +5,7 @@ from uwsim.missions.heights import YoYo
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower import COVERED, AdaptiveLawnMower
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
-from uwsim.missions.mission import Mission, ResumableMission
+from uwsim.missions.mission import Mission
 from uwsim.missions.moves import dive_to, follow, goto, hold, turn_to
 from uwsim.missions.mow import mow
 from uwsim.missions.obstacle_memory import ObstacleMemory
@@ -26,7 +26,6 @@ __all__ = [
     "Mission",
     "ObstacleMemory",
     "OwnVehicle",
-    "ResumableMission",
     "Steps",
     "StoppedError",
     "Vehicle",

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
-
-from annotated_types import Ge
 
 HIGHEST_Z_M = -1.5
 """No mission makes a vehicle climb above this height."""
@@ -75,13 +72,9 @@ class HeightState:
     past_m: float | None = None
     side: int = 0
     swung_m: tuple[float, float] = (0.0, 0.0)
-    swings: Annotated[int, Ge(0)] = 0
+    swings: int = 0
     since_s: float = 0.0
     widest_m: float = 0.0
-
-    def restore(self, saved: HeightState) -> None:
-        """Continue from a saved state."""
-        self.__dict__.update(vars(saved))
 
     def next_z_m(self, z_m: float, top_m: float, ground_m: float) -> float:
         """Return the height to steer for. ground_m: the distance flown over ground since the last call.

@@ -12,8 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.mapping.files.georeference import Place
-from uwsim.missions.lane_lengths import LANE_FLOWN, LANES_FLOWN, LEAST_FLOWN, lane_values, not_flown_because
-from uwsim.missions.lawn_mower_state import LaneEnd
+from uwsim.missions.lane_lengths import (
+    LANE_FLOWN,
+    LANES_FLOWN,
+    LEAST_FLOWN,
+    LaneEnd,
+    lane_values,
+    not_flown_because,
+)
 from uwsim.missions.moves import SPEED_MAX_M_S, follow_leg, goto, hold, surface, turn_to
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.steps import Steps

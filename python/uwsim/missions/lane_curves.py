@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.missions.dubins import dubins_points
+from uwsim.missions.lane_lengths import LaneEnd
 from uwsim.missions.lanes import Lane
-from uwsim.missions.lawn_mower_state import LegStart, MowerState
 from uwsim.missions.lookout import Lookout
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
@@ -33,6 +34,44 @@ SLIP_AHEAD_S, LEAD, DRIFT_S = 12.0, 2.0, 20.0
 how much farther it turns than its course has to; and the time over which its drift is averaged."""
 
 Ended = Literal["entered", "missed", "blocked", "slipped"]
+LegName = Literal["undock", "approach", "transit", "tilt", "turn", "abreast", "mow"]
+
+
+@dataclass(frozen=True)
+class LegStart:
+    """Time and pose at the beginning of a leg."""
+
+    time_s: float
+    position_world_m: tuple[float, float, float]
+    yaw_rad: float
+
+
+@dataclass(slots=True)
+class MowerState:
+    """A mission's progress.
+
+    lane: index of the current lane. leg: the leg being flown for that lane. along_m: current distance along the lane.
+    furthest_m: the largest along_m so far, reached at furthest_s. skipped: number of lanes skipped as unreachable.
+    legs: number of legs begun for the current lane. radius_m: for a vehicle without sway, the radius of its curves; 0
+    before the first. reached: how far along a curve it is, in points. entry_m: where on the current lane it began to
+    fly along it; None before that. ended: the lanes before the current one. stops: for a vehicle without sway, whether
+    it has slipped too far in a curve, and since then stops to turn. drift_rad: its mean drift since then, from its
+    heading to its course.
+    """
+
+    leg: LegName
+    lane: int = 0
+    along_m: float = 0.0
+    furthest_m: float = 0.0
+    furthest_s: float = 0.0
+    skipped: int = 0
+    legs: int = 0
+    radius_m: float = 0.0
+    reached: int = 0
+    entry_m: float | None = None
+    ended: list[LaneEnd] = field(default_factory=list)
+    stops: bool = False
+    drift_rad: float = 0.0
 
 
 class LaneCurves:

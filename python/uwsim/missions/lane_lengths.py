@@ -5,13 +5,20 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable
-
-from uwsim.missions.lawn_mower_state import LaneEnd
+from dataclasses import dataclass
 
 LANE_FLOWN, LANES_FLOWN = "lane_flown", "lanes_flown"
 """The events at the end of each lane and of all."""
 LEAST_FLOWN = 0.95
 """The share of the planned length below which a mission over lanes is not complete."""
+
+
+@dataclass(frozen=True)
+class LaneEnd:
+    """The end of a lane: how much of it was flown, and why no more; "" if it was flown to its end."""
+
+    flown_m: float
+    because: str
 
 
 def lane_values(number: int, planned_m: float, end: LaneEnd) -> dict[str, float | str]:

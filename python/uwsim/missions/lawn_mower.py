@@ -14,30 +14,34 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from collections.abc import Callable
 from itertools import accumulate
 from types import MappingProxyType
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.sealed import Sealed
 from uwsim.missions.heights import HIGHEST_Z_M
-from uwsim.missions.lane_curves import LaneCurves, is_under_way, slips
-from uwsim.missions.lane_lengths import LANE_FLOWN, LANES_FLOWN, LEAST_FLOWN, lane_values, not_flown_because
+from uwsim.missions.lane_curves import LaneCurves, LegName, LegStart, MowerState, is_under_way, slips
+from uwsim.missions.lane_lengths import (
+    LANE_FLOWN,
+    LANES_FLOWN,
+    LEAST_FLOWN,
+    LaneEnd,
+    lane_values,
+    not_flown_because,
+)
 from uwsim.missions.lanes import Lane
 from uwsim.missions.lawn_mower_needs import missing_for_lanes
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan, SlowPlanWarning
-from uwsim.missions.lawn_mower_state import LaneEnd, LegName, LegStart, MowerState, SavedMission
 from uwsim.missions.lookout import Lookout
-from uwsim.missions.mission_state import checked_state
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.sonar_head import is_at
 from uwsim.missions.steps import Steps, drive
 from uwsim.missions.stopped import StoppedError
-from uwsim.missions.survey_pilot import Pilot, memory_of, remember, survey_pilot
+from uwsim.missions.survey_pilot import Pilot, survey_pilot
 from uwsim.missions.water_ahead import TURN_RANGE_M, is_water_ahead
 from uwsim.navigation.control.autopilot import wrap_angle
 from uwsim.navigation.control.protocols import Clock, SurveyVehicle, Watch
@@ -62,8 +66,8 @@ class AdaptiveLawnMower(Sealed):
     `run` needs a clock that can wait. The legs are "undock", "approach" and "tilt", then "turn", "abreast" and "mow"
     for each lane; a distant lane is preceded by a "transit" and another "tilt". During a long transit the sonar looks
     farther ahead than on the lanes. Without sway there are only "undock", "turn" (a curve), "transit" (around shoals)
-    and "mow"; after a curve in which it slipped, each lane is preceded by a "transit", "tilt" and "turn". `state` holds
-    everything carried from one control period to the next, so `save` and `restore` may be called at any time.
+    and "mow"; after a curve in which it slipped, each lane is preceded by a "transit", "tilt" and "turn". `state` is
+    its progress.
     """
 
     vehicle: SurveyVehicle
@@ -73,7 +77,7 @@ class AdaptiveLawnMower(Sealed):
     autopilot: Pilot
     lookout: Lookout
     _fixed_when = "the mission is made"
-    _changed_by = MappingProxyType({"state": "restore()", "lanes": "the plan's lanes"})
+    _changed_by = MappingProxyType({"lanes": "the plan's lanes"})
 
     def __init__(self, vehicle: SurveyVehicle, clock: Watch, plan: LawnMowerPlan, period_s: float = 0.1) -> None:
         if missing := missing_for_lanes(vehicle, plan.altitude_m):
@@ -96,9 +100,9 @@ class AdaptiveLawnMower(Sealed):
         if self._speed_m_s > plan.speed_m_s:
             text = f"the plan's speed, {plan.speed_m_s:g} m/s, is too slow for the vehicle's fins: it flies at "
             warnings.warn(f"{text}{self._speed_m_s:g} m/s", SlowPlanWarning, stacklevel=2)
-        east_m, north_m, _ = self._position().tolist()
-        self._state = MowerState((east_m, north_m), "approach" if vehicle.released else "undock")
-        self._plan_lanes()
+        self._state = MowerState("approach" if vehicle.released else "undock")
+        self._lanes = plan.lanes_near(self._position()[:2]) if plan.lanes is None else list(plan.lanes)
+        self._length_before_m = [0.0, *accumulate(lane.length_m for lane in self._lanes)]
 
     def __repr__(self) -> str:
         return f"<AdaptiveLawnMower of {self.vehicle!r}: lane {self._state.lane}, {self._state.leg}>"
@@ -124,22 +128,6 @@ class AdaptiveLawnMower(Sealed):
         ended = [end.flown_m for end in self.state.ended]
         return [*ended, self._flown_of_lane_m(), *[0.0] * len(self.lanes)][: len(self.lanes)]
 
-    def save(self) -> dict[str, Any]:
-        """Return, as JSON values, all state that the rest of the mission depends on, except vehicle and clock."""
-        seen = self.lookout
-        peaks = [(x, y, z) for x, y, z in seen.obstacles.peaks_world_m.tolist()]
-        return asdict(SavedMission(self.state, memory_of(self.autopilot), peaks, seen.shoals.cells, seen.heights))
-
-    def restore(self, state: Mapping[str, Any]) -> None:
-        """Load a state returned by `save`; `run` then continues from there. Raises ValueError for an invalid state."""
-        saved = checked_state(SavedMission, state)
-        remember(self.autopilot, saved.autopilot)
-        self._state = saved.mower
-        self._plan_lanes()
-        self.lookout.obstacles.restore(saved.lookout)
-        self.lookout.shoals.restore(saved.shoals)
-        self.lookout.heights.restore(saved.heights)
-
     def run(self) -> str:
         """Fly until the last lane ends or the mission stops early; return the reason, COVERED if 95 % was flown."""
         if not hasattr(self.clock, "wait"):
@@ -153,11 +141,9 @@ class AdaptiveLawnMower(Sealed):
             if not self.vehicle.released:
                 self.vehicle.release()
             while state.lane < len(self.lanes):
-                if state.leg_start is None:  # otherwise the leg is resumed, with the sonar as it was saved
-                    state.leg_start = self._leg_start()
-                    self.vehicle.sonar.aim(-math.radians(self.plan.tilt_deg))
-                state.leg = yield from self._legs()[state.leg](state.leg_start)
-                state.leg_start = None
+                start = self._leg_start()
+                self.vehicle.sonar.aim(-math.radians(self.plan.tilt_deg))
+                state.leg = yield from self._legs()[state.leg](start)
         except StoppedError as stop:
             return str(stop)
         finally:
@@ -185,17 +171,11 @@ class AdaptiveLawnMower(Sealed):
         curve, around = self._curve, self._around
         return legs | {"approach": curve, "tilt": curve, "turn": curve, "abreast": curve, "transit": around}
 
-    def _plan_lanes(self) -> None:
-        plan, near_m = self.plan, np.array(self.state.lanes_near_m)
-        given = plan.lanes
-        self._lanes = plan.lanes_near(near_m) if given is None else list(given)
-        self._length_before_m = [0.0, *accumulate(lane.length_m for lane in self._lanes)]
-
     def _look_farther_ahead(self) -> None:
         """Tilt the sonar less than on the lanes, so that its fan hits a flat bed farther ahead."""
         tilt_rad = math.atan2(self.plan.altitude_m, self.plan.transit_view_m)
         elevation_rad = -min(tilt_rad, math.radians(self.plan.tilt_deg))
-        if getattr(self.vehicle.sonar, "target_elevation_rad", None) != elevation_rad:  # as when a leg is resumed
+        if getattr(self.vehicle.sonar, "target_elevation_rad", None) != elevation_rad:
             self.vehicle.sonar.aim(elevation_rad)
 
     def _back_to(self, start: LegStart) -> tuple[float, float]:

@@ -1,9 +1,8 @@
-"""The mission interface: the steps that fly a mission, and a saved state from which another process can continue it."""
+"""The mission interface: the steps that fly a mission."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol
 
 from uwsim.missions.steps import Steps
 
@@ -18,7 +17,7 @@ else:
 
 
 class SteppedMission(Protocol[R_co]):
-    """A mission flown by its steps. A mission that need not be restored may simply be a generator function.
+    """A mission flown by its steps, as a generator function is.
 
     R_co: the type of its result; by default any.
     """
@@ -36,21 +35,3 @@ class Mission(SteppedMission[Any], Protocol):
 
     def run(self) -> str:
         """Fly all steps with a clock that can wait; return why the mission ended."""
-
-
-@runtime_checkable
-class ResumableMission(Protocol):
-    """A mission that another process can continue. Any other mission is resumed by flying it again from the start."""
-
-    def save(self) -> dict[str, Any]:
-        """Return, as JSON values, all state that the rest of the mission depends on, except that of vehicle and clock.
-
-        Called while `steps` is suspended at a `yield`; everything the mission does afterwards must depend only on this
-        state.
-        """
-
-    def restore(self, state: Mapping[str, Any]) -> None:
-        """Load a state returned by `save`; `steps` then continues as if that `yield` had just returned.
-
-        Raises ValueError for an invalid state.
-        """

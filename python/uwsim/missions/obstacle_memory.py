@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -42,17 +41,6 @@ class ObstacleMemory(Sealed):
         """The stored echoes, (n, 3), oldest first."""
         held, next_place = min(self._seen, len(self._ring)), self._seen % len(self._ring)
         return np.roll(self._ring, -next_place, axis=0)[-held:] if held == len(self._ring) else self._ring[:held].copy()
-
-    def restore(self, peaks_world_m: Sequence[Sequence[float]] | Vector) -> None:
-        """Replace the stored echoes with peaks_world_m (n, 3), oldest first.
-
-        Raises ValueError if there are too many echoes, or if any is not finite.
-        """
-        peaks = np.asarray(peaks_world_m, np.float64).reshape(-1, 3)
-        if len(peaks) > len(self._ring) or not np.isfinite(peaks).all():
-            raise ValueError(f"lookout: {len(peaks)} peaks: must be at most {len(self._ring)}, and finite")
-        self._ring[: len(peaks)] = peaks
-        self._seen = len(peaks)
 
     def add(self, ping: PingLike, position_world_m: Vector, heading_rad: float) -> None:
         """Store a ping's highest echo in the corridor, if any."""

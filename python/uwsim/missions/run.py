@@ -45,8 +45,8 @@ def begin(mission: MissionFunction, vehicles: Mapping[str, OwnVehicle]) -> Steps
 def made(mission: MissionFunction, vehicles: Mapping[str, OwnVehicle]) -> list[Steps[Any] | SteppedMission]:
     """Return one mission for all vehicles if its first parameter is named `vehicles`, otherwise one per vehicle.
 
-    A ResumableMission may be restored before it is flown. Raises ValueError for anything other than a generator
-    function of one argument, or a class of one argument with `steps`, and for a step that the mission never runs.
+    Raises ValueError for anything other than a generator function of one argument, or a class of one argument with
+    `steps`, and for a step that the mission never runs.
     """
     require_steps_run(mission)
     if first_parameter(mission) == "vehicles":

@@ -43,11 +43,6 @@ class ShoalChart(Sealed):
         """The (east, north) indices of all shoal cells, sorted."""
         return sorted(self._shoals)
 
-    def restore(self, cells: Iterable[Cell]) -> None:
-        """Replace the charted shoals with the given cells."""
-        self._shoals, self._near = set(), set()
-        self._chart(cells)
-
     def add(self, ping: PingLike) -> None:
         """Chart the shoals in a ping."""
         points = _core.points_above(ping.points_sonar_m, ping.world_from_sonar, self.top_z_m)

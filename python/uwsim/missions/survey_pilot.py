@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from uwsim.navigation.control.autopilot import Autopilot
 from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.control.protocols import SteeredVehicle
@@ -23,20 +21,3 @@ def survey_pilot(vehicle: SteeredVehicle, period_s: float) -> Pilot:
     if settings is not None and getattr(settings, "thrusters", 0) > 0:
         return Controller(vehicle, period_s, settings=settings)
     return Autopilot(vehicle, period_s)
-
-
-def memory_of(pilot: Pilot) -> tuple[float, ...]:
-    """Return the state carried between periods: 3 values for an Autopilot, 25 for a Controller."""
-    return tuple(pilot.memory.tolist()) if isinstance(pilot, Controller) else pilot.integrals
-
-
-def remember(pilot: Pilot, memory: Sequence[float]) -> None:
-    """Restore a state returned by memory_of. Raises ValueError if it comes from the other kind of pilot."""
-    expected = len(memory_of(pilot))
-    if len(memory) != expected:
-        raise ValueError(f"autopilot: {len(memory)} numbers: this vehicle's pilot has {expected}")
-    if isinstance(pilot, Controller):
-        pilot.memory = memory
-    else:
-        surge, sway, height = memory
-        pilot.integrals = (surge, sway, height)

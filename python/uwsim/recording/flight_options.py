@@ -14,7 +14,6 @@ class RecordOptions(AttachmentOptions):
     """The options of a recording."""
 
     switch = "record"
-    since_start = "a flight that is resumed cannot be recorded from its start"
 
     record: Path | None = option(
         None, "Record the run into a new file: FILE.mcap, or FILE.bag for ROS 1 (no replay).", is_written=True

@@ -83,7 +83,7 @@ def survey_recorder(sim: Simulator, path: Path, request: FlightRequest, topics: 
         raise ValueError(f"--record {path}: must end in .mcap for a survey")
     if request.estimate != "truth":
         raise ValueError(f"--record {path}: a survey with --estimate {request.estimate} cannot be recorded")
-    notes = {"request": {name: value for name, value in dataclasses.asdict(request).items() if name != "attachments"}}
+    notes = {"request": dataclasses.asdict(request)}
     pings = dataclasses.replace(PINGS, rate_hz=1.0 / ping_interval_s(sim, sim.rov.name))
     return Recorder(sim, path, topics=topics, kind=SURVEY, written=[pings], notes=notes)
 

@@ -15,7 +15,7 @@ import uwsim
 from plugin_package import add_package
 from uwsim.base import sockets
 from uwsim.base.options import OptionError, option
-from uwsim.flight.attachment import Attachment, AttachmentOptions, Attachments, Departure
+from uwsim.flight.attachment import Attachment, AttachmentOptions, Departure
 from uwsim.missions import wait
 
 PLACES = ("attach", "start", "flying", "on_ping", "observe", "commanded", "ended", "try_close")
@@ -163,13 +163,12 @@ def test_what_is_no_attachment_costs_a_warning(fly_with, attach, why: str) -> No
     assert flown.simulated_s == pytest.approx(0.5)
 
 
-def test_its_options_are_keywords_of_fly_and_are_kept_for_a_flight_that_is_resumed(module: ModuleType) -> None:
+def test_its_options_are_keywords_of_fly(module: ModuleType) -> None:
     module.Options = Asked
     noted.clear()
     uwsim.fly(mission, "pool")
     uwsim.fly(mission, "pool", mine=3, mine_word="b")
     assert noted == [(3, "b")]
-    assert Attachments(mine=3, mine_word="b", record="a.mcap").kept == {"mine": 3, "mine_word": "b"}
     with pytest.raises(OptionError, match="--mine-word: needs --mine"):
         uwsim.fly(mission, "pool", mine_word="b")
     with pytest.raises(TypeError, match="mine_wrd: nothing that is registered has this option"):

@@ -148,12 +148,10 @@ def test_a_server_that_goes_away_ends_the_mission_with_its_results(tmp_path: Pat
         ("--connect ws://127.0.0.1:9 --estimate filter", "--estimate: cannot be given with --connect"),
         ("--voxel 0.5", "--voxel: needs --map"),
         ("--record-topic odom", "--record-topic: needs --record"),
-        ("--resume", "no unfinished flight is saved"),
-        ("--connect ws://127.0.0.1:9 --resume", "a remote vehicle cannot be put back to where it was"),
         ("--lockstep", "--lockstep: needs --connect"),
         ("--connect ws://127.0.0.1:9 --seed 3", "--seed: cannot be given with --connect"),
         ("--connect ws://127.0.0.1:9 --record a.mcap", "--record: cannot be given with --connect"),
-        ("--connect ws://127.0.0.1:9 --autosave 5", "a remote vehicle cannot be put back to where it was"),
+        ("--connect ws://127.0.0.1:9 --autosave 5", "--autosave: cannot be given with --connect"),
         ("--connect ws://127.0.0.1:9 --report fulll", "report = 'fulll': must be one of full, json, none"),
     ],
 )

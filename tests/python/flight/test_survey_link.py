@@ -7,10 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from stopped_flights import StopAfter
 from uwsim import Simulator
-from uwsim.flight.fly import fly, resume
-from uwsim.flight.pinging import SURVEYED
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.survey import fly_survey, run_survey
 from uwsim.flight.terminal import Silent
@@ -39,16 +36,6 @@ def test_the_report_tells_both_maps_and_what_became_of_the_messages(linked, surv
     assert ashore.statistics().occupied_voxels == said["ashore"]["occupied_voxels"]
     assert (out / "map.bt").read_bytes() == (surveyed[1] / "map.bt").read_bytes(), "the link disturbs nothing"
     assert record.ashore.ping_count == said["ashore"]["pings"]
-
-
-def test_resumed_the_station_has_the_same_pings(linked, small_pool: Path, tmp_path: Path) -> None:
-    whole, _ = linked
-    options = {"map": True, "map_growth": False, "carried": SURVEYED, "report": "none"}
-    stopped = fly(None, small_pool, tmp_path, link="s2cm_hs", threads=1, autosave=StopAfter(151), **options)
-    assert stopped.interrupted
-    resumed = resume(tmp_path, threads=1, report="none")
-    assert resumed.ashore.save() == whole.ashore.save()
-    assert resumed.ashore.table() == whole.ashore.table()
 
 
 def test_over_a_cable_whole_pings_come_ashore() -> None:

@@ -1,15 +1,12 @@
 """The lawn-mower steers by the model of thrusters, or plainly without, and crosses a lake without a collision."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
-from resumed_mowing import mow_twice
 from test_missions import ScriptedVehicle, wide_pool
 from uwsim import Simulator
 from uwsim.missions import COVERED, AdaptiveLawnMower, Lane, LawnMowerPlan
-from uwsim.missions.survey_pilot import memory_of, remember, survey_pilot
+from uwsim.missions.survey_pilot import survey_pilot
 from uwsim.navigation.control.autopilot import Autopilot
 from uwsim.navigation.control.controller import Controller
 from uwsim.scenario import load
@@ -23,23 +20,11 @@ def test_thrusters_are_steered_by_their_model() -> None:
     assert isinstance(survey_pilot(ScriptedVehicle(), 0.1), Autopilot), "a remote vehicle tells no model"
 
 
-def test_a_heavy_vehicle_stays_level_at_full_speed_and_resumes_to_the_last_bit() -> None:
-    upright: list[float] = []
-
-    def ends(mission: AdaptiveLawnMower, sim: Simulator) -> bool:
-        upright.append(sim.rov.pose.world_from_body[2, 2])
-        return False
-
-    pool = partial(wide_pool, "bluerov2_heavy", 45.0)
-    mow_twice(pool, PLAN, lambda mission, sim: sim.time_s > 30.0, ends)
-    assert min(upright) > 0.9, "25 degrees"
-
-
-def test_what_another_kind_of_pilot_remembers_is_refused() -> None:
-    pilot = survey_pilot(wide_pool("bluerov2_heavy").rov, 0.1)
-    assert len(memory_of(pilot)) == 25
-    with pytest.raises(ValueError, match="3 numbers: this vehicle's pilot has 25"):
-        remember(pilot, (0.0, 0.0, 0.0))
+def test_a_heavy_vehicle_stays_level_at_full_speed() -> None:
+    with wide_pool("bluerov2_heavy", 45.0) as sim:
+        for wait in AdaptiveLawnMower(sim.rov, sim, PLAN).steps():
+            sim.wait(wait.duration_s)
+            assert sim.rov.pose.world_from_body[2, 2] > 0.9, "25 degrees"
 
 
 FROM, TO = np.array([-190.0, 0.0]), np.array([190.0, 0.0])

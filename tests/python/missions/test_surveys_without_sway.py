@@ -1,19 +1,16 @@
 """Vehicles that cannot go sideways fly a survey: a torpedo with fins, one with three thrusters, and a heavy box."""
 
-from functools import partial
 from pathlib import Path
 
 import pytest
 import yaml
 
 import uwsim
-from resumed_mowing import mow_twice
 from uwsim import Simulator
 from uwsim.flight.flyable_lanes import survey_plan
 from uwsim.flight.terminal import Silent
 from uwsim.missions import AdaptiveLawnMower
 from uwsim.missions.lawn_mower import COVERED
-from uwsim.scenario import load
 from uwsim.scenario.read.assets import find_yaml
 from vehicle_files import vehicle_file
 
@@ -86,26 +83,6 @@ def test_a_blunt_hull_that_slips_in_a_curve_stops_for_its_turns(tmp_path):
     assert not flown.ended_early and flown.result == COVERED
     assert flown.collisions == 0
     assert flown.coverage is not None and flown.coverage > 0.98
-
-
-def test_a_survey_resumes_in_a_curve_to_the_last_bit(tmp_path):
-    path = written(tmp_path, "pool", "remus100", 1.0)
-
-    def is_turning(mission: AdaptiveLawnMower, sim: Simulator) -> bool:
-        return (mission.state.leg, mission.state.lane) == ("turn", 1) and mission.state.reached > 5
-
-    plan = survey_plan(load(path).survey)
-    mow_twice(partial(Simulator, path), plan, is_turning, lambda mission, sim: mission.state.lane == 2)
-
-
-def test_a_survey_with_stops_resumes_to_the_last_bit(tmp_path):
-    path = written(tmp_path, "lake", "blunt", 1.0)
-
-    def is_mowing(mission: AdaptiveLawnMower, sim: Simulator) -> bool:
-        return mission.state.stops and mission.state.leg == "mow" and mission.state.along_m > 5.0
-
-    plan = survey_plan(load(path).survey)
-    mow_twice(partial(Simulator, path), plan, is_mowing, lambda mission, sim: mission.state.along_m > 20.0)
 
 
 def test_a_torpedo_that_misses_its_curve_keeps_the_speed_at_which_its_fins_turn_it(tmp_path):

@@ -9,7 +9,6 @@ import pytest
 import yaml
 
 import uwsim
-from resumed_mowing import mow_twice
 from uwsim import Simulator
 from uwsim.flight.flyable_lanes import survey_plan
 from uwsim.missions import AdaptiveLawnMower, LawnMowerPlan, YoYo
@@ -109,15 +108,6 @@ def test_it_stays_clear_of_the_bed_and_the_surface() -> None:
     assert not flight.ended_early and flight.collisions == 0
     assert samples["altitude_m"].min() > 2.0
     assert samples["z_m"][samples["released"] > 0].max() < HIGHEST_Z_M + 0.5
-
-
-def test_a_yoyo_resumes_to_the_last_bit(deep) -> None:
-    path, plan = deep(), LawnMowerPlan([[-130, -4], [-60, -4], [-60, 4]], yoyo=YoYo(8.0, 12.0))
-
-    def has_turned(mission: AdaptiveLawnMower, sim: Simulator) -> bool:
-        return mission.lookout.heights.early_m != (0.0, 0.0) or sim.time_s > 45.0
-
-    mow_twice(partial(Simulator, path), plan, has_turned, lambda mission, sim: sim.time_s > 60.0)
 
 
 @pytest.mark.parametrize(

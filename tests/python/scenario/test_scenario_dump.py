@@ -16,12 +16,10 @@ from pydantic import ValidationError
 
 from any_text import any_text
 from parameter_world import world
-from test_flight import StopAfter
 from uwsim import Simulator
 from uwsim.campaigns.sweeps import fly_again, run_sweep
 from uwsim.evidence import fingerprint as module
 from uwsim.evidence.fingerprint import fingerprint
-from uwsim.flight.fly import fly, resume
 from uwsim.recording import Recorder
 from uwsim.recording.capsule import pack, unpack
 from uwsim.recording.replay import replay
@@ -283,18 +281,6 @@ def test_a_sweep_flies_again_what_it_flew(tmp_path: Path) -> None:
     require_replayed(again / "run.mcap")
     for name in ("log.jsonl", f"track-{vehicle}.csv", "scenario.yaml"):
         assert (again / name).read_bytes() == (worst / name).read_bytes(), name
-
-
-def test_a_flight_is_resumed_to_the_same_bytes(tmp_path: Path) -> None:
-    """The scenario has two vehicles."""
-    scenario, mission = flyable("pair", tmp_path)
-    fly(mission, scenario, tmp_path / "whole", report="none")
-    assert fly(mission, scenario, tmp_path / "half", report="none", autosave=StopAfter(3)).interrupted
-    resume(tmp_path / "half", report="none")
-    tracks = [path.name for path in (tmp_path / "whole").glob("track-*.csv")]
-    assert tracks
-    for name in ("log.jsonl", *tracks):
-        assert (tmp_path / "half" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
 
 
 def test_parameters_of_noise_count_whatever_their_values(tmp_path: Path) -> None:

@@ -10,10 +10,7 @@ import pytest
 from mcap.reader import make_reader
 from mcap.writer import Writer
 
-from test_flight import StopAfter
 from uwsim import Simulator, _core
-from uwsim.flight import saved_flight
-from uwsim.flight.fly import fly, resume
 from uwsim.recording import Recorder
 from uwsim.recording.glance import glance
 from uwsim.recording.mcap_sink import START, VERSION
@@ -66,17 +63,6 @@ def test_an_estimate_of_another_version_is_refused_by_its_version() -> None:
         other = sim._core.save_state(scenario_fingerprint(sim.scenario), build_fingerprint(), json.dumps(notes))
         with pytest.raises(ValueError, match=rf"state.version = {version - 1}: must be {version}: another version"):
             sim.restore_state(other)
-
-
-def test_a_flight_of_another_version_is_refused_by_its_version(tmp_path: Path) -> None:
-    (tmp_path / "mission.py").write_text(
-        "from uwsim.missions import wait\n\ndef mission(vehicle):\n    for _ in range(20):\n        yield wait(0.5)\n"
-    )
-    assert fly(tmp_path / "mission.py", "pool", tmp_path / "out", report="none", autosave=StopAfter(3)).interrupted
-    path = tmp_path / "out" / "checkpoint" / "flight.json"
-    path.write_text(path.read_text().replace(f'"version": {saved_flight.VERSION}', '"version": 1', 1))
-    with pytest.raises(ValueError, match=f"json': has version 1: this uwsim reads {saved_flight.VERSION}"):
-        resume(tmp_path / "out")
 
 
 @pytest.mark.parametrize("version", ["99", None])

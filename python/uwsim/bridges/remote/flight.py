@@ -17,14 +17,13 @@ from uwsim.base.axes import AXES
 from uwsim.base.folder_lock import alone_in
 from uwsim.bridges.remote import LockstepClock, RemoteClock, RemoteConnection, RemoteVehicle, vehicle_names
 from uwsim.flight.autosave import FlightAutosave
-from uwsim.flight.checkpoint import MAP
 from uwsim.flight.clock import FlightOverError
 from uwsim.flight.end import run_to_end
 from uwsim.flight.folder import remove_stale_results, results_folder
 from uwsim.flight.mission_file import FUNCTION, load_mission, mission_name, with_arguments
 from uwsim.flight.mission_log import MissionLog
 from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
-from uwsim.flight.results import RESULT_FILES, require_report, write_results
+from uwsim.flight.results import MAP, RESULT_FILES, require_report, write_results
 from uwsim.flight.samples import COLUMNS, PERIOD_S, Samples
 from uwsim.flight.scored_area import scored_area_m
 from uwsim.flight.terminal import Silent

@@ -15,7 +15,6 @@ class DiaryOptions(AttachmentOptions):
     """The options of a diary."""
 
     switch = "diary"
-    since_start = "a diary begins with its flight"
 
     diary: Path | None = option(None, "Write time and depth into this file.", metavar="FILE", is_written=True)
     diary_every: float = option(10.0, "Simulated time between the diary's lines.", bounds=(1, 1e6, "s"))
