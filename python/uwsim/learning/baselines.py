@@ -1,7 +1,4 @@
-"""Baselines for the tasks with a gripper: policies written by hand, of observations in their own units.
-
-Each has no memory: what it does follows from what it observes now.
-"""
+"""A baseline for the task with a gripper: a policy written by hand, of observations in their own units."""
 
 from __future__ import annotations
 
@@ -10,24 +7,10 @@ from typing import Any
 import numpy as np
 
 from uwsim.learning.task import Floats, Task
-from uwsim.learning.tasks.grasp import Grasp
 from uwsim.learning.tasks.valve import GRIP_M, Valve
 
 GAIN, DAMPING = 3.0, 1.5
 """Efforts per metre of error, and per m/s."""
-
-
-def grasp(observation: Any) -> Floats:
-    """Return actions (n, 5) of Grasp: align ahead of the sample, go to it, close the jaws, and lift."""
-    seen = _parts(Grasp, observation)
-    error = seen["sample_body"].copy()
-    holds = (seen["jaws"].min(axis=1) > 0.01) & (np.linalg.norm(error, axis=1) < 0.06)
-    is_aligned = np.hypot(error[:, 1], error[:, 2]) < 0.02
-    is_there = is_aligned & (np.abs(error[:, 0]) < 0.02)
-    error[:, 0] -= np.where(is_aligned | holds, 0.0, 0.2)
-    error[:, 2] += np.where(holds, 0.08, 0.0)
-    heading = np.arctan2(-seen["sample_body"][:, 1], np.maximum(seen["sample_body"][:, 0] + 0.44, 0.3))
-    return _towards(seen, error, -heading * ~holds, np.where(holds | is_there, 1.0, -1.0))
 
 
 def valve(observation: Any) -> Floats:
@@ -42,7 +25,7 @@ def valve(observation: Any) -> Floats:
     return _towards(seen, error, off, np.ones(len(along)))
 
 
-BASELINES = {"Grasp": grasp, "Valve": valve}
+BASELINES = {"Valve": valve}
 
 
 def _towards(seen: dict[str, Floats], error_m: Floats, turn_rad: Floats, grip: Floats) -> Floats:

@@ -12,8 +12,7 @@ if TYPE_CHECKING:
     from uwsim.learning.task import Task
 
 NAMES = (
-    "StationKeeping", "Waypoint", "PipelineFollowing", "Docking", "Coverage", "GatePassing", "TetheredReturn", "Grasp",
-    "Valve",
+    "StationKeeping", "Waypoint", "PipelineFollowing", "Docking", "Coverage", "GatePassing", "TetheredReturn", "Valve",
 )  # fmt: skip
 ENVIRONMENTS = tuple(f"uwsim/{name}-v1" for name in NAMES)
 """Names of the current versions of all packaged environments in Gymnasium's registry."""

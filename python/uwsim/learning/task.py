@@ -30,8 +30,7 @@ PACKAGED = assets_folder() / "learning"
 class Field:
     """A part of an observation: `width` values in the same unit, each within +-limit (or [low, limit]).
 
-    mirror: the factor on each value when port and starboard are exchanged; () if no such factors exist. usual: the
-    usual size of each value, by which environments divide it; defaults to its limit. Raises ValueError.
+    usual: the usual size of each value, by which environments divide it; defaults to its limit. Raises ValueError.
     """
 
     name: str
@@ -40,7 +39,6 @@ class Field:
     unit: str
     about: str
     low: float | None = None
-    mirror: tuple[int, ...] = ()
     usual: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
@@ -51,23 +49,15 @@ class Field:
         low = -self.limit if self.low is None else self.low
         if not -math.inf < low < self.limit < math.inf:
             raise ValueError(f"{name}: range {low:g} to {self.limit:g} {self.unit}: must be finite and ascending")
-        for key in ("mirror", "usual"):
-            values = getattr(self, key)
-            if values and len(values) != self.width:
-                raise ValueError(f"{name}: {key} has {len(values)} values: must have {self.width}, or none")
+        if self.usual and len(self.usual) != self.width:
+            raise ValueError(f"{name}: usual has {len(self.usual)} values: must have {self.width}, or none")
         if not all(0.0 < value < math.inf for value in self.usual):
             raise ValueError(f"{name}: usual = {self.usual}: must be positive and finite")
-        if not set(self.mirror) <= {-1, 1}:
-            raise ValueError(f"{name}: mirror = {self.mirror}: must be 1 or -1 each")
 
     @property
     def sizes(self) -> tuple[float, ...]:
         """The usual size of each value: (width,)."""
         return self.usual or (max(self.limit, -self.limit if self.low is None else -self.low),) * self.width
-
-
-ARROW, TURN = (1, -1, 1), (-1, 1, -1)
-"""Factors on the components of vectors in body axes under reflection: for polar vectors, and for rates and moments."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -137,21 +127,17 @@ class Task(ABC):
                 1.0,
                 "1",
                 "the world's z axis in body axes, which shows the tilt",
-                None,
-                ARROW,
-                (0.2, 0.2, 1.0),
+                usual=(0.2, 0.2, 1.0),
             ),
-            Field("linear_velocity_body", 3, 5.0, "m/s", "over ground, in body axes", None, ARROW, (0.2,) * 3),
-            Field("angular_velocity_body", 3, 10.0, "rad/s", "in body axes", None, TURN, (0.5,) * 3),
+            Field("linear_velocity_body", 3, 5.0, "m/s", "over ground, in body axes", usual=(0.2,) * 3),
+            Field("angular_velocity_body", 3, 10.0, "rad/s", "in body axes", usual=(0.5,) * 3),
             Field(
                 "effort",
                 len(cls.action_names()),
                 1.0,
                 "1",
                 "the previous action",
-                None,
-                cls.action_mirror(),
-                (0.5,) * len(cls.action_names()),
+                usual=(0.5,) * len(cls.action_names()),
             ),
         )
 
@@ -159,13 +145,6 @@ class Task(ABC):
     def action_names(cls) -> tuple[str, ...]:
         """Return the names of an action's values: axes, then joints."""
         return (*cls.axes, *cls.joints)
-
-    @classmethod
-    def action_mirror(cls) -> tuple[int, ...]:
-        """Return the factor on each action value when port and starboard are exchanged; () if there are joints."""
-        if cls.joints:
-            return ()
-        return tuple((*ARROW, *TURN)[AXES.index(axis)] for axis in cls.axes)
 
     @property
     def observation_space(self) -> Space[Any]:

@@ -19,13 +19,11 @@ from uwsim.examples import (
     m09_two_vehicles,
     m10_digital_twin,
     m11_over_rosbridge,
-    m12_learned_policy,
 )
 from uwsim.live import LiveSimulator
 from uwsim.missions.planners import pipeline
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.build.station import exit_position
-from uwsim.scenario.read.assets import assets_folder
 from uwsim.simulator.helm import FailsafeWarning
 
 
@@ -170,17 +168,6 @@ def test_the_twin_is_given_up_for_home_when_water_comes_in_with_the_battery_sagg
     assert began(sim) == ["battery", "leak"] and flown.collisions == 0
     assert sim.rov.failsafe.state == "return"
     assert np.linalg.norm(sim.rov.pose.position_world_m[:2] - home_m[:2]) < 0.7
-
-
-def test_the_learned_policy_holds_its_place_with_a_thruster_out_in_a_current_that_it_has_not_met():
-    sim = Simulator(assets_folder() / "learning" / "open_water.yaml", seed=12)
-    sim.faults.inject("thruster", thruster=next(iter(sim.rov.thrusters)), health=0.0, at_s=5.0)
-    sim.faults.inject("current", velocity_world_m_s=[0.15, 0.1, 0.0], at_s=15.0)
-    sim.rov.place(m12_learned_policy.PLACE_M + np.array([1.0, -1.0, 0.5]))
-    samples = uwsim.fly(m12_learned_policy.mission, sim).samples["rov"]
-    off_m = np.linalg.norm(samples.path_world_m - m12_learned_policy.PLACE_M, axis=1)
-    assert off_m[0] > 1.0 and off_m[samples["time_s"] > 20.0].max() < 0.1
-    assert began(sim) == ["current", "thruster"]
 
 
 @pytest.mark.filterwarnings("ignore::uwsim.simulator.helm.FailsafeWarning")

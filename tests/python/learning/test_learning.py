@@ -32,7 +32,7 @@ def member(observation: Any, k: int) -> Any:
     return {name: part[k] for name, part in observation.items()} if isinstance(observation, dict) else observation[k]
 
 
-@pytest.mark.parametrize("name", ["StationKeeping", "Coverage", "Grasp"])  # with a map, with an arm
+@pytest.mark.parametrize("name", ["StationKeeping", "Coverage", "Valve"])  # with a map, with an arm
 def test_the_environment_passes_gymnasiums_check_without_warnings(name: str) -> None:
     env = gymnasium.make(f"uwsim/{name}-v1", render_mode="rgb_array")
     with warnings.catch_warnings():

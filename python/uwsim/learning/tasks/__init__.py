@@ -3,7 +3,6 @@
 from uwsim.learning.tasks.coverage import Coverage
 from uwsim.learning.tasks.docking import Docking
 from uwsim.learning.tasks.gate_passing import GatePassing
-from uwsim.learning.tasks.grasp import Grasp
 from uwsim.learning.tasks.pipeline_following import PipelineFollowing
 from uwsim.learning.tasks.station_keeping import StationKeeping
 from uwsim.learning.tasks.tethered_return import TetheredReturn
@@ -20,7 +19,6 @@ TASKS = {
         Coverage,
         GatePassing,
         TetheredReturn,
-        Grasp,
         Valve,
     )
 }
@@ -30,7 +28,6 @@ __all__ = [
     "Coverage",
     "Docking",
     "GatePassing",
-    "Grasp",
     "PipelineFollowing",
     "StationKeeping",
     "TetheredReturn",

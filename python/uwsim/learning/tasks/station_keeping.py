@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.learning.motion import Motion
-from uwsim.learning.task import ARROW, PACKAGED, Field, Floats, Start, Task, Verdict, spread
+from uwsim.learning.task import PACKAGED, Field, Floats, Start, Task, Verdict, spread
 
 PLACE_M = np.array([0.0, 0.0, -7.0])
 HALF_PAY_M = 0.2  # the distance at which the reward is halved
@@ -29,10 +29,8 @@ class StationKeeping(Task):
     draws = 4
     place_m = PLACE_M
     goal_fields = (
-        Field("place_body", 3, 10.0, "m", "the vector to the target, in body axes", None, ARROW, (0.2,) * 3),
-        Field(
-            "heading_body", 3, 1.0, "1", "the target heading's unit vector, in body axes", None, ARROW, (1.0, 0.3, 0.3)
-        ),
+        Field("place_body", 3, 10.0, "m", "the vector to the target, in body axes", usual=(0.2,) * 3),
+        Field("heading_body", 3, 1.0, "1", "the target heading's unit vector, in body axes", usual=(1.0, 0.3, 0.3)),
     )
 
     def start(self, members: NDArray[np.intp], draws: Floats) -> Start:

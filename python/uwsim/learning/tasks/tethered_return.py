@@ -37,8 +37,8 @@ class TetheredReturn(Task):
     goal_fields = (
         Field("place_body", 3, LOST_M, "m", "the vector to the place, or then to the start", usual=(5.0,) * 3),
         Field("pile_body", 3, LOST_M, "m", "the vector to the pile at the vehicle's depth", usual=(5.0,) * 3),
-        Field("is_returning", 1, 1.0, "1", "1 once the place has been reached", 0.0, (1,)),
-        Field("turned", 1, 3.0, "turns", "the angle passed about the pile since the start", None, (-1,), (0.5,)),
+        Field("is_returning", 1, 1.0, "1", "1 once the place has been reached", 0.0),
+        Field("turned", 1, 3.0, "turns", "the angle passed about the pile since the start", usual=(0.5,)),
     )
 
     def __init__(self, batch: Batch, vehicle: str | None = None) -> None:

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.batch import Batch
-from uwsim.learning.gripper import CLOSED_M, GRIP, from_jaws, west_of
 from uwsim.learning.motion import Motion
-from uwsim.learning.task import PACKAGED, Field, Floats, Start, Task, Verdict
+from uwsim.learning.task import PACKAGED, Field, Floats, Start, Task, Verdict, spread
 
+JAWS_BODY_M, CLOSED_M = np.array([0.44, 0.0, -0.10]), 0.04
+"""The middle between the jaws of bluerov2_heavy_gripper, on the vehicle; how far each moves until they are closed."""
 VALVE = "valve"
 LEVER_UP_M, GRIP_M = 0.11, 0.24
 TURNED_RAD, LOST_M = math.radians(85.0), 5.0
@@ -32,7 +33,7 @@ class Valve(Task):
     period_s = 0.1
     duration_s = 90.0
     axes = ("surge", "sway", "heave", "yaw")
-    joints = GRIP
+    joints: ClassVar = {"grip": ("left", "right")}
     randomize: ClassVar = {"water.current_world_m_s.x": (-0.05, 0.05), "water.current_world_m_s.y": (-0.05, 0.05)}
     draws = 4
     goal_fields = (
@@ -51,9 +52,11 @@ class Valve(Task):
     def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
         """Begin west of the lever."""
         before_m = self._spindle_m - [0.0, GRIP_M, 0.0]
-        begun, self._distance_m[members] = west_of(before_m, (1.0, 1.4), draws)
-        self._turned_rad[members] = 0.0
-        return begun
+        ranges = ((1.0, 1.4), (-0.3, 0.3), (-0.2, 0.2), (-0.4, 0.4))
+        back, aside, up, yaw = (spread(draws[:, k], low, high) for k, (low, high) in enumerate(ranges))
+        from_place = np.column_stack([-back, aside, up])
+        self._distance_m[members], self._turned_rad[members] = np.linalg.norm(from_place, axis=1), 0.0
+        return Start(before_m + from_place - JAWS_BODY_M, yaw)
 
     def goal(self, now: Motion) -> Floats:
         """Return where the lever and the jaws are."""
@@ -76,6 +79,11 @@ class Valve(Task):
 
     def _lever_rad(self) -> Floats:
         return self.batch.read_joints(VALVE).positions[:, 0]
+
+
+def from_jaws(now: Motion, place_world_m: Floats) -> Floats:
+    """Return the vector from the middle between the jaws to a position, (n, 3) or (3,), in body axes: (n, 3)."""
+    return np.asarray(now.towards(place_world_m) - JAWS_BODY_M)
 
 
 def _along(turned_rad: Floats) -> Floats:
