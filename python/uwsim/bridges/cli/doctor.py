@@ -14,10 +14,6 @@ MARKS = {"ok": "ok", "note": "-", "wrong": "WRONG"}
 
 def doctor(
     bridges: ExaminedBridges,
-    port: Annotated[
-        int, typer.Option(help="Port of the rosbridge, running or planned.", callback=within(1, 65535))
-    ] = 9090,
-    ardusub_port: Annotated[int, typer.Option(help="UDP port for ArduSub's frames.", callback=within(1, 65535))] = 9002,
     listen: Annotated[
         float, typer.Option(help="How long to listen for ROS 2 nodes [s].", callback=within(0.1, 60, "s"))
     ] = 3.0,
@@ -25,7 +21,7 @@ def doctor(
 ) -> int:
     """Diagnose the installation, and why ROS does not connect.
 
-    Checks processor, extras, domain, interface, multicast, versions and ports. Exits with 1 if something is wrong.
+    Checks processor, extras and versions, and which nodes answer. Exits with 1 if something is wrong.
     """
     import json
     from dataclasses import asdict
@@ -38,7 +34,7 @@ def doctor(
 
     console = Console(stderr=as_json)
     with console.status(f"looking and listening for {listen:g} s"):
-        findings = list(examine(bridges, port, ardusub_port, listen))
+        findings = list(examine(bridges, listen))
     wrong = sum(finding.verdict == "wrong" for finding in findings)
     if as_json:
         typer.echo(json.dumps([asdict(finding) for finding in findings], indent=1))

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, get_args
 
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsParticipant, BuiltinTopicDcpsPublication
 from cyclonedds.qos import Policy
 
-from uwsim.bridges.doctor.environment import LOCALHOST_ADVICE
 from uwsim.bridges.doctor.finding import Finding
-from uwsim.bridges.doctor.network import participants_here, udp_ports
 from uwsim.bridges.ros2.dds import Participant, RawReader
 from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
 from uwsim.bridges.ros2.qos import reader_qos
-from uwsim.bridges.ros2.settings import SAFE_DOMAIN_MAX, Ros2Settings
+from uwsim.bridges.ros2.settings import PARTICIPANTS_MAX, SAFE_DOMAIN_MAX, Ros2Settings, unicast_port
 from uwsim.channels.ros.cdr import Distro, store_of
 
 LOOK_S = 0.05
+LOCALHOST_ADVICE = "export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST (Humble: ROS_LOCALHOST_ONLY=1) on the side of ROS"
 
 
 def discovery(settings: Ros2Settings, listen_s: float) -> list[Finding]:
@@ -96,3 +96,20 @@ def _names(reader: RawReader, distro: Distro) -> list[str]:
 
 def _user_data(sample: Any) -> bytes:
     return bytes(sample.qos[Policy.Userdata].data) if Policy.Userdata in sample.qos else b""
+
+
+def udp_ports() -> set[int]:
+    """Return the UDP ports in use on this machine."""
+    found = set()
+    for name in ("udp", "udp6"):
+        try:
+            lines = Path(f"/proc/net/{name}").read_text().splitlines()[1:]
+        except OSError:
+            continue
+        found |= {int(line.split()[1].rpartition(":")[2], 16) for line in lines}
+    return found
+
+
+def participants_here(domain_id: int, ports: set[int]) -> int:
+    """Return the number of a domain's participants on this machine, as inferred from the ports in use."""
+    return sum(unicast_port(domain_id, number) in ports for number in range(PARTICIPANTS_MAX))

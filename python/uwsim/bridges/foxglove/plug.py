@@ -4,21 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 from uwsim.bridges.doors.door import HOST, WEB, Door
 from uwsim.bridges.foxglove.options import FoxgloveOptions
 from uwsim.bridges.plug import BridgePlug, Context, Opened
-
-if TYPE_CHECKING:
-    from uwsim.bridges.doctor.finding import Finding
 
 
 class FoxglovePlug(BridgePlug[FoxgloveOptions]):
     """The Foxglove server. Raises MissingExtraError."""
 
     options = FoxgloveOptions
-    examined = ("foxglove_port",)
     doors = (Door("`--foxglove`", "TCP", 1, HOST, "Foxglove", WEB, ("--foxglove", "--foxglove-port", "0")),)
 
     def __init__(self, options: FoxgloveOptions) -> None:
@@ -42,10 +37,3 @@ class FoxglovePlug(BridgePlug[FoxgloveOptions]):
             **context.access,
         ) as server:
             yield Opened(f"Foxglove at {server.url}", server)
-
-    @classmethod
-    def examine(cls, options: FoxgloveOptions, listen_s: float) -> Iterator[Finding]:
-        """Yield a finding about the port."""
-        from uwsim.bridges.doctor.servers import foxglove_port
-
-        yield foxglove_port(options.port)

@@ -91,15 +91,10 @@ class Ros2Plug(BridgePlug[Ros2Options]):
 
     @classmethod
     def examine(cls, options: Ros2Options, listen_s: float) -> Iterator[Finding]:
-        """Yield findings about the environment variables, the network, and the domain's participants."""
-        from uwsim.bridges.doctor.environment import environment
-        from uwsim.bridges.doctor.network import network
+        """Yield findings about the domain's participants."""
         from uwsim.bridges.doctor.software import extra
 
-        settings = options.settings()
-        yield from environment(os.environ, settings)
-        yield from network(settings)
         if extra("ros2").verdict == "ok":
             from uwsim.bridges.doctor.discovery import discovery
 
-            yield from discovery(settings, listen_s)
+            yield from discovery(options.settings(), listen_s)
