@@ -22,7 +22,7 @@ LISTING = {  # a command that goes over all entries of a group; the first one ma
     "uwsim.assets": "scenario check unknown",
     "uwsim.cli": "--help",
     **{f"uwsim.cli.{name}": f"{name} --help" for name in
-       ("map", "scenario", "exercise", "recording")},
+       ("map", "scenario", "recording")},
     "uwsim.scenario_sources": "scenario from empty.txt",
     "uwsim.schemas": "scenario schema exercise",
     "uwsim.bridges": "serve --help",

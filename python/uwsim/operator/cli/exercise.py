@@ -191,3 +191,18 @@ def _serve(
         hub.run_exercise(found, person, name)
         url = page_url(server.url, tokens.token)
         wait_for_interrupt(f"the exercise is at {url}; its sheets will be in {out}; Ctrl-C ends it")
+
+
+@app.command()
+def check(
+    sheet: Annotated[Path, typer.Argument(help="The sheet, score.json.", callback=readable)], as_json: AsJson = False
+) -> None:
+    """Check that a score sheet is as it was written, by its digest."""
+    from uwsim.exercises.certified import read_sheet
+
+    found = read_sheet(sheet)
+    if as_json:
+        print_json(found)
+    else:
+        by = found["person"] or "not named"
+        typer.echo(f"{sheet}: is as it was written: {by}, {found['title']}, {found['date']}")
