@@ -21,7 +21,8 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from uwsim.channels.ros import build
 from uwsim.mapping import OccupancyMap, ranging
-from uwsim.recording.reader import NOT_OURS, Recording
+from uwsim.recording.contents import NOT_OURS
+from uwsim.recording.reader import Recording
 from uwsim.scenario.read.contained import run_contained
 
 Floats = NDArray[np.float64]

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import struct
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, NamedTuple
 
-from mcap.exceptions import McapError
+from mcap.exceptions import EndOfFile
 from mcap.opcode import Opcode
 from mcap.reader import SeekingReader
-from mcap.records import Metadata
 
 from uwsim.base.texts.text_file import require_regular
+from uwsim.recording.chunk import UNREADABLE
+from uwsim.recording.contents import parsed, places
 from uwsim.recording.mcap_sink import END, START, VERSION
 from uwsim.recording.metadata import End, Start, checked
-from uwsim.recording.records import HEAD_BYTES, CutOffError, RecordFile
 
 RECORD_BYTES_MAX = 1 << 24  # larger than any record that is read here
-_UNREADABLE = (McapError, struct.error, RuntimeError, ValueError, KeyError, EOFError, OverflowError, MemoryError)
-_HEAD = struct.Struct("<BQ")  # kind, length of the content
 _CHUNK_TIMES = struct.Struct("<QQ")  # the first and last time in a chunk [ns]
 
 
@@ -45,9 +44,9 @@ def glance(path: Path) -> Glance:
         try:
             reader = SeekingReader(file, record_size_limit=RECORD_BYTES_MAX)
             metadata = {each.name: each.metadata for each in reader.iter_metadata()}
-        except _UNREADABLE:
+        except (*UNREADABLE, KeyError):
             is_whole = False
-            metadata, last_ns = _of_cut_off(path, file)
+            metadata, last_ns = _of_cut_off(file)
     if START not in metadata or (is_whole and END not in metadata):
         raise ValueError(f"recording '{path}': was not written by uwsim" + (", or is still empty" * (not is_whole)))
     if (version := metadata[START].get("version", "none")) != VERSION:
@@ -64,27 +63,14 @@ def glance(path: Path) -> Glance:
     return Glance(start, None, round(last_ns * 1e-9 / start.step_s))
 
 
-def _of_cut_off(path: Path, file: IO[bytes]) -> tuple[dict[str, dict[str, str]], int | None]:
+def _of_cut_off(file: IO[bytes]) -> tuple[dict[str, dict[str, str]], int | None]:
     """Return the metadata at the start, and the last time in the last whole chunk [ns], or None without a chunk."""
-    file.seek(0)
-    records, found = RecordFile(path, file), {}
-    try:
-        if records.magic():
-            for _ in range(2):  # the header, and the metadata right after it
-                if (record := records.record()).kind == Opcode.METADATA:
-                    parsed: Metadata = record.parsed()
-                    found[parsed.name] = parsed.metadata
-        return found, _last_ns(file, records.position)
-    except (CutOffError, ValueError):
-        return {}, None
-
-
-def _last_ns(file: IO[bytes], at: int) -> int | None:
-    size, last_ns = file.seek(0, 2), None
-    while at + HEAD_BYTES <= size:
-        file.seek(at)
-        kind, length = _HEAD.unpack(file.read(HEAD_BYTES))
-        at += HEAD_BYTES + length
-        if at <= size and kind == Opcode.CHUNK and length >= _CHUNK_TIMES.size:
-            _, last_ns = _CHUNK_TIMES.unpack(file.read(_CHUNK_TIMES.size))
-    return last_ns
+    found, last_ns = dict[str, dict[str, str]](), None
+    with suppress(EndOfFile, ValueError):
+        for place in places(file):
+            if place.kind == Opcode.METADATA and not found:
+                metadata = parsed(place.kind, file.read(place.length))
+                found[metadata.name] = metadata.metadata
+            elif place.kind == Opcode.CHUNK and place.length >= _CHUNK_TIMES.size:
+                _, last_ns = _CHUNK_TIMES.unpack(file.read(_CHUNK_TIMES.size))
+    return found, last_ns

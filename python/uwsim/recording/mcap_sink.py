@@ -27,8 +27,7 @@ from uwsim.base.own_files import mark
 from uwsim.channels import Channel
 from uwsim.channels.delivery.feed import Reading
 from uwsim.channels.ros.cdr import schema
-from uwsim.recording.mcap_file import McapFile
-from uwsim.recording.records import HEAD_BYTES
+from uwsim.recording.mcap_file import RECORD_HEAD, McapFile
 from uwsim.recording.sink import Batch
 
 START, END, ROSBAG2 = "uwsim", "uwsim.end", "rosbag2"
@@ -208,7 +207,7 @@ def _checksum(name: str, metadata: Mapping[str, str]) -> int:
     """Return the CRC-32 of a metadata record's content."""
     record = RecordBuilder()
     Metadata(name, dict(metadata)).write(record)
-    return zlib.crc32(record.end()[HEAD_BYTES:])  # type: ignore[no-untyped-call]
+    return zlib.crc32(record.end()[RECORD_HEAD:])  # type: ignore[no-untyped-call]
 
 
 @functools.cache  # a file's many channels have only two different profiles

@@ -7,22 +7,19 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mcap.opcode import Opcode
+from mcap.records import Message
 
-from uwsim.base.texts.text_file import require_regular
 from uwsim.channels.ros.cdr import encode, schema
 from uwsim.channels.ros.message_types import resolve
 from uwsim.channels.ros.own_types import OWN_TYPES
 from uwsim.recording import tables
 from uwsim.recording.commands import COMMANDS, Command, command_of
-from uwsim.recording.contents import Contents, DataReader, read_messages
+from uwsim.recording.contents import NOT_OURS, read_contents, read_messages
 from uwsim.recording.mcap_sink import END, START, SURVEY, VERSION, metadata_of
 from uwsim.recording.messages import ChannelInfo, Recorded
 from uwsim.recording.metadata import End, Start, checked
 from uwsim.recording.ping_channel import NAME as PINGS
 from uwsim.recording.pings import taken_ping
-from uwsim.recording.records import CutOffError, Message, RecordFile
-from uwsim.recording.summary import read_summary
 
 if TYPE_CHECKING:
     import pandas
@@ -30,10 +27,6 @@ if TYPE_CHECKING:
     import xarray
 
     from uwsim.recording.derived import Derived, Make
-
-
-NOT_OURS = "was not written by uwsim"
-"""In the message for a file of another's."""
 
 
 class Recording:
@@ -49,7 +42,7 @@ class Recording:
         self.path = Path(path)
         if self.path.suffix == ".bag":
             raise ValueError(f"recording '{path}': ROS 1 bags cannot be read; record to .mcap instead")
-        contents = _read_contents(self.path)
+        contents = read_contents(self.path)
         metadata = contents.metadata
         if START not in metadata:
             raise ValueError(f"recording '{path}': {NOT_OURS}, or is still empty")
@@ -57,8 +50,7 @@ class Recording:
         self.complete, self.attachments = contents.complete, contents.attachments
         self._channels, self._schemas = contents.channels, contents.schemas
         self._counts, self._chunks = contents.counts, contents.chunks
-        chunks = contents.indexes[Opcode.CHUNK_INDEX]
-        self._last_ns: int | None = chunks[-1].message_end_time if chunks else None
+        self._last_ns = contents.last_ns
         try:
             self.start = checked(Start, metadata[START])
             self.end = checked(End, metadata[END]) if END in metadata and contents.is_whole else None
@@ -202,7 +194,7 @@ class Recording:
     def _recorded(self, message: Message) -> Recorded:
         channel = self._channels[message.channel_id]
         kind = self._schemas[channel.schema_id].name
-        return Recorded(channel.topic.removeprefix("/"), kind, message.time_ns, message.data)
+        return Recorded(channel.topic.removeprefix("/"), kind, message.log_time, message.data)
 
     def _numbers(self, names: Iterable[str]) -> set[int]:
         numbers = {channel.topic.removeprefix("/"): number for number, channel in self._channels.items()}
@@ -233,21 +225,3 @@ class Recording:
 def _fields(text: str) -> list[str]:
     """Return the lines of a message definition without its comments, which may change."""
     return [line for each in text.splitlines() if (line := " ".join(each.split("#")[0].split()))]
-
-
-def _read_contents(path: Path) -> Contents:
-    """Read a file to its end, or to the point where it is cut off. Raises ValueError if it is damaged, or OSError."""
-    with require_regular(path).open("rb") as opened:
-        file = RecordFile(path, opened)
-        data = DataReader(file)
-        contents = data.contents
-        try:
-            if not file.magic():
-                raise ValueError(f"recording '{path}': was not written by uwsim: its first bytes are not MCAP's")
-            data.read()
-            read_summary(file, contents)
-            contents.complete = True
-        except CutOffError:
-            if contents.metadata and not contents.is_ours:
-                raise file.damaged("it is cut off, and its header is not uwsim's") from None
-        return contents

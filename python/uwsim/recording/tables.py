@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     import pyarrow
     import xarray
 
-    from uwsim.recording.messages import Messages
+    from uwsim.recording.messages import Messages, Recorded
 
 TIME = "time_s"
 BLOCK = {1: np.int8, 2: np.uint8, 3: np.int16, 4: np.uint16, 5: np.int32, 6: np.uint32, 7: np.float32, 8: np.float64}
@@ -31,21 +32,7 @@ def arrow(recording: Messages, topic: str) -> pyarrow.Table:
     in arrays become structs.
     """
     need_extra("pyarrow", "a recording as a table")
-    import pyarrow
-
-    kind = recording.info(topic).type
-    columns = list(_columns(kind))
-    rows: dict[str, list[Any]] = {name: [] for name, _, _ in columns}
-    times_s = []
-    for recorded in recording.messages(topic):
-        message = recorded.message
-        times_s.append(1e-9 * recorded.time_ns)
-        for name, get, _ in columns:
-            rows[name].append(get(message))
-    arrays = {TIME: pyarrow.array(times_s, pyarrow.float64())}
-    for name, _, part in columns:
-        arrays[name] = pyarrow.array(rows[name], _arrow_type(part))
-    return pyarrow.table(arrays)
+    return _table(recording.info(topic).type, list(recording.messages(topic)))
 
 
 def pandas_frame(recording: Messages, topic: str) -> pandas.DataFrame:
@@ -64,68 +51,62 @@ def dataset(recording: Messages, topic: str) -> xarray.Dataset:
     need_extra("xarray", "a recording as a dataset")
     import xarray
 
-    kind = recording.info(topic).type
-    messages, times_s = [], []
-    for recorded in recording.messages(topic):
-        messages.append(recorded.message)
-        times_s.append(1e-9 * recorded.time_ns)
-    found = SPECIAL.get(kind, _plain_variables)(kind, messages)
-    variables = {name: (dims, values) for name, (dims, values) in found.items()}
-    made = xarray.Dataset(variables, coords={TIME: ("time", np.array(times_s))}, attrs={"topic": topic, "type": kind})
+    kind, found = recording.info(topic).type, list(recording.messages(topic))
+    messages = [recorded.message for recorded in found]
+    variables = SPECIAL[kind](messages) if kind in SPECIAL else _plain_variables(_table(kind, found))
+    coordinates: dict[str, Any] = {TIME: ("time", np.array([1e-9 * recorded.time_ns for recorded in found]))}
     if kind.endswith("/LaserScan") and messages:
+        for name in ("ranges", "intensities"):
+            _, values = variables.pop(name)
+            if values.shape[1]:
+                variables[name] = ("time", "beam"), values
         first = messages[0]
-        angles = first.angle_min + first.angle_increment * np.arange(len(first.ranges))
-        made = made.assign_coords(angle_rad=("beam", angles))
-    return made
+        coordinates["angle_rad"] = "beam", first.angle_min + first.angle_increment * np.arange(len(first.ranges))
+    return xarray.Dataset(variables, coords=coordinates, attrs={"topic": topic, "type": kind})
 
 
-Column = tuple[str, Callable[[Any], Any], Kind]
 Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 
 
-def _columns(kind: str, path: str = "", get: Callable[[Any], Any] = lambda message: message) -> Iterator[Column]:
-    """Yield each field's name, getter and kind. Nested messages are expanded, except in arrays."""
+def _table(kind: str, found: Sequence[Recorded]) -> pyarrow.Table:
+    import pyarrow
+
+    times_s = pyarrow.array([1e-9 * recorded.time_ns for recorded in found], pyarrow.float64())
+    rows = pyarrow.array([_plain(recorded.message, kind) for recorded in found], _struct(kind))
+    table = pyarrow.table({TIME: times_s, "": rows})
+    while any(pyarrow.types.is_struct(each.type) for each in table.schema):
+        table = table.flatten()
+    return table.rename_columns([name.removeprefix(".") for name in table.column_names])
+
+
+def _parts(kind: str) -> Iterator[tuple[str, str, Kind, bool]]:
+    """Yield name, attribute and kind of each field of a type, and whether it is a time stamp."""
     for field in fields(kind, 2):
-        if field.attribute is None:
-            continue
-        name, part = f"{path}{field.name}", _getter(get, field.attribute)
-        if not field.kind.is_message or field.kind.length is not None:
-            yield name, _plain_getter(part, field.kind), field.kind
-        elif field.kind.base in TIMES:
-            yield f"{name}_ns", _nanoseconds(part), Kind("int64", None, 0)
-        else:
-            yield from _columns(field.kind.base, f"{name}.", part)
-
-
-def _getter(get: Callable[[Any], Any], attribute: str) -> Callable[[Any], Any]:
-    return lambda message: getattr(get(message), attribute)
-
-
-def _nanoseconds(get: Callable[[Any], Any]) -> Callable[[Any], int]:
-    def nanoseconds(message: Any) -> int:
-        time = get(message)
-        return int(time.sec * 1_000_000_000 + time.nanosec)
-
-    return nanoseconds
-
-
-def _plain_getter(get: Callable[[Any], Any], kind: Kind) -> Callable[[Any], Any]:
-    if not kind.is_message:
-        return get
-    return lambda message: [_plain(value, kind.base) for value in get(message)]
+        if field.attribute is not None:
+            is_time = field.kind.base in TIMES and field.kind.length is None
+            yield f"{field.name}_ns" if is_time else field.name, field.attribute, field.kind, is_time
 
 
 def _plain(message: Any, kind: str) -> dict[str, Any]:
-    """Convert a message in an array to a dict of its fields."""
+    """Convert a message to a dict of its fields."""
     found = {}
-    for field in fields(kind, 2):
-        if field.attribute is not None:
-            value = getattr(message, field.attribute)
-            if field.kind.is_message:
-                one = field.kind.length is None
-                value = _plain(value, field.kind.base) if one else [_plain(v, field.kind.base) for v in value]
-            found[field.name] = value
+    for name, attribute, part, is_time in _parts(kind):
+        value = getattr(message, attribute)
+        if is_time:
+            value = value.sec * 1_000_000_000 + value.nanosec
+        elif part.is_message:
+            one = part.length is None
+            value = _plain(value, part.base) if one else [_plain(each, part.base) for each in value]
+        found[name] = value
     return found
+
+
+def _struct(kind: str) -> pyarrow.DataType:
+    import pyarrow
+
+    return pyarrow.struct(
+        [(name, pyarrow.int64() if is_time else _arrow_type(part)) for name, _, part, is_time in _parts(kind)]
+    )
 
 
 def _arrow_type(kind: Kind) -> Any:
@@ -134,40 +115,29 @@ def _arrow_type(kind: Kind) -> Any:
     if kind.length is not None:
         return pyarrow.list_(_arrow_type(Kind(kind.base, None, 0)))
     if kind.is_message:
-        parts = [(f.name, _arrow_type(f.kind)) for f in fields(kind.base, 2) if f.attribute is not None]
-        return pyarrow.struct(parts)
+        return _struct(kind.base)
     names = {"string": "string", "wstring": "string", "bool": "bool_", "char": "uint8", "byte": "uint8"}
     return getattr(pyarrow, names.get(kind.base, kind.base))()
 
 
-def _plain_variables(kind: str, messages: list[Any]) -> Variables:
+def _plain_variables(table: pyarrow.Table) -> Variables:
+    """Return the columns of numbers, and those of lists of numbers as rows."""
+    from pyarrow import types
+
     found: Variables = {}
-    for name, get, part in _columns(kind):
-        if part.is_message or part.base in ("string", "wstring"):
-            continue
-        values = [get(message) for message in messages]
-        if part.length is None:
-            found[name] = (("time",), np.array(values))
-        else:
-            found[name] = (("time", name), _padded(values))
+    for name in table.column_names[1:]:
+        column = table[name].combine_chunks()
+        if types.is_list(column.type) and types.is_primitive(column.type.value_type):
+            values = column.values.to_numpy(zero_copy_only=False)
+            found[name] = ("time", name), _padded([values[a:b] for a, b in pairwise(column.offsets.to_numpy())])
+        elif types.is_primitive(column.type):
+            found[name] = ("time",), np.array(column.to_pylist())
     return found
 
 
-def _scan_variables(kind: str, messages: list[Any]) -> Variables:
-    found = _plain_variables(kind, messages)
-    for name in ("ranges", "intensities"):
-        _, values = found.pop(name)
-        if values.shape[1]:
-            found[name] = (("time", "beam"), values)
-    return found
-
-
-def _cloud_variables(kind: str, messages: list[Any]) -> Variables:
-    found: Variables = {}
+def _cloud_variables(messages: list[Any]) -> Variables:
     names = [field.name for field in messages[0].fields] if messages else []
-    for name in names:
-        found[name] = (("time", "point"), _padded([cloud_field(message, name) for message in messages]))
-    return found
+    return {name: (("time", "point"), _padded([cloud_field(each, name) for each in messages])) for name in names}
 
 
 def cloud_field(message: Any, name: str) -> NDArray[Any]:
@@ -182,7 +152,7 @@ def cloud_field(message: Any, name: str) -> NDArray[Any]:
     raise ValueError(f"field = {name!r}: must be one of {', '.join(field.name for field in message.fields)}")
 
 
-def _picture_variables(kind: str, messages: list[Any]) -> Variables:
+def _picture_variables(messages: list[Any]) -> Variables:
     import io
 
     from PIL import Image
@@ -191,7 +161,7 @@ def _picture_variables(kind: str, messages: list[Any]) -> Variables:
     return {"rgb": (("time", "row", "column", "channel"), np.array(pictures))}
 
 
-def _image_variables(kind: str, messages: list[Any]) -> Variables:
+def _image_variables(messages: list[Any]) -> Variables:
     layouts = {"32FC1": np.float32, "mono8": np.uint8, "mono16": np.uint16, "16UC1": np.uint16}
     images = []
     for message in messages:
@@ -214,8 +184,7 @@ def _padded(arrays: list[Any]) -> NDArray[Any]:
     return rows
 
 
-SPECIAL: dict[str, Callable[[str, list[Any]], Variables]] = {
-    "sensor_msgs/msg/LaserScan": _scan_variables,
+SPECIAL: dict[str, Callable[[list[Any]], Variables]] = {
     "sensor_msgs/msg/PointCloud2": _cloud_variables,
     "sensor_msgs/msg/CompressedImage": _picture_variables,
     "sensor_msgs/msg/Image": _image_variables,

@@ -7,7 +7,7 @@ import pytest
 import zstandard
 from mcap.records import Chunk
 
-from uwsim.recording.records import BYTES_PER_BYTE, CHUNK_BYTES, unpacked
+from uwsim.recording.chunk import BYTES_PER_BYTE, CHUNK_BYTES, unpacked
 
 SIZE = 100_000_000
 PACKED = {"lz4": lz4.frame.compress(bytes(SIZE)), "zstd": zstandard.compress(bytes(SIZE)), "": bytes(1000)}

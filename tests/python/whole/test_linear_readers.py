@@ -19,6 +19,7 @@ import uwsim
 from uwsim.base.texts.csv_table import read_csv
 from uwsim.evidence import soundings
 from uwsim.evidence.robots import stonefish_text
+from uwsim.recording.contents import read_contents
 from uwsim.scenario import load
 from uwsim.scenario.read import cast_file
 from uwsim.scenario.terrains.elevations import GRID_NUMBER
@@ -128,12 +129,6 @@ def recorded(count: int) -> bytes:
     return out.getvalue()
 
 
-def read_recording(path: Path) -> object:
-    from uwsim.recording.reader import _read_contents
-
-    return _read_contents(path)
-
-
 READERS: dict[str, tuple[str, Callable[[int], bytes], Callable[[Path], object]]] = {
     "unknown keys": ("s.yaml", unknown_keys, load),
     "unknown keys below one": ("s.yaml", nested_unknown_keys, load),
@@ -143,7 +138,7 @@ READERS: dict[str, tuple[str, Callable[[int], bytes], Callable[[Path], object]]]
     "links side by side": ("r.urdf", star, read_urdf),
     "models of a world": ("w.sdf", models, read_sdf),
     "links of a model": ("m.sdf", model_links, read_sdf),
-    "topics of a recording": ("r.mcap", recorded, read_recording),
+    "topics of a recording": ("r.mcap", recorded, read_contents),
 }
 
 
