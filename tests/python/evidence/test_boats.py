@@ -67,7 +67,8 @@ def test_a_boat_s_height_is_where_its_simulator_floats_it(otter: VehicleModel, t
 def test_a_boat_s_own_model_is_right_beside_its_log_without_depth(otter: VehicleModel, tmp_path: Path) -> None:
     found = fly_beside(log_of(otter, tmp_path, 200), otter, density_kg_m3=SEA_KG_M3, horizons_s=(1.0, 5.0))
     own, simplest = found.horizons[5.0], found.integrator[5.0]
-    assert own["depth"] is None and own["place"] and own["heading"] and own["speed"] and simplest["place"]
+    assert own["depth"] is own["tilt"] is None
+    assert own["place"] and own["heading"] and own["speed"] and simplest["place"]
     assert own["place"].value < 0.05 and own["heading"].value < 1.0 and own["speed"].value < 0.02
     assert simplest["place"].value > 1.0
     assert any("the calm surface of 1025 kg/m3" in note for note in found.notes)
@@ -78,7 +79,10 @@ def test_a_boat_s_drag_is_identified_from_its_log(otter: VehicleModel, tmp_path:
     wrong = otter.model_copy(update={"linear_damping": (120.0, *otter.linear_damping[1:])})
     groups = "mass_kg added_mass quadratic_damping centre_of_mass_m thrust_gain thrust_lag current_m_s command_delay"
     known = (*groups.split(), *(f"linear_damping.{axis}" for axis in ("sway", "heave", "roll", "pitch", "yaw")))
-    found = identify(log, wrong, known=known, density_kg_m3=SEA_KG_M3).values["linear_damping.surge"]
+    result = identify(log, wrong, known=known, density_kg_m3=SEA_KG_M3)
+    is_measured = np.isfinite(result.residuals).any(axis=0)
+    assert is_measured.tolist() == [True, True, *[False] * 3, True, True, True, *[False] * 3, True]
+    found = result.values["linear_damping.surge"]
     assert found.value == pytest.approx(77.55, abs=0.5) and found.is_determined
 
 

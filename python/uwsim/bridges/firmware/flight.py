@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from types import MappingProxyType
 
@@ -58,7 +58,7 @@ def firmware_flying(
     values = {**needed(ardusub), **parameters}
     has_kept = folder is not None and (folder / EEPROM).exists()
     checked = {name: value for name, value in values.items() if name != GLITCH} if has_kept else {}
-    with FirmwareLink(home, system, checked) as link:
+    with closing(FirmwareLink(home, system, checked)) as link:
         firmware = Firmware(
             binary, ardusub.port, Serials(checked_address(station), link.address), home, files=files,
             parameters=values, folder=folder, system=system, rc_port=RC_PORT + PORTS_APART * (system - 1),

@@ -8,8 +8,8 @@ import socket
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from types import MappingProxyType, TracebackType
-from typing import Any, Self
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +33,7 @@ BUFFER_BYTES = 1 << 20
 
 
 class FirmwareLink:
-    """Sends a firmware what its navigation needs, 20 times per simulated second, within a `with` statement.
+    """Sends a firmware what its navigation needs, 20 times per simulated second, until it is closed.
 
     ODOMETRY contains the vehicle's own estimate (IMU, compass, DVL, depth), never the truth; see Vehicle.estimate.
     SET_GPS_GLOBAL_ORIGIN is repeated every second until the firmware confirms it. The parameter SIM_BARO_GLITCH makes
@@ -68,10 +68,7 @@ class FirmwareLink:
         self.due_tick = NEVER
 
     def attach(self, ardusub: ArduSub, pid: int) -> None:
-        """Send messages to the firmware that steps this simulator. Raises ValueError for a vehicle without an IMU.
-
-        pid: the process that leads the firmware's session.
-        """
+        """Aid the firmware of this process, which steps the simulator. Raises ValueError for one without an IMU."""
         self._ardusub, self._pid = ardusub, pid
         sim = ardusub.simulator
         self._step_ns = round(1e9 * sim.step_s)
@@ -85,15 +82,6 @@ class FirmwareLink:
         if self._ardusub is not None:
             self._ardusub.simulator.agenda.remove(self)
         self._socket.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close."""
-        self.close()
 
     def _plan(self, tick: int) -> None:
         self.due_tick = next_tick(tick, PERIOD_NS, self._step_ns)
@@ -148,8 +136,7 @@ class FirmwareLink:
         with suppress(BlockingIOError, ConnectionError):
             while True:
                 data, sender = self._socket.recvfrom(4096)
-                if self._peer is None and has_udp_port(self._pid, sender[1]):
-                    self._peer = sender
+                self._peer = self._peer or (sender if has_udp_port(self._pid, sender[1]) else None)
                 if sender == self._peer and not (self.has_origin and self._kept.is_done):  # the rest is of no interest
                     for message in self._mav.parse_buffer(data) or ():
                         self.has_origin |= message.get_type() == "GPS_GLOBAL_ORIGIN"

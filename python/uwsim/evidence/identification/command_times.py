@@ -25,9 +25,9 @@ MOST_SHIFTS = 40
 class Segment:
     """The changes of the efforts near one segment of a log.
 
-    first: the efforts (6,) before them, or as many commands of thrusters. ticks (c,): their times, in steps of STEP_S
-    after the segment's start. changes (c, 6): the differences. shifting: indices (m,) of those whose times may shift.
-    sd_s (m,): by how much.
+    first: the efforts (6,) before them, or as many commands of thrusters. ticks (c,): their times, in steps after the
+    segment's start. changes (c, 6): the differences. shifting: indices (m,) of those whose times may shift. sd_s (m,):
+    by how much.
     """
 
     first: Array
@@ -59,14 +59,16 @@ class Segment:
         return np.asarray(self.first + np.cumsum(total, axis=0)[:count])
 
 
-def segment_of(times_s: Array, efforts: Array, sd_s: Array, start_s: float, end_s: float) -> Segment:
+def segment_of(
+    times_s: Array, efforts: Array, sd_s: Array, start_s: float, end_s: float, step_s: float = STEP_S
+) -> Segment:
     """Return the changes near a segment from the times (n,), efforts (n, 6) and deviations (n,) of a log's commands."""
     near = slice(*np.searchsorted(times_s, (start_s - REACH_S, end_s + REACH_S)))
     first = efforts[near.start - 1] if near.start else np.zeros(efforts.shape[1])
     changes = np.diff(np.vstack([first, efforts[near]]), axis=0)
     kept = np.flatnonzero(changes.any(axis=1))
     changes, times, sd = changes[kept], times_s[near][kept], sd_s[near][kept]
-    ticks = (times - start_s) / STEP_S
+    ticks = (times - start_s) / step_s
     ticks = np.where(np.abs(ticks - np.round(ticks)) < 1e-3, np.round(ticks), ticks)
     may = np.flatnonzero((sd > 0) & (times > start_s - 4 * sd) & (times < end_s + 4 * sd))
     shifting = np.sort(may[np.argsort(-np.abs(changes[may]).sum(axis=1), kind="stable")][:MOST_SHIFTS])

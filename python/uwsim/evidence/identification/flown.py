@@ -21,9 +21,10 @@ from scipy.spatial.transform import Rotation
 from uwsim.batch import Batch
 from uwsim.evidence.identification import command_times
 from uwsim.evidence.identification.unknowns import DELAY, Unknown, parameters_at
-from uwsim.recording.real_flights.deep_water import STEP_S, in_deep_water, start_m
-from uwsim.recording.real_flights.motion import MotionLog, command
+from uwsim.recording.real_flights.deep_water import BOAT_STEP_S, STEP_S, in_deep_water, start_m
+from uwsim.recording.real_flights.motion import TILT, MotionLog, command
 from uwsim.scenario import VehicleModel
+from uwsim.scenario.build.afloat import is_boat
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -93,7 +94,8 @@ class Flown:
         Of more segments than `most`, evenly spaced ones remain. Raises ValueError if the log is too long.
         """
         self.found, self._log = found, log
-        self._parts = parts_of(log, len(found), segment_s, most)
+        self._step_s = BOAT_STEP_S if is_boat(model, density_kg_m3) else STEP_S
+        self._parts = parts_of(log, len(found), segment_s, most, self._step_s)
         self.size = len(found) + sum(OUTPUTS + part.shifts for part in self._parts)
         if len(log.times_s) > MOST_ROWS:
             raise ValueError(f"log: {len(log.times_s)} rows: must be at most {MOST_ROWS}: leave out some")
@@ -109,7 +111,7 @@ class Flown:
         self._last: tuple[Array, list[Block]] = (np.empty(0), [])
         folder = Path(tempfile.mkdtemp(prefix="uwsim-"))
         finalize(self, rmtree, folder, ignore_errors=True)  # members reread the hull when its centre changes
-        scenario = in_deep_water(model, density_kg_m3, folder)
+        scenario = in_deep_water(model, density_kg_m3, folder, self._step_s)
         self._start_m = np.array(start_m(scenario))
         self._origin_m = self._start_m - _first(log.position_m)
         self._batch = Batch(scenario, n=self._members, threads=threads)
@@ -154,18 +156,18 @@ class Flown:
         the earlier step and one with the later step, whose difference is the derivative; for each command that may
         shift, by its own time, the delay included, so that the residuals stay continuous.
         """
-        delay = 0.0 if self._delay is None else self.found[self._delay].at(float(z[self._delay])) / STEP_S
-        ticks = delay + shifts * part.commands.sd_s / STEP_S
+        delay = 0.0 if self._delay is None else self.found[self._delay].at(float(z[self._delay])) / self._step_s
+        ticks = delay + shifts * part.commands.sd_s / self._step_s
         off = self._misses(part, int(np.floor(delay)), np.floor(ticks).astype(np.int64))
         m, n = self._moved, part.shifts
         nudges = np.full(m + n, DIFFERENCE)
-        nudges[m:] = STEP_S / part.commands.sd_s
+        nudges[m:] = self._step_s / part.commands.sd_s
         (_, more), (_, less) = self._nudged()
         later = off[:, 1 + 2 * m : 1 + 2 * m + n] - off[:, :1]
         change = np.concatenate([0.5 * (off[:, more] - off[:, less]), later], axis=1).transpose(0, 2, 1)
         residual = off[:, 0] + change[..., m:] @ (ticks % 1.0)
         if self._delay is not None:
-            nudges[self._delay] = STEP_S / self.found[self._delay].spread
+            nudges[self._delay] = self._step_s / self.found[self._delay].spread
             change[..., self._delay] = off[:, 1 + self._delay] - off[:, 0]
             residual += change[..., self._delay] * (delay % 1.0)
             change[..., self._delay] += change[..., m:].sum(axis=-1)
@@ -201,6 +203,7 @@ class Flown:
         turned = Rotation.from_quat(states[..., 3:7].reshape(-1, 4))
         measured = Rotation.from_quat(np.repeat(log.orientation_xyzw[rows], self._members, axis=0))
         off = (measured.inv() * turned).as_rotvec().reshape(len(rows), self._members, 3)
+        off[..., [TILT.index(name) for name in log.unstated]] = np.nan
         position = states[..., :3] - (log.position_m[rows] + self._origin_m)[:, None]
         return np.concatenate([position, off, states[..., 7:] - log.velocity_body[rows][:, None]], axis=-1)
 
@@ -217,7 +220,7 @@ class Flown:
         return np.concatenate([state[:3] + shift[:3], attitude, state[7:] + shift[6:]])
 
 
-def parts_of(log: MotionLog, unknowns: int, segment_s: float, most: int | None) -> list[Part]:
+def parts_of(log: MotionLog, unknowns: int, segment_s: float, most: int | None, step_s: float = STEP_S) -> list[Part]:
     """Return the segments of a log, each of which begins at a row; stretches without rows have none."""
     times_s = log.times_s
     count = max(1, round(float(times_s[-1] - times_s[0]) / segment_s))
@@ -230,14 +233,15 @@ def parts_of(log: MotionLog, unknowns: int, segment_s: float, most: int | None) 
     parts, column = [], unknowns
     for k, rows in enumerate(groups):
         start_s = float(times_s[rows[0]])
-        ticks = (times_s[rows] - start_s) / STEP_S
+        ticks = (times_s[rows] - start_s) / step_s
         low = np.floor(ticks + 1e-3).astype(int)
         share = np.maximum(ticks - low, 0.0)
         share[share < 1e-3] = 0.0
         samples, place = np.unique(np.concatenate([low, low + (share > 0)]), return_inverse=True)
         after = groups[k + 1][0] if k + 1 < len(groups) and groups[k + 1][0] == rows[-1] + 1 else rows[-1]
-        steps = max(int(samples[-1]), min(round((times_s[after] - start_s) / STEP_S), int(samples[-1]) + 1000))
-        commands = command_times.segment_of(log.effort_times_s, log.efforts, sds_s, start_s, float(times_s[rows[-1]]))
+        steps = max(int(samples[-1]), min(round((times_s[after] - start_s) / step_s), int(samples[-1]) + 1000))
+        end_s = float(times_s[rows[-1]])
+        commands = command_times.segment_of(log.effort_times_s, log.efforts, sds_s, start_s, end_s, step_s)
         own_columns = np.arange(column, column + OUTPUTS + len(commands.shifting))
         column += len(own_columns)
         columns = np.concatenate([np.arange(unknowns), own_columns])

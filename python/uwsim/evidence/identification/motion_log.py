@@ -97,7 +97,7 @@ def read(path: str, mapping: dict[str, Any] | None, vehicle: str) -> dict[str, A
     chosen = own_mapping(messages, vehicle) if mapping is None else Mapping.model_validate(mapping)
     made = dict(vars(_from_series(chosen, messages.series, is_sampled=False)))
     noise = np.frombuffer(json.dumps(made.pop("noise")).encode(), np.uint8)
-    return {**{name: each for name, each in made.items() if name != "thrusters"}, "noise": noise}
+    return {**{name: each for name, each in made.items() if name not in ("thrusters", "unstated")}, "noise": noise}
 
 
 def read_flown(

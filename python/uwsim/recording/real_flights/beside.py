@@ -130,7 +130,8 @@ def fly_beside(
         logged[:, :3] -= first[:, :3]
         for each, errors in ((model, horizons), (simplest, integrator)):
             flown = _flown(log, each, log.times_s[rows], first, density_kg_m3, round(h / STEP_S), threads)
-            errors[h] = {name: _mean(values) for name, values in _errors(flown, logged).items()}
+            off = _errors(flown, logged) | ({"tilt": np.empty(0)} if log.unstated else {})
+            errors[h] = {name: _mean(values) for name, values in off.items()}
         moved[h] = _mean(_length(logged[:, :3]))
     notes += [f"missing: a horizon of {h:g} s: the log is too short" for h in horizons_s if h not in horizons]
     lacking = [name for name in ERRORS if all(errors[name] is None for errors in horizons.values())]

@@ -17,6 +17,7 @@ from uwsim.base.axes import AXES
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.base.texts.csv_table import CsvTable, read_csv
 from uwsim.recording.real_flights.flight_log import QUANTITIES, Array, FlightLog, Series, attitude_from_ned, series_of
+from uwsim.recording.real_flights.motion import TILT
 from uwsim.scenario.read.yaml_file import read_yaml
 
 KIND = "a table (CSV)"
@@ -115,13 +116,11 @@ class _Table:
         """Return the log. Raises ValueError."""
         v, found = self._values, dict[str, Series]()
         angles = np.column_stack([self._or_nan("roll"), self._or_nan("pitch"), self._heading()])
-        assumed = []
-        for name, at in (("roll", 0), ("pitch", 1)):
-            if name not in v and np.isfinite(angles[:, 2]).any():
-                angles[:, at] = 0.0
-                assumed.append(f"{name} is 0: no column states it")
         quaternion = ("qx", "qy", "qz", "qw")
         is_turned = all(each in v for each in quaternion)
+        has_heading = not is_turned and bool(np.isfinite(angles[:, 2]).any())
+        unstated = tuple(name for name in TILT if has_heading and name not in v)
+        angles[:, [TILT.index(name) for name in unstated]] = 0.0
         attitude = np.column_stack([v[each] for each in quaternion]) if is_turned else attitude_from_ned(angles)
         up = self._signed("up", "down")
         self._add(found, "attitude", attitude, (*quaternion, "roll", "pitch", "heading", "yaw"))
@@ -150,9 +149,9 @@ class _Table:
             if names:
                 commands = np.column_stack([v[what] for what in names.values()])
                 self._add(found, quantity, commands, tuple(names.values()), tuple(names))
-        return FlightLog(
-            self._path, KIND, {name: found[name] for name in QUANTITIES if name in found}, assumed=tuple(assumed)
-        )
+        known = {name: found[name] for name in QUANTITIES if name in found}
+        assumed = tuple(f"{name} is 0: no column states it, and no model is compared with it" for name in unstated)
+        return FlightLog(self._path, KIND, known, assumed=assumed, unstated=unstated)
 
     def _or_nan(self, what: str) -> Array:
         return self._values.get(what, np.full(len(self._values["time"]), np.nan))

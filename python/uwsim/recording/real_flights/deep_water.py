@@ -13,7 +13,8 @@ from uwsim.scenario.build.completed import completed
 VEHICLE = "vehicle"
 DEPTH_M, BED_M = 400.0, 1000.0
 WITHOUT: dict[str, Any] = {"sensors": {}, "sonar": None, "imaging_sonars": {}, "cameras": {}}
-STEP_S = 0.005
+STEP_S, BOAT_STEP_S = 0.005, 0.02
+"""The longer one is for the many simulations of an identification: a hull that the surface cuts takes 10 us a step."""
 BOX = (
     (1, 2, 4), (1, 4, 3), (5, 8, 6), (5, 7, 8), (1, 6, 2), (1, 5, 6),
     (3, 4, 8), (3, 8, 7), (1, 3, 7), (1, 7, 5), (2, 6, 8), (2, 8, 4),
@@ -21,7 +22,7 @@ BOX = (
 """The triangles of a box, outward, with its corners in binary order."""
 
 
-def in_deep_water(model: VehicleModel, density_kg_m3: float, folder: Path) -> Scenario:
+def in_deep_water(model: VehicleModel, density_kg_m3: float, folder: Path, step_s: float = STEP_S) -> Scenario:
     """Return the scenario, in which a boat starts afloat, others at DEPTH_M. folder: for the hull, read again later."""
     if is_boat(model, density_kg_m3):
         body, height_m = model.model_copy(update=WITHOUT), floating_height_m(model, density_kg_m3)
@@ -30,7 +31,7 @@ def in_deep_water(model: VehicleModel, density_kg_m3: float, folder: Path) -> Sc
     return Scenario.model_validate(
         {
             "name": "deep_water",
-            "step_s": STEP_S,
+            "step_s": step_s,
             "water": {"density_kg_m3": density_kg_m3},
             "terrain": {"source": "noise", "size_m": [1000, 1000], "spacing_m": 100, "bed_depth_m": BED_M},
             "station": {"position_m": [0, 0, 0]},

@@ -58,7 +58,8 @@ class Series(ShortRepr):
 class FlightLog(ShortRepr):
     """A log. kind: of file. parameters: of the autopilot, as far as logged. events: times [s] and texts.
 
-    assumed: lines about what the reader took for granted, since the log does not state it.
+    assumed: lines about what the reader took for granted, since the log does not state it. unstated: of roll and pitch,
+    those that are 0 in the attitude for that reason.
     """
 
     path: Path
@@ -67,6 +68,7 @@ class FlightLog(ShortRepr):
     parameters: Mapping[str, float] = field(default_factory=dict)
     events: tuple[tuple[float, str], ...] = ()
     assumed: tuple[str, ...] = ()
+    unstated: tuple[str, ...] = ()
 
     def notes(self) -> list[str]:
         """Return a line for each quantity that is known or missing, and for each assumption."""

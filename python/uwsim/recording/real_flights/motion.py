@@ -20,6 +20,7 @@ from uwsim.scenario import VehicleModel
 GAP_S = 1.0  # measured values are interpolated over shorter gaps only
 LEAST_COMMAND, LEAST_TURN_RAD, LEAST_WAY_M = 0.02, 0.02, 0.05
 LEAST_ROWS = 20
+TILT = ("roll", "pitch")
 NEUTRAL_US, SPAN_US = 1500.0, 400.0
 """ArduSub's MOT_PWM_MIN and MOT_PWM_MAX are 1100 and 1900 by default."""
 FRAME_NAMES = {1.0: "vectored", 2.0: "vectored_6dof"}
@@ -37,6 +38,7 @@ class MotionLog(ShortRepr):
     measured; effort_times_s (m,), efforts (m, 6): each held until the next. noise: standard deviations of position
     [m], attitude [rad], velocity [m/s] and rate [rad/s], if known. effort_sds_s (m,): standard deviations of the
     commands' times, 0 if these are exact; see sampled(). thrusters: if given, the efforts are commands of these.
+    unstated: of roll and pitch, those that nothing measured: 0 in the attitude.
     """
 
     times_s: Array
@@ -48,6 +50,7 @@ class MotionLog(ShortRepr):
     noise: dict[str, float]
     effort_sds_s: Array | float = 0.0
     thrusters: tuple[str, ...] = ()
+    unstated: tuple[str, ...] = ()
 
 
 def command(batch: Batch, thrusters: Sequence[str], efforts: Array) -> None:
@@ -100,7 +103,7 @@ def motion_of(log: FlightLog, model: VehicleModel, outputs: str | None = None) -
     starts, efforts, sds = sampled(commands.times_s, commands.values)
     kept = np.flatnonzero(within)
     motion = MotionLog(
-        times_s[kept], position[kept], quaternions[kept], velocity[kept], starts, efforts, {}, sds, names
+        times_s[kept], position[kept], quaternions[kept], velocity[kept], starts, efforts, {}, sds, names, log.unstated
     )
     _require_motion(log, motion)
     return motion, notes
