@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -57,6 +58,34 @@ def made(suffix: str) -> Callable[[], list[bytes]]:
             return [path.read_bytes()]
 
     return make
+
+
+def s102(depths: np.ndarray[Any, Any], west_m: float, south_m: float, spacing_m: float) -> bytes:
+    """Return what matters of S-102 3.0.0 (IHO, 2024): depths in rows from the south, positive down, in UTM zone 10."""
+    import h5py
+
+    rows, columns = depths.shape
+    values = np.zeros((rows, columns), [("depth", "<f4")])
+    values["depth"] = np.where(np.isfinite(depths), depths, 1e6)
+    with h5py.File(memory := io.BytesIO(), "w") as file:
+        file.attrs["productSpecification"] = "INT.IHO.S-102.3.0.0"
+        file.attrs["horizontalCRS"] = np.int32(32610)
+        file.create_group("Group_F")
+        coverage = file.create_group("BathymetryCoverage").create_group("BathymetryCoverage.01")
+        for axis, origin, count in (("Longitud", west_m, columns), ("Latitud", south_m, rows)):
+            coverage.attrs[f"gridOrigin{axis}e"] = origin + 0.5 * spacing_m
+            coverage.attrs[f"gridSpacing{axis}inal"] = spacing_m
+            coverage.attrs[f"numPoints{axis}inal"] = np.uint32(count)
+        coverage.attrs["startSequence"] = "0,0"
+        coverage.create_group("Group_001").create_dataset("values", data=values)
+    return memory.getvalue()
+
+
+def surface() -> list[bytes]:
+    """Return a small S-102: 8 x 6 cells, one of them empty."""
+    depths = 20.0 + np.add.outer(0.5 * np.arange(6), np.arange(8))
+    depths[0, 0] = np.nan
+    return [s102(depths, 520_000.0, 5_330_000.0, 1.0)]
 
 
 def elevations() -> list[bytes]:

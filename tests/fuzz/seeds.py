@@ -488,7 +488,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "asc": lambda: [ASC],
     "tif": _tif,
     "bag": charts.made(".bag"),
-    "s102": charts.made(".h5"),
+    "s102": charts.surface,
     "scan_graph": _scan_graph,
     "gebco": charts.elevations,
     "soundings": charts.sounded,

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from tests.python.mapping.kmall_file import kmall
 
 
 def reader(suffix: str) -> Callable[[bytes, Path], Any]:
@@ -28,6 +29,8 @@ def reader(suffix: str) -> Callable[[bytes, Path], Any]:
 
 def survey(suffix: str, depth_m: float = 2.0) -> bytes:
     """Return a small raw survey: two swaths of five beams. depth_m: of the vehicle, 0.1 m above the transducer."""
+    if suffix == ".kmall":
+        return kmall()
     from uwsim.mapping.files.swath import EPOCH_NS, SoundSpeeds, SurveyHead, Swath, survey_format
 
     angles = np.linspace(-0.9, 0.9, 5)

@@ -49,7 +49,7 @@ class Flown:
     @cached_property
     def gsf(self) -> Path:
         """Another raw file, made from the recording."""
-        return self.raws_of_recording("survey.gsf")[0]
+        return self.raws_of_recording("again.gsf")[0]
 
     def raws_of_recording(self, *names: str, asked: tuple[dict, ...] = ({},)) -> list[Path]:
         """Write raw surveys from the recording, all at once; return their paths. asked: arguments of RawSurvey."""

@@ -7,15 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from uwsim.base.options import OptionError, option
-from uwsim.base.sockets import registered
 from uwsim.flight.attachment import Attachment, AttachmentOptions, Departure
 
 if TYPE_CHECKING:
     from uwsim.flight.patch_errors import PatchErrors
     from uwsim.scoring.tpu import Uncertainties
-
-FORMATS = [f".{name}" for name, entry in registered("uwsim.kinds.survey_file").items() if entry.is_own]
-"""uwsim's own, for the help: whether another package's can be used is known once it is imported."""
 
 
 @dataclass(frozen=True)
@@ -26,8 +22,8 @@ class RawOptions(AttachmentOptions):
 
     raw: Path | None = option(
         None,
-        "Also write every mapped ping with its travel times for survey software: "
-        f"{' or '.join(FORMATS)}; they need earth: in the scenario.",
+        "Also write every mapped ping with its travel times for survey software as .gsf, or a line of side scan as "
+        ".xtf; they need earth: in the scenario.",
         is_written=True,
     )
     offsets: str | None = option(

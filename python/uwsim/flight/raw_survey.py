@@ -48,7 +48,7 @@ class RawSurvey:
         self.quality = SoundingQuality(sim.world, sim.scene)
         written = survey_format(path, option).write
         if written is None:
-            raise ValueError(f"{option} {path}: this format does not hold the pings of a multibeam")
+            raise ValueError(f"{option} {path}: this format is only read: pings are written as .gsf, side scan as .xtf")
         self._place = place_of_survey(sim.scenario, path, option)
         self._errors = errors
         self._poses = None if errors is None else ErringPoses(errors)

@@ -138,7 +138,6 @@ def mistakes(folder, tmp_path_factory):
         (["convert", "torn.ply", "new.pcd"], r"torn.ply': not a valid PLY file"),
         (["convert", "pool.bt", "no/new.ply"], r"no/new.ply': cannot be written: No such file"),
         (["convert", "pool.bt", "new.las", "--scenario", "pool"], r"the world has no place on Earth"),
-        (["convert", "pool.bt", "new.h5", "--scenario", "pool"], r"an S-102 needs a place on Earth"),
         (["convert", "pool.bt", "new.ot", "--scenario", "valley"], r"--scenario: needs a target that ends in \.las"),
         (["render", "empty.bt"], r"no occupied voxels: there is nothing to draw"),
         (["render", "pool.bt", "--width", "10"], r"width = 10 pixels: must be in \[200, 8000\] pixels"),

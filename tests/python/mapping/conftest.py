@@ -12,10 +12,10 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="session")
 def bent(tmp_path_factory: pytest.TempPathFactory) -> Flown:
-    """A survey by rays that bend, with errors of ranges, and its .kmall."""
+    """A survey by rays that bend, with errors of ranges, and its .gsf."""
     from flown_survey import Flown
 
-    return Flown(tmp_path_factory.mktemp("bent"), "survey.kmall", ", mode: physics, bending: true")
+    return Flown(tmp_path_factory.mktemp("bent"), "survey.gsf", ", mode: physics, bending: true")
 
 
 @pytest.fixture(scope="session")

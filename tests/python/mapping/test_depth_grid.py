@@ -81,38 +81,3 @@ def test_gdal_reads_the_bag_that_we_write(tmp_path):
         assert found.mask.sum() == found.size - 2
     with pytest.raises(ValueError, match="needs a place on Earth"):
         write_bag(tmp_path / "c.bag", depth_grid(points, 1.0), Georeference())
-
-
-def test_gdal_reads_the_s_102_that_we_write(tmp_path):
-    """In the world's UTM zone cell by cell; from another projection each cell is the nearest of the world's."""
-    rasterio = pytest.importorskip("rasterio")
-    pytest.importorskip("h5py")
-    from uwsim.mapping.files.georeference import Georeference, metres_about
-    from uwsim.mapping.files.s102 import write_s102
-
-    x, y = np.meshgrid(np.arange(-30.0, 50.0, 0.5) + 0.25, np.arange(-20.0, 40.0, 0.5) + 0.25)
-    points = np.column_stack([x.ravel(), y.ravel(), -(20.0 + 0.1 * x + 0.05 * y).ravel()])
-    points = points[(points[:, 0] < 10.0) | (points[:, 0] > 20.0) | (points[:, 1] < 0.0)]
-    grid = depth_grid(points, 0.5)
-    utm, own = (
-        Georeference(rasterio.CRS.from_epsg(32610), (520_000.0, 5_330_000.0)),
-        Georeference(metres_about((-121.0, 48.15))),
-    )
-    for place in (utm, own):
-        write_s102(tmp_path / "a.h5", grid, place)
-        with rasterio.open(tmp_path / "a.h5") as file:
-            assert (file.driver, file.descriptions, file.crs.to_epsg()) == ("S102", ("depth", "uncertainty"), 32610)
-            depth, error = file.read(masked=True)
-            assert np.unique(error.compressed()).tolist() == [0.25]
-            rows, columns = np.nonzero(~depth.mask)
-            east, north = rasterio.transform.xy(file.transform, rows, columns)
-        longitude, latitude = rasterio.warp.transform("EPSG:32610", "EPSG:4326", list(east), list(north))
-        some = slice(None, None, 7)  # of every column and row
-        there = np.array([place.world_m(b, a, 0.0) for a, b in zip(longitude[some], latitude[some], strict=True)])
-        apart_m = np.abs(depth.compressed()[some] - (20.0 + 0.1 * there[:, 0] + 0.05 * there[:, 1]))
-        assert apart_m.max() < (1e-3 if place is utm else 0.25 * 0.15 + 1e-3)
-        assert len(rows) == pytest.approx(np.isfinite(grid.depth_m).sum(), rel=0.005)
-    write_s102(tmp_path / "b.h5", grid, own)
-    assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
-    with pytest.raises(ValueError, match="needs a place on Earth"):
-        write_s102(tmp_path / "c.h5", grid, Georeference())

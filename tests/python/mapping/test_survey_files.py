@@ -21,7 +21,6 @@ from uwsim.flight.raw_options import RawOptions
 from uwsim.flight.survey import run_survey
 from uwsim.live import LiveSimulator
 from uwsim.mapping.files.gsf_read import read_gsf
-from uwsim.mapping.files.kmall_read import read_kmall
 from uwsim.mapping.files.swath import survey_format
 from uwsim.recording import Recorder
 from uwsim.recording.cli.map_from import from_recording
@@ -129,7 +128,7 @@ def test_a_live_runs_recording_gives_the_survey_of_its_pings(straight, tmp_path)
         assert np.median(swath.sounding_m[seen, 2]) == pytest.approx(9.0, abs=1.0)
 
 
-@pytest.mark.parametrize("suffix", [".bag", ".h5", ".tif"])
+@pytest.mark.parametrize("suffix", [".bag", ".tif"])
 def test_a_surveys_grid_has_the_bed_and_the_uncertainty_of_its_soundings(bent, tmp_path, suffix):
     """In the UTM zone, as GDAL reads it: the bed at 9 m, within the uncertainty that the grid states."""
     rasterio = pytest.importorskip("rasterio")
@@ -204,16 +203,16 @@ def test_truth_and_tpu_are_side_by_side(bent, tmp_path):
     assert bent.record.soundings.within_own == pytest.approx(0.95, abs=0.01)
     known = Uncertainties(roll=0.1, depth=0.03, position=0.6)
     options = {"offsets": PatchErrors(roll=10.0), "uncertainty": known, "report": "json"}
-    flown = Flown(tmp_path, "a.kmall", ", mode: physics", **options)
+    flown = Flown(tmp_path, "a.gsf", ", mode: physics", **options)
     assert flown.record.soundings.by_tpu.name == "Special"  # 2.45 x 0.6 m is more than 1 m
     assert flown.record.soundings.within_own < 0.3
     values = json.loads((tmp_path / "out" / "summary.json").read_text())["soundings"]
     assert values["s44_order_by_tpu"] == "Special"
     assert values["s44_order_by_truth"] != "Exclusive"
     asked = {"offsets": "roll=10", "uncertainty": "roll=0.1,depth=0.03,position=0.6"}
-    written = RawOptions(tmp_path / "again.kmall", **asked)
+    written = RawOptions(tmp_path / "again.gsf", **asked)
     from_recording(source=flown.recording, out=tmp_path / "map.bt", written=written)
-    live, again = (list(read_kmall(path)[1]) for path in (flown.raw, tmp_path / "again.kmall"))
+    live, again = (list(read_gsf(path)[1]) for path in (flown.raw, tmp_path / "again.gsf"))
     swath = live[5]
     middle = swath.is_detected & (np.abs(swath.beam_rad) < 0.01)
     assert swath.vertical_deviation_m[middle] == pytest.approx(0.03, abs=0.003)
@@ -282,6 +281,8 @@ def test_a_scenario_without_a_place_is_refused_before_anything_is_written(tmp_pa
     with pytest.raises(ValueError, match=r"--raw .*: has no place on Earth: add earth"):
         run_survey("pool", tmp_path / "out", raw=tmp_path / "a.gsf")
     assert not (tmp_path / "a.gsf").exists()
+    with pytest.raises(ValueError, match=r"--raw .*a\.kmall: this format is only read"):
+        run_survey("pool", tmp_path / "out", raw=tmp_path / "a.kmall")
     with pytest.raises(ValueError, match=r"must end in \.gsf"):
         survey_format(tmp_path / "a.txt", "--raw")
 

@@ -7,6 +7,7 @@ import pytest
 import rasterio
 from affine import Affine
 from rasterio.shutil import copy
+from tests.fuzz.charts import s102
 
 from uwsim.evidence.cli.scenario_from import scenario_from
 from uwsim.evidence.scenario_source import source_of
@@ -57,32 +58,12 @@ def made_row(scenario) -> float:
     return (5_330_000 - scenario.terrain.centre[1]) / 4
 
 
-def write_s102(path: Path, depths: np.ndarray, west_m: float, south_m: float, spacing_m: float) -> Path:
-    """Write what matters of S-102 3.0.0 (IHO, 2024): depths in rows from the south, positive down, no uncertainties."""
-    h5py = pytest.importorskip("h5py", reason="needs h5py, which is not a dependency, to make an S-102 file")
-    rows, columns = depths.shape
-    values = np.zeros((rows, columns), [("depth", "<f4")])
-    values["depth"] = np.where(np.isfinite(depths), depths, 1e6)
-    with h5py.File(path, "w") as file:
-        file.attrs["productSpecification"] = "INT.IHO.S-102.3.0.0"
-        file.attrs["horizontalCRS"] = np.int32(32610)
-        file.create_group("Group_F")
-        coverage = file.create_group("BathymetryCoverage").create_group("BathymetryCoverage.01")
-        for axis, origin, count in (("Longitud", west_m, columns), ("Latitud", south_m, rows)):
-            coverage.attrs[f"gridOrigin{axis}e"] = origin + 0.5 * spacing_m
-            coverage.attrs[f"gridSpacing{axis}inal"] = spacing_m
-            coverage.attrs[f"numPoints{axis}inal"] = np.uint32(count)
-        coverage.attrs["startSequence"] = "0,0"
-        coverage.create_group("Group_001").create_dataset("values", data=values)
-    return path
-
-
 def test_an_s_102_is_the_bed_of_the_same_geotiff(tmp_path):
     """S-102 has depths from the south, GeoTIFF elevations from the north."""
     east, north = np.meshgrid(np.arange(60), np.arange(50))
     depths = 20.0 + 0.1 * east + 0.15 * north + 2.0 * np.sin(0.2 * north)
     depths[:5, :9] = np.nan
-    chart = write_s102(tmp_path / "chart.h5", depths, 520_000.0, 5_330_000.0, 4.0)
+    (chart := tmp_path / "chart.h5").write_bytes(s102(depths, 520_000.0, 5_330_000.0, 4.0))
     tiff = write(tmp_path / "chart.tif", -depths[::-1], "GTiff", "EPSG:32610", Affine(4, 0, 520_000, 0, -4, 5_330_200))
     assert source_of(chart).what.startswith("a chart")
     beds = []

@@ -58,7 +58,6 @@ OTHERS: dict[str, set[str]] = {
     "recording": {"uwsim.end"},  # name of a record
     "ros1": {"octomap_rviz_plugins"},
     "ros2": {"rqt_console"},  # from ROS 2
-    "survey-formats": {"kmall2gsf.py"},  # of gsfu
     "sweeps": {"runs/"},
     "troubleshooting": {"octomap_rviz_plugins"},
     "trust": {"_GLIBCXX_ASSERTIONS"},

@@ -1,7 +1,7 @@
 """Layouts of Kongsberg's EM datagrams in .kmall files: little-endian, without padding but the named.
 
-From Kongsberg Maritime's public description EMdgmFormat, Rev F of 2018-10-17 and Rev I of 2021-06-04, whose structures
-have more at their ends; the lengths are in the file. Angles in degrees: roll starboard down, pitch bow up, heading
+From Kongsberg Maritime's public description EMdgmFormat, Rev F of 2018-10-17; the structures of later revisions have
+more at their ends, and the lengths are in the file. Angles in degrees: roll starboard down, pitch bow up, heading
 clockwise from north, a beam's angle about the receiver's forward axis, positive to port. Axes forward, starboard, down.
 """
 
@@ -9,24 +9,16 @@ from __future__ import annotations
 
 import numpy as np
 
-REVISION = "Rev I 2021-06-04"
-"""As is written."""
-MAX_BEAMS, MAX_LEVELS = 1024, 2000
-
 HEADER = np.dtype([
     ("bytes", "<u4"), ("type", "S4"), ("version", "u1"), ("system", "u1"), ("sounder", "<u2"), ("s", "<u4"),
     ("ns", "<u4"),
 ])  # fmt: skip
 TEXT = np.dtype([("bytes", "<u2"), ("info", "<u2"), ("status", "<u2")])
-"""Begins the body of #IIP and #IOP; a text of the rest of `bytes` follows."""
+"""Begins the body of #IIP; a text of the rest of `bytes` follows."""
 SENSOR = np.dtype([("bytes", "<u2"), ("system", "<u2"), ("status", "<u2"), ("padding", "<u2")])
 POSITION = np.dtype([
     ("s", "<u4"), ("ns", "<u4"), ("quality_m", "<f4"), ("latitude_deg", "<f8"), ("longitude_deg", "<f8"),
     ("speed_m_s", "<f4"), ("course_deg", "<f4"), ("height_m", "<f4"),
-])  # fmt: skip
-DEPTH = np.dtype([
-    ("depth_m", "<f4"), ("raw_m", "<f4"), ("offset_m", "<f4"), ("scale", "<f4"), ("latitude_deg", "<f8"),
-    ("longitude_deg", "<f8"), ("text", "S32"),
 ])  # fmt: skip
 ATTITUDES = np.dtype([
     ("bytes", "<u2"), ("system", "u1"), ("status", "u1"), ("input", "<u2"), ("samples", "<u2"),
@@ -46,13 +38,6 @@ PROFILE = np.dtype([
 LEVEL = np.dtype([
     ("depth_m", "<f4"), ("speed_m_s", "<f4"), ("padding", "<u4"), ("temperature_deg_c", "<f4"), ("salinity", "<f4"),
 ])  # fmt: skip
-HEAD_SPEED = np.dtype([
-    ("bytes", "<u2"), ("status", "<u2"), ("input", "<u2"), ("samples", "<u2"), ("bytes_per_sample", "<u2"),
-    ("contents", "<u2"), ("filter_s", "<f4"), ("offset_m_s", "<f4"),
-    ("s", "<u4"), ("ns", "<u4"), ("speed_m_s", "<f4"), ("temperature_deg_c", "<f4"), ("pressure_pa", "<f4"),
-    ("salinity", "<f4"),
-])  # fmt: skip
-"""The body of #SVT with one sample; `bytes` are those of the first two lines."""
 PARTITION = np.dtype([("of", "<u2"), ("number", "<u2")])
 BODY = np.dtype([
     ("bytes", "<u2"), ("ping", "<u2"), ("fans", "u1"), ("fan", "u1"), ("swaths", "u1"), ("swath", "u1"),
@@ -72,14 +57,10 @@ PING = np.dtype([
     ("position_status", "u1"), ("attitude_status", "u1"), ("padding3", "u1"), ("latitude_deg", "<f8"),
     ("longitude_deg", "<f8"), ("height_m", "<f4"),
 ])  # fmt: skip
-WRITTEN_PING = np.dtype([*PING.descr, ("bs_offset_db", "<f4"), ("lambert", "u1"), ("ice", "u1"), ("modes", "<u2")])
 SECTOR = np.dtype([
     ("number", "u1"), ("array", "u1"), ("sub_array", "u1"), ("padding0", "u1"), ("delay_s", "<f4"),
     ("tilt_deg", "<f4"), ("source_level_db", "<f4"), ("focus_m", "<f4"), ("frequency_hz", "<f4"),
     ("bandwidth_hz", "<f4"), ("signal_s", "<f4"), ("shading", "u1"), ("form", "u1"), ("padding1", "<u2"),
-])  # fmt: skip
-WRITTEN_SECTOR = np.dtype([
-    *SECTOR.descr, ("voltage_db", "<f4"), ("tracking_db", "<f4"), ("effective_signal_s", "<f4"),
 ])  # fmt: skip
 RECEIVER = np.dtype([
     ("bytes", "<u2"), ("soundings", "<u2"), ("valid", "<u2"), ("bytes_per_sounding", "<u2"), ("column_hz", "<f4"),
@@ -98,7 +79,7 @@ SOUNDING = np.dtype([
     ("x_m", "<f4"), ("incidence_deg", "<f4"), ("clean", "<u2"), ("image_start", "<u2"), ("image_centre", "<u2"),
     ("image_samples", "<u2"),
 ])  # fmt: skip
-NORMAL, REJECTED = 0, 2
-"""Kinds of a sounding; 1 is an extra detection."""
-NO_DETECTION, AMPLITUDE, PHASE = 0, 1, 2
-"""Methods of a sounding."""
+NORMAL = 0
+"""The kind of a sounding; 1 is an extra detection, 2 a rejected one."""
+PHASE = 2
+"""The method of a sounding; 0 is none, 1 the amplitude."""

@@ -19,7 +19,7 @@ import numpy as np
 
 from uwsim.base.texts.text_file import require_regular
 from uwsim.mapping.files import kmall_layout as layout
-from uwsim.mapping.files.swath import Array, SoundSpeeds, SurveyHead, Swath
+from uwsim.mapping.files.swath import Array, SoundSpeeds, SurveyFormat, SurveyHead, Swath
 
 SIMULATOR = 100
 """Added to the detection mode of a simulator's pings."""
@@ -316,3 +316,6 @@ def _where_cones_meet(forward: Array, starboard: Array, ahead: Array, aside: Arr
     down = np.sqrt(np.maximum(1.0 - along * ahead - across * aside, 0.0) / level)
     found = along[:, None] * forward + across[:, None] * starboard + down[:, None] * np.cross(forward, starboard)
     return np.asarray(found / np.maximum(np.linalg.norm(found, axis=1), 1e-12)[:, None], np.float64)
+
+
+KMALL = SurveyFormat("multibeam pings in Kongsberg's EM datagrams", read=read_kmall)
