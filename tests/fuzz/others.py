@@ -134,7 +134,7 @@ def a50(data: bytes, _: Path) -> Any:
     """Answer the commands of a program of a DVL A50, one a line, and look at the DVL after each."""
     name = next(name for name, sensor in _world().rov.sensors.items() if sensor.kind == "dvl")
     live = SimpleNamespace(simulator=_world(), time_ns=0)
-    dvl = _of("bridges.a50.dvl:A50")(live, _world().rov.name, name, None)
+    dvl = _of("bridges.a50.dvl:A50")(live, _world().rov.name, name, None, "")
     found = [(dvl.answer(line), json.dumps(dvl._look(_world()), allow_nan=False)) for line in data.splitlines()]
     return json.dumps([answer for answer, _ in found])  # reports have the time of day
 
