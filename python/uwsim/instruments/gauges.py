@@ -1,7 +1,7 @@
 """The table of gauges: each number on a vehicle's panel is one entry.
 
-An entry makes the field of /telemetry, the packings for modems, the row on the operator's panel, and the columns and
-values in the page's recordings and pictures. A sensor that a package registers needs no entry: its `numbers` are shown.
+An entry makes the field of /telemetry, the packings for modems, the row on the operator's panel, and the values in
+its pictures. A sensor that a package registers needs no entry: its `numbers` are shown.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 LISTS = ("motion", "big", "around", "water", "")
-"""The lists on the operator's panel, in the order of the columns of its recordings; "" is not in any list."""
+"""The lists on the operator's panel, in their order; "" is not in any list."""
 
 
 class Gauge(NamedTuple):

@@ -264,24 +264,3 @@ class Timeline:
 
 def _happening(event: Event) -> Happening:
     return Happening(event.time_s, "alarm", event.text, event.name, event.vehicle, tuple(event.details))
-
-
-def distances(one: Timeline, other: Timeline) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return simulated times (n,) [s] and the distances (n,) [m] between the first vehicles of two runs.
-
-    Only times covered by both runs are included; n may be 0.
-    """
-    times_s, poses = one.track.arrays()
-    others_s, other_poses = other.track.arrays()
-    times_s, poses = _within(times_s, poses, others_s)
-    if not len(times_s):
-        return times_s, times_s
-    at = np.column_stack([np.interp(times_s, others_s, other_poses[:, axis]) for axis in range(3)])
-    return times_s, np.linalg.norm(poses[:, :3] - at, axis=1)
-
-
-def _within(
-    times_s: NDArray[np.float64], poses: NDArray[np.float64], others_s: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    inside = (times_s >= others_s[0]) & (times_s <= others_s[-1])
-    return times_s[inside], poses[inside]

@@ -1,4 +1,4 @@
-"""A packaged exercise by keys alone, from the German start screen to its end; axe before and after it."""
+"""A packaged exercise by keys alone, from the start screen to its end; axe before and after it."""
 
 import numpy as np
 
@@ -63,14 +63,14 @@ class Keyboard:
 
 def test_a_packaged_exercise_for_the_arm_is_flown_by_keys_alone_from_the_start_screen(browser, tmp_path):
     with desk(browser, tmp_path, keep_flights=Bounds(2)) as here:
-        page = here.open(locale="de-DE", viewport={"width": 1440, "height": 900})
+        page = here.open(viewport={"width": 1440, "height": 900})
         page.wait_for_selector("[data-exercise=pin]", state="attached")
         Keyboard(page).choose("[data-task=train]")
         Keyboard(page).choose("[data-exercise=pin] button")
         here.settle(page)
         live = here.station.present().live
         pilot = Keyboard(page, live)
-        shows(page, "#exercise", "Die Zeit steht")
+        shows(page, "#exercise", "Time stands still")
         judge(page, "waiting", "#exercise")
         pilot.press("Enter")
         until(lambda: live.tick > 0, "time")
@@ -85,9 +85,9 @@ def test_a_packaged_exercise_for_the_arm_is_flown_by_keys_alone_from_the_start_s
         pilot.fly(BEFORE_M - [0.2, 0, 0], lambda _, __, jaws: jaws[0].max() < MOVED_M, "PageUp")
         pilot.fly(np.array([0, 0.5, -3.5]), lambda at, *_: at[0] < 0.45)
         when(page, "document.querySelector('.exercise-sheet')?.checkVisibility()", 30.0)
-        shows(page, "#exercise", "100 von 100")
+        shows(page, "#exercise", "100 of 100")
         judge(page, "over")
         pilot.press("Escape")
         pilot.choose("#menu-dialog .stack:last-child button")
-        shows(page, "#flights", "Übung: Pull the pin")
+        shows(page, "#flights", "exercise: Pull the pin")
         assert not here.complaints

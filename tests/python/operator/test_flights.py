@@ -14,7 +14,7 @@ import pytest
 
 from browser import until
 from flown import fly
-from station_pages import get, page, serving
+from station_pages import page, serving
 from uwsim.live import LiveSimulator
 from uwsim.operator.station.flights import flights as kept
 from uwsim.operator.station.flights.flights import Bounds, Flights
@@ -291,22 +291,6 @@ def test_a_replay_is_a_session_that_takes_no_commands_until_the_helm_is_taken(fo
         branch, _ = ada.call("catalog")["flights"]
         assert name in branch["branched_from"]
         assert station.sessions.flights.timeline(branch["name"]).start_tick >= 600
-
-
-def test_the_ghost_of_a_branch_leaves_its_parent_where_the_helm_was_taken(folder: Path, flown: Path):
-    fly(folder / "flights/20260102-000000-pool.mcap", yaw=-0.2, end_s=3.0)
-    with serving(folder, keep_flights=KEEP) as (_, server), page(server) as ada:
-        assert get(server, "/flight/track.json")[0] == 404
-        assert ada.call("start", flight=flown.name)["success"]
-        path = json.loads(get(server, "/flight/track.json")[1])
-        assert len(path["times_s"]) == len(path["poses"]) and len(path["poses"][0]) == 7
-        same = json.loads(get(server, f"/flight/ghost/{flown.name}.json")[1])
-        assert not np.any(same["apart_m"]) and same["track"] == path
-        other = json.loads(get(server, "/flight/ghost/20260102-000000-pool.mcap.json")[1])
-        assert other["times_s"][-1] == 3.0 and other["apart_m"][-1] > 0.05 and not other["apart_m"][0]
-        assert get(server, "/flight/hull/20260102-000000-pool.mcap.glb")[1][:4] == b"glTF"
-        for name in ("nowhere.mcap", "..%2F..%2Fetc%2Fpasswd", "%00"):
-            assert get(server, f"/flight/ghost/{name}.json")[0] == 404
 
 
 def test_what_was_cut_edited_or_made_by_others_is_refused_in_one_line(folder: Path, flown: Path, monkeypatch):

@@ -1,9 +1,8 @@
-"""Inspection in a real browser: a comment in the video, snapshots that carry their values, notes on the chart."""
+"""Inspection in a real browser: a video, snapshots that carry their values, notes on the chart."""
 
 import csv
 import io
 import json
-import re
 from pathlib import Path
 
 import cv2
@@ -14,13 +13,6 @@ from PIL import Image
 from browser import judge, until, when
 
 START_M = [2.0, 1.0, -2.0]
-BAND = slice(540, 600)
-COMMENT_INK = (255, 209, 102)
-
-
-def inked(frame) -> int:
-    """Return how many pixels of a frame's band have the colour of comments."""
-    return int((np.abs(frame[BAND].astype(int) - COMMENT_INK).max(axis=2) < 60).sum())
 
 
 def frames(path):
@@ -37,15 +29,7 @@ def snapshot(page):
         page.click("#snapshot")
     picture = Image.open(io.BytesIO(Path(saved.value.path()).read_bytes()))
     picture.load()
-    return picture.size, json.loads(picture.text["uwsim"]), picture.text
-
-
-def record_pictures(page) -> None:
-    """Wait until four pictures with different times have been recorded."""
-    for _ in range(4):
-        before = page.evaluate("String(station.recorder.shown[0])")
-        when(page, f"String(station.recorder.shown[0]) !== {json.dumps(before)}")
-    page.wait_for_timeout(700)  # until the encoder has them, too
+    return picture.size, picture.text
 
 
 def comment(page) -> None:
@@ -55,47 +39,32 @@ def comment(page) -> None:
         page.keyboard.type("Weld 12, süd")
         page.keyboard.press("Enter")
         when(page, "station.station.state.comment === 'Weld 12, süd'")
+        assert page.evaluate("document.activeElement === document.body")  # the keys drive again
 
 
-def test_a_comment_stands_in_the_video_from_when_it_is_set(here, page, tmp_path: Path):
-    saved = []
-    page.on("download", lambda one: saved.append(one))
-    page.click("#record")
-    record_pictures(page)
-    comment(page)
-    when(page, "station.recorder.shown[2] === 'Weld 12, süd'")
-    assert page.evaluate("document.activeElement === document.body")  # the keys drive again
-    record_pictures(page)
-    lines = page.evaluate("station.recorder.shown")
-    assert lines[0].startswith("pool · rov · front · 0:")
-    burnt_m = [float(re.search(rf"{name} (-?[\d.]+) m", lines[1])[1]) for name in ("Depth", "East")]
-    there_m = here.station.present().live.read(lambda sim: np.array(sim.rov.pose.position_world_m)).result()
-    np.testing.assert_allclose(burnt_m, [-there_m[2], there_m[0]], atol=0.3)
-    page.click("#record")
-    until(lambda: page.evaluate("1") and len(saved) == 2, "the video and its table")
-    path = next(each.path() for each in saved if each.suggested_filename.endswith((".webm", ".mp4")))
-    found = list(frames(path))
-    assert found[0].shape == (600, 960, 3) and len(found) > 3
-    assert inked(found[0]) == 0 and inked(found[-1]) > 200
-    assert found[-1][:540].std() > 5.0  # the picture is above the values
-    Image.fromarray(found[-1]).save(tmp_path / "video.png")
+def test_a_video_shows_the_large_view(page):
+    with page.expect_download() as saved:
+        page.click("#record")
+        page.wait_for_timeout(2500)
+        page.click("#record")
+    found = list(frames(saved.value.path()))
+    assert saved.value.suggested_filename.startswith("pool-run-") and len(found) > 3
+    assert found[0].shape == (540, 960, 3) and found[-1].std() > 5.0
 
 
 def test_snapshots_carry_the_instruments_values(here, page):
     comment(page)
     page.evaluate("station.views.enlarge('front')")
-    size, values, text = snapshot(page)
+    size, text = snapshot(page)
+    values = json.loads(text["uwsim"])
     assert size == (640, 360) and values["comment"] == text["Comment"] == "Weld 12, süd"
     depth_m = here.rov.sensors["depth"].read()
     assert values["depth_m"] == pytest.approx(depth_m, abs=0.2)
     np.testing.assert_allclose(values["position_m"], [2.0, 1.0, -2.0], atol=0.5)
     page.evaluate("station.views.enlarge('chart')")
     page.wait_for_timeout(100)
-    _, drawn, text = snapshot(page)  # by the page itself, with the same fields
-    assert {*drawn} == {*values} - {"panel", "note"} | {"vehicle"} and text["Comment"] == "Weld 12, süd"
-    assert drawn["depth_m"] == pytest.approx(values["depth_m"], abs=0.2)
-    off_deg = (drawn["heading_deg"] - values["heading_deg"] + 180.0) % 360.0 - 180.0
-    assert abs(off_deg) < 5.0
+    size, text = snapshot(page)  # by the page itself, which has no values in it
+    assert size[0] > 640 and not text
 
 
 def test_notes_stand_on_the_chart_and_in_files_and_a_watcher_writes_none(here, page):

@@ -103,13 +103,6 @@ def test_on_hand_held_screens_the_picture_is_the_ground_and_only_the_pilot_has_s
     here.regain(page)
 
 
-@pytest.mark.usefixtures("page")  # a pilot who stays, so that these pages need not wait for one
-def test_on_a_phone_german_tools_do_not_lie_over_the_chart(here):
-    held = hold(here, (844, 390), locale="de")
-    the_chart_s_tools_do_not_lie_over_it(held, 844)
-    held.context.close()
-
-
 def nothing_overlaps(page, *selectors: str) -> bool:
     boxes = [box(page, each) for each in selectors]
     return not any(

@@ -14,7 +14,7 @@ NODE = Path(sys.prefix) / "bin/node"
 
 
 # What each program checks is stated in it.
-@pytest.mark.parametrize("program", ["station.mjs", "page.mjs", "tables.mjs"])
+@pytest.mark.parametrize("program", ["station.mjs", "page.mjs"])
 def test_the_page_without_a_browser(program, tmp_path):
     made = tmp_path / "messages.js"
     made.write_text(messages_js())

@@ -10,7 +10,7 @@ from uwsim import Simulator
 from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder, Recording
 from uwsim.recording.replay import execute
-from uwsim.recording.timeline import Timeline, distances
+from uwsim.recording.timeline import Timeline
 
 
 class Forger(Recorder):
@@ -58,17 +58,6 @@ def test_events_and_track_are_those_of_the_flight(line: Timeline) -> None:
     sim = line.simulator()
     line.go_to(sim, round(times_s[7] / line.step_s))
     assert np.array_equal(poses[7, :3], sim.rov.pose.position_world_m)
-
-
-def test_distance_is_that_of_true_positions_at_the_same_time(line: Timeline, tmp_path: Path) -> None:
-    assert not distances(line, line)[1].any()
-    other = Timeline(Recording(fly(tmp_path / "other.mcap", yaw=-0.2, end_s=3.0)))
-    times_s, apart_m = distances(line, other)
-    assert times_s[-1] == 3.0  # only while both lasted
-    here, there = line.simulator(), other.simulator()
-    line.go_to(here, 600), other.go_to(there, 600)
-    truth_m = np.linalg.norm(here.rov.pose.position_world_m - there.rov.pose.position_world_m)
-    assert truth_m > 0.05 and apart_m[-1] == pytest.approx(truth_m, abs=1e-12)
 
 
 def test_a_timeline_ends_at_the_first_reset_and_still_compares_the_end(tmp_path: Path) -> None:

@@ -47,7 +47,7 @@ def _constants() -> str:
     commands = {command.name: [argument.name for argument in command.arguments] for command in piloted}
     gauges = [
         {"name": each.name, **({"word": each.called} if each.called else {}), "unit": each.unit}
-        | {"list": each.shown_in, "column": each.column}
+        | {"list": each.shown_in}
         for each in SHOWN
     ]
     return "".join(

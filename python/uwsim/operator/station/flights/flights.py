@@ -14,21 +14,16 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from uwsim.base.journal import EFFORT
 from uwsim.base.own_files import remove_own_file
 from uwsim.channels.delivery.feed import Feed
 from uwsim.channels.guest import Values
 from uwsim.channels.table import Table
 from uwsim.live import LiveSimulator
-from uwsim.operator.station.scene.scene import glb
 from uwsim.recording import Recorder, Recording
 from uwsim.recording.glance import glance
 from uwsim.recording.mcap_sink import is_being_written
-from uwsim.recording.timeline import FROM_LOG, UNSEEN, Timeline, distances
-from uwsim.scenario import vehicle_hull
+from uwsim.recording.timeline import FROM_LOG, UNSEEN, Timeline
 from uwsim.scenario.fingerprint import build_fingerprint
 
 FOLDER = "flights"
@@ -43,7 +38,6 @@ Only such recordings that still have their name are ever deleted: what a user ha
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,99}\.mcap")
 CHECK_S = 2.0  # interval between checks of the bounds while recording
 OPEN_MAX = 3  # number of time lines cached for later requests
-SAMPLES_MAX = 4000  # maximum number of samples in a track
 LOGGER = logging.getLogger("uwsim.operator.station")
 
 
@@ -146,29 +140,6 @@ class Flights:
                 self._open.popitem(last=False)
             return self._open[key]
 
-    def ghost(self, shown: Timeline, name: str, origin_m: NDArray[np.float64]) -> Values:
-        """Return another flight's track and its distance from the flight shown. Raises ValueError or OSError.
-
-        origin_m: origin of the odom frame, in which positions are returned.
-        """
-        other = self.timeline(name)
-        one, two = (line.recording.start.scenario for line in (shown, other))
-        if one != two:
-            raise ValueError(f"flight '{name}': is in '{two}': must be in '{one}', like the one shown")
-        times_s, apart_m = distances(shown, other)
-        step = max(-(-len(times_s) // SAMPLES_MAX), 1)
-        return {
-            "flight": name,
-            "track": track(other, origin_m),
-            "times_s": times_s[::step].round(3).tolist(),
-            "apart_m": apart_m[::step].round(3).tolist(),
-        }
-
-    def hull(self, name: str) -> bytes:
-        """Return the hull of a flight's first vehicle as GLB, in body axes. Raises ValueError or OSError."""
-        sim = self.timeline(name).simulator()  # kept until the mesh is read: its files vanish with it
-        return glb(vehicle_hull(sim.scenario.vehicles[0].model), np.zeros(3))
-
     def close(self) -> None:
         """Abandon the flight that is being opened."""
         self.is_closing = True
@@ -229,14 +200,6 @@ def _unreadable(path: Path, size: int, error: Exception) -> Values:
     empty = {"scenario": "", "begun": "", "duration_s": 0.0, "cut_off": False, "size_bytes": size}
     empty |= {"branched_from": "", "exercise": "", "from_log": ""}
     return {"name": path.name, **empty, "refused": what}
-
-
-def track(line: Timeline, origin_m: NDArray[np.float64]) -> Values:
-    """Return the track of a flight's first vehicle in odom: times_s, and poses (x, y, z, quaternion x, y, z, w)."""
-    times_s, poses = line.track.arrays()
-    step = max(-(-len(times_s) // SAMPLES_MAX), 1)
-    moved = poses + np.concatenate([origin_m, np.zeros(4)])
-    return {"times_s": times_s[::step].round(3).tolist(), "poses": moved[::step].round(4).tolist()}
 
 
 class FlightRecording:

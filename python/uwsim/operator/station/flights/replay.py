@@ -8,7 +8,6 @@ from uwsim.base.agenda import NEVER, Rank
 from uwsim.base.arguments import is_number
 from uwsim.channels.guest import Values
 from uwsim.live import PACE_ACTS, LiveSimulator
-from uwsim.operator.station.flights.flights import Flights
 from uwsim.recording.timeline import Timeline
 from uwsim.simulator.simulator import Simulator
 
@@ -22,8 +21,8 @@ class Replay:
     reached. At the end of the recording, time stops. flight: the flight's name, as in `Flights`.
     """
 
-    def __init__(self, live: LiveSimulator, timeline: Timeline, flight: str, flights: Flights) -> None:
-        self.live, self.timeline, self.flight, self.flights = live, timeline, flight, flights
+    def __init__(self, live: LiveSimulator, timeline: Timeline, flight: str) -> None:
+        self.live, self.timeline, self.flight = live, timeline, flight
         self.due_tick = NEVER
         self._place = 0
 

@@ -1,6 +1,4 @@
 // The entry point: connects, shows the start screen or the station, and connects the parts.
-import './localize.js';
-import './tips.js';
 import './theme.js';
 import './handheld.js';
 import { CameraAim } from './camera_aim.js';
@@ -39,9 +37,6 @@ import { Views } from './views/layout.js';
 import { TYPES } from './wire/messages.js';
 import { keptName } from './wire/name.js';
 import { bridgeUrl, Station } from './wire/station.js';
-import { STRINGS } from './strings.js';
-
-const WORDS = STRINGS.app;
 
 const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 0];
 const MAP = { throttle_rate: 250, queue_length: 1 };
@@ -65,7 +60,7 @@ const holds = new HoldButtons(station, telemetry, pilot, (action) => bindings.ke
 const inspection = new Inspection(station, views);
 const panel = new Panel(byId('panel'), station, telemetry, pilot, inspection);
 panel.link.onAboard = (isAboard) => views.setAboard(isAboard);
-const recorder = new Recorder(station, telemetry, views, () => inspection.shownComment);
+const recorder = new Recorder(station, telemetry, views);
 inspection.addEventListener('notes', () => showNotes());
 const lease = new Lease(station);
 explainIdleKeys(station, telemetry, pilot, bindings);
@@ -73,7 +68,7 @@ const inspector = new Inspector(station);
 const objects = new LooseObjects(scene, chart);
 const life = new Life(scene, chart);
 const tethers = new Tethers(scene, chart);
-const timeline = new Timeline(station, telemetry, { scene, chart, panel });
+const timeline = new Timeline(station, telemetry, panel);
 const flights = new Flights(station);
 showRecording(station);
 const editor = new SceneEditor(station);
@@ -134,7 +129,7 @@ station.addEventListener('state', () => {
   byId('station').classList.toggle('is-pilot', station.isPilot);
   byId('start').hidden = isRunning || station.state.phase === '';
   if (station.state.phase === 'idle') start.show();
-  document.title = description ? WORDS.titleOf(description.scenario) : WORDS.title;
+  document.title = description ? `${description.scenario} – uwsim station` : 'uwsim station';
   if (isRunning) lease.takeOnce();
   showBanner();
 });
@@ -172,7 +167,7 @@ function begin() {
   scene
     .begin(load, description.vehicles, description.scene)
     .then(showNotes)
-    .catch((error) => toast(WORDS.noScene(error.message), 'error'));
+    .catch((error) => toast(`The 3D view is empty: ${error.message}`, 'error'));
   chart.begin(load, vehicle.name, description.scene).catch((error) => toast(error.message, 'error'));
   chart.lanes.hidden = !description.has_survey;
   if (start.takesSurvey()) {
@@ -288,18 +283,18 @@ function openMenu() {
 
 function showBanner() {
   const { connected, state, isSilent, isBlind } = station;
-  const seconds = Number.isFinite(station.silence_s) ? WORDS.seconds(Math.floor(station.silence_s)) : '';
+  const seconds = Number.isFinite(station.silence_s) ? ` for ${Math.floor(station.silence_s)} s` : '';
   byId('station').classList.toggle('is-blind', isBlind);
   const text = !connected
-    ? WORDS.notConnected(new URL(station.bridge.url, location.href).host, seconds)
+    ? `Not connected to ${new URL(station.bridge.url, location.href).host}${seconds}; trying again. The vehicle stops by itself.`
     : isSilent
-      ? WORDS.silent(seconds, station.flew)
+      ? `Nothing has arrived${seconds}: the display is out of date.${station.flew ? ' Your keys do nothing.' : ''} The vehicle stops by itself.`
       : state.error
-        ? WORDS.stopped(state.error)
+        ? `The simulation stopped: ${state.error}`
         : station.pilotSilence > 0
-          ? WORDS.silentPilot(station.nameOf(state.pilot), Math.round(station.pilotSilence))
+          ? `${station.nameOf(state.pilot)} has been silent for ${Math.round(station.pilotSilence)} s: efforts are zero.`
           : state.rosbridge_trouble
-            ? WORDS.noRosbridge(state.rosbridge, state.rosbridge_trouble)
+            ? `Not connected to your rosbridge at ${state.rosbridge}: ${state.rosbridge_trouble}; trying again.`
             : '';
   write(byId('banner'), text);
   byId('banner').hidden = text === '';

@@ -1,17 +1,14 @@
 // Turns the camera of the large view if it has a motor, or else the vehicle's first camera with a motor.
 import { attempt, el } from './dom.js';
-import { STRINGS } from './strings.js';
-
-const WORDS = STRINGS.cameraAim;
 
 const STEP_RAD = (6 * Math.PI) / 180;
 const PERIOD_MS = 200; // while held: 30 degrees per second
 // Positive pan is to port, positive tilt is down.
 const TURNS = {
-  camUp: ['tilt', -1, '▲', WORDS.up],
-  camDown: ['tilt', 1, '▼', WORDS.down],
-  camLeft: ['pan', 1, '◀', WORDS.toPort],
-  camRight: ['pan', -1, '▶', WORDS.toStarboard],
+  camUp: ['tilt', -1, '▲', 'up'],
+  camDown: ['tilt', 1, '▼', 'down'],
+  camLeft: ['pan', 1, '◀', 'to port'],
+  camRight: ['pan', -1, '▶', 'to starboard'],
 };
 
 export class CameraAim {
@@ -24,11 +21,11 @@ export class CameraAim {
   constructor(station, views) {
     this.station = station;
     this.views = views;
-    this.element = el('div', { className: 'aim', role: 'group', 'aria-label': WORDS.turnTheCamera });
+    this.element = el('div', { className: 'aim', role: 'group', 'aria-label': 'Turn the camera' });
     for (const [action, [, , sign, name]] of Object.entries(TURNS))
       this.element.append(this.#button(action, sign, name));
     this.element.append(
-      el('button', { type: 'button', 'aria-label': WORDS.cameraStraight, onclick: () => this.centre() }, '●'),
+      el('button', { type: 'button', 'aria-label': 'Camera straight', onclick: () => this.centre() }, '●'),
     );
     views.addEventListener('swap', () => this.#show());
   }
@@ -87,7 +84,7 @@ export class CameraAim {
   }
 
   #button(action, sign, name) {
-    const button = el('button', { type: 'button', 'aria-label': WORDS.camera(name) }, sign);
+    const button = el('button', { type: 'button', 'aria-label': `Camera ${name}` }, sign);
     button.addEventListener('pointerdown', () => this.act(action, true));
     for (const kind of ['pointerup', 'pointerleave', 'pointercancel']) button.addEventListener(kind, () => this.stop());
     button.addEventListener('click', (event) => {

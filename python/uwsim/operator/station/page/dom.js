@@ -1,7 +1,4 @@
 // Small helpers for the document.
-import { LANGUAGE, STRINGS } from './strings.js';
-
-const WORDS = STRINGS.common;
 
 /** An element that the document or a module of the page has made, so that it exists; what it is depends on its name.
  * @typedef {HTMLElement & Pick<HTMLInputElement, 'value' | 'disabled' | 'checked' | 'min' | 'max'>
@@ -26,7 +23,7 @@ export const all = (root, selector) => root.querySelectorAll(selector);
  */
 export const targetOf = (event) => /** @type {Known} */ (event.target);
 
-/** Make an element: el('button', { type: 'button', onclick, 'aria-label': '...', tip: '...' }, 'text', child).
+/** Make an element: el('button', { type: 'button', onclick, 'aria-label': '...', title: '...' }, 'text', child).
  * @template {keyof HTMLElementTagNameMap} T
  * @param {T} tag
  * @param {Record<string, any>} attributes
@@ -37,24 +34,12 @@ export function el(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (value === undefined || value === null || value === false) continue;
-    if (name === 'tip') tip(element, value);
-    else if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
+    if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
     else if (name in element && name !== 'list' && !name.includes('-')) element[name] = value;
     else element.setAttribute(name, value === true ? '' : value);
   }
   element.append(...children.filter((child) => child !== null && child !== undefined));
   return element;
-}
-
-/** Show a text while an element is pointed at or focused; see tips.js. '' shows none.
- * @type {(element: HTMLElement, text: string) => void}
- */
-export function tip(element, text) {
-  if ((element.dataset.tip ?? '') === text) return;
-  if (text) element.dataset.tip = text;
-  else delete element.dataset.tip;
-  if (text) element.setAttribute('aria-description', text);
-  else element.removeAttribute('aria-description');
 }
 
 /** The canvas's context for drawing.
@@ -87,7 +72,7 @@ export async function attempt(promise, done = '') {
   try {
     const answer = await promise;
     if (answer?.success === false) {
-      toast(answer.message || WORDS.refused, 'error');
+      toast(answer.message || 'The simulator refused.', 'error');
       return null;
     }
     if (done) toast(answer?.message || done);
@@ -102,7 +87,7 @@ export async function attempt(promise, done = '') {
 export const capital = (text) => text.replace(/^./, (letter) => letter.toUpperCase());
 
 // A whole number with its thousands grouped.
-export const grouped = (value) => value.toLocaleString(LANGUAGE);
+export const grouped = (value) => value.toLocaleString('en');
 
 export const fixed = (value, digits) =>
   Number.isFinite(value) ? value.toFixed(digits).replace(/^-(0(\.0*)?)$/, '$1') : '–';

@@ -1,8 +1,5 @@
 // The start screen's list of exercises, each with a button that starts it.
 import { byId, clockText, el, write } from './dom.js';
-import { STRINGS } from './strings.js';
-
-const WORDS = STRINGS.exercises;
 
 export class Exercises {
   constructor(station) {
@@ -11,8 +8,8 @@ export class Exercises {
     this.list = el('ol', { className: 'flights-list' });
     this.element = byId('exercises');
     this.element.append(
-      el('h2', { id: 'exercises-title' }, WORDS.title),
-      el('p', {}, WORDS.hint),
+      el('h2', { id: 'exercises-title' }, 'Exercises'),
+      el('p', {}, 'In the order of the course. Time stands still until you begin.'),
       this.status,
       this.list,
     );
@@ -24,7 +21,7 @@ export class Exercises {
   }
 
   #row({ name, title, brief, scenario, time_s }) {
-    const button = el('button', { type: 'button', 'aria-label': WORDS.startOf(title) }, WORDS.start);
+    const button = el('button', { type: 'button', 'aria-label': `Start ${title}` }, 'Start');
     button.addEventListener('click', () => this.#start(name, button));
     return el(
       'li',
@@ -33,7 +30,7 @@ export class Exercises {
         'div',
         {},
         el('b', {}, title),
-        el('span', {}, WORDS.about(scenario.replaceAll('_', ' '), clockText(time_s))),
+        el('span', {}, `${scenario.replaceAll('_', ' ')}, ${clockText(time_s)}`),
         el('small', {}, brief),
       ),
       button,
@@ -42,7 +39,7 @@ export class Exercises {
 
   async #start(name, button) {
     button.disabled = true;
-    write(this.status, STRINGS.start.starting);
+    write(this.status, 'Starting …');
     try {
       const answer = await this.station.start({ exercise_name: name });
       write(this.status, answer.success ? '' : answer.message);

@@ -1,8 +1,5 @@
 // The inspector: the simulator's live parameters by vehicle and topic, with unit, bounds and reset.
 import { attempt, byId, el, write } from './dom.js';
-import { STRINGS } from './strings.js';
-
-const WORDS = STRINGS.inspector;
 
 const WORLD = 'world';
 // Parameters of the physics that have a slider.
@@ -25,33 +22,33 @@ export class Inspector {
     this.element = byId('inspector');
     this.search = el('input', {
       type: 'search',
-      placeholder: WORDS.search,
-      'aria-label': WORDS.searchParameters,
+      placeholder: 'Search',
+      'aria-label': 'Search parameters',
       autocomplete: 'off',
       spellcheck: false,
     });
-    this.owner = el('select', { 'aria-label': WORDS.owner });
+    this.owner = el('select', { 'aria-label': 'Owner of the parameters' });
     this.changed = el('input', { type: 'checkbox', id: 'inspector-changed' });
     this.count = el('p', { className: 'caption', role: 'status' });
-    this.list = el('div', { className: 'inspector-list', tabIndex: 0, role: 'group', 'aria-label': WORDS.parameters });
+    this.list = el('div', { className: 'inspector-list', tabIndex: 0, role: 'group', 'aria-label': 'Parameters' });
     this.resetAll = el(
       'button',
       { type: 'button', onclick: () => this.#send(station.resetParameters(null)) },
-      WORDS.resetAll,
+      'Reset all',
     );
     for (const input of [this.search, this.owner, this.changed]) input.addEventListener('input', () => this.#filter());
     this.element.append(
       el(
         'header',
         { className: 'inspector-head' },
-        el('h2', { id: 'inspector-title' }, WORDS.parameters),
-        el('button', { type: 'button', 'aria-label': WORDS.close, onclick: () => this.toggle() }, '✕'),
+        el('h2', { id: 'inspector-title' }, 'Parameters'),
+        el('button', { type: 'button', 'aria-label': 'Close', onclick: () => this.toggle() }, '✕'),
       ),
       el('div', { className: 'inspector-tools' }, this.search, this.owner),
       el(
         'div',
         { className: 'inspector-tools' },
-        el('label', { htmlFor: 'inspector-changed' }, this.changed, ' ', WORDS.changedOnly),
+        el('label', { htmlFor: 'inspector-changed' }, this.changed, ' ', 'Changed only'),
         this.resetAll,
       ),
       this.count,
@@ -134,7 +131,7 @@ export class Inspector {
     const owners = [...new Set(this.#topics.map(({ owner }) => owner))];
     const { value } = this.owner;
     this.owner.replaceChildren(
-      el('option', { value: '' }, WORDS.all),
+      el('option', { value: '' }, 'All'),
       ...owners.map((owner) => el('option', { value: owner }, owner)),
     );
     this.owner.value = owners.includes(value) ? value : '';
@@ -148,14 +145,14 @@ export class Inspector {
     const scaled = sliderOf(parameter, input, set);
     const reset = el('button', {
       type: 'button',
-      'aria-label': WORDS.reset(name),
-      tip: WORDS.resetTip,
+      'aria-label': `Reset ${name}`,
+      title: 'Restore the scenario’s value',
       onclick: () => this.#send(this.station.resetParameters(name)),
     });
     reset.textContent = '↺';
     const box = el(
       'div',
-      { className: 'parameter', tip: description },
+      { className: 'parameter', title: description },
       el('span', { className: 'parameter-name' }, title),
       input,
       el('span', { className: 'caption' }, unit),
@@ -197,7 +194,7 @@ export class Inspector {
       write(badge, String(inTopic));
       if (words.length || this.changed.checked) box.open = true;
     }
-    write(this.count, WORDS.count(shown, this.#rows.size, changed));
+    write(this.count, `${shown} of ${this.#rows.size}, ${changed} changed`);
     this.#enable();
   }
 
@@ -258,8 +255,8 @@ function fill(input, value) {
 }
 
 function boundsText({ low, high, optional }) {
-  const text = low === null ? '' : WORDS.bounds(low, high);
-  return optional && text ? WORDS.orEmpty(text) : text;
+  const text = low === null ? '' : `${low} to ${high}`;
+  return optional && text ? `${text}, or empty` : text;
 }
 
 /** A parameter's slider, or null if it has no bounds: from a tenth to ten times a positive scenario's value, by its
@@ -289,7 +286,7 @@ function sliderOf(parameter, input, set) {
   const slider = el('input', {
     type: 'range',
     ...scale.ends,
-    'aria-label': WORDS.slider(name),
+    'aria-label': `${name}, slider`,
     oninput: ({ target }) => fill(input, scale.valueAt(Number(target.value))),
     onchange: ({ target }) => set(scale.valueAt(Number(target.value))),
   });

@@ -2,11 +2,7 @@
 import { Decoder } from './vendor/cbor.js';
 import { byId, grouped, write } from './dom.js';
 import { MapView } from './map3d/map_view.js';
-import { STRINGS } from './strings.js';
 import './theme.js';
-import './tips.js';
-
-const WORDS = STRINGS.map;
 
 async function load(path) {
   const answer = await fetch(path);
@@ -25,8 +21,11 @@ async function begin() {
   view.showMap(new Decoder({ mapsAsObjects: true }).decode(bytes));
   const size = about.high_m.map((high, k) => Number((high - about.low_m[k]).toPrecision(3))).join(' × ');
   const isWhole = about.cube_m === about.voxel_m;
-  write(byId('about'), WORDS.about(grouped(about.occupied), about.voxel_m, size, isWhole, about.cube_m));
+  write(
+    byId('about'),
+    `${grouped(about.occupied)} voxels of ${about.voxel_m} m · ${size} m${isWhole ? '' : ` · shown in cubes of ${about.cube_m} m`}`,
+  );
   Object.assign(globalThis, { mapView: view }); // for the browser's console and tests
 }
 
-begin().catch((error) => write(byId('about'), WORDS.failed(error.message)));
+begin().catch((error) => write(byId('about'), `Not shown: ${error.message}`));

@@ -1,14 +1,11 @@
 // Pictures of the chosen scenario: what its vehicle sees, and the scenario from above.
 import { el } from './dom.js';
-import { STRINGS } from './strings.js';
-
-const WORDS = STRINGS.preview;
 
 const LEGEND = {
-  station: WORDS.station,
-  start: WORDS.vehicleAtItsStart,
-  obstacle: WORDS.obstacles,
-  area: WORDS.areaToSurvey,
+  station: 'Station',
+  start: 'Vehicle at its start',
+  obstacle: 'Obstacles',
+  area: 'Area to survey',
 };
 
 export class Preview {
@@ -35,7 +32,7 @@ export class Preview {
       { className: 'preview', hidden: true },
       this.still,
       this.image,
-      el('figcaption', {}, el('p', {}, WORDS.fromAboveNorthUp), el('ul', {}, ...legend)),
+      el('figcaption', {}, el('p', {}, 'From above, north up'), el('ul', {}, ...legend)),
     );
   }
 
@@ -49,8 +46,8 @@ export class Preview {
       return;
     }
     this.still.hidden = true;
-    this.still.alt = WORDS.still(scenario);
-    this.image.alt = WORDS.picture(scenario);
+    this.still.alt = `${scenario}, as its vehicle sees it`;
+    this.image.alt = `${scenario} from above: depths, obstacles, station and start`;
     this.still.src = this.#newest(href('.jpg'));
     this.image.src = this.#newest(href('.png'));
   }

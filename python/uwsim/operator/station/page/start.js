@@ -2,30 +2,49 @@
 import { byId, el, first, write } from './dom.js';
 import { Preview } from './preview.js';
 import { address, number, options } from './start_inputs.js';
-import { STRINGS } from './strings.js';
 
-const WORDS = STRINGS.start;
+const GROUPS = {
+  own: 'Yours',
+  saved: 'Saved sessions',
+  lakes: 'Lakes',
+  sea: 'Sea',
+  structures: 'Wrecks and structures',
+  basins: 'Pools and basins',
+};
 
 const CHECK_MS = 250;
-const OWN = WORDS.own;
+const OWN = 'From the scenario';
 const SAVED = 'saved:';
-const SAVED_HINT = WORDS.savedHint;
+const SAVED_HINT = 'Continues a session saved here, including its map; only the speed can be changed.';
 const OF_SCENARIO = ['vehicle', 'sonar', 'tilt_deg', 'mission_time_s', 'seed', 'link'];
 
 // The form's fields; one without bounds or placeholder is a choice from the catalog.
 const FIELDS = {
-  scenario: { title: WORDS.scenario, wide: true },
-  vehicle: { title: WORDS.vehicle },
-  sonar: { title: WORDS.sonar },
-  tilt_deg: { title: WORDS.head },
-  mission_time_s: { title: WORDS.missionTime, bounds: { min: 1, step: 1 }, unit: 's', hint: WORDS.timeHint },
-  seed: { title: WORDS.seed, bounds: { min: 0, step: 1 }, hint: WORDS.seedHint },
-  speed: { title: WORDS.speed },
-  link: { title: WORDS.linkToTheVehicle },
-  rosbridge_host: { title: WORDS.address, placeholder: WORDS.noRosbridge, hint: WORDS.rosbridgeHint },
-  rosbridge_port: { title: WORDS.port, bounds: { min: 1, max: 65535, step: 1 }, hint: WORDS.portHint },
-  host: { title: WORDS.host, placeholder: '127.0.0.1', hint: WORDS.hostHint },
-  port: { title: WORDS.port, bounds: { min: 1, max: 65535, step: 1 } },
+  scenario: { title: 'Scenario', wide: true },
+  vehicle: { title: 'Vehicle' },
+  sonar: { title: 'Sonar' },
+  tilt_deg: { title: 'Sonar head at the start' },
+  mission_time_s: {
+    title: 'Mission time',
+    bounds: { min: 1, step: 1 },
+    unit: 's',
+    hint: 'This is also how long the battery lasts.',
+  },
+  seed: { title: 'Seed', bounds: { min: 0, step: 1 }, hint: 'The same seed and the same controls give the same run.' },
+  speed: { title: 'Speed' },
+  link: { title: 'Link to the vehicle' },
+  rosbridge_host: {
+    title: 'Address',
+    placeholder: 'none: fly without ROS',
+    hint: 'The simulator joins this rosbridge_server, as with uwsim ros connect, so that your nodes can fly it.',
+  },
+  rosbridge_port: {
+    title: 'Port',
+    bounds: { min: 1, max: 65535, step: 1 },
+    hint: 'If empty: 9090, the default of rosbridge_server.',
+  },
+  host: { title: 'Host', placeholder: '127.0.0.1', hint: 'A uwsim server, such as uwsim serve lake --station.' },
+  port: { title: 'Port', bounds: { min: 1, max: 65535, step: 1 } },
 };
 
 // An entry of the catalog as a choice.
@@ -82,7 +101,7 @@ export class StartScreen {
   }
 
   async #ask() {
-    this.#showMessage(WORDS.asking);
+    this.#showMessage('Loading the available choices …');
     try {
       do {
         this.#isOld = false;
@@ -103,48 +122,44 @@ export class StartScreen {
     const before = [...this.#fields].map(([name, { input }]) => [name, input.value]);
     const saved = saves.map((name) => ({
       value: SAVED + name,
-      text: WORDS.goOnWith(name),
+      text: `Continue “${name}”`,
       hint: SAVED_HINT,
-      group: WORDS.groups.saved,
+      group: GROUPS.saved,
     }));
     const scenes = scenarios.map(({ name, description, group }) => ({
       value: name,
       text: name,
       hint: description,
-      group: WORDS.groups[group],
+      group: GROUPS[group],
     }));
     const own = { value: '', text: OWN };
-    const paces = speeds.map((value) => ({ value, text: value ? WORDS.realTime(value) : WORDS.asFastAsPossible }));
+    const paces = speeds.map((value) => ({ value, text: value ? `${value} × real time` : 'As fast as possible' }));
     const choices = {
-      scenario: Object.values(WORDS.groups).flatMap((group) =>
-        [...scenes, ...saved].filter((each) => each.group === group),
-      ),
+      scenario: Object.values(GROUPS).flatMap((group) => [...scenes, ...saved].filter((each) => each.group === group)),
       vehicle: [own, ...vehicles.map(choice)],
       sonar: [own, ...sonars.map(choice)],
       tilt_deg: [
         own,
         ...tilts_deg.map((value) => ({
           value,
-          text: value ? WORDS.headDown(value) : WORDS.headLevel,
-          hint: value ? WORDS.headDownHint : WORDS.headLevelHint,
+          text: value ? `${value}° down` : 'Level',
+          hint: value
+            ? 'A survey at constant depth needs it: its beams meet the bed.'
+            : 'As the published simulator starts: level beams meet walls, not the bed. Tilt it in flight by , and .',
         })),
       ],
       speed: paces,
       link: links.map(choice),
     };
     const fields = (...names) => names.map((name) => this.#field(name, choices[name]));
-    this.fresh = el(
-      'button',
-      { type: 'button', className: 'new-scene', onclick: () => this.#edit(null) },
-      WORDS.newScene,
-    );
-    this.edit = el('button', { type: 'button', className: 'edit', onclick: () => this.#edit() }, WORDS.edit);
+    this.fresh = el('button', { type: 'button', className: 'new-scene', onclick: () => this.#edit(null) }, 'New scene');
+    this.edit = el('button', { type: 'button', className: 'edit', onclick: () => this.#edit() }, 'Edit this scenario');
     const [scenario, ...mission] = fields('scenario', 'vehicle', 'sonar', 'tilt_deg', 'mission_time_s', 'seed');
-    this.ownSet = this.#set(WORDS.mission, scenario, this.#preview.element, this.edit, this.fresh, ...mission);
-    this.paceSet = this.#set(WORDS.timeAndLink, ...fields('speed', 'link'));
-    this.rosSet = this.#set(WORDS.yourRosbridge, ...fields('rosbridge_host', 'rosbridge_port'));
-    this.otherSet = this.#set(WORDS.address, ...fields('host', 'port'));
-    this.whereSet = this.#set(WORDS.simulator, this.#where());
+    this.ownSet = this.#set('Mission', scenario, this.#preview.element, this.edit, this.fresh, ...mission);
+    this.paceSet = this.#set('Time and link', ...fields('speed', 'link'));
+    this.rosSet = this.#set('Your rosbridge', ...fields('rosbridge_host', 'rosbridge_port'));
+    this.otherSet = this.#set('Address', ...fields('host', 'port'));
+    this.whereSet = this.#set('Simulator', this.#where());
     byId('start-fields').replaceChildren(this.whereSet, this.ownSet, this.paceSet, this.rosSet, this.otherSet);
     for (const [name, value] of Object.entries({ ...defaults, host: '127.0.0.1', port: 9090 })) {
       const field = this.#fields.get(name);
@@ -176,9 +191,9 @@ export class StartScreen {
       );
     return el(
       'div',
-      { className: 'choice', role: 'radiogroup', 'aria-label': WORDS.simulator },
-      place('here', WORDS.here, WORDS.hereHint),
-      place('there', WORDS.there, WORDS.thereHint),
+      { className: 'choice', role: 'radiogroup', 'aria-label': 'Simulator' },
+      place('here', 'Start a simulator here', 'In the process that serves this page'),
+      place('there', 'Open another station', 'Goes to the page of a server elsewhere'),
     );
   }
 
@@ -194,7 +209,7 @@ export class StartScreen {
     this.whereSet.hidden = this.edit.hidden = this.#isBuilding;
     this.otherSet.hidden = !isElsewhere;
     for (const name of OF_SCENARIO) this.#fields.get(name).box.hidden = this.#isBuilding;
-    write(this.button, this.#isBuilding ? WORDS.edit : isElsewhere ? WORDS.connect : WORDS.start);
+    write(this.button, this.#isBuilding ? 'Edit this scenario' : isElsewhere ? 'Connect' : 'Start');
     this.#soon();
   }
 
@@ -232,8 +247,8 @@ export class StartScreen {
     for (const name of OF_SCENARIO) this.#fields.get(name).input.disabled = this.savedName !== '';
     const scenario = this.catalog?.scenarios.find(({ name }) => name === this.#fields.get('scenario').input.value);
     if (!scenario) return;
-    this.#fields.get('mission_time_s').input.placeholder = WORDS.ownValue(scenario.mission_time_s);
-    this.#fields.get('seed').input.placeholder = WORDS.ownValue(scenario.seed);
+    this.#fields.get('mission_time_s').input.placeholder = `${scenario.mission_time_s} (from the scenario)`;
+    this.#fields.get('seed').input.placeholder = `${scenario.seed} (from the scenario)`;
     const [vehicle] = scenario.vehicles;
     if (this.#fields.get('vehicle').input.value === '' && vehicle)
       write(
@@ -244,13 +259,13 @@ export class StartScreen {
       write(this.#fields.get('sonar').hint, this.#sonarText(scenario.sonar));
     const tilt = scenario.tilt_deg ?? null;
     if (this.#fields.get('tilt_deg').input.value === '')
-      write(this.#fields.get('tilt_deg').hint, tilt === null ? '' : tilt ? WORDS.headDown(tilt) : WORDS.headLevel);
+      write(this.#fields.get('tilt_deg').hint, tilt === null ? '' : tilt ? `${tilt}° down` : 'Level');
   }
 
   // The name of a scenario's sonar: of a published one, whose name is a number, its maker's.
   #sonarText(name) {
     const sonar = this.catalog.sonars.find((each) => String(each.name) === name);
-    return name === null ? WORDS.noSonar : sonar?.kind === 'published' ? sonar.description : String(name);
+    return name === null ? 'none' : sonar?.kind === 'published' ? sonar.description : String(name);
   }
 
   // Return the choice; empty fields follow the scenario. Invalid numbers are sent as text, and the server reports them.
@@ -352,8 +367,8 @@ export class StartScreen {
   #addressErrors() {
     const [host, port] = ['host', 'port'].map((name) => this.#fields.get(name).input.value.trim());
     const errors = {};
-    if (!/^[\w.:[\]-]+$/.test(host)) errors.host = WORDS.wrongHost(host);
-    if (!/^\d+$/.test(port) || port < 1 || port > 65535) errors.port = WORDS.wrongPort(port);
+    if (!/^[\w.:[\]-]+$/.test(host)) errors.host = `host = '${host}': must be a name or an address, such as 127.0.0.1`;
+    if (!/^\d+$/.test(port) || port < 1 || port > 65535) errors.port = `port = '${port}': must be in [1, 65535]`;
     return errors;
   }
 
@@ -390,7 +405,7 @@ export class StartScreen {
       return;
     }
     this.button.disabled = true;
-    this.#showMessage(WORDS.starting);
+    this.#showMessage('Starting …');
     this.#isToSurvey = this.#task === 'survey';
     try {
       const answer = await this.station.start(this.choice);

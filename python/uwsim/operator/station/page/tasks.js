@@ -1,18 +1,23 @@
 // The start screen's question what to do: fly, train, survey, build a scene, or replay. It decides which parts are shown.
-import { byId, el } from './dom.js';
-import { STRINGS } from './strings.js';
+import { byId, capital, el } from './dom.js';
 
-const WORDS = STRINGS.tasks;
-const TASKS = /** @type {const} */ (['fly', 'train', 'survey', 'build', 'replay']);
+// The tasks, and a hint for each.
+const TASKS = {
+  fly: 'A vehicle in a scene',
+  train: 'Exercises with a score',
+  survey: 'Lanes over a bed',
+  build: 'A scene of your own',
+  replay: 'Flights of before',
+};
 
 // act(task): called when a task is chosen.
 export function offerTasks(act) {
-  const buttons = TASKS.map((task) =>
+  const buttons = Object.entries(TASKS).map(([task, hint]) =>
     el(
       'button',
       { type: 'button', 'data-task': task, onclick: () => choose(task) },
-      el('b', {}, WORDS[task]),
-      el('small', {}, WORDS.hints[task]),
+      el('b', {}, capital(task)),
+      el('small', {}, hint),
     ),
   );
   function choose(chosen) {
@@ -20,7 +25,7 @@ export function offerTasks(act) {
     for (const each of buttons) each.setAttribute('aria-pressed', String(each.dataset.task === chosen));
     act(chosen);
   }
-  byId('tasks').setAttribute('aria-label', WORDS.question);
+  byId('tasks').setAttribute('aria-label', 'What do you want to do?');
   byId('tasks').append(...buttons);
   choose('fly');
 }

@@ -1,7 +1,6 @@
 // The newest telemetry of the displayed vehicle, and its age.
 import { TYPES } from './wire/messages.js';
 import { seconds } from './wire/rosbridge.js';
-import { STRINGS } from './strings.js';
 import { Closing, soonest } from './views/closing.js';
 
 const LATE_MS = 1500;
@@ -109,14 +108,14 @@ export class Telemetry extends EventTarget {
       this.sensors = names.map((name, k) => {
         const word = name.slice('sensor '.length).replaceAll('_', ' ');
         const title = word.replace(/^./, (letter) => letter.toUpperCase());
-        return { name, word: title, unit: units[k], column: name.replaceAll(' ', '_') };
+        return { name, word: title, unit: units[k] };
       });
     this.message = Object.assign(message, Object.fromEntries(names.map((name, k) => [name, values[k]])), {
       gauges: [...(message.gauges ?? []), ...names],
       gauge_ages: [...(message.gauge_ages ?? []), ...[...ages].map((age) => age + since_s)],
     });
     this.#receivedMs = performance.now();
-    this.#approach(STRINGS.telemetry.bed, message.distance_to_seabed, message.header);
+    this.#approach('bed', message.distance_to_seabed, message.header);
     this.dispatchEvent(new Event('change'));
   }
 

@@ -1,17 +1,13 @@
 // The top bar: vehicle, lights, tilt, gain, camera, time.
-import { all, attempt, byId, capital, clockText, el, fixed, targetOf, tip, write } from './dom.js';
-import { titled } from './said.js';
-import { STRINGS } from './strings.js';
-
-const WORDS = STRINGS.topbar;
+import { all, attempt, byId, capital, clockText, el, fixed, targetOf, write } from './dom.js';
 
 const TILT_STEP_RAD = Math.PI / 180;
 const TILT_HOLD_MS = 100;
 const QUALITIES = {
   // of the large picture
-  economy: { title: WORDS.economy, rate_hz: 5, width: 320, quality: 60 },
-  normal: { title: WORDS.normal, rate_hz: 10, width: 640, quality: 80 },
-  fine: { title: WORDS.fine, rate_hz: 10, width: 960, quality: 90 },
+  economy: { title: 'Economy', rate_hz: 5, width: 320, quality: 60 },
+  normal: { title: 'Normal', rate_hz: 10, width: 640, quality: 80 },
+  fine: { title: 'Fine', rate_hz: 10, width: 960, quality: 90 },
 };
 const LATE_SHARE = 0.95;
 
@@ -65,53 +61,54 @@ export class TopBar {
     );
     write(byId('scenario-name'), description.scenario);
     this.#lights = vehicle.lamps.map((name, k) => {
-      const title = titled({ name, title: capital(name) });
+      const title = capital(name);
       return el(
         'button',
         {
           type: 'button',
           'aria-pressed': 'false',
-          'aria-label': WORDS.light(title.toLowerCase()),
+          'aria-label': `${title.toLowerCase()} light`,
           onclick: () => this.light(name, !this.#isLit(k)),
         },
         title,
       );
     });
     byId('lights').replaceChildren(
-      el('span', { className: 'caption', 'aria-hidden': 'true' }, WORDS.lights),
+      el('span', { className: 'caption', 'aria-hidden': 'true' }, 'Lights'),
       ...this.#lights,
     );
     byId('lights').hidden = this.#lights.length === 0;
     byId('droppers').replaceChildren(
-      el('span', { className: 'caption', 'aria-hidden': 'true' }, WORDS.droppers),
+      el('span', { className: 'caption', 'aria-hidden': 'true' }, 'Let go'),
       ...vehicle.droppers.map((name) => {
-        const title = titled({ name, title: capital(name.replaceAll('_', ' ')) });
-        return el('button', { type: 'button', 'aria-label': WORDS.drop(title), onclick: () => this.drop(name) }, title);
+        const title = capital(name.replaceAll('_', ' '));
+        return el(
+          'button',
+          { type: 'button', 'aria-label': `Let go: ${title}`, onclick: () => this.drop(name) },
+          title,
+        );
       }),
     );
     byId('droppers').hidden = vehicle.droppers.length === 0;
     /** @type {HTMLElement} */ (byId('tilt').parentElement).hidden = !vehicle.tilt;
     byId('speed').replaceChildren(
-      ...speeds.map((speed) => el('option', { value: String(speed) }, speed === 0 ? WORDS.max : `${speed}×`)),
+      ...speeds.map((speed) => el('option', { value: String(speed) }, speed === 0 ? 'max' : `${speed}×`)),
     );
     this.showState();
   }
 
   releaseOrDock() {
     const isFree = this.telemetry.message?.released;
-    attempt(
-      this.station.command(isFree ? 'dock' : 'release', this.#vehicle?.name),
-      isFree ? WORDS.docked : WORDS.released,
-    );
+    attempt(this.station.command(isFree ? 'dock' : 'release', this.#vehicle?.name), isFree ? 'Docked' : 'Released');
   }
 
   undock() {
-    attempt(this.station.command('undock', this.#vehicle?.name), WORDS.undocked);
+    attempt(this.station.command('undock', this.#vehicle?.name), 'Undocked');
   }
 
   // A dropper lets go of its next body; without a name, the first one that holds any.
   drop(name = undefined) {
-    attempt(this.station.command('drop', this.#vehicle?.name, name ? { dropper: name } : {}), WORDS.dropped);
+    attempt(this.station.command('drop', this.#vehicle?.name, name ? { dropper: name } : {}), 'Let go');
   }
 
   light(name, on) {
@@ -154,8 +151,8 @@ export class TopBar {
     const { state, isPilot, connected } = this.station;
     write(byId('clock'), clockText(state.time, 1));
     byId('rosbridge').hidden = !state.rosbridge;
-    write(byId('rosbridge'), state.rosbridge ? WORDS.ros(state.rosbridge.replace(/^wss?:\/\//, '')) : '');
-    tip(byId('rosbridge'), state.rosbridge_refusals);
+    write(byId('rosbridge'), state.rosbridge ? `ROS ${state.rosbridge.replace(/^wss?:\/\//, '')}` : '');
+    byId('rosbridge').title = state.rosbridge_refusals ?? '';
     byId('rosbridge').classList.toggle('is-lost', Boolean(state.rosbridge_trouble || state.rosbridge_refusals));
     const speed = byId('speed');
     if (document.activeElement !== speed) {
@@ -165,9 +162,9 @@ export class TopBar {
       speed.value = wanted;
     }
     const isLate = !state.paused && state.speed > 0 && state.factor < LATE_SHARE * state.speed;
-    write(byId('factor'), state.paused ? WORDS.paused : `${fixed(state.factor, state.factor < 10 ? 2 : 0)}×`);
+    write(byId('factor'), state.paused ? 'paused' : `${fixed(state.factor, state.factor < 10 ? 2 : 0)}×`);
     byId('factor').classList.toggle('is-late', isLate);
-    byId('pause').setAttribute('aria-label', state.paused ? WORDS.resume : WORDS.pause);
+    byId('pause').setAttribute('aria-label', state.paused ? 'Resume' : 'Pause');
     write(byId('pause'), state.paused ? '▶' : '❚❚');
     const mayNot = !isPilot || !connected;
     for (const id of ['dock', 'tilt-up', 'tilt-down', 'gain-up', 'gain-down']) byId(id).disabled = mayNot;
@@ -194,7 +191,7 @@ export class TopBar {
 
   #showVehicle() {
     const { message } = this.telemetry;
-    write(byId('dock'), message.released ? WORDS.dock : WORDS.release);
+    write(byId('dock'), message.released ? 'Dock' : 'Release');
     byId('undock').hidden = message.released;
     this.#lights.forEach((button, k) => button.setAttribute('aria-pressed', String(this.#isLit(k))));
     write(byId('tilt'), Number.isFinite(message.tilt) ? `${fixed((message.tilt * 180) / Math.PI, 0)}°` : '–');
@@ -208,7 +205,7 @@ export class TopBar {
   #makeCameraModes() {
     const select = el(
       'select',
-      { id: 'quality', 'aria-label': WORDS.quality },
+      { id: 'quality', 'aria-label': 'Quality of the large picture' },
       ...Object.entries(QUALITIES).map(([value, { title }]) =>
         el('option', { value, selected: value === 'normal' }, title),
       ),

@@ -141,7 +141,7 @@ class Sessions:
         with _errors_of("flight", ValueError, OSError):
             timeline = self.flights.timeline(name)
             live = LiveSimulator(timeline.simulator(), speed=speed)
-        self.run(lambda: live, replay=Replay(live, timeline, name, self.flights))
+        self.run(lambda: live, replay=Replay(live, timeline, name))
 
     def branch(self) -> str:
         """Start flying from the current moment of a replay, in a new session; return a text with the starting point.

@@ -1,8 +1,7 @@
-"""Files for pilots to download, the map and the score sheet, and for the page to draw in a replay: tracks and hulls."""
+"""Files for pilots to download: the map and the score sheet."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -11,8 +10,6 @@ from uwsim.channels.families.map import PingMap
 from uwsim.mapping.depth_grid import depth_grid
 from uwsim.mapping.files import write_cloud
 from uwsim.mapping.files.geotiff import write_depth_tiff
-from uwsim.operator.station.flights.flights import track
-from uwsim.operator.station.flights.replay import Replay
 from uwsim.operator.station.sessions.running import Running
 from uwsim.scenario.georeference import georeference
 
@@ -54,25 +51,3 @@ def sheet_file(running: Running, name: str) -> bytes:
     if running.judged is None:
         raise ValueError("no exercise is flown")
     return running.judged.sheet(name)
-
-
-def track_json(running: Running) -> bytes:
-    """Return the track of the flight being replayed: `{times_s, poses}`, in odom. Raises ValueError."""
-    return json.dumps(track(_replay(running).timeline, running.table.origin_m)).encode()
-
-
-def ghost_json(running: Running, name: str) -> bytes:
-    """Return another flight's track and its distance: `{flight, track, times_s, apart_m}`. Raises ValueError."""
-    replay = _replay(running)
-    return json.dumps(replay.flights.ghost(replay.timeline, name, running.table.origin_m)).encode()
-
-
-def hull_glb(running: Running, name: str) -> bytes:
-    """Return the hull of another flight's first vehicle as GLB, in body axes. Raises ValueError."""
-    return _replay(running).flights.hull(name)
-
-
-def _replay(running: Running) -> Replay:
-    if running.replay is None:
-        raise ValueError("no flight is replayed")
-    return running.replay

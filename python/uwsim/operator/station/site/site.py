@@ -26,14 +26,14 @@ from uwsim.operator.station.site.answers import (
     page_file,
     with_policy,
 )
-from uwsim.operator.station.site.files import cloud, depth_tiff, ghost_json, hull_glb, map_file, sheet_file, track_json
+from uwsim.operator.station.site.files import cloud, depth_tiff, map_file, sheet_file
 from uwsim.operator.station.site.token_page import token_page
 from uwsim.operator.station.station import Station
 
 WAITING_MAX = 40  # maximum number of requests waiting for generated content
 Route = tuple[str, Callable[..., tuple[bytes, str]]]
 """A pattern of paths, and what makes the content and the name of a download, "" for none."""
-DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|flight|edit)/")
+DATA = re.compile(r"/(scene|map|snapshot|preview|exercise|notes|edit)/")
 PREVIEW = re.compile(r"/preview/(.{1,1000})\.(png|jpg)")
 EDITED = re.compile(r"/edit/([0-9a-f]{1,64})/(.{1,200})")
 
@@ -123,9 +123,6 @@ ROUTES: list[Route] = [
     (r"/scene/mesh/(\d{1,5})\.glb", lambda running, number: (running.scene.mesh(int(number)), "")),
     (r"/scene/vehicle/([^/]+)\.glb", lambda running, name: (running.scene.hull(name), "")),
     (r"/exercise/(sheet\.html|score\.json)", lambda running, name: (sheet_file(running, name), name)),
-    (r"/flight/track\.json", lambda running: (track_json(running), "")),
-    (r"/flight/ghost/([^/]+)\.json", lambda running, name: (ghost_json(running, name), "")),
-    (r"/flight/hull/([^/]+)\.glb", lambda running, name: (hull_glb(running, name), "")),
     (r"/map/([^/]+)\.bt", lambda running, name: (map_file(running, name), _named(running, name, "bt"))),
     (
         r"/map/([^/]+)\.(ply|pcd)",

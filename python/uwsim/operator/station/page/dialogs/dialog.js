@@ -1,8 +1,5 @@
 // Dialogs, which release all controls while they are open.
 import { el } from '../dom.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.dialog;
 
 /** @type {(isOpen: boolean) => void} */
 let onChange = () => {};
@@ -17,7 +14,7 @@ export function openDialog(dialog, title, ...contents) {
     'header',
     { className: 'dialog-head' },
     el('h2', { id: dialog.getAttribute('aria-labelledby') }, title),
-    el('button', { type: 'button', 'aria-label': WORDS.close, onclick: () => dialog.close() }, '✕'),
+    el('button', { type: 'button', 'aria-label': 'Close', onclick: () => dialog.close() }, '✕'),
   );
   dialog.replaceChildren(head, el('div', { className: 'dialog-body' }, ...contents.filter(Boolean)));
   if (dialog.open) return;

@@ -5,17 +5,14 @@ import { connectedPads } from '../drive/gamepad.js';
 import { Calibration, DEAD_ZONES, readPad } from '../drive/pads.js';
 import { AXES } from '../wire/messages.js';
 import { openDialog } from './dialog.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.gamepadDialog;
 
 const NAMES = {
-  surge: WORDS.ahead,
-  sway: WORDS.toPort,
-  heave: WORDS.up,
-  roll: WORDS.rollToStarboard,
-  pitch: WORDS.noseDown,
-  yaw: WORDS.turnToPort,
+  surge: 'Ahead',
+  sway: 'To port',
+  heave: 'Up',
+  roll: 'Roll to starboard',
+  pitch: 'Nose down',
+  yaw: 'Turn to port',
 };
 const COMMANDS = Object.keys(ACTIONS).filter((action) => !(action in DRIVING));
 const button = (text, onclick, attributes = {}) => el('button', { type: 'button', onclick, ...attributes }, text);
@@ -41,7 +38,7 @@ export function showGamepads(gamepads) {
   };
 
   const assign = (effort) =>
-    listen(WORDS.push(NAMES[effort]), (from) => {
+    listen(`Push the stick, or pull the trigger, for: ${NAMES[effort]}.`, (from) => {
       const seen = new Calibration(from.axes);
       return (now) => {
         seen.add(now.axes);
@@ -54,7 +51,7 @@ export function showGamepads(gamepads) {
       };
     });
   const assignOpposite = (effort) =>
-    listen(WORDS.pull(NAMES[effort]), () => (now) => {
+    listen(`Pull the trigger for the opposite of: ${NAMES[effort]}.`, () => (now) => {
       const pulled = now.buttons.findIndex(({ value }) => value > 0.6);
       if (pulled < 0) return;
       const changed = profile();
@@ -64,22 +61,22 @@ export function showGamepads(gamepads) {
   const calibrate = () => {
     const seen = new Calibration(pad()?.axes ?? []);
     step = (now) => seen.add(now.axes);
-    write(status, WORDS.moveAll);
+    write(status, 'Move every stick and trigger to all its limits, release them, then press Done.');
     done.hidden = false;
     done.onclick = () => keep({ ...profile(), ranges: seen.ranges });
   };
-  const done = button(WORDS.done, null, { hidden: true });
+  const done = button('Done', null, { hidden: true });
 
   function row(effort) {
     const { sticks } = gamepads.profiles.of(pad());
     const { axis, sign, plus, minus } = sticks[effort] ?? {};
     const source =
       axis !== undefined
-        ? WORDS.axis(axis, sign < 0)
+        ? `axis ${axis}${sign < 0 ? ', reversed' : ''}`
         : plus !== undefined || minus !== undefined
-          ? WORDS.buttonsAnd(plus ?? '–', minus ?? '–')
-          : WORDS.none;
-    const meter = el('output', { className: 'reading', 'aria-label': WORDS.now(NAMES[effort]) }, '0');
+          ? `buttons ${plus ?? '–'} and ${minus ?? '–'}`
+          : 'none';
+    const meter = el('output', { className: 'reading', 'aria-label': `${NAMES[effort]} now` }, '0');
     outputs.push([effort, meter]);
     return el(
       'div',
@@ -89,9 +86,9 @@ export function showGamepads(gamepads) {
         'span',
         { className: 'row' },
         meter,
-        button(WORDS.assign, assign(effort), { 'aria-label': WORDS.assignTo(NAMES[effort]) }),
+        button('Assign', assign(effort), { 'aria-label': `Assign: ${NAMES[effort]}` }),
         axis === undefined && plus !== undefined
-          ? button(WORDS.opposite, assignOpposite(effort), { 'aria-label': WORDS.oppositeOf(NAMES[effort]) })
+          ? button('Opposite', assignOpposite(effort), { 'aria-label': `Opposite: ${NAMES[effort]}` })
           : null,
         sticks[effort] &&
           button(
@@ -101,7 +98,7 @@ export function showGamepads(gamepads) {
               delete changed.sticks[effort];
               keep(changed);
             },
-            { 'aria-label': WORDS.remove(NAMES[effort]) },
+            { 'aria-label': `Remove: ${NAMES[effort]}` },
           ),
       ),
     );
@@ -111,8 +108,8 @@ export function showGamepads(gamepads) {
     const chosen = gamepads.profiles.of(pad()).buttons[number] ?? '';
     const select = el(
       'select',
-      { 'aria-label': WORDS.button(number) },
-      el('option', { value: '' }, WORDS.nothing),
+      { 'aria-label': `Button ${number}` },
+      el('option', { value: '' }, 'nothing'),
       ...COMMANDS.map((action) => el('option', { value: action, selected: action === chosen }, ACTIONS[action])),
     );
     select.addEventListener('change', () => {
@@ -121,7 +118,7 @@ export function showGamepads(gamepads) {
       else delete changed.buttons[number];
       keep(changed);
     });
-    const lamp = el('span', {}, WORDS.button(number));
+    const lamp = el('span', {}, `Button ${number}`);
     outputs.push([number, lamp]);
     return el('div', { className: 'key-line' }, lamp, select);
   }
@@ -130,7 +127,11 @@ export function showGamepads(gamepads) {
     const now = pad();
     outputs = [];
     if (!now) {
-      openDialog(dialog, WORDS.gamepad, el('p', {}, WORDS.connect));
+      openDialog(
+        dialog,
+        'Gamepad',
+        el('p', {}, 'Connect a gamepad, press one of its buttons, and reopen this dialog.'),
+      );
       return;
     }
     const { dead_zone } = gamepads.profiles.of(now);
@@ -144,24 +145,29 @@ export function showGamepads(gamepads) {
     });
     zone.addEventListener('change', () => keep({ ...profile(), dead_zone: Number(zone.value) }));
     done.hidden = true;
-    write(status, now.mapping === 'standard' ? WORDS.isStandard : WORDS.isOther);
+    write(
+      status,
+      now.mapping === 'standard'
+        ? 'This gamepad has a standard layout.'
+        : 'This gamepad has no standard layout: calibrate it, then assign its sticks and buttons.',
+    );
     openDialog(
       dialog,
-      WORDS.gamepad,
+      'Gamepad',
       el('p', {}, now.id),
       status,
       el(
         'div',
         { className: 'row' },
-        button(WORDS.calibrate, calibrate),
+        button('Calibrate', calibrate),
         done,
-        button(WORDS.byDefault, () => keep(null), { disabled: !gamepads.profiles.isOwn(now) }),
-        el('label', { htmlFor: 'dead-zone' }, WORDS.deadZone),
+        button('Default', () => keep(null), { disabled: !gamepads.profiles.isOwn(now) }),
+        el('label', { htmlFor: 'dead-zone' }, 'Dead zone'),
         zone,
       ),
-      el('h3', {}, WORDS.sticksAndTriggers),
+      el('h3', {}, 'Sticks and triggers'),
       ...AXES.map(row),
-      el('details', {}, el('summary', {}, WORDS.buttons), ...now.buttons.map((_, number) => buttonRow(number))),
+      el('details', {}, el('summary', {}, 'Buttons'), ...now.buttons.map((_, number) => buttonRow(number))),
     );
   }
 

@@ -2,15 +2,12 @@
 import { byId, el } from '../dom.js';
 import { ACTIONS, DRIVING, keyName, PRESETS, SCREEN, VEHICLE } from '../drive/bindings.js';
 import { openDialog } from './dialog.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.keysDialog;
 
 const fixedLine = (key, text) => el('div', { className: 'key-line' }, el('span', {}, text), el('kbd', {}, key));
 
 // views: see Views.keyed.
 export function showKeys(bindings, views) {
-  const message = el('p', { role: 'status' }, WORDS.how);
+  const message = el('p', { role: 'status' }, 'Click an action, then press its new key.');
   let ending = null;
 
   const line = (action) => {
@@ -20,11 +17,11 @@ export function showKeys(bindings, views) {
       {
         type: 'button',
         'aria-pressed': 'false',
-        'aria-label': WORDS.change(ACTIONS[action], keys.map(keyName).join(' ') || WORDS.none),
+        'aria-label': `${ACTIONS[action]}: ${keys.map(keyName).join(' ') || 'none'}; change`,
       },
       ...(keys.length
         ? keys.flatMap((code, k) => [k ? ' ' : null, el('kbd', {}, keyName(code))])
-        : [el('span', {}, WORDS.none)]),
+        : [el('span', {}, 'none')]),
     );
     button.addEventListener('click', () => listen(action, button));
     return el('div', { className: 'key-line' }, el('span', {}, ACTIONS[action]), button);
@@ -32,14 +29,14 @@ export function showKeys(bindings, views) {
   const listen = (action, button) => {
     ending?.();
     button.setAttribute('aria-pressed', 'true');
-    button.replaceChildren(WORDS.press);
+    button.replaceChildren('Press a key');
     const take = (event) => {
       event.preventDefault();
       event.stopPropagation();
       ending();
       const refusal = event.code === 'Escape' ? '' : bindings.assign(action, event.code);
       render();
-      message.textContent = refusal || WORDS.how;
+      message.textContent = refusal || 'Click an action, then press its new key.';
     };
     ending = () => removeEventListener('keydown', take, true);
     addEventListener('keydown', take, true);
@@ -62,49 +59,51 @@ export function showKeys(bindings, views) {
   function render() {
     openDialog(
       byId('keys-dialog'),
-      WORDS.keys,
+      'Keys',
       el(
         'div',
         { className: 'row apart' },
         el(
           'div',
-          { className: 'row', role: 'group', 'aria-label': WORDS.preset },
+          { className: 'row', role: 'group', 'aria-label': 'Preset' },
           ...Object.keys(PRESETS).map(choose),
-          bindings.isChanged ? el('span', { className: 'caption' }, WORDS.changed) : null,
-          bindings.addsUp ? el('span', { className: 'caption' }, WORDS.addUp) : null,
+          bindings.isChanged ? el('span', { className: 'caption' }, 'changed') : null,
+          bindings.addsUp
+            ? el('span', { className: 'caption' }, 'Presses add up until you press the opposite key.')
+            : null,
         ),
         message,
       ),
       el(
         'div',
         { className: 'key-columns' },
-        block(WORDS.driving, DRIVING),
-        block(WORDS.vehicle, VEHICLE),
-        block(WORDS.simulation, SCREEN),
+        block('Driving', DRIVING),
+        block('Vehicle', VEHICLE),
+        block('Simulation', SCREEN),
         el(
           'section',
           {},
-          el('h3', {}, WORDS.views),
+          el('h3', {}, 'Views'),
           ...views.map(({ key, title }) => fixedLine(key, title)),
-          fixedLine('?', WORDS.theseKeys),
-          fixedLine('Enter', WORDS.begin),
-          fixedLine(WORDS.esc, WORDS.menu),
+          fixedLine('?', 'These keys'),
+          fixedLine('Enter', 'Begin the exercise'),
+          fixedLine('Esc', 'Menu'),
         ),
         el(
           'section',
           {},
-          el('h3', {}, WORDS.gamepad),
-          fixedLine(WORDS.leftStick, WORDS.upDownTurn),
-          fixedLine(WORDS.rightStick, WORDS.aheadSideways),
-          fixedLine('A', WORDS.allStop),
-          fixedLine(WORDS.lbRb, WORDS.gain),
-          fixedLine('↑ ↓', WORDS.sonarTilt),
-          fixedLine('X Y', WORDS.lights),
-          fixedLine('← →', WORDS.partOfArm),
-          fixedLine(WORDS.ltRt, WORDS.jaws),
-          fixedLine(WORDS.start, WORDS.releaseOrDock),
-          fixedLine(WORDS.stickPresses, WORDS.holdHeadingDepth),
-          el('p', { className: 'caption' }, WORDS.ofStandard),
+          el('h3', {}, 'Gamepad'),
+          fixedLine('left stick', 'Up, down, turn'),
+          fixedLine('right stick', 'Ahead, sideways'),
+          fixedLine('A', 'All stop'),
+          fixedLine('LB RB', 'Gain'),
+          fixedLine('↑ ↓', 'Sonar tilt'),
+          fixedLine('X Y', 'Front light, down light'),
+          fixedLine('← →', 'Part of the arm'),
+          fixedLine('LT RT', 'Open, close the jaws'),
+          fixedLine('Start', 'Release or dock'),
+          fixedLine('stick presses', 'Hold heading, depth'),
+          el('p', { className: 'caption' }, 'For a standard gamepad; change it in the menu.'),
         ),
       ),
     );

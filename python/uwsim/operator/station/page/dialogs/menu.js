@@ -1,13 +1,9 @@
 // The pause menu, which pauses the simulation while it is open.
-import { attempt, byId, el, first, toast } from '../dom.js';
+import { attempt, byId, capital, el, first, toast } from '../dom.js';
 import { setTheme, theme, THEMES } from '../theme.js';
 import { setUnit, unit, UNITS } from '../units.js';
 import { keepName } from '../wire/name.js';
 import { openDialog } from './dialog.js';
-import { chosenLanguage, LANGUAGES, setLanguage, STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.menu;
-const SETTINGS = STRINGS.settings;
 
 export function showMenu(station, { keys, gamepad, edit }) {
   const dialog = byId('menu-dialog');
@@ -20,11 +16,6 @@ export function showMenu(station, { keys, gamepad, edit }) {
     dialog.close();
     act?.();
   };
-  const speak = async (name) => {
-    if (resumes) await attempt(station.control('resume')); // the page reloads
-    resumes = false;
-    setLanguage(name);
-  };
   // Entries that an exercise does not permit are left out.
   const item = (text, act, { forAll = false, hint = '', className = '', control = '' } = {}) =>
     control && !station.may(control)
@@ -36,42 +27,41 @@ export function showMenu(station, { keys, gamepad, edit }) {
           hint ? el('small', { className: 'caption' }, hint) : null,
         );
 
-  const quit = item(WORDS.quitToTheStart, () => leave(() => attempt(station.control('quit')), true), {
+  const quit = item('Quit to the start screen', () => leave(() => attempt(station.control('quit')), true), {
     className: 'danger',
   });
 
   openDialog(
     dialog,
-    mayPause ? WORDS.paused : WORDS.menu,
-    isPilot ? null : el('p', { className: 'caption' }, WORDS.onlyThePilotChanges),
+    mayPause ? 'Paused' : 'Menu',
+    isPilot ? null : el('p', { className: 'caption' }, 'Only the pilot can control the simulation.'),
     el(
       'div',
       { className: 'stack' },
       item(
-        WORDS.resume,
+        'Resume',
         () => {
           resumes = mayPause;
           leave();
         },
         { control: 'pause' },
       ),
-      item(WORDS.closeAndStayPaused, () => leave(null, true), { control: 'pause' }),
-      item(WORDS.restartFromTheBeginning, () => leave(() => attempt(station.control('restart'), WORDS.restarted)), {
+      item('Close, and stay paused', () => leave(null, true), { control: 'pause' }),
+      item('Restart from the beginning', () => leave(() => attempt(station.control('restart'), 'Restarted')), {
         control: 'restart',
       }),
-      item(WORDS.keys, () => leave(keys), { forAll: true, hint: '?' }),
+      item('Keys', () => leave(keys), { forAll: true, hint: '?' }),
       ...(station.description?.is_fixed || station.description?.replay
         ? []
-        : [item(WORDS.editTheScene, () => leave(edit, true), { control: 'pause' })]),
-      item(WORDS.gamepad, () => leave(gamepad), { forAll: true }),
+        : [item('Edit the scene', () => leave(edit, true), { control: 'pause' })]),
+      item('Gamepad', () => leave(gamepad), { forAll: true }),
     ),
     el('hr'),
     nameForm(station),
     station.may('save') ? saveForm(station, isPilot, leave) : null,
     el('hr'),
-    choice(SETTINGS.colours, THEMES, SETTINGS.themes, theme, setTheme),
-    choice(SETTINGS.lengths, UNITS, SETTINGS.units, unit, setUnit),
-    choice(SETTINGS.language, LANGUAGES, SETTINGS.languages, chosenLanguage, speak),
+    choice('Colours', THEMES, theme, setTheme),
+    choice('Lengths', UNITS, unit, setUnit),
     ...(station.description?.is_fixed || !station.may('quit')
       ? []
       : [el('hr'), el('div', { className: 'stack' }, quit)]),
@@ -97,14 +87,14 @@ function nameForm(station) {
   });
   const rename = async (event) => {
     event.preventDefault();
-    if (await attempt(station.rename(name.value.trim()), WORDS.youHaveAnotherName)) keepName(station.name);
+    if (await attempt(station.rename(name.value.trim()), 'Your name has been changed')) keepName(station.name);
   };
   return el(
     'form',
     { className: 'row', onsubmit: rename },
-    el('label', { htmlFor: 'pilot-name' }, WORDS.yourName),
+    el('label', { htmlFor: 'pilot-name' }, 'Your name'),
     name,
-    el('button', { type: 'submit' }, WORDS.change),
+    el('button', { type: 'submit' }, 'Change'),
   );
 }
 
@@ -120,19 +110,19 @@ function saveForm(station, maySave, leave) {
     event.preventDefault();
     leave();
     const answer = await attempt(station.control('save', { name: name.value.trim() }));
-    if (answer) toast(answer.message || WORDS.saved);
+    if (answer) toast(answer.message || 'Saved');
   };
   return el(
     'form',
     { className: 'row', onsubmit: save },
-    el('label', { htmlFor: 'save-name' }, WORDS.saveAs),
+    el('label', { htmlFor: 'save-name' }, 'Save as'),
     name,
-    el('button', { type: 'submit', disabled: !maySave }, WORDS.save),
+    el('button', { type: 'submit', disabled: !maySave }, 'Save'),
   );
 }
 
 // A row of buttons, one for each value of a setting.
-function choice(title, values, names, current, choose) {
+function choice(title, values, current, choose) {
   const press = (event) => {
     choose(event.target.value);
     for (const other of event.target.parentElement.children)
@@ -149,7 +139,7 @@ function choice(title, values, names, current, choose) {
         el(
           'button',
           { type: 'button', value, 'aria-pressed': String(current() === value), onclick: press },
-          names[value],
+          capital(value),
         ),
       ),
     ),

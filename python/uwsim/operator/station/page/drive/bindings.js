@@ -1,62 +1,59 @@
 // The actions of keys, presets, and the pilot's own changes. A key is a place on the keyboard (KeyboardEvent.code).
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.actions;
 
 // Axes are those of REP 103: x ahead, y to port, z up; so positive pitch is nose down and positive yaw turns to port.
 export const DRIVING = {
-  'surge+': WORDS.ahead,
-  'surge-': WORDS.astern,
-  'sway+': WORDS.toPort,
-  'sway-': WORDS.toStarboard,
-  'heave+': WORDS.up,
-  'heave-': WORDS.down,
-  'yaw+': WORDS.turnToPort,
-  'yaw-': WORDS.turnToStarboard,
-  'pitch+': WORDS.noseDown,
-  'pitch-': WORDS.noseUp,
-  'roll-': WORDS.rollToPort,
-  'roll+': WORDS.rollToStarboard,
+  'surge+': 'Ahead',
+  'surge-': 'Astern',
+  'sway+': 'To port',
+  'sway-': 'To starboard',
+  'heave+': 'Up',
+  'heave-': 'Down',
+  'yaw+': 'Turn to port',
+  'yaw-': 'Turn to starboard',
+  'pitch+': 'Nose down',
+  'pitch-': 'Nose up',
+  'roll-': 'Roll to port',
+  'roll+': 'Roll to starboard',
 };
 export const ALL_STOP = 'stop'; // acts even while a dialog is open
 export const VEHICLE = {
-  stop: WORDS.allStop,
-  zero: WORDS.effortsToZero,
-  release: WORDS.releaseOrDock,
-  undock: WORDS.undock,
-  drop: WORDS.drop,
-  frontOn: WORDS.frontLightOn,
-  frontOff: WORDS.frontLightOff,
-  downOn: WORDS.downLightOn,
-  downOff: WORDS.downLightOff,
-  front: WORDS.frontLight,
-  down: WORDS.downLight,
-  tiltDown: WORDS.sonarNoseDown,
-  tiltUp: WORDS.sonarNoseUp,
-  gainUp: WORDS.moreGain,
-  gainDown: WORDS.lessGain,
-  'hold.heading': WORDS.holdHeading,
-  'hold.depth': WORDS.holdDepth,
-  'hold.altitude': WORDS.holdAltitude,
-  'hold.position': WORDS.holdPosition,
-  'hold.speed': WORDS.holdSpeed,
-  gripClose: WORDS.closeJaws,
-  gripOpen: WORDS.openJaws,
-  armNext: WORDS.nextPartOfArm,
-  armBefore: WORDS.lastPartOfArm,
-  note: WORDS.addANote,
-  camUp: WORDS.cameraUp,
-  camDown: WORDS.cameraDown,
-  camLeft: WORDS.cameraToPort,
-  camRight: WORDS.cameraToStarboard,
+  stop: 'All stop',
+  zero: 'Efforts to zero',
+  release: 'Release or dock',
+  undock: 'Undock',
+  drop: 'Let go of a marker or torpedo',
+  frontOn: 'Front light on',
+  frontOff: 'Front light off',
+  downOn: 'Down light on',
+  downOff: 'Down light off',
+  front: 'Front light',
+  down: 'Down light',
+  tiltDown: 'Sonar nose down',
+  tiltUp: 'Sonar nose up',
+  gainUp: 'More gain',
+  gainDown: 'Less gain',
+  'hold.heading': 'Hold heading',
+  'hold.depth': 'Hold depth',
+  'hold.altitude': 'Hold altitude',
+  'hold.position': 'Hold position',
+  'hold.speed': 'Hold speed',
+  gripClose: 'Close the jaws',
+  gripOpen: 'Open the jaws',
+  armNext: 'Next part of the arm',
+  armBefore: 'Previous part of the arm',
+  note: 'Add a note',
+  camUp: 'Camera up',
+  camDown: 'Camera down',
+  camLeft: 'Camera to port',
+  camRight: 'Camera to starboard',
 };
 export const SCREEN = {
-  pause: WORDS.pauseOrResume,
-  step: WORDS.oneStep,
-  snapshot: WORDS.snapshot,
-  record: WORDS.record,
-  comment: WORDS.commentInPictures,
-  mute: WORDS.soundOnOrOff,
+  pause: 'Pause or resume',
+  step: 'One step',
+  snapshot: 'Snapshot',
+  record: 'Record',
+  comment: 'Comment in pictures',
+  mute: 'Sound on or off',
 };
 export const ACTIONS = { ...DRIVING, ...VEHICLE, ...SCREEN };
 
@@ -112,11 +109,11 @@ const STANDARD = {
 };
 // addsUp: whether each press adds to its axis or subtracts, and the sum lasts. Otherwise a key acts while it is held.
 export const PRESETS = {
-  standard: { name: WORDS.standard, keys: STANDARD },
-  published: { name: WORDS.published, addsUp: true, keys: { ...STANDARD, zero: ['KeyX'], stop: ['KeyC'] } },
+  standard: { name: 'Standard', keys: STANDARD },
+  published: { name: 'Published', addsUp: true, keys: { ...STANDARD, zero: ['KeyX'], stop: ['KeyC'] } },
   wasd: {
     // as in games: A and D turn
-    name: WORDS.wasd,
+    name: 'WASD',
     keys: {
       ...SHARED,
       'yaw+': ['KeyA'],
@@ -140,7 +137,7 @@ export const PRESETS = {
 const RESERVED = /^(Digit\d|Escape|Tab|Enter|F\d+|Slash|Meta.*|Control.*|Alt.*)$/;
 const STORED = 'uwsim.keys';
 const NAMES = {
-  Space: WORDS.space,
+  Space: 'Space',
   BracketLeft: '[',
   BracketRight: ']',
   Semicolon: ';',
@@ -152,11 +149,11 @@ const NAMES = {
   Slash: '/',
   Backslash: '\\',
   Backspace: '⌫',
-  PageUp: WORDS.pageUp,
-  PageDown: WORDS.pageDown,
+  PageUp: 'Page Up',
+  PageDown: 'Page Down',
   Backquote: '`',
-  ShiftLeft: WORDS.shift,
-  ShiftRight: WORDS.rightShift,
+  ShiftLeft: 'Shift',
+  ShiftRight: 'Right Shift',
   ArrowUp: '↑',
   ArrowDown: '↓',
   ArrowLeft: '←',
@@ -199,7 +196,7 @@ export class Bindings {
 
   // Bind a key to an action and unbind its previous action. Return the reason if this is impossible, else ''.
   assign(action, code) {
-    if (RESERVED.test(code)) return WORDS.isNeeded(keyName(code));
+    if (RESERVED.test(code)) return `${keyName(code)} is needed for something else`;
     const owner = this.actionOf(code);
     if (owner && owner !== action) this.changes[owner] = this.keysOf(owner).filter((key) => key !== code);
     this.changes[action] = [code];

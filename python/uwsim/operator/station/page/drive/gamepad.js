@@ -1,9 +1,6 @@
 // The connected gamepads: their sticks as efforts, their buttons as actions.
 import { ALL_STOP } from './bindings.js';
 import { Arming, Profiles, readPad } from './pads.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.gamepad;
 
 /** @returns {Gamepad[]} */
 export const connectedPads = () =>
@@ -78,7 +75,7 @@ export class Gamepads {
     else this.#noticed.set(pad.index, [state, frames + 1]);
     if (frames !== 2 * Arming.LOOKS || state !== last) return;
     const name = pad.id.replace(/ \(.*/, '').slice(0, 30);
-    if (state === 'unknown') this.#notice(WORDS.unknown(name));
-    else if (state === 'centre') this.#notice(WORDS.centre(name));
+    if (state === 'unknown') this.#notice(`${name}: its layout is unknown. Assign its sticks: menu, Gamepad.`);
+    else if (state === 'centre') this.#notice(`${name}: release its sticks, then it can drive.`);
   }
 }

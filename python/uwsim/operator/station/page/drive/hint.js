@@ -2,9 +2,6 @@
 import { ALL_STOPPED } from '../wire/messages.js';
 import { byId, write } from '../dom.js';
 import { keyName } from './bindings.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.idleKeys;
 
 const LEAST_MS = 1500; // minimum duration of a hint, so that it can be read after a tap
 
@@ -31,15 +28,21 @@ function show(text) {
 // The reason why a driving key has no effect; '' if it moves the vehicle.
 export function reason(station, message, bindings) {
   const { state } = station;
-  if (station.isBlind) return WORDS.silence;
-  if (station.description?.replay) return STRINGS.replay.idleKeys;
+  if (station.isBlind) return 'Your keys do nothing: no data arrive from the simulator.';
+  if (station.description?.replay) return 'Your keys do nothing: this is a replay. Take the helm to fly.';
   if (!station.isPilot) {
-    if (state.pilot !== '') return WORDS.otherFlies(station.nameOf(state.pilot));
-    return state.driver ? WORDS.driven(state.driver) : WORDS.noHelm;
+    if (state.pilot !== '') return `Your keys do nothing: ${station.nameOf(state.pilot)} is flying.`;
+    return state.driver
+      ? `Your keys do nothing: ${state.driver} is driving.`
+      : 'Your keys do nothing: you do not have the controls.';
   }
-  if (message?.alarms?.includes(ALL_STOPPED)) return WORDS.allStop;
-  if (state.paused) return station.awaitsBegin ? WORDS.notBegun : WORDS.paused;
+  if (message?.alarms?.includes(ALL_STOPPED)) return 'Your keys do nothing: all stop is set.';
+  if (state.paused)
+    return station.awaitsBegin
+      ? 'Your keys do nothing: press Begin in the panel, or Enter.'
+      : 'Your keys do nothing: the simulation is paused.';
   const [key] = bindings.keysOf('release').map(keyName);
-  if (message?.released === false) return WORDS.docked(key);
-  return message?.battery === 0 ? WORDS.empty : '';
+  if (message?.released === false)
+    return `Docked, so the thrusters are off: release the vehicle first${key ? ` (${key})` : ''}.`;
+  return message?.battery === 0 ? 'The battery is empty: the thrusters are off.' : '';
 }

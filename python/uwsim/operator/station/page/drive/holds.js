@@ -2,21 +2,18 @@
 import { attempt, byId, el } from '../dom.js';
 import { inUnit, unitName } from '../units.js';
 import { HOLDS as ARGUMENTS } from '../wire/messages.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.holds;
 
 const length = (length_m) => `${inUnit(length_m).toFixed(1)} ${unitName()}`;
 
 // Each hold's title, short name, the hold that it replaces, and a function for the text of its target.
 export const HOLDS = {
-  heading: { title: WORDS.heading, short: WORDS.hdg, text: (yaw_rad) => `${degrees(yaw_rad)}°` },
-  depth: { title: WORDS.depth, short: WORDS.dep, instead: 'altitude', text: length },
-  altitude: { title: WORDS.altitude, short: WORDS.alt, instead: 'depth', text: length },
-  position: { title: WORDS.position, short: WORDS.pos, instead: 'speed', text: (off_m) => WORDS.off(length(off_m)) },
+  heading: { title: 'heading', short: 'HDG', text: (yaw_rad) => `${degrees(yaw_rad)}°` },
+  depth: { title: 'depth', short: 'DEP', instead: 'altitude', text: length },
+  altitude: { title: 'altitude', short: 'ALT', instead: 'depth', text: length },
+  position: { title: 'position', short: 'POS', instead: 'speed', text: (off_m) => `${length(off_m)} off` },
   speed: {
-    title: WORDS.speed,
-    short: WORDS.spd,
+    title: 'speed',
+    short: 'SPD',
     instead: 'position',
     text: (speed_m_s) => `${speed_m_s.toFixed(2)} m/s`,
   },
@@ -67,9 +64,9 @@ export class HoldButtons {
         {
           type: 'button',
           id: `hold-${name}`,
-          'aria-label': WORDS.label(short, title),
+          'aria-label': `${short}: hold ${title}`,
           'aria-pressed': 'false',
-          tip: WORDS.tip(title, key),
+          title: `Hold ${title}${key ? ` (${key})` : ''}`,
           onclick: () => this.press(name),
         },
         short,

@@ -1,9 +1,6 @@
 // Shows who has the controls, with a button that takes, requests or hands over the controls, and a chip for offers.
-import { attempt, byId, capital, el, tip, write } from '../dom.js';
+import { attempt, byId, capital, el, write } from '../dom.js';
 import { openDialog } from '../dialogs/dialog.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.lease;
 
 export class Lease {
   #tried = -1; // the session whose controls this page has tried to take automatically
@@ -22,7 +19,7 @@ export class Lease {
   show() {
     const { station } = this;
     write(this.button, this.#text());
-    tip(this.button, this.#text());
+    this.button.title = this.#text();
     this.button.dataset.mine = station.isPilot ? 'yes' : station.isSilent || this.#isUnsettled ? 'silent' : 'no';
     this.button.disabled = station.isBlind;
     this.#showOffer();
@@ -48,15 +45,15 @@ export class Lease {
     const { station } = this;
     const { state } = station;
     const pilot = station.nameOf(state.pilot);
-    if (!station.connected) return WORDS.notConnected;
-    if (station.isSilent) return station.flew ? WORDS.controlsLost : WORDS.noData;
-    if (station.isPilot) return station.description?.replay ? STRINGS.replay.have : WORDS.youFly;
+    if (!station.connected) return 'Not connected';
+    if (station.isSilent) return station.flew ? 'Controls lost' : 'No data';
+    if (station.isPilot) return station.description?.replay ? 'You set the time' : 'You fly';
     if (state.pilot === '') {
-      if (state.driver) return WORDS.driven(capital(state.driver));
-      return state.lost_by ? WORDS.lost(state.lost_by) : WORDS.takeTheControls;
+      if (state.driver) return `${capital(state.driver)} drives: take the controls`;
+      return state.lost_by ? `${state.lost_by} lost the connection: take the controls` : 'Take the controls';
     }
-    if (station.pilotSilence > 0) return WORDS.silent(pilot);
-    return state.asking.includes(station.id) ? WORDS.asked(pilot) : WORDS.flies(pilot);
+    if (station.pilotSilence > 0) return `${pilot} is silent: take over`;
+    return state.asking.includes(station.id) ? `Asked ${pilot}` : `${pilot} flies`;
   }
 
   // The offer to be shown: its text and its button. The offer takes no focus and releases no key.
@@ -69,15 +66,15 @@ export class Lease {
     if (station.isPilot && asks)
       return {
         key: asks,
-        text: WORDS.asks(station.nameOf(asks)),
-        button: this.#to(asks, WORDS.handOver),
+        text: `${station.nameOf(asks)} asks for the controls`,
+        button: this.#to(asks, 'Hand over'),
       };
     if (!station.mayTakeBack || this.#dismissed.has('')) return null;
     const take = () => attempt(station.takeControl());
     return {
       key: '',
-      text: WORDS.youHadTheControls,
-      button: el('button', { type: 'button', className: 'primary', onclick: take }, WORDS.takeThemBack),
+      text: 'You had the controls',
+      button: el('button', { type: 'button', className: 'primary', onclick: take }, 'Take them back'),
     };
   }
 
@@ -98,7 +95,7 @@ export class Lease {
     this.offer.replaceChildren(
       el('span', {}, text),
       wanted.button,
-      el('button', { type: 'button', 'aria-label': WORDS.dismiss, onclick: dismiss }, '✕'),
+      el('button', { type: 'button', 'aria-label': 'Dismiss', onclick: dismiss }, '✕'),
     );
   }
 
@@ -111,14 +108,14 @@ export class Lease {
     const others = state.member_ids.filter((member) => member !== id);
     openDialog(
       byId('handover-dialog'),
-      WORDS.handOverTheControls,
-      el('p', {}, others.length ? WORDS.toWhom : WORDS.noWatcher),
+      'Hand over the controls',
+      el('p', {}, others.length ? 'To whom?' : 'No one else is watching.'),
       el('hr'),
       el(
         'div',
         { className: 'stack' },
         ...others.map((member) => this.#to(member, this.station.nameOf(member))),
-        this.#to('', WORDS.toNone),
+        this.#to('', 'No one: stop the vehicle'),
       ),
     );
   }

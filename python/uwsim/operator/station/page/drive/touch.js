@@ -1,13 +1,10 @@
 // Two on-screen sticks for touch: the left one climbs and turns, the right one moves ahead and sideways.
 import { el } from '../dom.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.touch;
 
 const REACH_PX = 44;
 const STICKS = {
-  left: { x: ['yaw', -1], y: ['heave', 1], name: WORDS.upDownAndTurn },
-  right: { x: ['sway', -1], y: ['surge', 1], name: WORDS.aheadAndSideways },
+  left: { x: ['yaw', -1], y: ['heave', 1], name: 'Up, down and turn' },
+  right: { x: ['sway', -1], y: ['surge', 1], name: 'Ahead and sideways' },
 };
 
 export class Touch {
@@ -34,7 +31,7 @@ export class Touch {
   #stick(side) {
     const { x, y, name } = STICKS[side];
     const knob = el('i');
-    const stick = el('div', { className: `stick ${side}`, tip: name }, knob);
+    const stick = el('div', { className: `stick ${side}`, title: name }, knob);
     let centre = null;
     const move = (event) => {
       if (!centre) return;

@@ -1,8 +1,7 @@
 // The editor's tools: what to add, undo and redo, and where the scenario goes.
 import { el } from '../dom.js';
-import { STRINGS } from '../strings.js';
+import { sectionName } from './parts.js';
 
-const WORDS = STRINGS.editor;
 const button = (text, act, more = {}) => el('button', { type: 'button', onclick: act, ...more }, text);
 
 export class EditorBar {
@@ -12,25 +11,29 @@ export class EditorBar {
    * @param {Record<'add' | 'remove' | 'earlier' | 'later' | 'undo' | 'redo' | 'revert' | 'turn' | 'fit' | 'save' | 'apply', () => void>} acts
    */
   constructor(brush, acts) {
-    this.section = el('select', { 'aria-label': WORDS.section, onchange: () => this.#showKinds() });
-    this.kind = el('select', { 'aria-label': WORDS.kind });
-    this.vehicle = el('select', { 'aria-label': WORDS.vehicle });
-    this.remove = button(WORDS.remove, acts.remove, { tip: WORDS.removeKey });
-    this.earlier = button(WORDS.earlier, acts.earlier, { tip: WORDS.earlierKey });
-    this.later = button(WORDS.later, acts.later, { tip: WORDS.laterKey });
-    this.undo = button(WORDS.undo, acts.undo, { tip: WORDS.undoKey });
-    this.redo = button(WORDS.redo, acts.redo, { tip: WORDS.redoKey });
-    this.revert = button(WORDS.revert, acts.revert, { tip: WORDS.revertTip });
-    this.turn = button(WORDS.inThree, acts.turn, { tip: WORDS.inThreeKey, 'aria-pressed': 'false' });
+    this.section = el('select', { 'aria-label': 'What to add', onchange: () => this.#showKinds() });
+    this.kind = el('select', { 'aria-label': 'Kind' });
+    this.vehicle = el('select', { 'aria-label': 'Vehicle' });
+    this.remove = button('Delete', acts.remove, { title: 'Delete, on the chart' });
+    this.earlier = button('Earlier', acts.earlier, {
+      title: ', on the chart: the chosen goal changes places with the one before',
+    });
+    this.later = button('Later', acts.later, {
+      title: '. on the chart: the chosen goal changes places with the one after',
+    });
+    this.undo = button('Undo', acts.undo, { title: 'Ctrl Z' });
+    this.redo = button('Redo', acts.redo, { title: 'Ctrl Y' });
+    this.revert = button('Revert', acts.revert, { title: 'Back to the file as opened or saved; can be undone' });
+    this.turn = button('3D view', acts.turn, { title: 'V', 'aria-pressed': 'false' });
     this.name = el('input', { type: 'text', autocomplete: 'off', spellcheck: false, maxLength: 40 });
-    this.apply = button(WORDS.apply, acts.apply);
+    this.apply = button('Rebuild the world', acts.apply);
     this.element = el(
       'div',
-      { className: 'editor-bar', role: 'toolbar', 'aria-label': WORDS.tools },
+      { className: 'editor-bar', role: 'toolbar', 'aria-label': 'Tools of the editor' },
       this.section,
       this.kind,
       this.vehicle,
-      button(WORDS.add, acts.add),
+      button('Add', acts.add),
       this.remove,
       this.earlier,
       this.later,
@@ -38,11 +41,11 @@ export class EditorBar {
       this.redo,
       this.revert,
       this.turn,
-      button(WORDS.fit, acts.fit),
+      button('Fit', acts.fit),
       brush.element,
       el('span', { className: 'spring' }),
-      el('label', {}, WORDS.name, this.name),
-      button(WORDS.save, acts.save, { className: 'primary', tip: WORDS.saveKey }),
+      el('label', {}, 'Save as', this.name),
+      button('Save', acts.save, { className: 'primary', title: 'Ctrl S' }),
       this.apply,
     );
   }
@@ -59,7 +62,7 @@ export class EditorBar {
     const offered = this.sections.filter(({ name }) => name !== 'starts');
     fill(
       this.section,
-      offered.map(({ name }) => [name, WORDS.sections[name] ?? name]),
+      offered.map(({ name }) => [name, sectionName(name)]),
     );
     fill(
       this.vehicle,

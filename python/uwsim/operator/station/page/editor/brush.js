@@ -1,15 +1,13 @@
 // The editor's brush, which draws on the bed of the chart: it raises, lowers or smooths along the pointer's way.
-import { el } from '../dom.js';
-import { STRINGS } from '../strings.js';
+import { capital, el } from '../dom.js';
 
-const WORDS = STRINGS.editor;
 const WAYS = ['', 'raise', 'lower', 'smooth'];
 const POINTS_MAX = 200; // of a stroke, as in the scenario's schema
 const STEP = 0.25; // of the width, between points
 const WIDER = 1.25;
 
 const number = (name, value) =>
-  el('input', { type: 'number', min: '0.1', max: '1000', step: 'any', value, 'aria-label': name, tip: name });
+  el('input', { type: 'number', min: '0.1', max: '1000', step: 'any', value, 'aria-label': name, title: name });
 
 export class Brush {
   /** @type {[number, number][]} */
@@ -18,11 +16,15 @@ export class Brush {
   constructor() {
     this.way = el(
       'select',
-      { 'aria-label': WORDS.brush, tip: WORDS.brushKey, onchange: () => this.#show() },
-      ...WAYS.map((each) => el('option', { value: each }, each ? WORDS.brushes[each] : WORDS.brush)),
+      {
+        'aria-label': 'Brush',
+        title: 'B: the next brush; [ and ]: narrower, wider. Drag on the chart to draw on the bed',
+        onchange: () => this.#show(),
+      },
+      ...WAYS.map((each) => el('option', { value: each }, each ? capital(each) : 'Brush')),
     );
-    this.width = number(WORDS.brushWidth, '10');
-    this.height = number(WORDS.brushHeight, '2');
+    this.width = number('Width of the brush [m]', '10');
+    this.height = number('Height of a stroke [m]', '2');
     this.element = el('span', { className: 'editor-brush' }, this.way, this.width, this.height);
     this.#show();
   }

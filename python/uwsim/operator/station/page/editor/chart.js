@@ -1,12 +1,10 @@
 // The editor's chart: a scenario's bed and parts, which are dragged to move and turned by the wheel.
 import { el, pen } from '../dom.js';
-import { STRINGS } from '../strings.js';
 import { ChartFrame } from '../views/chart_frame.js';
 import { ChartGround } from '../views/chart_ground.js';
 import { drawScale, drawVessel, label } from '../views/chart_marks.js';
 import { STARTS, contains, cornersOf, edgeDistance, isWithin, moved, placeOf, turned, yawOf } from './geometry.js';
 
-const WORDS = STRINGS.editor;
 const NEAR_PX = 10;
 const CLICK_PX = 4;
 const NOTCH_DEG = 5; // a notch of the wheel; with shift, a degree
@@ -40,7 +38,7 @@ export class EditorChart {
       className: 'editor-canvas',
       tabIndex: 0,
       role: 'application',
-      'aria-label': WORDS.chart,
+      'aria-label': 'Chart of the scenario: drag a part to move it, turn the wheel on it to turn it',
     });
     this.#listen();
     new ResizeObserver(() => this.draw()).observe(this.canvas);
@@ -246,7 +244,7 @@ export class EditorChart {
     if (this.parts.list[this.parts.selected]) this.#drawPart(c, this.parts.selected); // ... and it lies on top
     if (this.brush.line.length) this.#drawStroke(c, this.brush.line, this.brush.width_m);
     if (this.parts.mark) this.#drawMark(c, frame.at(this.parts.mark));
-    drawScale(c, frame, this.#ground.colours, STRINGS.chart.north);
+    drawScale(c, frame, this.#ground.colours, 'N');
   }
 
   #drawPart(c, index) {

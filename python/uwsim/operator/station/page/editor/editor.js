@@ -1,7 +1,6 @@
 // The scene editor: a chart, a 3D view, a table and a form of one scenario, which the server holds, checks and writes.
 import { openDialog } from '../dialogs/dialog.js';
 import { byId, el, toast, write } from '../dom.js';
-import { STRINGS } from '../strings.js';
 import { edit, editForms } from '../wire/messages.js';
 import { EditorBar } from './bar.js';
 import { Brush } from './brush.js';
@@ -14,7 +13,6 @@ import { EditedParts } from './parts.js';
 import { EditorScene } from './scene.js';
 import { PartTable } from './table.js';
 
-const WORDS = STRINGS.editor;
 const SEND_MS = 250; // after the last key or notch of the wheel
 const CHECK_MS = 800; // after the last change
 const RETRY_MS = 2000;
@@ -99,9 +97,18 @@ export class SceneEditor {
         { className: 'editor-side' },
         this.table.element,
         this.form.element,
-        el('details', { name: 'editor-file' }, el('summary', {}, WORDS.source), this.source),
+        el('details', { name: 'editor-file' }, el('summary', {}, 'The file'), this.source),
       ),
-      el('footer', { className: 'editor-foot' }, this.message, el('p', { className: 'hint' }, WORDS.keys)),
+      el(
+        'footer',
+        { className: 'editor-foot' },
+        this.message,
+        el(
+          'p',
+          { className: 'hint' },
+          'Arrows move (Shift 10 m, Alt 0.1 m), Q E turn, Page Up Down raise and lower, N P choose, A adds, V shows 3D, B takes the brush, F2 renames, Delete removes, Enter goes to the form, + − F zoom',
+        ),
+      ),
     );
   }
 
@@ -127,7 +134,7 @@ export class SceneEditor {
       if (!state.success) throw new Error(state.message);
       [this.savedName, this.#onClose, this.#bed, this.#opened] = ['', onClose, null, scenario];
       [this.parts.selected, this.parts.changes, this.parts.mark, this.#client] = [-1, {}, null, this.station.id];
-      openDialog(byId('editor-dialog'), WORDS.title(state.name), this.element);
+      openDialog(byId('editor-dialog'), `Scene editor: ${state.name}`, this.element);
       this.bar.name.defaultValue = this.bar.name.value = (state.name ?? '').replace(/\.ya?ml$/, '').replace(/.*\//, '');
       this.#say(state.message);
       await this.#show(state);
@@ -152,7 +159,10 @@ export class SceneEditor {
         const isOfFile = this.#opened || (this.#opened === null && this.savedName);
         const state = await edit(bridge, requestTo(isOfFile ? (name ?? '') : this.#opened));
         if (!state.success) throw new Error(state.message);
-        this.#say(state.text === text ? state.message : WORDS.notKept, state.text === text ? '' : 'error');
+        this.#say(
+          state.text === text ? state.message : 'The server was started again: what was not saved is lost.',
+          state.text === text ? '' : 'error',
+        );
         await this.#show(state);
       } catch (error) {
         this.#say(error.message, 'error');
@@ -335,7 +345,7 @@ export class SceneEditor {
     const { view } = this;
     const at_m = tenths(view === this.chart ? this.chart.frame.place([event.offsetX, event.offsetY]) : view.middle);
     try {
-      this.#say(WORDS.uploading(file.name));
+      this.#say(`Uploading ${file.name} …`);
       const values = { file: await this.meshes.upload(file), scale: 1 };
       await this.#act({ action: 'add', section: 'obstacles', kind: 'mesh', at_m, values });
     } catch (error) {
@@ -393,7 +403,10 @@ export class SceneEditor {
     if (found.mistakes?.length) this.#say(found.mistakes.join(' '), 'warn');
     else
       this.#say(
-        (has('survey') ? WORDS.sound : WORDS.soundNoSurvey) + (has('exercise') ? ` ${WORDS.soundExercise}` : ''),
+        (has('survey')
+          ? 'No mistakes: the scenario can be built, and its survey be planned.'
+          : 'No mistakes: the scenario can be built. It has no survey.') +
+          (has('exercise') ? ' Its exercise can be flown.' : ''),
       );
   }
 

@@ -1,8 +1,7 @@
 // The form of a part, with an input for each field of its kind.
 import { all, el, first } from '../dom.js';
-import { STRINGS } from '../strings.js';
+import { sectionName } from './parts.js';
 
-const WORDS = STRINGS.editor;
 const ROWS_MAX = 100; // of a table; longer ones are edited in the file
 
 const plain = { type: 'text', autocomplete: 'off', spellcheck: false };
@@ -37,11 +36,17 @@ export class PartForm {
     this.element.replaceChildren(
       ...(part
         ? [
-            el('h3', {}, `${STRINGS.editor.sections[part.section] ?? part.section}: ${part.name}`),
-            part.is_inherited ? el('p', { className: 'hint' }, WORDS.inherited) : '',
+            el('h3', {}, `${sectionName(part.section)}: ${part.name}`),
+            part.is_inherited
+              ? el(
+                  'p',
+                  { className: 'hint' },
+                  "By default: from the vehicle's own file, or at the station. A change is written into the scenario.",
+                )
+              : '',
             ...fields.map((field) => this.#field(part, field)),
           ]
-        : [el('p', { className: 'hint' }, WORDS.pickOne)]),
+        : [el('p', { className: 'hint' }, 'Choose a part on the chart or in the table.')]),
     );
     this.element.scrollTop = scroll;
     if (focused) [...all(this.element, '[data-at]')].find((each) => each.dataset.at === focused)?.focus();
@@ -82,7 +87,7 @@ export class PartForm {
             : [this.#text(field, given, send)];
     return el(
       'fieldset',
-      { className: 'editor-field', tip: meaning, 'data-field': name },
+      { className: 'editor-field', title: meaning, 'data-field': name },
       el('legend', {}, name, unit ? el('span', { className: 'unit' }, ` ${unit}`) : null),
       el('div', { className: 'editor-inputs' }, ...inputs),
       el('p', { className: 'wrong', role: 'alert' }),
@@ -123,7 +128,7 @@ export class PartForm {
 
   #choice(field, given, send) {
     const choices = field.type === 'flag' ? [true, false] : field.choices;
-    const usual = field.by_default === null ? '–' : WORDS.usual(shown(field.by_default));
+    const usual = field.by_default === null ? '–' : `default: ${shown(field.by_default)}`;
     const select = el(
       'select',
       {
@@ -140,7 +145,7 @@ export class PartForm {
 
   #table(field, rows, send) {
     const { name, columns, by_default: usual } = field;
-    if (rows.length > ROWS_MAX) return el('p', { className: 'hint' }, WORDS.tooLong(rows.length));
+    if (rows.length > ROWS_MAX) return el('p', { className: 'hint' }, `${rows.length} rows: edit them in the file`);
     const titles = columns.map((column) =>
       column.replace(/^(.*?)(_m|_m_s|_deg)?\[(\d)\]$/, (_, word, __, k) => `${word.split('_')[0]} ${'xyz'[k] ?? k}`),
     );
@@ -167,7 +172,7 @@ export class PartForm {
           {},
           el(
             'button',
-            { type: 'button', 'aria-label': WORDS.removeRow(k + 1), onclick: () => send(rows.toSpliced(k, 1)) },
+            { type: 'button', 'aria-label': `Remove row ${k + 1}`, onclick: () => send(rows.toSpliced(k, 1)) },
             '✕',
           ),
         ),
@@ -186,7 +191,7 @@ export class PartForm {
         el('thead', {}, el('tr', {}, ...titles.map((title) => el('th', { scope: 'col' }, title)), el('td'))),
         el('tbody', {}, ...body),
       ),
-      el('button', { type: 'button', 'data-at': `${name} add`, onclick: () => send([...rows, next()]) }, WORDS.addRow),
+      el('button', { type: 'button', 'data-at': `${name} add`, onclick: () => send([...rows, next()]) }, 'Add a row'),
     );
   }
 }

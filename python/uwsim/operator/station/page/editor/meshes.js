@@ -1,9 +1,7 @@
 // The editor's list of meshes with stills, and their upload.
 import { el } from '../dom.js';
-import { STRINGS } from '../strings.js';
 import { edit } from '../wire/messages.js';
 
-const WORDS = STRINGS.editor;
 const PART_BYTES = 384 * 1024; // of a message
 const TYPES = '.glb,.obj,.stl,.ply';
 
@@ -22,25 +20,34 @@ export class EditorMeshes {
 
   // A list of the meshes, of which one is given. pick(name): called with another one.
   list(given, pick, refuse) {
-    const box = el('div', { className: 'editor-stills', role: 'group', 'aria-label': WORDS.meshes });
+    const box = el('div', { className: 'editor-stills', role: 'group', 'aria-label': 'Meshes' });
     const still = (name) =>
       el(
         'button',
-        { type: 'button', 'aria-pressed': String(name === given), tip: name, onclick: () => pick(name) },
+        { type: 'button', 'aria-pressed': String(name === given), title: name, onclick: () => pick(name) },
         el('img', { src: this.#href(`mesh/${name}.png`), alt: nameOf(name), loading: 'lazy' }),
         el('span', {}, nameOf(name)),
       );
     const input = el('input', {
       type: 'file',
       accept: TYPES,
-      'aria-label': WORDS.upload,
+      'aria-label': 'Upload a mesh (.glb, .obj, .stl, .ply), or drop it on the chart',
       onchange: ({ target }) => this.upload(target.files[0]).then(pick, refuse),
     });
     this.#known()
       .then((names) => box.replaceChildren(...names.map(still)))
       .catch(refuse);
     const lost = el('p', { className: 'hint', role: 'status' }, this.#lost.get(given) ?? '');
-    return [box, el('label', { className: 'editor-upload' }, WORDS.upload, input), lost];
+    return [
+      box,
+      el(
+        'label',
+        { className: 'editor-upload' },
+        'Upload a mesh (.glb, .obj, .stl, .ply), or drop it on the chart',
+        input,
+      ),
+      lost,
+    ];
   }
 
   async #known() {

@@ -4,11 +4,9 @@ import { fixed } from '../dom.js';
 import { firstShare } from '../map3d/sight.js';
 import { Stage } from '../map3d/stage.js';
 import { makeSurface, makeTerrain } from '../map3d/terrain.js';
-import { STRINGS } from '../strings.js';
 import { isWithin, moved, raised, turned } from './geometry.js';
 import { PartSolids } from './solids.js';
 
-const WORDS = STRINGS.editor;
 const NEAR_PX = 12;
 const CLICK_PX = 4;
 const NOTCH_DEG = 5; // a notch of the wheel; with shift, a degree
@@ -35,7 +33,9 @@ export class EditorScene extends Stage {
    * @param {import('./parts.js').EditedParts} parts
    */
   constructor(parts, fieldsOf, load) {
-    super(WORDS.scene);
+    super(
+      'The scenario in 3D: drag a part to move it, with Shift to raise it, turn the wheel on it to turn it, click the bed to choose where to add',
+    );
     [this.#parts, this.#fieldsOf, this.#load] = [parts, fieldsOf, load];
     this.canvas.className = 'editor-scene';
     this.canvas.setAttribute('role', 'application');
@@ -132,7 +132,9 @@ export class EditorScene extends Stage {
 
   noted() {
     const { mark } = this.#parts;
-    return mark ? WORDS.marked(fixed(mark[0], 1), fixed(mark[1], 1)) : WORDS.sceneHint;
+    return mark
+      ? `Add puts it here: ${fixed(mark[0], 1)}, ${fixed(mark[1], 1)}`
+      : 'Drag a part (Shift: up and down), turn the wheel on it; click the bed to choose where to add';
   }
 
   #listen() {

@@ -1,9 +1,7 @@
 // The table of all parts of a scenario. The arrow keys move through it.
 import { all, el, fixed } from '../dom.js';
-import { STRINGS } from '../strings.js';
 import { placeOf } from './geometry.js';
-
-const WORDS = STRINGS.editor;
+import { sectionName } from './parts.js';
 
 export class PartTable {
   #pick;
@@ -13,8 +11,8 @@ export class PartTable {
   constructor(pick, fieldsOf) {
     [this.#pick, this.#fieldsOf] = [pick, fieldsOf];
     this.body = el('tbody');
-    const heads = [WORDS.part, WORDS.kind, WORDS.place].map((text) => el('th', { scope: 'col' }, text));
-    const caption = el('caption', { className: 'visually-hidden' }, WORDS.table);
+    const heads = ['Part', 'Kind', 'x, y [m]'].map((text) => el('th', { scope: 'col' }, text));
+    const caption = el('caption', { className: 'visually-hidden' }, 'All parts');
     this.element = el(
       'div',
       { className: 'editor-table', onkeydown: (event) => this.#key(event) },
@@ -28,7 +26,7 @@ export class PartTable {
     const rows = parts.flatMap((part, k) => {
       const isNew = part.section !== section;
       section = part.section;
-      const title = WORDS.sections[section] ?? section;
+      const title = sectionName(section);
       const head = el('tr', { className: 'editor-section' }, el('th', { colSpan: 3, scope: 'rowgroup' }, title));
       return [...(isNew ? [head] : []), this.#row(part, k, selected)];
     });
@@ -55,11 +53,7 @@ export class PartTable {
       'tr',
       { className: isSelected ? 'is-selected' : '' },
       el('td', {}, button),
-      el(
-        'td',
-        { className: part.is_inherited ? 'is-inherited' : '' },
-        part.is_inherited ? WORDS.ofTheVehicle : part.kind,
-      ),
+      el('td', { className: part.is_inherited ? 'is-inherited' : '' }, part.is_inherited ? 'default' : part.kind),
       el('td', {}, place ? place.map((value) => fixed(value, 1)).join(', ') : ''),
     );
   }

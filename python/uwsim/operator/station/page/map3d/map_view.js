@@ -1,11 +1,8 @@
 // The 3D view of one map, without a lake or a vehicle: from above and from four sides.
 import { Vector3 } from '../vendor/three.js';
-import { el, fixed, pen } from '../dom.js';
+import { capital, el, fixed, pen } from '../dom.js';
 import { Stage } from './stage.js';
 import { RAMP } from './voxel_points.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.map;
 
 const SIDES = { above: [0, -0.001, 1], south: [0, -1, 0.6], east: [1, 0, 0.6], north: [0, 1, 0.6], west: [-1, 0, 0.6] };
 const MARGIN = 1.05;
@@ -19,11 +16,11 @@ export class MapView extends Stage {
 
   // about: the server's map.json.
   constructor({ low_m, high_m, cube_m, coloured_m: [low, high] }) {
-    super(WORDS.picture);
+    super("3D view of the map's occupied voxels");
     const buttons = Object.keys(SIDES).map((side) =>
-      el('button', { type: 'button', onclick: () => this.look(side) }, WORDS[side]),
+      el('button', { type: 'button', onclick: () => this.look(side) }, capital(side)),
     );
-    const tools = el('div', { className: 'scene-tools', role: 'group', 'aria-label': WORDS.tools }, ...buttons);
+    const tools = el('div', { className: 'scene-tools', role: 'group', 'aria-label': 'View from' }, ...buttons);
     this.element = [this.canvas, tools, heights(low, high), this.note];
     if (!this.scene) return;
     this.voxels.setRange(low, high);
@@ -68,5 +65,5 @@ function heights(low, high) {
   RAMP.forEach((colour, k) => shades.addColorStop(k / (RAMP.length - 1), colour));
   brush.fillStyle = shades;
   brush.fillRect(0, 0, bar.width, bar.height);
-  return el('p', { className: 'map-heights' }, WORDS.lowest(fixed(low, 1)), bar, WORDS.highest(fixed(high, 1)));
+  return el('p', { className: 'map-heights' }, `z ${fixed(low, 1)}`, bar, `${fixed(high, 1)} m`);
 }

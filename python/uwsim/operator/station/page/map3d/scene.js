@@ -6,9 +6,6 @@ import { crosses } from './sight.js';
 import { Stage } from './stage.js';
 import { faceted, makeSurface, makeTerrain } from './terrain.js';
 import { sceneTools } from './tools.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.scene;
 
 const LOOK_MS = 300; // between two looks for what hides the vehicle
 const FADED = 0.2; // opacity of what hides it
@@ -16,7 +13,7 @@ const FADED = 0.2; // opacity of what hides it
 export class SceneView extends Stage {
   name = 'scene';
   kind = 'scene';
-  title = WORDS.title;
+  title = '3D map';
   vessels = new Map(); // name: Vessel
   marks = new Marks();
   #layers = { terrain: true, map: true, track: true, fan: true, follows: true };
@@ -32,13 +29,13 @@ export class SceneView extends Stage {
   #hasLooked = false; // whether the camera has been aimed at the vehicle's first pose
 
   constructor() {
-    super(WORDS.picture);
+    super('3D view of the lake, the map and the vehicle');
     const buttons = sceneTools(
       this.#layers,
       () => this.#applyLayers(),
       (isFromAbove) => this.look(isFromAbove),
     );
-    this.tools = el('div', { className: 'scene-tools', role: 'group', 'aria-label': WORDS.tools }, ...buttons);
+    this.tools = el('div', { className: 'scene-tools', role: 'group', 'aria-label': '3D view' }, ...buttons);
     this.element = [this.canvas, this.tools, this.note];
     this.show(this.marks.group);
   }

@@ -13,9 +13,6 @@ import { FrameGate } from './frame_gate.js';
 import { Quality } from './quality.js';
 import { VoxelPoints } from './voxel_points.js';
 import { VoxelStore } from './voxel_store.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.scene;
 
 const SMALL_MS = 1000; // between two frames while the view is small
 const IDLE_MS = 250; // while it is large and does not turn
@@ -102,14 +99,14 @@ export class Stage {
 
   // The text below the picture.
   noted() {
-    return WORDS.drawn(grouped(this.store.count), grouped(this.voxels.pointCount), Math.round(this.gate.frame_ms));
+    return `${grouped(this.store.count)} voxels · ${grouped(this.voxels.pointCount)} drawn · ${Math.round(this.gate.frame_ms)} ms`;
   }
 
   #makeScene() {
     try {
       this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: false, powerPreference: 'low-power' });
     } catch {
-      write(this.note, WORDS.noWebGl);
+      write(this.note, 'This browser has no WebGL 2: no 3D view');
       return;
     }
     this.gate = new FrameGate(this.renderer.getContext());

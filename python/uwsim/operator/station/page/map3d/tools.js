@@ -1,10 +1,7 @@
 // The buttons of the 3D view: layers, following, viewpoints.
 import { el } from '../dom.js';
-import { STRINGS } from '../strings.js';
 
-const WORDS = STRINGS.scene;
-
-const LAYERS = { terrain: WORDS.bed, map: WORDS.map, track: WORDS.track, fan: WORDS.sonar };
+const LAYERS = { terrain: 'Bed', map: 'Map', track: 'Track', fan: 'Sonar' };
 
 // layers: the visible ones of LAYERS, and whether the camera follows; changed here, and then changed() is called.
 export function sceneTools(layers, changed, look) {
@@ -25,8 +22,8 @@ export function sceneTools(layers, changed, look) {
     );
   return [
     ...Object.entries(LAYERS).map(([name, text]) => toggle(name, text)),
-    toggle('follows', WORDS.follow),
-    el('button', { type: 'button', onclick: () => look(false) }, WORDS.behind),
-    el('button', { type: 'button', onclick: () => look(true) }, WORDS.above),
+    toggle('follows', 'Follow'),
+    el('button', { type: 'button', onclick: () => look(false) }, 'Behind'),
+    el('button', { type: 'button', onclick: () => look(true) }, 'Above'),
   ];
 }

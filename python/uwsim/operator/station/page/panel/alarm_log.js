@@ -1,11 +1,8 @@
 // The alarms of this session with their times, and the collisions that have not been acknowledged yet.
-import { acts, said, titled } from '../said.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.alarms;
+import { acts } from './failsafe.js';
 
 const LONGEST = 200;
-const FLAGS = { range_warning: WORDS.range, proximity_warning: WORDS.nearBed };
+const FLAGS = { range_warning: 'Range', proximity_warning: 'Near the bed' };
 
 export class AlarmLog {
   entries = []; // { time_s, text }, newest first
@@ -41,14 +38,13 @@ export class AlarmLog {
     };
     if (now.count > last.count) {
       this.collisions += now.count - last.count;
-      add(WORDS.collision);
+      add('Collision');
     }
-    if (now.contact && now.contact !== last.contact)
-      add(WORDS.ahead(titled({ name: now.contact, title: now.contact })));
+    if (now.contact && now.contact !== last.contact) add(`Contact ahead: ${now.contact.replaceAll('_', ' ')}`);
     for (const field of now.flags) if (!last.flags.includes(field)) add(FLAGS[field]);
-    for (const alarm of now.alarms) if (!last.alarms.includes(alarm)) add(said(alarm));
+    for (const alarm of now.alarms) if (!last.alarms.includes(alarm)) add(alarm);
     if (now.failsafe && now.failsafe !== last.failsafe) add(now.failsafe);
-    if (now.note && now.note !== last.note) add(said(now.note));
+    if (now.note && now.note !== last.note) add(now.note);
     return this.entries[0] !== was;
   }
 

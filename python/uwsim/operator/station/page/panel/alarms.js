@@ -1,9 +1,6 @@
 // The lamps of the paper's panel and one for contact, their sound, which is off by default, and the log of alarms.
 import { clockText, el, write } from '../dom.js';
 import { AlarmLog } from './alarm_log.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.alarms;
 
 const STORED = 'uwsim.sound';
 const NEAR_M = 2; // of the nearest echo, some two lengths of a vehicle, at which the contact lamp lights
@@ -11,10 +8,10 @@ const NEAR_M = 2; // of the nearest echo, some two lengths of a vehicle, at whic
  * @type {Record<string, { title: string, level: string, field: string, beep: [number, number], period_ms: number }>}
  */
 const LAMPS = {
-  range: { title: WORDS.range, level: 'warn', field: 'range_warning', beep: [440, 0.12], period_ms: 3000 },
-  bed: { title: WORDS.bed, level: 'warn', field: 'proximity_warning', beep: [590, 0.12], period_ms: 3000 },
-  contact: { title: WORDS.contact, level: 'warn', field: '', beep: [740, 0.1], period_ms: 1500 },
-  collision: { title: WORDS.collision, level: 'alarm', field: 'collision_warning', beep: [1050, 0.18], period_ms: 500 },
+  range: { title: 'Range', level: 'warn', field: 'range_warning', beep: [440, 0.12], period_ms: 3000 },
+  bed: { title: 'Bed', level: 'warn', field: 'proximity_warning', beep: [590, 0.12], period_ms: 3000 },
+  contact: { title: 'Contact', level: 'warn', field: '', beep: [740, 0.1], period_ms: 1500 },
+  collision: { title: 'Collision', level: 'alarm', field: 'collision_warning', beep: [1050, 0.18], period_ms: 500 },
 };
 
 /** @type {{ beep: [number, number], period_ms: number }} */
@@ -31,7 +28,7 @@ export class Alarms {
 
   constructor() {
     for (const [name, { title }] of Object.entries(LAMPS)) {
-      const state = el('span', { className: 'visually-hidden' }, WORDS.off);
+      const state = el('span', { className: 'visually-hidden' }, 'off');
       this.#lamps[name] = {
         state,
         title: el('b', {}, title),
@@ -49,17 +46,17 @@ export class Alarms {
     this.acknowledge = el(
       'button',
       { type: 'button', id: 'acknowledge', className: 'danger', hidden: true, onclick: () => this.#acknowledge() },
-      WORDS.acknowledge,
+      'Acknowledge',
     );
-    this.lines = el('ol', { className: 'alarm-log', tabIndex: 0, 'aria-label': WORDS.list });
-    this.count = el('small', {}, WORDS.none);
+    this.lines = el('ol', { className: 'alarm-log', tabIndex: 0, 'aria-label': 'Alarms, newest first' });
+    this.count = el('small', {}, 'none');
     this.element = el(
       'section',
       { className: 'warnings' },
-      el('h2', {}, WORDS.warnings, this.button),
+      el('h2', {}, 'Warnings', this.button),
       el('div', { className: 'lamps' }, ...Object.values(this.#lamps).map(({ element }) => element)),
       this.acknowledge,
-      el('details', { id: 'alarm-log' }, el('summary', {}, WORDS.alarmLog, ' ', this.count), this.lines),
+      el('details', { id: 'alarm-log' }, el('summary', {}, 'Alarm log', ' ', this.count), this.lines),
     );
     this.isLoud = false;
     this.#showSound(localStorage.getItem(STORED));
@@ -79,7 +76,7 @@ export class Alarms {
     this.isLoud = stored === 'on';
     this.#isMuted = stored === 'off';
     this.button.setAttribute('aria-pressed', String(this.isLoud));
-    write(this.button, this.isLoud ? WORDS.soundOn : WORDS.soundOff);
+    write(this.button, this.isLoud ? 'Sound on' : 'Sound off');
   }
 
   #acknowledge() {
@@ -90,7 +87,7 @@ export class Alarms {
   // The published panel has one lamp for the bed, Proximity, which is red, and none for contact.
   setPublished(isAsPublished) {
     this.#isAsPublished = isAsPublished;
-    write(this.#lamps.bed.title, isAsPublished ? WORDS.proximity : WORDS.bed);
+    write(this.#lamps.bed.title, isAsPublished ? 'Proximity' : 'Bed');
     this.#lamps.contact.element.hidden = isAsPublished;
   }
 
@@ -104,7 +101,7 @@ export class Alarms {
 
   #showLog() {
     const { entries } = this.log;
-    write(this.count, entries.length ? String(entries.length) : WORDS.none);
+    write(this.count, entries.length ? String(entries.length) : 'none');
     this.lines.replaceChildren(
       ...entries.map(({ time_s, text }) => el('li', {}, el('time', {}, clockText(time_s)), ` ${text}`)),
     );
@@ -114,13 +111,13 @@ export class Alarms {
     if (message && !isStale && this.log.update(message, time_s, contact)) this.#showLog();
     const { collisions } = this.log;
     this.acknowledge.hidden = collisions === 0;
-    write(this.acknowledge, WORDS.acknowledgeAll(collisions));
+    write(this.acknowledge, `Acknowledge ${collisions === 1 ? '1 collision' : `${collisions} collisions`}`);
     for (const [name, { level, beep, period_ms }] of Object.entries(LAMPS)) {
       const { element, state } = this.#lamps[name];
       const isOn = this.#isOn(name, message, contact, nearest_m);
       element.dataset.on = !isOn ? 'off' : this.#isAsPublished ? 'alarm' : level;
       element.classList.toggle('is-stale', isStale);
-      write(state, isOn ? WORDS.on : WORDS.off);
+      write(state, isOn ? 'on' : 'off');
       if (isOn && this.isLoud && !isStale) this.#beep(name, beep, period_ms);
     }
   }

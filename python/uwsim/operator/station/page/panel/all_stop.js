@@ -1,9 +1,6 @@
 // All stop: a button and a key that set it from any page, and a button with which the pilot releases it.
 import { attempt, byId, el, toast, write } from '../dom.js';
 import { ALL_STOPPED } from '../wire/messages.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.allStop;
 
 export class AllStop {
   #vehicle = '';
@@ -17,7 +14,7 @@ export class AllStop {
     this.lamp = byId('all-stop');
     this.lamp.addEventListener('click', () => this.press());
     this.text = el('p', {});
-    this.button = el('button', { type: 'button', id: 'end-stop', onclick: () => this.#release() }, WORDS.release);
+    this.button = el('button', { type: 'button', id: 'end-stop', onclick: () => this.#release() }, 'Release all stop');
     this.element = el(
       'section',
       { id: 'stopped', className: 'failsafe', hidden: true },
@@ -49,7 +46,10 @@ export class AllStop {
     this.element.hidden = !isSet;
     this.element.classList.toggle('is-stale', isStale);
     this.lamp.setAttribute('aria-pressed', String(isSet));
-    write(this.text, WORDS.isSet(this.station.isPilot));
+    write(
+      this.text,
+      `All stop: the thrusters are off, and nothing moves the vehicle.${this.station.isPilot ? '' : ' The pilot may release it.'}`,
+    );
     this.button.disabled = !this.station.isPilot;
   }
 
@@ -60,7 +60,7 @@ export class AllStop {
       const { success, message } = await this.station.allStop(vehicle, true);
       if (success !== false) this.#wanted = '';
       toast(
-        message || (success === false ? STRINGS.common.refused : WORDS.allStop),
+        message || (success === false ? 'The simulator refused.' : 'All stop'),
         success === false ? 'error' : 'info',
       );
     } catch (error) {
@@ -73,6 +73,6 @@ export class AllStop {
 
   #release() {
     this.#wanted = '';
-    attempt(this.station.allStop(this.#vehicle, false), WORDS.released);
+    attempt(this.station.allStop(this.#vehicle, false), 'All stop is released: press the key again.');
   }
 }

@@ -2,15 +2,12 @@
 // that the driving keys move, and buttons for the jaws.
 import { attempt, el, write } from '../dom.js';
 import { positionText } from '../drive/arm_drive.js';
-import { STRINGS } from '../strings.js';
 
-const WORDS = STRINGS.arm;
 const MOMENT_MS = 250;
 const STEPS = 200; // of a slider, between a joint's stops
 
 // The name of a part of the arm as shown: its joint's, or in words.
-export const partName = (part) =>
-  ({ '': WORDS.vehicle, hand: WORDS.hand, arm: WORDS.arm, grip: WORDS.grip })[part] ?? part;
+export const partName = (part) => ({ '': 'vehicle', hand: 'hand', arm: 'Arm', grip: 'GRIP' })[part] ?? part;
 
 export class Arm {
   #vehicle = '';
@@ -21,7 +18,7 @@ export class Arm {
     this.station = station;
     this.telemetry = telemetry;
     this.drive = drive;
-    this.part = el('select', { id: 'arm-part', 'aria-label': WORDS.keysMove });
+    this.part = el('select', { id: 'arm-part', 'aria-label': 'Keys and sticks move' });
     this.part.addEventListener('change', () => {
       drive.choose(this.part.value);
       this.part.blur(); // the keys drive again
@@ -29,20 +26,20 @@ export class Arm {
     drive.addEventListener('part', () => this.#showPart());
     this.jaws = el(
       'div',
-      { className: 'row', role: 'group', 'aria-label': WORDS.jaws },
-      this.#jawButton(WORDS.open, -1),
-      this.#jawButton(WORDS.close, 1),
+      { className: 'row', role: 'group', 'aria-label': 'Jaws' },
+      this.#jawButton('Open', -1),
+      this.#jawButton('Close', 1),
     );
     this.list = el('div', { className: 'joints' });
-    this.halt = el('button', { type: 'button', id: 'halt-arm' }, WORDS.halt);
+    this.halt = el('button', { type: 'button', id: 'halt-arm' }, 'Halt');
     this.halt.addEventListener('click', () =>
       this.#command({ speeds: Object.fromEntries(this.#joints.map(({ joint }) => [joint.name, 0])) }),
     );
     this.element = el(
       'section',
       { id: 'arm', className: 'arm', hidden: true },
-      el('h2', {}, WORDS.arm, this.halt),
-      el('label', {}, el('span', {}, WORDS.keysMove), this.part),
+      el('h2', {}, 'Arm', this.halt),
+      el('label', {}, el('span', {}, 'Keys and sticks move'), this.part),
       this.jaws,
       this.list,
     );

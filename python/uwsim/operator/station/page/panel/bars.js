@@ -12,7 +12,7 @@ export class Bars {
         this.#rows[k].value.setAttribute('aria-label', name);
         return el(
           'div',
-          { tip: name.replaceAll('_', ' ') },
+          { title: name.replaceAll('_', ' ') },
           this.#rows[k].value,
           el('div', { className: 'bar', 'aria-hidden': 'true' }, this.#rows[k].fill),
           el('span', { 'aria-hidden': 'true' }, shortened(name)),

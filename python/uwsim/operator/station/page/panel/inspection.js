@@ -1,14 +1,15 @@
 // Inspection: the comment shown in pictures, and notes with category, picture and position.
-import { attempt, clockText, el, toast, write } from '../dom.js';
-import { STRINGS } from '../strings.js';
+import { attempt, capital, clockText, el, toast, write } from '../dom.js';
 import { NOTE_CATEGORIES, notes as request } from '../wire/messages.js';
 
-const WORDS = STRINGS.inspection;
-const PLACES = ['view', 'vehicle'];
+const PLACES = [
+  ['view', "In camera's view"],
+  ['vehicle', 'At the vehicle'],
+];
 const TEXT_MOST = 200;
 
-const choice = (label, values, words) =>
-  el('select', { 'aria-label': label, tip: label }, ...values.map((value) => el('option', { value }, words[value])));
+const choice = (label, values) =>
+  el('select', { 'aria-label': label, title: label }, ...values.map(([value, text]) => el('option', { value }, text)));
 const line = (label, id) =>
   el('input', {
     type: 'text',
@@ -30,14 +31,17 @@ export class Inspection extends EventTarget {
     super();
     this.station = station;
     this.views = views;
-    this.comment = line(WORDS.comment, 'comment');
-    this.text = line(WORDS.text, 'note-text');
-    this.category = choice(WORDS.category, NOTE_CATEGORIES, WORDS.categories);
-    this.place = choice(WORDS.place, PLACES, WORDS.places);
-    this.set = el('button', { type: 'submit' }, WORDS.set);
-    this.button = el('button', { type: 'submit', id: 'add-note' }, WORDS.add);
-    this.list = el('ol', { className: 'notes', tabIndex: 0, 'aria-label': WORDS.list });
-    this.links = el('div', { className: 'downloads', role: 'group', 'aria-label': WORDS.download });
+    this.comment = line('Comment in pictures', 'comment');
+    this.text = line('Text of the note', 'note-text');
+    this.category = choice(
+      'Category of the note',
+      NOTE_CATEGORIES.map((each) => [each, capital(each)]),
+    );
+    this.place = choice('Place of the note', PLACES);
+    this.set = el('button', { type: 'submit' }, 'Set');
+    this.button = el('button', { type: 'submit', id: 'add-note' }, 'Add note');
+    this.list = el('ol', { className: 'notes', tabIndex: 0, 'aria-label': 'Notes, newest first' });
+    this.links = el('div', { className: 'downloads', role: 'group', 'aria-label': 'Download the notes' });
     this.count = el('small');
     this.form = el(
       'form',
@@ -48,7 +52,7 @@ export class Inspection extends EventTarget {
     this.element = el(
       'section',
       { id: 'inspection', className: 'inspection' },
-      el('h2', {}, WORDS.heading, this.count),
+      el('h2', {}, 'Inspection', this.count),
       el(
         'form',
         { className: 'row', onsubmit: (event) => this.#submit(event, () => this.#setComment()) },
@@ -68,18 +72,17 @@ export class Inspection extends EventTarget {
       ...['csv', 'geojson'].map((kind) =>
         el(
           'a',
-          { href: this.station.href(`/notes/notes.${kind}`), download: `notes.${kind}`, 'aria-label': WORDS.as(kind) },
+          {
+            href: this.station.href(`/notes/notes.${kind}`),
+            download: `notes.${kind}`,
+            'aria-label': `Notes as .${kind}`,
+          },
           `.${kind}`,
         ),
       ),
     );
     this.#shown = '';
     this.#look();
-  }
-
-  // The comment currently shown in pictures.
-  get shownComment() {
-    return this.station.state.comment ?? '';
   }
 
   // Focus the field so that the pilot can type.
@@ -111,7 +114,7 @@ export class Inspection extends EventTarget {
     const { value: text } = this.comment;
     const answer = await attempt(
       request(this.station.bridge, { action: 'comment', vehicle: this.#vehicle, text }),
-      WORDS.commented,
+      'The comment is now shown in pictures',
     );
     if (answer) this.#show(answer);
   }
@@ -125,8 +128,8 @@ export class Inspection extends EventTarget {
   // Follow the state: the comment and the number of notes.
   async #look() {
     const { state, isPilot, isRunning } = this.station;
-    if (document.activeElement !== this.comment && this.comment.value !== this.shownComment)
-      this.comment.value = this.shownComment;
+    const { comment = '' } = state;
+    if (document.activeElement !== this.comment && this.comment.value !== comment) this.comment.value = comment;
     for (const part of [this.text, this.category, this.place, this.button]) part.disabled = !isPilot;
     this.comment.disabled = this.set.disabled = !isPilot;
     const wanted = `${state.session} ${state.notes}`;
@@ -147,9 +150,9 @@ export class Inspection extends EventTarget {
     write(this.count, notes.length ? String(notes.length) : '');
     this.list.replaceChildren(
       ...notes.toReversed().map(({ number, time_s, category, text, picture }) => {
-        const said = `${number}. ${WORDS.categories[category] ?? category}${text ? `: ${text}` : ''} `;
+        const said = `${number}. ${capital(category)}${text ? `: ${text}` : ''} `;
         const link = picture
-          ? el('a', { href: this.station.href(`/notes/${picture}`), target: '_blank', rel: 'noopener' }, WORDS.picture)
+          ? el('a', { href: this.station.href(`/notes/${picture}`), target: '_blank', rel: 'noopener' }, 'picture')
           : null;
         return el('li', {}, el('time', {}, clockText(time_s)), ` ${said}`, link);
       }),

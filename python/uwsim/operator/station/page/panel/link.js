@@ -2,9 +2,6 @@
 // has cut the vehicle off.
 import { el, fixed, write } from '../dom.js';
 import { TYPES } from '../wire/messages.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.link;
 
 const POOR = 0.8; // quality
 const SILENT_S = 5;
@@ -12,17 +9,17 @@ const LATE = 2.5; // over a slow modem, in multiples of the interval between the
 const NONE = 'none';
 /** @type {[string, string, (message: import('../wire/messages.js').Link) => string][]} */
 const VALUES = [
-  [WORDS.quality, '%', (m) => fixed(100 * m.quality, 0)],
-  [WORDS.delay, 'ms', (m) => fixed(1000 * m.delay, 0)],
-  [WORDS.silentHere, 's', (m) => fixed(m.silence_at_station, 1)],
-  [WORDS.silentThere, 's', (m) => fixed(m.silence, 1)],
-  [WORDS.snr, 'dB', (m) => fixed(m.snr, 0)],
-  [WORDS.lost, '', (m) => WORDS.share(m.lost, m.sent)],
+  ['Quality', '%', (m) => fixed(100 * m.quality, 0)],
+  ['Delay', 'ms', (m) => fixed(1000 * m.delay, 0)],
+  ['Silent here', 's', (m) => fixed(m.silence_at_station, 1)],
+  ['Silent there', 's', (m) => fixed(m.silence, 1)],
+  ['SNR', 'dB', (m) => fixed(m.snr, 0)],
+  ['Lost', '', (m) => `${m.lost} of ${m.sent}`],
 ];
 
 function faultText(loss) {
   if (!(loss > 0)) return '';
-  return loss >= 1 ? WORDS.blackout : WORDS.fault(fixed(100 * loss, 0));
+  return loss >= 1 ? ': blackout' : `: a fault drops ${fixed(100 * loss, 0)} %`;
 }
 
 export class Link {
@@ -38,12 +35,12 @@ export class Link {
     this.note = el('small');
     this.aboard = el('input', { type: 'checkbox' });
     this.aboard.addEventListener('change', () => this.onAboard?.(this.aboard.checked));
-    this.truth = el('label', { className: 'aboard', hidden: true }, this.aboard, ' ', WORDS.aboard);
+    this.truth = el('label', { className: 'aboard', hidden: true }, this.aboard, ' ', 'Show what the vehicle sees');
     this.values = VALUES.map(() => el('span', {}, '–'));
     this.element = el(
       'section',
       { id: 'link', className: 'link', hidden: true },
-      el('h2', {}, WORDS.link, this.note),
+      el('h2', {}, 'Link', this.note),
       el(
         'dl',
         { className: 'values' },
@@ -85,6 +82,6 @@ export class Link {
     const isBad =
       message.fault_loss > 0 || message.quality < POOR || this.#silence > Math.max(SILENT_S, LATE * this.#interval);
     this.element.dataset.level = isBad ? 'warn' : 'good';
-    write(this.note, isPlain ? WORDS.down : message.modem + faultText(message.fault_loss));
+    write(this.note, isPlain ? 'down' : message.modem + faultText(message.fault_loss));
   }
 }

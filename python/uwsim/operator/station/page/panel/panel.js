@@ -1,5 +1,5 @@
 // The panel: all values of the paper's panel, the position, bars, the link and the map.
-import { clockText, el, fixed, grouped, tip, write } from '../dom.js';
+import { clockText, el, fixed, grouped, write } from '../dom.js';
 import { unitName } from '../units.js';
 import { Alarms } from './alarms.js';
 import { AllStop } from './all_stop.js';
@@ -10,14 +10,11 @@ import { Failsafe } from './failsafe.js';
 import { Link } from './link.js';
 import { AROUND, BIG, LENGTH, MOTION, POSITION, gaugeRow } from './rows.js';
 import { TetherPanel } from './tether.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.panel;
 
 const LOW_PERCENT = 25;
 const EMPTY_PERCENT = 10;
 const OLD_S = 1.5; // age from which a measurement is greyed out, plus the interval of slow instruments
-const EFFORTS = [WORDS.surge, WORDS.sway, WORDS.heave, WORDS.roll, WORDS.pitch, WORDS.yaw];
+const EFFORTS = ['Surge', 'Sway', 'Heave', 'Roll', 'Pitch', 'Yaw'];
 
 // The age of a measured value [s]; 0 if the telemetry does not report it.
 export function ageOf(field, { gauges = [], gauge_ages: ages = [] }) {
@@ -28,14 +25,14 @@ export function ageOf(field, { gauges = [], gauge_ages: ages = [] }) {
 // "measured 3.0 s ago", for an old value.
 export function ageText(age_s) {
   if (age_s <= OLD_S) return '';
-  return Number.isFinite(age_s) ? WORDS.old(age_s.toFixed(1)) : WORDS.noValidMeasurement;
+  return Number.isFinite(age_s) ? `measured ${age_s.toFixed(1)} s ago` : 'no valid measurement';
 }
 
 // The accuracy of the estimated position, and its true error if that may be shown.
 function estimateText({ position, position_std: std, true_position: truth, is_truth: isTruth }) {
   if (!Number.isFinite(position[0])) return '';
   const off_m = Math.hypot(...position.map((value, k) => value - truth[k]));
-  return `± ${fixed(Math.hypot(...std), 2)} m${isTruth ? WORDS.truly(fixed(off_m, 2)) : ''}`;
+  return `± ${fixed(Math.hypot(...std), 2)} m${isTruth ? `, truly ${fixed(off_m, 2)} m off` : ''}`;
 }
 
 export class Panel {
@@ -61,22 +58,22 @@ export class Panel {
     this.battery = el('i');
     this.meter = el(
       'div',
-      { className: 'meter', role: 'meter', 'aria-label': WORDS.battery, 'aria-valuemin': 0, 'aria-valuemax': 100 },
+      { className: 'meter', role: 'meter', 'aria-label': 'Battery', 'aria-valuemin': 0, 'aria-valuemax': 100 },
       this.battery,
     );
     this.mapNote = el('small');
-    this.downloads = el('div', { className: 'downloads', role: 'group', 'aria-label': WORDS.downloadTheMap });
+    this.downloads = el('div', { className: 'downloads', role: 'group', 'aria-label': 'Download the map' });
     this.efforts.name(EFFORTS);
     this.charge = el('small');
-    this.driveTitle = el('span', {}, WORDS.thrusters);
+    this.driveTitle = el('span', {}, 'Thrusters');
     this.around = this.#list(AROUND);
     this.timed = el(
       'div',
       {},
       this.#section('', this.age, this.#list(BIG, 'big-values'), this.#list(MOTION)),
-      this.#section(WORDS.position, this.kind, this.#list(POSITION, 'big-values small')),
-      this.#section(WORDS.around, null, this.around),
-      this.#section(WORDS.battery, this.charge, this.meter),
+      this.#section('Position', this.kind, this.#list(POSITION, 'big-values small')),
+      this.#section('Around', null, this.around),
+      this.#section('Battery', this.charge, this.meter),
       this.#section(this.driveTitle, el('small', {}, '%'), this.thrusters.element),
     );
     this.#own = this.#values.length;
@@ -91,8 +88,8 @@ export class Panel {
       inspection.element,
       this.tether.element,
       this.link.element,
-      this.#section(WORDS.controls, el('small', {}, '%'), this.efforts.element),
-      this.#section(WORDS.map, this.mapNote, this.downloads),
+      this.#section('Controls', el('small', {}, '%'), this.efforts.element),
+      this.#section('Map', this.mapNote, this.downloads),
     );
     telemetry.addEventListener('change', () => this.show());
     pilot.addEventListener('efforts', () => this.efforts.show(Object.values(pilot.efforts)));
@@ -108,7 +105,7 @@ export class Panel {
     this.tether.begin(vehicle);
     this.hasThrusters = vehicle.thrusters.length > 0; // otherwise it is driven by forces along and about the axes
     this.thrusters.name(this.hasThrusters ? vehicle.thrusters : EFFORTS);
-    write(this.driveTitle, this.hasThrusters ? WORDS.thrusters : WORDS.thrust);
+    write(this.driveTitle, this.hasThrusters ? 'Thrusters' : 'Thrust');
     this.downloads.hidden = !vehicle.map;
     this.downloads.replaceChildren(
       ...['bt', 'ply', 'pcd', 'tif'].map((kind) =>
@@ -117,7 +114,7 @@ export class Panel {
           {
             href: this.station.href(`${vehicle.map}.${kind}`),
             download: '',
-            'aria-label': WORDS.downloadAs(kind),
+            'aria-label': `Download the map as .${kind}`,
           },
           `.${kind}`,
         ),
@@ -126,7 +123,7 @@ export class Panel {
   }
 
   showMap({ count, resolution_m }) {
-    write(this.mapNote, count ? WORDS.voxels(grouped(count), +resolution_m.toFixed(3)) : WORDS.noPingsYet);
+    write(this.mapNote, count ? `${grouped(count)} voxels of ${+resolution_m.toFixed(3)} m` : 'no pings yet');
   }
 
   show() {
@@ -140,13 +137,7 @@ export class Panel {
     this.arm.show(isStale);
     write(
       this.age,
-      !message
-        ? WORDS.waiting
-        : this.station.isBlind
-          ? WORDS.notConnected
-          : lag_s > 1
-            ? WORDS.late(fixed(lag_s, 1))
-            : '',
+      !message ? 'waiting' : this.station.isBlind ? 'not connected' : lag_s > 1 ? `${fixed(lag_s, 1)} s old` : '',
     );
     if (!message) return;
     if (sensors !== this.#sensors) {
@@ -160,7 +151,7 @@ export class Panel {
       write(element, read(message, reaches));
       const age = ageText(ageOf(field, message));
       element.parentElement.classList.toggle('is-stale', age !== '');
-      tip(element, age || (explain?.(message) ?? ''));
+      element.title = age || (explain?.(message) ?? '');
     }
     write(this.kind, estimateText(message));
     const isOff = !message.released || message.battery <= 0; // efforts then have no effect
@@ -169,11 +160,11 @@ export class Panel {
     this.battery.style.width = `${percent}%`;
     this.meter.dataset.level = percent <= EMPTY_PERCENT ? 'empty' : percent <= LOW_PERCENT ? 'low' : 'good';
     this.meter.setAttribute('aria-valuenow', percent.toFixed(0));
-    write(this.charge, WORDS.used(fixed(message.battery, 0), clockText(message.mission_time)));
+    write(this.charge, `${fixed(message.battery, 0)} % · ${clockText(message.mission_time)} used`);
   }
 
   #section(title, note, ...contents) {
-    const head = title || note ? el('h2', {}, title || WORDS.vehicle, note) : null;
+    const head = title || note ? el('h2', {}, title || 'Vehicle', note) : null;
     return el('section', {}, head, ...contents);
   }
 

@@ -1,12 +1,21 @@
 // The rows of the panel: how a gauge is shown, whose table is Python's, and the values computed from the orientation.
 import { attitude } from '../attitude.js';
-import { fixed } from '../dom.js';
-import { STRINGS } from '../strings.js';
+import { capital, fixed } from '../dom.js';
 import { inUnit } from '../units.js';
 import { GAUGES } from '../wire/messages.js';
 
-const WORDS = STRINGS.panel;
-const NAMES = /** @type {Record<string, any>} */ (WORDS);
+/** Words of gauges that are not said as they are called.
+ * @type {Record<string, string>}
+ */
+const NAMES = {
+  acceleration: 'Accel.',
+  angular_acceleration: 'Ang. accel.',
+  angular_speed: 'Turning',
+  link_delay: 'Sound delay',
+  temperature: 'Water',
+  to_port: 'Port side',
+  to_station: 'Station',
+};
 const DEG = 180 / Math.PI;
 export const LENGTH = 'length'; // in the pilot's unit
 // The unit, the factor and the decimals with which a gauge in an SI unit is shown; others are shown as they are.
@@ -20,13 +29,13 @@ const SHOWN = {
   Pa: ['kPa', 1e-3, 1],
   s: ['ms', 1000, 0],
 };
-const LINEAR = [WORDS.ahead, WORDS.toPort, WORDS.upWard];
-const ANGULAR = [WORDS.rollRate, WORDS.pitchRate, WORDS.yawRate];
+const LINEAR = ['ahead', 'to port', 'up'];
+const ANGULAR = ['roll', 'pitch', 'yaw'];
 
 // A range, or that nothing is within the sensor's reach.
 function range(range_m, reach_m = Infinity) {
-  if (range_m === Infinity) return WORDS.none;
-  return range_m >= reach_m ? WORDS.beyond(fixed(inUnit(reach_m), 0)) : fixed(inUnit(range_m), 1);
+  if (range_m === Infinity) return 'none';
+  return range_m >= reach_m ? `> ${fixed(inUnit(reach_m), 0)}` : fixed(inUnit(range_m), 1);
 }
 
 const size = (value) => (typeof value === 'number' ? value : Math.hypot(...value));
@@ -39,7 +48,7 @@ export function gaugeRow({ name, word = name, unit }) {
     digits < 0 && Number.isFinite(value) ? String(+value.toPrecision(4)) : fixed(factor * value, Math.max(0, digits));
   const axes = unit.startsWith('rad') ? ANGULAR : LINEAR;
   return [
-    NAMES[word] ?? word,
+    NAMES[word] ?? capital(word),
     shown,
     (m, reaches) => (shown === LENGTH ? range(m[name], reaches[name]) : text(size(m[name]))),
     // such as "1.20 ahead, -0.10 to port, 0.00 up"
@@ -57,15 +66,15 @@ function sided(value, positive, negative) {
   return Number(text) ? `${text}° ${value > 0 ? positive : negative}` : `${text}°`;
 }
 
-const AXES = [WORDS.east, WORDS.north, WORDS.up];
+const AXES = ['East', 'North', 'Up'];
 export const BIG = [
   ...gauges('big'),
-  [WORDS.heading, '°', (m) => String(Math.round(attitude(m.orientation).heading_deg) % 360).padStart(3, '0')],
+  ['Heading', '°', (m) => String(Math.round(attitude(m.orientation).heading_deg) % 360).padStart(3, '0')],
 ];
 export const MOTION = [
   ...gauges('motion'),
-  [WORDS.roll, '', (m) => sided(attitude(m.orientation).roll_deg, WORDS.sStarboard, WORDS.sPort)],
-  [WORDS.pitch, '°', (m) => fixed(attitude(m.orientation).nose_up_deg, 1)],
+  ['Roll', '', (m) => sided(attitude(m.orientation).roll_deg, 'S', 'P')],
+  ['Pitch', '°', (m) => fixed(attitude(m.orientation).nose_up_deg, 1)],
 ];
 export const POSITION = AXES.map((axis, k) => [axis, 'm', (m) => fixed(m.position[k], 1), null, 'position']);
-export const AROUND = [...gauges('around', 'water'), [WORDS.collisions, '', (m) => String(m.collisions)]];
+export const AROUND = [...gauges('around', 'water'), ['Collisions', '', (m) => String(m.collisions)]];

@@ -1,8 +1,5 @@
 // The vehicle's tether: length out, tensions, the scale of its colours, turns about obstacles, and the winch.
 import { attempt, el, fixed, write } from '../dom.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.tether;
 
 const KEPT = 0.1; // of the winch's strongest tension, that the field begins with
 
@@ -20,29 +17,25 @@ export class TetherPanel {
   constructor(station) {
     this.station = station;
     this.note = el('small', { role: 'status' });
-    this.values = ['out', 'rate', 'winchTension', 'vehicleTension'].map((name) => ({
-      name: WORDS[name],
-      element: el('span', {}, '–'),
-      unit: name === 'out' ? 'm' : name === 'rate' ? 'm/s' : 'N',
-    }));
-    this.kept = el('input', { type: 'number', min: '0', step: 'any', 'aria-label': WORDS.tension });
+    this.values = [
+      ['Out', 'm'],
+      ['Rate out', 'm/s'],
+      ['Tension at the winch', 'N'],
+      ['Tension at the vehicle', 'N'],
+    ].map(([name, unit]) => ({ name, unit, element: el('span', {}, '–') }));
+    this.kept = el('input', { type: 'number', min: '0', step: 'any', 'aria-label': 'Tension to keep, N' });
     this.buttons = [
-      button('out', WORDS.payOut, () => this.#wind({ rate_m_s: this.#tether?.fastest_m_s })),
-      button('hold', WORDS.hold, () => this.#wind({})),
-      button('in', WORDS.recover, () => this.#wind({ rate_m_s: -(this.#tether?.fastest_m_s ?? 0) })),
-      button('keep', WORDS.keep, () => this.#wind({ tension_n: Number(this.kept.value) })),
+      button('out', 'Pay out', () => this.#wind({ rate_m_s: this.#tether?.fastest_m_s })),
+      button('hold', 'Hold', () => this.#wind({})),
+      button('in', 'Recover', () => this.#wind({ rate_m_s: -(this.#tether?.fastest_m_s ?? 0) })),
+      button('keep', 'Keep tension', () => this.#wind({ tension_n: Number(this.kept.value) })),
     ];
-    this.winch = el(
-      'div',
-      { className: 'winch', role: 'group', 'aria-label': WORDS.winch },
-      ...this.buttons,
-      this.kept,
-    );
+    this.winch = el('div', { className: 'winch', role: 'group', 'aria-label': 'Winch' }, ...this.buttons, this.kept);
     this.most = el('span');
     this.element = el(
       'section',
       { id: 'tether', className: 'tether', hidden: true },
-      el('h2', {}, WORDS.title, this.note),
+      el('h2', {}, 'Tether', this.note),
       el(
         'dl',
         { className: 'values' },
@@ -50,7 +43,16 @@ export class TetherPanel {
           el('div', {}, el('dt', {}, name), el('dd', {}, element, el('span', { className: 'unit' }, unit))),
         ),
       ),
-      el('div', { className: 'scale', tip: WORDS.scaleTip }, WORDS.slack, el('i'), this.most),
+      el(
+        'div',
+        {
+          className: 'scale',
+          title: 'Colours of the tether in the 3D view and on the chart, by tension (logarithmic)',
+        },
+        '1 N',
+        el('i'),
+        this.most,
+      ),
       this.winch,
     );
     station.addEventListener('state', () => this.#enable());
@@ -65,7 +67,7 @@ export class TetherPanel {
     this.winch.hidden = tether.fastest_m_s === null;
     this.kept.max = String(tether.strongest_n ?? '');
     this.kept.value = String(KEPT * (tether.strongest_n ?? 0));
-    write(this.most, WORDS.breaks(Math.round(tether.breaking_load_n)));
+    write(this.most, `${Math.round(tether.breaking_load_n)} N breaks it`);
     for (const { element } of this.values) write(element, '–');
     write(this.note, '');
     const listen = (topic, show) =>
@@ -90,7 +92,7 @@ export class TetherPanel {
   #warn(turns) {
     this.#turns = turns;
     const isTangled = turns.some((turn) => turn !== 0);
-    write(this.note, this.#state[4] ? WORDS.broken : isTangled ? WORDS.tangled : '');
+    write(this.note, this.#state[4] ? 'broken' : isTangled ? 'goes round an obstacle' : '');
     this.element.dataset.level = this.#state[4] || isTangled ? 'warn' : '';
   }
 

@@ -1,16 +1,12 @@
 // The start screen's list of recorded flights, each with a button to replay it or the reason why this is impossible.
 import { byId, clockText, el, toast, write } from '../dom.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.flights;
 
 // "23 Nov 2026, 04:12", in the user's time zone; '' if unknown.
-export function begunText(begun) {
+function begunText(begun) {
   const at = new Date(begun);
-  const { lang } = document.documentElement;
   /** @type {Intl.DateTimeFormatOptions} */
   const style = { dateStyle: 'medium', timeStyle: 'medium' };
-  return Number.isNaN(at.getTime()) ? '' : at.toLocaleString(lang === 'en' ? 'en-GB' : lang, style);
+  return Number.isNaN(at.getTime()) ? '' : at.toLocaleString('en-GB', style);
 }
 
 export class Flights {
@@ -22,12 +18,12 @@ export class Flights {
   constructor(station) {
     this.station = station;
     this.status = el('p', { className: 'flights-status', role: 'status' });
-    this.none = el('p', {}, WORDS.none);
+    this.none = el('p', {}, 'No flights yet: each flight is recorded.');
     this.list = el('ul', { className: 'flights-list' });
     this.element = byId('flights');
     this.element.append(
-      el('h2', { id: 'flights-title' }, WORDS.title),
-      el('p', {}, WORDS.hint),
+      el('h2', { id: 'flights-title' }, 'Flights'),
+      el('p', {}, 'Every flight is recorded automatically. The oldest are deleted when there are too many.'),
       this.status,
       this.none,
       this.list,
@@ -53,13 +49,13 @@ export class Flights {
     const { name, scenario, begun, duration_s, cut_off, size_bytes, branched_from, from_log, exercise, refused } =
       flight;
     const title = el('b', {}, begunText(begun) || name);
-    const duration = cut_off ? WORDS.cutOff(clockText(duration_s)) : clockText(duration_s);
-    const about = scenario ? WORDS.about(scenario, duration, (size_bytes / 1e6).toFixed(1)) : '';
+    const duration = cut_off ? `cut off at ${clockText(duration_s)}` : clockText(duration_s);
+    const about = scenario ? `${scenario}, ${duration}, ${(size_bytes / 1e6).toFixed(1)} MB` : '';
     const wrong = el('small', { className: 'wrong', role: 'status' }, refused);
     const replay = el(
       'button',
-      { type: 'button', 'aria-label': WORDS.replayOf(begunText(begun) || name) },
-      WORDS.replay,
+      { type: 'button', 'aria-label': `Replay the flight of ${begunText(begun) || name}` },
+      'Replay',
     );
     replay.disabled = refused !== '';
     replay.addEventListener('click', () => this.#open(name, wrong, replay));
@@ -71,9 +67,9 @@ export class Flights {
         {},
         title,
         el('span', {}, about),
-        branched_from ? el('small', {}, WORDS.branch(branched_from)) : null,
-        exercise ? el('small', {}, WORDS.exercise(exercise)) : null,
-        from_log ? el('small', {}, WORDS.fromLog(from_log)) : null,
+        branched_from ? el('small', {}, `flown on from ${branched_from}`) : null,
+        exercise ? el('small', {}, `exercise: ${exercise}`) : null,
+        from_log ? el('small', {}, `from the log ${from_log}`) : null,
         wrong,
       ),
       replay,
@@ -84,7 +80,7 @@ export class Flights {
   async #open(name, wrong, button) {
     if (this.#isOpening) return;
     this.#isOpening = true;
-    this.#showMessage(WORDS.reading);
+    this.#showMessage('Reading the flight …');
     try {
       const answer = await this.station.start({ flight: name, speed: 1 });
       const why = answer.success ? '' : (answer.errors?.flight ?? answer.message);

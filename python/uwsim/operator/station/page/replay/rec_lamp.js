@@ -1,8 +1,5 @@
 // The lamp that shows whether the flight is being recorded: red if it is not.
-import { byId, tip, write } from '../dom.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.flights;
+import { byId, write } from '../dom.js';
 
 export function showRecording(station) {
   for (const event of ['state', 'description']) station.addEventListener(event, () => show(station));
@@ -13,6 +10,8 @@ function show({ state, description }) {
   const isOff = !state.flight;
   lamp.hidden = !description?.is_recorded;
   lamp.classList.toggle('is-off', isOff);
-  write(lamp, isOff ? WORDS.notRecorded : WORDS.recorded);
-  tip(lamp, isOff ? state.flight_trouble || WORDS.nothingRecorded : WORDS.recordedAs(state.flight));
+  write(lamp, isOff ? 'NO REC' : 'REC');
+  lamp.title = isOff
+    ? state.flight_trouble || 'This flight is not recorded'
+    : `This flight is recorded as ${state.flight}`;
 }

@@ -1,13 +1,22 @@
-// The time line of a replay, in place of the controls that drive: time, events, another flight beside it, the helm.
-import { attempt, byId, clockText, el, fixed, tip, toast, write } from '../dom.js';
-import { happened } from '../said.js';
-import { STRINGS } from '../strings.js';
-import { begunText } from './flights.js';
-import { Ghost } from './ghost.js';
-import { drawPlot } from './plot.js';
+// The time line of a replay, in place of the controls that drive: time, events, the helm.
+import { attempt, byId, capital, clockText, el, pen, write } from '../dom.js';
 
-const WORDS = STRINGS.replay;
+/** Words before the values of an event, whose other names are said, or are left out.
+ * @type {Record<string, string>}
+ */
+const BEFORE = {
+  cause: 'cause:',
+  elevation: 'tilt',
+  positions: 'to',
+  speeds: 'at',
+  value: '=',
+  why: 'because',
+  z: 'height',
+};
+const UNSAID = new Set(['fault', 'holds', 'kind', 'lamp', 'mode', 'name', 'object', 'sonar', 'text', 'then', 'what']); // their values say enough
 const INSET_PX = 8; // half of the slider's thumb
+const HEIGHT_PX = 14; // of the events above it
+const COLOURS = { command: '--text-soft', alarm: '--alarm', collision: '--warn' };
 const option = (value, text) => el('option', { value }, text);
 
 export class Timeline {
@@ -18,31 +27,34 @@ export class Timeline {
   #isSeeking = false;
   #isHeld = false; // whether the user is holding the slider
 
-  constructor(station, telemetry, { scene, chart, panel }) {
+  constructor(station, telemetry, panel) {
     this.station = station;
     this.panel = panel;
-    this.ghost = new Ghost(station, scene, chart);
     this.play = el('button', { type: 'button', className: 'strong', onclick: () => this.#playOrPause() });
-    this.time = el('output', { className: 'reading', 'aria-label': WORDS.time });
-    this.slider = el('input', { type: 'range', 'aria-label': WORDS.slider, step: '0.05' });
+    this.time = el('output', { className: 'reading', 'aria-label': 'Time, and the end of the flight' });
+    this.slider = el('input', { type: 'range', 'aria-label': 'Time of the flight', step: '0.05' });
     this.slider.addEventListener('input', () => this.seek(Number(this.slider.value)));
     this.slider.addEventListener('pointerdown', () => (this.#isHeld = true));
     this.slider.addEventListener('pointerup', () => (this.#isHeld = false));
-    this.events = el('select', { 'aria-label': WORDS.events, onchange: () => this.#goToEvent() });
-    this.helm = el('button', { type: 'button', className: 'primary', onclick: () => this.#takeHelm() }, WORDS.helm);
-    this.overlay = el('select', { 'aria-label': WORDS.overlay, onchange: () => this.#choose() });
-    this.plot = el('canvas', { className: 'timeline-plot', role: 'img', 'aria-label': WORDS.plot });
+    this.events = el('select', { 'aria-label': 'Go to an event', onchange: () => this.#goToEvent() });
+    this.helm = el(
+      'button',
+      { type: 'button', className: 'primary', onclick: () => this.#takeHelm() },
+      'Take the helm',
+    );
+    this.plot = el('canvas', {
+      className: 'timeline-plot',
+      role: 'img',
+      'aria-label': 'Events over time',
+    });
     this.plot.addEventListener('click', ({ offsetX }) => this.seek(this.#timeAt(offsetX)));
-    this.apart = el('output', { className: 'timeline-apart', 'aria-label': WORDS.apartLabel });
     this.element = byId('timeline');
-    this.element.setAttribute('aria-label', WORDS.title);
+    this.element.setAttribute('aria-label', 'Time line');
     this.element.append(
       el('div', { className: 'group' }, this.play, this.time),
       this.slider,
       el('div', { className: 'group' }, this.events, this.helm),
-      this.overlay,
       this.plot,
-      this.apart,
     );
     station.addEventListener('state', () => this.#follow(station.state.time));
     telemetry.addEventListener('change', () => this.#follow(telemetry.stamp_s));
@@ -56,21 +68,19 @@ export class Timeline {
   /** Show the time line of a session, if it is a replay.
    * @param {import('../wire/messages.js').Description} description
    */
-  begin({ replay = null, branched_from: branchedFrom = '', scenario }) {
+  begin({ replay = null, branched_from: branchedFrom = '' }) {
     this.#replay = replay;
     this.element.hidden = !replay;
     byId('station').classList.toggle('is-replay', replay !== null);
     this.panel.efforts.element.closest('section').hidden = replay !== null;
-    tip(byId('scenario-name'), branchedFrom ? WORDS.branched(branchedFrom) : '');
-    this.ghost.show('');
+    byId('scenario-name').title = branchedFrom ? `Flown on from ${branchedFrom}` : '';
     if (!replay) return;
     this.slider.min = String(Math.floor(replay.start_s)); // whole steps from 0
     this.slider.max = String(Math.ceil(replay.end_s));
     this.events.replaceChildren(
-      option('', WORDS.eventCount(replay.events.length)),
+      option('', `${replay.events.length === 1 ? '1 event' : `${replay.events.length} events`}`),
       ...replay.events.map((event) => option(event.time_s, `${clockText(event.time_s, 1)} ${happened(event)}`)),
     );
-    this.#offer(replay.flight, scenario);
     this.#follow(this.station.state.time);
   }
 
@@ -100,28 +110,31 @@ export class Timeline {
     const { station } = this;
     if (!this.#replay) return;
     const { end_s } = this.#replay;
-    const text = WORDS.at(clockText(time_s, 1), clockText(end_s, 1));
+    const text = `${clockText(time_s, 1)} / ${clockText(end_s, 1)}`;
     write(this.time, text);
-    write(this.play, station.state.paused ? WORDS.play : WORDS.pause);
+    write(this.play, station.state.paused ? 'Play' : 'Pause');
     if (!this.#isHeld) this.slider.value = String(time_s);
     this.slider.setAttribute('aria-valuetext', text);
     for (const each of [this.play, this.slider, this.events, this.helm]) each.disabled = !station.isPilot;
-    this.ghost.moveTo(time_s);
-    const apart = this.ghost.apart(time_s);
-    const most = this.ghost.found?.apart_m.reduce((a, b) => Math.max(a, b), 0) ?? 0;
-    write(
-      this.apart,
-      !this.ghost.found ? '' : Number.isFinite(apart) ? WORDS.apart(fixed(apart, 2), fixed(most, 2)) : WORDS.over,
-    );
     this.#draw();
   }
 
   #draw() {
-    if (!this.#replay) return;
-    const { events } = this.#replay;
+    const width = this.plot.clientWidth;
+    if (!this.#replay || !width) return;
     const [from_s, to_s] = [Number(this.slider.min), Number(this.slider.max)];
-    const now_s = this.#isSeeking ? Number(this.slider.value) : this.now_s;
-    drawPlot(this.plot, { from_s, to_s, now_s, inset: INSET_PX, events, ghost: this.ghost.found });
+    const ratio = Math.min(devicePixelRatio || 1, 2);
+    [this.plot.width, this.plot.height] = [Math.round(width * ratio), HEIGHT_PX * ratio];
+    const style = getComputedStyle(this.plot);
+    const c = pen(this.plot);
+    c.scale(ratio, ratio);
+    const mark = (time_s, colour) => {
+      const x = INSET_PX + ((time_s - from_s) / Math.max(to_s - from_s, 1e-9)) * (width - 2 * INSET_PX);
+      c.fillStyle = style.getPropertyValue(colour);
+      c.fillRect(x - 1, 0, 2, HEIGHT_PX);
+    };
+    for (const { time_s, kind } of this.#replay.events) mark(time_s, COLOURS[kind]);
+    mark(this.#isSeeking ? Number(this.slider.value) : this.now_s, '--accent');
   }
 
   #timeAt(px) {
@@ -139,33 +152,16 @@ export class Timeline {
   }
 
   #takeHelm() {
-    attempt(this.station.control('helm'), WORDS.taken);
+    attempt(this.station.control('helm'), 'You have the helm');
   }
+}
 
-  // Offer the other flights in the same scenario.
-  async #offer(own, scenario) {
-    this.overlay.replaceChildren(option('', WORDS.alone));
-    try {
-      const { flights = [] } = await this.station.catalog();
-      const others = flights.filter((each) => each.name !== own && each.scenario === scenario && !each.refused);
-      this.overlay.append(
-        ...others.map(({ name, begun, duration_s }) =>
-          option(name, WORDS.with(begunText(begun) || name, clockText(duration_s))),
-        ),
-      );
-    } catch (error) {
-      toast(error.message, 'error');
-    }
-  }
-
-  async #choose() {
-    write(this.apart, this.overlay.value ? WORDS.reading : '');
-    try {
-      await this.ghost.show(this.overlay.value);
-    } catch (error) {
-      this.overlay.value = '';
-      toast(error.message, 'error');
-    }
-    this.#show(this.now_s);
-  }
+/** An event of a recorded flight, such as "Fault rov – thruster, thruster v1".
+ * @type {(event: import('../wire/messages.js').FlightEvent) => string}
+ */
+function happened({ name, vehicle, details }) {
+  const values = details.map(({ name: of, text }) => (UNSAID.has(of) ? text : `${BEFORE[of] ?? of} ${text}`));
+  return [capital(name.replaceAll('_', ' ')), vehicle, values.length ? `– ${values.join(', ')}` : '']
+    .filter(Boolean)
+    .join(' ');
 }

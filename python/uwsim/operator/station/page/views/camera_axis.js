@@ -1,8 +1,5 @@
 // The direction of a camera's axis, from the vehicle's attitude, the camera's mount and the angles of its motor.
 import { attitude } from '../attitude.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.axis;
 
 const RAD = Math.PI / 180;
 const LEVEL = [0, 0, 0, 1];
@@ -51,9 +48,9 @@ export function pixelsBelow(elevation_deg, up_deg, focal) {
 
 // The camera's direction from the bow, such as "12° starboard, 30° down".
 export function axisText({ starboard_deg: side, down_deg: down }) {
-  if (Math.abs(down) > 80) return `${Math.round(Math.abs(down))}° ${down > 0 ? WORDS.down : WORDS.up}`;
+  if (Math.abs(down) > 80) return `${Math.round(Math.abs(down))}° ${down > 0 ? 'down' : 'up'}`;
   const parts = [];
-  if (Math.abs(side) >= 0.5) parts.push(`${Math.round(Math.abs(side))}° ${side > 0 ? WORDS.starboard : WORDS.port}`);
-  if (Math.abs(down) >= 0.5) parts.push(`${Math.round(Math.abs(down))}° ${down > 0 ? WORDS.down : WORDS.up}`);
-  return parts.join(', ') || WORDS.ahead;
+  if (Math.abs(side) >= 0.5) parts.push(`${Math.round(Math.abs(side))}° ${side > 0 ? 'starboard' : 'port'}`);
+  if (Math.abs(down) >= 0.5) parts.push(`${Math.round(Math.abs(down))}° ${down > 0 ? 'down' : 'up'}`);
+  return parts.join(', ') || 'ahead';
 }

@@ -1,7 +1,6 @@
 // The chart: bed colours by depth, obstacles by name, tracks, measuring, and waypoints that the server saves and flies.
 import { all, attempt, el, fixed, pen, toast, write } from '../dom.js';
 import { isHandheld } from '../handheld.js';
-import { STRINGS } from '../strings.js';
 import { inUnit, unitName } from '../units.js';
 import { PLAN_SPEEDS_M_S, plan as request } from '../wire/messages.js';
 import { attitude } from '../attitude.js';
@@ -9,7 +8,6 @@ import { ChartFrame, heightAt, measured, pathLength } from './chart_frame.js';
 import { ChartGround } from './chart_ground.js';
 import { ARROW_PX, drawNote, drawScale, drawVehicle, drawWaypoints } from './chart_marks.js';
 
-const WORDS = STRINGS.chart;
 const TRACK_MAX = 5000;
 const TRACK_M = 0.1; // between points of a track
 const REPORT_MS = 500;
@@ -19,13 +17,13 @@ const VEHICLE = '#ffd166';
 
 const button = (text, act) => el('button', { type: 'button', onclick: act }, text);
 const number = (title, value, min, max, step) =>
-  el('input', { type: 'number', 'aria-label': title, tip: title, value, min, max, step });
+  el('input', { type: 'number', 'aria-label': title, title, value, min, max, step });
 const field = (name, input, unit) => el('label', {}, name, input, unit);
 
 export class ChartView {
   name = 'chart';
   kind = 'chart';
-  title = WORDS.title;
+  title = 'Chart';
   frame = new ChartFrame();
   vehicle = '';
   points = []; // waypoints [x, y, z], in odom
@@ -47,33 +45,38 @@ export class ChartView {
 
   constructor(station) {
     this.station = station;
-    this.canvas = el('canvas', { role: 'img', 'aria-label': WORDS.picture });
-    this.note = el('p', { className: 'scene-note', role: 'status' }, WORDS.noPlan);
+    this.canvas = el('canvas', { role: 'img', 'aria-label': 'Chart with tracks, waypoints and obstacles' });
+    this.note = el('p', { className: 'scene-note', role: 'status' }, 'Choose Waypoint, then click on the chart');
     const tool = (name, text) => {
       const found = button(text, () => this.#choose(name));
       found.dataset.tool = name;
       found.setAttribute('aria-pressed', 'false');
       return found;
     };
-    this.depth = number(WORDS.depth, 2, 0, 1000, 0.5);
-    this.speed = number(WORDS.speed, 0.5, ...PLAN_SPEEDS_M_S, 0.05);
-    this.planName = el('input', { type: 'text', 'aria-label': WORDS.name, tip: WORDS.name, value: 'plan' });
-    this.lanes = button(WORDS.lanes, () => this.layLanes());
-    this.fly = button(WORDS.fly, () => this.#ask('fly'));
-    this.stop = button(WORDS.stop, () => this.#ask('stop'));
+    this.depth = number('Depth of waypoints [m]', 2, 0, 1000, 0.5);
+    this.speed = number('Speed [m/s]', 0.5, ...PLAN_SPEEDS_M_S, 0.05);
+    this.planName = el('input', {
+      type: 'text',
+      'aria-label': 'Name of the plan',
+      title: 'Name of the plan',
+      value: 'plan',
+    });
+    this.lanes = button('Survey lanes', () => this.layLanes());
+    this.fly = button('Fly', () => this.#ask('fly'));
+    this.stop = button('Stop', () => this.#ask('stop'));
     this.tools = el(
       'div',
-      { className: 'scene-tools chart-tools', role: 'group', 'aria-label': WORDS.tools },
-      tool('add', WORDS.add),
+      { className: 'scene-tools chart-tools', role: 'group', 'aria-label': 'Chart tools' },
+      tool('add', 'Waypoint'),
       this.lanes,
-      tool('measure', WORDS.measure),
-      button(WORDS.undo, () => this.#change(() => this.points.pop())),
-      button(WORDS.clear, () => this.#change(() => ([this.points, this.#ruler] = [[], []]))),
-      button(WORDS.fit, () => this.#fit()),
-      field(WORDS.depthField, this.depth, 'm'),
-      field(WORDS.speedField, this.speed, 'm/s'),
-      field(WORDS.nameField, this.planName, null),
-      button(WORDS.save, () => this.#ask('save')),
+      tool('measure', 'Measure'),
+      button('Undo', () => this.#change(() => this.points.pop())),
+      button('Clear', () => this.#change(() => ([this.points, this.#ruler] = [[], []]))),
+      button('Fit', () => this.#fit()),
+      field('Depth', this.depth, 'm'),
+      field('Speed', this.speed, 'm/s'),
+      field('Name', this.planName, null),
+      button('Save', () => this.#ask('save')),
       this.fly,
       this.stop,
     );
@@ -196,7 +199,7 @@ export class ChartView {
     };
     const answer = await attempt(request(station.bridge, action === 'stop' ? { action } : args));
     if (!answer) return;
-    if (action === 'save') toast(answer.message || WORDS.saved);
+    if (action === 'save') toast(answer.message || 'Plan saved');
     else this.#follow(answer);
   }
 
@@ -206,7 +209,9 @@ export class ChartView {
     this.state = state;
     write(
       this.note,
-      state.is_flying ? WORDS.flying(state.reached, this.points.length) : WORDS.ended(state.ended_because),
+      state.is_flying
+        ? `Flying the plan: ${state.reached} of ${this.points.length} waypoints`
+        : `Plan ended: ${state.ended_because}`,
     );
     if (!state.is_flying) return;
     this.#timer = setTimeout(async () => {
@@ -224,12 +229,21 @@ export class ChartView {
     if (this.state?.is_flying) return;
     if (this.#ruler.length === 2) {
       const { length_m, bearing_deg } = measured(this.#ruler[0], this.#ruler[1]);
-      write(this.note, WORDS.measured(fixed(length_m, 1), fixed(bearing_deg, 0).padStart(3, '0')));
+      write(this.note, `${fixed(length_m, 1)} m, ${fixed(bearing_deg, 0).padStart(3, '0')}°`);
     } else if (place && this.#ground.grid) {
       const deep_m = this.#ground.surface_m - heightAt(this.#ground.heights, this.#ground.grid, place);
-      const depth = deep_m > 0 ? WORDS.deep(`${fixed(inUnit(deep_m), 1)} ${unitName()}`) : WORDS.land;
-      write(this.note, WORDS.cursor(fixed(place[0], 1), fixed(place[1], 1), Number.isFinite(deep_m) ? depth : '–'));
-    } else write(this.note, this.points.length > 1 ? WORDS.left(fixed(pathLength(this.points), 0)) : WORDS.noPlan);
+      const depth = deep_m > 0 ? `${fixed(inUnit(deep_m), 1)} ${unitName()} deep` : 'land';
+      write(
+        this.note,
+        `east ${fixed(place[0], 1)}, north ${fixed(place[1], 1)} m, ${Number.isFinite(deep_m) ? depth : '–'}`,
+      );
+    } else
+      write(
+        this.note,
+        this.points.length > 1
+          ? `${fixed(pathLength(this.points), 0)} m planned`
+          : 'Choose Waypoint, then click on the chart',
+      );
   }
 
   #fit() {
@@ -268,7 +282,7 @@ export class ChartView {
     const { position = [NaN], orientation = [] } = this.#message ?? {};
     if (Number.isFinite(position[0]))
       drawVehicle(c, frame, [...position], attitude(orientation).heading_deg, VEHICLE, colours);
-    if (this.#isLarge) drawScale(c, frame, colours, WORDS.north, this.#margins());
+    if (this.#isLarge) drawScale(c, frame, colours, 'N', this.#margins());
   }
 
   // The edges that other things lie over. On a hand-held screen, the chart begins below its tools.

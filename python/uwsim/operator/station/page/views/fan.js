@@ -1,11 +1,8 @@
 // The newest ping of the multibeam in the plane of its fan: the sonar is below, up is ahead, right is starboard.
 import { el, pen } from '../dom.js';
-import { STRINGS } from '../strings.js';
 import { inUnit, unit, unitName } from '../units.js';
 import { Fan, ringStep } from './sonar_geometry.js';
 import { SonarTools } from './sonar_tools.js';
-
-const WORDS = STRINGS.fan;
 
 const INK = '#c9d8e2';
 const SOFT = 'rgb(150 178 194 / .55)';
@@ -19,7 +16,7 @@ const REACHES = [3, 5, 10, 20, 30, 50, 100];
 export class FanView {
   name = 'fan';
   kind = 'fan';
-  title = WORDS.sonar;
+  title = 'Sonar';
   /** @type {{ angle_min: number, angle_max: number, angle_increment: number, ranges: ArrayLike<number>, range_max: number } | null} */
   #scan = null;
   #old = [];
@@ -28,7 +25,7 @@ export class FanView {
   shown = null; // the geometry last drawn
 
   constructor() {
-    this.canvas = el('canvas', { role: 'img', 'aria-label': WORDS.rangesOfTheNewest });
+    this.canvas = el('canvas', { role: 'img', 'aria-label': 'Ranges of the newest sonar ping' });
     this.tools = new SonarTools(this.canvas, { ranges: [0, ...REACHES], hasLevels: false });
     this.element = [this.canvas, this.tools.element, this.tools.frozen];
     this.tools.addEventListener('change', () => this.#draw());
@@ -128,7 +125,7 @@ export class FanView {
     c.textAlign = 'center';
     for (const share of thirds) {
       const degrees = Math.round((Math.abs(share) * shown.half_rad * 180) / Math.PI);
-      const side = Math.abs(share) < 1 ? '' : ` ${share < 0 ? STRINGS.sonar.port : STRINGS.sonar.starboard}`;
+      const side = Math.abs(share) < 1 ? '' : ` ${share < 0 ? 'port' : 'starboard'}`;
       const [x, y] = shown.at(shown.shown_m, share * shown.half_rad);
       c.fillText(`${degrees}°${side}`, x + (side ? Math.sign(share) * 18 : 0), y - (side ? 18 : 14));
     }

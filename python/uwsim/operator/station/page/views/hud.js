@@ -4,11 +4,9 @@ import { attitude } from '../attitude.js';
 import { shownHolds } from '../drive/holds.js';
 import { inUnit, unitName } from '../units.js';
 import { axisText, pixelsBelow } from './camera_axis.js';
-import { said, titled } from '../said.js';
-import { STRINGS } from '../strings.js';
 import { GAUGES } from '../wire/messages.js';
 
-const WORDS = STRINGS.hud;
+const CARDINALS = { 0: 'N', 45: 'NE', 90: 'E', 135: 'SE', 180: 'S', 225: 'SW', 270: 'W', 315: 'NW' };
 
 const TAPES = GAUGES.filter(({ list }) => list === 'big'); // depth to the left, altitude to the right
 const INK = '#f2f8fb';
@@ -74,7 +72,7 @@ export class Hud {
     c.textBaseline = 'middle';
     const angles = attitude(message.orientation);
     if (axis && Math.abs(axis.up_deg) < STEEPEST) this.#ladder(width / 2, height / 2, scale, axis, focal * wide);
-    const camera = axis ? WORDS.cam(axisText(axis)) : WORDS.camUnknown;
+    const camera = axis ? `CAM ${axisText(axis)}` : 'CAM angle unknown';
     this.#plate('camera', camera, width / 2, foot - 30 * scale, 11 * scale, this.ink);
     const aboveLadder = (top + 10 + HEADING * scale + height / 2 - (RADIUS + 8) * scale) / 2;
     if (contact && !isStale) this.#contact(width / 2, aboveLadder, scale, contact);
@@ -93,14 +91,14 @@ export class Hud {
       foot - 64 * scale,
       scale,
       [...holds, ...arm],
-      isStale ? '' : said(message.hold_note ?? ''),
+      isStale ? '' : (message.hold_note ?? ''),
       free,
     );
     const clear = 2 * (foot - LINES * scale - height / 2); // of the lines
     const tall = Math.min(300, height * 0.56, height - 2 * covered.corners * rem_px, clear);
     TAPES.forEach(({ name, word = name }, k) => {
       this.#tape(k ? width - side : side, height / 2, tall, scale, {
-        name: WORDS[word],
+        name: k ? 'ALT' : 'DEPTH',
         value: inUnit(message[name]),
         target: inTarget(word),
         side: k ? 'right' : 'left',
@@ -149,7 +147,7 @@ export class Hud {
       c.moveTo(x, top + height);
       c.lineTo(x, top + height - (isNamed ? 8 : 4) * scale);
       c.stroke();
-      const text = WORDS.cardinals[whole] ?? String(whole).padStart(3, '0');
+      const text = CARDINALS[whole] ?? String(whole).padStart(3, '0');
       const isWhole = Math.abs(x - middle) + c.measureText(text).width / 2 < width / 2;
       if (isNamed && isWhole) c.fillText(text, x, top + 13 * scale);
     }
@@ -295,8 +293,8 @@ export class Hud {
   }
 
   #contact(middle, y, scale, { name, time_s }) {
-    const where = titled({ name, title: name }).toUpperCase();
-    this.#plate('contact', WORDS.contact(where, time_s.toFixed(1)), middle, y, 17 * scale, WARN);
+    const where = name.replaceAll('_', ' ').toUpperCase();
+    this.#plate('contact', `${where} IN ${time_s.toFixed(1)} s`, middle, y, 17 * scale, WARN);
   }
 
   // Lines at true elevations in the picture, so that the line at 0 coincides with the horizon.

@@ -8,11 +8,7 @@ import { Previews } from './previews.js';
 import { Picture } from './picture.js';
 import { SonarScreen } from './sonar_screen.js';
 import { folded, isFilled, strip, unfolded } from './strip.js';
-import { titled } from '../said.js';
-import { STRINGS } from '../strings.js';
 import { SONAR_KINDS } from '../wire/messages.js';
-
-const WORDS = STRINGS.views;
 
 const LATE_MS = 2500; // of the large view; small ones take turns
 const SMALL_LATE_MS = 20000;
@@ -33,9 +29,9 @@ const SELDOM_S = 0.5; // longer intervals between pictures are displayed
 // A view of a vehicle's camera whose pictures come over a link has `link`: { modem, period_s, large_only }. period_s is
 // null if there is no capacity for pictures. large_only: only pictures of the large view are carried.
 function linkText({ modem, period_s: period }) {
-  if (period === null) return WORDS.noRoom(modem);
-  if (period < SELDOM_S) return WORDS.over(modem);
-  return WORDS.seldom(modem, period < 10 ? +period.toFixed(1) : Math.round(period));
+  if (period === null) return `${modem} has no capacity for pictures`;
+  if (period < SELDOM_S) return `over ${modem}`;
+  return `over ${modem}: 1 picture in ${period < 10 ? +period.toFixed(1) : Math.round(period)} s`;
 }
 
 const rank = ({ kind }) => (KINDS.includes(kind) ? KINDS.indexOf(kind) : KINDS.length);
@@ -110,7 +106,7 @@ export class Views extends EventTarget {
       const key = String(this.#keys.get(name) ?? '');
       write(number, key);
       number.hidden = key === '';
-      swap.setAttribute('aria-label', WORDS.enlarge(title, key));
+      swap.setAttribute('aria-label', `Make ${title} the large view (key ${key})`);
     }
     this.container.replaceChildren(...[...this.#views.values()].map(({ element }) => element));
     const shown = [...this.#views.values()].find(({ view }) => view.link?.period_s !== null);
@@ -190,7 +186,7 @@ export class Views extends EventTarget {
   #frame(title, ...contents) {
     const number = el('b');
     const swap = el('button', { type: 'button', className: 'swap' });
-    const lost = el('span', {}, WORDS.noPicture);
+    const lost = el('span', {}, 'No picture');
     const name = el('p', { className: 'name' }, number, title);
     const over = el('p', { className: 'over', hidden: true });
     const element = el(
@@ -209,8 +205,8 @@ export class Views extends EventTarget {
     const sonar = view.sonar ? new SonarScreen(view.sonar) : null;
     const canvas = sonar?.canvas ?? el('canvas', { className: 'picture', width: 16, height: 9 });
     canvas.setAttribute('role', 'img');
-    const title = titled(view);
-    canvas.setAttribute('aria-label', WORDS.picture(title));
+    const { title } = view;
+    canvas.setAttribute('aria-label', `Picture: ${title}`);
     const isCamera = CAMERAS.has(view.kind);
     const hasHud = view.kind === 'camera' && (view.optics ? view.optics.follows === 'body' : AHEAD.test(view.name));
     const hudCanvas = hasHud ? el('canvas', { className: 'hud', 'aria-hidden': 'true' }) : null;
@@ -252,8 +248,8 @@ export class Views extends EventTarget {
 
   // link: the entry `link` of a view whose pictures arrive over a link.
   #whyNone(name, link) {
-    if (link && link.period_s === null) return WORDS.noPicture;
-    return link?.large_only && name !== this.#large ? WORDS.ask : WORDS.waiting;
+    if (link && link.period_s === null) return 'No picture';
+    return link?.large_only && name !== this.#large ? 'Enlarge to request it' : 'Waiting for a picture';
   }
 
   // Test if pictures are narrower than requested, because the server would otherwise not keep their rate.
@@ -310,12 +306,12 @@ export class Views extends EventTarget {
       const isReduced = !isLinked && name === this.#large && this.#isReduced(view, picture);
       over.hidden = (!isLinked && !isReduced) || name !== this.#large;
       if (isLinked) write(over, linkText(view.link));
-      else if (isReduced) write(over, WORDS.reduced);
+      else if (isReduced) write(over, 'Picture reduced: the machine is busy');
       const periodMs = isLinked ? LATE_PERIODS * 1000 * (view.link.period_s ?? 0) : 0;
       const lateMs = Math.max(name === this.#large ? LATE_MS : SMALL_LATE_MS, periodMs);
       const isLate = isBlind || (!state.paused && performance.now() - picture.arrivedMs > lateMs);
       element.classList.toggle('is-stale', isLate || picture.drawn === 0);
-      write(lost, picture.drawn > 0 ? WORDS.oldPicture : this.#whyNone(name, isLinked && view.link));
+      write(lost, picture.drawn > 0 ? 'Old picture' : this.#whyNone(name, isLinked && view.link));
     }
     if (this.telemetry.isStale) this.#drawHud();
   }

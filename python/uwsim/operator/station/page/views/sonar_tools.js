@@ -1,10 +1,8 @@
 // The controls over a sonar's large picture: range, gain, palette, freeze, and the reading at the cursor.
-import { el, write } from '../dom.js';
-import { STRINGS } from '../strings.js';
+import { capital, el, write } from '../dom.js';
 import { inUnit, unitName } from '../units.js';
 import { PALETTES } from './sonar_geometry.js';
 
-const WORDS = STRINGS.sonar;
 const GAIN_STEP_DB = 3;
 const GAIN_MAX_DB = 24;
 
@@ -22,16 +20,20 @@ export class SonarTools extends EventTarget {
     super();
     this.surface = surface;
     this.setRanges(ranges);
-    this.reading = el('output', { className: 'sonar-reading', 'aria-label': WORDS.cursor }, WORDS.noCursor);
+    this.reading = el(
+      'output',
+      { className: 'sonar-reading', 'aria-label': 'Range and bearing at the cursor' },
+      'Point at the picture',
+    );
     this.frozen = el('p', { className: 'sonar-frozen', role: 'status', hidden: true });
-    const freeze = el('button', { type: 'button', 'aria-pressed': 'false' }, WORDS.freeze);
+    const freeze = el('button', { type: 'button', 'aria-pressed': 'false' }, 'Freeze');
     freeze.addEventListener('click', () => this.freeze(!this.isFrozen));
     this.#texts.freeze = freeze;
     this.element = el(
       'div',
-      { className: 'sonar-tools', role: 'group', 'aria-label': WORDS.controls },
-      ...this.#stepper(WORDS.range, 'range', (by) => this.#stepRange(by)),
-      ...(hasLevels ? this.#stepper(WORDS.gain, 'gain', (by) => this.#stepGain(by)) : []),
+      { className: 'sonar-tools', role: 'group', 'aria-label': 'Sonar picture' },
+      ...this.#stepper('Range', 'range', (by) => this.#stepRange(by)),
+      ...(hasLevels ? this.#stepper('Gain', 'gain', (by) => this.#stepGain(by)) : []),
       hasLevels ? this.#palettes() : null,
       freeze,
       this.reading,
@@ -63,25 +65,20 @@ export class SonarTools extends EventTarget {
 
   // found: { range_m, bearing_rad } at the cursor, or null.
   read(found) {
-    write(this.reading, found ? readingText(found) : WORDS.noCursor);
+    write(this.reading, found ? readingText(found) : 'Point at the picture');
   }
 
   #stepper(title, name, step) {
     const value = el('output', { className: 'sonar-value', 'aria-label': title });
     this.#texts[name] = value;
     const button = (text, label, by) =>
-      el('button', { type: 'button', 'aria-label': label(title.toLowerCase()), onclick: () => step(by) }, text);
-    return [
-      el('span', { 'aria-hidden': 'true' }, title),
-      button('−', WORDS.less, -1),
-      value,
-      button('+', WORDS.more, 1),
-    ];
+      el('button', { type: 'button', 'aria-label': `${label} ${title.toLowerCase()}`, onclick: () => step(by) }, text);
+    return [el('span', { 'aria-hidden': 'true' }, title), button('−', 'Less', -1), value, button('+', 'More', 1)];
   }
 
   #palettes() {
-    const options = Object.keys(PALETTES).map((name) => el('option', { value: name }, WORDS[name]));
-    const select = el('select', { 'aria-label': WORDS.palette }, ...options);
+    const options = Object.keys(PALETTES).map((name) => el('option', { value: name }, capital(name)));
+    const select = el('select', { 'aria-label': 'Palette' }, ...options);
     select.addEventListener('change', () => {
       this.palette = select.value;
       select.blur();
@@ -113,20 +110,20 @@ export class SonarTools extends EventTarget {
 
   #show() {
     const { range, gain, freeze } = this.#texts;
-    write(range, this.reach_m ? `${+inUnit(this.reach_m).toFixed(1)} ${unitName()}` : WORDS.auto);
+    write(range, this.reach_m ? `${+inUnit(this.reach_m).toFixed(1)} ${unitName()}` : 'auto');
     if (gain) write(gain, `${this.gain_db > 0 ? '+' : ''}${this.gain_db} dB`);
     freeze.setAttribute('aria-pressed', String(this.isFrozen));
     this.frozen.hidden = !this.isFrozen;
-    write(this.frozen, WORDS.frozen(Math.round((performance.now() - this.#frozenMs) / 1000)));
+    write(this.frozen, `Frozen for ${Math.round((performance.now() - this.#frozenMs) / 1000)} s`);
   }
 }
 
 export function readingText({ range_m, bearing_rad }) {
-  return WORDS.reading(inUnit(range_m).toFixed(1), unitName(), bearingText(bearing_rad));
+  return `${inUnit(range_m).toFixed(1)} ${unitName()}, ${bearingText(bearing_rad)}`;
 }
 
 // A bearing from the bow, such as '34° starboard'.
 export function bearingText(bearing_rad) {
   const degrees = Math.round((Math.abs(bearing_rad) * 180) / Math.PI);
-  return degrees === 0 ? WORDS.ahead : `${degrees}° ${bearing_rad < 0 ? WORDS.port : WORDS.starboard}`;
+  return degrees === 0 ? 'ahead' : `${degrees}° ${bearing_rad < 0 ? 'port' : 'starboard'}`;
 }

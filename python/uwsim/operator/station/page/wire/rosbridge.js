@@ -1,8 +1,5 @@
 // A rosbridge v2 client that sends JSON and receives JSON and CBOR. It reconnects and resubscribes automatically.
 import { Decoder } from '../vendor/cbor.js';
-import { STRINGS } from '../strings.js';
-
-const WORDS = STRINGS.wire;
 
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 5000;
@@ -97,12 +94,12 @@ export class Rosbridge extends EventTarget {
     const id = `call${(this.#count += 1)}`;
     return new Promise((resolve, reject) => {
       if (!this.#send({ op: 'call_service', id, service, args })) {
-        reject(new ServiceError(WORDS.theSimulatorIsNot));
+        reject(new ServiceError('the simulator is not connected'));
         return;
       }
       const timer = setTimeout(() => {
         this.#calls.delete(id);
-        reject(new ServiceError(WORDS.noAnswer(service, CALL_TIMEOUT_MS / 1000)));
+        reject(new ServiceError(`${service} did not answer within ${CALL_TIMEOUT_MS / 1000} s`));
       }, CALL_TIMEOUT_MS);
       this.#calls.set(id, { resolve, reject, timer });
     });
@@ -140,7 +137,7 @@ export class Rosbridge extends EventTarget {
   #lost() {
     for (const { reject, timer } of this.#calls.values()) {
       clearTimeout(timer);
-      reject(new ServiceError(WORDS.theConnectionWasLost));
+      reject(new ServiceError('the connection was lost'));
     }
     this.#calls.clear();
     this.dispatchEvent(new Event('close'));
