@@ -400,8 +400,7 @@ export class StartScreen {
     this.#isNew = false;
     if (this.isElsewhere) {
       const [host, port] = ['host', 'port'].map((name) => this.#fields.get(name).input.value.trim());
-      if (!this.#mark(this.#addressErrors()))
-        location.search = `?rosbridge=${encodeURIComponent(`ws://${host}:${port}`)}`;
+      if (!this.#mark(this.#addressErrors())) location.href = `http://${host}:${port}/`;
       return;
     }
     this.button.disabled = true;

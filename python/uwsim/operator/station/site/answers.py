@@ -8,7 +8,6 @@ from functools import cache, lru_cache
 from http import HTTPStatus
 from pathlib import Path
 from typing import NamedTuple
-from urllib.parse import parse_qs, urlsplit
 
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
@@ -23,10 +22,6 @@ TYPES = {
     ".tif": "image/tiff", ".csv": "text/csv", ".geojson": "application/geo+json",
     ".zip": "application/zip", ".webp": "image/webp",
 }  # fmt: skip
-OTHER_BRIDGE = re.compile(
-    r"(wss?://(?:[A-Za-z0-9.\-]{1,253}|\[[0-9A-Fa-f:]{2,39}\])(?::\d{1,5})?)/?(?:\?token=[A-Za-z0-9_.~-]{8,256})?"
-)
-BRIDGES_MAX = 40  # other servers to which a page may connect
 POLICY, FRAMES, NO_PAGES = "Content-Security-Policy", "frame-ancestors ", "'none'"
 
 
@@ -111,13 +106,9 @@ def answer(request: Request, status: HTTPStatus, file: File, extra: dict[str, st
 def _safe(request: Request) -> dict[str, str]:
     """Return headers that forbid the page to use scripts, pictures, sockets or frames of other servers."""
     host = request.headers["Host"]  # a known name or an address, as checked by the door
-    sockets = [f"ws://{host}", f"wss://{host}"]
-    for other in parse_qs(urlsplit(request.path).query).get("rosbridge", [])[:BRIDGES_MAX]:
-        if found := OTHER_BRIDGE.fullmatch(other):
-            sockets += [found[1], found[1].replace("ws", "http", 1)]
     policy = (
         "default-src 'none'; script-src 'self'; style-src 'self'; font-src 'self'; img-src 'self' blob: data:; "
-        f"media-src 'self' blob:; worker-src 'self'; connect-src 'self' blob: {' '.join(sockets)}; "
+        f"media-src 'self' blob:; worker-src 'self'; connect-src 'self' blob: ws://{host} wss://{host}; "
         f"base-uri 'none'; form-action 'none'; {FRAMES}{NO_PAGES}"
     )
     origin = request.headers.get("Origin")  # the origin of an admitted page, which may read what it loads

@@ -2,12 +2,9 @@
 import * as messages from './messages.js';
 import { accepted, Rosbridge } from './rosbridge.js';
 
-// The address of the rosbridge: this page's own server, or the one in the address bar (?rosbridge=ws://HOST:PORT).
+// The address of the rosbridge of this page's own server.
 export function bridgeUrl(location) {
-  const asked = new URLSearchParams(location.search);
-  const other = asked.get('rosbridge');
-  if (other) return other;
-  const token = asked.get('token');
+  const token = new URLSearchParams(location.search).get('token');
   const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
   return `${scheme}://${location.host}/${token ? `?token=${encodeURIComponent(token)}` : ''}`;
 }
