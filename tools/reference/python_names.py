@@ -78,10 +78,6 @@ PUBLIC = {
         "uwsim.batch.BatchPings",
         "uwsim.batch.BatchPhysicsPings",
         "uwsim.batch.BatchEstimate",
-        "uwsim.batch.BatchController",
-        "uwsim.batch.BatchPathFollower",
-        "uwsim.batch.BatchGuidance",
-        "uwsim.batch.BatchAutopilot",
         "uwsim.batch.MemberAboard",
     ],
     "Learning": [

@@ -48,7 +48,6 @@ void bind_control(py::module_& m) {
           "4); velocity has linear_body_m_s (3,) and angular_body_rad_s (3,). Raises ValueError for other shapes.");
   bind_motion_controller(m);
   bind_path_follower(m);
-  bind_batch_control(m);
 }
 
 }  // namespace uwsim::bindings

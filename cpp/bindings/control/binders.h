@@ -7,6 +7,5 @@ namespace uwsim::bindings {
 
 void bind_motion_controller(pybind11::module_& m);
 void bind_path_follower(pybind11::module_& m);
-void bind_batch_control(pybind11::module_& m);
 
 }  // namespace uwsim::bindings

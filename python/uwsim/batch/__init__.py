@@ -2,10 +2,8 @@
 
 from uwsim.batch.aboard import MemberAboard
 from uwsim.batch.batch import Batch
-from uwsim.batch.control import BatchAutopilot, BatchController, BatchPathFollower
 from uwsim.batch.results import (
     BatchEstimate,
-    BatchGuidance,
     BatchJoints,
     BatchMotion,
     BatchObject,
@@ -16,14 +14,10 @@ from uwsim.batch.results import (
 
 __all__ = [
     "Batch",
-    "BatchAutopilot",
-    "BatchController",
     "BatchEstimate",
-    "BatchGuidance",
     "BatchJoints",
     "BatchMotion",
     "BatchObject",
-    "BatchPathFollower",
     "BatchPhysicsPings",
     "BatchPings",
     "BatchSamples",

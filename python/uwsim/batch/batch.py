@@ -19,7 +19,6 @@ from uwsim.batch.instruments import InstrumentedBatch
 from uwsim.batch.members import Member, Members
 from uwsim.batch.programs import Programs
 from uwsim.scenario import AnyScenario, Scenario, build_world, load
-from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.spec.fault import FaultModel
 from uwsim.simulator.simulator import Simulator
 
@@ -105,10 +104,6 @@ class Batch(InstrumentedBatch):
     def world(self) -> _core.FixedWorld:
         """Terrain and obstacles, shared by all members. Its water is the scenario's, not any member's."""
         return self._fixed_world
-
-    def control(self, vehicle: str | None = None) -> ControlSettings:
-        """Return a vehicle's model and gains from its file, for a controller. They are the same in all members."""
-        return self._members.control[self._vehicle(vehicle)]
 
     def step(self, n: int = 1, efforts: ArrayLike | Mapping[str, ArrayLike] | None = None) -> None:
         """Set efforts, if given, and advance every member by n fixed steps. Efforts are held until replaced.

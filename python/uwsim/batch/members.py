@@ -81,13 +81,7 @@ class Members:
             water = scenario_water(scenario, self._world)
         except ValueError as error:
             raise ValueError(f"batch[{index}]: {error}") from None
-        link = (
-            None
-            if scenario.link is None
-            else link_spec(
-                scenario.link, scenario.station, self._world, [vehicle.name for vehicle in scenario.vehicles]
-            )
-        )
+        link = None if scenario.link is None else link_spec(scenario.link, scenario.station, self._world)
         spec = _core.MemberSpec(water, simulation_spec(scenario), vehicles, link, self._objects, self._tethers)
         return Member(original, scenario, water, changes, vehicles, spec)
 

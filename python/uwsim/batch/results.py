@@ -74,19 +74,6 @@ class BatchJoints(ShortRepr):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BatchGuidance(ShortRepr):
-    """Guidance of one vehicle in each member along its path. All arrays are (n,); see PathFollower.steer."""
-
-    course_rad: Floats
-    path_rad: Floats
-    cross_track_m: Floats
-    along_m: Floats
-    left_m: Floats
-    z_world_m: Floats
-    is_done: NDArray[np.bool_]
-
-
-@dataclass(frozen=True, eq=False, repr=False)
 class BatchSamples(ShortRepr):
     """The latest sample from one sensor in each member; see Sensor.read. The read-only arrays belong to the batch.
 

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from uwsim import Batch, Simulator
-from uwsim.batch import BatchAutopilot, BatchController, BatchPathFollower
 from uwsim.navigation.control import Autopilot, Controller, PathFollower
 from uwsim.scenario import load, load_vehicle
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
@@ -19,10 +18,9 @@ from uwsim.simulator.helm import AllStopWarning
 SEEDS = (3, 11)
 CHANGES: tuple[dict[str, Any], ...] = ({}, {"rov.mass_kg": 290.0, "optics.jerlov": "5C", "rov.drag.linear.surge": 60.0})
 STARTS = np.array([[0.0, 0.0, -2.0], [5.0, 2.0, -4.0]])
-PATHS = np.array([[[0.0, 0.0, -2.0], [3.0, 1.0, -2.5]], [[4.0, 2.0, -4.0], [7.0, 4.0, -3.0]]])
-HEADINGS = np.array([0.4, -1.0])
+PATH = [[0.0, 0.0, -2.0], [3.0, 1.0, -2.5]]
+HEADINGS = (0.4, -1.0)
 PERIOD_STEPS = 10  # 0.05 s
-GUIDANCE = ("course_rad", "cross_track_m", "along_m", "left_m", "z_world_m", "is_done")
 
 
 @pytest.fixture(scope="module")
@@ -58,93 +56,47 @@ def same_states(batch: Batch, lone: list[Simulator]) -> None:
         assert batch.save_state(k) == sim.save_state(), f"batch[{k}]"
 
 
-Of = Callable[[np.ndarray], Any]
-"""All rows of an array for a batch, or the one of a lone vehicle."""
-VELOCITIES = np.array([[0.3, 0.1, 0.0, 0.0, 0.0, 0.2], [0.0, -0.2, 0.1, 0.0, 0.1, 0.0]])
-MOVING = np.array([[0.3, 0.0], [0.0, 0.2]])
-LINE = {"lookahead_m": 1.0, "integral_m_s": 0.1}
-STEERS: dict[str, Callable[[Any, Of], object]] = {
-    "hold": lambda pilot, of: pilot.hold(
-        of(STARTS + np.array([1.0, -0.5, 0.3])), of(HEADINGS), pitch_rad=0.1, velocity_world_m_s=(0.05, 0.0, 0.0)
+STEERS: dict[str, tuple[Callable[[Any], Any], Callable[[Any, int], object]]] = {
+    "hold": (
+        Controller,
+        lambda pilot, k: pilot.hold(
+            STARTS[k] + [1.0, -0.5, 0.3], HEADINGS[k], pitch_rad=0.1, velocity_world_m_s=(0.05, 0.0, 0.0)
+        ),
     ),
-    "velocity": lambda pilot, of: pilot.velocity(of(VELOCITIES)),
-    "altitude": lambda pilot, of: pilot.steer(
-        of(HEADINGS), (0.2, 0.1), altitude_m=(2.0, of(np.array([2.5, 1.5]))), across_first=True
-    ),
-    "path": lambda pilot, of: pilot.steer(),
-    "autopilot": lambda pilot, of: pilot.steer(of(HEADINGS), of(MOVING), of(np.array([-2.5, -3.5]))),
+    "path": (lambda rov: PathFollower(Controller(rov), PATH, 0.9), lambda pilot, k: pilot.steer()),
+    "autopilot": (Autopilot, lambda pilot, k: pilot.steer(HEADINGS[k], (0.3, 0.0), -2.5 - k)),
 }
-
-
-def pilots(name: str, batch: Batch, lone: list[Simulator]) -> tuple[Any, list[Any]]:
-    """Return the pilot of a batch, and those of the lone vehicles."""
-    if name == "autopilot":
-        return BatchAutopilot(batch), [Autopilot(sim.rov) for sim in lone]
-    together, each = BatchController(batch), [Controller(sim.rov) for sim in lone]
-    if name != "path":
-        return together, each
-    alone = [PathFollower(one, points, 0.9, **LINE) for one, points in zip(each, PATHS, strict=True)]
-    return BatchPathFollower(together, PATHS, 0.9, **LINE), alone
+"""A pilot of a vehicle, and one period of it."""
 
 
 @pytest.mark.parametrize("name", STEERS)
-def test_controllers_steer_a_member_as_they_steer_the_lone_vehicle(
+def test_controllers_aboard_steer_a_member_as_they_steer_the_lone_vehicle(
     batch: Batch, lone: list[Simulator], name: str
 ) -> None:
-    together, each = pilots(name, *started(batch, lone))
+    started(batch, lone)
+    make, steer = STEERS[name]
+    pilots = [(make(batch.aboard(k).rov), make(sim.rov)) for k, sim in enumerate(lone)]
     for _ in range(20):
-        guided = STEERS[name](together, lambda rows: rows)
-        alone = [STEERS[name](one, lambda rows, k=k: rows[k]) for k, one in enumerate(each)]
-        for field in GUIDANCE if name == "path" else ():
-            np.testing.assert_array_equal(getattr(guided, field), [getattr(one, field) for one in alone])
+        for k, (member, alone) in enumerate(pilots):
+            steer(member, k)
+            steer(alone, k)
         step(batch, lone, PERIOD_STEPS)
     same_states(batch, lone)
     assert np.abs(batch.observe().velocity_body).max() > 0.05
 
 
-def test_controllers_do_not_depend_on_the_number_of_threads_and_members() -> None:
-    n = 150  # enough for two threads
-    starts = np.random.default_rng(0).uniform([-4, -4, -4], [4, 4, -1], (n, 3))
-    found = []
-    for many, threads in ((n, 1), (n, 2), (40, 2)):
-        flown = Batch("pool", n=many, seeds=range(many), threads=threads)
-        flown.place(starts[:many])
-        follower = BatchPathFollower(BatchController(flown), PATHS[0], 0.5)
-        for _ in range(3):
-            follower.steer()
-            flown.step(PERIOD_STEPS)
-        found.append(flown.observe().velocity_body[:40].tobytes())
-    assert found[0] == found[1] == found[2]
-
-
-def test_a_restarted_controller_has_forgotten(batch: Batch) -> None:
-    batch.reset()
-    batch.place(STARTS)
-    follower = BatchPathFollower(BatchController(batch), PATHS, 0.5)
-    flown = []
-    for _ in range(2):
-        for _ in range(5):
-            guidance = follower.steer()
-            batch.step(PERIOD_STEPS)
-        flown.append((guidance.along_m.tobytes(), batch.observe().velocity_body.tobytes()))
-        batch.reset()
-        batch.place(STARTS)
-        follower.restart()
-    assert flown[0] == flown[1]
-
-
 def test_a_controller_acts_on_the_estimate_and_placing_restarts_it(batch: Batch, lone: list[Simulator]) -> None:
     started(batch, lone)
-    together = BatchController(batch, uses_estimate=True)
-    each = [Controller(sim.rov, estimate=sim.rov.estimate) for sim in lone]
+    rovs = [(batch.aboard(k).rov, sim.rov) for k, sim in enumerate(lone)]
+    pilots = [[Controller(rov, estimate=rov.estimate) for rov in pair] for pair in rovs]
     for turn in range(8):
         if turn == 4:
             batch.place(STARTS + 0.5)
             for sim, start in zip(lone, STARTS, strict=True):
                 sim.rov.place(start + 0.5)
-        together.hold(STARTS + 1.0, HEADINGS)
-        for one, start, heading in zip(each, STARTS, HEADINGS.tolist(), strict=True):
-            one.hold(start + 1.0, heading)
+        for k, pair in enumerate(pilots):
+            for pilot in pair:
+                pilot.hold(STARTS[k] + 1.0, HEADINGS[k])
         step(batch, lone, PERIOD_STEPS)
     found = batch.estimate()
     for k, sim in enumerate(lone):
@@ -275,9 +227,6 @@ def test_all_stop_overrides_every_command_of_a_member(batch: Batch, lone: list[S
         (lambda b: b.capture("front", size=(0, 8)), "size: height = 0: must be a whole number"),
         (lambda b: b.image("sonr"), r"imaging_sonars\['sonr'\]: must be one of"),
         (lambda b: b.aboard(0).step(), "advanced by Batch.step"),
-        (lambda b: BatchController(b).hold(STARTS, [0.0, np.inf]), r"heading_rad\[1\] = inf: must be finite"),
-        (lambda b: BatchController(b, vehicle="rvo"), "vehicle = 'rvo': must be one of rov"),
-        (lambda b: BatchPathFollower(BatchController(b), [PATHS[0]] * 3, 1.0), "3 paths: expected one, or n = 2"),
     ],
 )
 def test_mistakes_are_named(batch: Batch, call: Any, message: str) -> None:
