@@ -20,9 +20,6 @@ __all__: list[str] = [
     "Autopilot",
     "AutopilotGains",
     "Batch",
-    "BatchAutopilot",
-    "BatchMotionController",
-    "BatchPathFollower",
     "BatterySpec",
     "BatteryState",
     "BiasModel",
@@ -144,7 +141,6 @@ __all__: list[str] = [
     "mounted_pose",
     "mounted_poses",
     "multibeam_model",
-    "network_trial",
     "packet_error",
     "pass_through",
     "play_servo_frames",
@@ -1894,111 +1890,6 @@ class PathFollower:
     @segment.setter
     def segment(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
 
-class BatchMotionController:
-    """
-    n instances of MotionController, called together; arrays have one row each.
-    """
-    def __init__(
-        self,
-        model: ControlModel,
-        gains: ControlGains,
-        period_s: typing.SupportsFloat | typing.SupportsIndex,
-        n: typing.SupportsInt | typing.SupportsIndex,
-        threads: typing.SupportsInt | typing.SupportsIndex,
-    ) -> None:
-        """
-        Raises ValueError.
-        """
-    def hold_velocity(
-        self,
-        positions_world_m: typing.Any,
-        orientations_xyzw: typing.Any,
-        velocities_body: typing.Any,
-        wanted_body: typing.Any,
-    ) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        Return the efforts (n, 6) of MotionController.hold_velocity for velocities (n, 6). Releases the GIL.
-        """
-    def reach(
-        self,
-        positions_world_m: typing.Any,
-        orientations_xyzw: typing.Any,
-        velocities_body: typing.Any,
-        targets_world_m: typing.Any,
-        velocities_world_m_s: typing.Any,
-        rolls_rad: typing.Any,
-        pitches_rad: typing.Any,
-        headings_rad: typing.Any,
-        across_first: bool,
-    ) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        Return the efforts (n, 6) of MotionController.reach. The first three are the estimated motion: (n, 3),
-        (n, 4) and (n, 6). Releases the GIL. Raises ValueError for wrong shapes.
-        """
-    def restart(self, chosen: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
-        """
-        Return some controllers to their initial state.
-        """
-    @property
-    def force_shares(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        MotionController.force_share of each, (n,).
-        """
-
-class BatchAutopilot:
-    """
-    n instances of Autopilot, called together.
-    """
-    def __init__(
-        self, period_s: typing.SupportsFloat | typing.SupportsIndex, gains: collections.abc.Sequence[AutopilotGains]
-    ) -> None: ...
-    def restart(self, chosen: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
-        """
-        Return some autopilots to their initial state.
-        """
-    def steer(
-        self,
-        positions_world_m: typing.Any,
-        orientations_xyzw: typing.Any,
-        velocities_body: typing.Any,
-        headings_rad: typing.Any,
-        velocities_world_m_s: typing.Any,
-        heights_world_m: typing.Any,
-    ) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        Return the efforts (n, 6) of Autopilot.steer for headings (n,), horizontal velocities (n, 2) and heights
-        (n,). The first three are the estimated motion: (n, 3), (n, 4) and (n, 6). Raises ValueError.
-        """
-
-class BatchPathFollower:
-    """
-    n instances of PathFollower, called together.
-    """
-    def __init__(
-        self,
-        paths_m: collections.abc.Sequence[typing.Any],
-        lookahead_m: typing.SupportsFloat | typing.SupportsIndex,
-        integral_m_s: typing.SupportsFloat | typing.SupportsIndex,
-        period_s: typing.SupportsFloat | typing.SupportsIndex,
-    ) -> None:
-        """
-        paths_m: n paths (points, 3). Raises ValueError.
-        """
-    def guide(
-        self,
-        positions_world_m: typing.Any,
-        speed_m_s: typing.SupportsFloat | typing.SupportsIndex,
-        force_shares: typing.Any,
-    ) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        Guide and pace each for one control period: the fields of Guidance in order, then the velocity over
-        ground, (n, 9). positions_world_m (n, 3); force_shares (n,), see PathFollower.pace.
-        """
-    def restart(self, chosen: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
-        """
-        Return some followers to the beginnings of their paths.
-        """
-
 class SensorKind:
     """
     A kind of sensor.
@@ -2653,7 +2544,6 @@ class Optics:
         wind_towards_rad: typing.SupportsFloat | typing.SupportsIndex,
         particles_per_m3: typing.SupportsFloat | typing.SupportsIndex,
         turbulence_k: typing.SupportsFloat | typing.SupportsIndex,
-        forward_scatter_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         fetch_m: typing.SupportsFloat | typing.SupportsIndex = ...,
     ) -> None: ...
     def level_irradiance_below(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
@@ -2796,19 +2686,9 @@ class Picture:
         (H, W, 3) float32 before exposure, if requested
         """
     @property
-    def rays(self) -> dict[str, int]:
-        """
-        The number of rays cast, by kind.
-        """
-    @property
     def rgb(self) -> numpy.ndarray:
         """
         (H, W, 3) uint8, sRGB; (0, W, 3) if only geometry was requested
-        """
-    @property
-    def task_s(self) -> dict[str, float]:
-        """
-        Seconds by rendering task, summed over threads, if measured.
         """
 
 class CameraScene:
@@ -2851,7 +2731,6 @@ class CameraScene:
         hidden_vehicle: typing.SupportsInt | typing.SupportsIndex | None = None,
         geometry_only: bool = False,
         keep_radiance: bool = False,
-        measure: bool = False,
         record: bool = False,
         velocity_camera: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"] = ...,
         threads: typing.SupportsInt | typing.SupportsIndex = 1,
@@ -5199,10 +5078,6 @@ class LinkSpec:
     @faults.setter
     def faults(self, arg0: collections.abc.Sequence[LinkFault]) -> None: ...
     @property
-    def relays(self) -> list[int]: ...
-    @relays.setter
-    def relays(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None: ...
-    @property
     def shipping(self) -> float: ...
     @shipping.setter
     def shipping(self, arg1: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -5307,9 +5182,7 @@ class TopicCounts:
     @property
     def lost(self) -> dict[str, int]:
         """
-        Lost messages by reason. sending: the receiver was sending at the time; unheard: there is no path;
-        relay: dropped by a relay, because its queue was full, the message was late, or a newer message replaced
-        it.
+        Lost messages by reason. sending: the receiver was sending at the time; unheard: there is no path.
         """
     @property
     def refused(self) -> int:
@@ -5834,24 +5707,6 @@ def mounted_poses(
 def multibeam_model(number: typing.SupportsInt | typing.SupportsIndex) -> MultibeamModel:
     """
     Return the EM 2040 MKII variant 1..4. Raises ValueError for other numbers.
-    """
-
-def network_trial(
-    modem: ModemSpec,
-    nodes: typing.SupportsInt | typing.SupportsIndex,
-    rate_1_s: typing.SupportsFloat | typing.SupportsIndex,
-    seconds: typing.SupportsFloat | typing.SupportsIndex,
-    bytes: typing.SupportsInt | typing.SupportsIndex,
-    delay_s: typing.SupportsFloat | typing.SupportsIndex = 0.1,
-    seed: typing.SupportsInt | typing.SupportsIndex = 0,
-    loss: typing.SupportsFloat | typing.SupportsIndex = 0.0,
-    relays: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [],
-) -> TopicCounts:
-    """
-    Return the counts of a network under random load: all nodes except the first send single-packet messages
-    to the first, each as a Poisson process; all packets are received at the same level, 54 dB above the
-    noise. loss: probability that a packet is lost regardless of the others. relays: the relay of each node, 0
-    for none. Raises ValueError. Releases the GIL.
     """
 
 def packet_error(

@@ -56,12 +56,5 @@ def main(
         for name, case in (("", "all"), ("geometry_", "geometry")):
             results[f"{name}against_bare"] = ratio(wall[case], wall[f"bare_{case}"])
             results[f"{name}processor_against_bare"] = ratio(processor[case], processor[f"bare_{case}"])
-    frame = camera.capture(measure=True)
-    parts = {f"{kind} rays": float(count) for kind, count in frame.rays.items()}
-    parts |= {f"{task} [ms], of all threads": 1e3 * task_s for task, task_s in frame.task_s.items()}
-    show(
-        f"{frame.info.width} x {frame.info.height}, {threads} threads, every effect; parts of one",
-        results | parts,
-        GOALS,
-    )
+    show(f"{camera.info.width} x {camera.info.height}, {threads} threads, every effect", results, GOALS)
     return results

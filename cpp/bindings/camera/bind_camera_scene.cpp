@@ -66,8 +66,7 @@ PictureArrays render_picture(const CameraScene& scene, const Camera& camera, con
                              std::uint64_t tick, const std::vector<std::string>& effects, std::vector<SpotLamp> lamps,
                              const py::object& vehicle_positions_m, const py::object& vehicle_orientations_xyzw,
                              std::optional<std::size_t> hidden_vehicle, bool geometry_only, bool keep_radiance,
-                             bool measure, bool record, const Vector6d& velocity_camera, int threads,
-                             bool colours_only) {
+                             bool record, const Vector6d& velocity_camera, int threads, bool colours_only) {
   PictureRequest request;
   request.world_from_camera = as_pose(position_m, orientation_xyzw, "camera");
   require(std::isfinite(time_s), "time_s", time_s, "must be finite");
@@ -84,14 +83,12 @@ PictureArrays render_picture(const CameraScene& scene, const Camera& camera, con
   request.geometry_only = geometry_only;
   request.colours_only = colours_only;
   request.keep_radiance = keep_radiance;
-  request.measure = measure;
   require(threads >= 1 && threads <= 1024, "threads", threads, "must be in [1, 1024]");
   request.threads = threads;
   RayRecord packets;
   if (record) request.record = &packets;
-  RenderCost cost;
-  Picture picture = without_gil([&] { return render(scene, camera, optics, request, &cost); });
-  return {std::move(picture), cost, packets};
+  Picture picture = without_gil([&] { return render(scene, camera, optics, request); });
+  return {std::move(picture), packets};
 }
 
 /// A lamp that is mounted on a vehicle, given by its index; the lamp's pose is that on the vehicle.
@@ -264,8 +261,8 @@ void bind_camera_scene(py::module_& m) {
            py::arg("orientation_xyzw"), py::arg("time_s"), py::arg("tick"), py::arg("effects"),
            py::arg("lamps") = std::vector<SpotLamp>{}, py::arg("vehicle_positions_m") = py::none(),
            py::arg("vehicle_orientations_xyzw") = py::none(), py::arg("hidden_vehicle") = py::none(),
-           py::arg("geometry_only") = false, py::arg("keep_radiance") = false, py::arg("measure") = false,
-           py::arg("record") = false, py::arg("velocity_camera") = Vector6d(Vector6d::Zero()), py::arg("threads") = 1,
+           py::arg("geometry_only") = false, py::arg("keep_radiance") = false, py::arg("record") = false,
+           py::arg("velocity_camera") = Vector6d(Vector6d::Zero()), py::arg("threads") = 1,
            py::arg("colours_only") = false,
            "Render one picture; the camera's frame is x ahead, y left, z up. effects: names of the effects that are\n"
            "on. vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none.\n"

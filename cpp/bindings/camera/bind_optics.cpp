@@ -52,17 +52,16 @@ void bind_optics(py::module_& m) {
       "Everything that determines the light: the water, the sun, the wind on the surface, and particles in\n"
       "the water.")
       .def(py::init([](const WaterOptics& water, double elevation_rad, double azimuth_rad, double wind_m_s,
-                       double wind_towards_rad, double particles_per_m3, double turbulence_k,
-                       double forward_scatter_rad, double fetch_m) {
+                       double wind_towards_rad, double particles_per_m3, double turbulence_k, double fetch_m) {
              const Optics optics{
-                 water,   {elevation_rad, azimuth_rad}, wind_m_s, wind_towards_rad, particles_per_m3, turbulence_k,
-                 fetch_m, forward_scatter_rad};
+                 water,  {elevation_rad, azimuth_rad}, wind_m_s, wind_towards_rad, particles_per_m3, turbulence_k,
+                 fetch_m};
              optics.check();
              return optics;
            }),
            py::arg("water"), py::arg("sun_elevation_rad"), py::arg("sun_azimuth_rad"), py::arg("wind_m_s"),
            py::arg("wind_towards_rad"), py::arg("particles_per_m3"), py::arg("turbulence_k"),
-           py::arg("forward_scatter_rad") = 0.0, py::arg("fetch_m") = std::numeric_limits<double>::infinity())
+           py::arg("fetch_m") = std::numeric_limits<double>::infinity())
       .def_readonly("water", &Optics::water)
       .def_property_readonly("to_sun_world", [](const Optics& o) { return daylight(o.sun).to_sun_world; })
       .def_property_readonly("to_sun_below_world", [](const Optics& o) { return daylight_under_water(o).to_sun_world; })

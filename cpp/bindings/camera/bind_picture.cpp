@@ -1,5 +1,3 @@
-#include <pybind11/typing.h>
-
 #include <utility>
 
 #include "bindings/camera/binders.h"
@@ -8,25 +6,9 @@
 namespace uwsim::bindings {
 namespace {
 
-py::typing::Dict<py::str, py::int_> ray_counts(const PictureArrays& picture) {
-  py::dict rays;
-  rays["primary"] = picture.cost.primary_rays;
-  rays["onward"] = picture.cost.onward_rays;
-  rays["sun"] = picture.cost.sun_rays;
-  rays["lamp"] = picture.cost.lamp_rays;
-  rays["shaft"] = picture.cost.shaft_rays;
-  return rays;
-}
-
-py::typing::Dict<py::str, py::float_> task_seconds(const PictureArrays& picture) {
-  py::dict tasks;
-  for (std::size_t k = 0; k < kRenderTaskNames.size(); ++k) tasks[kRenderTaskNames[k]] = picture.cost.seconds[k];
-  return tasks;
-}
-
 /// Moves an image's values into a NumPy array of the given shape without copying them.
 template <typename T>
-py::array_t<T> move_out(ImageBuffer<T>&& values, std::vector<py::ssize_t> shape) {
+py::array_t<T> move_image_out(ImageBuffer<T>&& values, std::vector<py::ssize_t> shape) {
   auto* owner = new ImageBuffer<T>(std::move(values));
   const py::capsule free(owner, [](void* p) { delete static_cast<ImageBuffer<T>*>(p); });
   return py::array_t<T>(std::move(shape), owner->data(), free);
@@ -34,19 +16,18 @@ py::array_t<T> move_out(ImageBuffer<T>&& values, std::vector<py::ssize_t> shape)
 
 }  // namespace
 
-PictureArrays::PictureArrays(Picture&& picture, const RenderCost& render_cost, const RayRecord& record)
-    : gain(picture.gain), cost(render_cost) {
+PictureArrays::PictureArrays(Picture&& picture, const RayRecord& record) : gain(picture.gain) {
   const py::ssize_t height = picture.height, width = picture.width;
   const py::ssize_t rgb_height = picture.rgb.empty() ? 0 : height;
   const py::ssize_t pieces_height = picture.pieces.empty() ? 0 : height;
   const py::ssize_t radiance_height = picture.radiance.empty() ? 0 : height;
-  rgb = read_only(move_out(std::move(picture.rgb), {rgb_height, width, 3}));
+  rgb = read_only(move_image_out(std::move(picture.rgb), {rgb_height, width, 3}));
   radiance = read_only(move_out(std::move(picture.radiance), {radiance_height, width, 3}));
-  depth_m = read_only(move_out(std::move(picture.depth_m), {height, width}));
-  normals_world = read_only(move_out(std::move(picture.normals_world), {height, width, 3}));
-  labels = read_only(move_out(std::move(picture.labels), {height, width}));
-  classes = read_only(move_out(std::move(picture.classes), {height, width}));
-  pieces = read_only(move_out(std::move(picture.pieces), {pieces_height, width}));
+  depth_m = read_only(move_image_out(std::move(picture.depth_m), {height, width}));
+  normals_world = read_only(move_image_out(std::move(picture.normals_world), {height, width, 3}));
+  labels = read_only(move_image_out(std::move(picture.labels), {height, width}));
+  classes = read_only(move_image_out(std::move(picture.classes), {height, width}));
+  pieces = read_only(move_image_out(std::move(picture.pieces), {pieces_height, width}));
   static_assert(sizeof(RayRecord::Packet) == 580);
   packets = py::bytes(reinterpret_cast<const char*>(record.packets.data()),
                       record.packets.size() * sizeof(RayRecord::Packet));
@@ -64,10 +45,8 @@ void bind_picture(py::module_& m) {
       .def_readonly("pieces", &PictureArrays::pieces,
                     "(H, W) uint32, the number of the piece of cover, else 0; (0, W) in a world without cover")
       .def_readonly("gain", &PictureArrays::gain, "factor from radiance to exposed signal")
-      .def_property_readonly("rays", &ray_counts, "The number of rays cast, by kind.")
       .def_readonly("packets", &PictureArrays::packets,
-                    "The ray packets cast, in the format of tools/bench/native/embree_bare_rays, if recorded")
-      .def_property_readonly("task_s", &task_seconds, "Seconds by rendering task, summed over threads, if measured.");
+                    "The ray packets cast, in the format of tools/bench/native/embree_bare_rays, if recorded");
 }
 
 }  // namespace uwsim::bindings

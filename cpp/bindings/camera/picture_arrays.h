@@ -3,17 +3,15 @@
 #include "bindings/core/arrays.h"
 #include "uwsim/camera/picture.h"
 #include "uwsim/camera/ray_record.h"
-#include "uwsim/camera/render_cost.h"
 
 namespace uwsim::bindings {
 
 /// A picture as read-only NumPy arrays, which own the picture's memory.
 struct PictureArrays {
-  PictureArrays(Picture&& picture, const RenderCost& cost, const RayRecord& record);
+  PictureArrays(Picture&& picture, const RayRecord& record);
 
   py::array rgb, radiance, depth_m, normals_world, labels, classes, pieces;
   double gain;
-  RenderCost cost;
   py::bytes packets;
 };
 

@@ -9,7 +9,6 @@
 #include "bindings/core/arrays.h"
 #include "bindings/core/gil.h"
 #include "bindings/sim/binders.h"
-#include "uwsim/acoustics/modem/network_trial.h"
 #include "uwsim/sim/link.h"
 
 namespace uwsim::bindings {
@@ -70,7 +69,6 @@ void bind_link_formulas(py::module_& m) {
             l.bottom = {density_ratio, speed_ratio, attenuation_db_wavelength};
           },
           py::arg("density_ratio"), py::arg("speed_ratio"), py::arg("attenuation_db_wavelength"))
-      .def_readwrite("relays", &LinkSpec::relays)
       .def_readwrite("faults", &LinkSpec::faults);
 }
 
@@ -103,22 +101,6 @@ void bind_link_physics(py::module_& m) {
           },
           py::arg("scene"), py::arg("from_world_m"), py::arg("to_world_m"),
           "Return how a packet would be received, between two points at rest.");
-  m.def(
-      "network_trial",
-      [](const ModemSpec& modem, std::size_t nodes, double rate_1_s, double seconds, std::uint64_t bytes,
-         double delay_s, std::uint64_t seed, double loss, std::vector<std::uint64_t> relays) {
-        const Reception heard{.reached = true, .delay_s = delay_s, .signal_db = 130, .noise_db = 76};
-        NetworkTrial trial{modem, nodes, rate_1_s, seconds, bytes, heard, seed, 0.005, loss, std::move(relays)};
-        const GilReleased unlocked;
-        return run_trial(trial);
-      },
-      py::arg("modem"), py::arg("nodes"), py::arg("rate_1_s"), py::arg("seconds"), py::arg("bytes"),
-      py::arg("delay_s") = 0.1, py::arg("seed") = 0, py::arg("loss") = 0.0,
-      py::arg("relays") = std::vector<std::uint64_t>(),
-      "Return the counts of a network under random load: all nodes except the first send single-packet messages\n"
-      "to the first, each as a Poisson process; all packets are received at the same level, 54 dB above the\n"
-      "noise. loss: probability that a packet is lost regardless of the others. relays: the relay of each node, 0\n"
-      "for none. Raises ValueError. Releases the GIL.");
 }
 
 void bind_link_results(py::module_& m) {
@@ -169,14 +151,12 @@ void bind_link_results(py::module_& m) {
           "lost",
           [](const TopicCounts& c) {
             constexpr const char* kNames[kLossKinds] = {"none",    "unheard", "noise", "collision",
-                                                        "sending", "doppler", "fault", "relay"};
+                                                        "sending", "doppler", "fault"};
             std::map<std::string, std::uint64_t> lost;
             for (std::size_t k = 1; k < kLossKinds; ++k) lost[kNames[k]] = c.lost[k];
             return lost;
           },
-          "Lost messages by reason. sending: the receiver was sending at the time; unheard: there is no path;\n"
-          "relay: dropped by a relay, because its queue was full, the message was late, or a newer message replaced\n"
-          "it.");
+          "Lost messages by reason. sending: the receiver was sending at the time; unheard: there is no path.");
   py::class_<LinkQuality>(m, "LinkQuality", "The link quality that a node last observed for another.")
       .def_readonly("packets", &LinkQuality::packets)
       .def_readonly("packets_lost", &LinkQuality::packets_lost)

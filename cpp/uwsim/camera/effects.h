@@ -21,15 +21,14 @@ enum class Effect : std::uint8_t {
   kWobble,     ///< rays bent by turbulence
   kDistortion,
   kVignetting,
-  kExposure,        ///< automatic exposure; if off, fixed at 1
-  kNoise,           ///< photon and read noise
-  kShutter,         ///< motion during exposure and readout
-  kForwardScatter,  ///< blur by light that water scatters by small angles
+  kExposure,  ///< automatic exposure; if off, fixed at 1
+  kNoise,     ///< photon and read noise
+  kShutter,   ///< motion during exposure and readout
 };
 
-inline constexpr std::array<std::string_view, 16> kEffectNames = {
+inline constexpr std::array<std::string_view, 15> kEffectNames = {
     "attenuation", "backscatter", "sunlight",   "surface",    "shadows",  "lamps", "caustics", "shafts",
-    "particles",   "wobble",      "distortion", "vignetting", "exposure", "noise", "shutter",  "forward_scatter"};
+    "particles",   "wobble",      "distortion", "vignetting", "exposure", "noise", "shutter"};
 
 class Effects {
  public:

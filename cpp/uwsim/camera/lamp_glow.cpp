@@ -18,18 +18,12 @@ constexpr float kEndless_m = 2e4f;
 
 }  // namespace
 
-LampGlow::LampGlow(const camera::View& view, const camera::Kernels& kernels, const PictureRequest& request,
-                   std::vector<RenderCost>& costs)
+LampGlow::LampGlow(const camera::View& view, const camera::Kernels& kernels, int threads)
     : columns_((view.width + kBlockSide - 1) / kBlockSide), rows_((view.height + kBlockSide - 1) / kBlockSide) {
   const auto size = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
   for (std::vector<float>& band : bands_) band.resize(size);
   is_smooth_.resize(size);
-  const int threads = static_cast<int>(costs.size());
-  for_rows((rows_ + kBlockSide - 1) / kBlockSide, threads, [&](int row, int worker) {
-    TaskTimer timer(request.measure, costs[static_cast<std::size_t>(worker)]);
-    sample(view, kernels, row);
-    timer.add(kLampLight);
-  });
+  for_rows((rows_ + kBlockSide - 1) / kBlockSide, threads, [&](int row, int) { sample(view, kernels, row); });
 }
 
 void LampGlow::show_in(camera::View& view) const {

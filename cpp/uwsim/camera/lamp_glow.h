@@ -5,8 +5,6 @@
 #include <vector>
 
 #include "uwsim/camera/kernels/kernels.h"
-#include "uwsim/camera/picture_request.h"
-#include "uwsim/camera/render_cost.h"
 
 namespace uwsim {
 
@@ -14,8 +12,7 @@ namespace uwsim {
 /// pixel of each block of 4 x 4. In between, the light is interpolated.
 class LampGlow {
  public:
-  LampGlow(const camera::View& view, const camera::Kernels& kernels, const PictureRequest& request,
-           std::vector<RenderCost>& costs);
+  LampGlow(const camera::View& view, const camera::Kernels& kernels, int threads);
 
   /// Sets pointers to the values, which are valid during the lifetime of this object.
   void show_in(camera::View& view) const;

@@ -12,8 +12,6 @@ void Optics::check() const {
   require(particles_per_m3 >= 0 && particles_per_m3 <= 64, "optics.particles_per_m3", particles_per_m3,
           "must be in [0, 64] 1/m3");
   require(turbulence_k >= 0 && turbulence_k <= 20, "optics.turbulence_k", turbulence_k, "must be in [0, 20] K");
-  require(forward_scatter_rad >= 0 && forward_scatter_rad <= 0.2, "optics.forward_scatter_rad", forward_scatter_rad,
-          "must be in [0, 0.2] rad");
 }
 
 double turbulence_bend_rad(double turbulence_k) {

@@ -17,7 +17,6 @@ struct Optics {
   double particles_per_m3 = 60;  ///< large enough to be visible individually; assumed
   double turbulence_k = 2;       ///< standard deviation of temperature in turbulent eddies; assumed, strong mixing
   double fetch_m = std::numeric_limits<double>::infinity();  ///< of the water over which the wind has blown
-  double forward_scatter_rad = 0;  ///< mean angle of scattering by particles on the way to the camera; 0: no blur
 
   /// Throws InvalidValue naming the field. The sun and the wind are checked where they are used.
   void check() const;

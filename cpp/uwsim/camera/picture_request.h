@@ -34,7 +34,6 @@ struct PictureRequest {
   bool geometry_only = false, keep_radiance = false;
   /// If set, the colours are written here, height x width x 3, instead of to the picture that is returned.
   std::uint8_t* rgb = nullptr;
-  bool measure = false;                      ///< fill RenderCost::seconds
   RayRecord* record = nullptr;               ///< if set, only one thread may be used
   const camera::Kernels* kernels = nullptr;  ///< if null, the fastest that this CPU supports; all produce the same bits
   int threads = 1;

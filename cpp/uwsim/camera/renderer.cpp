@@ -13,7 +13,6 @@
 #include "uwsim/camera/block_lane.h"
 #include "uwsim/camera/block_mask.h"
 #include "uwsim/camera/development.h"
-#include "uwsim/camera/forward_scatter.h"
 #include "uwsim/camera/lamp_glow.h"
 #include "uwsim/camera/parallel_rows.h"
 #include "uwsim/camera/particles.h"
@@ -55,8 +54,6 @@ class Rendering {
         optics_(optics),
         request_(request),
         threads_(std::clamp(request.threads, 1, 256)),
-        costs_(static_cast<std::size_t>(threads_)),
-        timer_(request.measure, costs_[0]),
         prepared_(scene, camera, optics, request),
         view_(prepared_.view),
         tracer_(scene, prepared_.anchor_world_m, request),
@@ -65,14 +62,13 @@ class Rendering {
         thin_from_m_(classes_.size(), std::numeric_limits<float>::infinity()),
         keeps_geometry_(!request.colours_only || on(Effect::kParticles)) {
     find_thin_solids();
-    timer_.add(kPrepare);
   }
 
-  Picture render(RenderCost* cost) {
+  Picture render() {
     allocate();
     if (!request_.geometry_only && on(Effect::kShafts) && view_.camera_in_water && view_.has_backscatter &&
         view_.beam_level[1] > 0) {
-      shafts_ = cast_shafts(view_, tracer_, kernels_, request_, costs_);
+      shafts_ = cast_shafts(view_, tracer_, kernels_, request_, threads_);
       view_.shafts = shafts_.light.data();
       view_.shaft_reach = shafts_.reach_m.data();
       view_.shaft_width = (view_.width + kBlockSide - 1) / kBlockSide;
@@ -80,7 +76,7 @@ class Rendering {
     // Parts of an exposure see the lamps from different places, and coarse pictures have no smooth blocks.
     if (!request_.geometry_only && view_.lamp_count > 0 && view_.has_backscatter && view_.camera_in_water &&
         !view_.moves && view_.pixel_rad < kCoarsePixel_rad) {
-      glow_.emplace(view_, kernels_, request_, costs_).show_in(view_);
+      glow_.emplace(view_, kernels_, threads_).show_in(view_);
     }
     const int row_parts = kRowParts * ((view_.height + kBlockSide - 1) / kBlockSide);
     root_luminance_.assign(static_cast<std::size_t>(row_parts), 0.0);
@@ -93,20 +89,14 @@ class Rendering {
       view_.part_s = static_cast<float>(shutter_s * ((part + 0.5) / parts_ - 0.5));
       is_middle_ = part == parts_ / 2;
       if (!scene_.thin_solids().empty()) shift_views();
-      for_rows(row_parts + 1, threads_, [&](int turn, int worker) {
-        RenderCost& own = costs_[static_cast<std::size_t>(worker)];
-        if (turn > 0) return render_row_part(turn - 1, own);
-        if (part == 0) find_particles(own);
+      for_rows(row_parts + 1, threads_, [&](int turn, int) {
+        if (turn > 0) return render_row_part(turn - 1);
+        if (part == 0) find_particles();
       });
       if (parts_ > 1) add_exposure();
     }
     if (parts_ > 1) bands_.swap(exposed_);
-    if (scatters_) {
-      add_forward_scatter(direct_, view_.width, view_.height, static_cast<double>(view_.pixel_rad), optics_,
-                          {bands_[0], bands_[1], bands_[2]}, threads_);
-    }
     if (!request_.geometry_only) develop();
-    if (cost != nullptr) *cost = total_cost();
     return std::move(picture_);
   }
 
@@ -138,10 +128,7 @@ class Rendering {
       if (!world.cover().empty() || !world.schools().empty()) picture_.pieces.resize(pixels);
     }
     if (request_.geometry_only) return;
-    scatters_ = on(Effect::kForwardScatter) && optics_.forward_scatter_rad > 0 && view_.camera_in_water &&
-                view_.has_attenuation;
     for (ImageBuffer<float>& band : bands_) band.resize(pixels);
-    if (scatters_) direct_.resize(pixels);
     radiance_ = {bands_[0].data(), bands_[1].data(), bands_[2].data()};
   }
 
@@ -156,7 +143,6 @@ class Rendering {
     for (int top = 0; top < view_.height; top += kBlurLattice * kBlockSide) {
       for (int left = 0; left < view_.width; left += kBlurLattice * kBlockSide) {
         kernels_.shaft_rays(view_, left, top, kBlurLattice, block);
-        costs_[0].primary_rays += count(block.active);
         tracer_.cast(block, Tracer::everywhere(), hits, RayOrder::kCoherent);
         for (std::size_t k = 0; k < kBlockPixels; ++k) {
           if (!block.active.at[k]) continue;
@@ -180,15 +166,12 @@ class Rendering {
     }
   }
 
-  void find_particles(RenderCost& cost) {
+  void find_particles() {
     if (request_.geometry_only) return;
-    TaskTimer timer(request_.measure, cost);
     particles_ = visible_particles(scene_, camera_, optics_, request_, view_);
-    timer.add(kParticles);
   }
 
-  void render_row_part(int row_part, RenderCost& cost) {
-    TaskTimer timer(request_.measure, cost);
+  void render_row_part(int row_part) {
     const int row = row_part / kRowParts, share = row_part % kRowParts;
     const int columns = (view_.width + kBlockSide - 1) / kBlockSide;
     const int first = share * columns / kRowParts, last = (share + 1) * columns / kRowParts;
@@ -205,18 +188,14 @@ class Rendering {
       if (!request_.geometry_only) kernels_.start_paths(view_, block);
       if (!keeps_geometry_) kernels_.limit_to_sight(view_, block, sight);
       tracer_.cast(block, sight, hits, RayOrder::kCoherent);
-      cost.primary_rays += count(block.active);
-      timer.add(kPrimaryRays);
       tracer_.locate_hits(view_, kernels_, hits, block);
       if (keeps_geometry_ && is_middle_) kernels_.write_geometry(view_, left, top, block, geometry);
       if (!picture_.pieces.empty() && is_middle_) picture_.keep_pieces(left, top, hits);
-      timer.add(kGeometry);
       if (request_.geometry_only) continue;
       const BlockMask pixels = block.active;
-      const bool has_parts = may_see_thin(block) && cast_parts(left, top, sight, block, others, cost, timer);
-      shade(block, hits, left, top, cost, timer);
-      if (has_parts) add_parts(left, top, others, block, cost, timer);
-      if (scatters_) direct_.keep(view_, left, top, block, is_middle_, 1.0f / static_cast<float>(parts_));
+      const bool has_parts = may_see_thin(block) && cast_parts(left, top, sight, block, others);
+      shade(block, hits, left, top);
+      if (has_parts) add_parts(left, top, others, block);
       camera::BlockFloats root_luminance;
       kernels_.write_radiance(view_, left, top, block, radiance_, root_luminance);
       // Four sums, so that an addition need not wait for the previous one
@@ -225,7 +204,6 @@ class Rendering {
         sums[k % kBlockSide] += pixels.at[k] ? static_cast<double>(root_luminance.at[k]) : 0.0;
       }
       root_luminance_[static_cast<std::size_t>(row_part)] += (sums[0] + sums[1]) + (sums[2] + sums[3]);
-      timer.add(kDevelopment);
     }
   }
 
@@ -260,26 +238,23 @@ class Rendering {
 
   /// Casts the other rays of a block; returns whether any of its rays meets a thin solid where that is a few pixels
   /// thick.
-  bool cast_parts(int left, int top, const camera::BlockFloats& sight, const Block& block, PixelParts& parts,
-                  RenderCost& cost, TaskTimer& timer) {
+  bool cast_parts(int left, int top, const camera::BlockFloats& sight, const Block& block, PixelParts& parts) {
     bool found = sees_thin(block);
     for (std::size_t k = 0; k < shifted_.size(); ++k) {
       Block& other = parts.blocks[k];
       kernels_.primary_rays(shifted_[k], left, top, other);
       kernels_.start_paths(view_, other);
       tracer_.cast(other, sight, parts.hits[k], RayOrder::kCoherent);
-      cost.primary_rays += count(other.active);
       tracer_.locate_hits(view_, kernels_, parts.hits[k], other);
       found = found || sees_thin(other);
     }
-    timer.add(kPrimaryRays);
     return found;
   }
 
   /// Makes the light of a block the mean over the places in each pixel.
-  void add_parts(int left, int top, PixelParts& parts, Block& block, RenderCost& cost, TaskTimer& timer) {
+  void add_parts(int left, int top, PixelParts& parts, Block& block) {
     for (std::size_t k = 0; k < parts.blocks.size(); ++k) {
-      shade(parts.blocks[k], parts.hits[k], left, top, cost, timer);
+      shade(parts.blocks[k], parts.hits[k], left, top);
     }
     constexpr float kShare = 1.0f / (1 + kPixelParts.size());
     const auto take_mean = [&](camera::BlockVectors Block::*light) {
@@ -293,58 +268,43 @@ class Rendering {
       }
     };
     take_mean(&Block::radiance), take_mean(&Block::sun_backscatter);
-    if (scatters_) take_mean(&Block::veil);
   }
 
-  void shade(Block& block, HitPacket& hits, int left, int top, RenderCost& cost, TaskTimer& timer) {
-    shade_segment(block, hits, true, left, top, cost, timer);
-    if (any(block.onward)) continue_paths(block, hits, left, top, cost, timer);
+  void shade(Block& block, HitPacket& hits, int left, int top) {
+    shade_segment(block, hits, true, left, top);
+    if (any(block.onward)) continue_paths(block, hits, left, top);
   }
 
-  void continue_paths(Block& block, HitPacket& hits, int left, int top, RenderCost& cost, TaskTimer& timer) {
+  void continue_paths(Block& block, HitPacket& hits, int left, int top) {
     kernels_.refract_or_reflect(view_, block);
-    timer.add(kWater);
     tracer_.cast(block, Tracer::everywhere(), hits, RayOrder::kIncoherent);
-    cost.onward_rays += count(block.active);
-    timer.add(kPrimaryRays);
     tracer_.locate_hits(view_, kernels_, hits, block);
-    timer.add(kGeometry);
-    shade_segment(block, hits, false, left, top, cost, timer);
+    shade_segment(block, hits, false, left, top);
   }
 
   /// Adds the light from water, sky, daylight and lamps along one segment of each path and at its end.
-  void shade_segment(Block& block, const HitPacket& hits, bool first, int left, int top, RenderCost& cost,
-                     TaskTimer& timer) {
+  void shade_segment(Block& block, const HitPacket& hits, bool first, int left, int top) {
     kernels_.apply_water(view_, block);
-    timer.add(kWater);
     if (first && view_.has_backscatter && view_.camera_in_water && view_.lamp_count > 0) {
       kernels_.add_glow(view_, left, top, block);
-      timer.add(kLampLight);
     }
     if (first) block.first_reach = block.reach;
-    if (scatters_ && first) block.veil = block.radiance;
     kernels_.add_sky(view_, block);
-    timer.add(kWater);
     if (any(block.lit)) {
       set_materials(block, hits);
       kernels_.shade_daylight(view_, block);
-      timer.add(kSurfaces);
-      if (any(block.needs_shadow_ray)) add_unless_shadowed(block, cost.sun_rays);
-      timer.add(kSunShadows);
+      if (any(block.needs_shadow_ray)) add_unless_shadowed(block);
       for (int lamp = 0; lamp < view_.lamp_count; ++lamp) {
         kernels_.shade_lamp(view_, lamp, block);
-        timer.add(kLampLight);
-        if (any(block.needs_shadow_ray)) add_unless_shadowed(block, cost.lamp_rays);
-        timer.add(kLampShadows);
+        if (any(block.needs_shadow_ray)) add_unless_shadowed(block);
       }
     }
   }
 
   /// Adds the light being tested where the shadow ray is not blocked.
-  void add_unless_shadowed(Block& block, std::uint64_t& rays) const {
+  void add_unless_shadowed(Block& block) const {
     BlockMask blocked{};
     if (on(Effect::kShadows)) {
-      rays += count(block.needs_shadow_ray);
       tracer_.occluded(block, blocked, RayOrder::kCoherent);
     }
     kernels_.add_unblocked_light(view_, blocked, block);
@@ -366,16 +326,13 @@ class Rendering {
     if (request_.keep_radiance) picture_.radiance.resize(3 * bands_[0].size());
     const camera::Development development = development_of(camera_, request_, scene_.seed(), picture_.gain);
     constexpr int kRows = 16;
-    for_rows((view_.height + kRows - 1) / kRows, threads_, [&](int band, int worker) {
-      TaskTimer timer(request_.measure, costs_[static_cast<std::size_t>(worker)]);
+    for_rows((view_.height + kRows - 1) / kRows, threads_, [&](int band, int) {
       const int first = band * kRows, last = std::min(view_.height, first + kRows);
       draw_particles(particles_, picture_.depth_m, view_, first, last, radiance_);
-      timer.add(kParticles);
       for (int row = first; row < last; ++row) {
         kernels_.develop_row(view_, development, radiance_, row, rgb);
         if (request_.keep_radiance) keep_radiance(row);
       }
-      timer.add(kDevelopment);
     });
   }
 
@@ -386,21 +343,13 @@ class Rendering {
     }
   }
 
-  RenderCost total_cost() const {
-    RenderCost total;
-    for (const RenderCost& cost : costs_) total.add(cost);
-    return total;
-  }
-
   const CameraScene& scene_;
   const Camera& camera_;
   const Optics& optics_;
   const PictureRequest& request_;
   int threads_;
-  int parts_ = 1;                  // of the exposure
-  bool is_middle_ = true;          // of these
-  std::vector<RenderCost> costs_;  // one per worker
-  TaskTimer timer_;
+  int parts_ = 1;          // of the exposure
+  bool is_middle_ = true;  // of these
   PreparedView prepared_;
   camera::View& view_;
   Tracer tracer_;
@@ -412,8 +361,6 @@ class Rendering {
   const bool keeps_geometry_;                             // without it, no particles can be drawn
   Picture picture_;
   std::array<ImageBuffer<float>, 3> bands_, exposed_;
-  bool scatters_ = false;
-  DirectLight direct_;
   camera::RadiancePlanes radiance_{};
   ShaftImage shafts_;
   std::optional<LampGlow> glow_;
@@ -424,8 +371,7 @@ class Rendering {
 
 }  // namespace
 
-Picture render(const CameraScene& scene, const Camera& camera, const Optics& optics, const PictureRequest& request,
-               RenderCost* cost) {
+Picture render(const CameraScene& scene, const Camera& camera, const Optics& optics, const PictureRequest& request) {
   optics.check();
   const Pose& pose = request.world_from_camera;
   const Eigen::Vector3d& eye = pose.position_m;
@@ -436,7 +382,7 @@ Picture render(const CameraScene& scene, const Camera& camera, const Optics& opt
     require(!(eye.z() < terrain->height_at(eye.x(), eye.y())), path, eye.transpose(), "must be above the ground");
   }
   require(request.record == nullptr || request.threads == 1, "threads", request.threads, "must be 1 to record rays");
-  return Rendering(scene, camera, optics, request).render(cost);
+  return Rendering(scene, camera, optics, request).render();
 }
 
 void render_colours(std::span<PictureJob> jobs, int threads, std::span<std::uint8_t> rgb) {

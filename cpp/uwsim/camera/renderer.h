@@ -8,7 +8,6 @@
 #include "uwsim/camera/optics.h"
 #include "uwsim/camera/picture.h"
 #include "uwsim/camera/picture_request.h"
-#include "uwsim/camera/render_cost.h"
 
 namespace uwsim {
 
@@ -19,8 +18,7 @@ namespace uwsim {
 /// reflected between surfaces are not modelled. Water and its effects end at the edge of the world's surface; a path is
 /// followed through the water's surface once. The bytes do not depend on the number of threads. Throws InvalidValue if
 /// the camera is below the ground; inside another solid, it sees the inside of that solid.
-Picture render(const CameraScene& scene, const Camera& camera, const Optics& optics, const PictureRequest& request,
-               RenderCost* cost = nullptr);
+Picture render(const CameraScene& scene, const Camera& camera, const Optics& optics, const PictureRequest& request);
 
 /// One of several pictures; without a scene, it is black.
 struct PictureJob {

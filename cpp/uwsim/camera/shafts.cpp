@@ -50,9 +50,8 @@ class ShaftCaster {
   /// A strip is half of a row of groups.
   int strips() const { return 2 * group_rows_; }
 
-  void cast_shadows(int strip, RenderCost& cost) {
-    TaskTimer timer(request_.measure, cost);
-    for_groups(strip, [&](int column, int row) { cast_shared(column, row, cost, timer); });
+  void cast_shadows(int strip) {
+    for_groups(strip, [&](int column, int row) { cast_shared(column, row); });
   }
 
   /// Each cell's shadows, mixed with those of its neighbours whose rays end about as far away: eight samples of a ray
@@ -78,16 +77,14 @@ class ShaftCaster {
     }
   }
 
-  void cast_light(int strip, RenderCost& cost) {
-    TaskTimer timer(request_.measure, cost);
+  void cast_light(int strip) {
     for_groups(strip, [&](int column, int row) {
       for (int part = 0; part < kShare * kShare; ++part) {
         const int left = column * kGroup + part % kShare * kBlockSide, top = row * kGroup + part / kShare * kBlockSide;
         const bool even = is_even_[static_cast<std::size_t>(row * group_columns_ + column)] != 0;
-        if (left < columns_ && top < rows_) sample(left, top, even, cost);
+        if (left < columns_ && top < rows_) sample(left, top, even);
       }
     });
-    timer.add(kWater);
   }
 
   /// The light, each value mixed with those of its neighbours whose rays end about as far away.
@@ -135,12 +132,11 @@ class ShaftCaster {
     kernels_.start_paths(view_, block);
   }
 
-  void cast_shared(int column, int row, RenderCost& cost, TaskTimer& timer) {
+  void cast_shared(int column, int row) {
     Block block;
     HitPacket hits;
     start_rays(column * kGroup, row * kGroup, kGroup / 2, kGroup, block);
     tracer_.cast(block, Tracer::everywhere(), hits, RayOrder::kCoherent);
-    cost.shaft_rays += count(block.active);
     tracer_.locate_hits(view_, kernels_, hits, block);
     const auto [least, most] = std::ranges::minmax(block.distance.at);
     // Also where all are infinite
@@ -158,11 +154,9 @@ class ShaftCaster {
       camera::BlockMask blocked{};
       kernels_.shaft_sample_point(view_, sample_share(static_cast<int>(k)), block);
       if (!any(block.needs_shadow_ray)) continue;
-      cost.shaft_rays += count(block.needs_shadow_ray);
       tracer_.occluded(block, blocked, RayOrder::kCoherent);
       for (std::size_t lane = 0; lane < kBlockPixels; ++lane) own[lane]->open[k] = blocked.at[lane] ? 0.0f : 1.0f;
     }
-    timer.add(kShaftRays);
   }
 
   /// The shadows at a value, between the nearest four cells.
@@ -185,7 +179,7 @@ class ShaftCaster {
   }
 
   /// Computes the block of values at (left, top).
-  void sample(int left, int top, bool is_even, RenderCost& cost) {
+  void sample(int left, int top, bool is_even) {
     Block block;
     start_rays(left, top, kBlockSide / 2, kBlockSide, block);
     for (int lane = 0; lane < kBlockPixels; ++lane)
@@ -194,7 +188,6 @@ class ShaftCaster {
     if (!is_even) {
       HitPacket hits;
       tracer_.cast(block, Tracer::everywhere(), hits, RayOrder::kCoherent);
-      cost.shaft_rays += count(block.active);
       tracer_.locate_hits(view_, kernels_, hits, block);
     }
     kernels_.apply_water(view_, block);
@@ -235,11 +228,10 @@ class ShaftCaster {
 }  // namespace
 
 ShaftImage cast_shafts(const camera::View& view, const Tracer& tracer, const camera::Kernels& kernels,
-                       const PictureRequest& request, std::vector<RenderCost>& costs) {
+                       const PictureRequest& request, int threads) {
   ShaftCaster caster(view, tracer, kernels, request);
   const auto for_strips = [&](auto step) {
-    for_rows(caster.strips(), static_cast<int>(costs.size()),
-             [&](int strip, int worker) { (caster.*step)(strip, costs[static_cast<std::size_t>(worker)]); });
+    for_rows(caster.strips(), threads, [&](int strip, int) { (caster.*step)(strip); });
   };
   for_strips(&ShaftCaster::cast_shadows);
   caster.blur();

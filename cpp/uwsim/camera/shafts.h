@@ -4,7 +4,6 @@
 
 #include "uwsim/camera/kernels/kernels.h"
 #include "uwsim/camera/picture_request.h"
-#include "uwsim/camera/render_cost.h"
 #include "uwsim/camera/tracer.h"
 
 namespace uwsim {
@@ -20,6 +19,6 @@ struct ShaftImage {
 /// answers are smoothed in the same way and interpolated: the edges of a shadow would otherwise be as many as the
 /// points.
 ShaftImage cast_shafts(const camera::View& view, const Tracer& tracer, const camera::Kernels& kernels,
-                       const PictureRequest& request, std::vector<RenderCost>& costs);
+                       const PictureRequest& request, int threads);
 
 }  // namespace uwsim

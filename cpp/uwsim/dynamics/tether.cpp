@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kShort = 0.5, kLong = 1.5;  // lengths of the first element, relative to the others'
 constexpr double kMostElements = 1000;
-constexpr std::size_t kKeptContacts = 1024, kKeptJoints = 16;  // with more, a step allocates memory
-constexpr double kReach = 1 + 1e-9;                            // for rounding
+constexpr std::size_t kKeptContacts = 1024;  // with more, a step allocates memory
+constexpr double kReach = 1 + 1e-9;          // for rounding
 // A tether that is laid settles in steps, each from rest, which grow while they can be solved.
 constexpr double kFirstSettling_s = 0.02, kLastSettling_s = 20, kGrows = 1.5, kShrinks = 0.3, kSettled_m = 1e-6;
 constexpr int kSettlings = 400;
@@ -81,14 +81,6 @@ void Tether::Search::resize(std::size_t most) {
   for (std::vector<Eigen::Vector3d>* vectors : {&found, &from, &way}) vectors->resize(most);
 }
 
-void Tether::Joints::reserve(std::size_t most) {
-  all.reserve(kKeptJoints);
-  ways.resize(3 * kKeptJoints);
-  for (std::vector<Eigen::Vector3d>& way : ways) way.reserve(most);
-  for (std::vector<double>* values : {&matrix, &forces}) values->reserve(9 * kKeptJoints * kKeptJoints);
-  pivots.reserve(3 * kKeptJoints);
-}
-
 Tether::Tether(const TetherSpec& spec, const World& world, std::span<const MovedBody> bodies)
     : spec_((spec.check(), spec)),
       terrain_(world.terrain()),
@@ -102,7 +94,6 @@ Tether::Tether(const TetherSpec& spec, const World& world, std::span<const Moved
   for (std::vector<Eigen::Vector3d>* vectors : {&next_, &gradient_, &change_}) vectors->resize(most);
   line_.resize(most);
   search_.resize(most);
-  joints_.reserve(most);
   contacts_.reserve(kKeptContacts);
   hessian_.resize(most);
   flow_.resize(most);

@@ -21,8 +21,7 @@ namespace uwsim {
 /// A tether of lumped masses: nodes with half of the mass of the elements beside them, as in MoorDyn (Hall and Goupee
 /// 2015, Ocean Engineering 104:590). Elements have axial stiffness and damping in tension only; bending stiffness acts
 /// between neighbours; Morison's drag and added mass, weight and buoyancy act on the nodes, as does the bed, with
-/// Coulomb friction. Elements touch solids, hulls and each other
-/// (TetherContactFinder).
+/// Coulomb friction. Elements touch solids and hulls (TetherContactFinder).
 ///
 /// A step is backward Euler's. With directions, masses and friction's normal forces as at its start, each force is the
 /// gradient of a convex potential of the nodes' next positions, so that the step is the minimum of a strictly convex
@@ -33,7 +32,7 @@ namespace uwsim {
 /// exactly.
 ///
 /// A contact is a plane, frozen in a step, that pushes in proportion to the overlap: so stiff that twice the breaking
-/// load, the most that it bears where the tether turns back on itself, overlaps by half of a radius. A hull at it is a
+/// load, the most that it bears where the tether turns back, overlaps by half of a radius. A hull at it is a
 /// mass that gives way, decoupled from its other contacts; what it gains is what the tether loses. Friction is
 /// Coulomb's, by the normal force at the step's start, regularized: below kCreep_m_s it grows linearly with the speed
 /// (Armstrong-Helouvry et al. 1994, Automatica 30:1083). Both are parts of the same convex function.
@@ -138,19 +137,6 @@ class Tether {
     double low_m, high_m, tension_n;
   };
 
-  /// A contact of the tether with itself in an iteration, and the derivative of its force.
-  struct Joint {
-    const TetherContact* contact;
-    Eigen::Matrix3d stiffness;
-  };
-  /// All of them, and their equations, see factor_joints().
-  struct Joints {
-    std::vector<Joint> all;
-    std::vector<std::vector<Eigen::Vector3d>> ways;  // how the tether moves under a unit force at a joint
-    std::vector<double> matrix, forces;              // by rows
-    std::vector<std::size_t> pivots;
-    void reserve(std::size_t most);
-  };
   /// The nodes as a line, at the start of the step: for the flow, and for the search for contacts.
   struct Line {
     std::vector<Eigen::Vector3d> points, targets;  // where they are, and where they would go without contacts
@@ -179,7 +165,7 @@ class Tether {
   void add_contacts(bool with_hessian);
   void press_contacts();
   void push_hulls(std::span<MovedBody> bodies);
-  Eigen::Vector3d between(const std::vector<Eigen::Vector3d>& nodes, const TetherContact& contact) const;
+  static Eigen::Vector3d place(const std::vector<Eigen::Vector3d>& nodes, const TetherContact& contact);
   std::string first_crossed() const;
   bool crosses_cover() const;
   bool may_meet_solids(const Eigen::Vector3d& first, const Eigen::Vector3d& second) const;
@@ -200,9 +186,6 @@ class Tether {
   double find_change_again(double step_s);
   double solve_factored();
   void solve_band(std::vector<Eigen::Vector3d>& x) const;
-  void factor_joints();
-  void factor_joint_matrix();
-  void solve_joints();
   bool refine(double step_s, double last_m);
   void take(double share);
   void assemble(double step_s, bool with_hessian = true);
@@ -238,7 +221,6 @@ class Tether {
   Search search_;
   BlockBand hessian_;
   std::vector<TetherContact> contacts_;
-  Joints joints_;
   Line line_;
   FlowAlong flow_;
   std::array<End, 2> ends_;

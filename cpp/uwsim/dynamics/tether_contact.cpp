@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace uwsim {
@@ -11,8 +10,6 @@ namespace {
 constexpr double kTiny_m = 1e-9, kSame_m = 1e-3, kSameWay = 0.9999, kConeSine = 1e-3;
 constexpr double kOnHull_m = 0.05;  // a tether that is fastened no deeper is fastened on the hull
 constexpr int kCuts = 24;
-constexpr std::size_t kPart = 8;             // elements whose boxes are compared first
-constexpr double kApart = 4;                 // diameters of tether that lie between elements that may touch
 constexpr std::size_t kKeptTriangles = 256;  // of a solid near an element; a step that needs more allocates
 
 /// The points of two segments that are closest to each other, as shares of their lengths.
@@ -61,7 +58,6 @@ bool passes(const Eigen::Vector3d& from, const Eigen::Vector3d& way, const Eigen
 
 TetherContactFinder::TetherContactFinder(const World& world, const TetherSpec& spec, std::span<const MovedBody> bodies)
     : fixed_(fixed_surfaces(world)), spec_(spec), stack_(std::make_shared<SolidTriangles::Stack>()) {
-  parts_.reserve(spec_.tubes() / kPart + 1);
   for (std::size_t k = 0; k < std::min<std::size_t>(2, world.solids().size()); ++k)
     patches_.emplace_back().reserve(kKeptTriangles);
   set_bodies(bodies);
@@ -136,86 +132,6 @@ void TetherContactFinder::find(const TetherLine& line, std::span<const MovedBody
   const WorldBox whole = box_of(0, line.points_m.size() - 2);
   if (may_touch(whole)) find_solids(whole);
   find_hulls(whole, bodies);
-  find_itself();
-}
-
-/// Parts of the tether whose boxes meet, and parts next to each other that are folded, or one.
-void TetherContactFinder::find_itself() {
-  const std::size_t count = line_.points_m.size() - 1;
-  parts_.clear();
-  for (std::size_t i = 0; i < count; i += kPart) parts_.push_back(box_of(i, std::min(i + kPart, count) - 1));
-  struct Ball {
-    Eigen::Vector3d middle_m;
-    double radius_m;
-  };
-  std::array<Ball, 2 * kPart> balls;
-  const auto enclose = [&](std::size_t begin, std::size_t end, std::size_t first_ball) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Eigen::Vector3d &from = line_.points_m[i], &to = line_.points_m[i + 1];
-      balls[first_ball + i - begin] = {0.5 * (from + to), 0.5 * (to - from).norm() + line_.reach_m[i]};
-    }
-  };
-  const auto meet_parts = [&](std::size_t a, std::size_t b) {
-    const std::size_t begin_a = a * kPart, end_a = std::min(begin_a + kPart, count);
-    const std::size_t begin_b = b * kPart, end_b = std::min(begin_b + kPart, count);
-    enclose(begin_a, end_a, 0);
-    enclose(begin_b, end_b, kPart);
-    for (std::size_t i = begin_a; i < end_a; ++i) {
-      const Ball& one = balls[i - begin_a];
-      for (std::size_t j = std::max(i + 2, begin_b); j < end_b; ++j) {
-        const Ball& other = balls[kPart + j - begin_b];
-        const double near_m = one.radius_m + other.radius_m;
-        if ((one.middle_m - other.middle_m).squaredNorm() < near_m * near_m) meet_itself(i, j);
-      }
-    }
-  };
-  for (std::size_t a = 0; a < parts_.size(); ++a) {
-    const bool is_last = a + 1 == parts_.size();
-    if (is_folded(a * kPart, std::min((a + 2) * kPart, count) - 1)) {
-      if (is_last || is_folded(a * kPart, (a + 1) * kPart - 1)) meet_parts(a, a);
-      if (!is_last) meet_parts(a, a + 1);
-    }
-    for (std::size_t b = a + 2; b < parts_.size(); ++b) {
-      if (parts_[a].meets(parts_[b])) meet_parts(a, b);
-    }
-  }
-}
-
-/// False if the elements lead on in one direction, each by more than a contact's reach.
-bool TetherContactFinder::is_folded(std::size_t first, std::size_t last) const {
-  const Eigen::Vector3d way = line_.points_m[last + 1] - line_.points_m[first];
-  const double reach_m = *std::max_element(line_.reach_m.begin() + static_cast<std::ptrdiff_t>(first),
-                                           line_.reach_m.begin() + static_cast<std::ptrdiff_t>(last) + 1);
-  const double least_m2 = 2 * reach_m * way.norm();
-  for (std::size_t i = first; i <= last; ++i) {
-    if (way.dot(line_.points_m[i + 1] - line_.points_m[i]) <= least_m2) return true;
-  }
-  return false;
-}
-
-void TetherContactFinder::meet_itself(std::size_t element, std::size_t other) {
-  if (element == line_.broken || other == line_.broken) return;
-  const double diameter_m = spec_.diameter_m;
-  if (line_.from_m[other] - line_.from_m[element + 1] < kApart * diameter_m) return;
-  const Eigen::Vector3d &from = line_.points_m[element], &from2 = line_.points_m[other];
-  const Eigen::Vector3d way = line_.points_m[element + 1] - from, way2 = line_.points_m[other + 1] - from2;
-  const double reach_m = line_.reach_m[element] + line_.reach_m[other] - diameter_m;
-  if (way.norm() < kTiny_m || way2.norm() < kTiny_m) return;
-  const auto [share, other_share] = closest(from, way, from2, way2);
-  if ((share >= 1 && !owns_end(element)) || (other_share >= 1 && !owns_end(other))) return;
-  Eigen::Vector3d off = from + share * way - from2 - other_share * way2;
-  const double gap_m = off.norm();
-  if (gap_m > reach_m) return;
-  if (gap_m < kTiny_m) off = way.cross(way2);
-  if (off.norm() < kTiny_m * kTiny_m) return;
-  TetherContact& made = contacts_->emplace_back();
-  made.element = element;
-  made.share = share;
-  made.other = other;
-  made.other_share = other_share;
-  made.point_world_m = made.moves_m = Eigen::Vector3d::Zero();
-  made.normal_world = off.normalized();
-  made.body = TetherEnd::kNoBody;
 }
 
 void TetherContactFinder::find_solids(const WorldBox& whole) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -15,17 +14,12 @@
 namespace uwsim {
 
 /// A place where an element of a tether touches, or may in this step: a plane that its axis stays a radius away from.
-/// Where it touches another element of the tether, positions are relative to the place there, from which the axis stays
-/// a diameter away.
 struct TetherContact {
-  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   std::size_t element;
   double share;                                 ///< of the element's length, from its first node
   Eigen::Vector3d point_world_m, normal_world;  ///< on the surface; towards the tether
   Eigen::Vector3d moves_m;                      ///< the surface, in this step
-  std::uint64_t body;                           ///< TetherEnd::kNoBody: a solid, or the tether itself
-  std::size_t other = kNone;                    ///< the element of the tether itself
-  double other_share = 0;
+  std::uint64_t body;                           ///< TetherEnd::kNoBody: a solid
   // In the step under way:
   double level_m = 0, stiffness = 0, force_n = 0, inertia = 0;
   double friction_n = 0, friction_stiffness = 0;
@@ -33,7 +27,6 @@ struct TetherContact {
   Eigen::Vector3d slide_n = Eigen::Vector3d::Zero();
   Eigen::Matrix3d slide_stiffness = Eigen::Matrix3d::Zero();
   bool is_pressed = false, slides = false;
-  bool is_itself() const { return other != kNone; }
 };
 
 /// A tether as the finder sees it.
@@ -45,14 +38,12 @@ struct TetherLine {
   double step_s;                              ///< in which hulls move on
 };
 
-/// Finds where a tether comes close to solids, hulls and itself. The result depends on its arguments only.
+/// Finds where a tether comes close to solids and hulls. The result depends on its arguments only.
 ///
 /// Its elements meet the features of a solid's surface, as bodies do (surface_contact.h): nodes meet triangles,
 /// elements convex edges and peaks. A hull is the intersection of its faces' half spaces. Within `hull radius +
 /// distance of its end` of its own vehicle, a tether that is fastened inside the hull passes through that; fastened on
 /// it, only its last element does.
-///
-/// Two of its elements meet where their axes are closest, unless less than a few diameters of tether lie between them.
 class TetherContactFinder {
  public:
   TetherContactFinder(const World& world, const TetherSpec& spec, std::span<const MovedBody> bodies);
@@ -70,9 +61,6 @@ class TetherContactFinder {
  private:
   void find_solids(const WorldBox& whole);
   void find_hulls(const WorldBox& whole, std::span<const MovedBody> bodies);
-  void find_itself();
-  void meet_itself(std::size_t element, std::size_t other);
-  bool is_folded(std::size_t first, std::size_t last) const;
   void meet_node(std::size_t element, double share, const SurfacePatch& patch);
   void meet_edge(std::size_t element, const SurfaceEdge& edge);
   void meet_peak(std::size_t element, const SurfacePatch& patch, const SurfacePeak& peak);
@@ -94,7 +82,6 @@ class TetherContactFinder {
   ContactBudget budget_;
   std::shared_ptr<SolidTriangles::Stack> stack_;
   std::vector<SurfacePatch> patches_;
-  std::vector<WorldBox> parts_;
   std::vector<TetherContact>* contacts_ = nullptr;
 };
 

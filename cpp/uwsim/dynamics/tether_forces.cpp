@@ -49,7 +49,7 @@ void Tether::be_consistent() {
     f.tension_n = i == broken_ ? 0 : std::max(0.0, tension_n);
   }
   for (TetherContact& c : contacts_) {
-    const Eigen::Vector3d at = between(next_, c), slip = at - c.held_m;
+    const Eigen::Vector3d at = place(next_, c), slip = at - c.held_m;
     c.force_n = std::max(0.0, c.stiffness * (c.level_m - c.normal_world.dot(at)));
     c.grip_n = c.friction_stiffness * (slip - c.normal_world.dot(slip) * c.normal_world);
     const double size = c.grip_n.norm();

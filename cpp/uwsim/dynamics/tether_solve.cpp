@@ -97,7 +97,6 @@ double Tether::find_change(double step_s) {
   } else {
     hessian_.factor(rows);
   }
-  factor_joints();
   return solve_factored();
 }
 
@@ -119,7 +118,6 @@ double Tether::solve_factored() {
   const std::size_t rows = nodes_.size();
   for (std::size_t i = 0; i < rows; ++i) change_[i] = -gradient_[i];
   solve_band(change_);
-  solve_joints();
   double largest = 0;
   for (std::size_t i = 0; i < rows; ++i) largest = std::max(largest, change_[i].cwiseAbs().maxCoeff());
   return largest;

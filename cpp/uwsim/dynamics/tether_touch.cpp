@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "uwsim/dynamics/point_jacobian.h"
 #include "uwsim/dynamics/tether.h"
@@ -19,81 +18,8 @@ constexpr double kLeast_n = 1e-9;
 
 }  // namespace
 
-Eigen::Vector3d Tether::between(const std::vector<Eigen::Vector3d>& nodes, const TetherContact& contact) const {
-  const Eigen::Vector3d at = (1 - contact.share) * nodes[contact.element] + contact.share * nodes[contact.element + 1];
-  if (!contact.is_itself()) return at;
-  return at - (1 - contact.other_share) * nodes[contact.other] - contact.other_share * nodes[contact.other + 1];
-}
-
-/// Where the tether touches itself, its matrix A has terms W^T H W outside of the band, W the relative motion of such
-/// places. By the formula of Woodbury, (A + W^T H W)^-1 b = y - A^-1 W^T (1 + H W A^-1 W^T)^-1 H W y, y = A^-1 b.
-void Tether::factor_joints() {
-  if (joints_.all.empty()) return;
-  const std::size_t rows = nodes_.size(), count = 3 * joints_.all.size();
-  if (joints_.ways.size() < count) joints_.ways.resize(count);
-  joints_.matrix.assign(count * count, 0);
-  for (std::size_t k = 0; k < count; ++k) {
-    std::vector<Eigen::Vector3d>& way = joints_.ways[k];
-    way.assign(rows, Eigen::Vector3d::Zero());
-    const TetherContact& c = *joints_.all[k / 3].contact;
-    const auto axis = static_cast<Eigen::Index>(k % 3);
-    way[c.element](axis) += 1 - c.share;
-    way[c.element + 1](axis) += c.share;
-    way[c.other](axis) -= 1 - c.other_share;
-    way[c.other + 1](axis) -= c.other_share;
-    for (const std::size_t end : {0u, 1u}) {
-      if (ends_[end].is_fixed) way[end == 0 ? 0 : rows - 1].setZero();
-    }
-    solve_band(way);
-    for (std::size_t n = 0; n < joints_.all.size(); ++n) {
-      const Eigen::Vector3d part = joints_.all[n].stiffness * between(way, *joints_.all[n].contact);
-      for (std::size_t m = 0; m < 3; ++m) {
-        const std::size_t row = 3 * n + m;
-        joints_.matrix[row * count + k] = part(static_cast<Eigen::Index>(m)) + (row == k ? 1 : 0);
-      }
-    }
-  }
-  factor_joint_matrix();
-}
-
-/// Gaussian elimination with partial pivoting, in place (Golub and Van Loan 2013, "Matrix Computations", 3.4).
-void Tether::factor_joint_matrix() {
-  const std::size_t count = 3 * joints_.all.size();
-  joints_.pivots.resize(count);
-  const auto at = [&](std::size_t row, std::size_t column) -> double& { return joints_.matrix[row * count + column]; };
-  for (std::size_t c = 0; c < count; ++c) {
-    std::size_t pivot = c;
-    for (std::size_t r = c + 1; r < count; ++r) {
-      if (std::abs(at(r, c)) > std::abs(at(pivot, c))) pivot = r;
-    }
-    joints_.pivots[c] = pivot;
-    for (std::size_t k = 0; pivot != c && k < count; ++k) std::swap(at(c, k), at(pivot, k));
-    for (std::size_t r = c + 1; r < count; ++r) {
-      const double factor = at(r, c) /= at(c, c);
-      for (std::size_t k = c + 1; k < count; ++k) at(r, k) -= factor * at(c, k);
-    }
-  }
-}
-
-void Tether::solve_joints() {
-  if (joints_.all.empty()) return;
-  const std::size_t count = 3 * joints_.all.size();
-  joints_.forces.resize(count);
-  for (std::size_t n = 0; n < joints_.all.size(); ++n) {
-    const Eigen::Vector3d part = joints_.all[n].stiffness * between(change_, *joints_.all[n].contact);
-    std::copy_n(part.data(), 3, joints_.forces.begin() + static_cast<std::ptrdiff_t>(3 * n));
-  }
-  for (std::size_t c = 0; c < count; ++c) std::swap(joints_.forces[c], joints_.forces[joints_.pivots[c]]);
-  for (std::size_t r = 1; r < count; ++r) {
-    for (std::size_t c = 0; c < r; ++c) joints_.forces[r] -= joints_.matrix[r * count + c] * joints_.forces[c];
-  }
-  for (std::size_t r = count; r-- > 0;) {
-    for (std::size_t c = r + 1; c < count; ++c) joints_.forces[r] -= joints_.matrix[r * count + c] * joints_.forces[c];
-    joints_.forces[r] /= joints_.matrix[r * count + r];
-  }
-  for (std::size_t k = 0; k < count; ++k) {
-    for (std::size_t i = 0; i < nodes_.size(); ++i) change_[i] -= joints_.forces[k] * joints_.ways[k][i];
-  }
+Eigen::Vector3d Tether::place(const std::vector<Eigen::Vector3d>& nodes, const TetherContact& contact) {
+  return (1 - contact.share) * nodes[contact.element] + contact.share * nodes[contact.element + 1];
 }
 
 /// Finds the contacts of the step, after freeze(), from the nodes' positions and where they would go.
@@ -113,18 +39,18 @@ void Tether::freeze_contacts(std::span<const MovedBody> bodies, double step_s, d
   finder_.find(line, bodies, contacts_);
   for (TetherContact& contact : contacts_) freeze_contact(contact, step_s);
   std::erase_if(contacts_, [&](const TetherContact& contact) {  // those that it would not reach
-    const Eigen::Vector3d target = between(line_.targets, contact);
-    const double spare_m = least_reach_m + 0.5 * (target - between(line_.points, contact)).norm();
+    const Eigen::Vector3d target = place(line_.targets, contact);
+    const double spare_m = least_reach_m + 0.5 * (target - place(line_.points, contact)).norm();
     return contact.normal_world.dot(target) > contact.level_m + spare_m;
   });
 }
 
 void Tether::freeze_contact(TetherContact& contact, double step_s) {
-  const double radius = spec_.diameter_m / 2, apart_m = contact.is_itself() ? 2 * radius : radius;
+  const double radius = spec_.diameter_m / 2;
   const double most_n = std::min({spec_.breaking_load_n, kMostStrain * spec_.axial_stiffness_n, kMost_n});
-  const Eigen::Vector3d at = between(line_.points, contact), &normal = contact.normal_world;
+  const Eigen::Vector3d at = place(line_.points, contact), &normal = contact.normal_world;
   const double depth =
-      std::min(normal.dot(contact.point_world_m - at) + apart_m, std::max(kOverlap * radius, kParts_m_s * step_s));
+      std::min(normal.dot(contact.point_world_m - at) + radius, std::max(kOverlap * radius, kParts_m_s * step_s));
   contact.stiffness = 2 * most_n / (kOverlap * radius);
   contact.level_m = normal.dot(at + contact.moves_m) + depth;
   contact.force_n = contact.stiffness * std::max(0.0, depth);
@@ -135,7 +61,7 @@ void Tether::freeze_contact(TetherContact& contact, double step_s) {
   const double share = contact.share;
   const double mass =
       (1 - share) * frozen_[contact.element].normal_mass + share * frozen_[contact.element + 1].normal_mass;
-  contact.inertia = (contact.is_itself() ? 0.5 : 1) * mass / (step_s * step_s);
+  contact.inertia = mass / (step_s * step_s);
 }
 
 /// A hull gives way in the step like a spring in series, as stiff as its mass is inert. Those of its contacts share
@@ -166,9 +92,8 @@ void Tether::yield_hulls(std::span<const MovedBody> bodies, const WaterField& wa
 /// A contact presses, and its friction slides, as pull() judges of elements: by the force of the last iteration, and,
 /// as if it were no stiffer than the tether's inertia, by how far its place is from the one at that force.
 void Tether::add_contacts(bool with_hessian) {
-  if (with_hessian) joints_.all.clear();
   for (TetherContact& c : contacts_) {
-    const Eigen::Vector3d at = between(next_, c);
+    const Eigen::Vector3d at = place(next_, c);
     const double weights[] = {1 - c.share, c.share}, depth = c.level_m - c.normal_world.dot(at);
     const double inertia = std::min(c.stiffness, c.inertia);
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
@@ -203,12 +128,6 @@ void Tether::add_contacts(bool with_hessian) {
     }
     is_same_ = is_same_ && c.slides == slid;
     for (const std::size_t k : {0u, 1u}) gradient_[c.element + k] -= weights[k] * force;
-    if (c.is_itself()) {
-      gradient_[c.other] += (1 - c.other_share) * force;
-      gradient_[c.other + 1] += c.other_share * force;
-      if (with_hessian && (c.is_pressed || c.friction_n > kLeast_n)) joints_.all.push_back({&c, h});
-      continue;
-    }
     if (!with_hessian) continue;
     for (const std::size_t k : {0u, 1u}) {
       hessian_.diagonal[c.element + k] += weights[k] * weights[k] * h;
@@ -220,10 +139,10 @@ void Tether::add_contacts(bool with_hessian) {
 /// After an iteration.
 void Tether::press_contacts() {
   for (TetherContact& c : contacts_) {
-    const double depth = c.level_m - c.normal_world.dot(between(next_, c));
+    const double depth = c.level_m - c.normal_world.dot(place(next_, c));
     c.force_n = c.is_pressed ? std::max(0.0, c.stiffness * depth) : 0;
     if (c.friction_n <= kLeast_n) continue;
-    c.grip_n = c.slide_n + c.slide_stiffness * between(change_, c);
+    c.grip_n = c.slide_n + c.slide_stiffness * place(change_, c);
     const double size = c.grip_n.norm();
     if (size > c.friction_n) c.grip_n *= c.friction_n / size;
   }

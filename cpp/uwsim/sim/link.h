@@ -21,7 +21,6 @@ struct LinkSpec {
   NoiseSources noise;
   FluidBottom bottom;
   double acidity_ph = 8;
-  std::vector<std::uint64_t> relays;  ///< the relay of each node, 0 for none (PacketNetwork); may be empty
   std::vector<LinkFault> faults;
 
   /// Throws InvalidValue naming link.<field>.

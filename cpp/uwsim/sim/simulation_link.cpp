@@ -48,7 +48,7 @@ void Simulation::set_link(const LinkSpec& spec) {
   spec.check();
   require(!link_, "link", "set", "can be set once");
   link_.emplace(Link{spec,
-                     PacketNetwork(spec.modem, 1 + vehicles_.size(), spec.faults, spec_.seed, step_ns_, spec.relays),
+                     PacketNetwork(spec.modem, 1 + vehicles_.size(), spec.faults, spec_.seed, step_ns_),
                      LinkWater(spec, world_.water),
                      {}});
   for (Vehicle& vehicle : vehicles_) vehicle.sensors.use_link(spec.modem.kind == LinkKind::kModem);

@@ -19,7 +19,7 @@ from uwsim.link import remote
 from uwsim.link.carried import Carried, carried_channels, is_chosen
 from uwsim.link.offline import Offline
 from uwsim.link.ranging import ranging_share
-from uwsim.link.rates import send_rates, sharers
+from uwsim.link.rates import send_rates
 from uwsim.link.seen import seen_channels
 from uwsim.link.turns import Turn, turns
 from uwsim.live import LiveSimulator
@@ -226,8 +226,7 @@ class Carrier:
         for vehicle in sim.vehicles:
             own = [one for one in outgoing if one.vehicle == vehicle]
             taken = ranging_share(sim, vehicle, modem, access, nodes)
-            shared_by = sharers(self._setup.relays, vehicle, sim.vehicles)
-            rates |= send_rates(own, sizes, modem, access, nodes, times=times, taken=taken, shared_by=shared_by)
+            rates |= send_rates(own, sizes, modem, access, nodes, times=times, taken=taken)
         return rates
 
     @property

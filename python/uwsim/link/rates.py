@@ -34,17 +34,6 @@ def airtime_share(modem: ModemModel, access: Access, nodes: int) -> float:
     return modem.slot_s / (modem.slot_s + modem.guard_s) / nodes
 
 
-def sharers(relays: Mapping[str, str], vehicle: str, vehicles: Iterable[str]) -> int:
-    """Return the number of vehicles, including this one, whose messages reach the station through the same relay."""
-
-    def last(name: str) -> str:
-        while name in relays:
-            name = relays[name]
-        return name
-
-    return sum(last(other) == last(vehicle) for other in vehicles)
-
-
 def airtime_s(modem: ModemModel, access: Access, size: int) -> float:
     """Return the time [s] for which a message of `size` bytes occupies the modem. TDMA packets do not span slots."""
     full, rest = divmod(size, modem.packet_bytes)
@@ -64,7 +53,6 @@ def send_rates(
     *,
     times: Mapping[str, int] | None = None,
     taken: float = 0.0,
-    shared_by: int = 1,
 ) -> dict[str, float]:
     """Return the rates [Hz] of a vehicle's channels, keyed by name, without the channels that cannot be sent.
 
@@ -72,10 +60,9 @@ def send_rates(
     remaining capacity. The last priority that gets any capacity also gets the unused capacity. Pictures take turns, so
     the rate returned for each of them is the rate of all pictures together. sizes: packed message sizes in bytes.
     times: how many times each message is sent, by default once. taken: share of time used by the vehicle's instruments.
-    shared_by: number of vehicles whose messages pass the same relay. Acknowledgements and retransmissions are not
-    allowed for.
+    Acknowledgements and retransmissions are not allowed for.
     """
-    left = max(airtime_share(modem, access, nodes) / shared_by - taken, 0.0)
+    left = max(airtime_share(modem, access, nodes) - taken, 0.0)
     times = times or {}
     rates: dict[str, float] = {}
     grown: dict[str, float] = {}

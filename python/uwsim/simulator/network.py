@@ -74,7 +74,7 @@ class Network:
         """
         if scenario.link is None:
             return None
-        spec = link_spec(scenario.link, scenario.station, world, [vehicle.name for vehicle in scenario.vehicles])
+        spec = link_spec(scenario.link, scenario.station, world)
         if spec is None:
             return None
         core.set_link(spec)

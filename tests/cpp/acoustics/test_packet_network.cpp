@@ -7,22 +7,10 @@
 #include <vector>
 
 #include "acoustics/ring_network.h"
-#include "uwsim/acoustics/modem/network_trial.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {
 namespace {
-
-NetworkTrial trial_of(const ModemSpec& modem, std::size_t nodes, double rate_1_s, double seconds) {
-  NetworkTrial trial;
-  trial.modem = modem;
-  trial.nodes = nodes;
-  trial.rate_1_s = rate_1_s;
-  trial.seconds = seconds;
-  trial.bytes = 60;
-  trial.seed = 3;
-  return trial;
-}
 
 TEST(PacketNetwork, AMessageArrivesAfterItsTravelTimeAndItsDuration) {
   Network run(aloha());
@@ -107,15 +95,14 @@ TEST(PacketNetwork, PureAlohaDeliversGExpMinus2GAndPeaksNear18Percent) {
   // Abramson 1970: S = G exp(-2 G). Many nodes are used, so that few of them have two packets at a time.
   const double packet_s = aloha().packet_s(60);
   for (const double load : {0.1, 0.25, 0.5, 1.0}) {
-    NetworkTrial trial = trial_of(aloha(), 41, load / 40 / packet_s, 6000);
-    trial.step_s = 0.02;  // a 25th of a packet
-    const TopicCounts counts = run_trial(trial);
+    const RandomLoad random{.modem = aloha(), .step_s = 0.02};  // a 25th of a packet
+    const TopicCounts counts = random.counts(41, load / 40 / packet_s, 6000);
     EXPECT_NEAR(static_cast<double>(counts.delivered) * packet_s / 6000, load * std::exp(-2 * load), 0.012) << load;
   }
 }
 
 TEST(PacketNetwork, TdmaNeverCollides) {
-  const TopicCounts all = run_trial(trial_of(tdma(), 5, 2.0, 600));  // far more than the channel can carry
+  const TopicCounts all = RandomLoad{.modem = tdma()}.counts(5, 2.0, 600);  // far more than the channel can carry
   EXPECT_EQ(all.lost[static_cast<std::size_t>(Loss::kCollision)] + all.lost[static_cast<std::size_t>(Loss::kDeaf)], 0u);
   // Four of five slots are used, one packet each.
   EXPECT_NEAR(static_cast<double>(all.delivered), 600 / 0.75 * 0.8, 6);
@@ -127,9 +114,7 @@ TEST(PacketNetwork, AQueueWaitsAsLongAsPollaczekAndKhinchineSay) {
   cable.kind = LinkKind::kCable;
   const double service = cable.packet_s(60);
   for (const double rho : {0.3, 0.6, 0.8}) {
-    NetworkTrial trial = trial_of(cable, 2, rho / service, 40000);
-    trial.heard.delay_s = 0;
-    const TopicCounts counts = run_trial(trial);
+    const TopicCounts counts = RandomLoad{.modem = cable, .delay_s = 0}.counts(2, rho / service, 40000);
     const double load = static_cast<double>(counts.given) * service / 40000;  // actual value of the random draws
     const double mean = counts.delay_s / static_cast<double>(counts.delivered) - service;
     EXPECT_NEAR(mean / (load / (2 * (1 - load)) * service), 1, 0.05) << "rho = " << rho;

@@ -31,7 +31,7 @@ Picture picture(const CameraScene& scene, int right_px, int down_px) {
                                Eigen::Quaterniond(Eigen::AngleAxisd(-0.5, Eigen::Vector3d::UnitY()))};
   request.keep_radiance = true;
   // These share work between neighbouring pixels, by design.
-  for (const Effect shared : {Effect::kShafts, Effect::kForwardScatter, Effect::kParticles}) {
+  for (const Effect shared : {Effect::kShafts, Effect::kParticles}) {
     request.effects.set(shared, false);
   }
   Optics optics;

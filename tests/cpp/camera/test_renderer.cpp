@@ -134,7 +134,6 @@ TEST_F(Renderer, EveryEffectChangesThePictureButNotItsGeometry) {
   PictureRequest request = from({-1, 0, -4.5}, 0.25);
   request.velocity_camera << 0.5, 0.2, 0, 0, 0, 0.3;
   camera = std::make_unique<Camera>("test", camera->lens(), moving_sensor());
-  optics.forward_scatter_rad = 0.03;
   const Picture whole = render(scene, *camera, optics, request);
   for (std::size_t k = 0; k < kEffectNames.size(); ++k) {
     request.effects = Effects::all();
@@ -252,7 +251,7 @@ TEST_F(Renderer, ShaftsDoNotLeakAroundNearSolids) {
   const CameraScene other(with_pillar, std::make_shared<RayScene>(with_pillar), 7);
   PictureRequest request = from({-4, 0, -3}, -0.3);
   request.lamps.clear();
-  for (const Effect effect : {Effect::kShadows, Effect::kParticles, Effect::kNoise, Effect::kForwardScatter}) {
+  for (const Effect effect : {Effect::kShadows, Effect::kParticles, Effect::kNoise}) {
     request.effects.set(effect, false);
   }
   optics.wind_m_s = 8;
@@ -279,7 +278,7 @@ TEST_F(Renderer, ShadowsInTheWaterHaveNoSteps) {
   const CameraScene roofed(with_roof, std::make_shared<RayScene>(with_roof), 7);
   PictureRequest request = from({-4, 0, -3}, -0.3);
   request.lamps.clear();
-  for (const Effect effect : {Effect::kCaustics, Effect::kParticles, Effect::kNoise, Effect::kForwardScatter})
+  for (const Effect effect : {Effect::kCaustics, Effect::kParticles, Effect::kNoise})
     request.effects.set(effect, false);
   const Picture with = render(roofed, *camera, optics, request);
   request.effects.set(Effect::kShafts, false);
@@ -352,17 +351,28 @@ std::size_t steps_between(const Picture& a, const Picture& b) {
   return differing;
 }
 
+/// How many rays of a picture test for a shadow, or how many do not.
+double rays_of(const RayRecord& record, bool for_shadow) {
+  std::ptrdiff_t rays = 0;
+  for (const RayRecord::Packet& packet : record.packets) {
+    if (((packet.kind & 1) != 0) == for_shadow) rays += std::ranges::count(packet.active, -1);
+  }
+  return static_cast<double>(rays);
+}
+
 // Light that hardly matters is not tested for shadows. Compared with testing all light, fewer rays are cast, and few
 // pixels change, by one step.
 TEST_F(Renderer, WeakLightNeedsNoShadowTest) {
   for (const auto& [eye, pitch] : {std::pair(Eigen::Vector3d(-4, 0, -4), 0.3), {Eigen::Vector3d(-1, 0, -4.5), 0.1}}) {
     PictureRequest request = from(eye, pitch);
     request.world_from_vehicles = {{eye + Eigen::Vector3d(2.5, -0.6, -0.3), Eigen::Quaterniond::Identity()}};
-    RenderCost fewer, all;
-    const Picture picture = render(scene, *camera, optics, request, &fewer);
+    RayRecord fewer, all;
+    request.record = &fewer;
+    const Picture picture = render(scene, *camera, optics, request);
     request.untested_share = 0;
-    const Picture exact = render(scene, *camera, optics, request, &all);
-    EXPECT_LT(fewer.sun_rays + fewer.lamp_rays, 0.95 * static_cast<double>(all.sun_rays + all.lamp_rays));
+    request.record = &all;
+    const Picture exact = render(scene, *camera, optics, request);
+    EXPECT_LT(rays_of(fewer, true), 0.97 * rays_of(all, true));
     EXPECT_LT(steps_between(picture, exact), picture.rgb.size() / 100);
   }
 }

@@ -31,16 +31,17 @@ class Shutter : public ::testing::Test {
     world.add_solid("wall", wall);
   }
 
-  Picture picture(const Camera& camera, const Vector6d& velocity, int threads = 1, RenderCost* cost = nullptr) const {
+  Picture picture(const Camera& camera, const Vector6d& velocity, int threads = 1, RayRecord* record = nullptr) const {
     PictureRequest request;
     request.effects = Effects::none();
     request.effects.set(Effect::kShutter, true);
     request.velocity_camera = velocity;
     request.keep_radiance = true;
     request.threads = threads;
+    request.record = record;
     Optics optics;
     optics.water = jerlov_water("III");
-    return render(CameraScene(world, std::make_shared<RayScene>(world), 7), camera, optics, request, cost);
+    return render(CameraScene(world, std::make_shared<RayScene>(world), 7), camera, optics, request);
   }
 
   World world;
@@ -94,12 +95,14 @@ TEST_F(Shutter, AnEdgeIsAsWideAsTheMotionAndCostsAPictureForEachPixelOfIt) {
   for (const auto& [pixels, parts] : {std::pair(1.8, 3), std::pair(3.9, 5), std::pair(7.5, 9), std::pair(30.0, 15)}) {
     Vector6d aside = Vector6d::Zero();
     aside(1) = pixels * kWall_m / (kFocal * 0.1);
-    RenderCost cost;
-    const Picture blurred = picture(watcher(0.1, 0), aside, 1, &cost);
+    RayRecord record;
+    const Picture blurred = picture(watcher(0.1, 0), aside, 1, &record);
+    std::ptrdiff_t rays = 0;
+    for (const RayRecord::Packet& packet : record.packets) rays += std::ranges::count(packet.active, -1);
     double differs = 0;
     for (int u = 60; u < 100; ++u) differs += std::abs(green(blurred, u) - green(sharp, u));
     EXPECT_NEAR(4 * differs / std::abs(green(sharp, 82) - green(sharp, 77)), pixels, 1.25) << pixels;
-    EXPECT_NEAR(static_cast<double>(cost.primary_rays) / (160 * 120), parts + 1 / 16.0, 1e-9) << pixels;
+    EXPECT_NEAR(static_cast<double>(rays) / (160 * 120), parts + 1 / 16.0, 1e-9) << pixels;
   }
 }
 

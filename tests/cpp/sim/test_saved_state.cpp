@@ -245,7 +245,7 @@ TEST_F(SavedState, ALinkOfAnotherVersionIsRefusedByItsVersion) {
     std::string older = content;
     older.replace(at, now.size(), bytes(1));
     refused += refusal([&] { fresh.restore_state(wrapped_state(older, kHere), kHere); }) ==
-               "state.link.version = 1: must be 2: another version of uwsim saved it";
+               "state.link.version = 1: must be 3: another version of uwsim saved it";
   }
   EXPECT_EQ(refused, 1) << "only one of these numbers is the version";
 }

@@ -1,4 +1,4 @@
-"""Flat ports, rolling shutters and forward scattering, as scripts use them."""
+"""Flat ports and rolling shutters, as scripts use them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
-from uwsim.instruments.cameras import EFFECTS
 from uwsim.scenario.spec.camera import FlatPort
 
 BED_M = 5.0
@@ -50,16 +49,3 @@ def test_a_rolling_shutter_sees_each_row_from_where_the_camera_was(pool: Simulat
     expected = BED_M - 3.0 + camera.mount.position_m[2] + rising_m_s * 0.1 * rows
     bed = frame.labels == frame.label_names.index("terrain")
     np.testing.assert_allclose(frame.depth_m[bed], np.broadcast_to(expected[:, None], bed.shape)[bed], rtol=2e-5)
-
-
-def test_forward_scattering_blurs_and_is_off_by_default(pool: Simulator) -> None:
-    camera = pool.rov.cameras["front"].resized(160)
-    plain = camera.capture(without=("noise", "exposure"), radiance=True)
-    assert "forward_scatter" in EFFECTS
-    np.testing.assert_array_equal(
-        camera.capture(without=("noise", "exposure", "forward_scatter"), radiance=True).radiance, plain.radiance
-    )
-    pool.set_optics(forward_scatter_mrad=30.0)
-    blurred = camera.capture(without=("noise", "exposure"), radiance=True)
-    assert blurred.radiance.mean() > plain.radiance.mean()
-    assert (blurred.radiance >= plain.radiance).all()

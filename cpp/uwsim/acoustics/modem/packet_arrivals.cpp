@@ -50,12 +50,12 @@ void PacketNetwork::arrive(const Flight& flight) {
   quality.spread_s = flight.heard.spread_s;
   quality.packets_uneven += flight.heard.bed_departure > kUnevenBed;
   if (flight.is_last && !flight.is_copy) {
-    const Partial known = partial(flight.message.number, flight.from);
-    forget(flight.message.number, flight.from);
+    const Partial known = partial(flight.message.number);
+    forget(flight.message.number);
     finish(flight, known.fate ? static_cast<Loss>(known.fate) : loss);
     return;
   }
-  Partial& known = partial(flight.message.number, flight.from);
+  Partial& known = partial(flight.message.number);
   if (known.fate == 0) known.fate = static_cast<std::uint64_t>(loss);
   if (flight.is_last) finish_copy(flight, known);
 }
@@ -69,12 +69,12 @@ void PacketNetwork::finish_copy(const Flight& flight, Partial& known) {
   known.before = known.fate;
   known.fate = 0;
   const bool is_lost = !known.delivered && !more_to_come(flight);
-  if (!more_to_come(flight)) forget(flight.message.number, flight.from);
+  if (!more_to_come(flight)) forget(flight.message.number);
   if (copy == Loss::kNone && modem_.retransmissions > 0 && !flight.message.signal) acknowledge(flight);
   if (is_first || is_lost) finish(flight, copy);
 }
 
-/// Queues the acknowledgement of a message that has arrived, to the node that sent it on this hop.
+/// Queues the acknowledgement of a message that has arrived.
 void PacketNetwork::acknowledge(const Flight& flight) {
   LinkMessage message;
   message.to = flight.from;
@@ -89,54 +89,39 @@ void PacketNetwork::acknowledge(const Flight& flight) {
 void PacketNetwork::acknowledged(std::size_t from, std::uint64_t number) {
   if (!nodes_[from].queue.finish(number)) return;
   --waiting_;
-  const bool on_its_way = std::any_of(flights_.begin(), flights_.end(), [&](const Flight& flight) {
-    return flight.message.number == number && flight.from == from;
-  });
-  if (!on_its_way) forget(number, from);
-}
-
-/// Passes on a message that has arrived at a relay.
-void PacketNetwork::forward(const Flight& flight) {
-  LinkMessage message = flight.message;
-  message.travel_s += flight.heard.delay_s;
-  message.packets_sent = message.held_until_ns = 0;
-  message.again = false;
-  message.repeats = message.repeats_given;
-  message.retransmissions = modem_.retransmissions;
-  TopicCounts& counts = counts_[message.topic][message.from];
-  if (!enqueue(flight.at, std::move(message))) ++counts.lost[static_cast<std::size_t>(Loss::kRelay)];
+  const bool on_its_way = std::any_of(flights_.begin(), flights_.end(),
+                                      [&](const Flight& flight) { return flight.message.number == number; });
+  if (!on_its_way) forget(number);
 }
 
 /// Whether another copy of the flight's message is queued or in flight.
 bool PacketNetwork::more_to_come(const Flight& flight) const {
   const std::uint64_t number = flight.message.number;
   return nodes_[flight.from].queue.holds(number) ||
-         std::any_of(flights_.begin(), flights_.end(), [&](const auto& other) {
-           return other.message.number == number && other.from == flight.from && other.packet > flight.packet;
-         });
+         std::any_of(flights_.begin(), flights_.end(),
+                     [&](const auto& other) { return other.message.number == number && other.packet > flight.packet; });
 }
 
 /// Called when the remaining repeats of a message are dropped: the message is lost if no copy of it is still in flight.
-void PacketNetwork::drop_repeat(std::size_t from, const LinkMessage& message) {
-  const bool on_its_way = std::any_of(flights_.begin(), flights_.end(), [&](const Flight& flight) {
-    return flight.message.number == message.number && flight.from == from;
-  });
+void PacketNetwork::drop_repeat(const LinkMessage& message) {
+  const bool on_its_way = std::any_of(flights_.begin(), flights_.end(),
+                                      [&](const Flight& flight) { return flight.message.number == message.number; });
   if (on_its_way) return;
-  const Partial known = partial(message.number, from);
+  const Partial known = partial(message.number);
   if (!known.delivered) ++counts_[message.topic][message.from].lost[known.before];
-  forget(message.number, from);
+  forget(message.number);
 }
 
-PacketNetwork::Partial& PacketNetwork::partial(std::uint64_t number, std::size_t from) {
-  const auto found = std::find_if(partials_.begin(), partials_.end(),
-                                  [&](const Partial& known) { return known.number == number && known.from == from; });
+PacketNetwork::Partial& PacketNetwork::partial(std::uint64_t number) {
+  const auto found =
+      std::find_if(partials_.begin(), partials_.end(), [&](const Partial& known) { return known.number == number; });
   if (found != partials_.end()) return *found;
-  partials_.push_back({number, from, 0, 0, false});
+  partials_.push_back({number, 0, 0, false});
   return partials_.back();
 }
 
-void PacketNetwork::forget(std::uint64_t number, std::size_t from) {
-  std::erase_if(partials_, [&](const Partial& known) { return known.number == number && known.from == from; });
+void PacketNetwork::forget(std::uint64_t number) {
+  std::erase_if(partials_, [&](const Partial& known) { return known.number == number; });
 }
 
 Loss PacketNetwork::fate(const Flight& flight) const {
@@ -213,20 +198,11 @@ void PacketNetwork::finish(const Flight& flight, Loss loss) {
     ++counts.lost[static_cast<std::size_t>(loss)];
     return;
   }
-  if (flight.at != message.to) return forward(flight);
   ++counts.delivered;
   counts.bytes_delivered += message.payload.size();
   counts.delay_s += 1e-9 * static_cast<double>(flight.ends_ns - message.given_ns);
   if (message.acknowledges != LinkMessage::kNone) return acknowledged(flight.at, message.acknowledges);
-  LinkQuality& quality = quality_[message.from * nodes_.size() + flight.at];
-  if (message.from != flight.from) {  // over relays
-    ++quality.packets;
-    quality.delay_s = message.travel_s + flight.heard.delay_s;
-    quality.snr_db = flight.heard.snr_db();
-    quality.closing_m_s = flight.heard.closing_m_s;
-    quality.spread_s = flight.heard.spread_s;
-  }
-  if (!message.signal) quality.heard_ns = flight.ends_ns;
+  if (!message.signal) quality_[message.from * nodes_.size() + flight.at].heard_ns = flight.ends_ns;
   ++delivered_;
   deliveries_.push_back(
       {message.number, message.from, flight.at, message.topic, message.given_ns, flight.ends_ns, message.payload});

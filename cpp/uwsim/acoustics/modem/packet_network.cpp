@@ -12,41 +12,12 @@ namespace {
 
 std::uint64_t ns(double seconds) { return static_cast<std::uint64_t>(std::llround(1e9 * seconds)); }
 
-/// Returns the relays of all nodes; each chain of them must end.
-std::vector<std::uint64_t> checked(std::vector<std::uint64_t> relays, std::size_t nodes) {
-  relays.resize(nodes, 0);
-  for (std::size_t node = 0; node < nodes; ++node) {
-    std::size_t hops = 0;
-    for (std::uint64_t at = node; relays[at] != 0; at = relays[at]) {
-      require(at != 0 && relays[at] < nodes, "link.relays", relays[at], "must be a vehicle's node, for a vehicle");
-      require(++hops < nodes, "link.relays", node, "must not be relayed in a circle");
-    }
-  }
-  return relays;
-}
-
 }  // namespace
 
-TopicCounts& TopicCounts::operator+=(const TopicCounts& other) {
-  given += other.given;
-  replaced += other.replaced;
-  refused += other.refused;
-  late += other.late;
-  sent += other.sent;
-  delivered += other.delivered;
-  resent += other.resent;
-  bytes_sent += other.bytes_sent;
-  bytes_delivered += other.bytes_delivered;
-  for (std::size_t k = 0; k < kLossKinds; ++k) lost[k] += other.lost[k];
-  delay_s += other.delay_s;
-  return *this;
-}
-
 PacketNetwork::PacketNetwork(const ModemSpec& modem, std::size_t nodes, std::vector<LinkFault> faults,
-                             std::uint64_t seed, std::uint64_t step_ns, std::vector<std::uint64_t> relays)
+                             std::uint64_t seed, std::uint64_t step_ns)
     : modem_((modem.check(), modem)),
       faults_(std::move(faults)),
-      relays_(checked(std::move(relays), nodes)),
       step_ns_(step_ns),
       losses_(seed, stream_name("link", "loss")),
       waits_(seed, stream_name("link", "wait")),
@@ -75,36 +46,20 @@ bool PacketNetwork::send(std::size_t from, LinkMessage message, std::uint64_t no
   message.from = from;
   message.given_ns = now_ns;
   message.packets_sent = message.held_until_ns = 0;
-  message.repeats_given = message.repeats;
   message.retransmissions = message.signal ? 0 : modem_.retransmissions;
   ++counts.given;
-  const bool has_room = enqueue(from, std::move(message));
-  if (!has_room) ++counts.refused;
-  return has_room;
-}
-
-/// Adds a message to a node's queue; returns whether there is room.
-bool PacketNetwork::enqueue(std::size_t at, LinkMessage message) {
   LinkMessage older;
-  const auto added = nodes_[at].queue.add(std::move(message), modem_.queue_bytes, older);
+  const auto added = nodes_[from].queue.add(std::move(message), modem_.queue_bytes, older);
   if (added == PacketQueue::Added::kQueued) ++waiting_;
   if (added == PacketQueue::Added::kReplaced) {
-    TopicCounts& counts = counts_[older.topic][older.from];
     if (older.again) {
-      drop_repeat(at, older);
+      drop_repeat(older);
     } else {
-      ++(older.from == at ? counts.replaced : counts.lost[static_cast<std::size_t>(Loss::kRelay)]);
+      ++counts.replaced;
     }
   }
+  if (added == PacketQueue::Added::kRefused) ++counts.refused;
   return added != PacketQueue::Added::kRefused;
-}
-
-std::size_t PacketNetwork::next_hop(std::size_t at, std::size_t to) const {
-  std::size_t top = to;  // of the chain of relays between `to` and the station
-  for (; top != 0 && relays_[top] != 0; top = relays_[top]) {
-    if (relays_[top] == at) return top;
-  }
-  return relays_[at] != 0 ? relays_[at] : top;
 }
 
 void PacketNetwork::transmit(std::uint64_t now_ns, const LinkMedium& medium) {
@@ -113,11 +68,10 @@ void PacketNetwork::transmit(std::uint64_t now_ns, const LinkMedium& medium) {
     Node& node = nodes_[index];
     if (node.queue.empty()) continue;
     node.queue.expire(now_ns, [&](const LinkMessage& message) {
-      TopicCounts& counts = counts_[message.topic][message.from];
       if (message.again) {
-        drop_repeat(index, message);
+        drop_repeat(message);
       } else {
-        ++(message.from == index ? counts.late : counts.lost[static_cast<std::size_t>(Loss::kRelay)]);
+        ++counts_[message.topic][index].late;
       }
       --waiting_;
     });
@@ -159,12 +113,12 @@ void PacketNetwork::send_packet(std::size_t index, std::uint64_t now_ns, std::ui
   Node& node = nodes_[index];
   LinkMessage& message = *node.queue.next(now_ns);
   TopicCounts& counts = counts_[message.topic][message.from];
-  if (message.packets_sent == 0 && !message.again && message.from == index) ++counts.sent;
+  if (message.packets_sent == 0 && !message.again) ++counts.sent;
   if (message.packets_sent == 0 && message.held_until_ns > 0) ++counts.resent;
   Flight flight;
   flight.packet = next_packet_++;
   flight.from = index;
-  flight.at = message.signal ? message.to : next_hop(index, message.to);
+  flight.at = message.to;
   flight.heard = medium.receive(index, flight.at);
   flight.starts_ns = start_ns + ns(flight.heard.delay_s);
   flight.ends_ns = flight.starts_ns + length_ns;

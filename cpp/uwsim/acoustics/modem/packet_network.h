@@ -22,8 +22,8 @@ struct LinkFault {
 };
 
 /// The reason for the loss of a packet.
-enum class Loss { kNone, kUnheard, kNoise, kCollision, kDeaf, kDoppler, kFault, kRelay };
-inline constexpr std::size_t kLossKinds = 8;
+enum class Loss { kNone, kUnheard, kNoise, kCollision, kDeaf, kDoppler, kFault };
+inline constexpr std::size_t kLossKinds = 7;
 
 /// Provides the acoustics between a network's nodes at their present positions.
 class LinkMedium {
@@ -45,20 +45,17 @@ struct LinkDelivery {
 
 /// Counts the outcomes of the messages that a node submitted on a topic. replaced: superseded by newer messages before
 /// they were sent. refused: rejected because the queue was full. late: not sent before their deadline. lost: counted by
-/// the reason that applied to their first lost packet, or as dropped by a relay. resent: retransmissions by all nodes.
-/// Byte counts include the payloads of all transmissions, without headers.
+/// the reason that applied to their first lost packet. resent: retransmissions. Byte counts include the payloads of all
+/// transmissions, without headers.
 struct TopicCounts {
   std::uint64_t given = 0, replaced = 0, refused = 0, late = 0, sent = 0, delivered = 0, resent = 0;
   std::uint64_t bytes_sent = 0, bytes_delivered = 0;
   std::array<std::uint64_t, kLossKinds> lost{};
   double delay_s = 0;  ///< time from submission to arrival, summed over all delivered messages
-  TopicCounts& operator+=(const TopicCounts& other);
   void exchange_state(StateArchive& archive);
 };
 
-/// The quality of the link from one node to another, as last observed by the receiver. Between nodes that are connected
-/// only by relays, a packet is a message that arrived, delay_s is the sum over all hops, and the other values are those
-/// of the last hop.
+/// The quality of the link from one node to another, as last observed by the receiver.
 struct LinkQuality {
   std::uint64_t packets = 0, packets_lost = 0;
   std::uint64_t packets_uneven = 0;                               ///< packets that were received over an uneven bed
@@ -76,16 +73,12 @@ struct LinkQuality {
 /// retransmissions deliver 1 - (1 - p)^(n + 1) of the messages. Receivers discard duplicates. A message arrives when
 /// its last packet does.
 ///
-/// Static routing: a node may have a relay, through which it exchanges messages with the station and with the other
-/// nodes, except those for which it is a relay itself. Relays store whole messages and forward them; each hop has its
-/// own transmissions and acknowledgements. Signals of instruments are not relayed.
-///
 /// Random draws are keyed by packet number. Motion during a packet's flight is neglected.
 class PacketNetwork {
  public:
-  /// relays: the relay of each node, 0 for none; may be empty. Throws InvalidValue.
+  /// Throws InvalidValue.
   PacketNetwork(const ModemSpec& modem, std::size_t nodes, std::vector<LinkFault> faults, std::uint64_t seed,
-                std::uint64_t step_ns, std::vector<std::uint64_t> relays = {});
+                std::uint64_t step_ns);
 
   const ModemSpec& modem() const { return modem_; }
   std::size_t nodes() const { return nodes_.size(); }
@@ -110,8 +103,6 @@ class PacketNetwork {
   /// The time to wait for an acknowledgement [s]: the wait for a turn, its packet, twice the modem's guard time, and
   /// two steps.
   double timeout_s() const;
-  /// The node to which a message for `to` is sent next from `at`.
-  std::size_t next_hop(std::size_t at, std::size_t to) const;
   /// A lower bound for the time at which the next message arrives.
   std::uint64_t next_arrival_ns(std::uint64_t now_ns) const;
 
@@ -127,7 +118,7 @@ class PacketNetwork {
   /// Saves or restores the network.
   void exchange_state(StateArchive& archive);
   /// The version of the bytes of exchange_state().
-  static constexpr std::uint64_t kLayout = 2;
+  static constexpr std::uint64_t kLayout = 3;
 
  private:
   struct Node {
@@ -156,7 +147,7 @@ class PacketNetwork {
   /// A message of which some packets have arrived. fate: the reason for the first lost packet of its newest copy, if
   /// any. before: the same for the previous copy. delivered: whether any copy has been delivered.
   struct Partial {
-    std::uint64_t number = 0, from = 0;  // of the message, and of the node that sends it on this hop
+    std::uint64_t number = 0;  // of the message
     std::uint64_t fate = 0, before = 0;
     bool delivered = false;
     void exchange_state(StateArchive& archive);
@@ -174,14 +165,12 @@ class PacketNetwork {
   void deafen(std::size_t index, std::uint64_t from_ns, std::uint64_t until_ns);
   void arrive(const Flight& flight);
   void finish_copy(const Flight& flight, Partial& known);
-  void drop_repeat(std::size_t from, const LinkMessage& message);
+  void drop_repeat(const LinkMessage& message);
   bool more_to_come(const Flight& flight) const;
-  Partial& partial(std::uint64_t number, std::size_t from);
-  void forget(std::uint64_t number, std::size_t from);
+  Partial& partial(std::uint64_t number);
+  void forget(std::uint64_t number);
   void acknowledge(const Flight& flight);
   void acknowledged(std::size_t from, std::uint64_t number);
-  void forward(const Flight& flight);
-  bool enqueue(std::size_t at, LinkMessage message);
   Loss fate(const Flight& flight) const;
   bool struck_by_fault(const Flight& flight) const;
   double interference_db(const Flight& flight) const;
@@ -195,7 +184,6 @@ class PacketNetwork {
 
   ModemSpec modem_;
   std::vector<LinkFault> faults_;
-  std::vector<std::uint64_t> relays_;   // by node; 0: none
   std::uint64_t acknowledgements_ = 0;  // their topic
   std::vector<Outage> outages_;
   std::uint64_t step_ns_;

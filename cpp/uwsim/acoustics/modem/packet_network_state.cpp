@@ -53,7 +53,6 @@ void PacketNetwork::Sound::exchange_state(StateArchive& archive) {
 void PacketNetwork::Partial::exchange_state(StateArchive& archive) {
   for (std::uint64_t* value : {&number, &fate, &before}) archive(*value);
   archive(delivered);
-  archive(from);
   require(std::max(fate, before) < kLossKinds, "state.link.fate", fate, "must be a kind of loss");
 }
 
@@ -117,8 +116,7 @@ void PacketNetwork::check(const LinkMessage& message, std::size_t from) const {
   check_ends("message", from, message.to);
   check_topic(message.topic);
   require(message.from < nodes_.size(), "state.link.from", message.from, "must be a node");
-  require(std::max(message.repeats, message.repeats_given) <= kRepeatsMax, "state.link.repeats", message.repeats,
-          "must be at most 1000");
+  require(message.repeats <= kRepeatsMax, "state.link.repeats", message.repeats, "must be at most 1000");
   require(message.retransmissions <= modem_.retransmissions, "state.link.retransmissions", message.retransmissions,
           "must be at most the modem's");
   const std::uint64_t packets = (message.payload.size() + modem_.packet_bytes - 1) / modem_.packet_bytes;

@@ -20,8 +20,7 @@ void LinkMessage::exchange_state(StateArchive& archive) {
   archive(payload);
   archive(packets_sent);
   archive(again);
-  for (std::uint64_t* value : {&from, &repeats_given, &retransmissions, &held_until_ns, &acknowledges}) archive(*value);
-  archive(travel_s);
+  for (std::uint64_t* value : {&from, &retransmissions, &held_until_ns, &acknowledges}) archive(*value);
 }
 
 PacketQueue::Added PacketQueue::add(LinkMessage message, std::uint64_t bytes_max, LinkMessage& replaced) {

@@ -17,22 +17,20 @@ namespace uwsim {
 struct LinkMessage {
   std::uint64_t number = 0;    ///< sequence number among all messages of the network
   std::uint64_t from = 0;      ///< node that submitted it
-  std::uint64_t to = 0;        ///< its final destination, possibly through relays
+  std::uint64_t to = 0;        ///< its destination
   std::uint64_t topic = 0;     ///< index of the topic, for counting
   std::uint64_t priority = 0;  ///< 0 is sent first
   std::uint64_t given_ns = 0;
-  std::uint64_t deadline_ns = 0;    ///< the message is dropped if sending has not begun by then; 0: no deadline
-  bool replaces = false;            ///< replaces an older message of its topic and receiver whose sending has not begun
-  bool signal = false;              ///< sent by an instrument; does not reset the failsafe's silence timer
-  std::uint64_t repeats = 0;        ///< number of times that the whole message is still sent again in any case
-  std::uint64_t repeats_given = 0;  ///< value of repeats when the message was submitted
+  std::uint64_t deadline_ns = 0;  ///< the message is dropped if sending has not begun by then; 0: no deadline
+  bool replaces = false;          ///< replaces an older message of its topic and receiver whose sending has not begun
+  bool signal = false;            ///< sent by an instrument; does not reset the failsafe's silence timer
+  std::uint64_t repeats = 0;      ///< number of times that the whole message is still sent again in any case
   std::uint64_t retransmissions = 0;   ///< number of times that it is still sent again while not acknowledged
   std::uint64_t held_until_ns = 0;     ///< time until which it waits for its acknowledgement
   std::uint64_t acknowledges = kNone;  ///< number of the message that this one acknowledges
-  double travel_s = 0;                 ///< travel time of the sound over all previous hops
   std::string payload;
   std::uint64_t packets_sent = 0;
-  bool again = false;  ///< whether it has been sent before by the present node
+  bool again = false;  ///< whether it has been sent before
 
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
 

@@ -44,7 +44,6 @@ struct Block {
   BlockVectors throughput;           ///< fraction of the light from beyond that reaches the eye
   BlockVectors radiance;             ///< light gathered so far
   BlockVectors sun_backscatter;      ///< the sun beam's part of the backscatter, which shafts modulate
-  BlockVectors veil;                 ///< radiance scattered by the water on the first segment; for forward scattering
   BlockFloats first_reach;           ///< of the first segment
   // The light under test, which is added only if the path's shadow ray is not blocked:
   BlockVectors unshadowed;   ///< radiance that it adds unless blocked

@@ -1,6 +1,6 @@
-"""The link suite: travel times, levels and errors compared with closed forms; queues and access with theory.
+"""The link suite: travel times, levels and errors compared with closed forms.
 
-The water is uniform or has a constant gradient, with no bed. Networks run under random load (`network_trial`).
+The water is uniform or has a constant gradient, with no bed.
 """
 
 from __future__ import annotations
@@ -19,15 +19,11 @@ from uwsim.scenario.spec.modem import load_modem
 SLOPE_1_S = 0.02  # gradient of the speed of sound, which increases with depth
 SURFACE_M_S = 1480.0
 SAND = BOTTOMS["sand"]
-PACKET_BYTES = 60
-SERVICE_S = 0.512  # transmission time of such a packet with a 4-byte header, at 1000 bit/s
-TRIAL_S = 40_000.0
-LOST = 0.4  # share of packets, acknowledgements included
 
 
 def run(out: Path | None = None) -> list[Check]:
     """Return the checks of the suite, which draws no curves."""
-    return [*path_checks(), *level_checks(), *error_checks(), *network_checks(), *repeat_checks(), *delivery_checks()]
+    return [*path_checks(), *level_checks(), *error_checks(), *delivery_checks()]
 
 
 def path_checks() -> list[Check]:
@@ -99,56 +95,6 @@ def error_checks() -> list[Check]:
     ]
 
 
-def network_checks() -> list[Check]:
-    """Check access and queues: Abramson 1970 for ALOHA, Pollaczek-Khinchine for M/D/1, no collisions for TDMA."""
-    aloha, checks = _plain_modem(_core.MediumAccess.ALOHA), []
-    for load in (0.1, 0.25, 0.5, 1.0, 2.0):
-        counts = _core.network_trial(aloha, 61, load / 60.0 / SERVICE_S, 6000.0, PACKET_BYTES)
-        got = counts.delivered * SERVICE_S / 6000.0
-        checks.append(within("ALOHA throughput", f"G = {load:g}", load * math.exp(-2.0 * load), got, 1.0, 0.012))
-    tdma = _plain_modem(_core.MediumAccess.TDMA)
-    for rate in (0.02, 0.2, 2.0):
-        counts = _core.network_trial(tdma, 6, rate, 2000.0, PACKET_BYTES)
-        fate = counts.lost["collision"] + counts.lost["sending"]
-        checks.append(within("TDMA collisions", f"{rate:g} messages per second each", 0.0, fate, 1.0, 0.5))
-        carried = min(counts.given, 2000.0 * 5.0 / 6.0 / 0.75)
-        checks.append(relative("TDMA goodput", f"{rate:g} messages per second each", carried, counts.delivered, 0.01))
-    cable = _plain_modem(_core.MediumAccess.ALOHA)
-    cable.kind = _core.LinkKind.CABLE
-    for rho in (0.2, 0.5, 0.8):
-        counts = _core.network_trial(cable, 2, rho / SERVICE_S, TRIAL_S, PACKET_BYTES, delay_s=0.0)
-        load = counts.given * SERVICE_S / TRIAL_S  # the load that was actually drawn
-        wait_s = counts.delay_s / counts.delivered - SERVICE_S
-        expected = 0.5 * load / (1.0 - load) * SERVICE_S
-        checks.append(relative("M/D/1 wait", f"rho = {rho:g}", expected, wait_s, 0.05, "s"))
-    return checks
-
-
-def repeat_checks() -> list[Check]:
-    """Check retransmissions against the binomial distribution and delays over relays, within 3 standard deviations."""
-    tdma, checks = _plain_modem(_core.MediumAccess.TDMA), []
-    for again in (0, 1, 2, 4):
-        tdma.retransmissions = again
-        counts = _core.network_trial(tdma, 2, 0.05, 20_000.0, PACKET_BYTES, loss=LOST)
-        expected = 1.0 - LOST ** (1 + again)
-        limit = 3.0 * math.sqrt(expected * (1.0 - expected) / counts.given)
-        name = f"{again} retransmissions, {100 * LOST:g} % of packets lost"
-        checks.append(within("delivery", name, expected, counts.delivered / counts.given, 1.0, limit))
-    aloha = _plain_modem(_core.MediumAccess.ALOHA)
-    aloha.backoff_s = 0.0
-    for hops in (1, 2, 3):
-        relays = [0, *range(hops)]  # each vehicle's messages pass through the previous vehicle
-        step_s, hop_s = 0.005, 0.1 + SERVICE_S
-        forwarded_s = math.ceil(hop_s / step_s) * step_s  # a relay sends at the next step
-        counts = _core.network_trial(aloha, 1 + hops, 0.01, 20_000.0, PACKET_BYTES, loss=0.0, relays=relays)
-        delays_s = [k * forwarded_s + hop_s for k in range(hops)]  # each vehicle sends the same number on average
-        mean_s = sum(delays_s) / hops
-        limit_s = 0.01 * mean_s + 3.0 * float(np.std(delays_s)) / math.sqrt(counts.delivered)
-        got_s = counts.delay_s / counts.delivered
-        checks.append(within("delay over relays", f"up to {hops} hops", mean_s, got_s, 1.0, limit_s, "s"))
-    return checks
-
-
 def delivery_checks() -> list[Check]:
     """Check the range at which half of the packets are delivered against the sonar equation."""
     spec = _open_spec()
@@ -177,14 +123,6 @@ def _noise_db(spec: _core.LinkSpec) -> float:
     ambient_db = _core.ambient_noise_db_hz(spec.modem.frequency_hz, spec.wind_m_s, spec.shipping)
     density = 10.0 ** (0.1 * ambient_db) + 10.0 ** (0.1 * spec.modem.receiver_noise_db_hz)
     return 10.0 * math.log10(density * spec.modem.bandwidth_hz)
-
-
-def _plain_modem(access: _core.MediumAccess) -> _core.ModemSpec:
-    modem = _core.ModemSpec()
-    modem.access = access
-    modem.packet_bytes, modem.header_bytes, modem.bit_rate_bit_s = PACKET_BYTES, 4, 1000.0
-    modem.slot_s, modem.guard_s, modem.queue_bytes = 0.6, 0.15, 10_000_000
-    return modem
 
 
 def _open_spec() -> _core.LinkSpec:

@@ -76,7 +76,6 @@ class Camera(Attached):
         without: Collection[str] = (),
         geometry_only: bool = False,
         radiance: bool = False,
-        measure: bool = False,
         threads: int | None = None,
         at: Snapshot | None = None,
         dark_below_ground: bool = False,
@@ -85,17 +84,16 @@ class Camera(Attached):
 
         effects: "on", "off" (the plain scene, dry and under the open sky), or the names of the effects to apply.
         without: names of effects to omit. geometry_only: whether to omit colour and return only depth, normals, labels
-        and classes. radiance: whether to include the radiance. measure: whether to fill in task_s. A camera that is off
-        returns a black picture in which nothing is hit, as does a camera below the ground if dark_below_ground is set;
-        otherwise, a camera below the ground raises ValueError, as do unknown effects. A camera inside another solid
-        shows the inside of that solid.
+        and classes. radiance: whether to include the radiance. A camera that is off returns a black picture in which
+        nothing is hit, as does a camera below the ground if dark_below_ground is set; otherwise, a camera below the
+        ground raises ValueError, as do unknown effects. A camera inside another solid shows the inside of that solid.
         """
         off = effects_on(without)
         names = [name for name in effects_on(effects) if name not in off]
         if not self.mount.on or (dark_below_ground and self._is_below_ground(at)):
             return self._dark_frame(at, with_colour=not geometry_only, with_radiance=radiance)
         picture, time_ns, world_from_camera = self._render(
-            names, threads, at, geometry_only=geometry_only, keep_radiance=radiance, measure=measure
+            names, threads, at, geometry_only=geometry_only, keep_radiance=radiance
         )
         return Frame(
             rgb=picture.rgb,
@@ -112,8 +110,6 @@ class Camera(Attached):
             info=self.info,
             time_ns=time_ns,
             world_from_camera=world_from_camera,
-            rays=dict(picture.rays),
-            task_s=dict(picture.task_s),
         )
 
     def _dark_frame(self, at: Snapshot | None, *, with_colour: bool, with_radiance: bool) -> Frame:
@@ -134,8 +130,6 @@ class Camera(Attached):
             info=self.info,
             time_ns=snapshot.time_ns,
             world_from_camera=self._pose(snapshot)[2],
-            rays={},
-            task_s={},
         )
 
     @property

@@ -10,8 +10,7 @@ from uwsim.base.did_you_mean import did_you_mean
 EFFECTS: tuple[str, ...] = tuple(_core.effect_names())
 """All effects: attenuation, backscatter, sunlight (daylight attenuated by Kd and refracted at the surface), surface
 (reflection and refraction there), shadows, lamps, caustics, shafts, particles, wobble, distortion, vignetting, exposure
-(automatic; without it, fixed at 1), noise, shutter (motion during exposure and readout) and forward_scatter (blur by
-the water)."""
+(automatic; without it, fixed at 1), noise and shutter (motion during exposure and readout)."""
 WHOLE = {"on": "all effects", "off": "no effect"}
 
 

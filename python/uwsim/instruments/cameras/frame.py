@@ -47,8 +47,7 @@ class Frame:
     cover. Depth, normals, labels and classes describe the first solid on the straight ray through
     each pixel, as if the water and its surface were clear; colour follows the light through the surface. radiance: (H,
     W, 3) float32 before exposure, if requested, in units in which the sun's irradiance outside the atmosphere is 1.
-    gain: factor from radiance to the exposed signal. rays: number of rays cast, by kind. task_s: processor seconds by
-    rendering task, if measured.
+    gain: factor from radiance to the exposed signal.
     """
 
     rgb: NDArray[np.uint8]
@@ -65,8 +64,6 @@ class Frame:
     info: CameraInfo
     time_ns: int
     world_from_camera: Floats
-    rays: dict[str, int]
-    task_s: dict[str, float]
 
     @property
     def world_from_optical(self) -> Floats:
@@ -107,7 +104,7 @@ class Frame:
 
     def _arrays(self) -> dict[str, Any]:
         names = {"label_names": np.array(self.label_names), "class_names": np.array(self.class_names)}
-        skipped = ("info", "rays", "task_s", *names, *(() if len(self.pieces) else ("pieces",)))
+        skipped = ("info", *names, *(() if len(self.pieces) else ("pieces",)))
         plain = {name: np.asarray(value) for name, value in self.to_dict().items() if name not in skipped}
         return {**plain, **names, "k": self.info.k, "d": self.info.d}
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -70,21 +68,14 @@ def station_transducer(link: LinkSetup, station: Station, world: _core.World) ->
     return np.array([x, y, min(0.5 * bed_m, 0.0) if bed_m > -TRANSDUCER_DEPTH_M else -TRANSDUCER_DEPTH_M])
 
 
-def link_spec(
-    link: LinkSetup, station: Station, world: _core.World, vehicles: Sequence[str] = ()
-) -> _core.LinkSpec | None:
-    """Return the link, or None if messages are delivered immediately. vehicles: names, for the relays.
-
-    Raises ScenarioError, see `station_transducer`.
-    """
+def link_spec(link: LinkSetup, station: Station, world: _core.World) -> _core.LinkSpec | None:
+    """Return the link, or None if messages are delivered at once. Raises ScenarioError, see `station_transducer`."""
     if link.modem.kind == "none":
         return None
     spec = _core.LinkSpec()
     spec.modem = modem_spec(link.modem, link.access)
     if link.retransmissions is not None:
         spec.modem.retransmissions = link.retransmissions
-    nodes = {name: 1 + index for index, name in enumerate(vehicles)}
-    spec.relays = [0, *(nodes[link.relays[name]] if name in link.relays else 0 for name in vehicles)]
     spec.station_transducer_world_m = station_transducer(link, station, world)
     spec.wind_m_s = link.wind_m_s
     spec.shipping = link.shipping

@@ -18,6 +18,5 @@ def core_optics(optics: Optics) -> _core.Optics:
         float(np.radians(optics.wind_heading_deg)),
         optics.particles_per_m3,
         optics.turbulence_k,
-        1e-3 * optics.forward_scatter_mrad,
         np.inf if optics.fetch_m is None else optics.fetch_m,
     )

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
-from uwsim.scenario.spec.fields import AssetName, InRange, Model, Name, Point3, broken
+from uwsim.scenario.spec.fields import AssetName, InRange, Model, Point3, broken
 from uwsim.scenario.spec.modem import Access, ModemModel, load_modem
 from uwsim.scenario.spec.wind import LINK_MOST_M_S
 
@@ -51,9 +51,7 @@ class LinkSetup(Model):
     """The link between the station and the vehicles. In a scenario, a modem's name alone suffices.
 
     modem: the name of a packaged modem or the path of its YAML file, which is read into a ModemModel. access,
-    retransmissions: override the modem's access protocol and number of retransmissions. relays: for each vehicle that
-    needs one, the vehicle through which it exchanges messages with the station and with all vehicles except those that
-    it relays itself.
+    retransmissions: override the modem's access protocol and number of retransmissions.
     station_transducer_m: position of the transducer in the station's frame, under water; by default at the station's
     place 3 m below the surface, or half-way to the bed where that is shallower; for a carried station, 3 m below its
     carrier's origin. A vehicle's transducer is at its origin.
@@ -67,7 +65,6 @@ class LinkSetup(Model):
     modem: Annotated[ModemModel, BeforeValidator(_modem, json_schema_input_type=ModemName | ModemModel)]
     access: Access | None = None
     retransmissions: Annotated[int, InRange(0, 100)] | None = None
-    relays: Annotated[dict[Name, Name], Field(max_length=64)] = Field(default_factory=dict)
     station_transducer_m: Point3 | None = None
     wind_m_s: Annotated[float, InRange(0, LINK_MOST_M_S, "m/s")] = 5.0
     shipping: Annotated[float, InRange(0, 1)] = 0.5
@@ -81,14 +78,6 @@ class LinkSetup(Model):
         for key in ("access", "retransmissions"):
             if getattr(self, key) is not None and self.modem.kind != "modem":
                 raise broken(f"has no effect on a link of kind '{self.modem.kind}'", at=(key,))
-        for vehicle in self.relays:
-            passed, at = [vehicle], vehicle
-            while (at := self.relays.get(at, "")) != "":
-                if at in passed:
-                    raise broken(
-                        f"must not be relayed in a circle: {' - '.join([*passed, at])}", at=("relays", vehicle)
-                    )
-                passed.append(at)
         if self.access == "tdma" and self.modem.slot_s < self.modem.packet_s():
             rule = f"{self.modem.name}'s slot_s must hold a full packet, {self.modem.packet_s():.3g} s"
             raise broken(rule, at=("access",), value=self.access)

@@ -55,7 +55,6 @@ class OpticsChanges(TypedDict, total=False):
     fetch_m: float | None
     particles_per_m3: float
     turbulence_k: float
-    forward_scatter_mrad: float
 
 
 class Optics(Model):
@@ -70,8 +69,7 @@ class Optics(Model):
     wind has blown: longer waves than it raises over it (JONSWAP) are absent; by default waves of all lengths come from
     afar. particles_per_m3: density of particles large enough to be individually visible. turbulence_k: standard
     deviation of the temperature in the eddies that refract light (effect `wobble`): 0 in water at rest, 0.1 in calm
-    water, 2 where warm and cold water mix; assumed. forward_scatter_mrad: mean angle by which particles scatter light
-    on its way to the camera, which blurs the picture; 0: no blur.
+    water, 2 where warm and cold water mix; assumed.
     """
 
     jerlov: Annotated[str, BeforeValidator(_jerlov), OneOf(tuple(_core.jerlov_types()))] = "III"
@@ -84,7 +82,6 @@ class Optics(Model):
     fetch_m: Annotated[float, InRange(1, 1e6, "m")] | None = None
     particles_per_m3: Annotated[float, InRange(0, 64, "1/m3")] = 20.0
     turbulence_k: Annotated[float, InRange(0, 20, "K")] = 2.0
-    forward_scatter_mrad: Annotated[float, InRange(0, 200, "mrad")] = 0.0
 
     @property
     def water(self) -> _core.WaterOptics:

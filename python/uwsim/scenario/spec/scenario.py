@@ -202,16 +202,6 @@ class Scenario(Model):
         return self
 
     @model_validator(mode="after")
-    def _relays_are_vehicles(self) -> Scenario:
-        names = [vehicle.name for vehicle in self.vehicles]
-        for vehicle, relay in self.link.relays.items() if self.link else ():
-            for name in (vehicle, relay):
-                if name not in names:
-                    rule = f"must be one of the vehicles, {', '.join(names)}{did_you_mean(name, names)}"
-                    raise broken(rule, at=("link", "relays", vehicle), value=name)
-        return self
-
-    @model_validator(mode="after")
     def _tethers_are_fastened(self) -> Scenario:
         for one in self.tethered:
             anchor = one.tether.anchor
