@@ -25,13 +25,31 @@ FILTER.append(MATRIX);
 HOLDER.append(FILTER);
 const GREY = [0.2126, 0.7152, 0.0722]; // of Rec. 709, as in CSS's grayscale()
 
+const isNight = () => document.documentElement.dataset.theme === 'night';
+
 addEventListener('theme', () => {
-  if (document.documentElement.dataset.theme !== 'night') return;
+  if (!isNight()) return;
   const text = getComputedStyle(document.documentElement).getPropertyValue('--text').trim();
   const share = (k) => Number.parseInt(text.slice(k, k + 2), 16) / 255;
   const row = (k) => `${GREY.map((part) => part * share(k)).join(' ')} 0 0`;
   MATRIX.setAttribute('values', `${row(1)} ${row(3)} ${row(5)} 0 0 0 1 0`);
   document.body.append(HOLDER);
+});
+
+// At night there are no tips, since the browser's are white; another theme brings them back.
+function setTips() {
+  const [from, to] = isNight() ? ['title', 'data-title'] : ['data-title', 'title'];
+  for (const element of document.querySelectorAll(`[${from}]`)) {
+    element.setAttribute(to, element.getAttribute(from) ?? '');
+    element.removeAttribute(from);
+  }
+}
+
+addEventListener('theme', setTips);
+new MutationObserver(() => isNight() && setTips()).observe(document, {
+  subtree: true,
+  childList: true,
+  attributeFilter: ['title'],
 });
 
 function apply() {
