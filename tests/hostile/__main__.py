@@ -27,7 +27,7 @@ import typer
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a process with threads must not fork
 
-from hostile.lines import FILES, Line, lines, prepare
+from tests.hostile.lines import FILES, Line, lines, prepare
 
 LIMIT_S, LONG_S = 5.0, 60.0
 """Wall time in which a line is refused, and in which a working one ends, on a quiet machine."""

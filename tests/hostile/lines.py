@@ -261,7 +261,7 @@ def _values(parameter: Parameter) -> tuple[str, ...]:
 
 def prepare(folder: Path) -> None:
     """Write the files that BASES name."""
-    from fuzz.surveys import side_scan, survey, xtf_soundings
+    from tests.fuzz.surveys import side_scan, survey, xtf_soundings
 
     from uwsim import Simulator, fly
     from uwsim.exercises.certified import digest_of

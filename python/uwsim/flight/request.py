@@ -17,8 +17,6 @@ EstimateKind = Literal["truth", "filter"]
 ESTIMATES: tuple[EstimateKind, ...] = ("truth", "filter")
 OF_SIMULATOR = ("seed", "sonar_model", "sonar_frequency_hz", "vehicle_model", "mission_time_s", "link")
 """Names of the arguments of the simulator."""
-PATHS = ("mission", "scenario", "sonar_model", "vehicle_model", "link")
-"""Names of the arguments that may be paths."""
 
 
 @dataclass(frozen=True)

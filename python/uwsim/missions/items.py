@@ -48,7 +48,7 @@ TRIGGERS = (203, 206, 2000, 2001)
 """Items that take pictures, where there is a folder for them; elsewhere they are accepted likewise."""
 NOT_EXECUTED: Mapping[int, str] = {
     195: "region of interest", 196: "region of interest", 197: "region of interest", 201: "region of interest",
-    530: "camera mode", 2500: "video", 2501: "end of video", 22: "takeoff", 211: "gripper",
+    530: "camera mode", 2500: "video", 2501: "end of video", 22: "take-off", 211: "gripper",
 }  # fmt: skip
 """Items that are accepted and have no effect; a text names each. ArduSub, too, passes over takeoff and gripper."""
 

@@ -36,12 +36,6 @@ class ObstacleMemory(Sealed):
     def __repr__(self) -> str:
         return f"<ObstacleMemory of {min(self._seen, len(self._ring))} peaks, {self.ahead_m:g} m ahead>"
 
-    @property
-    def peaks_world_m(self) -> Vector:
-        """The stored echoes, (n, 3), oldest first."""
-        held, next_place = min(self._seen, len(self._ring)), self._seen % len(self._ring)
-        return np.roll(self._ring, -next_place, axis=0)[-held:] if held == len(self._ring) else self._ring[:held].copy()
-
     def add(self, ping: PingLike, position_world_m: Vector, heading_rad: float) -> None:
         """Store a ping's highest echo in the corridor, if any."""
         peak = self._highest(ping.points_sonar_m, ping.world_from_sonar, position_world_m, heading_rad)

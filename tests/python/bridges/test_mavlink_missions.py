@@ -144,7 +144,7 @@ def test_a_waypoint_above_the_bed_is_there_and_triggers_and_jumps_end_no_survey(
         sim, item(1, 16, at=ends[0], frame=10), item(2, 206, 5.0), item(3, 82, 1.0, at=ends[1], frame=11),
         item(4, 177, 1, 2), item(5, 22, NAN, at=(x, y, 3.0)), item(6, 211, 1, 1),
     )  # fmt: skip
-    assert {"mission item 5: takeoff: has no effect", "mission item 6: gripper: has no effect"} <= {*TEXTS}
+    assert {"mission item 5: take-off: has no effect", "mission item 6: gripper: has no effect"} <= {*TEXTS}
     assert "mission item 2: camera trigger by distance: has no effect" in TEXTS
     assert "mission item 3: spline: is flown straight" in TEXTS
     bed_m = sim.world.height_at(flown.points[:, :2])

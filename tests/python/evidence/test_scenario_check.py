@@ -21,7 +21,7 @@ from uwsim.scenario.schema import schema
 
 COVE = (assets_folder() / "scenarios" / "cove.yaml").read_text()
 EXPECTED = (
-    "paper.yaml:57: vehicle 'rov' starts 4.1 m above the water",
+    "paper.yaml:56: vehicle 'rov' starts 4.1 m above the water",
     "paper_buoyant.yaml:47: vehicle 'rov' rises by",
     "lake_tender.yaml:30: vehicle 'rov' starts 0.6 m above the water",
     "lake_tender.yaml:30: vehicle 'rov' sinks by 6.0 N",

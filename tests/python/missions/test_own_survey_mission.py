@@ -88,6 +88,8 @@ def test_what_makes_no_mission_is_refused() -> None:
 
 
 def test_sonar_and_camera_choose_their_vehicle(tmp_path: Path) -> None:
-    done = uwsim("camera", "pair", "--vehicle", "scout", "--camera", "chase", "--effects", "off", cwd=tmp_path)
+    done = uwsim(
+        "scenario", "camera", "pair", "--vehicle", "scout", "--camera", "chase", "--effects", "off", cwd=tmp_path
+    )
     assert done.returncode == 0, done.stderr
-    assert "scout" in error_line(uwsim("sonar", "pair", "--vehicle", "scot", cwd=tmp_path))
+    assert "scout" in error_line(uwsim("scenario", "sonar", "pair", "--vehicle", "scot", cwd=tmp_path))

@@ -25,7 +25,8 @@ START, GOAL = (2.0, 2.0), (38.0, 2.0)
 
 def chart_of(cells: list[tuple[int, int]]) -> ShoalChart:
     chart = ShoalChart(top_z_m=-3.5)
-    chart.restore(cells)
+    for i, j in cells:
+        chart.close(((i + 0.5) * CELL_M, (j + 0.5) * CELL_M))
     return chart
 
 
@@ -47,7 +48,7 @@ def test_the_way_leads_round_a_wall_and_keeps_off_it() -> None:
     for shoals in ([], [(50, 50)]):
         assert chart_of(shoals).next_point(START, GOAL) == GOAL, "straight"
     chart = chart_of(WALL)
-    assert chart_of(chart.cells).next_point(START, GOAL) == chart.next_point(START, GOAL) != GOAL, "also if restored"
+    assert chart.next_point(START, GOAL) != GOAL
     path = fly(chart, START, GOAL)
     assert path is not None
     centres_m = (np.array(WALL) + 0.5) * CELL_M

@@ -152,7 +152,7 @@ def test_collision_pieces_in_another_unit_than_the_mesh_are_refused(tmp_path: Pa
 
 def test_the_command_refuses_in_one_line(tmp_path: Path) -> None:
     scenario = scenario_file(tmp_path, vehicle_file(tmp_path, scale=1e3))
-    for arguments in (["scenario", "check", str(scenario)], ["sonar", str(scenario), "--out", "out.png"]):
+    for arguments in (["scenario", "check", str(scenario)], ["scenario", "sonar", str(scenario), "--out", "out.png"]):
         done = uwsim(*arguments, cwd=tmp_path)
         assert done.returncode == 1
         assert "is its mesh in millimetres" in error_line(done)

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.hostile.lines import BASES, commands
 
 from command_line import error_line, uwsim
 from uwsim.base import atomic_file
@@ -20,9 +21,6 @@ from uwsim.scenario.read.validated import validated
 from uwsim.scenario.schema import PARTS
 
 ROOT = Path(__file__).parents[3]
-sys.path.insert(0, str(ROOT / "tests"))
-
-from hostile.lines import BASES, commands  # noqa: E402  # its folder is not a package of pytest's
 
 HOSTILE = [
     math.nan,
@@ -143,7 +141,7 @@ def test_a_process_that_ends_at_once_leaves_no_temporary_file(tmp_path: Path, mo
 
 def test_hostile_command_lines_end_as_they_should() -> None:
     """A fixed selection from `tools/hostile`."""
-    command = [sys.executable, "-m", "hostile", "--only", "map ", "--sample", "6"]
-    attacked = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT / "tests")
+    command = [sys.executable, "-m", "tests.hostile", "--only", "map ", "--sample", "6"]
+    attacked = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
     assert attacked.returncode == 0, attacked.stdout + attacked.stderr
     assert "6 lines, 0 broke the law" in attacked.stdout

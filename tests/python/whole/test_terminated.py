@@ -66,9 +66,9 @@ def test_a_closed_terminal_loses_nothing(tmp_path: Path) -> None:
     """The flight ends at its last pause, as after SIGTERM, although nothing can be printed any more."""
     out, flies, mission = tmp_path / "out", tmp_path / "flies", tmp_path / "endless.py"
     mission.write_text(
-        "from pathlib import Path\nfrom uwsim.missions import wait\ndef mission(vehicle):\n"
-        f"    while True:\n        yield wait(1.0)\n        Path({str(flies)!r}).touch()\n"
-    )
+        "import time\nfrom pathlib import Path\nfrom uwsim.missions import wait\ndef mission(vehicle):\n"
+        f"    while True:\n        yield wait(0.02)\n        time.sleep(0.02)\n        Path({str(flies)!r}).touch()\n"
+    )  # no faster than the clock: it would have ended before the terminal is closed
     words = [*UWSIM, "run", str(mission), "--scenario", "pool", "--map", "--out", str(out), "--autosave", "3600"]
     process, terminal = pty.fork()
     if process == 0:

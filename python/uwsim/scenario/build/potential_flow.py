@@ -11,7 +11,7 @@ from scipy.special import elliprd
 from uwsim import _core
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.mesh_closing import wrap
-from uwsim.scenario.read.mesh_union import volume
+from uwsim.scenario.read.mesh_union import volume_within
 
 Floats = NDArray[np.float64]
 COARSE, GIVEN_MAX, PANELS, PANELS_EACH = 500, 3000, 3000, 2
@@ -54,7 +54,7 @@ def _is_plausible(matrix: Floats, points_m: Floats, faces: NDArray[np.integer], 
     outer_m = 0.5 * np.sqrt(3.0) * np.ptp(points_m, axis=0)
     moved_kg = added_mass_of_ellipsoid(outer_m, density_kg_m3)[:3] + density_kg_m3 * 4.0 / 3.0 * np.pi * outer_m.prod()
     least = np.linalg.eigvalsh(matrix).min() if np.isfinite(matrix).all() else -np.inf
-    along_kg = np.diagonal(matrix)[:3] + density_kg_m3 * volume(points_m[faces])
+    along_kg = np.diagonal(matrix)[:3] + density_kg_m3 * volume_within(points_m[faces])
     return bool(least > -1e-6 * np.abs(matrix).max() and (along_kg < MARGIN * moved_kg).all())
 
 
@@ -70,7 +70,7 @@ def added_mass_by_steps(vertices_m: Floats, triangles: NDArray[np.integer], dens
         except ScenarioError:
             continue
     middle_m, gyration_m = _middle_and_gyration(vertices_m, triangles)
-    volume_m3 = volume(vertices_m[triangles])
+    volume_m3 = volume_within(vertices_m[triangles])
     axes_m = gyration_m * np.cbrt(volume_m3 / (4.0 / 3.0 * np.pi * gyration_m.prod()))
     x, y, z = middle_m
     at_middle = np.eye(6)

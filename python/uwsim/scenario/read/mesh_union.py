@@ -101,7 +101,12 @@ def _pierces(ends: Vertices, corners: Vertices) -> NDArray[np.bool_]:
 
 def volume(mesh: trimesh.Trimesh) -> float:
     """Return the signed volume of a mesh."""
-    a, b, c = mesh.triangles.transpose(1, 0, 2)
+    return volume_within(mesh.triangles)
+
+
+def volume_within(corners_m: NDArray[np.float64]) -> float:
+    """Return the signed volume within triangles, by their corners (n, 3, 3)."""
+    a, b, c = corners_m.transpose(1, 0, 2)
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
 
