@@ -6,6 +6,7 @@ import csv
 import io
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -51,15 +52,17 @@ class CsvTable:
         may_lack: return NaN for cells that are empty or NaN.
         """
         cells = self.texts(column)
+        with suppress(ValueError):  # the loop below finds the cell, and what may lack
+            whole = np.array([float(cell) for cell in cells])
+            if np.isfinite(whole).all() and "_" not in "".join(cells):  # float() reads 1_0 as 10
+                return whole
         values = [math.nan] * len(cells)
         for k, cell in enumerate(cells):
             try:
-                values[k] = float(cell)
-                if math.isfinite(values[k]) and "_" not in cell:  # float() reads 1_0 as 10
-                    continue
+                values[k] = math.inf if "_" in cell else float(cell)
             except ValueError:
                 values[k] = math.nan if not cell.strip() else math.inf
-            if not (may_lack and math.isnan(values[k])):
+            if not math.isfinite(values[k]) and not (may_lack and math.isnan(values[k])):
                 rule = "must be a finite number" + (", or empty" if may_lack else "")
                 raise ValueError(f"{self.name}:{self.line(k)}: {column} = {cell!r:.40}: {rule}")
         return np.array(values, np.float64)
@@ -85,7 +88,9 @@ def read_csv(path: Path, name: str = "", *, data: bytes | None = None) -> CsvTab
             line = numbers[-1]
             if not columns:
                 columns = tuple(cell.strip() for cell in row)
-                _require_distinct(columns, f"{name}:{line}")
+                repeated = [column for k, column in enumerate(columns) if column in columns[:k]]
+                if repeated:
+                    raise ValueError(f"{name}:{line}: column '{repeated[0]}' is named twice")
                 continue
             if len(row) != len(columns):
                 raise ValueError(f"{name}:{line}: {len(row)} values: must be {len(columns)}, one for each column")
@@ -106,9 +111,3 @@ def _lines(text: str, numbers: list[int]) -> Iterator[str]:
         if stripped and not stripped.startswith("#"):
             numbers.append(number)
             yield line
-
-
-def _require_distinct(columns: tuple[str, ...], place: str) -> None:
-    repeated = next((column for k, column in enumerate(columns) if column in columns[:k]), None)
-    if repeated is not None:
-        raise ValueError(f"{place}: column '{repeated}' is named twice")
