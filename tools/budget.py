@@ -32,21 +32,7 @@ SLACK = {"lines": 300, "long": 0, "arrows": 0, "seconds": 10, "words": 5}
 STEP = {"lines": 50, "seconds": 5}
 """Numbers are lowered to multiples of these, so that a small mend need not raise one."""
 COUNTED = {
-    ".py",
-    ".cpp",
-    ".h",
-    ".js",
-    ".mjs",
-    ".css",
-    ".html",
-    ".j2",
-    ".md",
-    ".sh",
-    ".cmake",
-    ".yaml",
-    ".yml",
-    ".toml",
-    "",
+    *(".py", ".cpp", ".h", ".js", ".mjs", ".css", ".html", ".j2", ".md", ".sh", ".cmake", ".yaml", ".yml", ".toml", "")
 }
 LEFT_OUT = re.compile(
     r"/vendor/|_core\.pyi$|^docs/(reference|benchmarks)/|^tests/(fuzz/found|python/data)/|^(LICENSE|\.git)"

@@ -15,7 +15,7 @@ def chart(suffix: str) -> Callable[[bytes, Path], Any]:
     """Return a reader of a chart: the scenario that is made of it."""
 
     def read(data: bytes, folder: Path) -> Any:
-        from uwsim.scenario.from_chart import scenario_from_chart
+        from uwsim.exchange.from_chart import scenario_from_chart
 
         path, out = folder / f"chart{suffix}", folder / "made.yaml"
         path.write_bytes(data)
@@ -27,7 +27,7 @@ def chart(suffix: str) -> Callable[[bytes, Path], Any]:
 
 def soundings(data: bytes, folder: Path) -> Any:
     """Read soundings as text, and grid them."""
-    from uwsim.evidence.soundings import grid_soundings, read_soundings
+    from uwsim.exchange.soundings import grid_soundings, read_soundings
 
     path, out = folder / "soundings.xyz", folder / "made.tif"
     path.write_bytes(data)

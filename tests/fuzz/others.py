@@ -53,15 +53,15 @@ def _xacro(path: Path) -> Any:
     """Expand macros without a process of its own, since the grammar is attacked; that makes one line of any error."""
     given = {"roots": [str(path.parent)], "packages": {}, "arguments": {}}
     try:
-        return _of("evidence.robots.xacro_process:read")(str(path), given)["document"].tobytes()
+        return _of("exchange.robots.xacro_process:read")(str(path), given)["document"].tobytes()
     except Exception as error:
         raise ValueError(str(error)) from None
 
 
 def _scene(path: Path) -> Any:
     (path.parent / "Assets").mkdir(exist_ok=True)
-    project = _of("evidence.unity.project:Project")(path.parent)
-    return vars(_of("evidence.unity.scene:read_scene")(project, path))
+    project = _of("exchange.unity.project:Project")(path.parent)
+    return vars(_of("exchange.unity.scene:read_scene")(project, path))
 
 
 def _result(path: Path) -> Any:
@@ -88,7 +88,7 @@ FILES: dict[str, tuple[str, str | Callable[[Path], Any]]] = {
     "team": ("team.yaml", lambda path: _of("league.team:load_team")(path.parent)),
     "result": ("result.json", _result),
     "calibration": ("a.yaml", "scenario.read.calibration:calibrated_fields"),
-    "mapping": ("map.yaml", "evidence.identification.motion_log:read_mapping"),
+    "mapping": ("map.yaml", "exchange.logs.motion_log:read_mapping"),
     "mission": ("mission", "missions.field:read_mission_file"),
     "thruster_csv": ("sheet.csv", "scenario.read.thruster_sheets:read_sheet_rows"),
     "unity": ("a.unity", _scene),

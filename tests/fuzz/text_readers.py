@@ -60,7 +60,7 @@ def motion_log(suffix: str) -> Callable[[bytes, Path], Any]:
 
     def read(data: bytes, folder: Path) -> list[bytes]:
         from uwsim.evidence.identification.flown import parts_of
-        from uwsim.evidence.identification.motion_log import Mapping, read_log
+        from uwsim.exchange.logs.motion_log import Mapping, read_log
 
         effort = ["e", *[None] * 5]
         columns = {"time_s": "t", "position_m": [*"xyz"], "orientation_xyzw": [*"abcd"], "effort": effort}
@@ -129,7 +129,7 @@ def robot(module: str, function: str, suffix: str) -> Callable[[bytes, Path], st
     """Return a reader of a robot's description, as far as its vehicles' masses."""
 
     def read(data: bytes, folder: Path) -> str:
-        found = getattr(import_module(f"uwsim.evidence.robots.{module}"), function)(
+        found = getattr(import_module(f"uwsim.exchange.robots.{module}"), function)(
             _written(folder / f"robot{suffix}", data)
         )
         for each in found.robots:

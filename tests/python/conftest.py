@@ -8,14 +8,17 @@ import sys
 from collections.abc import Generator, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import settings
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from processor_seconds import ProcessorSeconds
 from uwsim import _core
 from uwsim.figures import style, truth_and_map
 from uwsim.scenario import build_world, load
+from uwsim.scenario.build.potential_flow import added_mass_of_ellipsoid
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 MAY_GROW_BYTES, KEPT_BYTES = 100 << 20, [0]
@@ -47,6 +50,17 @@ def shared_trees() -> Iterator[None]:
     kept = _core.RayScene(build_world(load("lake"))) if "PYTEST_XDIST_WORKER" in os.environ else None
     yield
     del kept
+
+
+@pytest.fixture
+def panels_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Use the added mass of an ellipsoid, since panels take seconds."""
+
+    def of_ellipsoid(hull_m: NDArray[np.float64], _: object, density_kg_m3: float) -> tuple[NDArray[np.float64], str]:
+        return np.diag(added_mass_of_ellipsoid(np.ptp(hull_m, axis=0) / 2, density_kg_m3)), ""
+
+    for module in ("exchange.hulls.draft", "evidence.vehicle.estimates"):
+        monkeypatch.setattr(f"uwsim.{module}.added_mass_by_steps", of_ellipsoid)
 
 
 @pytest.fixture(autouse=True)

@@ -13,8 +13,8 @@ LAWFUL = {
         base/atomic_file.py:GrowingFile.discard base/own_files.py:mark base/folder_lock.py:alone_in""",
     "in a temporary folder": """campaigns/workers/dask_workers.py:scratch_folder evidence/cli/vehicle.py:_print_draft
         evidence/reproduce/beside.py:_make evidence/reproduce/beside.py:_survey_map
-        evidence/reproduce/deposit.py:write_deposit evidence/robots/written.py:require_simulable
-        evidence/robots/written.py:_estimates evidence/unity/scenario.py:_Files.drafted
+        evidence/reproduce/deposit.py:write_deposit exchange/robots/written.py:require_simulable
+        exchange/robots/written.py:_estimates exchange/unity/scenario.py:_Files.drafted
         evidence/validate/closed_forms.py:_write_obj examples/m07_wall_scan.py:main
         examples/m08_station_keeping.py:main examples/m10_digital_twin.py:main
         operator/station/sessions/saves.py:save

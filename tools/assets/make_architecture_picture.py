@@ -38,6 +38,7 @@ TEXTS = {
     "learning": "Gymnasium environments",
     "campaigns": "sweeps, fleets, data sets",
     "league": "teams' programs over courses",
+    "exchange": "robots, charts, logs of others",
     "evidence": "validation, reproductions",
 }
 """A line for each room of the heart, and for each add-on."""

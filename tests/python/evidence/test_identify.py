@@ -17,11 +17,11 @@ from uwsim.evidence.identification import MotionLog, identify, read_log
 from uwsim.evidence.identification.calibrated_file import calibrated_text
 from uwsim.evidence.identification.command_times import segment_of
 from uwsim.evidence.identification.flown import OUTPUTS, Flown, parts_of
-from uwsim.evidence.identification.motion_log import read_mapping
 from uwsim.evidence.identification.solution import Identified, Value
 from uwsim.evidence.identification.unknowns import DELAY, SPREADS, parameters_at, unknowns
 from uwsim.evidence.validate.flights import deep_scenario
 from uwsim.evidence.validate.identification import covered, true_log
+from uwsim.exchange.logs.motion_log import read_mapping
 from uwsim.recording import Recorder
 from uwsim.recording.real_flights.motion import sampled
 from uwsim.scenario import VehicleModel, load_vehicle

@@ -16,7 +16,7 @@ from flight_logs import COLUMNS, DENSITY_KG_M3, ROWS, VEHICLE, bag, dataflash, f
 from uwsim import Simulator
 from uwsim.cli.program import app
 from uwsim.evidence.identification import identify
-from uwsim.evidence.identification.motion_log import read_flown
+from uwsim.exchange.logs.motion_log import read_flown
 from uwsim.recording import Recording
 from uwsim.recording.real_flights.beside import fly_beside
 from uwsim.recording.real_flights.flight_log import FlightLog

@@ -17,8 +17,8 @@ import pytest
 
 import uwsim
 from uwsim.base.texts.csv_table import read_csv
-from uwsim.evidence import soundings
-from uwsim.evidence.robots import stonefish_text
+from uwsim.exchange import soundings
+from uwsim.exchange.robots import stonefish_text
 from uwsim.recording.contents import read_contents
 from uwsim.scenario import load
 from uwsim.scenario.read import cast_file
@@ -90,13 +90,13 @@ def star(count: int) -> bytes:
 
 
 def read_urdf(path: Path) -> object:
-    from uwsim.evidence.robots.urdf import read_urdf
+    from uwsim.exchange.robots.urdf import read_urdf
 
     return read_urdf(path)
 
 
 def read_sdf(path: Path) -> object:
-    from uwsim.evidence.robots.sdf import read_sdf
+    from uwsim.exchange.robots.sdf import read_sdf
 
     return read_sdf(path)
 

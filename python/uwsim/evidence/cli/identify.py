@@ -70,8 +70,8 @@ def identify(
     from uwsim.evidence.identification import identify as identified
     from uwsim.evidence.identification import read_log
     from uwsim.evidence.identification.calibrated_file import write_calibrated
-    from uwsim.evidence.identification.motion_log import read_flown, read_mapping
     from uwsim.evidence.identification.report import table, undetermined_lines, write_report
+    from uwsim.exchange.logs.motion_log import read_flown, read_mapping
     from uwsim.scenario import load_vehicle
     from uwsim.scenario.read.assets import YAML_SUFFIXES
 

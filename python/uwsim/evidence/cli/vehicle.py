@@ -177,7 +177,7 @@ def _print_draft(
     if up is not None and up not in UPS:
         raise UsageError(f"--up = '{up}': must be one of {', '.join(UPS)}")
     from uwsim.evidence.scenario_check import check_part
-    from uwsim.evidence.vehicle.draft import drafted
+    from uwsim.exchange.hulls.draft import drafted
 
     def progress(line: str) -> None:
         typer.echo(f"uwsim: {line}", err=True)

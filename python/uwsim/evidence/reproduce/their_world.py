@@ -18,7 +18,7 @@ from uwsim.evidence.reproduce.movement_and_ray import AWAY_M, Gate, gate_of
 from uwsim.evidence.reproduce.paper import Subject
 from uwsim.evidence.reproduce.scenes import Place
 from uwsim.evidence.reproduce.screens import OVER_THE_PIPELINE
-from uwsim.evidence.unity.source import TERRAIN, UNITY
+from uwsim.exchange.unity.source import TERRAIN, UNITY
 from uwsim.scenario import load
 from uwsim.scenario.build.hull import hull_box_m, vehicle_hull
 from uwsim.scenario.dump import yaml_text

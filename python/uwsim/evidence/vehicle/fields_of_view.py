@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
-from uwsim.evidence.vehicle.mounts import beams_of, entered_m, hull_scene
+from uwsim.evidence.vehicle.mounts import beams_of, entered_m
 from uwsim.instruments.sonars.imaging import Acoustics, ForwardLooking, SideScan
-from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.build.hull import hull_scene, vehicle_hull
 from uwsim.simulator.simulator import Simulator
 
 Floats = NDArray[np.float64]

@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 
 from uwsim import _core
 from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
-from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.build.hull import hull_scene, vehicle_hull
 from uwsim.scenario.spec.imaging_kind import core_kind, imaging_kind
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.vehicle import VehicleModel
@@ -138,13 +138,6 @@ def _degrees_between(one: ArrayLike, other: ArrayLike) -> float:
     a, b = np.asarray(one, np.float64), np.asarray(other, np.float64)
     cosine = float(a @ b) / float(np.linalg.norm(a) * np.linalg.norm(b))
     return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
-
-
-def hull_scene(vertices_m: Floats, triangles: NDArray[np.integer]) -> _core.RayScene:
-    """Return a scene for rays that contains only a hull (n, 3), (m, 3), in body coordinates."""
-    world = _core.World()
-    world.add_solid("hull", vertices_m, triangles)
-    return _core.RayScene(world)
 
 
 def entered_m(hull: _core.RayScene, origin_m: Floats, directions: Floats) -> Floats:

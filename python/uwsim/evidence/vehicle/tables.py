@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from uwsim.base.axes import AXES
-from uwsim.evidence.vehicle.estimates import ACROSS
 from uwsim.evidence.vehicle.linear_motion import Mode
 from uwsim.evidence.vehicle.report import VehicleReport
+from uwsim.exchange.hulls.hull_drag import ACROSS
 
 LIKELY = (1.0 / 3.0, 3.0)
 """Ratios of a coefficient to its estimate outside which it is marked; published vehicles lie within them."""

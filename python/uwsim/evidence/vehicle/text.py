@@ -10,12 +10,10 @@ from uwsim.evidence.vehicle.figures import VehicleFigures
 from uwsim.evidence.vehicle.report import VehicleReport
 from uwsim.evidence.vehicle.surprises import attitude_text, straight_text
 from uwsim.evidence.vehicle.tables import Table, tables
-from uwsim.evidence.vehicle.trials import RUN_S, SLIP_M_S, Slip
+from uwsim.evidence.vehicle.trials import RUN_S, Slip
+from uwsim.exchange.hulls.draft import SLIP_M_S, SLIP_SHORT_S
 from uwsim.scenario.build.control import floating_text
 from uwsim.scenario.build.scale import size_text
-
-SLIP_SHORT_S = 2.0
-"""A slip that halves faster is not seen in a survey's curves."""
 
 
 def vehicle_lines(figures: VehicleFigures) -> Iterator[str]:

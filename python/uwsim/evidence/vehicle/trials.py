@@ -14,6 +14,7 @@ from uwsim.batch.batch import Batch
 from uwsim.evidence.validate.flights import deep_scenario
 from uwsim.evidence.vehicle.afloat import afloat
 from uwsim.evidence.vehicle.linear_motion import mass_matrix
+from uwsim.exchange.hulls.draft import SLIP_M_S
 from uwsim.scenario import Scenario, VehicleModel
 from uwsim.scenario.spec.vehicle import Trim
 from uwsim.simulator.simulator import Simulator
@@ -27,7 +28,7 @@ CIRCLE_S, LAST_S, SAMPLE_S = 120.0, 40.0, 0.1
 RUN_S, RUN_LAST_S = 30.0, 10.0
 TILT_DEG = 15.0
 """Tilt on a straight run beyond which a warning is given; propeller torques roll sound vehicles by up to 12 degrees."""
-SLIP_M_S, SLIP_LONGEST_S = 0.5, 120.0
+SLIP_LONGEST_S = 120.0
 STEADY, FASTEST = 0.05, 99.0  # FASTEST [m/s, rad/s]: a vehicle can be placed with up to 100
 
 

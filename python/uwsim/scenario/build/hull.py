@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim import _core
 from uwsim.scenario.build.scale import question_of_factor, require_plausible_density, require_plausible_volume
 from uwsim.scenario.read.disk_cache import cached_arrays
 from uwsim.scenario.read.errors import ScenarioError
@@ -186,3 +187,10 @@ def _require_mass_inside(model: VehicleModel, box_m: NDArray[np.float64]) -> Non
         f"({high}) m, which is placed by its centre_of_buoyancy_m",
         at=("centre_of_mass_m",),
     )
+
+
+def hull_scene(vertices_m: NDArray[np.float64], triangles: NDArray[np.integer]) -> _core.RayScene:
+    """Return a scene for rays that contains only a hull (n, 3), (m, 3), in body coordinates."""
+    world = _core.World()
+    world.add_solid("hull", vertices_m, triangles)
+    return _core.RayScene(world)

@@ -1,0 +1,1 @@
+"""Files of others, coming and going: robots and worlds, charts and soundings, hulls, Unity projects, logs."""

@@ -1,0 +1,1 @@
+"""The command that makes a scenario of a file of others."""

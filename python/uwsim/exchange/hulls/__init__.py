@@ -1,0 +1,1 @@
+"""A hull that comes as a mesh alone: the draft of its vehicle, from textbook estimates."""

@@ -1,0 +1,1 @@
+"""Logs of vehicles, as commands and motion."""
