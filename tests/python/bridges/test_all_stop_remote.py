@@ -166,7 +166,7 @@ def test_the_panel_over_a_modem_tells_it(packing: str, is_stopped: bool) -> None
 
 def test_x_in_the_terminal_stops_and_capital_x_releases(live: LiveSimulator, server: RosbridgeServer) -> None:
     connection = Connection(server.url, Hands())
-    app = Screen(connection, "pool")
+    app = Screen(connection)
     said: list[str] = []
     connection.report = said.append
     connection.start()
@@ -179,7 +179,7 @@ def test_x_in_the_terminal_stops_and_capital_x_releases(live: LiveSimulator, ser
             app.press("x")  # keyboard auto-repeat
             until(lambda: live.rov.all_stopped and not live.rov.effort.any())
             until(lambda: connection.readout.all_stop)
-            assert "ALL STOP: X releases it" in app.lines(80, 24)[0]
+            assert "ALL STOP: X releases it" in app.text(80)
             app.press("w")
             until(lambda: any("all stop is set" in text for text in said))
             assert not live.rov.effort.any()

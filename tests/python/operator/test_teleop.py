@@ -8,28 +8,30 @@ import signal
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from command_line import error_line, uwsim
 from uwsim.bridges import RosbridgeServer
 from uwsim.channels.families.key import Function
+from uwsim.channels.ros.messages import default_message
 from uwsim.live import LiveSimulator
 from uwsim.operator.cli.teleop import own_server
-from uwsim.operator.teleop.app import Screen
+from uwsim.operator.teleop.app import BLUR, KEY, Screen
 from uwsim.operator.teleop.connection import Connection
-from uwsim.operator.teleop.hands import FIRST_HOLD_S, REPEAT_HOLD_S, ZERO, Hands
-from uwsim.operator.teleop.readout import Readout, read_state_data
-from uwsim.operator.teleop.terminal import BLUR, KEY
+from uwsim.operator.teleop.hands import DRIVING, FIRST_HOLD_S, REPEAT_HOLD_S, ZERO, Hands
+from uwsim.operator.teleop.readout import Readout, read_link, read_state_data
 from uwsim.simulator.simulator import Simulator
 from waiting import until
 
 UWSIM = Path(sys.executable).with_name("uwsim")
 PATIENCE_S = 180.0
+PUBLISHED = {"w": "surge", "s": "-surge", "d": "-sway", "a": "sway", " ": "heave", "b": "-heave", "i": "pitch",
+             "k": "-pitch", "l": "roll", "j": "-roll", "e": "-yaw", "q": "yaw"}  # fmt: skip
+"""key_publisher.py of the published simulator; its wire's sway and yaw are positive to starboard, here to port."""
 
 
 class Watch:
@@ -52,6 +54,16 @@ def watch():
 @pytest.fixture
 def hands(watch):
     return Hands(watch)
+
+
+def test_the_driving_keys_are_the_published_nodes_and_add_up_until_the_opposite_key_where_the_pilot_chooses_so():
+    assert {key: "-" * (sign < 0) + axis for key, (axis, sign) in DRIVING.items()} == PUBLISHED
+    hands = Hands(adds_up=True)
+    for key, expected in (("w", 1), ("w", 1), ("s", 0), ("s", -1), ("s", -1), ("w", 0), ("w", 1)):
+        hands.press(key)
+        assert hands.efforts()["surge"] == expected * hands.share
+    hands.press("c")
+    assert hands.efforts() == ZERO
 
 
 def test_an_effort_ends_by_itself_unless_its_key_repeats(hands, watch):
@@ -86,9 +98,9 @@ def test_keys_turn_an_effort_round_stop_give_the_helm_away_and_change_the_share(
         hands.press("w")
         hands.press(key)
         assert (hands.efforts(), hands.has_helm) == (ZERO | {"surge": surge}, has_helm)
-    for change, share in ((-99, pytest.approx(0.1)), (99, 1.0)):
-        hands.change_share(change)
-        hands.press("w")
+    for key, share in (("-", pytest.approx(0.1)), ("=", 1.0)):
+        for pressed in key * 9 + "w":
+            hands.press(pressed)
         assert hands.efforts()["surge"] == share
 
 
@@ -116,64 +128,69 @@ def test_a_sonar_tilts_while_its_key_is_held(hands, watch):
 def test_no_escape_sequence_is_taken_for_a_key_nor_swallows_one():
     assert KEY.findall("wX ") == ["w", "X", " "]
     assert KEY.findall("\x1b[A\x1b[1;5Dx") == ["\x1b[A", "\x1b[1;5D", "x"]
-    assert KEY.findall("\x1b[O") == [BLUR]
-    assert KEY.findall("\x1bx") == ["x"]
+    assert KEY.findall(BLUR) == [BLUR] and KEY.findall("\x1bx") == ["x"]
 
 
-def test_the_published_panel_is_read_and_the_sonars_line_has_the_nearest_echo_of_each_sector():
+def test_the_published_panel_and_the_link_are_read():
     readout = Readout()
     read_state_data(readout, SimpleNamespace(data="0.5a0.1a18a150.3a5a12.5aInfinitya60a99.5a"))
     assert (readout.depth_m, readout.battery_percent, readout.altitude_m) == (5.0, 99.5, math.inf)
     with pytest.raises(ValueError, match="stateData: 2 values: must be 9"):
         read_state_data(readout, SimpleNamespace(data="1a2a"))
-    assert readout.sonar_line() == "---"
-    readout.ranges_m = np.array([np.inf, np.inf, 9.0, 4.5, *[np.inf] * 12, 12.0, 30.0], np.float32)
-    assert readout.sonar_line().split() == ["port", "-", "4.5", *"------", "12.0", "starboard"]
+    message = default_message("uwsim_msgs/msg/Link")
+    for modem, loss, delay_s, expected in (
+        ("none", 1.0, 0.0, ("", "LINK DOWN")),
+        ("s2cm_hs", 0.5, 0.041, ("s2cm_hs 83% 41 ms, 12 s ago", "LINK LOSES 50%")),
+        ("s2cm_hs", 0.0, math.nan, ("s2cm_hs 83%, 12 s ago", "")),
+    ):
+        message.modem, message.fault_loss, message.delay = modem, loss, delay_s
+        message.quality, message.silence_at_station = 0.83, 12.4
+        read_link(readout, message)
+        assert (readout.link, readout.link_fault) == expected
 
 
-def screen_of(hands):
-    return Screen(Connection("ws://127.0.0.1:1", hands), "po\x1b[2Jol")
+def screen_of(hands, state="connected"):
+    screen = Screen(Connection("ws://127.0.0.1:1", hands))
+    screen.connection.state = state
+    return screen
 
 
 def test_all_stop_is_seen_in_any_size_of_the_terminal(hands):
     for state, is_set, is_wanted, expected in (
-        ("connected", True, False, "ALL STOP: X releases it"),
-        ("connected", True, True, "ALL STOP: X releases it"),
-        ("connected", False, True, "NOT CONFIRMED"),
-        ("connected", None, True, "NOT CONFIRMED"),
-        ("connected", False, False, "no all stop"),
-        ("connected", None, False, "all stop unknown"),
+        ("connected", True, False, "ALL STOP: X"), ("connected", True, True, "ALL STOP: X"),
+        ("connected", False, True, "ALL STOP NOT CONF"), ("connected", None, True, "ALL STOP NOT CONF"),
+        ("connected", False, False, "no all stop"), ("connected", None, False, "all stop unknown"),
         ("lost", True, False, "all stop unknown"),
-    ):
-        screen = screen_of(hands)
+    ):  # fmt: skip
+        screen = screen_of(hands, state)
         screen.report("a message\n" * 50)
-        screen.connection.state, screen.connection.stop_is_wanted = state, is_wanted
-        screen.connection.readout.all_stop = is_set
-        for columns, rows in ((80, 24), (80, 1), (20, 3)):
-            lines = screen.lines(columns, rows)
-            assert expected in lines[0] and len(lines) <= rows
+        screen.connection.readout.all_stop, screen.connection.stop_is_wanted = is_set, is_wanted
+        for columns in (80, 20):
+            line = re.sub(r"\x1b\[[\d;]*\w", "", screen.text(columns).split("\n")[-1]).lstrip("\r")
+            assert line.startswith(expected) and len(line) < columns
 
 
 def test_all_stop_lets_the_keys_go_and_anothers_release_ends_the_wish_for_it(hands):
     screen = screen_of(hands)
-    screen.connection.state, readout = "connected", screen.connection.readout
+    readout = screen.connection.readout
     screen.press("x")
     for is_set in (False, True):
         assert screen.connection.stop_is_wanted
         readout.all_stop = is_set
         screen.press("w")
-        screen.lines(80, 24)
+        screen.text(80)
         assert any(hands.efforts().values()) is not is_set
     readout.all_stop = False
-    assert "no all stop" in screen.lines(80, 24)[0]
+    assert "no all stop" in screen.text(80)
 
 
 def test_a_servers_text_has_no_power_over_the_terminal(hands):
     screen = screen_of(hands)
     screen.connection.readout.warnings = ("BAD\x1b]0;title\x07",)
-    screen.report("also\x9b2J")
-    text = "".join(screen.lines(80, 24))
-    assert not {"\x1b[2J", "\x1b]", "\x07", "\x9b"} & {text[k : k + n] for k in range(len(text)) for n in (1, 2, 4)}
+    screen.report("also\x9b2J\x1b[2J")
+    text = screen.text(200)
+    assert "BAD" in text and "also" in text
+    assert not any(each in text for each in ("\x1b[2J", "\x1b]", "\x07", "\x9b"))
 
 
 # Against a simulator
@@ -250,26 +267,19 @@ def test_a_vanished_keyboard_does_not_stop_another_pilot(live, server):
 
 
 def test_the_screen_flies_and_shows_numbers(live, server):
-    screen = Screen(Connection(server.url, Hands(lambda: 0.0)), "pool")
+    screen = Screen(Connection(server.url, Hands(lambda: 0.0)))
     screen.connection.start()
-    until(lambda: screen.connection.silence_s < 1.0 and len(screen.connection.readout.ranges_m))
+    until(lambda: screen.connection.silence_s < 1.0)
     screen.press("=")
     until(lambda: screen.press("w") or live.rov.effort[0] == 0.75)  # again, since a silence releases all keys
-    until(lambda: screen.connection.readout.efforts[:1] == (0.75,))
-    screen.press("m")
-    text = "\n".join(screen.lines(100, 30))
-    for part in ("no all stop", "at the helm", "75% effort", "mark 1:"):
-        assert part in text
-    assert re.search(r"heading +\d+°   depth +\d+\.\d m   altitude +\d+\.\d m   battery +\d+ %", text)
-    assert text.count("surge +0.75") == 2  # asked for and applied
-    assert re.search(r"sonar   port (\s+[\d.]+|\s+-)+ starboard", text)
-    assert len(screen.marks) == 1
+    numbers = r"no all stop  hdg +\d+°  depth +\d+\.\d m  alt +\d+\.\d m  bat +\d+%  lag 0\.\d s  helm 75%  connected"
+    assert re.search(numbers, screen.text(100))
     screen.connection.stop()
     until(lambda: not live.rov.effort.any())
 
 
 def test_a_terminal_that_ends_stops_the_vehicle(live, server):
-    for number in (signal.SIGTERM, signal.SIGHUP):
+    for number, code in ((signal.SIGTERM, 130), (signal.SIGHUP, 130), (None, 0)):
         master, slave = pty.openpty()
         process = subprocess.Popen(
             [UWSIM, "teleop", server.url], stdin=slave, stdout=slave, stderr=slave, start_new_session=True,
@@ -282,9 +292,15 @@ def test_a_terminal_that_ends_stops_the_vehicle(live, server):
                 assert time.monotonic() < deadline
                 os.write(master, b"w")
                 time.sleep(0.1)  # its output is not read, so the terminal blocks
-            process.send_signal(number)
+            if number is None:
+                os.write(master, b"\x11")  # Ctrl-Q
+                with suppress(OSError):  # until it has ended
+                    while os.read(master, 4096):
+                        pass
+            else:
+                process.send_signal(number)
             until(lambda: not live.rov.effort.any())
-            assert process.wait(PATIENCE_S) == 130
+            assert process.wait(PATIENCE_S) == code
         finally:
             process.kill()
             process.wait()

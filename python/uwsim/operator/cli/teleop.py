@@ -56,19 +56,15 @@ def teleop(
         given = [name for name, is_given in {"scenario": scenario is not None, **simulator.given()}.items() if is_given]
         if given:
             raise ValueError(f"{flag_name(given[0])}: is for its own simulator, not for a URL")
-        marks, code = fly(url, url, vehicle, adds_up=keys == "published")
+        code = fly(url, vehicle, adds_up=keys == "published")
     else:
         from uwsim.simulator.simulator import Simulator
 
-        flown = scenario or "lake"
-        own = Simulator(flown, **simulator.arguments)
+        own = Simulator(scenario or "lake", **simulator.arguments)
         if vehicle is not None and vehicle not in own.vehicles:
             raise ValueError(f"--vehicle = {vehicle!r}: must be one of {', '.join(own.vehicles)}")
         with own_server(own) as server:
-            named = vehicle if len(own.vehicles) > 1 else None
-            marks, code = fly(server.url, flown, named, adds_up=keys == "published")
-    for number, mark in enumerate(marks, 1):
-        typer.echo(f"mark {number}: {mark}")
+            code = fly(server.url, vehicle if len(own.vehicles) > 1 else None, adds_up=keys == "published")
     raise typer.Exit(code)
 
 
@@ -76,20 +72,18 @@ def teleop(
 def own_server(simulator: Simulator) -> Iterator[RosbridgeServer]:
     """Run and serve a simulator on a free local port, over its link if it has one.
 
-    If the link is a modem, it carries the values that the terminal shows, unless the scenario selects the channels.
+    If the link is a modem, it carries the telemetry alone, unless the scenario selects the channels.
     """
     from uwsim.bridges import RosbridgeServer
-    from uwsim.channels.families.scans import PLACED
     from uwsim.channels.served import served_table
     from uwsim.link import Carrier
-    from uwsim.link.ashore import with_scans
     from uwsim.live import LiveSimulator
 
     with ExitStack() as ends:
         live = ends.enter_context(LiveSimulator(simulator))
-        table = served_table(live, wire="both")  # not the scenario's, since the screen needs the standard topics
+        table = served_table(live, wire="both")  # not the scenario's, since the pilot needs the standard topics
         if simulator.link is not None:
-            shown = ("telemetry", PLACED.name) if simulator.link.modem.kind == "modem" else None
+            shown = ("telemetry",) if simulator.link.modem.kind == "modem" else None
             carrier = ends.enter_context(Carrier(live, table, only=shown))
-            table.channels, table.services = with_scans(carrier.channels), carrier.over(table.services)
+            table.channels, table.services = carrier.channels, carrier.over(table.services)
         yield ends.enter_context(RosbridgeServer(live, channels=table.channels, services=table.services))

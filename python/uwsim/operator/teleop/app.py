@@ -1,23 +1,23 @@
-"""The pilot's screen: all stop, numbers, a line of sonar, messages. It passes keys to the hands."""
+"""The pilot's terminal: one line with all stop, numbers and state, messages above it. It passes keys to the hands."""
 
 from __future__ import annotations
 
 import logging
-import math
 import os
+import re
 import shutil
 import signal
 import sys
+import termios
 import threading
 import time
+import tty
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from textwrap import wrap
+from collections.abc import Iterator
+from contextlib import suppress
 
-from uwsim.base.axes import AXES
 from uwsim.operator.teleop.connection import Connection
-from uwsim.operator.teleop.hands import ALL_STOP, END_STOP, HELP, HELP_TEXT, MARK, SERVICES, STEPS, SWITCHES, Hands
-from uwsim.operator.teleop.terminal import BLUR, Terminal
+from uwsim.operator.teleop.hands import ALL_STOP, END_STOP, HELP, HELP_TEXT, SERVICES, SWITCHES, Hands
 
 FRAME_S = 0.1
 SILENT_S = 1.0  # time without telemetry after which the pilot is warned
@@ -25,159 +25,147 @@ LATE = 2.5  # the same over a slow modem, in multiples of the last interval
 QUIT_S = 3.0  # time limit for restoring the terminal
 QUIT = ("\x03", "\x11")  # Ctrl-C, Ctrl-Q
 INTERRUPTED = 130  # exit code, as for all commands
-RED, YELLOW, DIM, RESET = "\x1b[1;37;41m", "\x1b[1;30;43m", "\x1b[2m", "\x1b[m"
+BLUR = "\x1b[O"  # sent by a terminal that loses focus, once asked to
+FOCUS, NO_FOCUS = b"\x1b[?1004h", b"\x1b[?1004l\r\n"
+KEY = re.compile(r"\x1b\[[\d:;<=>?]*[@-~]|[^\x1b]", re.DOTALL)
+"""An escape sequence, such as an arrow key's, or a character. An escape alone is no key, and what follows it is one."""
+RED, YELLOW, RESET = "\x1b[1;37;41m", "\x1b[1;30;43m", "\x1b[m"
+
+
+class _Ended(BaseException):
+    """Ends the main thread's drawing, also while the terminal accepts no output."""
 
 
 class Screen(logging.Handler):
-    """Shows a connection's readout, and passes keys to its hands; also shows logged warnings. name: the vehicle's."""
+    """Shows a connection's readout, and passes keys to its hands; also shows logged warnings."""
 
-    def __init__(self, connection: Connection, name: str) -> None:
+    def __init__(self, connection: Connection) -> None:
         super().__init__(logging.WARNING)
-        self.connection, self.hands, self.vehicle = connection, connection.hands, name
-        self.marks: list[str] = []
-        self.code: int | None = None  # exit code, once the flight has ended
-        self._log: deque[str] = deque(maxlen=100)
-        self._last_text = ""
+        self.connection, self.hands = connection, connection.hands
+        self.said: deque[str] = deque(maxlen=100)  # not shown yet
+        self._code = INTERRUPTED
+        self._last_text = self._warnings = ""
         self._error: Exception | None = None
+        self._has_ended = False
         self._was_stopped: bool | None = None
         connection.report = self.report
 
     def run(self) -> int:
         """Fly until the pilot quits, a signal arrives or the terminal is gone. Return the exit code."""
-        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
-            signal.signal(number, lambda *_: self._end(INTERRUPTED))
-        self.report("w s a d q e b space: drive   x X: all stop, its end   - =: effort   ?: all keys   Ctrl-Q: quit")
+        self.report(HELP_TEXT)
         last = threading.Timer(QUIT_S, os._exit, (INTERRUPTED,))
         last.daemon = True
+        before = termios.tcgetattr(sys.stdin)
         try:
-            with Terminal() as terminal:
-                self.connection.start()
-                for act in (self._draw_on, self._read_on):
-                    threading.Thread(target=self._end_after, args=(act, terminal), daemon=True).start()
-                while self.code is None:
-                    time.sleep(FRAME_S)
-                self.connection.stop()
-                last.start()  # the terminal may accept no more output
+            for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+                signal.signal(number, self._end)
+            tty.setraw(sys.stdin, termios.TCSANOW)
+            _write(FOCUS)
+            self.connection.start()
+            threading.Thread(target=self._read, args=(threading.get_ident(),), daemon=True).start()
+            while True:
+                _write(self.text(shutil.get_terminal_size().columns).encode(errors="replace"))
+                self.hands.beat()
+                time.sleep(FRAME_S)
+        except (_Ended, OSError):  # OSError: the terminal is gone
+            pass
         finally:
+            self._has_ended = True
             self.connection.stop()
-        if self.code == 0:
+            last.start()  # the terminal may accept no more output
+            with suppress(OSError, termios.error):
+                termios.tcsetattr(sys.stdin, termios.TCSANOW, before)
+                _write(NO_FOCUS)
+        if self._code == 0:
             last.cancel()
         if self._error is not None:
             raise self._error
-        return self.code
+        return self._code
 
-    def _end(self, code: int) -> None:
-        self.code = code if self.code is None else self.code
+    def _end(self, number: int, frame: object) -> None:
+        if not self._has_ended:
+            self._has_ended = True
+            raise _Ended
 
-    def _end_after(self, act: Callable[[Terminal], object], terminal: Terminal) -> None:
+    def _read(self, main: int) -> None:
+        """Pass on the keys that the pilot types until the terminal is gone, then end the main thread."""
         try:
-            act(terminal)
+            while data := os.read(sys.stdin.fileno(), 4096):
+                for key in KEY.findall(data.decode("ascii", "ignore")):
+                    if key in QUIT:
+                        self._code = 0
+                        return
+                    self.press(key)
         except OSError:
             pass  # the terminal is gone
         except Exception as error:  # to be raised once the terminal is as before
             self._error = error
-        self._end(INTERRUPTED)
-
-    def _draw_on(self, terminal: Terminal) -> None:
-        while self.code is None:
-            size = shutil.get_terminal_size()
-            terminal.show(self.lines(size.columns, size.lines))
-            self.hands.beat()
-            time.sleep(FRAME_S)
-
-    def _read_on(self, terminal: Terminal) -> None:
-        for key in terminal.typed():
-            if key in QUIT:
-                self._end(0)
-            elif key == BLUR:
-                self.hands.drop()
-            else:
-                self.press(key)
+        finally:
+            signal.pthread_kill(main, signal.SIGTERM)
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Show a logged warning, since printing it would corrupt the screen."""
+        """Show a logged warning, since printing it would corrupt the line."""
         self.report(record.getMessage())
 
     def report(self, text: str) -> None:
         """Show the pilot some text; may be called on any thread."""
         if text != self._last_text:
             self._last_text = text
-            self._log.extend(f"{time.strftime('%H:%M:%S')} {text}".splitlines())
+            self.said.extend(f"{time.strftime('%H:%M:%S')} {text}".splitlines())
 
-    def press(self, character: str) -> None:
-        """Perform the action assigned to a character."""
-        if character in SWITCHES:
-            self.connection.do(SWITCHES[character])
-        elif character in SERVICES:
-            self.connection.call(SERVICES[character])
-        elif character in (ALL_STOP, END_STOP):
+    def press(self, key: str) -> None:
+        """Perform the action assigned to a key."""
+        if key in SWITCHES:
+            self.connection.do(SWITCHES[key])
+        elif key in SERVICES:
+            self.connection.call(SERVICES[key])
+        elif key in (ALL_STOP, END_STOP):
             self.hands.press(ALL_STOP)
-            self.connection.all_stop(on=character == ALL_STOP)
-        elif character in STEPS:
-            self.hands.change_share(STEPS[character])
-        elif character == MARK:  # a function of the published keyboard, not a command
-            readout = self.connection.readout
-            self.marks.append(f"{readout.mission_s:.1f} s: {readout.place(2)}, {readout.depth_m:.2f} m deep")
-            self.report(f"mark {len(self.marks)}: {self.marks[-1]}")
-        elif character == HELP:
+            self.connection.all_stop(on=key == ALL_STOP)
+        elif key == HELP:
             self._last_text = ""
             self.report(HELP_TEXT)
+        elif key == BLUR:
+            self.hands.drop()
         else:
-            self.hands.press(character)
+            self.hands.press(key)
 
-    def lines(self, columns: int, rows: int) -> list[str]:
-        """Return what is shown, all stop first, so that no size of the terminal hides it."""
-        is_stopped = self.connection.readout.all_stop
+    def text(self, columns: int) -> str:
+        """Return what is shown next: messages, then the line, which begins with all stop and takes one row."""
+        connection, is_stopped = self.connection, self.connection.readout.all_stop
         if is_stopped and not self._was_stopped:
             self.hands.drop()  # so that a held key does not move the vehicle when all stop is released
         if self._was_stopped and is_stopped is False:
-            self.connection.stop_is_wanted = False  # by another's release
+            connection.stop_is_wanted = False  # by another's release
         self._was_stopped = is_stopped
-        warnings = wrap(_plain("  ".join(self._warnings())), columns)
-        shown = [*map(_plain, self._numbers()), *(f"{RED}{line}{RESET}" for line in warnings)]
-        log = [part for line in list(self._log) for part in wrap(_plain(line), columns)]
-        room = max(rows - 1 - len(shown), 0)
-        return [self.stop_line(), *shown, *log[len(log) - min(room, len(log)) :]][:rows]
+        warnings = ", ".join(self._lit())
+        if warnings != self._warnings:
+            self._warnings = warnings
+            self.report(f"warnings: {warnings or 'none'}")
+        stop, colour = self.stop(RED if warnings else "")
+        lag = f"{min(connection.silence_s, 999.0):.1f} s"
+        helm = f"{'helm' if self.hands.has_helm else 'free'} {self.hands.share:.0%}"
+        line = f"{stop}  {connection.readout.numbers()}  lag {lag}  {helm}  {connection.state}"
+        rest = f"  {connection.readout.link}  {warnings}"
+        said = "".join(f"{_plain(self.said.popleft())}\r\n" for _ in range(len(self.said)))
+        return f"\r\x1b[K{said}{colour}{_plain(line + rest)[: max(columns - 1, 0)].rstrip()}{RESET}"
 
-    def stop_line(self) -> str:
-        """Return all stop as far as it is known: set, asked for, or neither."""
+    def stop(self, colour: str) -> tuple[str, str]:
+        """Return all stop as far as it is known: set, asked for, or neither; and its colour, or the one given."""
         is_set = self.connection.readout.all_stop if self.connection.state == "connected" else None
         if is_set:
-            return f"{RED}ALL STOP: X releases it{RESET}"
+            return "ALL STOP: X releases it", RED
         if self.connection.stop_is_wanted:
-            return f"{YELLOW}ALL STOP ASKED FOR, NOT CONFIRMED: X withdraws it{RESET}"
-        return f"{DIM}{'all stop unknown' if is_set is None else 'no all stop'}: x sets it{RESET}"
+            return "ALL STOP NOT CONFIRMED: X withdraws it", YELLOW
+        return "all stop unknown" if is_set is None else "no all stop", colour
 
-    def _numbers(self) -> Iterator[str]:
-        readout, hands = self.connection.readout, self.hands
-        helm = "at the helm" if hands.has_helm else "helm free"
-        yield f"{self.vehicle}   {self.connection.state}   {helm}   {hands.share:.0%} effort"
-        yield (
-            f"heading {_figure(readout.heading_deg)}°   depth {_figure(readout.depth_m, 1)} m   "
-            f"altitude {_figure(readout.altitude_m, 1)} m   battery {_figure(readout.battery_percent)} %"
-        )
-        yield f"at      {readout.place(1)}"
-        yield f"thrust  {_efforts(hands.efforts().values())}"
-        yield f"applied {_efforts(readout.efforts)}"
-        yield f"sonar   {readout.sonar_line()}"
-        if readout.link:
-            yield f"link    {readout.link}"
-
-    def _warnings(self) -> Iterator[str]:
+    def _lit(self) -> Iterator[str]:
         connection = self.connection
         if connection.state != "connected":
             yield f"{connection.state.upper()}: {connection.url}"
         elif connection.silence_s > max(SILENT_S, LATE * connection.interval_s):
-            yield f"NO TELEMETRY FOR {min(connection.silence_s, 999.0):.0f} s"
+            yield "NO TELEMETRY"
         yield from filter(None, (connection.readout.link_fault, *connection.readout.warnings))
-
-
-def _figure(value: float, digits: int = 0) -> str:
-    return ("beyond" if math.isinf(value) else "---" if math.isnan(value) else f"{value:.{digits}f}").rjust(5)
-
-
-def _efforts(efforts: Iterable[float]) -> str:
-    return "  ".join(f"{axis} {effort:+.2f}" for axis, effort in zip(AXES, efforts, strict=False)) or "---"
 
 
 def _plain(text: str) -> str:
@@ -185,20 +173,24 @@ def _plain(text: str) -> str:
     return "".join(each if each.isprintable() else " " for each in text)
 
 
-def fly(url: str, name: str, vehicle: str | None = None, *, adds_up: bool = False) -> tuple[list[str], int]:
-    """Show the pilot's screen until the pilot quits. Return the marked positions and the exit code.
+def _write(data: bytes) -> None:
+    while data:
+        data = data[os.write(sys.stderr.fileno(), data) :]
+
+
+def fly(url: str, vehicle: str | None = None, *, adds_up: bool = False) -> int:
+    """Fly from the terminal until the pilot quits. Return the exit code.
 
     The efforts are left at zero in all cases. adds_up: see Hands. Raises ValueError.
     """
-    connection = Connection(url, Hands(adds_up=adds_up), vehicle)
+    screen, root = Screen(Connection(url, Hands(adds_up=adds_up), vehicle)), logging.getLogger()
     for each, stream in (("stdin", sys.stdin), ("stderr", sys.stderr)):  # where the terminal is read and written
         if not stream.isatty():
             raise ValueError(
                 f"{each} is not a terminal: uwsim teleop needs one; without, see uwsim run and uwsim serve"
             )
-    screen, root = Screen(connection, name), logging.getLogger()
     root.addHandler(screen)
     try:
-        return screen.marks, screen.run()
+        return screen.run()
     finally:
         root.removeHandler(screen)

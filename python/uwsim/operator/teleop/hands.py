@@ -21,35 +21,27 @@ SHARES = (0.1, 0.25, 0.5, 0.75, 1.0)
 ZERO = dict.fromkeys(AXES, 0.0)
 
 DRIVING: dict[str, tuple[str, float]] = {
-    "w": ("surge", 1.0), "s": ("surge", -1.0),
-    "a": ("sway", 1.0), "d": ("sway", -1.0),
-    " ": ("heave", 1.0), "b": ("heave", -1.0),
-    "i": ("pitch", 1.0), "k": ("pitch", -1.0),
-    "j": ("roll", -1.0), "l": ("roll", 1.0),
-    "q": ("yaw", 1.0), "e": ("yaw", -1.0),
+    "w": ("surge", 1.0), "s": ("surge", -1.0), "a": ("sway", 1.0), "d": ("sway", -1.0),
+    " ": ("heave", 1.0), "b": ("heave", -1.0), "i": ("pitch", 1.0), "k": ("pitch", -1.0),
+    "j": ("roll", -1.0), "l": ("roll", 1.0), "q": ("yaw", 1.0), "e": ("yaw", -1.0),
 }  # fmt: skip
 """Axis and direction of each driving key, following REP 103: positive pitch is nose down, positive yaw turns to
 port."""
 TILTING = {",": Function.TILT_DOWN, ".": Function.TILT_UP}
 """Keys that tilt the sonar while they are held."""
 SWITCHES = {
-    "r": Function.RELEASE,
-    "[": Function.FRONT_OFF,
-    "]": Function.FRONT_ON,
-    ";": Function.DOWN_OFF,
-    "'": Function.DOWN_ON,
-}
+    "r": Function.RELEASE, "[": Function.FRONT_OFF, "]": Function.FRONT_ON,
+    ";": Function.DOWN_OFF, "'": Function.DOWN_ON,
+}  # fmt: skip
 STEPS = {"-": -1, "=": 1}
 """Keys that change the share of full effort."""
 SERVICES = {"u": "undock", "y": "dock", "z": "override_failsafe"}
 """Keys for services that this project's servers offer in addition to the published wire."""
-ALL_STOP, END_STOP, LET_GO, MARK, HELP = "x", "X", "c", "m", "?"
-HELP_TEXT = """keys
-w s  ahead, astern    a d  to port, to starboard    space b  up, down
-q e  turn to port, to starboard    i k  nose down, up    j l  roll to port, to starboard
-x X  all stop, and its release    c  zero, and give the helm away    - =  less, more effort
-r  release    u y  undock, dock    z  override failsafe    m  mark this place
-[ ]  front light off, on    ; '  down light off, on    , .  tilt the sonar down, up"""
+ALL_STOP, END_STOP, LET_GO, HELP = "x", "X", "c", "?"
+HELP_TEXT = """w s ahead, astern   a d to port, to starboard   space b up, down   q e turn   i k nose down, up
+j l roll   x X all stop, its end   c zero, and give the helm away   - = effort   r release
+u y undock, dock   z end failsafe   [ ] front light off, on   ; ' down light off, on   , . tilt the sonar
+Ctrl-Q quit"""
 
 
 class Hands:
@@ -72,10 +64,6 @@ class Hands:
         """The effort of a key as a fraction of full effort."""
         return SHARES[self._share]
 
-    def change_share(self, steps: int) -> None:
-        """Make keys stronger or weaker by a number of steps."""
-        self._share = min(max(self._share + steps, 0), len(SHARES) - 1)
-
     def beat(self) -> None:
         """Signal that the screen is alive. After the first call, this must be called several times per second."""
         self._beaten_s = self._clock()
@@ -83,7 +71,9 @@ class Hands:
     def press(self, key: str) -> None:
         """Record that a key was typed or has repeated."""
         with self._lock:
-            if key in (ALL_STOP, LET_GO):
+            if key in STEPS:
+                self._share = min(max(self._share + STEPS[key], 0), len(SHARES) - 1)
+            elif key in (ALL_STOP, LET_GO):
                 self._drop()
                 self.has_helm = key == ALL_STOP
             elif self._adds_up and key in DRIVING:
@@ -98,9 +88,9 @@ class Hands:
         self._forget(now_s)
         self.has_helm = self.has_helm or key in DRIVING
         hold_s = REPEAT_HOLD_S if key in self._held else FIRST_HOLD_S
-        self._held = {other: until_s for other, until_s in self._held.items() if not _opposed(key, other)}
-        for held in {key, *self._held}:
-            self._held[held] = max(self._held.get(held, -math.inf), now_s + hold_s)
+        axis = DRIVING.get(key, (key,))[0]
+        held = {other for other in self._held if DRIVING.get(other, (other,))[0] != axis}  # the opposite key ends
+        self._held = {each: max(self._held.get(each, -math.inf), now_s + hold_s) for each in {key, *held}}
 
     def drop(self) -> None:
         """Release all keys; each must be pressed again."""
@@ -131,8 +121,3 @@ class Hands:
         if now_s - self._beaten_s > STALL_S:
             self._drop()
         self._held = {key: until_s for key, until_s in self._held.items() if until_s > now_s}
-
-
-def _opposed(key: str, other: str) -> bool:
-    """Return whether two keys drive the same axis in opposite directions."""
-    return key != other and key in DRIVING and other in DRIVING and DRIVING[key][0] == DRIVING[other][0]
