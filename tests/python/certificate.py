@@ -33,10 +33,7 @@ def write_certificate(folder: Path) -> tuple[Path, Path]:
 
 
 def first_frame(url: str, *requests: str, **options: Any) -> Any:
-    """Connect, send the requests and return the first frame received.
-
-    Single-threaded: see uwsim.bridges.nodes.websocket.
-    """
+    """Connect, send the requests and return the first frame received, on one thread as the client's."""
 
     async def converse() -> Any:
         async with connect(url, **options) as client:

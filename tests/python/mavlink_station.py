@@ -16,7 +16,8 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from uwsim import Simulator
 from uwsim.bridges.actions import actions_of
-from uwsim.bridges.mavlink import Endpoint, MavlinkVehicle
+from uwsim.bridges.doors.endpoint import Endpoint
+from uwsim.bridges.mavlink import MavlinkVehicle
 from uwsim.channels.served import served_table
 from uwsim.live import LiveSimulator
 from uwsim.scenario import load, load_vehicle
@@ -128,7 +129,7 @@ def served(live: LiveSimulator) -> Iterator[MavlinkVehicle]:
     """Serve its vehicle by UDP."""
     table = served_table(live, wire=None, origin="world", tf="truth", frame_prefix="")
     flight = next(action for action in actions_of(live.simulator, table) if action.name == "fly_path")
-    with MavlinkVehicle(live, Endpoint.parse("udpin:127.0.0.1:0"), table.channels, action=flight) as vehicle:
+    with MavlinkVehicle(live, Endpoint("127.0.0.1", 0, "udpin"), table.channels, action=flight) as vehicle:
         yield vehicle
 
 

@@ -20,7 +20,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from tools.trials.parts import bay, flown, nearest_m, running, shown
 
-from uwsim.bridges.imc.link import Address, Identity, ImcLink
+from uwsim.bridges.doors.endpoint import Endpoint
+from uwsim.bridges.imc.link import Identity, ImcLink
 from uwsim.bridges.imc.plug import ImcOptions, ImcPlug
 from uwsim.bridges.imc.readings import Place
 from uwsim.bridges.imc.wire import Message, define, fields
@@ -154,7 +155,7 @@ def operate(stack: ExitStack, process: subprocess.Popen[bytes], place: Place, se
             elif each.name == "VehicleState" and each.content["last_error"]:
                 seen.faults.append(each.content["last_error"])
 
-    operator = stack.enter_context(ImcLink(Address("", "tcp", "localhost", OPERATOR_PORT), Identity(OPERATOR), take))
+    operator = stack.enter_context(ImcLink(Endpoint("localhost", OPERATOR_PORT, "tcp"), Identity(OPERATOR), take))
     end_s, asked_s = time.monotonic() + LONGEST_S, 0.0
     is_started = False
     while time.monotonic() < end_s:

@@ -21,7 +21,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from tools.trials.parts import bay, flown, nearest_m, running, shown
 
-from uwsim.bridges.moos.client import Address, MoosClient
+from uwsim.bridges.doors.endpoint import Endpoint
+from uwsim.bridges.moos.client import MoosClient
 from uwsim.bridges.moos.plug import MoosOptions, MoosPlug
 from uwsim.bridges.moos.wire import Message
 
@@ -147,7 +148,7 @@ def fly_mission(name: str, mission: Mission, folder: Path, binaries: Path, warp:
         live = stack.enter_context(flown({**BAY, "vehicles": vehicles}, MoosPlug(MoosOptions(moos=there)), warp))
         rows = {vehicle: watched(stack, port) for vehicle, port in ports.items()}
         pokers = [
-            stack.enter_context(MoosClient(Address("", "localhost", port), "poke", (), lambda _: None, lambda *_: None))
+            stack.enter_context(MoosClient(Endpoint("localhost", port), "poke", (), lambda _: None, lambda *_: None))
             for port in ([port_of(work / mission.shore)] if mission.shore else ports.values())
         ]
         begun_s, at_s, pokes = time.monotonic(), live.simulator.time_s, 0
@@ -187,5 +188,5 @@ def watched(stack: ExitStack, port: int) -> list[list[float]]:
         if len(latest) == len(NAMES):
             rows.append([messages[-1].time_s, *(latest[each] for each in NAMES)])
 
-    stack.enter_context(MoosClient(Address("", "localhost", port), "watch", NAMES, take, lambda *_: None))
+    stack.enter_context(MoosClient(Endpoint("localhost", port), "watch", NAMES, take, lambda *_: None))
     return rows

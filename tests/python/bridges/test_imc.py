@@ -18,8 +18,9 @@ from imc_standin import StandInDune
 from listening_sockets import free_port
 from steered import OPEN_WATER, bay, steered_by, torpedo
 from uwsim import Simulator
+from uwsim.bridges.doors.endpoint import Endpoint
 from uwsim.bridges.imc.announcer import CONSOLES_MAX, DISCOVERY_PORTS, Announcer
-from uwsim.bridges.imc.link import Address, Identity, ImcLink
+from uwsim.bridges.imc.link import Identity, ImcLink, parsed
 from uwsim.bridges.imc.plug import ImcOptions, ImcPlug
 from uwsim.bridges.imc.readings import Place, servos, simulated_state
 from uwsim.bridges.imc.vehicle import ping
@@ -48,12 +49,12 @@ def dune() -> Iterator[StandInDune]:
 @pytest.mark.parametrize(
     ("text", "found"),
     [
-        ("localhost:6002", ("", "tcp", "localhost", 6002)), ("a=udp:10.0.0.2:7001", ("a", "udp", "10.0.0.2", 7001)),
-        ("host", ("", "tcp", "host", 6002)),
+        ("localhost:6002", ("localhost", 6002, "tcp", "")), ("a=udp:10.0.0.2:7001", ("10.0.0.2", 7001, "udp", "a")),
+        ("host", ("host", 6002, "tcp", "")),
     ],
 )  # fmt: skip
-def test_addresses(text: str, found: tuple[str, str, str, int]) -> None:
-    assert Address.parse(text) == found
+def test_addresses(text: str, found: tuple[str, int, str, str]) -> None:
+    assert parsed(text) == found
 
 
 @pytest.mark.parametrize(
@@ -61,7 +62,7 @@ def test_addresses(text: str, found: tuple[str, str, str, int]) -> None:
 )
 def test_wrong_addresses_are_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"^imc = "):
-        Address.parse(text)
+        parsed(text)
 
 
 # Frames
@@ -305,7 +306,7 @@ def test_a_console_is_answered_and_gets_the_vehicle_but_does_not_steer_it() -> N
 
 
 def test_no_number_of_announcements_shuts_out_a_console() -> None:
-    announcer = Announcer(Address.parse("announce:127.0.0.1:6001"), Identity(0xD1), "rov", lambda: (0.0, 0.0))
+    announcer = Announcer(parsed("announce:127.0.0.1:6001"), Identity(0xD1), "rov", lambda: (0.0, 0.0))
 
     def announces(system: int, service: socket.socket) -> None:
         services = {"sys_name": "ccu", "services": "imc+udp://127.0.0.1:9/"}
@@ -355,7 +356,7 @@ def test_a_peer_that_does_not_speak_imc_is_reported(caplog: pytest.LogCaptureFix
             client.close()
 
         threading.Thread(target=answer, daemon=True).start()
-        with ImcLink(Address("", "tcp", "127.0.0.1", server.getsockname()[1]), Identity(None), print):
+        with ImcLink(Endpoint("127.0.0.1", server.getsockname()[1], "tcp"), Identity(None), print):
             until(lambda: "is it IMC" in caplog.text)
 
 

@@ -10,7 +10,7 @@ import pytest
 from uwsim import Simulator
 from uwsim.bridges.actions import actions_of
 from uwsim.bridges.mavlink.earth import euler_rad, ned_from_frd
-from uwsim.bridges.mavlink.endpoint import Endpoint
+from uwsim.bridges.mavlink.endpoint import FORM
 from uwsim.bridges.mavlink.modes import HOLDS_OF, mode_of
 from uwsim.channels.served import served_table
 from uwsim.live import LiveSimulator
@@ -36,7 +36,7 @@ def live() -> Iterator[LiveSimulator]:
 def vehicle(live: LiveSimulator) -> Iterator[MavlinkVehicle]:
     table = served_table(live, wire=None, origin="world", tf="truth", frame_prefix="")
     flight = next(action for action in actions_of(live.simulator, table) if action.name == "fly_path")
-    endpoint = Endpoint.parse("tcp:127.0.0.1:0")
+    endpoint = FORM.parse("tcp:127.0.0.1:0")
     with MavlinkVehicle(live, endpoint, table.channels, table.services, action=flight) as vehicle:
         yield vehicle
 
@@ -182,7 +182,7 @@ def test_what_it_did_replays_to_the_byte(live: LiveSimulator, vehicle: MavlinkVe
 @pytest.mark.parametrize("text", ["serial", "udpin:70000", "tcp:a:b:c", "udpout:1.2.3.4:x", ""])
 def test_bad_endpoints_are_refused(text: str) -> None:
     with pytest.raises(ValueError, match="mavlink = "):
-        Endpoint.parse(text)
+        FORM.parse(text)
 
 
 @pytest.mark.parametrize("mode", HOLDS_OF)

@@ -15,7 +15,8 @@ from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from listening_sockets import free_port
 from mavlink_station import CAMERA, DENIED, DONE, UNSUPPORTED, Station, interval
-from uwsim.bridges.mavlink import Endpoint, MavlinkVehicle
+from uwsim.bridges.doors.endpoint import Endpoint
+from uwsim.bridges.mavlink import MavlinkVehicle
 from uwsim.channels.served import served_table
 from uwsim.live import LiveSimulator
 
@@ -130,7 +131,7 @@ def test_it_sends_to_a_listening_station(live: LiveSimulator) -> None:
     """`udpout`, which QGroundControl's UDP port 14550 receives; its answers come back."""
     port = free_port(socket.SOCK_DGRAM)
     table = served_table(live, wire=None, origin="world", tf="truth", frame_prefix="")
-    with MavlinkVehicle(live, Endpoint("udpout", "127.0.0.1", port), table.channels, action=None):
+    with MavlinkVehicle(live, Endpoint("127.0.0.1", port, "udpout"), table.channels, action=None):
         listening = Station(f"udpin:127.0.0.1:{port}")
         listening.receive("HEARTBEAT")
         assert listening.request("AUTOPILOT_VERSION").flight_sw_version

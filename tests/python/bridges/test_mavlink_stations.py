@@ -24,9 +24,10 @@ from mavlink_station import (
     interval,
     station_at,
 )
-from uwsim.bridges.mavlink import Endpoint, MavlinkVehicle
+from uwsim.bridges.doors.endpoint import Endpoint
+from uwsim.bridges.mavlink import MavlinkVehicle
 from uwsim.bridges.mavlink.refusals import Refusals
-from uwsim.bridges.video.video import Target, VideoStream
+from uwsim.bridges.video.video import VideoStream
 from uwsim.live import LiveSimulator
 from uwsim.simulator.helm import Source
 from waiting import until
@@ -62,8 +63,8 @@ def test_cameras_are_found_by_their_heartbeats_and_describe_themselves(station: 
 @pytest.mark.skipif(shutil.which("ffmpeg") is None and find_spec("imageio_ffmpeg") is None, reason="needs ffmpeg")
 def test_a_streamed_camera_announces_its_stream(live: LiveSimulator) -> None:
     with (
-        VideoStream(live, "rov", Target.parse("5601"), "down") as video,
-        MavlinkVehicle(live, Endpoint.parse("udpin:127.0.0.1:0"), (), action=None, video=video) as vehicle,
+        VideoStream(live, "rov", Endpoint("127.0.0.1", 5601), "down") as video,
+        MavlinkVehicle(live, Endpoint("127.0.0.1", 0, "udpin"), (), action=None, video=video) as vehicle,
     ):
         station = station_at(vehicle)
         information = station.request("CAMERA_INFORMATION", CAMERA)

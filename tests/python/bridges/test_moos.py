@@ -21,7 +21,8 @@ from listening_sockets import free_port
 from moos_standin import StandInMoosDB
 from steered import bay, steered_by, torpedo
 from uwsim import Simulator
-from uwsim.bridges.moos.client import Address, MoosClient
+from uwsim.bridges.doors.endpoint import Endpoint
+from uwsim.bridges.moos.client import FORM, MoosClient
 from uwsim.bridges.moos.plug import MoosOptions, MoosPlug
 from uwsim.bridges.moos.variables import is_true, navigation, number, ping_summary
 from uwsim.bridges.moos.wire import NOTIFY, PROTOCOL, WELCOME, Message, MoosError, PacketReader, decoded, encoded
@@ -104,18 +105,18 @@ def test_damaged_packets_are_refused_and_never_raise_anything_else() -> None:
 @pytest.mark.parametrize(
     ("text", "found"),
     [
-        ("localhost:9000", ("", "localhost", 9000)), ("henry=10.0.0.2:9001", ("henry", "10.0.0.2", 9001)),
-        ("host", ("", "host", 9000)),
+        ("localhost:9000", ("localhost", 9000, "", "")), ("henry=10.0.0.2:9001", ("10.0.0.2", 9001, "", "henry")),
+        ("host", ("host", 9000, "", "")),
     ],
 )  # fmt: skip
-def test_addresses(text: str, found: tuple[str, str, int]) -> None:
-    assert Address.parse(text) == found
+def test_addresses(text: str, found: tuple[str, int, str, str]) -> None:
+    assert FORM.parse(text) == found
 
 
 @pytest.mark.parametrize("text", ["", ":9000", "=host:1", "host:0", "host:99999", "host:port", "a=b=c d:1"])
 def test_wrong_addresses_are_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"^moos = "):
-        Address.parse(text)
+        FORM.parse(text)
 
 
 # The variables
@@ -311,7 +312,7 @@ def test_all_stop_and_a_pilot_outrank_the_community(db: StandInMoosDB) -> None:
 
 
 def test_a_name_that_is_taken_is_reported_and_tried_again(db: StandInMoosDB, caplog: pytest.LogCaptureFixture) -> None:
-    address = Address("", "127.0.0.1", db.port)
+    address = Endpoint("127.0.0.1", db.port)
     met = threading.Event()
     with MoosClient(address, "uwsim", (), print, lambda *_: met.set()):
         assert met.wait(180)
@@ -331,7 +332,7 @@ def test_a_peer_that_is_no_moosdb_is_reported(caplog: pytest.LogCaptureFixture) 
             client.close()
 
         threading.Thread(target=answer, daemon=True).start()
-        with MoosClient(Address("", "127.0.0.1", server.getsockname()[1]), "uwsim", (), print, print):
+        with MoosClient(Endpoint("127.0.0.1", server.getsockname()[1]), "uwsim", (), print, print):
             until(lambda: "a packet of" in caplog.text)
 
 
@@ -365,7 +366,7 @@ def test_a_real_moosdb(tmp_path: Path) -> None:
     try:
         with (
             member(bay(torpedo()), f"localhost:{port}") as live,
-            MoosClient(Address("", "localhost", port), "watch", ["NAV_X", "NAV_DEPTH"], got.extend, print) as watch,
+            MoosClient(Endpoint("localhost", port), "watch", ["NAV_X", "NAV_DEPTH"], got.extend, print) as watch,
         ):
             until(lambda: live.speed == 10.0 and len(got) > 20)
             assert {each.source for each in got} == {"uwsim"}

@@ -15,7 +15,7 @@ from uwsim.bridges.mavlink.plug import MavlinkOptions, MavlinkPlug
 from uwsim.bridges.nmea.plug import NmeaOptions, NmeaPlug
 from uwsim.bridges.nmea.readings import read
 from uwsim.bridges.nmea.sentences import Fix, gga, sentence
-from uwsim.bridges.nmea.wire import Target, Wire
+from uwsim.bridges.nmea.wire import FORM, Wire
 from uwsim.bridges.plug import Context
 from uwsim.channels.delivery.feed import Feed
 from uwsim.channels.served import served_table
@@ -143,7 +143,7 @@ def sent(wire: Wire) -> int:
 
 
 def test_a_client_that_does_not_read_is_disconnected_and_the_others_are_served() -> None:
-    wire = Wire(Target.parse("tcp:0"))
+    wire = Wire(FORM.parse("tcp:0"))
     try:
         address = wire.target.host, wire.target.port
         with socket.create_connection(address, 60) as silent:
@@ -160,12 +160,10 @@ def test_a_client_that_does_not_read_is_disconnected_and_the_others_are_served()
 @pytest.mark.parametrize(
     ("text", "rule"),
     [
-        ("127.0.0.1:10110", "must be udp or tcp"),
-        ("udp:a:b:1", "must be udp or tcp"),
-        ("udp:0", r"the port must be in \[1, 65535\]"),
-        ("tcp:99999", r"the port must be in \[0, 65535\]"),
+        ("127.0.0.1:10110", r"must be udp\[:HOST\]\[:PORT\] or tcp"), ("udp:a:b:1", r"must be udp\["),
+        ("udp:0", r"the port in \[1, 65535\]"), ("tcp:99999", r"the port in \[0, 65535\]"),
     ],
-)
+)  # fmt: skip
 def test_wrong_addresses_are_refused(text: str, rule: str) -> None:
     with pytest.raises(ValueError, match=rule):
-        Target.parse(text)
+        FORM.parse(text)

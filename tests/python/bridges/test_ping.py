@@ -14,7 +14,6 @@ from brping.pingmessage import PingMessage
 from uwsim import Simulator
 from uwsim.bridges.ping import wire
 from uwsim.bridges.ping.device import Device
-from uwsim.bridges.ping.line import Address
 from uwsim.bridges.ping.ping360 import STEP_NS
 from uwsim.bridges.ping.plug import Ping1dOptions, Ping1dPlug, Ping360Options, Ping360Plug
 from uwsim.bridges.ping.wire import Message, Reader, encoded
@@ -104,14 +103,14 @@ def test_messages_are_found_between_noise_and_broken_ones(size: int) -> None:
     ("text", "rule"),
     [
         ("tcp:9090", "must be"), ("udp:70000", r"in \[0, 65535\]"), ("=udp", "must be"), ("pty:1", "must be"),
-        ("udp:a..b:1", "the host"),
+        ("udp:a..b:1", "the host a name"),
     ],
 )  # fmt: skip
 def test_a_wrong_address_is_refused(text: str, rule: str) -> None:
     with pytest.raises(ValueError, match=rf"^ping1d = '{text}'.*{rule}"):
         ping1d(text)
-    assert Address.parse("ping1d", "rov/altitude=udp:10.0.0.2:7", 9090) == ("rov/altitude", "udp", "10.0.0.2", 7)
-    assert Address.parse("ping1d", "udp", 9090).port == 9090
+    assert ping1d("rov/altitude=udp:10.0.0.2:7")._addresses == [("10.0.0.2", 7, "udp", "rov/altitude")]
+    assert [each.port for word in ("udp", "pty") for each in ping1d(word)._addresses] == [9090, 0]
 
 
 @pytest.mark.parametrize(

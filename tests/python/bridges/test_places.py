@@ -13,8 +13,8 @@ pytest.importorskip("pymavlink", reason="needs the extra mavlink")
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from mavlink_station import Station
-from uwsim.bridges.mavlink import Endpoint, MavlinkVehicle
-from uwsim.bridges.mavlink.endpoint import DATAGRAMS_IN_SPAN, PEERS_MAX, Wire
+from uwsim.bridges.mavlink import MavlinkVehicle
+from uwsim.bridges.mavlink.endpoint import DATAGRAMS_IN_SPAN, FORM, PEERS_MAX, Wire
 from uwsim.live import LiveSimulator
 from waiting import until
 
@@ -34,7 +34,7 @@ UNKNOWN = b"\xfd\x01\0\0\0\xff\xbe\xff\xff\xff\0\0\0"
 
 
 def vehicle_at(live: LiveSimulator, kind: str) -> MavlinkVehicle:
-    return MavlinkVehicle(live, Endpoint.parse(f"{kind}:127.0.0.1:0"), (), action=None)
+    return MavlinkVehicle(live, FORM.parse(f"{kind}:127.0.0.1:0"), (), action=None)
 
 
 def test_the_peer_that_came_first_goes_and_so_do_those_that_stay_half_open() -> None:
@@ -120,7 +120,7 @@ def test_a_datagram_without_a_valid_message_gets_no_telemetry(live: LiveSimulato
 
 def test_a_flood_of_datagrams_of_one_peer_is_read_in_part(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("uwsim.bridges.mavlink.endpoint.SPAN_S", ANSWER_S)
-    wire = Wire(Endpoint.parse("udpin:127.0.0.1:0"), lambda: Packer(None))
+    wire = Wire(FORM.parse("udpin:127.0.0.1:0"), lambda: Packer(None))
     with socket.socket(type=socket.SOCK_DGRAM) as noisy, socket.socket(type=socket.SOCK_DGRAM) as quiet:
         for each, count in ((noisy, DATAGRAMS_IN_SPAN + 5), (quiet, 1)):
             for _ in range(count):

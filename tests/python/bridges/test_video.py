@@ -19,8 +19,9 @@ import pytest
 from listening_sockets import free_port
 from uwsim import Simulator
 from uwsim.base.extras import MissingExtraError
+from uwsim.bridges.doors.endpoint import Endpoint
 from uwsim.bridges.video import video as video_module
-from uwsim.bridges.video.video import Target, VideoStream
+from uwsim.bridges.video.video import FORM, VideoStream
 from uwsim.instruments.cameras import Frame
 from uwsim.live import LiveSimulator
 from waiting import until
@@ -69,7 +70,7 @@ def test_a_receiver_decodes_the_cameras_pictures(
     """Each decoded frame is one of the pictures sent: at least 30 dB (H.264 at 4 Mbit/s, colours at half size)."""
     cv2 = pytest.importorskip("cv2")
     monkeypatch.setenv("OPENCV_FFMPEG_CAPTURE_OPTIONS", "protocol_whitelist;file,rtp,udp")
-    with Kept(live, "rov", Target("127.0.0.1", port)) as stream:
+    with Kept(live, "rov", Endpoint("127.0.0.1", port)) as stream:
         (tmp_path / "video.sdp").write_text(stream.sdp)
         receiver = cv2.VideoCapture(str(tmp_path / "video.sdp"), cv2.CAP_FFMPEG)
         frames = [receiver.read()[1] for _ in range(5)]
@@ -103,7 +104,7 @@ def test_the_first_picture_of_each_second_is_a_key_frame_that_the_description_fi
         receiver.bind(("127.0.0.1", 0))
         receiver.settimeout(180.0)
         live.speed = 0.4
-        with VideoStream(live, "rov", Target("127.0.0.1", receiver.getsockname()[1])) as stream:
+        with VideoStream(live, "rov", Endpoint("127.0.0.1", receiver.getsockname()[1])) as stream:
             described = re.search(r"sprop-parameter-sets=(.*)", stream.sdp)
             keys: dict[int, bool] = {}
             sets: set[str] = set()
@@ -142,7 +143,7 @@ def _udp_sockets() -> list[str]:
 def test_steps_wait_for_no_picture(port: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """At speed max, 20 s pass while the first picture is still being rendered."""
     with LiveSimulator(Simulator("lagoon"), speed="max", paused=True) as live:
-        stream = Kept(live, "rov", Target("127.0.0.1", port))
+        stream = Kept(live, "rov", Endpoint("127.0.0.1", port))
         slow = stream._queue
         monkeypatch.setattr(stream, "_queue", lambda capture: slow(capture and (lambda: time.sleep(1.0) or capture())))
         with stream:
@@ -159,7 +160,7 @@ def test_a_stream_ends_with_its_encoder_and_says_so_once(
     broken.chmod(0o755)
     monkeypatch.setattr(video_module, "encoder_path", lambda: str(broken))
     caplog.set_level(logging.WARNING)
-    with VideoStream(live, "rov", Target("127.0.0.1", port)):
+    with VideoStream(live, "rov", Endpoint("127.0.0.1", port)):
         until(lambda: "ended" in caplog.text)
         time.sleep(0.3)
     assert caplog.text.count("ended: Unknown encoder") == 1
@@ -175,9 +176,9 @@ def test_without_ffmpeg_the_command_to_install_it_is_named(monkeypatch: pytest.M
 @pytest.mark.parametrize("text", ["", "0", "70000", "a:b", "127.0.0.1:", "x y:5600", "5600?pkt_size=9"])
 def test_bad_targets_are_refused(text: str) -> None:
     with pytest.raises(ValueError, match="video = "):
-        Target.parse(text)
+        FORM.parse(text)
 
 
 def test_an_unknown_camera_is_refused(live: LiveSimulator) -> None:
     with pytest.raises(ValueError, match="camera = 'nose': must be one of chase"):
-        VideoStream(live, "rov", Target.parse("5600"), "nose")
+        VideoStream(live, "rov", FORM.parse("5600"), "nose")

@@ -117,11 +117,12 @@ def double(value):
 def test_mavlink_neither_sets_parameters_nor_flies(exercise):
     pytest.importorskip("pymavlink", reason="needs the extra mavlink")
     from mavlink_station import Station as GroundStation
-    from uwsim.bridges.mavlink import Endpoint, MavlinkVehicle
+    from uwsim.bridges.mavlink import MavlinkVehicle
+    from uwsim.bridges.mavlink.endpoint import FORM
 
     running = exercise[0].present()
     flight = next(each for each in actions_of(running.live.simulator, running.table) if each.name == "fly_path")
-    endpoint = Endpoint.parse("tcp:127.0.0.1:0")
+    endpoint = FORM.parse("tcp:127.0.0.1:0")
     with MavlinkVehicle(
         running.live, endpoint, running.table.channels, running.table.services, action=flight
     ) as vehicle:

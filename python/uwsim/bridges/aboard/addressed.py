@@ -6,19 +6,12 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
+from uwsim.bridges.doors.endpoint import Endpoint
 from uwsim.bridges.plug import Context
 
 if TYPE_CHECKING:
     from uwsim.bridges.aboard.aboard import Aboard
     from uwsim.channels.delivery.feed import Reading
-
-
-class Addressed(Protocol):
-    """The address of a system."""
-
-    @property
-    def vehicle(self) -> str:
-        """The vehicle that it steers; "" for the first one."""
 
 
 class Steered(AbstractContextManager[Any], Protocol):
@@ -30,20 +23,19 @@ class Steered(AbstractContextManager[Any], Protocol):
         """Publish a ping of the sonar, a sensor_msgs/LaserScan. Does not block."""
 
 
-AddressT = TypeVar("AddressT", bound=Addressed)
 SteeredT = TypeVar("SteeredT", bound=Steered)
 
 
-def must_name_vehicles_once(switch: str, texts: Sequence[str], addresses: Sequence[Addressed]) -> None:
+def must_name_vehicles_once(switch: str, texts: Sequence[str], addresses: Sequence[Endpoint]) -> None:
     """Raise ValueError if two addresses are for one vehicle. texts: what was given."""
-    vehicles = [each.vehicle for each in addresses]
+    vehicles = [each.owner for each in addresses]
     if len(set(vehicles)) < len(vehicles):
         raise ValueError(f"{switch} = {', '.join(texts)[:80]}: must name each vehicle once")
 
 
 @contextmanager
 def steered_vehicles(
-    switch: str, addresses: Sequence[AddressT], context: Context, make: Callable[[Aboard, AddressT], SteeredT]
+    switch: str, addresses: Sequence[Endpoint], context: Context, make: Callable[[Aboard, Endpoint], SteeredT]
 ) -> Iterator[dict[str, SteeredT]]:
     """Open the vehicles of some addresses, and send them the pings of their sonars.
 
@@ -54,7 +46,7 @@ def steered_vehicles(
     with ExitStack() as opened:
         members: dict[str, SteeredT] = {}
         for address in addresses:
-            name = address.vehicle or simulator.rov.name
+            name = address.owner or simulator.rov.name
             if name not in simulator.vehicles:
                 raise ValueError(f"{switch}: vehicle '{name[:40]}': must be one of {', '.join(simulator.vehicles)}")
             if name not in context.aboard:

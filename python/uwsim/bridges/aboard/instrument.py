@@ -34,7 +34,7 @@ class InstrumentPlug(BridgePlug[OptionsT]):
         self._addresses = [self.parsed(text) for text in getattr(options, self._switch)]
 
     def parsed(self, text: str) -> Any:
-        """Return an address, which has an `instrument`. Raises ValueError."""
+        """Return an address, whose owner is an instrument. Raises ValueError."""
         raise NotImplementedError
 
     def fitting(self, vehicle: Vehicle) -> list[str]:
@@ -54,7 +54,7 @@ class InstrumentPlug(BridgePlug[OptionsT]):
         with ExitStack() as stack:
             devices = []
             for address in self._addresses:
-                vehicle, name = self._instrument(address.instrument, live.simulator)
+                vehicle, name = self._instrument(address.owner, live.simulator)
                 devices.append(stack.enter_context(self.device(live, vehicle, name, address)))
             yield Opened(f"{self.title} at {', '.join(each.address for each in devices)}", devices)
 

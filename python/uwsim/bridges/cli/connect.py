@@ -8,6 +8,7 @@ import typer
 
 from uwsim.bridges.cli.graph_options import GraphOptions
 from uwsim.bridges.cli.serve import FramePrefix, Namespace, Origin, Paused, Speed, Tf, parsed_speed, prefix_of
+from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.options import SimulatorOptions
@@ -23,7 +24,7 @@ ServersRos = Annotated[
 
 def connect(
     *,
-    url: Annotated[str, typer.Argument(help="The rosbridge_server, such as ws://localhost:9090.")],
+    url: Annotated[str, typer.Argument(help=f"The rosbridge_server, such as ws://localhost:{ROSBRIDGE_PORT}.")],
     scenario: Annotated[
         str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.", autocompletion=scenarios)
     ] = "lake",

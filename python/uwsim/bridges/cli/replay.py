@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from uwsim.base.options import need, refuse
+from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.bridges.requested import PlayedBridges
 from uwsim.cli.access import Access
 from uwsim.cli.bounds import readable, within, writable
@@ -45,7 +46,8 @@ def replay(
     port: Annotated[
         int | None,
         typer.Option(
-            help="With --as-topics: where to listen; 0 chooses a free port. Default: 9090.", callback=within(0, 65535)
+            help=f"With --as-topics: where to listen; 0 chooses a free port. Default: {ROSBRIDGE_PORT}.",
+            callback=within(0, 65535),
         ),
     ] = None,
     host: Annotated[
@@ -130,7 +132,7 @@ def replay(
         from uwsim.bridges.playback.playback import play
 
         play(
-            opened, pacer, port=9090 if port is None else port, from_s=from_s, until_s=until_s, wait=wait,
+            opened, pacer, port=ROSBRIDGE_PORT if port is None else port, from_s=from_s, until_s=until_s, wait=wait,
             bridges=bridges, say=typer.echo, **accessible,
         )  # fmt: skip
         return

@@ -10,6 +10,7 @@ import typer
 
 from uwsim.base.options import flag_name, option, refuse
 from uwsim.bridges.cli.graph_options import ServedGraphOptions
+from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.bridges.page import Pages, Serving
 from uwsim.bridges.requested import Bridges
 from uwsim.cli.access import Access
@@ -76,7 +77,7 @@ def serve(
     ] = "lake",
     port: Annotated[
         int, typer.Option(help="Port to listen on; 0 chooses a free one.", callback=within(0, 65535))
-    ] = 9090,
+    ] = ROSBRIDGE_PORT,
     host: Annotated[str, typer.Option(help="Address to listen on. Warns about any that other machines can reach.")] = (
         "127.0.0.1"
     ),

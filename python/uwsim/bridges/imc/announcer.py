@@ -17,8 +17,9 @@ from contextlib import ExitStack, suppress
 from typing import Any
 
 from uwsim.bridges.aboard.kept_connection import DATAGRAMS_MAX, READ_BYTES, KeptConnection
+from uwsim.bridges.doors.endpoint import Endpoint
 from uwsim.bridges.doors.places import Places
-from uwsim.bridges.imc.link import HEARTBEAT_S, POLL_S, QUERY, REPORT, Address, Identity, logger
+from uwsim.bridges.imc.link import HEARTBEAT_S, POLL_S, QUERY, REPORT, Identity, logger
 from uwsim.bridges.imc.wire import NO_SYSTEM, UNKNOWN_ENTITY, ImcError, Message, Sent, decoded, encoded
 
 GROUP, BROADCAST = "224.0.75.69", "255.255.255.255"
@@ -28,7 +29,7 @@ ANNOUNCE_S, LOST_S = 10.0, 30.0
 CONSOLES_MAX = 16
 """If there are more, the one that was silent longest goes."""
 UNDERWATER_VEHICLE = 2
-Endpoint = tuple[str, int]
+Console = tuple[str, int]
 
 
 class Announcer(KeptConnection[Message]):
@@ -41,11 +42,11 @@ class Announcer(KeptConnection[Message]):
     is_connected = True
 
     def __init__(
-        self, address: Address, identity: Identity, name: str, where: Callable[[], tuple[float, float]]
+        self, address: Endpoint, identity: Identity, name: str, where: Callable[[], tuple[float, float]]
     ) -> None:
         super().__init__(str(address), logger, "uwsim-imc")
         self.address, self.identity, self._name, self._where = address, identity, name, where
-        self._consoles: dict[int, Endpoint] = {}
+        self._consoles: dict[int, Console] = {}
         self._places: Places[int] = Places(self._consoles.pop, CONSOLES_MAX, LOST_S)
         if not self._is_local:
             logger.warning("IMC at %s, beyond this machine, in plain text", address)
@@ -139,7 +140,7 @@ class Announcer(KeptConnection[Message]):
                 if message.source not in (self.identity.system, NO_SYSTEM):
                     self._take(message, there, service)
 
-    def _take(self, message: Message, there: Endpoint, service: socket.socket) -> None:
+    def _take(self, message: Message, there: Console, service: socket.socket) -> None:
         is_new = message.source not in self._consoles
         if message.name == "Announce":
             found = re.findall(r"imc\+udp://([\d.]+):(\d{1,5})/", message.content["services"])
@@ -159,6 +160,6 @@ class Announcer(KeptConnection[Message]):
             self._waiting.append(answer._replace(destination=message.source, to_entity=UNKNOWN_ENTITY))
 
 
-def _send(service: socket.socket, packet: bytes, there: Endpoint) -> None:
+def _send(service: socket.socket, packet: bytes, there: Console) -> None:
     with suppress(OSError):  # no program listens there
         service.sendto(packet, there)

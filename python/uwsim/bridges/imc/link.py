@@ -7,14 +7,16 @@ import re
 import socket
 import time
 from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple, Self
+from typing import Any
 
 from uwsim.bridges.aboard.kept_connection import CONNECT_S, Datagrams, KeptConnection, Stream
-from uwsim.bridges.doors.hosts import checked_host
+from uwsim.bridges.doors.endpoint import Endpoint, EndpointForm
 from uwsim.bridges.imc.wire import NO_SYSTEM, UNKNOWN_ENTITY, ImcError, Message, PacketReader, Sent, decoded, encoded
 
 TCP_PORT, LISTEN_PORT = 6002, 6001
 """DUNE's port, by TCP ("Console") and UDP, and ours for datagrams."""
+PORTS = {"": TCP_PORT, "tcp": TCP_PORT, "udp": TCP_PORT, "announce": LISTEN_PORT}
+FORM = EndpointForm("imc", "[VEHICLE=][tcp:|udp:|announce:]HOST[:PORT]", PORTS, sends=tuple(PORTS), needs_host=True)
 HEARTBEAT_S, POLL_S = 1.0, 0.25
 """Time between heartbeats, and at most between looks at the time."""
 REPORT, QUERY = 0, 1
@@ -25,35 +27,12 @@ FIRST_ENTITY = 128
 logger = logging.getLogger("uwsim.imc")
 
 
-class Address(NamedTuple):
-    """Where a system is, and the vehicle that it steers; "" for the first one.
-
-    kind: "tcp", "udp", or "announce" for consoles, with this machine's own address.
-    """
-
-    vehicle: str
-    kind: str
-    host: str
-    port: int
-
-    @classmethod
-    def parse(cls, text: str) -> Self:
-        """Parse "HOST:PORT", "udp:HOST:PORT", "announce:ADDRESS", or one after "VEHICLE=". Raises ValueError."""
-        vehicle, _, where = text.rpartition("=")
-        found = re.fullmatch(r"(?:(tcp|udp|announce):)?([^:=\s]+)(?::(\d{1,5}))?", where)
-        if found is None or ("=" in text and not vehicle):
-            rule = f"must be [VEHICLE=][tcp:|udp:|announce:]HOST[:PORT], such as localhost:{TCP_PORT}"
-            raise ValueError(f"imc = '{text[:80]}': {rule}")
-        kind, host = found[1] or "tcp", found[2]
-        if kind == "announce" and (not re.fullmatch(r"\d{1,3}(\.\d{1,3}){3}", host) or host == "0.0.0.0"):
-            raise ValueError(f"imc = '{text[:80]}': announce must have an address of this machine, such as 127.0.0.1")
-        port = int(found[3] or (LISTEN_PORT if kind == "announce" else TCP_PORT))
-        if not 1 <= port <= 65535:
-            raise ValueError(f"imc = '{text[:80]}': the port must be in [1, 65535]")
-        return cls(vehicle, kind, checked_host(host, f"imc = '{text[:80]}'"), port)
-
-    def __str__(self) -> str:
-        return f"{self.kind}:{self.host}:{self.port}"
+def parsed(text: str) -> Endpoint:
+    """Return the endpoint of a system; without a kind, it is TCP. "announce" is for consoles. Raises ValueError."""
+    found = FORM.parse(text)
+    if found.kind == "announce" and (not re.fullmatch(r"\d{1,3}(\.\d{1,3}){3}", found.host) or found.host == "0.0.0.0"):
+        raise ValueError(f"imc = '{text[:80]}': announce must have an address of this machine, such as 127.0.0.1")
+    return found._replace(kind=found.kind or "tcp")
 
 
 class Identity:
@@ -104,7 +83,7 @@ class ImcLink(KeptConnection[Message]):
 
     def __init__(
         self,
-        address: Address,
+        address: Endpoint,
         identity: Identity,
         received: Callable[[list[Message]], object],
         met: Callable[[Message], object] = lambda message: None,

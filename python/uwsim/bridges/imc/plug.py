@@ -15,7 +15,7 @@ from uwsim.bridges.plug import BridgePlug, Context, Opened
 if TYPE_CHECKING:
     from uwsim.bridges.aboard.aboard import Aboard
     from uwsim.bridges.doctor.finding import Finding
-    from uwsim.bridges.imc.link import Address
+    from uwsim.bridges.doors.endpoint import Endpoint
 
 
 @dataclass(frozen=True)
@@ -63,9 +63,9 @@ class ImcPlug(BridgePlug[ImcOptions]):
 
     def __init__(self, options: ImcOptions) -> None:
         super().__init__(options)
-        from uwsim.bridges.imc.link import Address
+        from uwsim.bridges.imc.link import parsed
 
-        self._addresses = [Address.parse(text) for text in options.imc]
+        self._addresses = [parsed(text) for text in options.imc]
         must_name_vehicles_once("imc", options.imc, self._addresses)
         if options.imc_id is None and any(each.kind == "announce" for each in self._addresses):
             raise ValueError(f"imc = {', '.join(options.imc)[:80]}: announce needs --imc-id, the vehicle's number")
@@ -91,7 +91,7 @@ class ImcPlug(BridgePlug[ImcOptions]):
         )
         models = {entry.name: entry.model for entry in live.simulator.scenario.vehicles}
 
-        def vehicle(aboard: Aboard, address: Address) -> ImcVehicle:
+        def vehicle(aboard: Aboard, address: Endpoint) -> ImcVehicle:
             return ImcVehicle(live, aboard, models[aboard.source.name], address, place, settings)
 
         with steered_vehicles("imc", self._addresses, context, vehicle) as members:
@@ -104,11 +104,11 @@ class ImcPlug(BridgePlug[ImcOptions]):
         import time
 
         from uwsim.bridges.doctor.finding import Finding
-        from uwsim.bridges.imc.link import Address, Identity, ImcLink
+        from uwsim.bridges.imc.link import Identity, ImcLink, parsed
         from uwsim.bridges.imc.wire import Message
 
         for text in options.imc:
-            address = Address.parse(text)
+            address = parsed(text)
             if address.kind == "announce":
                 yield Finding(f"IMC at {address}", "announced while uwsim serves")
                 continue

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from uwsim.bridges.aboard.aboard import Aboard
+from uwsim.bridges.doors.endpoint import Endpoint
 from uwsim.bridges.imc.announcer import Announcer
-from uwsim.bridges.imc.link import Address, Identity, ImcLink, logger
+from uwsim.bridges.imc.link import Identity, ImcLink, logger
 from uwsim.bridges.imc.readings import MULTIBEAM, Instruments, Place, servos, simulated_state
 from uwsim.bridges.imc.wire import Message, Sent
 from uwsim.bridges.rare_log import RareLog
@@ -57,7 +58,7 @@ class ImcVehicle:
         live: LiveSimulator,
         aboard: Aboard,
         model: VehicleModel,
-        address: Address,
+        address: Endpoint,
         place: Place,
         settings: Settings,
     ) -> None:

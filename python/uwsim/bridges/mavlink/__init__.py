@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING
 from uwsim.base.lazy import lazy
 
 if TYPE_CHECKING:
-    from uwsim.bridges.mavlink.endpoint import Endpoint
     from uwsim.bridges.mavlink.vehicle import MavlinkVehicle
 
-__all__ = ["Endpoint", "MavlinkVehicle"]
-__getattr__ = lazy(__name__, {"Endpoint": "endpoint", "MavlinkVehicle": "vehicle"})
+__all__ = ["MavlinkVehicle"]
+__getattr__ = lazy(__name__, {"MavlinkVehicle": "vehicle"})

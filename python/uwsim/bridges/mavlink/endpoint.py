@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import logging
 import math
-import re
 import select
 import socket
 import time
 from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, NamedTuple, Self
+from typing import Any
 
 from uwsim.bridges.doors.admission import warn_beyond_loopback
-from uwsim.bridges.doors.hosts import checked_host
+from uwsim.bridges.doors.endpoint import Endpoint, EndpointForm
 from uwsim.bridges.doors.places import HALF_OPEN_MAX, Places
 from uwsim.bridges.rare_log import RareLog
 
 PORTS = {"udpout": 14550, "udpin": 14550, "tcp": 5760}
 """QGroundControl listens on UDP 14550, and connects to TCP 5760."""
+FORM = EndpointForm("mavlink", "udpout, udpin or tcp, with [:HOST][:PORT] if needed", PORTS, sends=("udpout",))
+"""`udpout` sends to the endpoint; `udpin` and `tcp` listen on it."""
 MAGIC = (0xFD, 0xFE)
 """The first byte of every message in MAVLink 2 and MAVLink 1."""
 PEERS_MAX = 8
@@ -34,29 +35,6 @@ UNCHECKED = ("BAD_DATA", "UNKNOWN")
 WAITING_BYTES = 1 << 18
 
 Peer = tuple[str, int]
-
-
-class Endpoint(NamedTuple):
-    """The address of a MAVLink connection. `udpout` sends to the address; `udpin` and `tcp` listen on it."""
-
-    kind: str
-    host: str
-    port: int
-
-    @classmethod
-    def parse(cls, text: str) -> Self:
-        """Parse "udpout", "udpin:14550", "tcp:127.0.0.1:5760" and the like. Raises ValueError."""
-        kind, *rest = text.split(":")
-        if kind not in PORTS or len(rest) > 2:
-            raise ValueError(f"mavlink = '{text}': must be udpout, udpin or tcp, with [:HOST]:PORT if needed")
-        port = rest[-1] if rest else str(PORTS[kind])
-        if not re.fullmatch(r"\d{1,5}", port) or int(port) > 65535:
-            raise ValueError(f"mavlink = '{text}': the port must be in [0, 65535]")
-        host = checked_host(rest[0], f"mavlink = '{text[:80]}'") if len(rest) == 2 else "127.0.0.1"
-        return cls(kind, host, int(port))
-
-    def __str__(self) -> str:
-        return f"{self.kind}:{self.host}:{self.port}"
 
 
 class Wire:

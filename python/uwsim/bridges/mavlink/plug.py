@@ -44,10 +44,10 @@ class MavlinkPlug(BridgePlug[MavlinkOptions]):
 
     def __init__(self, options: MavlinkOptions) -> None:
         super().__init__(options)
-        from uwsim.bridges.mavlink import Endpoint
+        from uwsim.bridges.mavlink.endpoint import FORM
 
         self._pictures = options.mavlink_pictures
-        self._endpoint = Endpoint.parse(options.mavlink or "")
+        self._endpoint = FORM.parse(options.mavlink or "")
 
     @contextmanager
     def open(self, context: Context) -> Iterator[Opened]:

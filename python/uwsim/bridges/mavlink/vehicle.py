@@ -17,6 +17,7 @@ from uwsim.base.axes import AXES
 from uwsim.base.extras import need_extra
 from uwsim.bridges.actions import Action
 from uwsim.bridges.bridge import Bridge
+from uwsim.bridges.doors.endpoint import Endpoint
 from uwsim.bridges.mavlink.backlog import Backlog
 from uwsim.bridges.mavlink.cameras import camera_components
 from uwsim.bridges.mavlink.component import (
@@ -33,7 +34,7 @@ from uwsim.bridges.mavlink.component import (
 )
 from uwsim.bridges.mavlink.craft import Craft
 from uwsim.bridges.mavlink.earth import HOME, ned_from_frd
-from uwsim.bridges.mavlink.endpoint import Endpoint, Peer, Wire
+from uwsim.bridges.mavlink.endpoint import Peer, Wire
 from uwsim.bridges.mavlink.fence import FenceKeeper
 from uwsim.bridges.mavlink.flight import Flight
 from uwsim.bridges.mavlink.gimbal import DEVICE, Gimbal

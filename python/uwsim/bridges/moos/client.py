@@ -3,46 +3,22 @@
 from __future__ import annotations
 
 import logging
-import re
 import socket
 import time
 from collections.abc import Callable, Iterable
-from typing import NamedTuple, Self
 
 from uwsim.bridges.aboard.kept_connection import CONNECT_S, READ_BYTES, KeptConnection, Stream
-from uwsim.bridges.doors.hosts import checked_host
+from uwsim.bridges.doors.endpoint import Endpoint, EndpointForm
 from uwsim.bridges.moos.wire import DATA, NOTIFY, POISON, PROTOCOL, REGISTER, TIMING, Message, MoosError, PacketReader
 from uwsim.bridges.moos.wire import encoded as packet_of
 
 PORT = 9000
 """The port of a MOOSDB, unless its mission sets another."""
+FORM = EndpointForm("moos", "[VEHICLE=]HOST[:PORT]", {"": PORT}, sends=("",), needs_host=True)
 TIMING_S, SILENT_S = 1.0, 10.0
 """Time between questions about the time, and of silence after which a peer is lost."""
 
 logger = logging.getLogger("uwsim.moos")
-
-
-class Address(NamedTuple):
-    """Where a MOOSDB is, and the vehicle whose community it serves; "" for the first one."""
-
-    vehicle: str
-    host: str
-    port: int
-
-    @classmethod
-    def parse(cls, text: str) -> Self:
-        """Parse "HOST:PORT", "HOST" or either after "VEHICLE=". Raises ValueError."""
-        vehicle, _, where = text.rpartition("=")
-        found = re.fullmatch(r"([^:=\s]+)(?::(\d{1,5}))?", where)
-        if found is None or ("=" in text and not vehicle):
-            raise ValueError(f"moos = '{text[:80]}': must be [VEHICLE=]HOST[:PORT], such as localhost:{PORT}")
-        port = int(found[2] or PORT)
-        if not 1 <= port <= 65535:
-            raise ValueError(f"moos = '{text[:80]}': the port must be in [1, 65535]")
-        return cls(vehicle, checked_host(found[1], f"moos = '{text[:80]}'"), port)
-
-    def __str__(self) -> str:
-        return f"{self.host}:{self.port}"
 
 
 class MoosClient(KeptConnection[Message]):
@@ -57,7 +33,7 @@ class MoosClient(KeptConnection[Message]):
 
     def __init__(
         self,
-        address: Address,
+        address: Endpoint,
         name: str,
         names: Iterable[str],
         received: Callable[[list[Message]], object],

@@ -11,7 +11,8 @@ import numpy as np
 
 from uwsim.base.axes import AXES
 from uwsim.bridges.aboard.aboard import Aboard
-from uwsim.bridges.moos.client import Address, MoosClient, logger
+from uwsim.bridges.doors.endpoint import Endpoint
+from uwsim.bridges.moos.client import MoosClient, logger
 from uwsim.bridges.moos.reports import OWN, NodeReports
 from uwsim.bridges.moos.variables import depth_m, instruments, is_true, latest, navigation, number, ping_summary
 from uwsim.bridges.moos.wire import Message
@@ -60,7 +61,7 @@ class CommunityVehicle:
         self,
         live: LiveSimulator,
         aboard: Aboard,
-        address: Address,
+        address: Endpoint,
         place: Georeference,
         settings: Settings,
         reports: NodeReports | None = None,

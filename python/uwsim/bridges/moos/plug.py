@@ -15,7 +15,7 @@ from uwsim.bridges.plug import BridgePlug, Context, Opened
 if TYPE_CHECKING:
     from uwsim.bridges.aboard.aboard import Aboard
     from uwsim.bridges.doctor.finding import Finding
-    from uwsim.bridges.moos.client import Address
+    from uwsim.bridges.doors.endpoint import Endpoint
 
 
 @dataclass(frozen=True)
@@ -60,15 +60,15 @@ class MoosPlug(BridgePlug[MoosOptions]):
 
     def __init__(self, options: MoosOptions) -> None:
         super().__init__(options)
-        from uwsim.bridges.moos.client import Address
+        from uwsim.bridges.moos.client import FORM
 
-        self._addresses = [Address.parse(text) for text in options.moos]
+        self._addresses = [FORM.parse(text) for text in options.moos]
         must_name_vehicles_once("moos", options.moos, self._addresses)
         if not options.moos_name.isidentifier():
             raise ValueError(f"moos_name = '{options.moos_name[:40]}': must have letters, digits and _ only")
-        self._shore = None if options.moos_shore is None else Address.parse(options.moos_shore)
-        if self._shore is not None and (self._shore.vehicle or not options.moos_reports):
-            rule = "must be HOST:PORT" if self._shore.vehicle else "needs --moos-reports"
+        self._shore = None if options.moos_shore is None else FORM.parse(options.moos_shore)
+        if self._shore is not None and (self._shore.owner or not options.moos_reports):
+            rule = "must be HOST:PORT" if self._shore.owner else "needs --moos-reports"
             raise ValueError(f"moos_shore = '{options.moos_shore}': {rule}")
 
     @contextmanager
@@ -90,7 +90,7 @@ class MoosPlug(BridgePlug[MoosOptions]):
 
         reports = NodeReports(live) if given.moos_reports else None
 
-        def vehicle(aboard: Aboard, address: Address) -> CommunityVehicle:
+        def vehicle(aboard: Aboard, address: Endpoint) -> CommunityVehicle:
             return CommunityVehicle(live, aboard, address, place, settings, reports)
 
         with steered_vehicles("moos", self._addresses, context, vehicle) as members, ExitStack() as shore:
@@ -107,10 +107,10 @@ class MoosPlug(BridgePlug[MoosOptions]):
         import time
 
         from uwsim.bridges.doctor.finding import Finding
-        from uwsim.bridges.moos.client import Address, MoosClient
+        from uwsim.bridges.moos.client import FORM, MoosClient
 
         for text in (*options.moos, *filter(None, [options.moos_shore])):
-            address = Address.parse(text)
+            address = FORM.parse(text)
             met: list[str] = []
 
             def note(community: str, warp: float, met: list[str] = met) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from concurrent.futures import Future
 from typing import Any
 
-from uwsim.bridges.moos.client import Address, MoosClient, logger
+from uwsim.bridges.doors.endpoint import Endpoint
+from uwsim.bridges.moos.client import MoosClient, logger
 from uwsim.bridges.moos.wire import Message
 from uwsim.bridges.rare_log import RareLog
 from uwsim.channels.channel import PANEL
@@ -38,7 +39,7 @@ class NodeReports:
         """Add a community. node: where its modem is, a vehicle's name or "station"."""
         self._communities[node] = client
 
-    def joined_shore(self, address: Address, name: str) -> MoosClient:
+    def joined_shore(self, address: Endpoint, name: str) -> MoosClient:
         """Return a client of the shoreside's MOOSDB, whose modem is the station's; it connects as a context."""
 
         def take(messages: list[Message]) -> None:

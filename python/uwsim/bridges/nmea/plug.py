@@ -39,9 +39,9 @@ class NmeaPlug(BridgePlug[NmeaOptions]):
 
     def __init__(self, options: NmeaOptions) -> None:
         super().__init__(options)
-        from uwsim.bridges.nmea.wire import Target
+        from uwsim.bridges.nmea.wire import FORM
 
-        self._target = Target.parse(options.nmea or "")
+        self._target = FORM.parse(options.nmea or "")
 
     @contextmanager
     def open(self, context: Context) -> Iterator[Opened]:

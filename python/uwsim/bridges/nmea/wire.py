@@ -3,49 +3,25 @@
 from __future__ import annotations
 
 import logging
-import re
 import socket
 from contextlib import suppress
-from typing import NamedTuple, Self
 
-from uwsim.bridges.doors.hosts import checked_host
+from uwsim.bridges.doors.endpoint import Endpoint, EndpointForm
 from uwsim.bridges.doors.line_server import LineServer
 
 PORT = 10110
 """IANA's port of NMEA 0183, by UDP and TCP."""
+FORM = EndpointForm("nmea", "udp[:HOST][:PORT] or tcp[:HOST][:PORT]", {"udp": PORT, "tcp": PORT}, sends=("udp",))
+"""`udp` sends to the endpoint, `tcp` listens on it."""
 
 logger = logging.getLogger("uwsim.nmea")
-
-
-class Target(NamedTuple):
-    """An address: `udp` sends to it, `tcp` listens on it."""
-
-    kind: str
-    host: str
-    port: int
-
-    @classmethod
-    def parse(cls, text: str) -> Self:
-        """Parse "udp", "tcp:10110", "udp:127.0.0.1:10110" and the like. Raises ValueError."""
-        kind, *rest = text.split(":")
-        if kind not in ("udp", "tcp") or len(rest) > 2:
-            raise ValueError(f"nmea = '{text[:80]}': must be udp or tcp, with [:HOST]:PORT if needed")
-        port = rest[-1] if rest else str(PORT)
-        low = 1 if kind == "udp" else 0
-        if not re.fullmatch(r"\d{1,5}", port) or not low <= int(port) <= 65535:
-            raise ValueError(f"nmea = '{text[:80]}': the port must be in [{low}, 65535]")
-        host = checked_host(rest[0], f"nmea = '{text[:80]}'") if len(rest) == 2 else "127.0.0.1"
-        return cls(kind, host, int(port))
-
-    def __str__(self) -> str:
-        return f"{self.kind}:{self.host}:{self.port}"
 
 
 class Wire:
     """Sends sentences, and reads nothing. No call blocks; must be used on one thread at a time. Raises OSError."""
 
-    def __init__(self, target: Target) -> None:
-        if target.host != "localhost" and not target.host.startswith("127."):
+    def __init__(self, target: Endpoint) -> None:
+        if not target.is_local:
             logger.warning("NMEA at %s, beyond this machine, in plain text", target)
         self._server: LineServer | None = None
         self.target = target

@@ -3,48 +3,19 @@
 from __future__ import annotations
 
 import os
-import re
 import select
 import socket
 import tty
 from abc import ABC, abstractmethod
 from contextlib import suppress
-from typing import NamedTuple, Self
 
 from uwsim.bridges.doors.admission import warn_beyond_loopback
-from uwsim.bridges.doors.hosts import checked_host
+from uwsim.bridges.doors.endpoint import Endpoint
 from uwsim.bridges.ping.wire import Message, Reader
 
 READ_BYTES = 1 << 12
 AT_ONCE = 64
 """Datagrams that are read at once; the others wait in the system's buffer, which drops what does not fit."""
-
-
-class Address(NamedTuple):
-    """Where a device is found, and which instrument it is. kind: "udp" or "pty".
-
-    instrument: its name, or "VEHICLE/NAME"; "" for the first one that fits.
-    """
-
-    instrument: str
-    kind: str
-    host: str
-    port: int
-
-    @classmethod
-    def parse(cls, switch: str, text: str, port: int) -> Self:
-        """Parse "udp", "udp:9092", "udp:127.0.0.1:9092" or "pty", also after "INSTRUMENT=". Raises ValueError.
-
-        switch: the option, for the message. port: the usual one.
-        """
-        instrument, _, where = text.rpartition("=")
-        found = re.fullmatch(r"(pty)|udp(?::([^:=\s]+))??(?::(\d{1,5}))?", where)
-        if found is None or ("=" in text and not instrument):
-            raise ValueError(f"{switch} = '{text[:80]}': must be [INSTRUMENT=]udp[:HOST][:PORT] or [INSTRUMENT=]pty")
-        if int(found[3] or port) > 65535:
-            raise ValueError(f"{switch} = '{text[:80]}': the port must be in [0, 65535]")
-        host = checked_host(found[2] or "127.0.0.1", f"{switch} = '{text[:80]}'")
-        return cls(instrument, found[1] or "udp", host, int(found[3] or port))
 
 
 class Line(ABC):
@@ -149,6 +120,6 @@ class Terminal(Line):
         os.close(self._theirs)
 
 
-def opened(address: Address) -> Line:
+def opened(address: Endpoint) -> Line:
     """Return the line at an address. Raises OSError."""
     return Terminal() if address.kind == "pty" else Datagrams(address.host, address.port)

@@ -10,7 +10,7 @@ from uwsim.bridges.aboard.instrument import InstrumentPlug
 from uwsim.bridges.doors.door import EVERYONE, OWN, Door
 
 if TYPE_CHECKING:
-    from uwsim.bridges.ping.line import Address
+    from uwsim.bridges.doors.endpoint import Endpoint
     from uwsim.bridges.ping.ping1d import Ping1D
     from uwsim.bridges.ping.ping360 import Ping360
     from uwsim.live import LiveSimulator
@@ -49,7 +49,7 @@ class Ping1dPlug(InstrumentPlug[Ping1dOptions]):
     title, needed = "Ping1D", "a sensor of kind altitude"
     doors = (Door("`--ping1d udp`", "UDP", 1, OWN, "ping protocol: a Ping1D", _ADMITS, ("--ping1d", "udp:0")),)
 
-    def parsed(self, text: str) -> Address:
+    def parsed(self, text: str) -> Endpoint:
         """See InstrumentPlug."""
         return _parsed("ping1d", text, 9090)
 
@@ -57,7 +57,7 @@ class Ping1dPlug(InstrumentPlug[Ping1dOptions]):
         """Return the altimeters."""
         return [name for name, sensor in vehicle.sensors.items() if sensor.kind == "altitude"]
 
-    def device(self, live: LiveSimulator, vehicle: str, name: str, address: Address) -> Ping1D:
+    def device(self, live: LiveSimulator, vehicle: str, name: str, address: Endpoint) -> Ping1D:
         """See InstrumentPlug."""
         from uwsim.bridges.ping.line import opened
         from uwsim.bridges.ping.ping1d import Ping1D
@@ -76,7 +76,7 @@ class Ping360Plug(InstrumentPlug[Ping360Options]):
              ("--ping360", "udp:0", "--vehicle-model", "bluerov2_heavy_outfit")),
     )  # fmt: skip
 
-    def parsed(self, text: str) -> Address:
+    def parsed(self, text: str) -> Endpoint:
         """See InstrumentPlug."""
         return _parsed("ping360", text, 9092)
 
@@ -85,7 +85,7 @@ class Ping360Plug(InstrumentPlug[Ping360Options]):
         sonars = vehicle.imaging_sonars.items()
         return [name for name, sonar in sonars if getattr(sonar.model, "field_of_view_rad", 0.0) > 6.28]
 
-    def device(self, live: LiveSimulator, vehicle: str, name: str, address: Address) -> Ping360:
+    def device(self, live: LiveSimulator, vehicle: str, name: str, address: Endpoint) -> Ping360:
         """See InstrumentPlug."""
         from uwsim.bridges.ping.line import opened
         from uwsim.bridges.ping.ping360 import Ping360
@@ -93,9 +93,10 @@ class Ping360Plug(InstrumentPlug[Ping360Options]):
         return Ping360(live, vehicle, name, opened(address))
 
 
-def _parsed(switch: str, text: str, port: int) -> Address:
+def _parsed(switch: str, text: str, port: int) -> Endpoint:
     from uwsim.base.extras import need_extra
-    from uwsim.bridges.ping.line import Address
+    from uwsim.bridges.doors.endpoint import EndpointForm
 
     need_extra("brping", f"--{switch}")
-    return Address.parse(switch, text, port)
+    form = "[INSTRUMENT=]udp[:HOST][:PORT] or [INSTRUMENT=]pty"
+    return EndpointForm(switch, form, {"udp": port, "pty": 0}, bare=("pty",)).parse(text)

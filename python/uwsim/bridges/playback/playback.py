@@ -7,6 +7,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from typing import Any
 
+from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.bridges.playback.feed import PlayedFeed, channels_of
 from uwsim.bridges.plug import Context
 from uwsim.bridges.requested import Bridges
@@ -21,7 +22,7 @@ def play(
     recording: Recording,
     pacer: Pacer,
     *,
-    port: int = 9090,
+    port: int = ROSBRIDGE_PORT,
     from_s: float = 0.0,
     until_s: float | None = None,
     wait: bool = False,

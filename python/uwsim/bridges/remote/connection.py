@@ -24,7 +24,7 @@ LOST = "the connection to the vehicle is lost"
 class RemoteConnection:
     """A connection to a rosbridge server with a separate receiving thread. It is a context manager.
 
-    url: such as "ws://127.0.0.1:9090". topics: the server's topics, without leading slash, and their types in ROS 2's
+    url: such as "ws://127.0.0.1:PORT". topics: the server's topics, without leading slash, and their types in ROS 2's
     spelling. Raises ValueError for an invalid url, and OSError if the server cannot be reached or has gone.
     """
 

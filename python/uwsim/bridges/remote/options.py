@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from uwsim.base.options import option
+from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.flight.elsewhere import OtherFlight
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ class RemoteOptions(OtherFlight):
     switch = "connect"
 
     connect: str | None = option(
-        None, "Fly a vehicle over a rosbridge instead, such as ws://127.0.0.1:9090 of `uwsim serve`."
+        None, f"Fly a vehicle over a rosbridge instead, such as ws://127.0.0.1:{ROSBRIDGE_PORT} of `uwsim serve`."
     )
     lockstep: bool = option(False, "With --connect: the simulator is paused while the mission computes.")
     odometry: str | None = option(None, "With --connect: the topic of the vehicle's pose. Default: odom.")

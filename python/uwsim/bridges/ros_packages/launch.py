@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from xml.sax.saxutils import quoteattr
 
+from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.channels.ros.message_types import Ros
 
 VIEWERS: dict[Ros, tuple[str, ...]] = {1: ("rviz", "octomap_server"), 2: ("rviz2", "octomap_server")}
@@ -46,7 +47,7 @@ def simulate(ros: Ros, package: str, scenario: str) -> str:
         "speed": ("1", "simulated seconds per second, or max"),
         "namespace": ("/", "of topics, services and frames; the file of RViz has none"),
         "tf": ("truth", "the motion on /tf: truth, odom (the estimate) or none (left to other nodes)"),
-        "port": ("9090", "of the rosbridge beside the node; 0 chooses a free one"),
+        "port": (str(ROSBRIDGE_PORT), "of the rosbridge beside the node; 0 chooses a free one"),
         "params_file": (f"$({share} {package})/config/parameters.yaml", "the parameters to set at the start"),
         **({} if ros == 1 else {"rmw": ("fastrtps", "the middleware: fastrtps, cyclonedds or zenoh")}),
         "rviz": ("true", "whether to start RViz"),

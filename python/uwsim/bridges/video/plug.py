@@ -38,9 +38,9 @@ class VideoPlug(BridgePlug[VideoOptions]):
 
     def __init__(self, options: VideoOptions) -> None:
         super().__init__(options)
-        from uwsim.bridges.video.video import Target
+        from uwsim.bridges.video.video import FORM
 
-        self._target = Target.parse(options.video or "")
+        self._target = FORM.parse(options.video or "")
 
     @contextmanager
     def open(self, context: Context) -> Iterator[Opened]:

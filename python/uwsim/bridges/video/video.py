@@ -13,10 +13,10 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from types import TracebackType
-from typing import NamedTuple, Self
+from typing import Self
 
 from uwsim.base.ffmpeg import encoder_path
-from uwsim.bridges.doors.hosts import checked_host
+from uwsim.bridges.doors.endpoint import Endpoint, EndpointForm
 from uwsim.channels.delivery.pictures import RATE_HZ
 from uwsim.instruments.cameras import Camera, Frame
 from uwsim.live import LiveSimulator, Subscription
@@ -24,6 +24,7 @@ from uwsim.simulator.simulator import Simulator
 
 PORT = 5600
 """The UDP port at which QGroundControl and Cockpit expect video."""
+FORM = EndpointForm("video", "[HOST:]PORT", {"": None}, sends=("",))
 PAYLOAD_TYPE = 96
 PACKET_BYTES = 1200
 BITRATE_KBIT_S = 4000
@@ -37,24 +38,6 @@ SHORTEST_S = 0.08
 """The minimum time between two pictures, so that a fast simulation does not render constantly."""
 
 logger = logging.getLogger("uwsim.video")
-
-
-class Target(NamedTuple):
-    """The UDP destination of a stream."""
-
-    host: str
-    port: int
-
-    @classmethod
-    def parse(cls, text: str) -> Self:
-        """Parse "5600" or "127.0.0.1:5600". Raises ValueError."""
-        host, _, port = text.rpartition(":")
-        if not re.fullmatch(r"\d{1,5}", port) or not 0 < int(port) <= 65535:
-            raise ValueError(f"video = '{text}': must be [HOST:]PORT, with a port in [1, 65535]")
-        return cls(checked_host(host or "127.0.0.1", f"video = '{text[:80]}'"), int(port))
-
-    def __str__(self) -> str:
-        return f"{self.host}:{self.port}"
 
 
 def own_first(cameras: Mapping[str, Camera]) -> list[str]:
@@ -73,7 +56,7 @@ class VideoStream:
     ValueError for an unknown camera, MissingExtraError without ffmpeg.
     """
 
-    def __init__(self, live: LiveSimulator, vehicle: str, target: Target, camera: str | None = None) -> None:
+    def __init__(self, live: LiveSimulator, vehicle: str, target: Endpoint, camera: str | None = None) -> None:
         cameras = live.simulator.vehicles[vehicle].cameras
         if not cameras:
             raise ValueError(f"video: vehicle '{vehicle}' has no camera")
@@ -124,7 +107,7 @@ class VideoStream:
 
     def __enter__(self) -> Self:
         """Start. Raises NotRunningError."""
-        if not self._is_local:
+        if not self.target.is_local:
             logger.warning("video is sent to %s, beyond this machine, in plain text", self.target)
         self._subscription = self._live.every(1 / RATE_HZ, self._begin, self._queue)
         self._thread.start()
@@ -138,10 +121,6 @@ class VideoStream:
             self._subscription.cancel()
         self._waiting.put(None)
         self._thread.join(2 * CLOSE_S)
-
-    @property
-    def _is_local(self) -> bool:
-        return self.target.host == "localhost" or self.target.host.startswith("127.")
 
     def _begin(self, sim: Simulator) -> Callable[[], Frame] | None:
         now_s = time.monotonic()
@@ -190,7 +169,7 @@ class VideoStream:
         ]  # fmt: skip
 
     def _started(self, shape: tuple[int, ...]) -> subprocess.Popen[bytes]:
-        local = "&localaddr=127.0.0.1" if self._is_local else ""
+        local = "&localaddr=127.0.0.1" if self.target.is_local else ""
         command = [
             *self._encoding(shape), "-flush_packets", "1", "-payload_type", str(PAYLOAD_TYPE), "-f", "rtp",
             f"rtp://{self.target}?pkt_size={PACKET_BYTES}{local}",

@@ -20,6 +20,7 @@ from PIL import Image
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.bridges import RosbridgeServer
+from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.evidence.reproduce.figure import Figure
 from uwsim.evidence.reproduce.scenes import Place, place
 from uwsim.instruments.cameras.image_file import write_image
@@ -93,7 +94,7 @@ def take_screens(out: Path, offered: str = "paper", where: Place = OVER_THE_PIPE
         page.goto(server.url.replace("ws", "http", 1))
         _until(page, "document.querySelector('.preview:not([hidden]) img')?.naturalWidth")
         page.fill("#field-rosbridge_host", "localhost")  # as in the paper
-        page.fill("#field-rosbridge_port", "9090")
+        page.fill("#field-rosbridge_port", str(ROSBRIDGE_PORT))
         _shoot(page, out / NAMES[0], 0.5)
         page.fill("#field-rosbridge_host", "")
         page.set_viewport_size({"width": 1440, "height": 900})

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uwsim.base.options import OptionError, WithoutEffectError, need, refuse
+from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.bridges.page import page_url
 from uwsim.cli.access import Tokens
 from uwsim.cli.bounds import readable, within
@@ -73,7 +74,9 @@ def exercise(
     recorded: RecordOptions,
     port: Annotated[
         int | None,
-        typer.Option(help="Port of --serve; 0 chooses a free one. Default: 9090.", callback=within(0, 65535)),
+        typer.Option(
+            help=f"Port of --serve; 0 chooses a free one. Default: {ROSBRIDGE_PORT}.", callback=within(0, 65535)
+        ),
     ] = None,
     tokens: Tokens,
     keep_flights: Annotated[
@@ -116,7 +119,7 @@ def exercise(
         refuse("has no effect with --serve; each attempt's score.json is in --out", json=as_json)
         bounds = kept_flights(KEPT if keep_flights is None else keep_flights)
         packaged = name if name in exercise_names() and lag is None else ""
-        _serve(found, out, 9090 if port is None else port, tokens, bounds, threads, named, packaged)
+        _serve(found, out, ROSBRIDGE_PORT if port is None else port, tokens, bounds, threads, named, packaged)
         return
     from uwsim.exercises.flight import fly_exercise
     from uwsim.exercises.sheet_text import score_lines

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from uwsim.bridges.cli.serve import Origin, Wire
+from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.bridges.page import page_url
 from uwsim.cli.access import Access
 from uwsim.cli.bounds import within
@@ -48,7 +49,7 @@ def station(
     ] = "tarn",
     port: Annotated[
         int, typer.Option(help="Port to listen on; 0 chooses a free one.", callback=within(0, 65535))
-    ] = 9090,
+    ] = ROSBRIDGE_PORT,
     host: Annotated[str, typer.Option(help="Address to listen on. Warns about any that other machines can reach.")] = (
         "127.0.0.1"
     ),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uwsim.base.options import flag_name
+from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.cli.choices import one_of
 from uwsim.cli.groups import under
 from uwsim.cli.options import SimulatorOptions
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 def teleop(
     *,
     url: Annotated[
-        str | None, typer.Argument(help="A rosbridge, such as ws://host:9090. Default: its own simulator.")
+        str | None, typer.Argument(help=f"A rosbridge, such as ws://host:{ROSBRIDGE_PORT}. Default: its own simulator.")
     ] = None,
     scenario: Annotated[
         str | None,

@@ -10,11 +10,11 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 
 from uwsim.base.arguments import is_number
 from uwsim.base.texts.json_text import json_value
+from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
 from uwsim.bridges.nodes.websocket import WebSocket, why_not_connected
 from uwsim.channels.guest import Values
 from uwsim.channels.ros.messages import Ros
 
-PORT = 9090  # rosbridge_server's own
 HOST = re.compile(r"(wss?://)?([A-Za-z0-9][A-Za-z0-9_.-]*|\[[0-9A-Fa-f:.]+\])")
 STATION_ANSWERS_S = 1.0
 
@@ -54,7 +54,7 @@ def checked_host(value: object) -> str:
 def checked_port(value: object) -> int:
     """Return the port, which for None is rosbridge_server's default. Raises ValueError."""
     if value is None:
-        return PORT
+        return ROSBRIDGE_PORT
     if not is_number(value) or value % 1 or not 1 <= value <= 65535:
         raise ValueError(f"rosbridge_port = {str(value)[:40]}: must be a whole number in [1, 65535]")
     return int(value)
