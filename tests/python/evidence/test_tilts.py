@@ -63,7 +63,7 @@ def test_a_bluerov2s_controller_keeps_its_trim_beyond_the_demands_of_the_pages(n
 
 
 def table_of_the_page() -> list[list[str]]:
-    page = (docs_pages.ROOT / "docs" / "inside" / "stability.md").read_text().splitlines()
+    page = (docs_pages.ROOT / "docs/reference/tilts.md").read_text().splitlines()
     return [cells(line) for line in page if line.startswith("| ")]
 
 

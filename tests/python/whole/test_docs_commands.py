@@ -76,8 +76,6 @@ def own_schema(key: str) -> dict[str, Any] | None:
 OTHERS = {
     "ci": "a workflow of GitHub",
     "extend": "the kinds of its package",
-    "add-a-sensor": "the kind that it adds",
-    "add-a-sonar": "the kind that it adds",
 }
 
 

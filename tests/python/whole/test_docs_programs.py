@@ -24,8 +24,6 @@ from uwsim.campaigns.sweeps.spec import SweepSpec
 from uwsim.scenario.schema import PARTS, schema
 
 ELSEWHERE = {
-    "add-a-sensor": "needs the sensor that it adds, in C++: see test_docs_cpp.py",
-    "add-a-sonar": "needs the sonar that it adds, in C++: see test_docs_cpp.py",
     "makers": "needs Blue Robotics' library; test_ping.py uses it where it is there",
     "rosbridge": "needs a server; test_readme.py runs the README's, which is alike",
 }

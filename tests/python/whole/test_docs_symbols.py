@@ -18,12 +18,6 @@ SOURCES = {".py", ".pyi", ".h", ".cpp", ".cmake", ".js", ".css", ".j2", ".toml",
 FOLDERS = {"python", "cpp", "tests", "tools", "docs", "assets", ".ci", ".github"}
 
 OTHERS: dict[str, set[str]] = {
-    "add-a-sensor": {"cpp/uwsim/sensors/salinity.cpp"},  # created on the page
-    "add-a-sonar": {
-        "cpp/uwsim/sonar/imaging/echo_sounder.cpp",
-        "python/uwsim/instruments/sonars/imaging/echo_sounder.py",
-        "tests/cpp/sonar/test_echo_sounder.cpp",
-    },
     "coming-from": {  # names from the other simulators
         "AcousticBeaconSensor",
         "DepthSensor",
@@ -60,7 +54,6 @@ OTHERS: dict[str, set[str]] = {
     "ros2": {"rqt_console"},  # from ROS 2
     "sweeps": {"runs/"},
     "troubleshooting": {"octomap_rviz_plugins"},
-    "trust": {"_GLIBCXX_ASSERTIONS"},
 }
 """By page: names from other programs, and files created by the page's reader or by a command."""
 
@@ -178,6 +171,39 @@ def test_what_is_in_back_ticks_exists(page: Path) -> None:
 )
 def test_a_dead_reference_is_found(text: str) -> None:
     assert dead(text)
+
+
+def test_no_page_has_cpp_that_is_not_compiled() -> None:
+    assert [page.name for page in TEXTS if "```cpp" in page.read_text()] == []
+
+
+def test_the_table_of_changes_names_a_path_in_each_row() -> None:
+    table = (ROOT / "CONTRIBUTING.md").read_text().partition("| I want to change | look here |\n|---|---|\n")[2]
+    rows = table.partition("\n\n")[0].splitlines()
+    assert len(rows) >= 30
+    assert [row for row in rows if not any(map(is_path, re.findall(r"`([^`]+)`", row)))] == []
+
+
+def anchors(page: Path) -> set[str]:
+    """Return the anchors of a page: of its headings down to the third level, and its explicit ones."""
+    text = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.DOTALL | re.MULTILINE)
+    headings = re.findall(r"^#{1,3} (.*)$", text, flags=re.MULTILINE)
+    slugs = {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
+    return slugs | set(re.findall(r"^\((.*)\)=$", text, flags=re.MULTILINE))
+
+
+@pytest.mark.parametrize("page", [*TEXTS, ROOT / "CHANGELOG.md"], ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_links_resolve(page: Path) -> None:
+    text = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.DOTALL | re.MULTILINE)
+    broken = []
+    for link in re.findall(r"\]\(([^)\s]+)\)", text):
+        path, _, anchor = link.partition("#")
+        target = page.parent / path if path else page
+        if link.startswith("http") or path.endswith(("validation/index.md", "reference/benchmarks.md")):  # made later
+            continue
+        if not target.exists() or (anchor and anchor not in anchors(target)):
+            broken.append(link)
+    assert broken == []
 
 
 def test_files_that_commands_leave_in_the_clone_do_not_count() -> None:

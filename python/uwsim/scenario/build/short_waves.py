@@ -13,7 +13,7 @@ from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 LENGTHS = 5.0
-"""Waves along a floating hull must be this many times as long as the hull (docs/inside/water.md)."""
+"""Waves along a floating hull must be this many times as long as the hull (docs/inside/theory.md)."""
 ENERGY_SHARE = 0.1
 """Share of a sea's energy in shorter waves beyond which a warning is given."""
 RISING_SHARE = 0.03
@@ -48,7 +48,7 @@ def short_wave_warning(scenario: Scenario, index: int, water: _core.Water, net_b
         f"{scenario.source_file.line_prefix('vehicles', index)}vehicle '{entry.name}' {where}, where "
         f"{100.0 * share:.0f} % of the waves' energy is in waves shorter than {LENGTHS:g} of its lengths "
         f"({length_m:.2g} m): its heave and pitch there may be wrong by several times, since the waves that a hull "
-        "makes are not modelled (docs/inside/water.md)"
+        "makes are not modelled (docs/inside/theory.md)"
     )
 
 
