@@ -17,7 +17,7 @@ from uwsim.bridges.doors.door import Door
 if TYPE_CHECKING:
     from uwsim.bridges.aboard.aboard import Aboard
     from uwsim.bridges.actions import Action, Offered
-    from uwsim.bridges.doctor.finding import Finding
+    from uwsim.bridges.doctor import Finding
     from uwsim.channels import Channel, Service
     from uwsim.channels.delivery.feed import Readings
     from uwsim.live import LiveSimulator

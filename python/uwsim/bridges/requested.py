@@ -12,7 +12,7 @@ from uwsim.base.sockets import blaming, load_all
 from uwsim.bridges.plug import BridgePlug, Context
 
 if TYPE_CHECKING:
-    from uwsim.bridges.doctor.finding import Finding
+    from uwsim.bridges.doctor import Finding
     from uwsim.simulator.simulator import Simulator
 
 SOCKET = "uwsim.bridges"

@@ -67,7 +67,7 @@ def test_the_command_prints_a_table_and_exits_with_1_when_something_is_wrong(poo
 def test_commands_to_copy_are_whole_on_a_narrow_terminal_and_json_has_the_same(monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     missing = software.Finding("extras", "figures; not installed: rl", "note", "pip install 'uwsim[rl]' " + 60 * "x")
-    monkeypatch.setattr("uwsim.bridges.doctor.examine", lambda *_: iter([missing]))
+    monkeypatch.setattr("uwsim.bridges.doctor.software.software", lambda: [missing])
     shown = uwsim("ros", "doctor", "--listen", "0.1").stdout
     assert "…" not in shown and "'uwsim[rl]'" in shown and shown.count("x") == 61
     found = json.loads(uwsim("ros", "doctor", "--listen", "0.1", "--json").stdout)

@@ -23,8 +23,9 @@ from websockets.sync.client import connect
 from certificate import first_frame, write_certificate
 from foxglove_client import FoxgloveClient
 from ros2_tools import PATIENCE_S, until
+from uwsim.bridges.doors.waiting import Room
 from uwsim.bridges.foxglove import FoxgloveServer, outbox, protocol, session
-from uwsim.bridges.foxglove.outbox import Outbox, Room
+from uwsim.bridges.foxglove.outbox import Outbox
 from uwsim.bridges.foxglove.protocol import Call, Offer
 from uwsim.bridges.foxglove.protocol import described as described_parameter
 from uwsim.bridges.foxglove.session import Session
@@ -280,14 +281,14 @@ def test_a_frame_of_mistakes_is_answered_in_brief() -> None:
 
 def test_an_outbox_is_bounded_in_bytes_and_what_builds_up_is_never_lost_in_silence() -> None:
     reasons: list[str] = []
-    room, data = Room(), bytes(1 << 20)
+    room, data = Room(outbox.ALL_BYTES), bytes(1 << 20)
     boxes = [Outbox(room, lambda: None, reasons.append) for _ in range(40)]
     for box in boxes:
         for number in range(100):
             box.put((1, number, data))
         assert 0 < box.bytes <= outbox.MESSAGES_BYTES
         assert box.dropped > 0
-    assert room.taken == sum(box.bytes for box in boxes) <= room.limit + 40 * (2 << 20)
+    assert room.bytes == sum(box.bytes for box in boxes) <= room.most + 40 * (2 << 20)
     assert boxes[0].take() is not None and not reasons
     slow = boxes[0]
     for number in range(1000):
@@ -295,7 +296,7 @@ def test_an_outbox_is_bounded_in_bytes_and_what_builds_up_is_never_lost_in_silen
     assert len(reasons) == 1 and "reads too slowly" in reasons[0] and slow.bytes == 0
     for box in boxes:
         box.close()
-    assert room.taken == 0
+    assert room.bytes == 0
 
 
 def test_the_newest_messages_are_kept_in_their_order() -> None:
@@ -321,7 +322,7 @@ def test_a_slow_reader_is_dropped_with_the_reason_and_delays_nobody(caplog: pyte
         for number in range(60):
             feed.play(feed.channels["t"], SimpleNamespace(data=data, time_ns=number, topic="t"))  # type: ignore[arg-type]
             assert other.next(protocol.MESSAGE) == protocol.message(1, number, data)
-        assert server._room.taken <= 2 * outbox.MESSAGES_BYTES
+        assert server._room.bytes <= 2 * outbox.MESSAGES_BYTES
         server._offers._shows["t"] = object()  # type: ignore[assignment]  # a topic that builds up, as scenes do
         sent = 0
         while len(server._listener.sessions) == 2 and sent < 300:
@@ -331,7 +332,7 @@ def test_a_slow_reader_is_dropped_with_the_reason_and_delays_nobody(caplog: pyte
         until(lambda: len(server._listener.sessions) == 1)
         del server._offers._shows["t"]
         assert "is disconnected: it reads too slowly" in caplog.text
-        assert server._room.taken <= outbox.MESSAGES_BYTES
+        assert server._room.bytes <= outbox.MESSAGES_BYTES
         with pytest.raises(ConnectionClosed):
             slow.next("nothing")
 
@@ -355,7 +356,7 @@ def test_a_client_makes_room_beyond_the_most_and_is_forgotten_when_it_leaves(
         until(lambda: not server._listener.sessions)
         gc.collect()
         until(lambda: not any(ref() for ref in gone))
-        assert server._room.taken == 0 and not server._ends
+        assert server._room.bytes == 0 and not server._ends
 
 
 def test_calls_without_an_answer_are_bounded() -> None:

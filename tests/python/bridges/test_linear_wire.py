@@ -11,11 +11,11 @@ import cbor2
 import pytest
 
 from counted_work import assert_linear
+from uwsim.bridges.doors.waiting import Room
 from uwsim.bridges.moos import wire as moos
 from uwsim.bridges.ping import wire as ping
 from uwsim.bridges.rosbridge.encoding import to_json
 from uwsim.bridges.rosbridge.fragments import Fragments, split
-from uwsim.bridges.rosbridge.ledger import Account, Ledger
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.parse import read
 from uwsim.channels.ros.messages import from_plain
@@ -43,7 +43,7 @@ def fragments(count: int) -> list[dict[str, Any]]:
 
 
 def assembled(operations: list[dict[str, Any]]) -> None:
-    kept = Fragments(LIMITS, Account(Ledger(1 << 30), 1 << 30, print))
+    kept = Fragments(LIMITS, Room())
     assert [kept.add(each) for each in operations][-1] is not None
 
 

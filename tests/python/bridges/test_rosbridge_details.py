@@ -119,7 +119,7 @@ def test_messages_answers_and_results_come_in_fragments_of_the_size_asked_for(pa
     answer, sizes = whole(one.frames())
     assert answer["values"] == {"message": "m" * 99} and set(sizes[:-1]) == {30}
     assert "fragment_size = 0" in one.send("subscribe", topic="t", fragment_size=0).complaint()
-    assert one.session._account.bytes == two.session._account.bytes == 0, "nothing is kept"
+    assert one.session.outbox.kept.bytes == two.session.outbox.kept.bytes == 0, "nothing is kept"
 
 
 def test_a_message_has_a_thousand_fragments_at_most(pair):
@@ -202,7 +202,7 @@ def test_a_goal_is_aborted_with_a_reason_when_no_client_can_pursue_it(graph, pai
     assert "is still in progress" in two.send("send_action_goal", action="/dock", id="g").complaint()
     one.session.close()
     result("has left")
-    assert graph.actions == {} and two.session._account.bytes == 0
+    assert graph.actions == {} and two.session.outbox.kept.bytes == 0
 
 
 def test_goals_of_a_client_that_leaves_are_cancelled(pair):
@@ -213,4 +213,4 @@ def test_goals_of_a_client_that_leaves_are_cancelled(pair):
     two.session.close()
     assert one.received() == [{"op": "cancel_action_goal", "id": goal["id"], "action": "/dock"}]
     one.send("action_result", id=goal["id"], action="/dock", values={}, status=5, result=False)
-    assert one.received() == [] and one.session._account.bytes == 0
+    assert one.received() == [] and one.session.outbox.kept.bytes == 0

@@ -285,7 +285,9 @@ def test_limits_hold(graph):
     assert "must be 1000 at most" in client.send(frame="x" * 1001).complaint()
     for _ in range(10):
         client.send("call_service", service="none")
-    assert client.given_up == "3 answers are waiting to be read, the maximum" and client.received() == []
+    assert (
+        client.given_up == "3 answers of 0.0 MB are waiting to be read: you read too slowly" and client.received() == []
+    )
 
 
 def test_who_leaves_leaves_nothing_behind(graph):

@@ -7,12 +7,12 @@ import socket
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections import deque
 from collections.abc import Iterable
 from contextlib import suppress
 from logging import Logger
 from typing import ClassVar, Generic, Self, TypeVar
 
+from uwsim.bridges.doors.waiting import Waiting
 from uwsim.bridges.rare_log import RareLog
 
 CONNECT_S, AGAIN_S = 5.0, 1.0
@@ -38,7 +38,7 @@ class KeptConnection(ABC, Generic[MessageT]):
 
     def __init__(self, where: str, log: Logger, thread: str) -> None:
         self._where_it_is, self._log, self._rare = where, log, RareLog(log)
-        self._waiting: deque[MessageT] = deque(maxlen=WAITING_MAX)
+        self._waiting = Waiting[MessageT](WAITING_MAX)
         self._wake, self._woken = socket.socketpair()
         self._wake.setblocking(False)
         self._is_closed = False
@@ -65,12 +65,13 @@ class KeptConnection(ABC, Generic[MessageT]):
 
     def _queue(self, messages: Iterable[MessageT]) -> None:
         """Queue messages and wake the thread. Does not block; may be called on any thread."""
-        self._waiting.extend(messages)
+        for message in messages:
+            self._waiting.put(message)
         self._wake_up()
 
     def _taken(self) -> list[MessageT]:
         """Return the messages that wait, which then no longer do."""
-        return [self._waiting.popleft() for _ in range(len(self._waiting))]
+        return list(iter(self._waiting.take, None))
 
     def _wake_up(self) -> None:
         with suppress(OSError):  # it is awake, or closed

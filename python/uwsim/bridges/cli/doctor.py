@@ -30,11 +30,11 @@ def doctor(
     from rich.markup import escape
     from rich.table import Table
 
-    from uwsim.bridges.doctor import examine
+    from uwsim.bridges.doctor.software import software
 
     console = Console(stderr=as_json)
     with console.status(f"looking and listening for {listen:g} s"):
-        findings = list(examine(bridges, listen))
+        findings = [*software(), *bridges.examine(listen)]
     wrong = sum(finding.verdict == "wrong" for finding in findings)
     if as_json:
         typer.echo(json.dumps([asdict(finding) for finding in findings], indent=1))

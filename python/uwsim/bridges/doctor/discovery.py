@@ -10,7 +10,7 @@ from typing import Any, get_args
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsParticipant, BuiltinTopicDcpsPublication
 from cyclonedds.qos import Policy
 
-from uwsim.bridges.doctor.finding import Finding
+from uwsim.bridges.doctor import Finding
 from uwsim.bridges.ros2.dds import Participant, RawReader
 from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
 from uwsim.bridges.ros2.qos import reader_qos

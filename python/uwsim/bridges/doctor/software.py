@@ -9,7 +9,7 @@ from importlib.util import find_spec
 
 from uwsim import _core
 from uwsim.base.extras import EXTRA_OF
-from uwsim.bridges.doctor.finding import Finding
+from uwsim.bridges.doctor import Finding
 from uwsim.bridges.ros1.rospy_module import DEBIAN, INSTALL
 
 EXTRAS = {

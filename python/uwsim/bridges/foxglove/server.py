@@ -15,10 +15,11 @@ from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.doors.connection import HeardConnection
 from uwsim.bridges.doors.conversation import Rates, Share
 from uwsim.bridges.doors.listener import Address, Listener, post
+from uwsim.bridges.doors.waiting import Room
 from uwsim.bridges.foxglove import protocol
 from uwsim.bridges.foxglove.offers import Offers
 from uwsim.bridges.foxglove.options import PORT
-from uwsim.bridges.foxglove.outbox import Outbox, Room
+from uwsim.bridges.foxglove.outbox import ALL_BYTES, Outbox
 from uwsim.bridges.foxglove.protocol import Call
 from uwsim.bridges.foxglove.session import Session
 from uwsim.bridges.foxglove.shows import shows_of
@@ -26,14 +27,13 @@ from uwsim.channels import Channel, Service
 from uwsim.channels.calls.parameter_table import ParameterTable
 from uwsim.channels.delivery.feed import Reading, Readings
 from uwsim.channels.delivery.outgoing import Outgoing
-from uwsim.channels.ros.message_cost import Meter
 from uwsim.channels.ros.messages import from_bytes, from_plain
 from uwsim.channels.table import checked_origin
 from uwsim.live import LiveSimulator
 
 CLIENTS_MAX = 32
 FRAME_BYTES_MAX = 1 << 18
-COST_BYTES, OBJECTS_MAX = 1 << 20, 500  # limits on a JSON command: its memory, and the number of messages in it
+MESSAGES_MAX = 500  # within a command in JSON
 TIME_S = 0.05  # simulated seconds between time messages
 WORK_SHARE = 0.3  # fraction of a core available for the frames of all clients together
 RATES = Rates(frames=1000.0, bytes=4e6)  # limits per client
@@ -88,7 +88,7 @@ class FoxgloveServer(Bridge):
             ping_timeout=40,
         )
         self._numbered = dict(enumerate(self.services.values(), start=1))
-        self._room = Room()
+        self._room = Room(ALL_BYTES)
         self._outgoing = Outgoing("uwsim-foxglove-write")
         self._offers = Offers(self, self._outgoing)
         self._offers.complete(shows_of(live, channels, self.feed, self._outgoing, self._offers.send, origin_m))
@@ -152,9 +152,8 @@ class FoxgloveServer(Bridge):
         """Apply a command. Raises ValueError or RuntimeError."""
         if encoding == "cdr":
             message = from_bytes(data, channel.type)
-        else:  # two characters of JSON can create a message of a kilobyte
-            meter = Meter(COST_BYTES, objects=OBJECTS_MAX)
-            message = from_plain(channel.type, protocol.read_json(data), meter=meter)
+        else:
+            message = from_plain(channel.type, protocol.read_json(data), most=MESSAGES_MAX)
         self.apply(channel, message)
 
     def relinquish(self, channel: Channel) -> None:

@@ -157,7 +157,7 @@ class Announcer(KeptConnection[Message]):
             self._announce(service, [there[0]])
         if message.name == "EntityList" and message.content["op"] == QUERY:
             answer = self._message("uwsim", "EntityList", {"op": REPORT, "list": self.identity.list})
-            self._waiting.append(answer._replace(destination=message.source, to_entity=UNKNOWN_ENTITY))
+            self._waiting.put(answer._replace(destination=message.source, to_entity=UNKNOWN_ENTITY))
 
 
 def _send(service: socket.socket, packet: bytes, there: Console) -> None:

@@ -132,7 +132,7 @@ class ImcLink(KeptConnection[Message]):
         reader, beat_s = PacketReader(), 0.0
         with self._connected() as connection, (Stream if is_tcp else Datagrams)(connection, self._woken) as stream:
             self.is_connected = True
-            self._waiting.append(self._of("EntityList", {"op": QUERY}))
+            self._waiting.put(self._of("EntityList", {"op": QUERY}))
             while not self._is_closed:
                 messages = self._taken()
                 if time.monotonic() - beat_s > HEARTBEAT_S:
@@ -158,7 +158,7 @@ class ImcLink(KeptConnection[Message]):
             is_ours = not self.identity.is_part and each.destination in (NO_SYSTEM, self.identity.system)
             if each.name == "EntityList" and each.content["op"] == QUERY and is_ours:
                 answer = self._of("EntityList", {"op": REPORT, "list": self.identity.list})
-                self._waiting.append(answer._replace(destination=each.source, to_entity=each.entity))
+                self._waiting.put(answer._replace(destination=each.source, to_entity=each.entity))
         if not self._is_met:
             self._is_met = True
             self._met(messages[0])

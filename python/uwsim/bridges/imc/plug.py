@@ -14,7 +14,7 @@ from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 if TYPE_CHECKING:
     from uwsim.bridges.aboard.aboard import Aboard
-    from uwsim.bridges.doctor.finding import Finding
+    from uwsim.bridges.doctor import Finding
     from uwsim.bridges.doors.endpoint import Endpoint
 
 
@@ -103,7 +103,7 @@ class ImcPlug(BridgePlug[ImcOptions]):
         """Listen to each system for a moment."""
         import time
 
-        from uwsim.bridges.doctor.finding import Finding
+        from uwsim.bridges.doctor import Finding
         from uwsim.bridges.imc.link import Identity, ImcLink, parsed
         from uwsim.bridges.imc.wire import Message
 

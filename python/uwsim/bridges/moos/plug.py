@@ -14,7 +14,7 @@ from uwsim.bridges.plug import BridgePlug, Context, Opened
 
 if TYPE_CHECKING:
     from uwsim.bridges.aboard.aboard import Aboard
-    from uwsim.bridges.doctor.finding import Finding
+    from uwsim.bridges.doctor import Finding
     from uwsim.bridges.doors.endpoint import Endpoint
 
 
@@ -106,7 +106,7 @@ class MoosPlug(BridgePlug[MoosOptions]):
         """Join each MOOSDB for a moment, under a name of its own."""
         import time
 
-        from uwsim.bridges.doctor.finding import Finding
+        from uwsim.bridges.doctor import Finding
         from uwsim.bridges.moos.client import FORM, MoosClient
 
         for text in (*options.moos, *filter(None, [options.moos_shore])):

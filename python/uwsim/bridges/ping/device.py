@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Self, TypeVar
 
@@ -12,6 +11,7 @@ import numpy as np
 from brping import definitions as ids
 from numpy.typing import NDArray
 
+from uwsim.bridges.doors.waiting import Waiting
 from uwsim.bridges.ping.line import Line
 from uwsim.bridges.ping.wire import Message, encoded
 from uwsim.live import LiveSimulator, NotRunningError
@@ -48,7 +48,7 @@ class Device:
         self._live, self._vehicle, self._instrument = live, vehicle, instrument
         self._log = logging.getLogger("uwsim.ping")
         self._id = 1
-        self._waiting: deque[Message] = deque(maxlen=WAITING_MAX)
+        self._waiting = Waiting[Message](WAITING_MAX)
         self._answer: tuple[int, int, bytes] | None = None
         self._is_closed = False
         self._thread = threading.Thread(target=self._run, name="uwsim-ping", daemon=True)
@@ -95,10 +95,11 @@ class Device:
         try:
             while not self._is_closed:
                 self.line.wait(BUSY_S if self._answer is not None or self.is_driven else IDLE_S)
-                self._waiting.extend(self.line.received())
+                for message in self.line.received():
+                    self._waiting.put(message)
                 self._send_due()
-                while self._waiting and self._answer is None:
-                    self._take(self._waiting.popleft())
+                while self._answer is None and (asked := self._waiting.take()) is not None:
+                    self._take(asked)
                 if self._answer is None:
                     self.work()
         except NotRunningError:

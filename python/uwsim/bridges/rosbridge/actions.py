@@ -12,7 +12,6 @@ from uwsim.bridges.rosbridge.calls import CALL_BYTES, echoed
 from uwsim.bridges.rosbridge.encoding import to_json
 from uwsim.bridges.rosbridge.fragments import read_fragment_size
 from uwsim.bridges.rosbridge.graph import ActionGoal, Graph, plain_name
-from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
@@ -48,13 +47,12 @@ class Goal:
 class Actions:
     """A client's goals in both directions. name: the client's name in the graph.
 
-    account: charged for data kept until the result. spent_bytes: an upper bound on the memory used by the current
-    operation.
+    spent_bytes: the memory that the current operation takes, which may be kept until the result.
     """
 
-    def __init__(self, graph: Graph, name: str, names: Names, limits: Limits, account: Account, outbox: Outbox) -> None:
+    def __init__(self, graph: Graph, name: str, names: Names, limits: Limits, outbox: Outbox) -> None:
         self._graph, self._name, self._names = graph, name, names
-        self._limits, self._account, self._outbox = limits, account, outbox
+        self._limits, self._outbox = limits, outbox
         self.spent_bytes = 0
         self._sent: dict[tuple[str, Any], Goal] = {}  # by action and the client's ID
         self._received: dict[str, tuple[str, str, ActionGoal]] = {}  # name as sent, plain name and goal, by our id
@@ -72,10 +70,10 @@ class Actions:
         if len(self._sent) >= self._limits.open_calls:
             raise ValueError(f"{self._limits.open_calls} of your goals are in progress, the maximum")
         size = CALL_BYTES + self.spent_bytes
-        if not self._account.has_room(size):
-            raise ValueError("no room to keep the goal: too much waits for you, or for all clients")
+        if not self._outbox.kept.has(size):
+            raise ValueError("no room to keep the goal: too much waits for you")
         goal = Goal(self, head, size, operation)
-        self._account.take(size)
+        self._outbox.kept.take(size)
         self._sent[key] = goal
         action = self._graph.actions.get(key[0])
         try:
@@ -99,7 +97,7 @@ class Actions:
     def forget(self, goal: Goal) -> None:
         """Remove a finished goal."""
         self._sent = {key: kept for key, kept in self._sent.items() if kept is not goal}
-        self._account.give(goal.size)
+        self._outbox.kept.give(goal.size)
 
     def send(self, operation: dict[str, Any], fragment_size: int | None = None) -> None:
         """Send an operation to the client."""
@@ -137,7 +135,7 @@ class Actions:
         action, kind = self._names.actions[plain], self._graph.actions[plain].type
         identity = f"action_goal:{action}:{next(self._numbers)}"
         self._received[identity] = action, plain, goal
-        self._account.take(CALL_BYTES)
+        self._outbox.kept.take(CALL_BYTES)
         sent = {"action": action, "action_type": kind, "args": arguments, "feedback": True}
         self.send({"op": "send_action_goal", "id": identity, **sent})
 
@@ -159,7 +157,7 @@ class Actions:
         if type(status) is not int or status not in STATUSES:
             raise ValueError(f"action_result.status = {shortened(status)}: must be in [0, 6]")
         del self._received[operation["id"]]
-        self._account.give(CALL_BYTES)
+        self._outbox.kept.give(CALL_BYTES)
         goal.finish(succeeded, status, operation.get("values", {}))
 
     def close(self) -> None:
@@ -184,5 +182,5 @@ class Actions:
         for identity, (_, name, goal) in list(self._received.items()):
             if plain in (None, name):
                 del self._received[identity]
-                self._account.give(CALL_BYTES)
+                self._outbox.kept.give(CALL_BYTES)
                 goal.finish(False, ABORTED, f"action '{name}': {reason}")

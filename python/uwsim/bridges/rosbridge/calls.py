@@ -8,7 +8,6 @@ from typing import Any
 from uwsim.bridges.rosbridge.encoding import to_json
 from uwsim.bridges.rosbridge.fragments import read_fragment_size
 from uwsim.bridges.rosbridge.graph import Graph, Reply, plain_name
-from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
@@ -43,14 +42,12 @@ class Call:
 class Calls:
     """A client's calls in both directions. name: the client's name in the graph.
 
-    account: charged for data kept until the answer. spent_bytes: an upper bound on the memory used by the current
-    operation.
+    spent_bytes: the memory that the current operation takes, which may be kept until the answer.
     """
 
-    def __init__(self, graph: Graph, name: str, names: Names, limits: Limits, account: Account, outbox: Outbox) -> None:
+    def __init__(self, graph: Graph, name: str, names: Names, limits: Limits, outbox: Outbox) -> None:
         self._graph, self._name, self._names = graph, name, names
         self._limits = limits
-        self._account = account
         self._outbox = outbox
         self.spent_bytes = 0
         self._made: set[Call] = set()
@@ -93,7 +90,7 @@ class Calls:
         self._graph.unadvertise_service(self._name, name)
         for identity in [identity for identity, (_, _, service) in self._received.items() if service == name]:
             _, reply, _ = self._received.pop(identity)
-            self._account.give(CALL_BYTES)
+            self._outbox.kept.give(CALL_BYTES)
             reply(False, f"service '{name}': {self._name} has ceased to offer it")
 
     def respond(self, operation: dict[str, Any]) -> None:
@@ -102,7 +99,7 @@ class Calls:
         found = self._received.pop(identity, None) if isinstance(identity, str) else None
         if found is None:
             raise ValueError(f"service_response.id = {shortened(identity)}: no such call is waiting for a response")
-        self._account.give(CALL_BYTES)
+        self._outbox.kept.give(CALL_BYTES)
         found[1](operation.get("result", True) is not False, operation.get("values", {}))
 
     def _open(self, response: dict[str, Any], fragment_size: int | None) -> Reply:
@@ -113,16 +110,16 @@ class Calls:
         if len(self._made) >= self._limits.open_calls:
             raise ValueError(f"{self._limits.open_calls} of your calls are waiting for responses, the maximum")
         call = Call(self, response, CALL_BYTES + self.spent_bytes, fragment_size)
-        if not self._account.has_room(call.size):
-            raise ValueError("no room to keep the call: too much waits for you, or for all clients")
-        self._account.take(call.size)
+        if not self._outbox.kept.has(call.size):
+            raise ValueError("no room to keep the call: too much waits for you")
+        self._outbox.kept.take(call.size)
         self._made.add(call)
         return call.answer
 
     def answered(self, call: Call, succeeded: bool, values: Any) -> None:
         """Send the answer to a call by the client."""
         self._made.discard(call)
-        self._account.give(call.size)
+        self._outbox.kept.give(call.size)
         response = call.response | {"values": values, "result": succeeded}
         try:
             frame = to_json(response)
@@ -137,14 +134,14 @@ class Calls:
         identity = f"service_request:{service}:{next(self._numbers)}"
         frame = to_json({"op": "call_service", "id": identity, "service": service, "args": arguments})
         self._received[identity] = caller, reply, plain_name(service, "service")
-        self._account.take(CALL_BYTES)
+        self._outbox.kept.take(CALL_BYTES)
         self._outbox.reply(frame)
 
     def _forget_caller(self, name: str) -> None:
         """Stop waiting for answers to a client that has left."""
         for identity in [identity for identity, (caller, _, _) in self._received.items() if caller == name]:
             del self._received[identity]
-            self._account.give(CALL_BYTES)
+            self._outbox.kept.give(CALL_BYTES)
 
     def close(self) -> None:
         """Called when the client has left: fail all calls that wait for its services, and drop its own calls."""

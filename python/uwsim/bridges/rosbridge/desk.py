@@ -1,6 +1,7 @@
 """Desk: moves large tasks from the network thread to another thread, where they run one at a time.
 
-The network thread serves all clients, so it must not be blocked for long.
+The network thread serves all clients, so it must not be blocked for long; and of large frames, only one is decoded in
+memory at a time.
 """
 
 from __future__ import annotations
@@ -16,7 +17,6 @@ from uwsim.bridges.doors.conversation import Allowance, Frame
 from uwsim.bridges.rosbridge.outbox import Parcel
 from uwsim.bridges.rosbridge.session import Session
 
-PAUSE_S = 5e-5  # gives other threads a turn
 LARGE_FRAME_BYTES = 1 << 13
 # CPU time charged in advance for a large frame; the difference from the actual time is settled afterwards
 S_PER_BYTE = 5e-8
@@ -60,7 +60,7 @@ class Seat:
         del frame
         while following is not None:
             if len(following) > LARGE_FRAME_BYTES:
-                work = partial(self.session.prepare, following, _pause, is_whole=is_whole)
+                work = partial(self.session.prepare, following, is_whole=is_whole)
                 prepared = await self._desk.do(work, len(following))
                 del work
                 begun_s = time.thread_time()
@@ -88,7 +88,3 @@ class Seat:
 def _timed(work: Callable[[], T]) -> tuple[T, float]:
     begun_s = time.thread_time()  # CPU time of this thread only, not of others sharing the core
     return work(), time.thread_time() - begun_s
-
-
-def _pause() -> None:
-    time.sleep(PAUSE_S)

@@ -6,6 +6,7 @@ import base64
 import binascii
 import io
 import math
+import sys
 from collections.abc import Callable
 from typing import Any, Literal
 
@@ -16,7 +17,6 @@ from PIL import Image
 
 from uwsim.bridges.doors.conversation import Frame
 from uwsim.channels.ros.base64_text import to_base64
-from uwsim.channels.ros.message_cost import held_bytes
 from uwsim.channels.ros.message_types import begins_with_header
 from uwsim.channels.ros.messages import Ros, to_bytes, to_plain
 
@@ -24,6 +24,7 @@ Compression = Literal["none", "cbor", "cbor-raw", "png"]
 JSON_OPTIONS = orjson.OPT_SERIALIZE_NUMPY
 LARGE_BYTES = 1 << 16
 """Larger messages are encoded off the network thread, and store only one encoding at a time."""
+NUMBER_BYTES, OBJECT_BYTES = 32, 200  # the second: of an object, list or array without its parts
 SLICE_NUMBERS = 1 << 16  # array elements written per call
 CBOR_ARRAY, CBOR_MAP = 4, 5  # major types, RFC 8949, section 3.1
 
@@ -113,30 +114,42 @@ def publication(message: Any, topic: str, ros: Ros, identity: str = "") -> str:
     return orjson.dumps(operation, option=JSON_OPTIONS).decode()
 
 
+def held_bytes(value: Any) -> int:
+    """Return the approximate memory of a message or of plain values [bytes]."""
+    if value is None or isinstance(value, int | float | np.generic):
+        return NUMBER_BYTES
+    if isinstance(value, np.ndarray):
+        return OBJECT_BYTES + value.nbytes
+    if isinstance(value, str | bytes):
+        return sys.getsizeof(value)
+    if isinstance(value, cbor2.CBORTag):
+        return OBJECT_BYTES + held_bytes(value.value)
+    parts = value if isinstance(value, list) else (value if isinstance(value, dict) else vars(value)).values()
+    return OBJECT_BYTES + sum(map(held_bytes, parts))
+
+
 class Sample:
     """A message on a topic, and the frames that encode it. time_ns: time of receipt, for cbor-raw.
 
-    size: its size in memory [bytes], if known. holders: see Account.hold. sequence: the message's header.seq in ROS 1,
-    which is the number of earlier messages on the topic.
+    sequence: the message's header.seq in ROS 1, which is the number of earlier messages on the topic.
     """
 
-    __slots__ = ("_frames", "_size", "holders", "message", "sequence", "time_ns")
+    __slots__ = ("_frames", "_size", "message", "sequence", "time_ns")
     builds_up = False
 
-    def __init__(self, message: Any, time_ns: int = 0, size: int | None = None) -> None:
+    def __init__(self, message: Any, time_ns: int = 0) -> None:
         self.message = message
         self.time_ns = time_ns
         self.sequence = 0
-        self.holders = 0
-        self._size = size
+        self._size: int | None = None
         self._frames: dict[Any, Any] = {}
 
     @property
     def size(self) -> int:
         """The approximate size in memory [bytes]: twice the size of the message, to allow for its encodings."""
         if self._size is None:
-            self._size = 0 if self.message is None else held_bytes(self.message)
-        return 2 * self._size
+            self._size = 2 * held_bytes(self.message)
+        return self._size
 
     @property
     def is_large(self) -> bool:

@@ -6,8 +6,8 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
+from uwsim.bridges.doors.waiting import Room
 from uwsim.bridges.rosbridge.encoding import to_json
-from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels.ros.message_types import shortened
 
@@ -29,14 +29,11 @@ class _Begun:
 
 
 class Fragments:
-    """One client's unfinished messages.
+    """One client's unfinished messages. room: of the client, for their bytes."""
 
-    limits: bounds on the number and size of the messages. account: charged for the bytes stored.
-    """
-
-    def __init__(self, limits: Limits, account: Account) -> None:
+    def __init__(self, limits: Limits, room: Room) -> None:
         self._limits = limits
-        self._account = account
+        self._room = room
         self._begun: dict[str, _Begun] = {}
 
     def add(self, operation: dict[str, Any]) -> str | None:
@@ -60,16 +57,16 @@ class Fragments:
             return "".join(part for part in begun.parts if part is not None)
         if len(self._begun) >= self._limits.fragmented_messages:
             self._forget(next(iter(self._begun)))
-        if not self._account.has_room(begun.bytes):
-            raise ValueError("fragments: no room to keep them: too much waits for you, or for all clients")
-        self._account.take(begun.bytes)
+        if not self._room.has(begun.bytes):
+            raise ValueError("fragments: no room to keep them: too much waits for you")
+        self._room.take(begun.bytes)
         self._begun[key] = begun  # moved to the end, so that the least recently used message comes first
         return None
 
     def _forget(self, key: str) -> _Begun | None:
         begun = self._begun.pop(key, None)
         if begun is not None:
-            self._account.give(begun.bytes)
+            self._room.give(begun.bytes)
         return begun
 
 

@@ -11,8 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+from uwsim.bridges.doors.waiting import Room
 from uwsim.bridges.rosbridge.encoding import Sample
-from uwsim.bridges.rosbridge.ledger import Account, Ledger
+from uwsim.bridges.rosbridge.outbox import Outbox
 from uwsim.channels.ros.message_types import shortened
 from uwsim.channels.ros.messages import resolve, spelled
 
@@ -41,8 +42,8 @@ def plain_name(name: object, what: str = "topic") -> str:
 class Topic:
     """One topic. publishers: whether each owner latches. sinks: the subscribers' sinks, keyed by owner and key.
 
-    latched: the latest latched message. latched_by: its owner, whose account is charged for it. count: the number of
-    messages published, which is the header.seq of the next message in ROS 1.
+    latched: the latest latched message. latched_by: its owner, in whose room it is. count: the number of messages
+    published, which is the header.seq of the next message in ROS 1.
     """
 
     name: str
@@ -50,16 +51,16 @@ class Topic:
     publishers: dict[str, bool] = field(default_factory=dict)
     sinks: dict[tuple[str, Any], Sink] = field(default_factory=dict)
     latched: Sample | None = None
-    latched_by: tuple[str, Account] | None = None
+    latched_by: tuple[str, Room] | None = None
     count: int = 0
 
-    def latch(self, sample: Sample | None, owner: tuple[str, Account] | None = None) -> None:
+    def latch(self, sample: Sample | None, owner: tuple[str, Room] | None = None) -> None:
         """Keep a sample for later subscribers, replacing the previous one. owner: None for this process's samples."""
         if self.latched is not None and self.latched_by is not None:
-            self.latched_by[1].drop(self.latched)
+            self.latched_by[1].give(self.latched.size)
         self.latched, self.latched_by = sample, owner
         if sample is not None and owner is not None:
-            owner[1].hold(sample)
+            owner[1].take(sample.size)
 
 
 @dataclass(eq=False)
@@ -109,11 +110,11 @@ class Graph:
     on_joined: functions called with a topic name when it has one more subscriber, who has received nothing.
     on_leave: functions called with an owner that has left. on_abandoned: functions called with a topic name when the
     topic's last publisher has left. silence_s: returns the time since anything was received from an owner. time_ns:
-    returns the graph's time. ledger: counts the memory used for clients. report: writes a refusal into the graph's log.
+    returns the graph's time. outboxes: those of the clients. report: writes a refusal into the graph's log.
     """
 
-    def __init__(self, ledger: Ledger | None = None) -> None:
-        self.ledger = ledger or Ledger()
+    def __init__(self) -> None:
+        self.outboxes: set[Outbox] = set()
         self.topics: dict[str, Topic] = {}
         self.services: dict[str, Service] = {}
         self.actions: dict[str, Action] = {}
@@ -154,10 +155,8 @@ class Graph:
             raise ValueError(f"topic '{name}': advertise it first, because its type is unknown")
         return topic
 
-    def publish(
-        self, topic: Topic, sample: Sample, latch: bool = False, owner: tuple[str, Account] | None = None
-    ) -> None:
-        """Pass a sample to a topic's subscribers. owner: the publisher that is charged for a latched sample."""
+    def publish(self, topic: Topic, sample: Sample, latch: bool = False, owner: tuple[str, Room] | None = None) -> None:
+        """Pass a sample to a topic's subscribers. owner: the publisher, in whose room a latched sample is."""
         sample.sequence, topic.count = topic.count, topic.count + 1
         if latch:
             topic.latch(sample, owner)

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 
+DECODED = 48
+"""Bytes of a frame's decoded values, and of its message, for each of its bytes: `"a":0,` is six, and takes 200."""
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -12,17 +15,11 @@ class Limits:
     connections: int = 256
     """Clients at a time; of more, one that was silent is disconnected (uwsim.bridges.doors.places)."""
     frame_bytes: int = 2 << 20
-    """Size of a frame from a client, and of a message assembled from fragments."""
+    """Size of a frame from a client, and of a message assembled from fragments: see most_bytes."""
     nesting: int = 32
     """Depth of objects and lists in a client's JSON or CBOR."""
     objects: int = 20_000
-    """Objects and lists in a frame, and messages within its message; in CBOR, five times as many items are allowed."""
-    strings: int = 200_000
-    """Strings in a frame."""
-    cost_factor: int = 20
-    """Memory that a frame may take while it is being handled, in multiples of its size; see cost_of."""
-    cost_bytes: int = 1 << 20
-    """Memory that any frame may take: small frames expand more than large ones."""
+    """Brackets in a frame of JSON, and messages within its message; in CBOR, five times as many items are allowed."""
     fragmented_messages: int = 4
     """Unfinished fragmented messages of a client; one more discards the oldest."""
     fragments: int = 1000
@@ -42,11 +39,12 @@ class Limits:
     ids: int = 100
     """Number of ids per subscription."""
     client_bytes: int = 64 << 20
-    """Data queued and stored for a client [bytes]: messages to be sent, latched messages, fragments, open calls."""
-    mailbox_bytes: int = 16 << 20
-    """Size of one subscription's queue; beyond it, as beyond the queue's length, the oldest messages are dropped."""
+    """Data of a client [bytes]: half for what waits to be sent, of which the oldest messages give way to newer ones.
+
+    The other half is for what is kept otherwise: latched messages, fragments, open calls.
+    """
     total_bytes: int = 512 << 20
-    """Data queued and stored for all clients; beyond it, the client with the most data is disconnected."""
+    """The same for all clients, of whom each has an equal share."""
     messages_per_s: float = 2000.0
     """Messages from a client. Beyond this rate, the client is read more slowly.
 
@@ -58,9 +56,18 @@ class Limits:
     work_share: float = 0.3
     """The fraction of a core for all clients' frames: Python runs one thread at a time, and steps need time, too."""
 
-    def cost_of(self, size: int) -> int:
-        """Return the memory that a frame of a given size may take."""
-        return max(self.cost_bytes, self.cost_factor * size)
+    def room(self, clients: int) -> float:
+        """Return the number of bytes that may wait for one of so many clients, and as many may be kept otherwise."""
+        return min(self.client_bytes, self.total_bytes / clients) / 2
+
+    @property
+    def most_bytes(self) -> int:
+        """The memory that all clients together can make the server take.
+
+        What is queued and stored, the frames that arrive, two of each client, and the one that is decoded: large ones
+        are decoded one at a time, and their values take up to DECODED times their size.
+        """
+        return self.total_bytes + (2 * self.connections + DECODED) * self.frame_bytes
 
     def __post_init__(self) -> None:
         for field in fields(self):

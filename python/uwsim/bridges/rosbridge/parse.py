@@ -1,68 +1,57 @@
 """Decoding of a client's frame into a dict: JSON from text, CBOR from bytes.
 
-Excessive frames are refused before they take time or memory.
+A frame's values take a bounded multiple of its size, since the size and the number of lists and objects are limited.
 """
 
 from __future__ import annotations
 
 import math
-import secrets
-from collections.abc import Callable
 from typing import Any
 
 import cbor2
 import orjson
 
 from uwsim.base.texts.json_text import json_value
-from uwsim.bridges.rosbridge.json_scan import JsonScan
 from uwsim.bridges.rosbridge.limits import Limits
-from uwsim.bridges.rosbridge.weigh import walk_cbor, weigh
-from uwsim.channels.ros.message_cost import Meter
 from uwsim.channels.ros.messages import typed_array
 
 SLOW_CHARACTERS = 200_000
 """The largest size of a frame with NaN or Infinity, which needs a decoder that is five times slower."""
-SMALL_CHARACTERS = 1 << 17
-"""Larger frames are decoded in pieces: a decoder's call blocks all other threads, by 20 to 80 ns for each value."""
-PIECE_CHARACTERS = 1 << 16  # elements in a list of numbers
-LONG_LIST = 256  # characters
-REST_VALUES = 150_000  # outside long lists, decoded in one call
-MARK = secrets.token_hex(16)  # identifies the place of a long list; a client cannot guess it
+ITEMS_PER_OBJECT = 5  # limit for CBOR, whose walk takes a microsecond per item
+TYPED_ARRAYS = range(64, 88)  # RFC 8746; cbor2 would convert other tags to numbers, patterns and references
+STRINGS, CONTAINERS, MAP, TAG = (2, 3), (4, 5), 5, 6  # major types, RFC 8949, section 3.1
 
 
 def parse(frame: str | bytes, nesting: int) -> dict[str, Any]:
     """Decode the object in a frame from a trusted peer. Raises ValueError with the reason if this fails."""
-    if isinstance(frame, bytes):
-        walk_cbor(frame, nesting, math.inf)
-    return _decode(frame, nesting, bounded=False)
+    return _object(_decode(frame, nesting, math.inf, math.inf))
 
 
-def read(frame: str | bytes, limits: Limits, pause: Callable[[], None] | None = None) -> tuple[dict[str, Any], Meter]:
-    """Decode the object in a client's frame, and return it with a meter for its further processing.
-
-    pause: passed to the meter. Raises ValueError for an invalid or oversized frame.
-    """
-    weight = weigh(frame, limits)
-    meter = Meter(limits.cost_of(len(frame)), weight.bytes, limits.objects, pause)
-    meter.pause()
-    operation = _decode(frame, limits.nesting, remembers=weight.remembers)
-    meter.pause()
-    return operation, meter
+def read(frame: str | bytes, limits: Limits) -> dict[str, Any]:
+    """Decode the object in a client's frame. Raises ValueError for an invalid or oversized frame."""
+    return _object(_decode(frame, limits.nesting, limits.objects, SLOW_CHARACTERS))
 
 
 def parse_value(text: str, limits: Limits) -> Any:
     """Decode a value of any type from a client's JSON string. Raises ValueError."""
-    value = _from_json(text, remembers=weigh(text, limits).remembers)
-    check_nesting(value, limits.nesting)
+    return _decode(text, limits.nesting, limits.objects, SLOW_CHARACTERS)
+
+
+def _object(value: Any) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise ValueError("frame: must be a JSON object, or a CBOR map")
     return value
 
 
-def _decode(frame: str | bytes, nesting: int, *, remembers: bool = False, bounded: bool = True) -> dict[str, Any]:
-    value = _from_cbor(frame) if isinstance(frame, bytes) else _from_json(frame, remembers=remembers, bounded=bounded)
-    if not isinstance(value, dict):
-        raise ValueError("frame: must be a JSON object, or a CBOR map")
-    # The depth is at most the number of opening brackets; a scan has few, so its thousand numbers need no check.
-    if isinstance(frame, bytes) or frame.count("{") + frame.count("[") > nesting:
+def _decode(frame: str | bytes, nesting: int, objects: float, slow_characters: float) -> Any:
+    if isinstance(frame, bytes):
+        walk_cbor(frame, nesting, ITEMS_PER_OBJECT * objects)
+        return _from_cbor(frame)
+    brackets = frame.count("{") + frame.count("[")
+    if brackets > objects:
+        raise ValueError(f"frame: {brackets} lists and objects: must be {objects} at most")
+    value = _from_json(frame, slow_characters)
+    if brackets > nesting:
         check_nesting(value, nesting)
     return value
 
@@ -81,66 +70,59 @@ def check_nesting(value: Any, nesting: int) -> None:
     raise ValueError(f"frame: nested more than {nesting} deep")
 
 
-def _from_json(text: str, *, remembers: bool = False, bounded: bool = True) -> Any:
-    """Decode JSON text. remembers: share one string among repeated keys, and build no intermediate tree.
-
-    bounded: refuse text that takes long to decode in one call.
-    """
-    if not remembers:
-        try:
-            return orjson.loads(text) if len(text) <= SMALL_CHARACTERS else _in_pieces(text, bounded=bounded)
-        except orjson.JSONDecodeError as error:
-            if "NaN" not in text and "Infinity" not in text:
-                raise ValueError(f"frame: not JSON ({error if len(text) <= SMALL_CHARACTERS else error.msg})") from None
-        if bounded and len(text) > SLOW_CHARACTERS:
-            raise ValueError(
-                f"frame: {len(text)} bytes with NaN or Infinity: must be {SLOW_CHARACTERS} at most; null is NaN"
-            )
+def _from_json(text: str, slow_characters: float) -> Any:
+    try:
+        return orjson.loads(text)
+    except orjson.JSONDecodeError as error:
+        if "NaN" not in text and "Infinity" not in text:
+            raise ValueError(f"frame: not JSON ({error})") from None
+    if len(text) > slow_characters:
+        raise ValueError(
+            f"frame: {len(text)} bytes with NaN or Infinity: must be {slow_characters} at most; null is NaN"
+        )
     return json_value(text, "frame")
 
 
-def _in_pieces(text: str, *, bounded: bool) -> Any:
-    """Decode JSON text: first its long lists of numbers, in pieces, then the rest with marks in place of the lists."""
-    data = text.encode()
-    places = JsonScan(data).flat_lists(LONG_LIST)
-    lists = [_list_in_pieces(data[first + 1 : last]) for first, last in places]
-    rest, end = bytearray(), 0
-    for k, (first, last) in enumerate(places):
-        rest += data[end:first] + f'["{MARK}{k}"]'.encode()
-        end = last + 1
-    rest += data[end:]
-    if bounded and rest.count(b",") > REST_VALUES:
-        count = JsonScan(bytes(rest)).count(",")
-        if count > REST_VALUES:
-            raise ValueError(f"frame: {count} values outside long lists of numbers: must be {REST_VALUES} at most")
-    whole = [orjson.loads(rest)]
-    _put_back(whole, lists)
-    return whole[0]
+def walk_cbor(data: bytes, nesting: int, items: float) -> None:
+    """Check CBOR (RFC 8949, appendix C) before it is decoded: its lengths, depth, number of items, and tags.
 
-
-def _list_in_pieces(numbers: bytes) -> list[Any]:
-    values: list[Any] = []
-    at = 0
-    while at >= 0:
-        end = numbers.find(b",", at + PIECE_CHARACTERS)
-        piece = orjson.loads(b"[%b]" % numbers[at : end if end >= 0 else len(numbers)])
-        if not piece and len(numbers) > PIECE_CHARACTERS:
-            raise orjson.JSONDecodeError("a list with nothing between two commas", "", 0)
-        values += piece
-        at = end + 1 or -1
-    return values
-
-
-def _put_back(whole: list[Any], lists: list[list[Any]]) -> None:
-    """Replace the marks with the lists that they stand for."""
-    containers: list[Any] = [whole]
-    while containers:
-        container = containers.pop()
-        for key, part in container.items() if isinstance(container, dict) else enumerate(container):
-            if isinstance(part, list) and len(part) == 1 and isinstance(part[0], str) and part[0].startswith(MARK):
-                container[key] = lists[int(part[0].removeprefix(MARK))]
-            elif isinstance(part, dict | list):
-                containers.append(part)
+    Raises ValueError, at the latest where there are too many items.
+    """
+    at, size, count = 0, len(data), 0
+    left = [1]  # items of the frame, and of each container around the present place
+    while left:
+        if left[-1] == 0:
+            left.pop()
+            continue
+        if at >= size:
+            raise ValueError("frame: truncated CBOR")
+        left[-1] -= 1
+        major, info, at = data[at] >> 5, data[at] & 31, at + 1
+        if info > 27:
+            raise ValueError("frame: CBOR of indefinite length, which is not accepted")
+        width = 1 << (info - 24) if info >= 24 else 0
+        argument = int.from_bytes(data[at : at + width], "big") if width else info
+        at += width
+        if major in STRINGS:
+            at += argument
+        elif major in CONTAINERS:
+            if argument > size - at:  # an item takes at least one byte
+                raise ValueError("frame: CBOR that announces more items than it has bytes")
+            left.append(argument * (2 if major == MAP else 1))
+            count += left[-1]
+        elif major == TAG:
+            if argument not in TYPED_ARRAYS:
+                raise ValueError(f"frame: CBOR tag {argument}: only typed arrays of RFC 8746 are accepted")
+            left.append(1)
+            count += 1
+        if count > items:
+            raise ValueError(f"frame: CBOR of more than {items} items")
+        if at > size:
+            raise ValueError("frame: truncated CBOR")
+        if len(left) > 2 * nesting + 2:
+            raise ValueError(f"frame: nested more than {nesting} deep")
+    if at != size:
+        raise ValueError("frame: CBOR followed by further bytes")
 
 
 def _from_cbor(data: bytes) -> Any:

@@ -19,7 +19,6 @@ from uwsim.bridges.doors.listener import STOP_S, Address, Listener, Site
 from uwsim.bridges.rosbridge.desk import Desk, Seat
 from uwsim.bridges.rosbridge.graph import LOGGER, Graph
 from uwsim.bridges.rosbridge.guest_node import GuestNode
-from uwsim.bridges.rosbridge.ledger import Ledger
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.parameters import Parameters
 from uwsim.bridges.rosbridge.rosapi import offer_rosapi
@@ -152,7 +151,7 @@ class RosbridgeServer:
     async def _serve(self, listener: Listener[Seat], ready: Callable[[], None]) -> None:
         loop = asyncio.get_running_loop()
         ros1_typestore(), typestore()  # takes a third of a second, so it is done before the first client connects
-        self.graph = Graph(Ledger(self._limits.total_bytes))
+        self.graph = Graph()
         self.graph.silence_s = self._silence_s
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="uwsim-rosbridge-desk")
         self._desk = Desk(self._share, self._pool)

@@ -5,7 +5,6 @@ The protocol is rosbridge v2: https://github.com/RobotWebTools/rosbridge_suite/b
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple
@@ -13,10 +12,9 @@ from typing import Any, ClassVar, NamedTuple
 from uwsim.bridges.doors.conversation import Frame
 from uwsim.bridges.rosbridge.actions import Actions
 from uwsim.bridges.rosbridge.calls import Calls
-from uwsim.bridges.rosbridge.encoding import from_png, to_json
+from uwsim.bridges.rosbridge.encoding import Sample, from_png, held_bytes, to_json
 from uwsim.bridges.rosbridge.fragments import Fragments
 from uwsim.bridges.rosbridge.graph import LOGGER, Graph
-from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
@@ -33,7 +31,7 @@ LEVELS = ("info", "warning", "error", "none")
 class Prepared(NamedTuple):
     """A decoded frame: its operation, or the readable part of the operation together with the error.
 
-    spent_bytes: an upper bound on the memory that the operation uses.
+    spent_bytes: the memory of an operation that may be kept.
     """
 
     operation: dict[str, Any]
@@ -95,12 +93,11 @@ class Session:
         self.name = name
         self.limits = limits or Limits()
         self._end = give_up
-        self._account = Account(graph.ledger, self.limits.client_bytes, self._give_up)
-        self.outbox = Outbox(self.limits, self._account, clock, wake)
+        self.outbox = Outbox(self.limits, clock, wake, self._give_up)
         is_roslibpy = agent.startswith("AutobahnPython")
         self._level = "none" if is_roslibpy else "error"
-        self._fragments = Fragments(self.limits, self._account)
-        shared = self.limits, self._account, self.outbox
+        self._fragments = Fragments(self.limits, self.outbox.kept)
+        shared = self.limits, self.outbox
         names = Names(graph, self.limits)
         self._calls = Calls(graph, name, names, *shared)
         self._actions = Actions(graph, name, names, *shared)
@@ -108,6 +105,8 @@ class Session:
         self._whole: str | None = None  # a message assembled from fragments
         self._is_over = False
         graph.nodes[name] = None
+        graph.outboxes.add(self.outbox)
+        self._share()
 
     def receive(self, frame: Frame) -> None:
         """Handle a frame. Errors are reported to the client as a status, never raised."""
@@ -115,31 +114,32 @@ class Session:
         if whole is not None:
             self.perform(self.prepare(whole, is_whole=True))
 
-    def prepare(self, frame: Frame, pause: Callable[[], None] | None = None, *, is_whole: bool = False) -> Prepared:
-        """Decode a frame, on any thread. Errors are never raised. pause: called between chunks of the work.
-
-        is_whole: whether the frame was assembled from fragments.
-        """
+    def prepare(self, frame: Frame, *, is_whole: bool = False) -> Prepared:
+        """Decode a frame, on any thread. Errors are never raised. is_whole: whether it was assembled from fragments."""
         operation: dict[str, Any] = {}
+        spent_bytes = 0
         try:
             if len(frame) > self.limits.frame_bytes:
                 raise ValueError(f"frame: {len(frame)} bytes: must be {self.limits.frame_bytes} at most")
-            operation, meter = read(frame, self.limits, pause)
+            operation = read(frame, self.limits)
             if is_whole and operation.get("op") in ("fragment", "png"):
                 raise ValueError(f"{operation['op']}: within a fragmented or compressed message")
             if operation.get("op") == "publish":
                 kind = self.graph.typed_topic(operation.get("topic")).type
                 assert kind is not None
                 given = operation.pop("msg", {})
-                message = from_plain(kind, given, meter=meter)
+                message = from_plain(kind, given, most=self.limits.objects)
                 stamp(message, given, self.graph.time_ns)
-                operation["msg"] = Made(message, kind, meter.made_bytes + sys.getsizeof(frame))
+                sample = Sample(message, time.time_ns())
+                operation["msg"] = Made(sample, kind, sample.size)
+            elif operation.get("op") in ("call_service", "send_action_goal"):
+                spent_bytes = held_bytes(operation)
         except ValueError as error:
             return Prepared(operation, str(error))
         except Exception:
             LOGGER.exception("%s: a frame that we did not foresee", self.name)
             return Prepared(operation, "the server failed at this operation")
-        return Prepared(operation, None, int(meter.spent_bytes))
+        return Prepared(operation, None, spent_bytes)
 
     def perform(self, prepared: Prepared) -> Frame | None:
         """Handle a decoded frame, on the graph's thread.
@@ -168,14 +168,19 @@ class Session:
         self._calls.close()
         self._actions.close()
         self.outbox.shut()
-        self._account.close()
+        self.graph.outboxes.discard(self.outbox)
+        self._share()
+
+    def _share(self) -> None:
+        """Share the room among the clients that are here."""
+        for outbox in list(self.graph.outboxes):
+            outbox.share(len(self.graph.outboxes))
 
     def _give_up(self, reason: str) -> None:
         """Disconnect a client that uses too many resources."""
         if not self._is_over:
             self._is_over = True
             self.outbox.shut()
-            self._account.close()
             self._end(reason)
 
     def _perform(self, operation: dict[str, Any]) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple, get_args
 
 from uwsim.base.arguments import is_number
+from uwsim.bridges.doors.waiting import Room
 from uwsim.bridges.rosbridge.encoding import Compression
 from uwsim.bridges.rosbridge.fragments import read_fragment_size
 from uwsim.bridges.rosbridge.limits import Limits
@@ -59,7 +60,7 @@ class Subscription:
     ros: Ros
     ids: dict[Any, Options] = field(default_factory=dict)
 
-    def mailbox(self, type_name: str | None, *, png: bool) -> Mailbox:
+    def mailbox(self, type_name: str | None, room: Room, *, png: bool) -> Mailbox:
         """Return a queue that suits all ids: the shortest throttle, the longest queue and the strongest compression."""
         options = list(self.ids.values())
         wanted = {option.compression for option in options}
@@ -67,6 +68,7 @@ class Subscription:
         return Mailbox(
             self.topic,
             self.ros,
+            room,
             next((compression for compression in order if compression in wanted), "none"),
             throttle_s=min(option.throttle_s for option in options),
             length=max(option.queue_length for option in options),

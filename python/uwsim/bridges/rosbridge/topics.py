@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from uwsim.bridges.rosbridge.encoding import Sample
 from uwsim.bridges.rosbridge.graph import Graph, plain_name
-from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
@@ -21,9 +19,9 @@ Operation = dict[str, Any]
 
 
 class Made(NamedTuple):
-    """A message object built from a client message. size: its size in memory [bytes]."""
+    """A sample built from a client's message, and its size, which takes a while to measure."""
 
-    message: Any
+    sample: Sample
     type: str
     size: int
 
@@ -45,14 +43,13 @@ class Topics:
         name: str,
         names: Names,
         limits: Limits,
-        account: Account,
         outbox: Outbox,
         *,
         ros: Ros,
         png: bool,
     ) -> None:
         self._graph, self._name, self._names = graph, name, names
-        self._limits, self._account, self._outbox = limits, account, outbox
+        self._limits, self._outbox = limits, outbox
         self._ros: Ros = ros
         self._png = png
 
@@ -77,10 +74,9 @@ class Topics:
         if topic.name not in self._names.advertised:
             self.advertise({"topic": topic.name, "type": topic.type, "latch": operation.get("latch")})
         latch = self._names.advertised[topic.name] or operation.get("latch") is True
-        sample = Sample(made.message, time.time_ns(), made.size)
-        if latch and not self._account.has_room(sample.size):
-            raise ValueError(f"topic '{topic.name}': no room to latch it: too much is kept for you, or for all clients")
-        self._graph.publish(topic, sample, latch, (self._name, self._account))
+        if latch and not self._outbox.kept.has(made.size):
+            raise ValueError(f"topic '{topic.name}': no room to latch it: too much is kept for you")
+        self._graph.publish(topic, made.sample, latch, (self._name, self._outbox.kept))
 
     def subscribe(self, operation: Operation) -> None:
         """Subscribe the client to a topic, combining this id's options with those of earlier ids."""
@@ -98,7 +94,7 @@ class Topics:
         if identity not in subscription.ids and len(subscription.ids) >= self._limits.ids:
             raise ValueError(f"topic '{name}': you have {self._limits.ids} subscriptions to it, the maximum")
         subscription.ids[identity] = options
-        self._outbox.open(name, subscription.mailbox(known, png=self._png))
+        self._outbox.open(name, subscription.mailbox(known, self._outbox.room, png=self._png))
         self._names.subscriptions[name] = subscription
         self._graph.subscribe(self._name, name, name, type_name, lambda sample: self._outbox.put(name, sample))
 

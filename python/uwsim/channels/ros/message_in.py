@@ -3,7 +3,8 @@
 A missing or null field gets its default, except that null for a floating-point number means NaN, as in our output. An
 error states the field's path, its value and the rule, as in `msg.linear.x = 'fast': must be a number (float64)`.
 
-The contents of a list are counted against a budget before they are allocated, and the conversion is done in chunks.
+The messages in a list are counted against a budget before any is built: `{}` has two characters and becomes hundreds of
+bytes. What else is built takes a few times the memory of the plain values.
 """
 
 from __future__ import annotations
@@ -17,13 +18,6 @@ import cbor2
 import numpy as np
 
 from uwsim.channels.ros.base64_text import from_base64
-from uwsim.channels.ros.message_cost import (
-    SLICE_NUMBERS,
-    SLICE_OBJECTS,
-    Meter,
-    cost_of,
-    element_cost,
-)
 from uwsim.channels.ros.message_out import (
     BYTES,
     NUMBERS,
@@ -34,8 +28,8 @@ from uwsim.channels.ros.message_out import (
 )
 from uwsim.channels.ros.message_types import TIMES, Field, Kind, Ros, fields, shortened, typestore
 
-Reader = Callable[[Any, str, Meter], Any]  # value, path, budget
-
+SLICE_NUMBERS = 16_384
+"""The number of list elements that NumPy converts in one call, which blocks all other threads."""
 SPELLINGS = {"secs": "sec", "nsecs": "nanosec", "nanosecs": "nanosec"}  # fields of times in ROS 1
 IGNORED = {"std_msgs/msg/Header": ("seq",)}  # ROS 1's seq is not used
 _ARRAYS = {tag: np.dtype(name).newbyteorder("<") for name, tag in TYPED_ARRAY_TAGS.items()} | {
@@ -46,14 +40,37 @@ _BIG_ENDIAN = {65: ">u2", 66: ">u4", 67: ">u8", 73: ">i2", 74: ">i4", 75: ">i8",
 _ARRAYS |= {tag: np.dtype(name) for tag, name in _BIG_ENDIAN.items()}
 
 
-def from_plain(name: str, plain: Any, path: str = "msg", meter: Meter | None = None) -> Any:
+class Budget:
+    """Counts the messages within one message, of which there may be `most`."""
+
+    def __init__(self, most: float) -> None:
+        self._most, self._count = most, 0
+
+    def charge(self, name: str, count: int, path: str) -> None:
+        """Count messages that are about to be built. Raises ValueError if there are too many."""
+        self._count += count * messages_in(name)
+        if self._count > self._most:
+            raise ValueError(f"{path}: a message of more than {self._most} messages, the maximum")
+
+
+Reader = Callable[[Any, str, Budget], Any]  # value, path, budget
+
+
+def from_plain(name: str, plain: Any, path: str = "msg", most: float = math.inf) -> Any:
     """Build a message of type `name` from plain values, whose fields may be spelled as in ROS 1 or ROS 2.
 
-    meter: the budget for the objects built, or None for no limit. Raises ValueError that states path, value and rule.
+    most: the number of messages that it may consist of. Raises ValueError that states path, value and rule.
     """
-    meter = Meter() if meter is None else meter
-    meter.charge(cost_of(name), 1, path)
-    return _reader(name)(plain, path, meter)
+    budget = Budget(most)
+    budget.charge(name, 1, path)
+    return _reader(name)(plain, path, budget)
+
+
+@cache
+def messages_in(name: str) -> int:
+    """Return how many messages a message of this type with empty lists consists of, itself included."""
+    inner = (field.kind for field in fields(name, 2) if field.attribute and field.kind.is_message)
+    return 1 + sum(messages_in(kind.base) * (1 if kind.length is None else kind.length) for kind in inner)
 
 
 def typed_array(tag: cbor2.CBORTag) -> np.ndarray[Any, np.dtype[Any]]:
@@ -78,7 +95,7 @@ def _reader(name: str) -> Reader:
     ignored = IGNORED.get(name, ())
     wanted = {field.attribute: field.kind for field in fields(name, 2) if field.attribute}
 
-    def read(value: Any, path: str, meter: Meter) -> Any:
+    def read(value: Any, path: str, budget: Budget) -> Any:
         if value is None:
             return default_message(name)
         if not isinstance(value, dict):
@@ -88,7 +105,7 @@ def _reader(name: str) -> Reader:
             if key in known:
                 attribute, read_value, field = known[key]
                 if part is not None or (field.kind.length is None and field.kind.base.startswith("float")):
-                    found[attribute] = read_value(part, f"{path}.{key}", meter)
+                    found[attribute] = read_value(part, f"{path}.{key}", budget)
             elif key not in ignored:
                 rule = f"{name} has no such field; it has: {', '.join(wanted) or 'none'}"
                 raise ValueError(f"{path}.{shortened(key)[:40].strip(chr(39))}: {rule}")
@@ -108,7 +125,7 @@ def _value_reader(kind: Kind) -> Reader:
     if kind.length is not None:
         return _array_reader(kind) if kind.base in NUMBERS or kind.base == "bool" else _list_reader(kind)
     if kind.is_message:
-        return lambda value, path, meter: _reader(kind.base)(value, path, meter)
+        return lambda value, path, budget: _reader(kind.base)(value, path, budget)
     return _scalar_reader(kind)
 
 
@@ -166,20 +183,13 @@ def _read_int(value: Any, path: str, base: str, low: int, high: int) -> int:
 def _list_reader(kind: Kind) -> Reader:
     read_one = _value_reader(Kind(kind.base, None, 0))
 
-    def read(value: Any, path: str, meter: Meter) -> list[Any]:
+    def read(value: Any, path: str, budget: Budget) -> list[Any]:
         if not isinstance(value, list):
             raise ValueError(f"{path} = {shortened(value)}: must be a list ({kind.base}[])")
         _check_length(len(value), path, kind)
-        cost = element_cost(kind)
-        if not kind.length:  # the cost of a message includes its fixed-length lists
-            meter.charge(cost, len(value), path)
-        step = max(1, SLICE_OBJECTS // max(1, cost.objects))
-        found = []
-        for k, element in enumerate(value):
-            if k and k % step == 0:
-                meter.pause()
-            found.append(read_one(element, f"{path}[{k}]", meter))
-        return found
+        if kind.is_message and not kind.length:  # those of a list of fixed length are counted with its message
+            budget.charge(kind.base, len(value), path)
+        return [read_one(element, f"{path}[{k}]", budget) for k, element in enumerate(value)]
 
     return read
 
@@ -187,23 +197,19 @@ def _list_reader(kind: Kind) -> Reader:
 def _array_reader(kind: Kind) -> Reader:
     element = np.dtype(bool) if kind.base == "bool" else numpy_type(kind.base)
 
-    def read(value: Any, path: str, meter: Meter) -> np.ndarray[Any, np.dtype[Any]]:
-        if not kind.length:
-            meter.charge(element_cost(kind), _count(value), path)
+    def read(value: Any, path: str, _: Budget) -> np.ndarray[Any, np.dtype[Any]]:
         if isinstance(value, list):
             _check_length(len(value), path, kind)
-            return from_list(value, path, meter)
+            return from_list(value, path)
         array = _bytes_or_array(value, path, kind)
         if array.ndim != 1:
             raise ValueError(f"{path}: must be a flat list of {kind.base}")
         _check_length(len(array), path, kind)
         return convert(array, value, path, 0)
 
-    def from_list(value: list[Any], path: str, meter: Meter) -> np.ndarray[Any, np.dtype[Any]]:
+    def from_list(value: list[Any], path: str) -> np.ndarray[Any, np.dtype[Any]]:
         found = np.zeros(len(value), element)
         for start in range(0, len(value), SLICE_NUMBERS):
-            if start:
-                meter.pause()
             part = value[start : start + SLICE_NUMBERS]
             found[start : start + len(part)] = convert(_numbers(part, kind), part, path, start)
         return found
@@ -226,15 +232,6 @@ def _array_reader(kind: Kind) -> Reader:
             return array.astype(element)
 
     return read
-
-
-def _count(value: Any) -> int:
-    """Return an upper bound on the number of elements in a list, array or base64 string."""
-    if isinstance(value, cbor2.CBORTag):
-        return len(value.value) if isinstance(value.value, bytes) else 0
-    if isinstance(value, np.ndarray):
-        return int(value.size)
-    return len(value) * 3 // 4 if isinstance(value, str) else len(value) if isinstance(value, list | bytes) else 0
 
 
 def _bytes_or_array(value: Any, path: str, kind: Kind) -> np.ndarray[Any, np.dtype[Any]]:
@@ -288,7 +285,7 @@ def _first_bad(value: Any, kind: Kind, start: int) -> str:
     read_one = _scalar_reader(Kind(kind.base, None, 0))
     for k, element in enumerate(value if isinstance(value, list) else ()):
         try:
-            read_one(element, "", Meter())
+            read_one(element, "", Budget(math.inf))
         except ValueError:
             return f"[{start + k}] = {shortened(element)}"
     return ""
