@@ -21,7 +21,6 @@ import { Panel } from './panel/panel.js';
 import { Recorder } from './recorder.js';
 import { Exercises } from './exercises.js';
 import { Flights } from './replay/flights.js';
-import { showRecording } from './replay/rec_lamp.js';
 import { Timeline } from './replay/timeline.js';
 import { Life } from './map3d/life.js';
 import { LooseObjects } from './map3d/loose_objects.js';
@@ -29,7 +28,7 @@ import { SceneView } from './map3d/scene.js';
 import { Tethers } from './map3d/tethers.js';
 import { StartScreen } from './start.js';
 import { offerTasks } from './tasks.js';
-import { Telemetry } from './telemetry.js';
+import { OFTEN, subscribed, Telemetry } from './telemetry.js';
 import { TopBar } from './topbar.js';
 import { ChartView } from './views/chart.js';
 import { FanView } from './views/fan.js';
@@ -38,7 +37,6 @@ import { TYPES } from './wire/messages.js';
 import { keptName } from './wire/name.js';
 import { bridgeUrl, Station } from './wire/station.js';
 
-const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 0];
 const MAP = { throttle_rate: 250, queue_length: 1 };
 const SCAN = { throttle_rate: 200 };
 
@@ -55,22 +53,34 @@ const pilot = new Pilot(station, bindings, arm, act);
 byId('station').append(pilot.touch.element);
 const aim = new CameraAim(station, views);
 views.setTools(aim.element);
-const topbar = new TopBar(station, telemetry, pilot, views);
 const holds = new HoldButtons(station, telemetry, pilot, (action) => bindings.keysOf(action).map(keyName)[0]);
+const recorder = new Recorder(station, telemetry, views);
+const lease = new Lease(station);
+const topbar = new TopBar(
+  station,
+  telemetry,
+  pilot,
+  views,
+  { holds, recorder, lease },
+  {
+    stop: () => panel.allStop.press(),
+    fly: flyOther,
+    unfold,
+    keys: openKeys,
+    menu: openMenu,
+  },
+);
 const inspection = new Inspection(station, views);
 const panel = new Panel(byId('panel'), station, telemetry, pilot, inspection);
 panel.link.onAboard = (isAboard) => views.setAboard(isAboard);
-const recorder = new Recorder(station, telemetry, views);
 inspection.addEventListener('notes', () => showNotes());
-const lease = new Lease(station);
 explainIdleKeys(station, telemetry, pilot, bindings);
 const inspector = new Inspector(station);
 const objects = new LooseObjects(scene, chart);
 const life = new Life(scene, chart);
 const tethers = new Tethers(scene, chart);
-const timeline = new Timeline(station, telemetry, panel);
+const timeline = new Timeline(station, telemetry);
 const flights = new Flights(station);
-showRecording(station);
 const editor = new SceneEditor(station);
 const exercises = new Exercises(station);
 const start = new StartScreen(
@@ -90,19 +100,6 @@ watchDialogs((isOpen) => {
   aim.stop();
 });
 addEventListener('blur', () => aim.stop());
-byId('vehicle').addEventListener('change', (event) => {
-  pilot.release();
-  vehicle = station.description?.vehicles.find(({ name }) => name === targetOf(event).value);
-  targetOf(event).blur();
-  begin();
-});
-byId('help').addEventListener('click', () => openKeys());
-byId('menu').addEventListener('click', () => openMenu());
-byId('unfold').addEventListener('click', () => {
-  const isUnfolded = byId('station').classList.toggle('is-unfolded'); // on a hand-held screen
-  byId('unfold').setAttribute('aria-expanded', String(isUnfolded));
-  views.setUnfolded(isUnfolded);
-});
 addEventListener('keydown', (event) => {
   if (
     targetOf(event).matches('input, select, textarea') ||
@@ -140,15 +137,27 @@ station.addEventListener('trouble', (event) => toast(/** @type {CustomEvent} */ 
 station.addEventListener('session', begin);
 station.addEventListener('description', describe);
 
+function flyOther(name) {
+  pilot.release();
+  vehicle = station.description?.vehicles.find((each) => each.name === name);
+  begin();
+}
+
+// On a hand-held screen, show all controls, or few.
+function unfold() {
+  const isUnfolded = byId('station').classList.toggle('is-unfolded');
+  byId('unfold').setAttribute('aria-expanded', String(isUnfolded));
+  views.setUnfolded(isUnfolded);
+}
+
 // Show the vehicle that the controls act on.
 function describe() {
   const description = /** @type {import('./wire/messages.js').Description} */ (station.description);
   vehicle = description.vehicles.find(({ name }) => name === vehicle?.name) ?? description.vehicles[0];
-  topbar.begin(vehicle, description, SPEEDS);
+  topbar.begin(vehicle);
   panel.begin(vehicle, description);
   holds.begin(vehicle);
   inspection.begin(vehicle);
-  byId('inspect').hidden = description.has_exercise;
 }
 
 // Show another simulator, or the same one from its start.
@@ -178,56 +187,36 @@ function begin() {
   ends = description.vehicles.flatMap((each) => watch(each));
   ends.push(...tethers.begin(station.bridge, description, SCAN));
   ends.push(...life.begin(station.bridge, description, SCAN));
-  if (description.objects)
-    ends.push(
-      station.bridge.subscribe(description.objects, 'tf2_msgs/TFMessage', (message) => objects.show(message), SCAN),
-    );
+  ends.push(...listen(description.objects, 'tf2_msgs/TFMessage', (message) => objects.show(message), SCAN));
   panel.showMap(scene.store);
   timeline.begin(description);
 }
 
-function watch({ name, telemetry: topic, map_changes: map, scan }) {
-  let tilt_rad = 0;
-  const found = [
-    station.bridge.subscribe(
-      topic,
-      TYPES.Telemetry,
-      (message) => {
-        tilt_rad = Number.isFinite(message.tilt) ? message.tilt : 0;
-        scene.showTelemetry(name, message);
-        if (name === vehicle.name) chart.showTelemetry(message);
-      },
-      { throttle_rate: 150 },
-    ),
-  ];
-  if (scan)
-    found.push(
-      station.bridge.subscribe(
-        scan,
-        'sensor_msgs/LaserScan',
-        (message) => {
-          scene.showScan(name, message, tilt_rad);
-          if (name === vehicle.name) fan.show(message);
-        },
-        SCAN,
-      ),
-    );
-  if (map && name === vehicle.name) {
-    found.push(
-      station.bridge.subscribe(
-        map,
-        TYPES.MapChanges,
-        (changes) => {
-          scene.showMap(changes);
-          panel.showMap(scene.store);
-        },
-        MAP,
-      ),
-    );
-  }
-  return found;
+function showMap(changes) {
+  scene.showMap(changes);
+  panel.showMap(scene.store);
 }
 
+function watch({ name, telemetry: topic, map_changes: map, scan }) {
+  const isFlown = name === vehicle.name;
+  let tilt_rad = 0;
+  const showTelemetry = (message) => {
+    tilt_rad = Number.isFinite(message.tilt) ? message.tilt : 0;
+    scene.showTelemetry(name, message);
+    if (isFlown) chart.showTelemetry(message);
+  };
+  const showScan = (message) => {
+    scene.showScan(name, message, tilt_rad);
+    if (isFlown) fan.show(message);
+  };
+  return [
+    ...listen(topic, TYPES.Telemetry, showTelemetry, OFTEN),
+    ...listen(scan, 'sensor_msgs/LaserScan', showScan, SCAN),
+    ...listen(isFlown && map, TYPES.MapChanges, showMap, MAP),
+  ];
+}
+
+const listen = (topic, type, take, options) => subscribed(station.bridge, topic, type, take, options);
 const load = (path) => station.load(path);
 
 function act(action, isPressed) {

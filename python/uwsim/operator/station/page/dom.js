@@ -1,4 +1,5 @@
 // Small helpers for the document.
+import { html, render, signal } from './vendor/preact.js';
 
 /** An element that the document or a module of the page has made, so that it exists; what it is depends on its name.
  * @typedef {HTMLElement & Pick<HTMLInputElement, 'value' | 'disabled' | 'checked' | 'min' | 'max'>
@@ -40,6 +41,21 @@ export function el(tag, attributes = {}, ...children) {
   }
   element.append(...children.filter((child) => child !== null && child !== undefined));
   return element;
+}
+
+/** Draw a view in an element: at once, at events of targets, and when a signal changes that it reads. Return a function
+ * that draws it again.
+ * @param {Element} root
+ * @param {() => any} view
+ * @param {[EventTarget, ...string[]][]} followed
+ */
+export function draw(root, view, ...followed) {
+  const count = signal(0);
+  const again = () => void (count.value += 1);
+  for (const [target, ...events] of followed) for (const event of events) target.addEventListener(event, again);
+  const Drawn = () => (count.value, view());
+  render(html`<${Drawn} />`, root);
+  return again;
 }
 
 /** The canvas's context for drawing.

@@ -1,5 +1,6 @@
 // The inspector: the simulator's live parameters by vehicle and topic, with unit, bounds and reset.
-import { attempt, byId, el, write } from './dom.js';
+import { attempt, byId, draw, first } from './dom.js';
+import { html, signal } from './vendor/preact.js';
 
 const WORLD = 'world';
 // Parameters of the physics that have a slider.
@@ -11,8 +12,12 @@ const SPAN = 10; // from a tenth to ten times a value
 const DIGITS = 3; // of a value that a slider sets
 
 export class Inspector {
-  #rows = new Map(); // name: { box, inputs, reset, show(value), isChanged }
-  #topics = [];
+  #topics = signal([]); // { key, owner, parameters }, of which each has its `title`
+  #values = signal({}); // by name
+  #wanted = signal({ words: /** @type {string[]} */ ([]), owner: '', isChanged: false });
+  #trouble = signal('');
+  #isPilot = signal(false);
+  #typing = ''; // the name of the parameter whose field the operator is changing
   #session = -1; // of the simulator whose parameters are shown
   #isStale = true;
   #isReading = false;
@@ -20,44 +25,11 @@ export class Inspector {
   constructor(station) {
     this.station = station;
     this.element = byId('inspector');
-    this.search = el('input', {
-      type: 'search',
-      placeholder: 'Search',
-      'aria-label': 'Search parameters',
-      autocomplete: 'off',
-      spellcheck: false,
-    });
-    this.owner = el('select', { 'aria-label': 'Owner of the parameters' });
-    this.changed = el('input', { type: 'checkbox', id: 'inspector-changed' });
-    this.count = el('p', { className: 'caption', role: 'status' });
-    this.list = el('div', { className: 'inspector-list', tabIndex: 0, role: 'group', 'aria-label': 'Parameters' });
-    this.resetAll = el(
-      'button',
-      { type: 'button', onclick: () => this.#send(station.resetParameters(null)) },
-      'Reset all',
-    );
-    for (const input of [this.search, this.owner, this.changed]) input.addEventListener('input', () => this.#filter());
-    this.element.append(
-      el(
-        'header',
-        { className: 'inspector-head' },
-        el('h2', { id: 'inspector-title' }, 'Parameters'),
-        el('button', { type: 'button', 'aria-label': 'Close', onclick: () => this.toggle() }, '✕'),
-      ),
-      el('div', { className: 'inspector-tools' }, this.search, this.owner),
-      el(
-        'div',
-        { className: 'inspector-tools' },
-        el('label', { htmlFor: 'inspector-changed' }, this.changed, ' ', 'Changed only'),
-        this.resetAll,
-      ),
-      this.count,
-      this.list,
-    );
     this.button = byId('inspect');
     this.button.addEventListener('click', () => this.toggle());
     for (const event of ['session', 'description']) station.addEventListener(event, () => this.#refresh());
-    station.addEventListener('state', () => this.#enable());
+    station.addEventListener('state', () => (this.#isPilot.value = station.isPilot));
+    draw(this.element, () => this.#view());
   }
 
   get isOpen() {
@@ -69,11 +41,11 @@ export class Inspector {
     this.button.setAttribute('aria-expanded', String(this.isOpen));
     if (!this.isOpen) this.button.focus();
     else if (this.#isStale) this.#refresh();
-    if (this.isOpen) this.search.focus();
+    if (this.isOpen) first(this.element, 'input').focus();
   }
 
   // Read the values of all parameters. Descriptions are read again only if a change or a different simulator has
-  // introduced other parameters, so that the row being edited keeps the focus.
+  // introduced other parameters.
   async #refresh() {
     if (!this.isOpen || this.#isReading) {
       this.#isStale = true;
@@ -85,9 +57,10 @@ export class Inspector {
         this.#isStale = false;
         await this.#read();
       } while (this.#isStale);
+      this.#trouble.value = '';
     } catch (error) {
       this.#isStale = true;
-      write(this.count, error.message);
+      this.#trouble.value = error.message;
     } finally {
       this.#isReading = false;
     }
@@ -96,146 +69,131 @@ export class Inspector {
   async #read() {
     const { station } = this;
     const [names, { session }] = [await station.parameterNames(), station.description];
-    if (session !== this.#session || names.length !== this.#rows.size || names.some((name) => !this.#rows.has(name))) {
-      this.#build(await station.describeParameters(names));
-      this.#session = session;
-    }
-    for (const [name, value] of Object.entries(await station.parameterValues(names))) this.#rows.get(name).show(value);
-    this.#filter();
+    const known = this.#values.value;
+    if (
+      session !== this.#session ||
+      names.length !== Object.keys(known).length ||
+      names.some((name) => !(name in known))
+    ) {
+      const [described, values] = [await station.describeParameters(names), await station.parameterValues(names)];
+      [this.#topics.value, this.#values.value, this.#session] = [this.#sorted(described), values, session];
+    } else this.#values.value = await station.parameterValues(names);
   }
 
-  #build(parameters) {
+  // Topics of parameters, by their owners.
+  #sorted(parameters) {
     const vehicles = this.station.description.vehicles.map(({ name }) => name);
-    const ownerOf = (name) => vehicles.find((vehicle) => name.startsWith(`${vehicle}.`)) ?? WORLD;
     const topics = new Map();
     for (const parameter of parameters) {
-      const owner = ownerOf(parameter.name);
+      const owner = vehicles.find((vehicle) => parameter.name.startsWith(`${vehicle}.`)) ?? WORLD;
       const path = (owner === WORLD ? parameter.name : parameter.name.slice(owner.length + 1)).split('.');
       const topic = path.length > 1 ? path.shift() : owner === WORLD ? 'mission' : 'body';
       const key = `${owner} · ${topic}`;
-      if (!topics.has(key)) topics.set(key, { key, owner, rows: [] });
-      topics.get(key).rows.push(this.#row(parameter, path.join('.')));
+      if (!topics.has(key)) topics.set(key, { key, owner, parameters: [] });
+      topics.get(key).parameters.push({ ...parameter, title: path.join('.') });
     }
-    this.#topics = [...topics.values()];
-    this.#rows = new Map(this.#topics.flatMap(({ rows }) => rows.map((row) => [row.name, row])));
-    for (const topic of this.#topics) {
-      topic.badge = el('small', { className: 'caption' });
-      topic.box = el(
-        'details',
-        {},
-        el('summary', {}, topic.key, ' ', topic.badge),
-        ...topic.rows.map((row) => row.box),
-      );
-    }
-    this.list.replaceChildren(...this.#topics.map(({ box }) => box));
-    const owners = [...new Set(this.#topics.map(({ owner }) => owner))];
-    const { value } = this.owner;
-    this.owner.replaceChildren(
-      el('option', { value: '' }, 'All'),
-      ...owners.map((owner) => el('option', { value: owner }, owner)),
-    );
-    this.owner.value = owners.includes(value) ? value : '';
+    return [...topics.values()];
   }
 
-  #row(parameter, title) {
-    const { name, unit, description } = parameter;
-    const set = (value) => this.#send(this.station.setParameters({ [name]: value }));
-    const input = field(parameter, set);
-    input.setAttribute('aria-label', unit ? `${name}, ${unit}` : name);
-    const scaled = sliderOf(parameter, input, set);
-    const reset = el('button', {
-      type: 'button',
-      'aria-label': `Reset ${name}`,
-      title: 'Restore the scenario’s value',
-      onclick: () => this.#send(this.station.resetParameters(name)),
-    });
-    reset.textContent = '↺';
-    const box = el(
-      'div',
-      { className: 'parameter', title: description },
-      el('span', { className: 'parameter-name' }, title),
-      input,
-      el('span', { className: 'caption' }, unit),
-      reset,
-      scaled?.slider,
-      el('small', { className: 'parameter-range' }, boundsText(parameter)),
-    );
-    const row = {
-      name,
-      box,
-      inputs: scaled ? [input, scaled.slider] : [input],
-      reset,
-      text: `${name} ${description}`.toLowerCase(),
-    };
-    row.show = (value) => {
-      row.isChanged = JSON.stringify(value) !== JSON.stringify(parameter.default);
-      box.toggleAttribute('data-changed', row.isChanged);
-      fill(input, value);
-      scaled?.show(value);
-    };
-    return row;
-  }
-
-  #filter() {
-    const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
-    let [shown, changed] = [0, 0];
-    for (const { owner, rows, box, badge } of this.#topics) {
-      let inTopic = 0;
-      for (const row of rows) {
-        if (row.isChanged) changed += 1;
-        row.box.hidden =
-          !words.every((word) => row.text.includes(word)) ||
-          (this.owner.value !== '' && owner !== this.owner.value) ||
-          (this.changed.checked && !row.isChanged);
-        if (!row.box.hidden) inTopic += 1;
-      }
-      shown += inTopic;
-      box.hidden = inTopic === 0;
-      write(badge, String(inTopic));
-      if (words.length || this.changed.checked) box.open = true;
-    }
-    write(this.count, `${shown} of ${this.#rows.size}, ${changed} changed`);
-    this.#enable();
-  }
-
-  #enable() {
-    if (!this.isOpen) return;
-    const mayNot = !this.station.isPilot;
-    for (const { inputs, reset, isChanged } of this.#rows.values()) {
-      for (const input of inputs) input.disabled = mayNot;
-      reset.disabled = mayNot || !isChanged;
-    }
-    this.resetAll.disabled = mayNot || ![...this.#rows.values()].some(({ isChanged }) => isChanged);
-  }
+  #isChanged = ({ name, default: usual }) => JSON.stringify(this.#values.value[name]) !== JSON.stringify(usual);
 
   // Show the values in effect after a request, whether it was accepted or refused.
   async #send(promise) {
     await attempt(promise);
     await this.#refresh();
   }
-}
 
-// Return the input for a parameter's type. Values other than numbers, flags and choices are written as JSON.
-function field({ type, value, choices, optional }, set) {
-  if (type === 'flag') return el('input', { type: 'checkbox', onchange: ({ target }) => set(target.checked) });
-  if (choices.length && !optional)
-    return el(
-      'select',
-      { onchange: ({ target }) => set(choices[target.selectedIndex]) },
-      ...choices.map((choice) => el('option', { value: String(choice) }, String(choice))),
-    );
-  const isNumber = type === 'number' || typeof value === 'number';
-  return el('input', {
-    type: 'text',
-    inputMode: isNumber ? 'decimal' : 'text',
-    autocomplete: 'off',
-    spellcheck: false,
-    oninput: ({ target }) => target.toggleAttribute('data-typing', true),
-    onchange: ({ target }) => {
-      target.removeAttribute('data-typing');
+  #view() {
+    const [topics, { words, owner, isChanged }, mayNot] = [
+      this.#topics.value,
+      this.#wanted.value,
+      !this.#isPilot.value,
+    ];
+    const all = topics.flatMap(({ parameters }) => parameters);
+    const changed = all.filter(this.#isChanged).length;
+    const matches = (parameter) =>
+      words.every((word) => `${parameter.name} ${parameter.description}`.toLowerCase().includes(word)) &&
+      (!isChanged || this.#isChanged(parameter));
+    const listed = topics
+      .filter((topic) => !owner || topic.owner === owner)
+      .map(({ key, parameters }) => ({ key, parameters: parameters.filter(matches) }))
+      .filter(({ parameters }) => parameters.length);
+    const count = listed.reduce((sum, { parameters }) => sum + parameters.length, 0);
+    const want = (part) => (this.#wanted.value = { ...this.#wanted.value, ...part });
+    const open = (box) => box && (words.length || isChanged) && (box.open = true); // and it stays so
+    return html`
+      <header class="inspector-head">
+        <h2 id="inspector-title">Parameters</h2>
+        <button type="button" aria-label="Close" onClick=${() => this.toggle()}>✕</button>
+      </header>
+      <div class="inspector-tools">
+        <input type="search" placeholder="Search" aria-label="Search parameters" autocomplete="off" spellcheck="false"
+          onInput=${({ target }) => want({ words: target.value.toLowerCase().split(/\s+/).filter(Boolean) })} />
+        <select aria-label="Owner of the parameters" onInput=${({ target }) => want({ owner: target.value })}>
+          <option value="">All</option>
+          ${[...new Set(topics.map((topic) => topic.owner))].map((each) => html`<option value=${each}>${each}</option>`)}
+        </select>
+      </div>
+      <div class="inspector-tools">
+        <label><input type="checkbox" onInput=${({ target }) => want({ isChanged: target.checked })} /> Changed only</label>
+        <button type="button" disabled=${mayNot || !changed}
+          onClick=${() => this.#send(this.station.resetParameters(null))}>Reset all</button>
+      </div>
+      <p class="caption" role="status">${this.#trouble.value || `${count} of ${all.length}, ${changed} changed`}</p>
+      <div class="inspector-list" tabindex="0" role="group" aria-label="Parameters">
+        ${listed.map(
+          ({ key, parameters }) => html`
+            <details key=${key} ref=${open}>
+              <summary>${key} <small class="caption">${parameters.length}</small></summary>
+              ${parameters.map((parameter) => this.#row(parameter, mayNot))}
+            </details>
+          `,
+        )}
+      </div>
+    `;
+  }
+
+  #row(parameter, mayNot) {
+    const { name, title, unit, description, low, high, optional } = parameter;
+    const value = this.#values.value[name];
+    const isChanged = this.#isChanged(parameter);
+    const set = (wanted) => this.#send(this.station.setParameters({ [name]: wanted }));
+    const bounds = low === null ? '' : `${low} to ${high}${optional ? ', or empty' : ''}`;
+    return html`
+      <div class="parameter" key=${name} title=${description} data-changed=${isChanged || null}>
+        <span class="parameter-name">${title}</span>
+        ${this.#field(parameter, value, set, { 'aria-label': unit ? `${name}, ${unit}` : name, disabled: mayNot })}
+        <span class="caption">${unit}</span>
+        <button type="button" aria-label="Reset ${name}" title="Restore the scenario’s value"
+          disabled=${mayNot || !isChanged} onClick=${() => this.#send(this.station.resetParameters(name))}>↺</button>
+        ${PHYSICAL.test(name) && slider(parameter, value, set, mayNot)}
+        <small class="parameter-range">${bounds}</small>
+      </div>
+    `;
+  }
+
+  // The input for a parameter's type. Values other than numbers, flags and choices are written as JSON.
+  #field({ name, type, choices, optional }, value, set, attributes) {
+    if (type === 'flag')
+      return html`
+        <input type="checkbox" checked=${Boolean(value)} onChange=${({ target }) => set(target.checked)} ...${attributes} />
+      `;
+    if (choices.length && !optional)
+      return html`
+        <select value=${value} onChange=${({ target }) => set(choices[target.selectedIndex])} ...${attributes}>
+          ${choices.map((choice) => html`<option value=${String(choice)}>${String(choice)}</option>`)}
+        </select>
+      `;
+    const change = ({ target }) => {
+      this.#typing = '';
       set(parsed(target.value.trim(), type));
-    },
-  });
+    };
+    return html`
+      <input type="text" inputmode=${type === 'number' || typeof value === 'number' ? 'decimal' : 'text'}
+        autocomplete="off" spellcheck="false" value=${this.#typing === name ? undefined : shown(value)}
+        onInput=${() => (this.#typing = name)} onChange=${change} ...${attributes} />
+    `;
+  }
 }
 
 // An empty field means no value. Text that cannot be parsed is sent as it is, and the simulator reports the rule.
@@ -248,16 +206,8 @@ function parsed(text, type) {
   }
 }
 
-function fill(input, value) {
-  if (input.hasAttribute('data-typing')) return;
-  if (input.type === 'checkbox') input.checked = Boolean(value);
-  else input.value = value === null ? '' : typeof value === 'object' ? JSON.stringify(value) : String(value);
-}
-
-function boundsText({ low, high, optional }) {
-  const text = low === null ? '' : `${low} to ${high}`;
-  return optional && text ? `${text}, or empty` : text;
-}
+// The text of a value in its field.
+const shown = (value) => (value === null ? '' : typeof value === 'object' ? JSON.stringify(value) : String(value));
 
 /** A parameter's slider, or null if it has no bounds: from a tenth to ten times a positive scenario's value, by its
  * logarithm; else over the bounds or, where these are too wide, to twice the value. ends: the input's attributes.
@@ -279,20 +229,15 @@ function sliderScale({ type, low, high, default: usual }) {
   };
 }
 
-function sliderOf(parameter, input, set) {
-  const { name } = parameter;
-  const scale = PHYSICAL.test(name) && sliderScale(parameter);
+function slider(parameter, value, set, mayNot) {
+  const scale = sliderScale(parameter);
   if (!scale) return null;
-  const slider = el('input', {
-    type: 'range',
-    ...scale.ends,
-    'aria-label': `${name}, slider`,
-    oninput: ({ target }) => fill(input, scale.valueAt(Number(target.value))),
-    onchange: ({ target }) => set(scale.valueAt(Number(target.value))),
-  });
-  const show = (value) => {
-    slider.value = String(scale.placeOf(value ?? 0));
-    slider.setAttribute('aria-valuetext', String(value));
+  const show = ({ target }) => {
+    first(target.parentElement, 'input').value = String(scale.valueAt(Number(target.value)));
   };
-  return { slider, show };
+  return html`
+    <input type="range" ...${scale.ends} aria-label="${parameter.name}, slider" aria-valuetext=${String(value)}
+      value=${scale.placeOf(value ?? 0)} disabled=${mayNot} onInput=${show}
+      onChange=${({ target }) => set(scale.valueAt(Number(target.value)))} />
+  `;
 }

@@ -1,5 +1,6 @@
 // Snapshots and videos of the large view. A camera's snapshot is the server's, with the instruments' values in it.
-import { byId, pen, toast } from './dom.js';
+import { pen, toast } from './dom.js';
+import { html, signal } from './vendor/preact.js';
 
 const FRAMES_PER_S = 10;
 const SIZE = [960, 540]; // of a video
@@ -8,16 +9,24 @@ const FILE_BYTES = 2e8; // then another file is begun, since the browser keeps i
 const KINDS = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm', 'video/mp4'];
 
 export class Recorder {
-  /** @type {MediaRecorder | null} */
-  #recorder = null;
+  /** @type {{ value: MediaRecorder | null }} */
+  #recorder = signal(null);
   #timer = 0;
 
   constructor(station, telemetry, views) {
     this.station = station;
     this.telemetry = telemetry;
     this.views = views;
-    byId('snapshot').addEventListener('click', () => this.snapshot());
-    byId('record').addEventListener('click', () => this.toggle());
+  }
+
+  view() {
+    const isOn = this.#recorder.value !== null;
+    return html`
+      <button id="snapshot" type="button" title="Snapshot" onClick=${() => this.snapshot()}>Snapshot</button>
+      <button id="record" type="button" title="Record" aria-pressed=${isOn} onClick=${() => this.toggle()}>
+        ${isOn ? 'Stop recording' : 'Record'}
+      </button>
+    `;
   }
 
   // Save the large view: a lossless picture from the server for a camera, otherwise what is displayed.
@@ -45,10 +54,8 @@ export class Recorder {
   }
 
   toggle() {
-    if (this.#recorder) this.#stop();
+    if (this.#recorder.value) this.#stop();
     else this.#start();
-    byId('record').setAttribute('aria-pressed', String(this.#recorder !== null));
-    byId('record').textContent = this.#recorder ? 'Stop recording' : 'Record';
   }
 
   #start() {
@@ -67,7 +74,7 @@ export class Recorder {
     recorder.ondataavailable = ({ data }) => {
       chunks.push(data);
       bytes += data.size;
-      if (recorder !== this.#recorder || bytes < FILE_BYTES) return;
+      if (recorder !== this.#recorder.value || bytes < FILE_BYTES) return;
       this.#stop();
       this.#start();
     };
@@ -78,13 +85,13 @@ export class Recorder {
     recorder.start(1000);
     this.#compose(canvas); // a busy page may call the timer late
     this.#timer = setInterval(() => this.#compose(canvas), 1000 / FRAMES_PER_S);
-    this.#recorder = recorder;
+    this.#recorder.value = recorder;
   }
 
   #stop() {
     clearInterval(this.#timer);
-    this.#recorder?.stop();
-    this.#recorder = null;
+    this.#recorder.value?.stop();
+    this.#recorder.value = null;
   }
 
   // Draw the large view with its head-up display.

@@ -6,6 +6,12 @@ import { Closing, soonest } from './views/closing.js';
 const LATE_MS = 1500;
 const LATE_SIM_S = 2; // at a factor of up to 1: of telemetry behind the time, of a range behind telemetry
 
+export const OFTEN = { throttle_rate: 150 };
+
+// Subscribe to a topic, if there is one. Return what ends that.
+export const subscribed = (bridge, topic, type, take, options) =>
+  topic ? [bridge.subscribe(topic, type, take, options)] : [];
+
 export class Telemetry extends EventTarget {
   #ends = [];
   #closings = new Map(); // by the name of what is approached
@@ -27,7 +33,7 @@ export class Telemetry extends EventTarget {
 
   // joints: the topic of the motors' angles. proximities: { name, topic } of each proximity sensor. Either may be
   // missing, for example over a modem.
-  watch({ name: vehicle, telemetry: topic, sensor_gauges: gauges = null, joints = null, proximities = [] }) {
+  watch({ name: vehicle, telemetry, sensor_gauges: gauges = null, joints = null, proximities = [] }) {
     for (const end of this.#ends) end();
     [this.message, this.vehicle] = [null, vehicle];
     [this.sensors, this.#readings] = [[], null];
@@ -35,41 +41,23 @@ export class Telemetry extends EventTarget {
     this.#closings = new Map();
     this.#ranges = new Map();
     this.#receivedMs = -Infinity;
-    const { bridge } = this.station;
+    const listen = (topic, type, take, options) => subscribed(this.station.bridge, topic, type, take, options);
+    const take = ({ name, position, effort = [] }) => {
+      this.joints = new Map(name.map((each, k) => [each, position[k]]));
+      this.torques = new Map(name.map((each, k) => [each, effort[k] ?? 0]));
+    };
+    const range = (name) => (message) => {
+      const { header, range: near_m, max_range: reach_m } = message;
+      const range_m = near_m < reach_m ? near_m : NaN;
+      this.#ranges.set(name, { range_m, reach_m, at_s: seconds(header.stamp) });
+      this.#approach(name, range_m, header);
+    };
     this.#ends = [
-      bridge.subscribe(topic, TYPES.Telemetry, (message) => this.#receive(message), { throttle_rate: 150 }),
+      ...listen(telemetry, TYPES.Telemetry, (message) => this.#receive(message), OFTEN),
+      ...listen(joints, 'sensor_msgs/JointState', take, { throttle_rate: 100 }),
+      ...listen(gauges, TYPES.SensorGauges, (readings) => void (this.#readings = readings), OFTEN),
+      ...proximities.flatMap((each) => listen(each.topic, 'sensor_msgs/Range', range(each.name), OFTEN)),
     ];
-    if (joints)
-      this.#ends.push(
-        bridge.subscribe(
-          joints,
-          'sensor_msgs/JointState',
-          ({ name, position, effort = [] }) => {
-            this.joints = new Map(name.map((each, k) => [each, position[k]]));
-            this.torques = new Map(name.map((each, k) => [each, effort[k] ?? 0]));
-          },
-          { throttle_rate: 100 },
-        ),
-      );
-    if (gauges)
-      this.#ends.push(
-        bridge.subscribe(gauges, TYPES.SensorGauges, (readings) => void (this.#readings = readings), {
-          throttle_rate: 150,
-        }),
-      );
-    for (const { name, topic: ranges } of proximities)
-      this.#ends.push(
-        bridge.subscribe(
-          ranges,
-          'sensor_msgs/Range',
-          ({ header, range, max_range: reach_m }) => {
-            const range_m = range < reach_m ? range : NaN;
-            this.#ranges.set(name, { range_m, reach_m, at_s: seconds(header.stamp) });
-            this.#approach(name, range_m, header);
-          },
-          { throttle_rate: 150 },
-        ),
-      );
   }
 
   // The next contact: { name, time_s }, or null if none is imminent.

@@ -1,6 +1,10 @@
-// The top bar: vehicle, lights, tilt, gain, camera, time.
-import { all, attempt, byId, capital, clockText, el, fixed, targetOf, write } from './dom.js';
+// The top bar: all stop, vehicle, lights, tilt, gain, holds, records, the controls, time.
+import { attempt, byId, capital, clockText, draw, el, first, fixed, targetOf } from './dom.js';
+import { recLamp } from './replay/rec_lamp.js';
+import { html, signal } from './vendor/preact.js';
+import { ALL_STOPPED } from './wire/messages.js';
 
+const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 0];
 const TILT_STEP_RAD = Math.PI / 180;
 const TILT_HOLD_MS = 100;
 const QUALITIES = {
@@ -11,90 +15,46 @@ const QUALITIES = {
 };
 const LATE_SHARE = 0.95;
 
+const group = (label, ...contents) => html`<div class="group" role="group" aria-label=${label}>${contents}</div>`;
+const caption = (text) => html`<span class="caption" aria-hidden="true">${text}</span>`;
+
+const button = (id, label, text, act, more = {}) => html`
+  <button id=${id} type="button" aria-label=${label} title=${label} onClick=${act} ...${more}>${text}</button>
+`;
+const chosen = (act) => (event) => {
+  act(event.target.value);
+  event.target.blur();
+};
+
 export class TopBar {
-  /** @type {import('./wire/messages.js').VehicleDescription | null} */
-  #vehicle = null;
-  #lights = [];
+  /** @type {{ value: import('./wire/messages.js').VehicleDescription | null }} */
+  #flown = signal(null);
   #tiltTimer = 0;
   #wantedTilt = NaN;
 
-  constructor(station, telemetry, pilot, views) {
+  // parts: { holds, recorder, lease }, which have buttons in the bar. acts: what its other buttons do.
+  constructor(station, telemetry, pilot, views, parts, acts) {
     this.station = station;
     this.telemetry = telemetry;
     this.pilot = pilot;
     this.views = views;
-    byId('dock').addEventListener('click', () => this.releaseOrDock());
-    byId('undock').addEventListener('click', () => this.undock());
-    for (const [id, sign] of Object.entries({ 'tilt-up': 1, 'tilt-down': -1 })) {
-      byId(id).addEventListener('pointerdown', () => this.tilt(sign, true));
-      byId(id).addEventListener('pointerup', () => this.tilt(sign, false));
-      byId(id).addEventListener('pointerleave', () => this.tilt(sign, false));
-      byId(id).addEventListener('click', (event) => {
-        if (event.detail === 0) this.#step(sign);
-      }); // by keyboard
-    }
-    byId('gain-up').addEventListener('click', () => pilot.changeGain(1));
-    byId('gain-down').addEventListener('click', () => pilot.changeGain(-1));
-    pilot.addEventListener('gain', () => this.#showGain());
-    this.#showGain();
-    byId('pause').addEventListener('click', () => this.pauseOrResume());
-    byId('step').addEventListener('click', () => this.step());
-    byId('speed').addEventListener('change', (event) => {
-      attempt(station.control('speed', { speed: Number(targetOf(event).value) }));
-      targetOf(event).blur();
-    });
+    this.parts = parts;
+    this.acts = acts;
+    const root = first(byId('station'), '.topbar');
+    draw(root, () => this.#view(), [station, 'state', 'close', 'description'], [telemetry, 'change'], [pilot, 'gain']);
     this.#makeCameraModes();
-    station.addEventListener('state', () => this.showState());
-    telemetry.addEventListener('change', () => this.#showVehicle());
     // Space is a driving key, so it must not press the last clicked button again.
     byId('station').addEventListener('pointerup', (event) => {
       /** @type {HTMLElement | null} */ (targetOf(event).closest('button, a'))?.blur();
     });
   }
 
-  begin(vehicle, description, speeds) {
-    this.#vehicle = vehicle;
-    const names = description.vehicles.map(({ name }) => name);
-    byId('vehicle').hidden = names.length < 2;
-    byId('vehicle').replaceChildren(
-      ...names.map((name) => el('option', { value: name, selected: name === vehicle.name }, name)),
-    );
-    write(byId('scenario-name'), description.scenario);
-    this.#lights = vehicle.lamps.map((name, k) => {
-      const title = capital(name);
-      return el(
-        'button',
-        {
-          type: 'button',
-          'aria-pressed': 'false',
-          'aria-label': `${title.toLowerCase()} light`,
-          onclick: () => this.light(name, !this.#isLit(k)),
-        },
-        title,
-      );
-    });
-    byId('lights').replaceChildren(
-      el('span', { className: 'caption', 'aria-hidden': 'true' }, 'Lights'),
-      ...this.#lights,
-    );
-    byId('lights').hidden = this.#lights.length === 0;
-    byId('droppers').replaceChildren(
-      el('span', { className: 'caption', 'aria-hidden': 'true' }, 'Let go'),
-      ...vehicle.droppers.map((name) => {
-        const title = capital(name.replaceAll('_', ' '));
-        return el(
-          'button',
-          { type: 'button', 'aria-label': `Let go: ${title}`, onclick: () => this.drop(name) },
-          title,
-        );
-      }),
-    );
-    byId('droppers').hidden = vehicle.droppers.length === 0;
-    /** @type {HTMLElement} */ (byId('tilt').parentElement).hidden = !vehicle.tilt;
-    byId('speed').replaceChildren(
-      ...speeds.map((speed) => el('option', { value: String(speed) }, speed === 0 ? 'max' : `${speed}×`)),
-    );
-    this.showState();
+  get #vehicle() {
+    return this.#flown.value;
+  }
+
+  begin(vehicle) {
+    this.#flown.value = vehicle;
   }
 
   releaseOrDock() {
@@ -147,32 +107,6 @@ export class TopBar {
     if (this.station.state.paused) attempt(this.station.control('step', { steps: 1 }));
   }
 
-  showState() {
-    const { state, isPilot, connected } = this.station;
-    write(byId('clock'), clockText(state.time, 1));
-    byId('rosbridge').hidden = !state.rosbridge;
-    write(byId('rosbridge'), state.rosbridge ? `ROS ${state.rosbridge.replace(/^wss?:\/\//, '')}` : '');
-    byId('rosbridge').title = state.rosbridge_refusals ?? '';
-    byId('rosbridge').classList.toggle('is-lost', Boolean(state.rosbridge_trouble || state.rosbridge_refusals));
-    const speed = byId('speed');
-    if (document.activeElement !== speed) {
-      const wanted = String(+(+state.speed).toFixed(6));
-      if (![...all(speed, 'option')].some(({ value }) => value === wanted))
-        speed.append(el('option', { value: wanted }, `${wanted}×`));
-      speed.value = wanted;
-    }
-    const isLate = !state.paused && state.speed > 0 && state.factor < LATE_SHARE * state.speed;
-    write(byId('factor'), state.paused ? 'paused' : `${fixed(state.factor, state.factor < 10 ? 2 : 0)}×`);
-    byId('factor').classList.toggle('is-late', isLate);
-    byId('pause').setAttribute('aria-label', state.paused ? 'Resume' : 'Pause');
-    write(byId('pause'), state.paused ? '▶' : '❚❚');
-    const mayNot = !isPilot || !connected;
-    for (const id of ['dock', 'tilt-up', 'tilt-down', 'gain-up', 'gain-down']) byId(id).disabled = mayNot;
-    for (const id of ['speed', 'pause', 'step']) byId(id).hidden = !this.station.may(id);
-    for (const button of [byId('speed'), byId('pause'), ...this.#lights]) button.disabled = mayNot;
-    byId('step').disabled = mayNot || !state.paused;
-  }
-
   #step(sign) {
     this.#aim((this.telemetry.message?.tilt ?? 0) + sign * 5 * TILT_STEP_RAD);
   }
@@ -189,17 +123,115 @@ export class TopBar {
     return Boolean(this.telemetry.message?.lamps[k]);
   }
 
-  #showVehicle() {
-    const { message } = this.telemetry;
-    write(byId('dock'), message.released ? 'Dock' : 'Release');
-    byId('undock').hidden = message.released;
-    this.#lights.forEach((button, k) => button.setAttribute('aria-pressed', String(this.#isLit(k))));
-    write(byId('tilt'), Number.isFinite(message.tilt) ? `${fixed((message.tilt * 180) / Math.PI, 0)}°` : '–');
-    if (this.telemetry.stamp_s > this.station.state.time) write(byId('clock'), clockText(this.telemetry.stamp_s, 1));
-  }
-
-  #showGain() {
-    write(byId('gain'), `${Math.round(100 * this.pilot.gain)} %`);
+  #view() {
+    const { station, telemetry, pilot, parts, acts } = this;
+    const { state, isPilot, connected, description } = station;
+    const { message } = telemetry;
+    const vehicle = this.#vehicle;
+    const { lamps = [], droppers = [], tilt = null } = vehicle ?? {};
+    const names = (description?.vehicles ?? []).map(({ name }) => name);
+    const mayNot = !isPilot || !connected;
+    const isFree = Boolean(message?.released);
+    const turn = (id, label, text, sign) => html`
+      <button id=${id} type="button" aria-label=${label} disabled=${mayNot}
+        onPointerDown=${() => this.tilt(sign, true)} onPointerUp=${() => this.tilt(sign, false)}
+        onPointerLeave=${() => this.tilt(sign, false)}
+        onClick=${({ detail }) => detail === 0 && this.#step(sign) /* by keyboard */}>${text}</button>
+    `;
+    const light = (name, k) => html`
+      <button type="button" aria-pressed=${this.#isLit(k)} aria-label="${name.toLowerCase()} light" disabled=${mayNot}
+        onClick=${() => this.light(name, !this.#isLit(k))}>${capital(name)}</button>
+    `;
+    const dropper = (name) => html`
+      <button type="button" aria-label="Let go: ${capital(name.replaceAll('_', ' '))}" onClick=${() => this.drop(name)}>
+        ${capital(name.replaceAll('_', ' '))}
+      </button>
+    `;
+    const speeds = [...new Set([...SPEEDS, +(+(state.speed ?? 1)).toFixed(6)])];
+    const isLate = !state.paused && state.speed > 0 && state.factor < LATE_SHARE * state.speed;
+    const factor = state.paused ? 'paused' : `${fixed(state.factor, state.factor < 10 ? 2 : 0)}×`;
+    return html`
+      <button id="all-stop" type="button" class="danger" aria-pressed=${Boolean(message?.alarms?.includes(ALL_STOPPED))}
+        title="All stop (X)" onClick=${acts.stop}>All stop</button>
+      <button id="unfold" type="button" aria-label="All controls" aria-expanded="false"
+        onClick=${acts.unfold}>⋯</button>
+      <h1 class="brand">
+        <span class="mark"><img src="icon.svg" alt="" width="22" height="22" /></span>
+        <span id="scenario-name" title=${description?.branched_from && `Flown on from ${description.branched_from}`}>
+          ${description?.scenario ?? 'uwsim'}
+        </span>
+      </h1>
+      ${group(
+        'Vehicle',
+        html`
+          <select id="vehicle" aria-label="Vehicle being flown" value=${vehicle?.name} hidden=${names.length < 2}
+            onChange=${chosen(acts.fly)}>${names.map((name) => html`<option value=${name}>${name}</option>`)}</select>
+          <button id="dock" type="button" class="strong" disabled=${mayNot} onClick=${() => this.releaseOrDock()}>
+            ${isFree ? 'Dock' : 'Release'}
+          </button>
+          <button id="undock" type="button" title="Leave the station for open water (Y)" hidden=${!message || isFree}
+            onClick=${() => this.undock()}>Undock</button>
+        `,
+      )}
+      <div id="lights" class="group" role="group" aria-label="Lights" hidden=${!lamps.length}>
+        ${caption('Lights')}${lamps.map(light)}
+      </div>
+      <div id="droppers" class="group" role="group" aria-label="Droppers and launchers" hidden=${!droppers.length}>
+        ${caption('Let go')}${droppers.map(dropper)}
+      </div>
+      <div class="group" role="group" aria-label="Sonar tilt" hidden=${!tilt}>
+        ${caption('Tilt')}${turn('tilt-up', 'Sonar nose up', '▲', 1)}
+        <output id="tilt" class="reading" aria-label="Sonar tilt">
+          ${Number.isFinite(message?.tilt) ? `${fixed((message.tilt * 180) / Math.PI, 0)}°` : '–'}
+        </output>
+        ${turn('tilt-down', 'Sonar nose down', '▼', -1)}
+      </div>
+      ${group(
+        'Gain of the controls',
+        caption('Gain'),
+        html`<button id="gain-down" type="button" aria-label="Less gain" disabled=${mayNot}
+          onClick=${() => pilot.changeGain(-1)}>−</button>`,
+        html`<output id="gain" class="reading" aria-label="Gain">${Math.round(100 * pilot.gain)} %</output>`,
+        html`<button id="gain-up" type="button" aria-label="More gain" disabled=${mayNot}
+          onClick=${() => pilot.changeGain(1)}>+</button>`,
+      )}
+      ${parts.holds.view(caption('Hold'))}
+      ${group('Records', parts.recorder.view())}
+      <span class="spring" />
+      ${recLamp(station)}
+      <span id="rosbridge" class="rosbridge ${state.rosbridge_trouble || state.rosbridge_refusals ? 'is-lost' : ''}"
+        title=${state.rosbridge_refusals ?? ''} hidden=${!state.rosbridge}>
+        ${state.rosbridge ? `ROS ${state.rosbridge.replace(/^wss?:\/\//, '')}` : ''}
+      </span>
+      ${parts.lease.view()}
+      <div class="group time" role="group" aria-label="Time">
+        <output id="clock" class="reading clock" aria-label="Simulated time">
+          ${clockText(Math.max(state.time ?? 0, telemetry.stamp_s || 0), 1)}
+        </output>
+        <select id="speed" aria-label="Requested speed" hidden=${!station.may('speed')} disabled=${mayNot}
+          value=${String(+(+(state.speed ?? 1)).toFixed(6))}
+          onChange=${chosen((speed) => attempt(station.control('speed', { speed: Number(speed) })))}>
+          ${speeds.map((speed) => html`<option value=${speed}>${speed === 0 ? 'max' : `${speed}×`}</option>`)}
+        </select>
+        <output id="factor" class="reading factor ${isLate ? 'is-late' : ''}" aria-label="Achieved speed">
+          ${factor}
+        </output>
+        <button id="pause" type="button" aria-label=${state.paused ? 'Resume' : 'Pause'} hidden=${!station.may('pause')}
+          disabled=${mayNot} onClick=${() => this.pauseOrResume()}>${state.paused ? '▶' : '❚❚'}</button>
+        <button id="step" type="button" aria-label="One step" hidden=${!station.may('step')}
+          disabled=${mayNot || !state.paused} onClick=${() => this.step()}>❚▶</button>
+      </div>
+      ${group(
+        'Station',
+        button('inspect', 'Parameters', '⚙', null, {
+          hidden: description?.has_exercise,
+          'aria-expanded': 'false', // the inspector changes it
+          'aria-controls': 'inspector',
+        }),
+        button('help', 'Keys', '?', acts.keys, { title: 'Keys (?)' }),
+        button('menu', 'Menu', '☰', acts.menu, { title: 'Menu (Esc)' }),
+      )}
+    `;
   }
 
   #makeCameraModes() {

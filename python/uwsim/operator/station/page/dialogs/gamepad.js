@@ -1,8 +1,9 @@
 // The gamepad dialog: live values, calibration, and the functions of sticks and buttons.
-import { byId, el, write } from '../dom.js';
+import { byId } from '../dom.js';
 import { ACTIONS, DRIVING } from '../drive/bindings.js';
 import { connectedPads } from '../drive/gamepad.js';
 import { Calibration, DEAD_ZONES, readPad } from '../drive/pads.js';
+import { html, signal } from '../vendor/preact.js';
 import { AXES } from '../wire/messages.js';
 import { openDialog } from './dialog.js';
 
@@ -15,26 +16,27 @@ const NAMES = {
   yaw: 'Turn to port',
 };
 const COMMANDS = Object.keys(ACTIONS).filter((action) => !(action in DRIVING));
-const button = (text, onclick, attributes = {}) => el('button', { type: 'button', onclick, ...attributes }, text);
-
 export function showGamepads(gamepads) {
   const dialog = byId('gamepad-dialog');
   const index = connectedPads()[0]?.index;
   let step = null; // the pending calibration or assignment: step(pad) returns whether it is complete
-  let outputs = [];
+  const levels = Object.fromEntries(AXES.map((effort) => [effort, signal('0')]));
+  const pressed = []; // the classes of buttons
+  const status = signal('');
+  const finish = signal(null); // ends a calibration
 
   const pad = () => connectedPads().find((each) => each.index === index);
-  const status = el('p', { role: 'status' }, '');
   const keep = (profile) => {
     gamepads.profiles.keep(pad(), profile);
     gamepads.disarm();
-    step = null;
-    render();
+    step = finish.value = null;
+    describe();
+    again();
   };
   const profile = () => structuredClone(gamepads.profiles.of(pad()));
   const listen = (text, begin) => () => {
     step = begin(pad());
-    write(status, text);
+    status.value = text;
   };
 
   const assign = (effort) =>
@@ -61,11 +63,9 @@ export function showGamepads(gamepads) {
   const calibrate = () => {
     const seen = new Calibration(pad()?.axes ?? []);
     step = (now) => seen.add(now.axes);
-    write(status, 'Move every stick and trigger to all its limits, release them, then press Done.');
-    done.hidden = false;
-    done.onclick = () => keep({ ...profile(), ranges: seen.ranges });
+    status.value = 'Move every stick and trigger to all its limits, release them, then press Done.';
+    finish.value = () => keep({ ...profile(), ranges: seen.ranges });
   };
-  const done = button('Done', null, { hidden: true });
 
   function row(effort) {
     const { sticks } = gamepads.profiles.of(pad());
@@ -76,99 +76,71 @@ export function showGamepads(gamepads) {
         : plus !== undefined || minus !== undefined
           ? `buttons ${plus ?? '–'} and ${minus ?? '–'}`
           : 'none';
-    const meter = el('output', { className: 'reading', 'aria-label': `${NAMES[effort]} now` }, '0');
-    outputs.push([effort, meter]);
-    return el(
-      'div',
-      { className: 'key-line' },
-      el('span', {}, `${NAMES[effort]}: ${source}`),
-      el(
-        'span',
-        { className: 'row' },
-        meter,
-        button('Assign', assign(effort), { 'aria-label': `Assign: ${NAMES[effort]}` }),
-        axis === undefined && plus !== undefined
-          ? button('Opposite', assignOpposite(effort), { 'aria-label': `Opposite: ${NAMES[effort]}` })
-          : null,
-        sticks[effort] &&
-          button(
-            '✕',
-            () => {
-              const changed = profile();
-              delete changed.sticks[effort];
-              keep(changed);
-            },
-            { 'aria-label': `Remove: ${NAMES[effort]}` },
-          ),
-      ),
-    );
+    const remove = () => {
+      const changed = profile();
+      delete changed.sticks[effort];
+      keep(changed);
+    };
+    const button = (text, label, act) =>
+      html`<button type="button" aria-label="${label}: ${NAMES[effort]}" onClick=${act}>${text}</button>`;
+    return html`
+      <div class="key-line">
+        <span>${NAMES[effort]}: ${source}</span>
+        <span class="row">
+          <output class="reading" aria-label="${NAMES[effort]} now">${levels[effort]}</output>
+          ${button('Assign', 'Assign', assign(effort))}
+          ${axis === undefined && plus !== undefined && button('Opposite', 'Opposite', assignOpposite(effort))}
+          ${sticks[effort] && button('✕', 'Remove', remove)}
+        </span>
+      </div>
+    `;
   }
 
   function buttonRow(number) {
-    const chosen = gamepads.profiles.of(pad()).buttons[number] ?? '';
-    const select = el(
-      'select',
-      { 'aria-label': `Button ${number}` },
-      el('option', { value: '' }, 'nothing'),
-      ...COMMANDS.map((action) => el('option', { value: action, selected: action === chosen }, ACTIONS[action])),
-    );
-    select.addEventListener('change', () => {
+    const choose = ({ target }) => {
       const changed = profile();
-      if (select.value) changed.buttons[number] = select.value;
+      if (target.value) changed.buttons[number] = target.value;
       else delete changed.buttons[number];
       keep(changed);
-    });
-    const lamp = el('span', {}, `Button ${number}`);
-    outputs.push([number, lamp]);
-    return el('div', { className: 'key-line' }, lamp, select);
+    };
+    return html`
+      <div class="key-line">
+        <span class=${(pressed[number] ??= signal(''))}>Button ${number}</span>
+        <select aria-label="Button ${number}" value=${gamepads.profiles.of(pad()).buttons[number] ?? ''} onChange=${choose}>
+          <option value="">nothing</option>
+          ${COMMANDS.map((action) => html`<option value=${action}>${ACTIONS[action]}</option>`)}
+        </select>
+      </div>
+    `;
   }
 
-  function render() {
-    const now = pad();
-    outputs = [];
-    if (!now) {
-      openDialog(
-        dialog,
-        'Gamepad',
-        el('p', {}, 'Connect a gamepad, press one of its buttons, and reopen this dialog.'),
-      );
-      return;
-    }
-    const { dead_zone } = gamepads.profiles.of(now);
-    const zone = el('input', {
-      type: 'range',
-      id: 'dead-zone',
-      min: DEAD_ZONES[0],
-      max: DEAD_ZONES[1],
-      step: 0.01,
-      value: dead_zone,
-    });
-    zone.addEventListener('change', () => keep({ ...profile(), dead_zone: Number(zone.value) }));
-    done.hidden = true;
-    write(
-      status,
-      now.mapping === 'standard'
+  function describe() {
+    status.value =
+      pad()?.mapping === 'standard'
         ? 'This gamepad has a standard layout.'
-        : 'This gamepad has no standard layout: calibrate it, then assign its sticks and buttons.',
-    );
-    openDialog(
-      dialog,
-      'Gamepad',
-      el('p', {}, now.id),
-      status,
-      el(
-        'div',
-        { className: 'row' },
-        button('Calibrate', calibrate),
-        done,
-        button('Default', () => keep(null), { disabled: !gamepads.profiles.isOwn(now) }),
-        el('label', { htmlFor: 'dead-zone' }, 'Dead zone'),
-        zone,
-      ),
-      el('h3', {}, 'Sticks and triggers'),
-      ...AXES.map(row),
-      el('details', {}, el('summary', {}, 'Buttons'), ...now.buttons.map((_, number) => buttonRow(number))),
-    );
+        : 'This gamepad has no standard layout: calibrate it, then assign its sticks and buttons.';
+  }
+
+  function view() {
+    const now = pad();
+    if (!now) return html`<p>Connect a gamepad, press one of its buttons, and reopen this dialog.</p>`;
+    const isOwn = gamepads.profiles.isOwn(now);
+    return html`
+      <p>${now.id}</p>
+      <p role="status">${status}</p>
+      <div class="row">
+        <button type="button" onClick=${calibrate}>Calibrate</button>
+        <button type="button" hidden=${!finish.value} onClick=${finish.value}>Done</button>
+        <button type="button" disabled=${!isOwn} onClick=${() => keep(null)}>Default</button>
+        <label for="dead-zone">Dead zone</label>
+        <input type="range" id="dead-zone" min=${DEAD_ZONES[0]} max=${DEAD_ZONES[1]} step="0.01"
+          value=${gamepads.profiles.of(now).dead_zone}
+          onChange=${({ target }) => keep({ ...profile(), dead_zone: Number(target.value) })} />
+      </div>
+      <h3>Sticks and triggers</h3>
+      ${AXES.map(row)}
+      <details><summary>Buttons</summary>${now.buttons.map((_, number) => buttonRow(number))}</details>
+    `;
   }
 
   function look() {
@@ -177,12 +149,14 @@ export function showGamepads(gamepads) {
     if (now) {
       step?.(now);
       const { efforts } = readPad(now, gamepads.profiles.of(now));
-      for (const [name, output] of outputs)
-        if (typeof name === 'string') write(output, `${Math.round(100 * (efforts[name] ?? 0))} %`);
-        else output.classList.toggle('is-pressed', Boolean(now.buttons[name]?.pressed));
+      for (const effort of AXES) levels[effort].value = `${Math.round(100 * (efforts[effort] ?? 0))} %`;
+      now.buttons.forEach(
+        (each, number) => ((pressed[number] ??= signal('')).value = each.pressed ? 'is-pressed' : ''),
+      );
     }
     requestAnimationFrame(look);
   }
-  render();
+  describe();
+  const again = openDialog(dialog, 'Gamepad', view);
   requestAnimationFrame(look);
 }

@@ -1,13 +1,14 @@
 // The pause menu, which pauses the simulation while it is open.
-import { attempt, byId, capital, el, first, toast } from '../dom.js';
+import { attempt, byId, capital, first, toast } from '../dom.js';
 import { setTheme, theme, THEMES } from '../theme.js';
 import { setUnit, unit, UNITS } from '../units.js';
+import { html } from '../vendor/preact.js';
 import { keepName } from '../wire/name.js';
 import { openDialog } from './dialog.js';
 
 export function showMenu(station, { keys, gamepad, edit }) {
   const dialog = byId('menu-dialog');
-  const { isPilot } = station;
+  const { isPilot, description } = station;
   const mayPause = isPilot && station.may('pause');
   let resumes = mayPause && !station.state.paused; // whether to resume when the menu closes
   if (resumes) attempt(station.control('pause'));
@@ -16,132 +17,90 @@ export function showMenu(station, { keys, gamepad, edit }) {
     dialog.close();
     act?.();
   };
-  // Entries that an exercise does not permit are left out.
-  const item = (text, act, { forAll = false, hint = '', className = '', control = '' } = {}) =>
-    control && !station.may(control)
-      ? null
-      : el(
-          'button',
-          { type: 'button', disabled: !forAll && !isPilot, className, onclick: act },
-          text,
-          hint ? el('small', { className: 'caption' }, hint) : null,
-        );
-
-  const quit = item('Quit to the start screen', () => leave(() => attempt(station.control('quit')), true), {
-    className: 'danger',
-  });
-
-  openDialog(
-    dialog,
-    mayPause ? 'Paused' : 'Menu',
-    isPilot ? null : el('p', { className: 'caption' }, 'Only the pilot can control the simulation.'),
-    el(
-      'div',
-      { className: 'stack' },
-      item(
-        'Resume',
-        () => {
-          resumes = mayPause;
-          leave();
-        },
-        { control: 'pause' },
-      ),
-      item('Close, and stay paused', () => leave(null, true), { control: 'pause' }),
-      item('Restart from the beginning', () => leave(() => attempt(station.control('restart'), 'Restarted')), {
-        control: 'restart',
-      }),
-      item('Keys', () => leave(keys), { forAll: true, hint: '?' }),
-      ...(station.description?.is_fixed || station.description?.replay
-        ? []
-        : [item('Edit the scene', () => leave(edit, true), { control: 'pause' })]),
-      item('Gamepad', () => leave(gamepad), { forAll: true }),
-    ),
-    el('hr'),
-    nameForm(station),
-    station.may('save') ? saveForm(station, isPilot, leave) : null,
-    el('hr'),
-    choice('Colours', THEMES, theme, setTheme),
-    choice('Lengths', UNITS, unit, setUnit),
-    ...(station.description?.is_fixed || !station.may('quit')
-      ? []
-      : [el('hr'), el('div', { className: 'stack' }, quit)]),
-  );
-  first(dialog, '.stack button:not(:disabled)')?.focus();
-  dialog.addEventListener(
-    'close',
-    () => {
-      if (resumes) attempt(station.control('resume'));
-    },
-    { once: true },
-  );
-}
-
-function nameForm(station) {
-  const name = el('input', {
-    type: 'text',
-    id: 'pilot-name',
-    value: station.name,
-    maxLength: 40,
-    autocomplete: 'off',
-    spellcheck: false,
-  });
-  const rename = async (event) => {
-    event.preventDefault();
-    if (await attempt(station.rename(name.value.trim()), 'Your name has been changed')) keepName(station.name);
-  };
-  return el(
-    'form',
-    { className: 'row', onsubmit: rename },
-    el('label', { htmlFor: 'pilot-name' }, 'Your name'),
-    name,
-    el('button', { type: 'submit' }, 'Change'),
-  );
-}
-
-function saveForm(station, maySave, leave) {
-  const name = el('input', {
-    type: 'text',
-    id: 'save-name',
-    value: station.description?.scenario ?? 'session',
-    autocomplete: 'off',
-    spellcheck: false,
-  });
-  const save = async (event) => {
-    event.preventDefault();
+  const resume = () => {
+    resumes = mayPause;
     leave();
-    const answer = await attempt(station.control('save', { name: name.value.trim() }));
+  };
+  const quit = () => leave(() => attempt(station.control('quit')), true);
+  const restart = () => leave(() => attempt(station.control('restart'), 'Restarted'));
+  // Entries that an exercise does not permit are left out.
+  const item = (text, act, control, { hint = '', className = '' } = {}) =>
+    (!control || station.may(control)) &&
+    html`
+      <button type="button" class=${className} disabled=${Boolean(control) && !isPilot} onClick=${act}>
+        ${text}${hint && html`<small class="caption">${hint}</small>`}
+      </button>
+    `;
+  const rename = async (name) => {
+    if (await attempt(station.rename(name), 'Your name has been changed')) keepName(station.name);
+  };
+  const save = async (name) => {
+    leave();
+    const answer = await attempt(station.control('save', { name }));
     if (answer) toast(answer.message || 'Saved');
   };
-  return el(
-    'form',
-    { className: 'row', onsubmit: save },
-    el('label', { htmlFor: 'save-name' }, 'Save as'),
-    name,
-    el('button', { type: 'submit', disabled: !maySave }, 'Save'),
-  );
+
+  const session = description?.scenario ?? 'session';
+  const view = () => html`
+    ${!isPilot && html`<p class="caption">Only the pilot can control the simulation.</p>`}
+    <div class="stack">
+      ${item('Resume', resume, 'pause')}
+      ${item('Close, and stay paused', () => leave(null, true), 'pause')}
+      ${item('Restart from the beginning', restart, 'restart')}
+      ${item('Keys', () => leave(keys), '', { hint: '?' })}
+      ${!description?.is_fixed && !description?.replay && item('Edit the scene', () => leave(edit, true), 'pause')}
+      ${item('Gamepad', () => leave(gamepad), '')}
+    </div>
+    <hr />
+    ${nameForm('pilot-name', 'Your name', station.name, 'Change', rename)}
+    ${station.may('save') && nameForm('save-name', 'Save as', session, 'Save', save, !isPilot)}
+    <hr />
+    ${choice('Colours', THEMES, theme, setTheme, () => again())}
+    ${choice('Lengths', UNITS, unit, setUnit, () => again())}
+    ${
+      !description?.is_fixed &&
+      station.may('quit') &&
+      html`<hr /><div class="stack">${item('Quit to the start screen', quit, 'quit', { className: 'danger' })}</div>`
+    }
+  `;
+  const again = openDialog(dialog, mayPause ? 'Paused' : 'Menu', view);
+  first(dialog, '.stack button:not(:disabled)')?.focus();
+  dialog.addEventListener('close', () => resumes && attempt(station.control('resume')), { once: true });
+}
+
+// A form with one name.
+function nameForm(id, label, value, text, act, mayNot = false) {
+  const submit = (event) => {
+    event.preventDefault();
+    act(byId(id).value.trim());
+  };
+  return html`
+    <form class="row" onSubmit=${submit}>
+      <label for=${id}>${label}</label>
+      <input type="text" id=${id} defaultValue=${value} maxlength=${id === 'pilot-name' ? 40 : null} autocomplete="off"
+        spellcheck="false" />
+      <button type="submit" disabled=${mayNot}>${text}</button>
+    </form>
+  `;
 }
 
 // A row of buttons, one for each value of a setting.
-function choice(title, values, current, choose) {
-  const press = (event) => {
-    choose(event.target.value);
-    for (const other of event.target.parentElement.children)
-      other.setAttribute('aria-pressed', String(other === event.target));
+function choice(title, values, current, choose, again) {
+  const button = (value) => {
+    const press = () => {
+      choose(value);
+      again();
+    };
+    return html`
+      <button type="button" value=${value} aria-pressed=${current() === value} onClick=${press}>
+        ${capital(value)}
+      </button>
+    `;
   };
-  return el(
-    'div',
-    { className: 'row apart' },
-    el('span', {}, title),
-    el(
-      'div',
-      { className: 'row', role: 'group', 'aria-label': title },
-      ...values.map((value) =>
-        el(
-          'button',
-          { type: 'button', value, 'aria-pressed': String(current() === value), onclick: press },
-          capital(value),
-        ),
-      ),
-    ),
-  );
+  return html`
+    <div class="row apart">
+      <span>${title}</span>
+      <div class="row" role="group" aria-label=${title}>${values.map(button)}</div>
+    </div>
+  `;
 }

@@ -1,6 +1,7 @@
 // The vehicle's holds: buttons, keys, and their texts on the head-up display.
-import { attempt, byId, el } from '../dom.js';
+import { attempt } from '../dom.js';
 import { inUnit, unitName } from '../units.js';
+import { html } from '../vendor/preact.js';
 import { HOLDS as ARGUMENTS } from '../wire/messages.js';
 
 const length = (length_m) => `${inUnit(length_m).toFixed(1)} ${unitName()}`;
@@ -47,63 +48,57 @@ export function shownHolds({ holds = [], hold_targets: targets = [] } = {}) {
 }
 
 export class HoldButtons {
-  #vehicle = '';
+  #vehicle = { name: '', holds: /** @type {string[]} */ ([]) };
   /** @type {string[] | null} */
   #requested = null; // names, from a press until the telemetry shows them, so that two quick presses add up
   #requestedMs = -Infinity;
-  #buttons = {};
 
   constructor(station, telemetry, pilot, keyOf) {
     this.station = station;
     this.telemetry = telemetry;
     this.pilot = pilot;
-    for (const [name, { title, short }] of Object.entries(HOLDS)) {
-      const key = keyOf(`hold.${name}`);
-      this.#buttons[name] = el(
-        'button',
-        {
-          type: 'button',
-          id: `hold-${name}`,
-          'aria-label': `${short}: hold ${title}`,
-          'aria-pressed': 'false',
-          title: `Hold ${title}${key ? ` (${key})` : ''}`,
-          onclick: () => this.press(name),
-        },
-        short,
-      );
-    }
-    byId('holds').append(...Object.values(this.#buttons));
-    telemetry.addEventListener('change', () => this.#show());
-    station.addEventListener('state', () => this.#show());
+    this.keyOf = keyOf;
+    telemetry.addEventListener('change', () => this.#repeat());
+    station.addEventListener('state', () => this.#repeat());
   }
 
   begin(vehicle) {
-    [this.#vehicle, this.#requested] = [vehicle.name, null];
-    for (const [name, button] of Object.entries(this.#buttons)) button.hidden = !vehicle.holds.includes(name);
-    byId('holds').hidden = !vehicle.holds.length;
+    [this.#vehicle, this.#requested] = [vehicle, null];
   }
 
   async press(name) {
-    if (!this.#vehicle || this.#buttons[name].hidden) return;
+    if (!this.#vehicle.holds.includes(name)) return;
     const wanted = switched(this.#active, name);
     this.#requested = Object.keys(wanted).filter((each) => wanted[each]);
     this.#requestedMs = performance.now();
     this.pilot.repeat(wanted.speed);
-    if (!(await attempt(this.station.command('hold', this.#vehicle, wanted)))) this.#requested = null;
+    if (!(await attempt(this.station.command('hold', this.#vehicle.name, wanted)))) this.#requested = null;
   }
 
   get #active() {
     return this.#requested ?? this.telemetry.message?.holds ?? [];
   }
 
-  #show() {
-    const { isPilot, connected } = this.station;
+  #repeat() {
     if (performance.now() - this.#requestedMs > 1000) this.#requested = null;
     this.pilot.repeat(this.#active.includes('speed'));
-    for (const [name, button] of Object.entries(this.#buttons)) {
-      const isOn = (this.telemetry.message?.holds ?? []).includes(name);
-      button.setAttribute('aria-pressed', String(isOn));
-      button.disabled = !isPilot || !connected;
-    }
+  }
+
+  view(caption) {
+    const { isPilot, connected } = this.station;
+    const { holds } = this.#vehicle;
+    const button = ([name, { title, short }]) => {
+      const key = this.keyOf(`hold.${name}`);
+      return html`
+        <button type="button" id="hold-${name}" aria-label="${short}: hold ${title}" hidden=${!holds.includes(name)}
+          aria-pressed=${this.telemetry.message?.holds?.includes(name) ?? false} disabled=${!isPilot || !connected}
+          title="Hold ${title}${key ? ` (${key})` : ''}" onClick=${() => this.press(name)}>${short}</button>
+      `;
+    };
+    return html`
+      <div id="holds" class="group" role="group" aria-label="Holds" hidden=${!holds.length}>
+        ${caption}${Object.entries(HOLDS).map(button)}
+      </div>
+    `;
   }
 }

@@ -1,28 +1,27 @@
 // Shows who has the controls, with a button that takes, requests or hands over the controls, and a chip for offers.
-import { attempt, byId, capital, el, write } from '../dom.js';
+import { attempt, byId, capital } from '../dom.js';
 import { openDialog } from '../dialogs/dialog.js';
+import { html, signal } from '../vendor/preact.js';
 
 export class Lease {
   #tried = -1; // the session whose controls this page has tried to take automatically
-  #dismissed = new Set(); // offers that the pilot has dismissed
-  #offered = ''; // the key of the displayed offer
+  /** @type {{ value: string[] }} */
+  #dismissed = signal([]); // offers that the pilot has dismissed
 
   constructor(station) {
     this.station = station;
-    this.button = byId('lease');
-    this.offer = byId('offer');
-    this.button.addEventListener('click', () => this.#press());
-    station.addEventListener('state', () => this.show());
-    station.addEventListener('close', () => this.show());
+    station.addEventListener('state', () => this.#forget());
   }
 
-  show() {
+  view() {
     const { station } = this;
-    write(this.button, this.#text());
-    this.button.title = this.#text();
-    this.button.dataset.mine = station.isPilot ? 'yes' : station.isSilent || this.#isUnsettled ? 'silent' : 'no';
-    this.button.disabled = station.isBlind;
-    this.#showOffer();
+    const text = this.#text();
+    const isMine = station.isPilot ? 'yes' : station.isSilent || this.#isUnsettled ? 'silent' : 'no';
+    return html`
+      ${this.#offer()}
+      <button id="lease" type="button" class="lease" title=${text} data-mine=${isMine} disabled=${station.isBlind}
+        onClick=${() => this.#press()}>${text}</button>
+    `;
   }
 
   // The first page of a session takes the controls, unless another client is driving, the simulator has joined a
@@ -56,47 +55,34 @@ export class Lease {
     return state.asking.includes(station.id) ? `Asked ${pilot}` : `${pilot} flies`;
   }
 
-  // The offer to be shown: its text and its button. The offer takes no focus and releases no key.
-  #wanted() {
-    const { station } = this;
-    const { asking } = station.state;
-    for (const key of this.#dismissed) if (key && !asking.includes(key)) this.#dismissed.delete(key);
-    if (!station.flew) this.#dismissed.delete('');
-    const asks = asking.find((member) => member !== station.id && !this.#dismissed.has(member));
-    if (station.isPilot && asks)
-      return {
-        key: asks,
-        text: `${station.nameOf(asks)} asks for the controls`,
-        button: this.#to(asks, 'Hand over'),
-      };
-    if (!station.mayTakeBack || this.#dismissed.has('')) return null;
-    const take = () => attempt(station.takeControl());
-    return {
-      key: '',
-      text: 'You had the controls',
-      button: el('button', { type: 'button', className: 'primary', onclick: take }, 'Take them back'),
-    };
+  // An offer that has gone may come again.
+  #forget() {
+    const { asking } = this.station.state;
+    const isOpen = (key) => (key ? asking.includes(key) : this.station.flew);
+    if (!this.#dismissed.value.every(isOpen)) this.#dismissed.value = this.#dismissed.value.filter(isOpen);
   }
 
-  #showOffer() {
-    const wanted = this.#wanted();
-    this.offer.hidden = wanted === null;
-    const text = wanted?.text ?? '';
-    if (text === this.#offered) return;
-    this.#offered = text;
-    if (!wanted) {
-      this.offer.replaceChildren();
-      return;
-    }
-    const dismiss = () => {
-      this.#dismissed.add(wanted.key);
-      this.show();
-    };
-    this.offer.replaceChildren(
-      el('span', {}, text),
-      wanted.button,
-      el('button', { type: 'button', 'aria-label': 'Dismiss', onclick: dismiss }, '✕'),
-    );
+  // The offer to hand over or to take back the controls. It takes no focus and releases no key.
+  #offer() {
+    const { station } = this;
+    const dismissed = this.#dismissed.value;
+    const asks = station.state.asking.find((member) => member !== station.id && !dismissed.includes(member));
+    const isAsked = station.isPilot && asks;
+    if (!isAsked && (!station.mayTakeBack || dismissed.includes('')))
+      return html`<span id="offer" class="offer" role="status" hidden />`;
+    const take = () => attempt(station.takeControl());
+    const dismiss = () => (this.#dismissed.value = [...dismissed, isAsked ? asks : '']);
+    return html`
+      <span id="offer" class="offer" role="status">
+        <span>${isAsked ? `${station.nameOf(asks)} asks for the controls` : 'You had the controls'}</span>
+        ${
+          isAsked
+            ? this.#to(asks, 'Hand over')
+            : html`<button type="button" class="primary" onClick=${take}>Take them back</button>`
+        }
+        <button type="button" aria-label="Dismiss" onClick=${dismiss}>✕</button>
+      </span>
+    `;
   }
 
   async #press() {
@@ -109,28 +95,22 @@ export class Lease {
     openDialog(
       byId('handover-dialog'),
       'Hand over the controls',
-      el('p', {}, others.length ? 'To whom?' : 'No one else is watching.'),
-      el('hr'),
-      el(
-        'div',
-        { className: 'stack' },
-        ...others.map((member) => this.#to(member, this.station.nameOf(member))),
-        this.#to('', 'No one: stop the vehicle'),
-      ),
+      () => html`
+      <p>${others.length ? 'To whom?' : 'No one else is watching.'}</p>
+      <hr />
+      <div class="stack">
+        ${others.map((member) => this.#to(member, this.station.nameOf(member)))}
+        ${this.#to('', 'No one: stop the vehicle')}
+      </div>
+    `,
     );
   }
 
   #to(member, text) {
-    return el(
-      'button',
-      {
-        type: 'button',
-        onclick: (event) => {
-          event.target.closest('dialog')?.close();
-          attempt(this.station.handOver(member));
-        },
-      },
-      text,
-    );
+    const give = (event) => {
+      event.target.closest('dialog')?.close();
+      attempt(this.station.handOver(member));
+    };
+    return html`<button type="button" onClick=${give}>${text}</button>`;
   }
 }

@@ -1,5 +1,6 @@
 // The lamps of the paper's panel and one for contact, their sound, which is off by default, and the log of alarms.
-import { clockText, el, write } from '../dom.js';
+import { clockText } from '../dom.js';
+import { html, signal } from '../vendor/preact.js';
 import { AlarmLog } from './alarm_log.js';
 
 const STORED = 'uwsim.sound';
@@ -21,105 +22,81 @@ export class Alarms {
   /** @type {AudioContext | null} */
   #audio = null;
   #beepedMs = {};
-  #lamps = {};
-  #isMuted = false;
-  #isAsPublished = false;
+  /** @type {string[]} */
+  #lit = []; // names of lamps
+  #stored = signal(localStorage.getItem(STORED));
+  #collisions = signal(0); // that are not acknowledged
   log = new AlarmLog();
+  isAsPublished = false; // the published panel has one lamp for the bed, Proximity, which is red, and none for contact
 
-  constructor() {
-    for (const [name, { title }] of Object.entries(LAMPS)) {
-      const state = el('span', { className: 'visually-hidden' }, 'off');
-      this.#lamps[name] = {
-        state,
-        title: el('b', {}, title),
-      };
-      const { title: shown } = this.#lamps[name];
-      this.#lamps[name].element = el(
-        'div',
-        { className: 'lamp', id: `lamp-${name}`, role: 'status' },
-        el('i', { 'aria-hidden': 'true' }),
-        shown,
-        state,
-      );
-    }
-    this.button = el('button', { type: 'button', id: 'sound', onclick: () => this.setSound(!this.isLoud) });
-    this.acknowledge = el(
-      'button',
-      { type: 'button', id: 'acknowledge', className: 'danger', hidden: true, onclick: () => this.#acknowledge() },
-      'Acknowledge',
-    );
-    this.lines = el('ol', { className: 'alarm-log', tabIndex: 0, 'aria-label': 'Alarms, newest first' });
-    this.count = el('small', {}, 'none');
-    this.element = el(
-      'section',
-      { className: 'warnings' },
-      el('h2', {}, 'Warnings', this.button),
-      el('div', { className: 'lamps' }, ...Object.values(this.#lamps).map(({ element }) => element)),
-      this.acknowledge,
-      el('details', { id: 'alarm-log' }, el('summary', {}, 'Alarm log', ' ', this.count), this.lines),
-    );
-    this.isLoud = false;
-    this.#showSound(localStorage.getItem(STORED));
+  get isLoud() {
+    return this.#stored.value === 'on';
   }
 
   setSound(isLoud) {
-    localStorage.setItem(STORED, isLoud ? 'on' : 'off');
-    this.#showSound(isLoud ? 'on' : 'off');
+    this.#stored.value = isLoud ? 'on' : 'off';
+    localStorage.setItem(STORED, this.#stored.value);
   }
 
   // Warn a pilot that data no longer arrive: also with the sound in its default state, but not if it was switched off.
   warnOfSilence() {
-    if (!this.#isMuted) this.#beep('silence', SILENCE.beep, SILENCE.period_ms);
-  }
-
-  #showSound(stored) {
-    this.isLoud = stored === 'on';
-    this.#isMuted = stored === 'off';
-    this.button.setAttribute('aria-pressed', String(this.isLoud));
-    write(this.button, this.isLoud ? 'Sound on' : 'Sound off');
+    if (this.#stored.value !== 'off') this.#beep('silence', SILENCE.beep, SILENCE.period_ms);
   }
 
   #acknowledge() {
     this.log.acknowledge();
-    this.acknowledge.hidden = true;
-  }
-
-  // The published panel has one lamp for the bed, Proximity, which is red, and none for contact.
-  setPublished(isAsPublished) {
-    this.#isAsPublished = isAsPublished;
-    write(this.#lamps.bed.title, isAsPublished ? 'Proximity' : 'Bed');
-    this.#lamps.contact.element.hidden = isAsPublished;
+    this.#collisions.value = 0;
   }
 
   // The collision lamp stays on until a collision is acknowledged. The contact lamp follows the echoes around the
-  // vehicle and the time to contact; the others follow the fields of the wire.
-  #isOn(name, message, contact, nearest_m) {
-    if (name === 'collision' && this.log.collisions > 0) return true;
-    if (name === 'contact') return !this.#isAsPublished && (contact !== null || nearest_m < NEAR_M);
-    return Boolean(message?.[LAMPS[name].field]);
-  }
-
-  #showLog() {
-    const { entries } = this.log;
-    write(this.count, entries.length ? String(entries.length) : 'none');
-    this.lines.replaceChildren(
-      ...entries.map(({ time_s, text }) => el('li', {}, el('time', {}, clockText(time_s)), ` ${text}`)),
+  // vehicle and the time to contact, if there is one; the others follow the fields of the wire.
+  hear(message, isStale, { time_s = NaN, contact = null, nearest_m = NaN } = {}) {
+    if (message && !isStale) this.log.update(message, time_s, contact);
+    const isNear = !this.isAsPublished && (contact !== null || nearest_m < NEAR_M);
+    this.#collisions.value = this.log.collisions;
+    this.#lit = Object.keys(LAMPS).filter(
+      (name) =>
+        (name === 'collision' && this.log.collisions > 0) ||
+        (name === 'contact' ? isNear : message?.[LAMPS[name].field]),
     );
+    if (this.isLoud && !isStale)
+      for (const name of this.#lit) this.#beep(name, LAMPS[name].beep, LAMPS[name].period_ms);
   }
 
-  show(message, isStale, { time_s = NaN, contact = null, nearest_m = NaN } = {}) {
-    if (message && !isStale && this.log.update(message, time_s, contact)) this.#showLog();
-    const { collisions } = this.log;
-    this.acknowledge.hidden = collisions === 0;
-    write(this.acknowledge, `Acknowledge ${collisions === 1 ? '1 collision' : `${collisions} collisions`}`);
-    for (const [name, { level, beep, period_ms }] of Object.entries(LAMPS)) {
-      const { element, state } = this.#lamps[name];
-      const isOn = this.#isOn(name, message, contact, nearest_m);
-      element.dataset.on = !isOn ? 'off' : this.#isAsPublished ? 'alarm' : level;
-      element.classList.toggle('is-stale', isStale);
-      write(state, isOn ? 'on' : 'off');
-      if (isOn && this.isLoud && !isStale) this.#beep(name, beep, period_ms);
-    }
+  view(isStale) {
+    const { entries } = this.log;
+    const { isAsPublished } = this;
+    const count = this.#collisions.value;
+    const lamp = ([name, { title, level }]) => {
+      const isOn = this.#lit.includes(name);
+      const on = !isOn ? 'off' : isAsPublished ? 'alarm' : level;
+      return html`
+        <div class="lamp ${isStale ? 'is-stale' : ''}" id="lamp-${name}" role="status" data-on=${on}
+          hidden=${isAsPublished && name === 'contact'}>
+          <i aria-hidden="true" /><b>${isAsPublished && name === 'bed' ? 'Proximity' : title}</b>
+          <span class="visually-hidden">${isOn ? 'on' : 'off'}</span>
+        </div>
+      `;
+    };
+    return html`
+      <section class="warnings">
+        <h2>Warnings
+          <button type="button" id="sound" aria-pressed=${this.isLoud} onClick=${() => this.setSound(!this.isLoud)}>
+            ${this.isLoud ? 'Sound on' : 'Sound off'}
+          </button>
+        </h2>
+        <div class="lamps">${Object.entries(LAMPS).map(lamp)}</div>
+        <button type="button" id="acknowledge" class="danger" hidden=${!count} onClick=${() => this.#acknowledge()}>
+          Acknowledge ${count === 1 ? '1 collision' : `${count} collisions`}
+        </button>
+        <details id="alarm-log">
+          <summary>Alarm log <small>${entries.length || 'none'}</small></summary>
+          <ol class="alarm-log" tabindex="0" aria-label="Alarms, newest first">
+            ${entries.map(({ time_s, text }) => html`<li><time>${clockText(time_s)}</time> ${text}</li>`)}
+          </ol>
+        </details>
+      </section>
+    `;
   }
 
   #beep(name, [hertz, seconds], period_ms) {

@@ -1,32 +1,22 @@
 // All stop: a button and a key that set it from any page, and a button with which the pilot releases it.
-import { attempt, byId, el, toast, write } from '../dom.js';
+import { attempt, toast } from '../dom.js';
+import { html } from '../vendor/preact.js';
 import { ALL_STOPPED } from '../wire/messages.js';
 
 export class AllStop {
   #vehicle = '';
   #wanted = ''; // the vehicle to be stopped, until a server has confirmed it
   #isAsking = false;
-  #wasSet = false;
+  #isSet = false;
 
   constructor(station, pilot) {
     this.station = station;
     this.pilot = pilot;
-    this.lamp = byId('all-stop');
-    this.lamp.addEventListener('click', () => this.press());
-    this.text = el('p', {});
-    this.button = el('button', { type: 'button', id: 'end-stop', onclick: () => this.#release() }, 'Release all stop');
-    this.element = el(
-      'section',
-      { id: 'stopped', className: 'failsafe', hidden: true },
-      el('div', { role: 'alert' }, this.text),
-      this.button,
-    );
-    this.element.dataset.kind = 'steers';
     station.addEventListener('state', () => this.#wanted && !this.#isAsking && this.#send());
   }
 
   begin(vehicle) {
-    if (vehicle.name !== this.#vehicle) this.#wasSet = false;
+    if (vehicle.name !== this.#vehicle) this.#isSet = false;
     this.#vehicle = vehicle.name;
   }
 
@@ -38,19 +28,25 @@ export class AllStop {
     this.#send();
   }
 
-  // Show the state from the telemetry.
-  show(message, isStale) {
+  // Follow the telemetry.
+  hear(message) {
     const isSet = (message?.alarms ?? []).includes(ALL_STOPPED);
-    if (isSet && !this.#wasSet) this.pilot.release(); // a held key must not move the vehicle after the release
-    this.#wasSet = isSet;
-    this.element.hidden = !isSet;
-    this.element.classList.toggle('is-stale', isStale);
-    this.lamp.setAttribute('aria-pressed', String(isSet));
-    write(
-      this.text,
-      `All stop: the thrusters are off, and nothing moves the vehicle.${this.station.isPilot ? '' : ' The pilot may release it.'}`,
-    );
-    this.button.disabled = !this.station.isPilot;
+    if (isSet && !this.#isSet) this.pilot.release(); // a held key must not move the vehicle after the release
+    this.#isSet = isSet;
+  }
+
+  view(isStale) {
+    const { isPilot } = this.station;
+    return html`
+      <section id="stopped" class="failsafe ${isStale ? 'is-stale' : ''}" data-kind="steers" hidden=${!this.#isSet}>
+        <div role="alert">
+          <p>All stop: the thrusters are off, and nothing moves the vehicle.${isPilot || ' The pilot may release it.'}</p>
+        </div>
+        <button type="button" id="end-stop" disabled=${!isPilot} onClick=${() => this.#release()}>
+          Release all stop
+        </button>
+      </section>
+    `;
   }
 
   async #send() {

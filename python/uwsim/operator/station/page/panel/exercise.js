@@ -1,5 +1,6 @@
 // The current exercise, if any: its task, score so far, goals, broken limits, and the score sheet at the end.
-import { attempt, clockText, el, write } from '../dom.js';
+import { attempt, clockText } from '../dom.js';
+import { html, signal } from '../vendor/preact.js';
 import * as messages from '../wire/messages.js';
 
 const AIDS = { autopilot: 'plans on the chart', hold: 'holds', program: 'programs' };
@@ -31,56 +32,19 @@ function aidsText(aids) {
 
 export class ExercisePanel {
   #timer = 0;
-  /** @type {import('../wire/messages.js').ExerciseState | null} */
-  state = null; // as last reported
+  #isShown = signal(false);
+  #isStarting = signal(false); // the next exercise
+  /** @type {{ value: import('../wire/messages.js').ExerciseState | null }} */
+  #state = signal(null); // as last reported
 
   constructor(station) {
     this.station = station;
-    this.left = el('small');
-    this.score = el('output', { className: 'exercise-score', 'aria-label': 'Points' });
-    this.brief = el('p');
-    this.goals = el('ul', { className: 'exercise-goals' });
-    this.begins = el(
-      'button',
-      {
-        type: 'button',
-        className: 'primary exercise-begin',
-        onclick: () => this.beginAttempt(),
-        'aria-keyshortcuts': 'Enter',
-      },
-      'Begin',
-    );
-    this.waits = el('div', { hidden: true }, el('p', {}, 'Time stands still until you begin.'), this.begins);
-    this.aids = el('p', { className: 'exercise-aids' });
-    this.invalid = el('p', { className: 'exercise-note', role: 'status' });
-    this.note = el('p', { className: 'exercise-note', role: 'status' });
-    this.losses = el('ul', { className: 'exercise-goals exercise-losses' });
-    this.again = el('button', { type: 'button', onclick: () => attempt(this.station.control('restart')) }, 'Again');
-    this.next = el('button', { type: 'button', className: 'primary', onclick: () => this.#next() });
-    this.after = el('div', { className: 'exercise-after', hidden: true }, this.again, this.next);
-    this.sheet = el('a', { className: 'exercise-sheet', download: 'sheet.html', hidden: true }, 'Score sheet');
-    this.title = el('span', {}, 'Exercise');
-    this.element = el(
-      'section',
-      { id: 'exercise', hidden: true },
-      el('h2', {}, this.title, this.left),
-      this.score,
-      el('details', { open: true }, el('summary', {}, 'Task'), this.brief),
-      this.waits,
-      this.goals,
-      this.aids,
-      this.invalid,
-      this.losses,
-      this.note,
-      this.after,
-      el('div', { className: 'exercise-files' }, this.sheet),
-    );
   }
 
   begin({ has_exercise }) {
     clearInterval(this.#timer);
     this.station.awaitsBegin = false;
-    this.element.hidden = !has_exercise;
+    this.#isShown.value = has_exercise;
     if (!has_exercise) return;
     this.#timer = setInterval(() => this.#ask(), ASK_MS);
     this.#ask();
@@ -94,56 +58,65 @@ export class ExercisePanel {
 
   // Run the next exercise of the course.
   async #next() {
-    this.next.disabled = true;
-    await attempt(this.station.start({ exercise_name: this.state?.next_name }));
-    this.next.disabled = false;
+    this.#isStarting.value = true;
+    await attempt(this.station.start({ exercise_name: this.#state.value?.next_name }));
+    this.#isStarting.value = false;
   }
 
   async #ask() {
     if (this.station.isBlind) return;
     try {
       const state = await messages.exercise(this.station.bridge);
-      if (state.success) this.#show(state);
+      if (!state.success) return;
+      this.#state.value = state;
+      this.station.awaitsBegin = !state.has_begun;
     } catch {
       /* the banner reports a lost connection */
     }
   }
 
-  #show(state) {
-    this.state = state;
-    write(this.title, state.title);
-    write(this.left, `${clockText(Math.max(state.limit_s - state.time_s, 0))} left`);
-    write(this.score, `${text(state.score)} of ${text(state.points)} points`);
-    write(this.brief, state.brief);
-    this.station.awaitsBegin = !state.has_begun;
-    this.waits.hidden = state.has_begun;
-    this.begins.disabled = !this.station.isPilot;
-    write(this.aids, aidsText(state.aids));
-    write(this.invalid, state.is_valid ? '' : `Not valid: ${state.invalid_because}`);
-    if (this.goals.children.length !== state.goals.length) {
-      this.goals.replaceChildren(...state.goals.map(({ title }) => el('li', {}, el('span', {}, title), el('b'))));
-    }
-    state.goals.forEach(({ points, share }, k) => {
-      const item = /** @type {HTMLElement} */ (this.goals.children[k]);
-      item.dataset.met = String(share >= 1);
-      write(item.lastChild, `${text(points * share)} / ${text(points)}`);
-    });
-    const losses = lossTexts(state);
-    if (this.losses.children.length !== losses.length) this.losses.replaceChildren(...losses.map(() => el('li')));
-    losses.forEach((loss, k) => write(this.losses.children[k], loss));
-    this.after.hidden = !state.is_over;
-    this.again.disabled = this.next.disabled = !this.station.isPilot;
-    this.again.hidden = !this.station.may('restart');
-    this.next.hidden = state.next_name === '';
-    write(this.next, `Next: ${state.next_title}`);
+  view() {
+    const state = this.#state.value;
+    if (!this.#isShown.value || !state) return html`<section id="exercise" hidden />`;
+    const { station } = this;
+    const mayNot = !station.isPilot;
+    const goal = ({ title, points, share }) => html`
+      <li data-met=${share >= 1}><span>${title}</span><b>${text(points * share)} / ${text(points)}</b></li>
+    `;
     const notes = [
       state.lost > 0 ? `${text(state.lost)} points lost` : '',
       state.is_over ? ended(state) : '',
       state.error,
     ];
-    write(this.note, notes.filter(Boolean).join('. '));
-    this.sheet.hidden = !state.has_sheet;
-    this.sheet.href = this.station.href('/exercise/sheet.html');
+    return html`
+      <section id="exercise">
+        <h2><span>${state.title}</span><small>${clockText(Math.max(state.limit_s - state.time_s, 0))} left</small></h2>
+        <output class="exercise-score" aria-label="Points">${text(state.score)} of ${text(state.points)} points</output>
+        <details open><summary>Task</summary><p>${state.brief}</p></details>
+        <div hidden=${state.has_begun}>
+          <p>Time stands still until you begin.</p>
+          <button type="button" class="primary exercise-begin" aria-keyshortcuts="Enter" disabled=${mayNot}
+            onClick=${() => this.beginAttempt()}>Begin</button>
+        </div>
+        <ul class="exercise-goals">${state.goals.map(goal)}</ul>
+        <p class="exercise-aids">${aidsText(state.aids)}</p>
+        <p class="exercise-note" role="status">${state.is_valid ? '' : `Not valid: ${state.invalid_because}`}</p>
+        <ul class="exercise-goals exercise-losses">${lossTexts(state).map((loss) => html`<li>${loss}</li>`)}</ul>
+        <p class="exercise-note" role="status">${notes.filter(Boolean).join('. ')}</p>
+        <div class="exercise-after" hidden=${!state.is_over}>
+          <button type="button" hidden=${!station.may('restart')} disabled=${mayNot}
+            onClick=${() => attempt(station.control('restart'))}>Again</button>
+          <button type="button" class="primary" hidden=${state.next_name === ''}
+            disabled=${mayNot || this.#isStarting.value} onClick=${() => this.#next()}>
+            Next: ${state.next_title}
+          </button>
+        </div>
+        <div class="exercise-files">
+          <a class="exercise-sheet" download="sheet.html" hidden=${!state.has_sheet}
+            href=${station.href('/exercise/sheet.html')}>Score sheet</a>
+        </div>
+      </section>
+    `;
   }
 }
 

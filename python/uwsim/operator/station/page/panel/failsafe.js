@@ -1,5 +1,6 @@
 // The vehicle's failsafe: its action, the reason, its findings, and the button that takes back control.
-import { attempt, el, write } from '../dom.js';
+import { attempt } from '../dom.js';
+import { html } from '../vendor/preact.js';
 import { ALL_STOPPED } from '../wire/messages.js';
 
 /** What each action does, and each cause is. @type {Record<string, string>} */
@@ -21,50 +22,31 @@ const SAID = {
 export const acts = (action, cause) =>
   `Failsafe: the vehicle ${SAID[action] ?? action}, because ${SAID[cause] ?? cause}.`;
 
-export class Failsafe {
-  #vehicle = '';
-
-  constructor(station) {
-    this.station = station;
-    this.text = el('p', {});
-    this.alarms = el('ul', {});
-    this.button = el(
-      'button',
-      { type: 'button', id: 'take-back', title: 'Override the failsafe: it will not act on this cause again' },
-      'Take back',
-    );
-    this.button.addEventListener('click', () =>
-      attempt(
-        station.command('override_failsafe', this.#vehicle),
-        'The vehicle has been asked to accept commands again.',
-      ),
-    );
-    this.element = el(
-      'section',
-      { id: 'failsafe', className: 'failsafe', hidden: true },
-      el('div', { role: 'alert' }, this.text, this.alarms),
-      this.button,
-    );
-  }
-
-  begin(vehicle) {
-    this.#vehicle = vehicle.name;
-  }
-
-  // Show the state from the telemetry; message is null before the first.
-  show(message, isStale) {
-    const { failsafe = '', failsafe_cause: cause = '' } = message ?? {};
-    const alarms = (message?.alarms ?? []).filter((alarm) => alarm !== ALL_STOPPED);
-    this.element.hidden = !failsafe && alarms.length === 0;
-    this.element.classList.toggle('is-stale', isStale);
-    this.element.dataset.kind = failsafe && failsafe !== 'go_on' ? 'steers' : 'tells';
-    write(this.text, failsafe ? acts(failsafe, cause) : 'The vehicle has detected:');
-    if (this.#listed !== alarms.join('\n')) this.alarms.replaceChildren(...alarms.map((alarm) => el('li', {}, alarm)));
-    this.button.hidden = !failsafe;
-    this.button.disabled = !this.station.isPilot;
-  }
-
-  get #listed() {
-    return [...this.alarms.children].map(({ textContent }) => textContent).join('\n');
-  }
+// vehicle: its name. message: the newest telemetry, null before the first.
+export function failsafe(station, vehicle, message, isStale) {
+  const { failsafe: action = '', failsafe_cause: cause = '' } = message ?? {};
+  const alarms = (message?.alarms ?? []).filter((alarm) => alarm !== ALL_STOPPED);
+  const takeBack = () =>
+    attempt(station.command('override_failsafe', vehicle), 'The vehicle has been asked to accept commands again.');
+  return html`
+    <section
+      id="failsafe"
+      class="failsafe ${isStale ? 'is-stale' : ''}"
+      data-kind=${action && action !== 'go_on' ? 'steers' : 'tells'}
+      hidden=${!action && alarms.length === 0}
+    >
+      <div role="alert">
+        <p>${action ? acts(action, cause) : 'The vehicle has detected:'}</p>
+        <ul>${alarms.map((alarm) => html`<li>${alarm}</li>`)}</ul>
+      </div>
+      <button
+        type="button"
+        id="take-back"
+        title="Override the failsafe: it will not act on this cause again"
+        hidden=${!action}
+        disabled=${!station.isPilot}
+        onClick=${takeBack}
+      >Take back</button>
+    </section>
+  `;
 }

@@ -1,6 +1,8 @@
 // Inspection: the comment shown in pictures, and notes with category, picture and position.
-import { attempt, capital, clockText, el, toast, write } from '../dom.js';
+import { attempt, byId, capital, clockText, toast } from '../dom.js';
+import { html, signal } from '../vendor/preact.js';
 import { NOTE_CATEGORIES, notes as request } from '../wire/messages.js';
+import { downloads } from './rows.js';
 
 const PLACES = [
   ['view', "In camera's view"],
@@ -8,112 +10,64 @@ const PLACES = [
 ];
 const TEXT_MOST = 200;
 
-const choice = (label, values) =>
-  el('select', { 'aria-label': label, title: label }, ...values.map(([value, text]) => el('option', { value }, text)));
-const line = (label, id) =>
-  el('input', {
-    type: 'text',
-    id,
-    'aria-label': label,
-    placeholder: label,
-    maxLength: TEXT_MOST,
-    autocomplete: 'off',
-    spellcheck: false,
-  });
+const choice = (name, label, values, mayNot) => html`
+  <select name=${name} aria-label=${label} title=${label} disabled=${mayNot}>
+    ${values.map(([value, text]) => html`<option value=${value}>${text}</option>`)}
+  </select>
+`;
 
 // Events: 'notes', when the notes have changed.
 export class Inspection extends EventTarget {
-  notes = []; // as the server lists them
+  #notes = signal([]); // as the server lists them
   #vehicle = '';
-  #shown = ''; // the run and the number of notes shown
+  #listed = ''; // the run and the number of notes shown
 
   constructor(station, views) {
     super();
     this.station = station;
     this.views = views;
-    this.comment = line('Comment in pictures', 'comment');
-    this.text = line('Text of the note', 'note-text');
-    this.category = choice(
-      'Category of the note',
-      NOTE_CATEGORIES.map((each) => [each, capital(each)]),
-    );
-    this.place = choice('Place of the note', PLACES);
-    this.set = el('button', { type: 'submit' }, 'Set');
-    this.button = el('button', { type: 'submit', id: 'add-note' }, 'Add note');
-    this.list = el('ol', { className: 'notes', tabIndex: 0, 'aria-label': 'Notes, newest first' });
-    this.links = el('div', { className: 'downloads', role: 'group', 'aria-label': 'Download the notes' });
-    this.count = el('small');
-    this.form = el(
-      'form',
-      { onsubmit: (event) => this.#submit(event, () => this.add()) },
-      el('div', { className: 'row' }, this.category, this.place),
-      el('div', { className: 'row' }, this.text, this.button),
-    );
-    this.element = el(
-      'section',
-      { id: 'inspection', className: 'inspection' },
-      el('h2', {}, 'Inspection', this.count),
-      el(
-        'form',
-        { className: 'row', onsubmit: (event) => this.#submit(event, () => this.#setComment()) },
-        this.comment,
-        this.set,
-      ),
-      this.form,
-      this.list,
-      this.links,
-    );
     station.addEventListener('state', () => this.#look());
+  }
+
+  get notes() {
+    return this.#notes.value;
   }
 
   begin(vehicle) {
     this.#vehicle = vehicle.name;
-    this.links.replaceChildren(
-      ...['csv', 'geojson'].map((kind) =>
-        el(
-          'a',
-          {
-            href: this.station.href(`/notes/notes.${kind}`),
-            download: `notes.${kind}`,
-            'aria-label': `Notes as .${kind}`,
-          },
-          `.${kind}`,
-        ),
-      ),
-    );
-    this.#shown = '';
+    this.#listed = '';
     this.#look();
   }
 
   // Focus the field so that the pilot can type.
   focus() {
-    this.comment.focus();
-    this.comment.select();
+    byId('comment').focus();
+    /** @type {any} */ (byId('comment')).select();
   }
 
   // Write a note with the form's text, and a picture if the large view is a camera's.
   async add() {
-    const { largeView } = this.views;
+    const { large, largeView } = this.views;
+    const { text, category, place } = /** @type {any} */ (byId('note').elements);
     const answer = await attempt(
       request(this.station.bridge, {
         action: 'add',
         vehicle: this.#vehicle,
-        text: this.text.value,
-        category: this.category.value,
-        place: this.place.value,
-        view: largeView?.isCamera ? this.views.large : '',
+        text: text.value,
+        category: category.value,
+        place: place.value,
+        view: largeView?.isCamera ? large : '',
       }),
     );
     if (!answer) return;
-    this.text.value = '';
+    text.value = '';
     this.#show(answer);
     toast(answer.message);
   }
 
   async #setComment() {
-    const { value: text } = this.comment;
     const answer = await attempt(
-      request(this.station.bridge, { action: 'comment', vehicle: this.#vehicle, text }),
+      request(this.station.bridge, { action: 'comment', vehicle: this.#vehicle, text: byId('comment').value }),
       'The comment is now shown in pictures',
     );
     if (answer) this.#show(answer);
@@ -125,38 +79,71 @@ export class Inspection extends EventTarget {
     act();
   }
 
-  // Follow the state: the comment and the number of notes.
+  // Follow the number of notes.
   async #look() {
-    const { state, isPilot, isRunning } = this.station;
-    const { comment = '' } = state;
-    if (document.activeElement !== this.comment && this.comment.value !== comment) this.comment.value = comment;
-    for (const part of [this.text, this.category, this.place, this.button]) part.disabled = !isPilot;
-    this.comment.disabled = this.set.disabled = !isPilot;
+    const { state, isRunning } = this.station;
     const wanted = `${state.session} ${state.notes}`;
-    if (!isRunning || state.notes === undefined || wanted === this.#shown) return;
-    this.#shown = wanted;
+    if (!isRunning || state.notes === undefined || wanted === this.#listed) return;
+    this.#listed = wanted;
     try {
       this.#show(await request(this.station.bridge, { action: 'list' }));
     } catch {
-      this.#shown = ''; // the banner reports a lost connection
+      this.#listed = ''; // the banner reports a lost connection
     }
   }
 
   /** @param {import('../wire/messages.js').NotesState | import('../wire/messages.js').Refused} answer */
   #show(answer) {
     if (!answer.success) return;
-    const { notes } = answer;
-    this.notes = notes;
-    write(this.count, notes.length ? String(notes.length) : '');
-    this.list.replaceChildren(
-      ...notes.toReversed().map(({ number, time_s, category, text, picture }) => {
-        const said = `${number}. ${capital(category)}${text ? `: ${text}` : ''} `;
-        const link = picture
-          ? el('a', { href: this.station.href(`/notes/${picture}`), target: '_blank', rel: 'noopener' }, 'picture')
-          : null;
-        return el('li', {}, el('time', {}, clockText(time_s)), ` ${said}`, link);
-      }),
-    );
+    this.#notes.value = answer.notes;
     this.dispatchEvent(new Event('notes'));
+  }
+
+  #note({ number, time_s, category, text, picture }) {
+    const link = html`<a href=${this.station.href(`/notes/${picture}`)} target="_blank" rel="noopener">picture</a>`;
+    const said = `${number}. ${capital(category)}${text ? `: ${text}` : ''}`;
+    return html`<li key=${number}><time>${clockText(time_s)}</time> ${said} ${picture && link}</li>`;
+  }
+
+  view() {
+    const { state, isPilot } = this.station;
+    const mayNot = !isPilot;
+    const line = (id, name, label, value) => html`
+      <input type="text" id=${id} name=${name} aria-label=${label} placeholder=${label} maxlength=${TEXT_MOST}
+        autocomplete="off" spellcheck="false" value=${value} disabled=${mayNot} />
+    `;
+    const comment = document.activeElement?.id === 'comment' ? undefined : (state.comment ?? '');
+    return html`
+      <section id="inspection" class="inspection">
+        <h2>Inspection<small>${this.notes.length || ''}</small></h2>
+        <form class="row" onSubmit=${(event) => this.#submit(event, () => this.#setComment())}>
+          ${line('comment', 'comment', 'Comment in pictures', comment)}
+          <button type="submit" disabled=${mayNot}>Set</button>
+        </form>
+        <form id="note" onSubmit=${(event) => this.#submit(event, () => this.add())}>
+          <div class="row">
+            ${choice(
+              'category',
+              'Category of the note',
+              NOTE_CATEGORIES.map((each) => [each, capital(each)]),
+              mayNot,
+            )}
+            ${choice('place', 'Place of the note', PLACES, mayNot)}
+          </div>
+          <div class="row">
+            ${line('note-text', 'text', 'Text of the note')}
+            <button type="submit" id="add-note" disabled=${mayNot}>Add note</button>
+          </div>
+        </form>
+        <ol class="notes" tabindex="0" aria-label="Notes, newest first">
+          ${this.notes.toReversed().map((note) => this.#note(note))}
+        </ol>
+        ${downloads('Download the notes', ['csv', 'geojson'], (kind) => ({
+          href: this.station.href(`/notes/notes.${kind}`),
+          download: `notes.${kind}`,
+          'aria-label': `Notes as .${kind}`,
+        }))}
+      </section>
+    `;
   }
 }

@@ -1,7 +1,9 @@
 // The quality of the link between station and vehicle. In a scenario without a link, it is shown only while a fault
 // has cut the vehicle off.
-import { el, fixed, write } from '../dom.js';
+import { fixed } from '../dom.js';
+import { html, signal } from '../vendor/preact.js';
 import { TYPES } from '../wire/messages.js';
+import { valueRow } from './rows.js';
 
 const POOR = 0.8; // quality
 const SILENT_S = 5;
@@ -25,63 +27,65 @@ function faultText(loss) {
 export class Link {
   /** @type {(() => void) | null} */
   #end = null;
-  #silence = 0; // from the last message
-  #interval = 0;
+  #views = []; // those of describe
+  #message = signal(null); // the last
+  #interval = 0; // between the last two
+  #isAboard = signal(false);
   /** @type {((isAboard: boolean) => void) | undefined} */
   onAboard; // called when the operator switches to the vehicle's own view
 
   constructor(station) {
     this.station = station;
-    this.note = el('small');
-    this.aboard = el('input', { type: 'checkbox' });
-    this.aboard.addEventListener('change', () => this.onAboard?.(this.aboard.checked));
-    this.truth = el('label', { className: 'aboard', hidden: true }, this.aboard, ' ', 'Show what the vehicle sees');
-    this.values = VALUES.map(() => el('span', {}, '–'));
-    this.element = el(
-      'section',
-      { id: 'link', className: 'link', hidden: true },
-      el('h2', {}, 'Link', this.note),
-      el(
-        'dl',
-        { className: 'values' },
-        ...VALUES.map(([name, unit], k) =>
-          el(
-            'div',
-            {},
-            el('dt', {}, name),
-            el('dd', {}, this.values[k], unit ? el('span', { className: 'unit' }, unit) : null),
-          ),
-        ),
-      ),
-      this.truth,
-    );
   }
 
-  // views: those of describe.
   begin({ link }, views) {
     this.#end?.();
-    this.#end = null;
-    this.element.hidden = !views.some((view) => view.link);
-    this.truth.hidden = !views.some((view) => view.aboard_topic);
-    if (this.truth.hidden && this.aboard.checked) {
-      this.aboard.checked = false;
-      this.onAboard?.(false);
-    }
-    for (const value of this.values) write(value, '–');
-    this.#silence = this.#interval = 0;
-    write(this.note, '');
-    if (link) this.#end = this.station.bridge.subscribe(link, TYPES.Link, (message) => this.#show(message));
+    this.#views = views;
+    this.#message.value = null;
+    this.#interval = 0;
+    if (this.#isAboard.value && !this.#hasTruth) this.#show(false);
+    this.#end = link ? this.station.bridge.subscribe(link, TYPES.Link, (message) => this.#receive(message)) : null;
   }
 
-  #show(message) {
-    const isPlain = message.modem === NONE;
-    this.element.hidden = isPlain && !(message.fault_loss > 0);
-    for (const [k, [, , read]] of VALUES.entries()) write(this.values[k], isPlain ? '–' : read(message));
-    if (message.silence_at_station < this.#silence) this.#interval = this.#silence;
-    this.#silence = message.silence_at_station;
+  get #hasTruth() {
+    return this.#views.some((view) => view.aboard_topic);
+  }
+
+  #show(isAboard) {
+    this.#isAboard.value = isAboard;
+    this.onAboard?.(isAboard);
+  }
+
+  #receive(message) {
+    const before_s = this.#message.value?.silence_at_station ?? 0;
+    if (message.silence_at_station < before_s) this.#interval = before_s;
+    this.#message.value = message;
+  }
+
+  view() {
+    const message = this.#message.value;
+    const isPlain = message?.modem === NONE;
     const isBad =
-      message.fault_loss > 0 || message.quality < POOR || this.#silence > Math.max(SILENT_S, LATE * this.#interval);
-    this.element.dataset.level = isBad ? 'warn' : 'good';
-    write(this.note, isPlain ? 'down' : message.modem + faultText(message.fault_loss));
+      message &&
+      (message.fault_loss > 0 ||
+        message.quality < POOR ||
+        message.silence_at_station > Math.max(SILENT_S, LATE * this.#interval));
+    const note = !message ? '' : isPlain ? 'down' : message.modem + faultText(message.fault_loss);
+    const isHidden = message ? isPlain && !(message.fault_loss > 0) : !this.#views.some((view) => view.link);
+    return html`
+      <section id="link" class="link" data-level=${message && (isBad ? 'warn' : 'good')} hidden=${isHidden}>
+        <h2>Link<small>${note}</small></h2>
+        <dl class="values">
+          ${VALUES.map(([name, unit, read]) => valueRow(name, unit, message && !isPlain ? read(message) : '–'))}
+        </dl>
+        <label class="aboard" hidden=${!this.#hasTruth}>
+          <input
+            type="checkbox"
+            checked=${this.#isAboard.value}
+            onChange=${(event) => this.#show(event.target.checked)}
+          /> Show what the vehicle sees
+        </label>
+      </section>
+    `;
   }
 }

@@ -1,19 +1,21 @@
 // The panel: all values of the paper's panel, the position, bars, the link and the map.
-import { clockText, el, fixed, grouped, write } from '../dom.js';
+import { clockText, draw, fixed, grouped } from '../dom.js';
 import { unitName } from '../units.js';
+import { html, signal } from '../vendor/preact.js';
 import { Alarms } from './alarms.js';
 import { AllStop } from './all_stop.js';
 import { Arm } from './arm.js';
-import { Bars } from './bars.js';
+import { bars } from './bars.js';
 import { ExercisePanel } from './exercise.js';
-import { Failsafe } from './failsafe.js';
+import { failsafe } from './failsafe.js';
 import { Link } from './link.js';
-import { AROUND, BIG, LENGTH, MOTION, POSITION, gaugeRow } from './rows.js';
+import { AROUND, BIG, downloads, LENGTH, MOTION, POSITION, gaugeRow, valueRow } from './rows.js';
 import { TetherPanel } from './tether.js';
 
 const LOW_PERCENT = 25;
 const EMPTY_PERCENT = 10;
 const OLD_S = 1.5; // age from which a measurement is greyed out, plus the interval of slow instruments
+const MAP_KINDS = ['bt', 'ply', 'pcd', 'tif'];
 const EFFORTS = ['Surge', 'Sway', 'Heave', 'Roll', 'Pitch', 'Yaw'];
 
 // The age of a measured value [s]; 0 if the telemetry does not report it.
@@ -35,148 +37,117 @@ function estimateText({ position, position_std: std, true_position: truth, is_tr
   return `± ${fixed(Math.hypot(...std), 2)} m${isTruth ? `, truly ${fixed(off_m, 2)} m off` : ''}`;
 }
 
+const section = (title, note, ...contents) =>
+  html`<section><h2>${title}<small>${note}</small></h2>${contents}</section>`;
+
 export class Panel {
-  #values = []; // [element, text of m, tip of m, measured field, element with the name of the unit of lengths]
-  #own = 0; // of them: those that are not of sensors that packages add
-  #sensors = []; // the gauges of these
+  /** @type {{ value: import('../wire/messages.js').VehicleDescription | null }} */
+  #vehicle = signal(null);
+  #mapNote = signal('');
   alarms = new Alarms();
-  thrusters = new Bars();
-  efforts = new Bars();
 
   // inspection: see Inspection.
   constructor(container, station, telemetry, pilot, inspection) {
     this.station = station;
     this.telemetry = telemetry;
     this.pilot = pilot;
+    this.inspection = inspection;
     this.allStop = new AllStop(station, pilot);
-    this.failsafe = new Failsafe(station);
     this.link = new Link(station);
     this.tether = new TetherPanel(station);
     this.arm = new Arm(station, telemetry, pilot.arm);
-    this.kind = el('small');
-    this.age = el('small');
-    this.battery = el('i');
-    this.meter = el(
-      'div',
-      { className: 'meter', role: 'meter', 'aria-label': 'Battery', 'aria-valuemin': 0, 'aria-valuemax': 100 },
-      this.battery,
-    );
-    this.mapNote = el('small');
-    this.downloads = el('div', { className: 'downloads', role: 'group', 'aria-label': 'Download the map' });
-    this.efforts.name(EFFORTS);
-    this.charge = el('small');
-    this.driveTitle = el('span', {}, 'Thrusters');
-    this.around = this.#list(AROUND);
-    this.timed = el(
-      'div',
-      {},
-      this.#section('', this.age, this.#list(BIG, 'big-values'), this.#list(MOTION)),
-      this.#section('Position', this.kind, this.#list(POSITION, 'big-values small')),
-      this.#section('Around', null, this.around),
-      this.#section('Battery', this.charge, this.meter),
-      this.#section(this.driveTitle, el('small', {}, '%'), this.thrusters.element),
-    );
-    this.#own = this.#values.length;
     this.exercise = new ExercisePanel(station);
-    container.append(
-      this.allStop.element,
-      this.failsafe.element,
-      this.exercise.element,
-      this.alarms.element,
-      this.timed,
-      this.arm.element,
-      inspection.element,
-      this.tether.element,
-      this.link.element,
-      this.#section('Controls', el('small', {}, '%'), this.efforts.element),
-      this.#section('Map', this.mapNote, this.downloads),
-    );
-    telemetry.addEventListener('change', () => this.show());
-    pilot.addEventListener('efforts', () => this.efforts.show(Object.values(pilot.efforts)));
-    setInterval(() => this.show(), 500);
+    telemetry.addEventListener('change', () => this.#hear());
+    /** @type {[EventTarget, string][]} */
+    const followed = [
+      [telemetry, 'change'],
+      [pilot, 'efforts'],
+      [pilot.arm, 'part'],
+      [station, 'state'],
+    ];
+    const again = draw(container, () => this.#view(), ...followed);
+    setInterval(() => {
+      this.#hear();
+      again();
+    }, 500);
   }
 
   begin(vehicle, description) {
     this.allStop.begin(vehicle);
-    this.failsafe.begin(vehicle);
     this.arm.begin(vehicle);
     this.exercise.begin(description);
     this.link.begin(vehicle, description.views);
     this.tether.begin(vehicle);
-    this.hasThrusters = vehicle.thrusters.length > 0; // otherwise it is driven by forces along and about the axes
-    this.thrusters.name(this.hasThrusters ? vehicle.thrusters : EFFORTS);
-    write(this.driveTitle, this.hasThrusters ? 'Thrusters' : 'Thrust');
-    this.downloads.hidden = !vehicle.map;
-    this.downloads.replaceChildren(
-      ...['bt', 'ply', 'pcd', 'tif'].map((kind) =>
-        el(
-          'a',
-          {
-            href: this.station.href(`${vehicle.map}.${kind}`),
-            download: '',
-            'aria-label': `Download the map as .${kind}`,
-          },
-          `.${kind}`,
-        ),
-      ),
-    );
+    this.#vehicle.value = vehicle;
   }
 
   showMap({ count, resolution_m }) {
-    write(this.mapNote, count ? `${grouped(count)} voxels of ${+resolution_m.toFixed(3)} m` : 'no pings yet');
+    this.#mapNote.value = count ? `${grouped(count)} voxels of ${+resolution_m.toFixed(3)} m` : 'no pings yet';
   }
 
-  show() {
-    const { message, isStale, lag_s, contact, nearest_m, reaches, sensors } = this.telemetry;
-    this.timed.classList.toggle('is-stale', isStale);
-    this.alarms.setPublished(this.station.description?.warnings?.as_published ?? false);
-    this.alarms.show(message, isStale, { time_s: this.telemetry.stamp_s, contact, nearest_m });
+  // Warn of what the telemetry reports.
+  #hear() {
+    const { message, isStale, contact, nearest_m, stamp_s: time_s } = this.telemetry;
+    this.alarms.isAsPublished = this.station.description?.warnings?.as_published ?? false;
+    this.alarms.hear(message, isStale, { time_s, contact, nearest_m });
     if (this.station.isBlind && this.station.flew) this.alarms.warnOfSilence();
-    this.allStop.show(message, isStale);
-    this.failsafe.show(message, isStale);
-    this.arm.show(isStale);
-    write(
-      this.age,
-      !message ? 'waiting' : this.station.isBlind ? 'not connected' : lag_s > 1 ? `${fixed(lag_s, 1)} s old` : '',
-    );
-    if (!message) return;
-    if (sensors !== this.#sensors) {
-      this.#sensors = sensors;
-      this.#values.length = this.#own;
-      const kept = [...this.around.children].slice(0, AROUND.length);
-      this.around.replaceChildren(...kept, ...this.#list(sensors.map(gaugeRow)).children);
-    }
-    for (const [element, read, explain, field, lengths] of this.#values) {
-      if (lengths) write(lengths, unitName());
-      write(element, read(message, reaches));
-      const age = ageText(ageOf(field, message));
-      element.parentElement.classList.toggle('is-stale', age !== '');
-      element.title = age || (explain?.(message) ?? '');
-    }
-    write(this.kind, estimateText(message));
-    const isOff = !message.released || message.battery <= 0; // efforts then have no effect
-    this.thrusters.show(isOff ? [] : this.hasThrusters ? message.thrusters : message.efforts);
-    const percent = Math.max(0, Math.min(100, message.battery));
-    this.battery.style.width = `${percent}%`;
-    this.meter.dataset.level = percent <= EMPTY_PERCENT ? 'empty' : percent <= LOW_PERCENT ? 'low' : 'good';
-    this.meter.setAttribute('aria-valuenow', percent.toFixed(0));
-    write(this.charge, `${fixed(message.battery, 0)} % · ${clockText(message.mission_time)} used`);
-  }
-
-  #section(title, note, ...contents) {
-    const head = title || note ? el('h2', {}, title || 'Vehicle', note) : null;
-    return el('section', {}, head, ...contents);
+    this.allStop.hear(message);
   }
 
   #list(rows, className = 'values') {
-    const list = el('dl', { className });
-    for (const [name, unit, read, explain, field] of rows) {
-      const value = el('span', {}, '–');
-      const suffix = unit ? el('span', { className: 'unit' }, unit) : null;
-      this.#values.push([value, read, explain, field, unit === LENGTH ? suffix : null]);
-      const parts = [el('dt', {}, name), el('dd', {}, value, suffix)];
-      list.append(el('div', {}, ...parts));
-    }
-    return list;
+    const { message, reaches } = this.telemetry;
+    const row = ([name, unit, read, explain, field]) => {
+      const age = message ? ageText(ageOf(field, message)) : '';
+      const text = message ? read(message, reaches) : '–';
+      const title = age || (message && explain?.(message)) || '';
+      return valueRow(name, unit === LENGTH ? unitName() : unit, text, title, age !== '');
+    };
+    return html`<dl class=${className}>${rows.map(row)}</dl>`;
+  }
+
+  #battery({ battery = 100 } = {}) {
+    const percent = Math.max(0, Math.min(100, battery));
+    const level = percent <= EMPTY_PERCENT ? 'empty' : percent <= LOW_PERCENT ? 'low' : 'good';
+    return html`
+      <div class="meter" role="meter" aria-label="Battery" aria-valuemin="0" aria-valuemax="100"
+        aria-valuenow=${percent.toFixed(0)} data-level=${level}>
+        <i style=${{ width: `${percent}%` }} />
+      </div>
+    `;
+  }
+
+  #view() {
+    const { station, telemetry, pilot } = this;
+    const { message, isStale, lag_s, sensors } = telemetry;
+    const { name = '', thrusters = [], map = null } = this.#vehicle.value ?? {};
+    const hasThrusters = thrusters.length > 0; // otherwise it is driven by forces along and about the axes
+    const isOff = !message?.released || message.battery <= 0; // efforts then have no effect
+    const age = !message ? 'waiting' : station.isBlind ? 'not connected' : lag_s > 1 ? `${fixed(lag_s, 1)} s old` : '';
+    const charge = message ? `${fixed(message.battery, 0)} % · ${clockText(message.mission_time)} used` : '';
+    const driven = isOff ? [] : hasThrusters ? message.thrusters : message.efforts;
+    const file = (kind) => ({
+      href: station.href(`${map}.${kind}`),
+      download: '',
+      'aria-label': `Download the map as .${kind}`,
+    });
+    return html`
+      ${this.allStop.view(isStale)}
+      ${failsafe(station, name, message, isStale)}
+      ${this.exercise.view()}
+      ${this.alarms.view(isStale)}
+      <div class=${isStale ? 'is-stale' : ''}>
+        ${section('Vehicle', age, this.#list(BIG, 'big-values'), this.#list(MOTION))}
+        ${section('Position', message ? estimateText(message) : '', this.#list(POSITION, 'big-values small'))}
+        ${section('Around', '', this.#list([...AROUND, ...sensors.map(gaugeRow)]))}
+        ${section('Battery', charge, this.#battery(message ?? {}))}
+        ${section(hasThrusters ? 'Thrusters' : 'Thrust', '%', bars(hasThrusters ? thrusters : EFFORTS, driven))}
+      </div>
+      ${this.arm.view(isStale)}
+      ${this.inspection.view()}
+      ${this.tether.view()}
+      ${this.link.view()}
+      ${station.description?.replay ? '' : section('Controls', '%', bars(EFFORTS, Object.values(pilot.efforts)))}
+      ${section('Map', this.#mapNote.value, downloads('Download the map', map ? MAP_KINDS : [], file))}
+    `;
   }
 }

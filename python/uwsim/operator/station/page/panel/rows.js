@@ -2,6 +2,7 @@
 import { attitude } from '../attitude.js';
 import { capital, fixed } from '../dom.js';
 import { inUnit } from '../units.js';
+import { html } from '../vendor/preact.js';
 import { GAUGES } from '../wire/messages.js';
 
 /** Words of gauges that are not said as they are called.
@@ -37,6 +38,23 @@ function range(range_m, reach_m = Infinity) {
   if (range_m === Infinity) return 'none';
   return range_m >= reach_m ? `> ${fixed(inUnit(reach_m), 0)}` : fixed(inUnit(range_m), 1);
 }
+
+// A row of a list: the name of a value, its unit, its text and its tooltip.
+export const valueRow = (name, unit, text, title = '', isOld = false) => html`
+  <div>
+    <dt>${name}</dt>
+    <dd class=${isOld ? 'is-stale' : ''}>
+      <span title=${title}>${text}</span>${unit && html`<span class="unit">${unit}</span>`}
+    </dd>
+  </div>
+`;
+
+// A group of links to files of some kinds. of: the attributes of one.
+export const downloads = (label, kinds, of) => html`
+  <div class="downloads" role="group" aria-label=${label}>
+    ${kinds.map((kind) => html`<a ...${of(kind)}>.${kind}</a>`)}
+  </div>
+`;
 
 const size = (value) => (typeof value === 'number' ? value : Math.hypot(...value));
 

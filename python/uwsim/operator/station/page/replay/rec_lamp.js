@@ -1,17 +1,14 @@
 // The lamp that shows whether the flight is being recorded: red if it is not.
-import { byId, write } from '../dom.js';
+import { html } from '../vendor/preact.js';
 
-export function showRecording(station) {
-  for (const event of ['state', 'description']) station.addEventListener(event, () => show(station));
-}
-
-function show({ state, description }) {
-  const lamp = byId('rec');
+export function recLamp({ state, description }) {
   const isOff = !state.flight;
-  lamp.hidden = !description?.is_recorded;
-  lamp.classList.toggle('is-off', isOff);
-  write(lamp, isOff ? 'NO REC' : 'REC');
-  lamp.title = isOff
+  const why = isOff
     ? state.flight_trouble || 'This flight is not recorded'
     : `This flight is recorded as ${state.flight}`;
+  return html`
+    <span id="rec" class="rec ${isOff ? 'is-off' : ''}" role="status" title=${why} hidden=${!description?.is_recorded}>
+      ${isOff ? 'NO REC' : 'REC'}
+    </span>
+  `;
 }

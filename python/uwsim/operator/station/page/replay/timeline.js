@@ -1,5 +1,6 @@
 // The time line of a replay, in place of the controls that drive: time, events, the helm.
-import { attempt, byId, capital, clockText, el, pen, write } from '../dom.js';
+import { attempt, byId, capital, clockText, draw, first, pen } from '../dom.js';
+import { html, signal } from '../vendor/preact.js';
 
 /** Words before the values of an event, whose other names are said, or are left out.
  * @type {Record<string, string>}
@@ -17,48 +18,28 @@ const UNSAID = new Set(['fault', 'holds', 'kind', 'lamp', 'mode', 'name', 'objec
 const INSET_PX = 8; // half of the slider's thumb
 const HEIGHT_PX = 14; // of the events above it
 const COLOURS = { command: '--text-soft', alarm: '--alarm', collision: '--warn' };
-const option = (value, text) => el('option', { value }, text);
 
 export class Timeline {
   now_s = 0;
-  /** @type {import('../wire/messages.js').ReplayDescription | null} */
-  #replay = null; // as described by the server
+  #shown_s = signal(0); // or the time to go to
+  /** @type {{ value: import('../wire/messages.js').ReplayDescription | null }} */
+  #flight = signal(null); // as described by the server
   #wanted_s = NaN; // the time to go to next
   #isSeeking = false;
   #isHeld = false; // whether the user is holding the slider
 
-  constructor(station, telemetry, panel) {
+  constructor(station, telemetry) {
     this.station = station;
-    this.panel = panel;
-    this.play = el('button', { type: 'button', className: 'strong', onclick: () => this.#playOrPause() });
-    this.time = el('output', { className: 'reading', 'aria-label': 'Time, and the end of the flight' });
-    this.slider = el('input', { type: 'range', 'aria-label': 'Time of the flight', step: '0.05' });
-    this.slider.addEventListener('input', () => this.seek(Number(this.slider.value)));
-    this.slider.addEventListener('pointerdown', () => (this.#isHeld = true));
-    this.slider.addEventListener('pointerup', () => (this.#isHeld = false));
-    this.events = el('select', { 'aria-label': 'Go to an event', onchange: () => this.#goToEvent() });
-    this.helm = el(
-      'button',
-      { type: 'button', className: 'primary', onclick: () => this.#takeHelm() },
-      'Take the helm',
-    );
-    this.plot = el('canvas', {
-      className: 'timeline-plot',
-      role: 'img',
-      'aria-label': 'Events over time',
-    });
-    this.plot.addEventListener('click', ({ offsetX }) => this.seek(this.#timeAt(offsetX)));
     this.element = byId('timeline');
-    this.element.setAttribute('aria-label', 'Time line');
-    this.element.append(
-      el('div', { className: 'group' }, this.play, this.time),
-      this.slider,
-      el('div', { className: 'group' }, this.events, this.helm),
-      this.plot,
-    );
+    draw(this.element, () => this.#view(), [station, 'state', 'close']);
+    this.plot = /** @type {any} */ (first(this.element, 'canvas'));
     station.addEventListener('state', () => this.#follow(station.state.time));
     telemetry.addEventListener('change', () => this.#follow(telemetry.stamp_s));
     new ResizeObserver(() => this.#draw()).observe(this.plot);
+  }
+
+  get #replay() {
+    return this.#flight.value;
   }
 
   get isShown() {
@@ -68,20 +49,46 @@ export class Timeline {
   /** Show the time line of a session, if it is a replay.
    * @param {import('../wire/messages.js').Description} description
    */
-  begin({ replay = null, branched_from: branchedFrom = '' }) {
-    this.#replay = replay;
+  begin({ replay = null }) {
+    this.#flight.value = replay;
     this.element.hidden = !replay;
     byId('station').classList.toggle('is-replay', replay !== null);
-    this.panel.efforts.element.closest('section').hidden = replay !== null;
-    byId('scenario-name').title = branchedFrom ? `Flown on from ${branchedFrom}` : '';
-    if (!replay) return;
-    this.slider.min = String(Math.floor(replay.start_s)); // whole steps from 0
-    this.slider.max = String(Math.ceil(replay.end_s));
-    this.events.replaceChildren(
-      option('', `${replay.events.length === 1 ? '1 event' : `${replay.events.length} events`}`),
-      ...replay.events.map((event) => option(event.time_s, `${clockText(event.time_s, 1)} ${happened(event)}`)),
-    );
     this.#follow(this.station.state.time);
+  }
+
+  // The ends of the slider [s], in whole steps from 0.
+  get #span_s() {
+    const { start_s = 0, end_s = 1 } = this.#replay ?? {};
+    return [Math.floor(start_s), Math.ceil(end_s)];
+  }
+
+  #view() {
+    const { station } = this;
+    const { events = [], end_s = 0 } = this.#replay ?? {};
+    const [from_s, to_s] = this.#span_s;
+    const mayNot = !station.isPilot;
+    const text = `${clockText(this.#shown_s.value, 1)} / ${clockText(end_s, 1)}`;
+    const hold = (isHeld) => () => (this.#isHeld = isHeld);
+    return html`
+      <div class="group">
+        <button type="button" class="strong" disabled=${mayNot} onClick=${() => this.#playOrPause()}>
+          ${station.state.paused ? 'Play' : 'Pause'}
+        </button>
+        <output class="reading" aria-label="Time, and the end of the flight">${text}</output>
+      </div>
+      <input type="range" aria-label="Time of the flight" aria-valuetext=${text} min=${from_s} max=${to_s} step="0.05"
+        value=${this.#isHeld ? undefined : this.#shown_s.value} disabled=${mayNot}
+        onInput=${({ target }) => this.seek(Number(target.value))} onPointerDown=${hold(true)} onPointerUp=${hold(false)} />
+      <div class="group">
+        <select aria-label="Go to an event" disabled=${mayNot} onChange=${({ target }) => this.#goTo(target)}>
+          <option value="">${events.length === 1 ? '1 event' : `${events.length} events`}</option>
+          ${events.map((each) => html`<option value=${each.time_s}>${clockText(each.time_s, 1)} ${happened(each)}</option>`)}
+        </select>
+        <button type="button" class="primary" disabled=${mayNot} onClick=${() => this.#takeHelm()}>Take the helm</button>
+      </div>
+      <canvas class="timeline-plot" role="img" aria-label="Events over time"
+        onClick=${({ offsetX }) => this.seek(this.#timeAt(offsetX))} />
+    `;
   }
 
   // Go to a time. While the server is moving to an earlier request's time, only the newest request is kept.
@@ -107,22 +114,14 @@ export class Timeline {
   }
 
   #show(time_s) {
-    const { station } = this;
-    if (!this.#replay) return;
-    const { end_s } = this.#replay;
-    const text = `${clockText(time_s, 1)} / ${clockText(end_s, 1)}`;
-    write(this.time, text);
-    write(this.play, station.state.paused ? 'Play' : 'Pause');
-    if (!this.#isHeld) this.slider.value = String(time_s);
-    this.slider.setAttribute('aria-valuetext', text);
-    for (const each of [this.play, this.slider, this.events, this.helm]) each.disabled = !station.isPilot;
+    this.#shown_s.value = time_s;
     this.#draw();
   }
 
   #draw() {
     const width = this.plot.clientWidth;
     if (!this.#replay || !width) return;
-    const [from_s, to_s] = [Number(this.slider.min), Number(this.slider.max)];
+    const [from_s, to_s] = this.#span_s;
     const ratio = Math.min(devicePixelRatio || 1, 2);
     [this.plot.width, this.plot.height] = [Math.round(width * ratio), HEIGHT_PX * ratio];
     const style = getComputedStyle(this.plot);
@@ -134,11 +133,11 @@ export class Timeline {
       c.fillRect(x - 1, 0, 2, HEIGHT_PX);
     };
     for (const { time_s, kind } of this.#replay.events) mark(time_s, COLOURS[kind]);
-    mark(this.#isSeeking ? Number(this.slider.value) : this.now_s, '--accent');
+    mark(this.#isSeeking ? this.#shown_s.value : this.now_s, '--accent');
   }
 
   #timeAt(px) {
-    const [from_s, to_s] = [Number(this.slider.min), Number(this.slider.max)];
+    const [from_s, to_s] = this.#span_s;
     return from_s + ((px - INSET_PX) / (this.plot.clientWidth - 2 * INSET_PX)) * (to_s - from_s);
   }
 
@@ -146,9 +145,9 @@ export class Timeline {
     attempt(this.station.control(this.station.state.paused ? 'resume' : 'pause'));
   }
 
-  #goToEvent() {
-    if (this.events.value !== '') this.seek(Number(this.events.value));
-    this.events.value = '';
+  #goTo(select) {
+    if (select.value !== '') this.seek(Number(select.value));
+    select.value = '';
   }
 
   #takeHelm() {
