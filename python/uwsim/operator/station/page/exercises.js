@@ -1,51 +1,49 @@
 // The start screen's list of exercises, each with a button that starts it.
-import { byId, clockText, el, write } from './dom.js';
+import { byId, clockText, draw } from './dom.js';
+import { html, signal } from './vendor/preact.js';
 
 export class Exercises {
+  /** @type {{ value: import('./wire/messages.js').OfferedExercise[] }} */
+  #offered = signal([]);
+  #status = signal('');
+  #starting = signal(''); // the name of one
+
   constructor(station) {
     this.station = station;
-    this.status = el('p', { className: 'flights-status', role: 'status' });
-    this.list = el('ol', { className: 'flights-list' });
-    this.element = byId('exercises');
-    this.element.append(
-      el('h2', { id: 'exercises-title' }, 'Exercises'),
-      el('p', {}, 'In the order of the course. Time stands still until you begin.'),
-      this.status,
-      this.list,
-    );
+    draw(byId('exercises'), () => this.#view());
   }
 
-  /** @param {import('./wire/messages.js').OfferedExercise[]} exercises */
   show(exercises) {
-    this.list.replaceChildren(...exercises.map((each) => this.#row(each)));
+    this.#offered.value = exercises;
   }
 
-  #row({ name, title, brief, scenario, time_s }) {
-    const button = el('button', { type: 'button', 'aria-label': `Start ${title}` }, 'Start');
-    button.addEventListener('click', () => this.#start(name, button));
-    return el(
-      'li',
-      { 'data-exercise': name },
-      el(
-        'div',
-        {},
-        el('b', {}, title),
-        el('span', {}, `${scenario.replaceAll('_', ' ')}, ${clockText(time_s)}`),
-        el('small', {}, brief),
-      ),
-      button,
-    );
+  #view() {
+    const row = ({ name, title, brief, scenario, time_s }) => html`
+      <li key=${name} data-exercise=${name}>
+        <div>
+          <b>${title}</b><span>${scenario.replaceAll('_', ' ')}, ${clockText(time_s)}</span><small>${brief}</small>
+        </div>
+        <button type="button" aria-label="Start ${title}" disabled=${this.#starting.value === name}
+          onClick=${() => this.#start(name)}>Start</button>
+      </li>
+    `;
+    return html`
+      <h2 id="exercises-title">Exercises</h2>
+      <p>In the order of the course. Time stands still until you begin.</p>
+      <p class="flights-status" role="status">${this.#status.value}</p>
+      <ol class="flights-list">${this.#offered.value.map(row)}</ol>
+    `;
   }
 
-  async #start(name, button) {
-    button.disabled = true;
-    write(this.status, 'Starting …');
+  async #start(name) {
+    this.#starting.value = name;
+    this.#status.value = 'Starting …';
     try {
       const answer = await this.station.start({ exercise_name: name });
-      write(this.status, answer.success ? '' : answer.message);
+      this.#status.value = answer.success ? '' : answer.message;
     } catch (error) {
-      write(this.status, error.message);
+      this.#status.value = error.message;
     }
-    button.disabled = false;
+    this.#starting.value = '';
   }
 }

@@ -1,5 +1,5 @@
 // Pictures of the chosen scenario: what its vehicle sees, and the scenario from above.
-import { el } from './dom.js';
+import { html, signal } from './vendor/preact.js';
 
 const LEGEND = {
   station: 'Station',
@@ -9,60 +9,47 @@ const LEGEND = {
 };
 
 export class Preview {
-  #shown = '';
+  #shown = signal({ scenario: '', still: '', above: '' });
+  #loaded = signal({ still: false, above: false });
   #edition = 0; // of the scenarios' files
-
-  constructor() {
-    this.image = el('img', {
-      alt: '',
-      onload: () => this.#show(true),
-      onerror: () => this.#show(false),
-    });
-    const legend = Object.entries(LEGEND).map(([kind, text]) =>
-      el('li', {}, el('span', { className: `mark mark-${kind}`, 'aria-hidden': 'true' }), text),
-    );
-    this.still = el('img', {
-      alt: '',
-      hidden: true,
-      onload: () => (this.still.hidden = false),
-      onerror: () => (this.still.hidden = true),
-    });
-    this.element = el(
-      'figure',
-      { className: 'preview', hidden: true },
-      this.still,
-      this.image,
-      el('figcaption', {}, el('p', {}, 'From above, north up'), el('ul', {}, ...legend)),
-    );
-  }
 
   // Show the pictures of a scenario; '' for none. href(suffix): the address of one. What is seen from above
   // stays until the next has loaded.
   show(scenario, href) {
-    if (scenario === this.#shown) return;
-    this.#shown = scenario;
-    if (!scenario) {
-      this.#show(false);
-      return;
-    }
-    this.still.hidden = true;
-    this.still.alt = `${scenario}, as its vehicle sees it`;
-    this.image.alt = `${scenario} from above: depths, obstacles, station and start`;
-    this.still.src = this.#newest(href('.jpg'));
-    this.image.src = this.#newest(href('.png'));
-  }
-
-  #newest(url) {
-    return this.#edition ? `${url}${url.includes('?') ? '&' : '?'}edition=${this.#edition}` : url;
+    const { scenario: before, still, above } = this.#shown.value;
+    if (scenario === before) return;
+    const newest = (url) => (this.#edition ? `${url}${url.includes('?') ? '&' : '?'}edition=${this.#edition}` : url);
+    if (scenario) this.#shown.value = { scenario, still: newest(href('.jpg')), above: newest(href('.png')) };
+    else this.#shown.value = { scenario, still, above };
+    this.#loaded.value = { still: false, above: this.#loaded.value.above && scenario !== '' };
   }
 
   // Ask for the picture again, as the scenario's file has changed.
   forget() {
-    this.#shown = '';
+    this.#shown.value = { ...this.#shown.value, scenario: '' };
     this.#edition += 1;
   }
 
-  #show(isShown) {
-    this.element.hidden = !isShown || this.#shown === '';
+  view() {
+    const { scenario, still, above } = this.#shown.value;
+    const loaded = this.#loaded.value;
+    const load = (name, is) => () => (this.#loaded.value = { ...this.#loaded.value, [name]: is });
+    const image = (name, src, alt, isHidden) => html`
+      <img src=${src || undefined} alt=${alt} hidden=${isHidden} onLoad=${load(name, true)} onError=${load(name, false)} />
+    `;
+    return html`
+      <figure class="preview" hidden=${!loaded.above}>
+        ${image('still', still, `${scenario}, as its vehicle sees it`, !loaded.still)}
+        ${image('above', above, `${scenario} from above: depths, obstacles, station and start`, false)}
+        <figcaption>
+          <p>From above, north up</p>
+          <ul>
+            ${Object.entries(LEGEND).map(
+              ([kind, text]) => html`<li><span class="mark mark-${kind}" aria-hidden="true" />${text}</li>`,
+            )}
+          </ul>
+        </figcaption>
+      </figure>
+    `;
   }
 }

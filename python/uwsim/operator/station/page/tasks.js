@@ -1,5 +1,6 @@
 // The start screen's question what to do: fly, train, survey, build a scene, or replay. It decides which parts are shown.
-import { byId, capital, el } from './dom.js';
+import { byId, capital, draw } from './dom.js';
+import { html } from './vendor/preact.js';
 
 // The tasks, and a hint for each.
 const TASKS = {
@@ -12,20 +13,17 @@ const TASKS = {
 
 // act(task): called when a task is chosen.
 export function offerTasks(act) {
-  const buttons = Object.entries(TASKS).map(([task, hint]) =>
-    el(
-      'button',
-      { type: 'button', 'data-task': task, onclick: () => choose(task) },
-      el('b', {}, capital(task)),
-      el('small', {}, hint),
-    ),
-  );
-  function choose(chosen) {
-    byId('start').dataset.task = chosen;
-    for (const each of buttons) each.setAttribute('aria-pressed', String(each.dataset.task === chosen));
-    act(chosen);
-  }
-  byId('tasks').setAttribute('aria-label', 'What do you want to do?');
-  byId('tasks').append(...buttons);
-  choose('fly');
+  const { dataset } = byId('start');
+  dataset.task = 'fly';
+  const choose = (task) => {
+    dataset.task = task;
+    again();
+    act(task);
+  };
+  const button = ([task, hint]) => html`
+    <button type="button" data-task=${task} aria-pressed=${dataset.task === task} onClick=${() => choose(task)}>
+      <b>${capital(task)}</b><small>${hint}</small>
+    </button>
+  `;
+  const again = draw(byId('tasks'), () => Object.entries(TASKS).map(button));
 }

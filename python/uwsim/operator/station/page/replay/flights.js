@@ -1,5 +1,6 @@
 // The start screen's list of recorded flights, each with a button to replay it or the reason why this is impossible.
-import { byId, clockText, el, toast, write } from '../dom.js';
+import { byId, clockText, draw, toast } from '../dom.js';
+import { html, signal } from '../vendor/preact.js';
 
 // "23 Nov 2026, 04:12", in the user's time zone; '' if unknown.
 function begunText(begun) {
@@ -10,92 +11,72 @@ function begunText(begun) {
 }
 
 export class Flights {
+  #flights = signal([]); // the entries of the catalog
+  #answers = signal({}); // of the server, by the flights' names: { why, isRefused }
+  #status = signal({ text: '', kind: '' });
   #isOpening = false;
   #trouble = '';
-  /** @type {Map<string, Element>} */
-  #rows = new Map(); // by their entries
 
   constructor(station) {
     this.station = station;
-    this.status = el('p', { className: 'flights-status', role: 'status' });
-    this.none = el('p', {}, 'No flights yet: each flight is recorded.');
-    this.list = el('ul', { className: 'flights-list' });
-    this.element = byId('flights');
-    this.element.append(
-      el('h2', { id: 'flights-title' }, 'Flights'),
-      el('p', {}, 'Every flight is recorded automatically. The oldest are deleted when there are too many.'),
-      this.status,
-      this.none,
-      this.list,
-    );
+    draw(byId('flights'), () => this.#view());
     station.addEventListener('state', () => this.#warn());
   }
 
-  // flights: the entries of the catalog. Rows that have not changed stay in place, so that no click on one is lost.
   show(flights = []) {
-    this.element.classList.toggle('is-empty', flights.length === 0);
-    this.none.hidden = flights.length > 0;
-    const before = [...this.#rows.values()];
-    const keys = flights.map((flight) => JSON.stringify(flight));
-    this.#rows = new Map(keys.map((key, k) => [key, this.#rows.get(key) ?? this.#row(flights[k])]));
-    const rows = [...this.#rows.values()];
-    for (const old of before) if (!rows.includes(old)) old.remove();
-    rows.forEach((row, k) => {
-      if (this.list.children[k] !== row) this.list.insertBefore(row, this.list.children[k] ?? null);
-    });
+    byId('flights').classList.toggle('is-empty', flights.length === 0);
+    this.#flights.value = flights;
   }
 
-  #row(flight) {
-    const { name, scenario, begun, duration_s, cut_off, size_bytes, branched_from, from_log, exercise, refused } =
-      flight;
-    const title = el('b', {}, begunText(begun) || name);
+  #view() {
+    const [flights, { text, kind }] = [this.#flights.value, this.#status.value];
+    return html`
+      <h2 id="flights-title">Flights</h2>
+      <p>Every flight is recorded automatically. The oldest are deleted when there are too many.</p>
+      <p class="flights-status" role="status" data-kind=${kind}>${text}</p>
+      <p hidden=${flights.length > 0}>No flights yet: each flight is recorded.</p>
+      <ul class="flights-list">${flights.map((flight) => this.#row(flight))}</ul>
+    `;
+  }
+
+  #row({ name, scenario, begun, duration_s, cut_off, size_bytes, branched_from, from_log, exercise, refused }) {
+    const { why = refused, isRefused = refused !== '' } = this.#answers.value[name] ?? {};
+    const title = begunText(begun) || name;
     const duration = cut_off ? `cut off at ${clockText(duration_s)}` : clockText(duration_s);
-    const about = scenario ? `${scenario}, ${duration}, ${(size_bytes / 1e6).toFixed(1)} MB` : '';
-    const wrong = el('small', { className: 'wrong', role: 'status' }, refused);
-    const replay = el(
-      'button',
-      { type: 'button', 'aria-label': `Replay the flight of ${begunText(begun) || name}` },
-      'Replay',
-    );
-    replay.disabled = refused !== '';
-    replay.addEventListener('click', () => this.#open(name, wrong, replay));
-    return el(
-      'li',
-      { 'data-flight': name },
-      el(
-        'div',
-        {},
-        title,
-        el('span', {}, about),
-        branched_from ? el('small', {}, `flown on from ${branched_from}`) : null,
-        exercise ? el('small', {}, `exercise: ${exercise}`) : null,
-        from_log ? el('small', {}, `from the log ${from_log}`) : null,
-        wrong,
-      ),
-      replay,
-    );
+    return html`
+      <li key=${name} data-flight=${name}>
+        <div>
+          <b>${title}</b>
+          <span>${scenario && `${scenario}, ${duration}, ${(size_bytes / 1e6).toFixed(1)} MB`}</span>
+          ${branched_from && html`<small>flown on from ${branched_from}</small>`}
+          ${exercise && html`<small>exercise: ${exercise}</small>`}
+          ${from_log && html`<small>from the log ${from_log}</small>`}
+          <small class="wrong" role="status">${why}</small>
+        </div>
+        <button type="button" aria-label="Replay the flight of ${title}" disabled=${isRefused}
+          onClick=${() => this.#open(name)}>Replay</button>
+      </li>
+    `;
   }
 
   // The server reads the whole flight first, and refuses it if it cannot be repeated.
-  async #open(name, wrong, button) {
+  async #open(name) {
     if (this.#isOpening) return;
     this.#isOpening = true;
-    this.#showMessage('Reading the flight …');
+    this.#say('Reading the flight …');
     try {
       const answer = await this.station.start({ flight: name, speed: 1 });
       const why = answer.success ? '' : (answer.errors?.flight ?? answer.message);
-      write(wrong, why);
-      button.disabled = Boolean(answer.errors?.flight);
-      this.#showMessage('');
+      this.#answers.value = { ...this.#answers.value, [name]: { why, isRefused: Boolean(answer.errors?.flight) } };
+      this.#say('');
     } catch (error) {
-      this.#showMessage(error.message, 'error');
+      this.#say(error.message, 'error');
     }
     this.#isOpening = false;
   }
 
-  #showMessage(text, kind = '') {
-    write(this.status, text);
-    this.status.dataset.kind = kind;
+  #say(text, kind = '') {
+    this.#status.value = { text, kind };
   }
 
   // Report once why a flight is not recorded.
