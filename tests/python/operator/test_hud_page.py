@@ -71,18 +71,18 @@ TAPES = """() => {
   delete c.fillText;
   return [labels, [...wrong]];
 }"""
-SIGNALS = """() => {
+SIGNALS = """async () => {
   const { telemetry } = globalThis.station;
   const quiet = { ...telemetry.message, alarms: [], hold_note: '', failsafe: '', failsafe_cause: '', collisions: 0 };
   const tell = (changes) => {
     telemetry.message = { ...telemetry.message, ...changes };
     telemetry.dispatchEvent(new Event('change'));
   };
-  document.querySelector('#alarm-log').open = true;
   tell({ ...quiet, proximity_warning: false, range_warning: false });
   tell({ hold_note: 'heading, depth hold ended: the failsafe steers' });
   tell({ hold_note: 'altitude hold became depth hold: the sensor of kind dvl has no valid reading' });
   tell({ failsafe: 'return', failsafe_cause: 'thruster', alarms: ['thruster stern does not obey', 'battery low'] });
+  await null; // until it is drawn
   const log = [...document.querySelectorAll('#alarm-log li')].map(({ lastChild }) => lastChild.textContent.trim());
   return [log, document.querySelector('#failsafe').textContent];
 }"""

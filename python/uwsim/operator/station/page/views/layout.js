@@ -99,7 +99,10 @@ export class Views extends EventTarget {
   fill(views) {
     for (const { picture } of this.#views.values()) picture?.show('');
     this.#views.clear();
-    const all = [...views.map((view) => this.#pictureView(view)), ...this.drawn.map((own) => this.#drawnView(own))];
+    const all = [
+      ...views.map((view) => this.#pictureView(view)),
+      ...this.drawn.map((own) => this.#frame(own, ...own.element)),
+    ];
     for (const each of all.toSorted((a, b) => rank(a.view) - rank(b.view))) this.#views.set(each.view.name, each);
     this.#keys = numberKeys([...this.#views.values()].map(({ view }) => view));
     for (const [name, { number, swap, title }] of this.#views) {
@@ -183,49 +186,31 @@ export class Views extends EventTarget {
     parentElement?.style.setProperty('--strip', `${rows * row_px}px`);
   }
 
-  #frame(title, ...contents) {
-    const number = el('b');
-    const swap = el('button', { type: 'button', className: 'swap' });
-    const lost = el('span', {}, 'No picture');
-    const name = el('p', { className: 'name' }, number, title);
+  #frame(view, ...contents) {
+    const { name, title } = view;
+    const [number, lost] = [el('b'), el('span', {}, 'No picture')];
+    const swap = el('button', { type: 'button', className: 'swap', onclick: () => this.enlarge(name) });
     const over = el('p', { className: 'over', hidden: true });
-    const element = el(
-      'section',
-      { className: 'view', 'aria-label': title },
-      ...contents,
-      el('p', { className: 'lost' }, lost),
-      over,
-      name,
-      swap,
-    );
-    return { element, number, swap, lost, over, title };
+    const parts = [el('p', { className: 'lost' }, lost), over, el('p', { className: 'name' }, number, title), swap];
+    const element = el('section', { className: 'view', 'aria-label': title, 'data-view': name }, ...contents, ...parts);
+    return { view, title, element, number, swap, lost, over };
   }
 
   #pictureView(view) {
     const sonar = view.sonar ? new SonarScreen(view.sonar) : null;
     const canvas = sonar?.canvas ?? el('canvas', { className: 'picture', width: 16, height: 9 });
     canvas.setAttribute('role', 'img');
-    const { title } = view;
-    canvas.setAttribute('aria-label', `Picture: ${title}`);
+    canvas.setAttribute('aria-label', `Picture: ${view.title}`);
     const isCamera = CAMERAS.has(view.kind);
     const hasHud = view.kind === 'camera' && (view.optics ? view.optics.follows === 'body' : AHEAD.test(view.name));
     const hudCanvas = hasHud ? el('canvas', { className: 'hud', 'aria-hidden': 'true' }) : null;
-    const frame = this.#frame(title, ...(sonar?.element ?? [canvas, hudCanvas]));
-    frame.swap.addEventListener('click', () => this.enlarge(view.name));
-    frame.element.dataset.view = view.name;
+    const frame = this.#frame(view, ...(sonar?.element ?? [canvas, hudCanvas]));
     const picture = new Picture(this.station.bridge, sonar?.source ?? canvas);
     picture.addEventListener('drawn', () => {
       frame.element.classList.remove('is-stale');
       sonar?.show();
     });
-    return { ...frame, view, picture, isCamera, sonar, hud: hasHud ? new Hud(hudCanvas) : null };
-  }
-
-  #drawnView({ name, kind, title, element }) {
-    const frame = this.#frame(title, ...element);
-    frame.swap.addEventListener('click', () => this.enlarge(name));
-    frame.element.dataset.view = name;
-    return { ...frame, view: { name, kind, title } };
+    return { ...frame, picture, isCamera, sonar, hud: hasHud ? new Hud(hudCanvas) : null };
   }
 
   // Request no pictures for a hidden tab, so that none are rendered.
