@@ -15,7 +15,7 @@ def chart(suffix: str) -> Callable[[bytes, Path], Any]:
     """Return a reader of a chart: the scenario that is made of it."""
 
     def read(data: bytes, folder: Path) -> Any:
-        from uwsim.exchange.from_chart import scenario_from_chart
+        from uwsim.exchange.charts import scenario_from_chart
 
         path, out = folder / f"chart{suffix}", folder / "made.yaml"
         path.write_bytes(data)

@@ -106,7 +106,7 @@ def glider(data: bytes, folder: Path) -> list[bytes]:
     The library is GPL, so that it is no dependency.
     """
     from uwsim.base.texts.json_text import json_object
-    from uwsim.recording.real_flights.glider_log import flight_of
+    from uwsim.exchange.logs.glider_log import flight_of
 
     tables = json_object(data, "log")
 

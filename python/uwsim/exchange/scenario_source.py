@@ -1,16 +1,16 @@
-"""Formats that `uwsim scenario from` reads: one object each, in the group `uwsim.scenario_sources` of entry points."""
+"""Made: what a reader of the group `uwsim.scenario_sources` makes, for `uwsim scenario from`."""
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from uwsim.base import sockets
+from uwsim.base.reader import Reader, reader_of, readers
 
 GROUP = "uwsim.scenario_sources"
+"""Each reader makes a scenario of a path, of the folder to write, or None for one named after the scenario, and of the
+options of the command line that are among its own. It raises ValueError (of NotMadeError, the notes are printed) or
+OSError, and then has written nothing."""
 
 
 class Made(NamedTuple):
@@ -28,40 +28,10 @@ class NotMadeError(ValueError):
         self.notes = notes
 
 
-@dataclass(frozen=True)
-class ScenarioSource:
-    """A format. what: for messages, such as `a URDF file`. accepts: whether a path looks like one, at little cost.
-
-    make: called with the path, the folder to write, or None for one named after the scenario, and the options of the
-    command line that are among `options`. It raises ValueError (of NotMadeError, the notes are printed) or OSError, and
-    then has written nothing.
-    """
-
-    what: str
-    accepts: Callable[[Path], bool]
-    make: Callable[[Path, Path | None, Mapping[str, Any]], Made]
-    options: tuple[str, ...] = ()
-
-
-def source_of(path: Path) -> ScenarioSource:
-    """Return the format of a file or folder. Raises ValueError for one that no format accepts, and OSError."""
+def source_of(path: Path) -> Reader:
+    """Return the reader of a file or folder. Raises ValueError for one that none accepts, and OSError."""
     if not path.exists():
         raise FileNotFoundError(f"'{path}': there is no such file or folder")
-    sources: Mapping[str, ScenarioSource] = sockets.load_all(GROUP, _source)
-    for name, source in sources.items():
-        entry = sockets.registered(GROUP)[name]
-        try:
-            if source.accepts(path):
-                return source
-        except Exception as error:  # another package's code may raise anything
-            if entry.is_own:
-                raise
-            what = sockets.blamed(GROUP, entry, error, "accepts")
-            warnings.warn(f"{what}; not asked further", sockets.SocketWarning, stacklevel=2)
-    raise ValueError(f"'{path}': must be {', '.join(source.what for source in sources.values())}")
-
-
-def _source(name: str, found: object) -> ScenarioSource:
-    if not isinstance(found, ScenarioSource):
-        raise TypeError(f"{name}: must be a ScenarioSource")
+    if (found := reader_of(GROUP, path)) is None:
+        raise ValueError(f"'{path}': must be {', '.join(each.what for each in readers(GROUP).values())}")
     return found

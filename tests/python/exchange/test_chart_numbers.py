@@ -8,8 +8,8 @@ import rasterio
 from affine import Affine
 from pyproj import Geod, Transformer
 
+from uwsim.exchange.charts import scenario_from_chart
 from uwsim.exchange.cli.scenario_from import scenario_from
-from uwsim.exchange.from_chart import scenario_from_chart
 from uwsim.scenario import ScenarioError, build_world, load
 from uwsim.scenario.georeference import georeference
 

@@ -9,8 +9,8 @@ from affine import Affine
 from rasterio.shutil import copy
 from tests.fuzz.charts import s102
 
+from uwsim.exchange.charts import _largest_squares, scenario_from_chart
 from uwsim.exchange.cli.scenario_from import scenario_from
-from uwsim.exchange.from_chart import _largest_squares, scenario_from_chart
 from uwsim.exchange.scenario_source import source_of
 from uwsim.scenario import build_world, load
 from uwsim.scenario.georeference import georeference

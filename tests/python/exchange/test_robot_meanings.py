@@ -45,10 +45,7 @@ def boat(tmp_path: Path, *, pose: str = POSE, axis: str = Z, more: str = "", ver
         ('<pose relative_to="stern"/>', f'<frame name="stern">{POSE}</frame>'),
         ('<pose frame="stern">0 0 0 0 0 0</pose>', f'<frame name="stern">{POSE}</frame>'),  # SDF 1.5 and 1.6
         ('<pose relative_to="rig::stern"/>', f'<model name="rig"><frame name="stern">{POSE}</frame></model>'),
-        (
-            '<pose relative_to="rig"/>',
-            f'<model name="rig" placement_frame="mast">{POSE}<frame name="mast"/></model>',
-        ),
+        ('<pose relative_to="rig"/>', f'<model name="rig" placement_frame="mast">{POSE}<frame name="mast"/></model>'),
     ],
 )
 def test_a_pose_means_the_same_in_each_of_its_forms(pose: str, more: str, tmp_path: Path) -> None:

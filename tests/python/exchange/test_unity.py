@@ -361,10 +361,7 @@ def test_names_are_a_scenario_s_and_links_out_of_the_checkout_are_not_followed(p
 @pytest.mark.parametrize(
     "break_it, words",
     [
-        (
-            lambda folder: (folder / "Assets").rename(folder / "Other"),
-            "must be the checkout of a Unity project",
-        ),
+        (lambda folder: (folder / "Assets").rename(folder / "Other"), "must be the checkout of a Unity project"),
         (lambda folder: (folder / "Assets/LawnTest.unity").write_bytes(b"\0\1\2"), "must be YAML"),
         (lambda folder: (folder / "Assets/LawnTest.unity").rename(folder / "Assets/A.unity"), "--scene = 'LawnTest'"),
         (lambda folder: (folder / "Assets/LawnTest.unity").write_text("%YAML 1.1\n"), "0 rigid bodies"),

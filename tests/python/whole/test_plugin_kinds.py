@@ -45,6 +45,7 @@ FILES = {
     "pass_points: 5\ngoals:\n  - {kind: spin, name: turn, title: Turn round, turns: 1}\n",
     "a.xyz": "1 2 3\n4.5 5 -6\n",
     "wrong.csv": "x,y,z\n1,2,what\n",
+    "probe.dat": "TOYPROBE 7\n0.5 15\n10 14\n",
 }
 COMMANDS = {  # {} is the folder
     **{f"schema {part}": f"scenario schema {part}" for part in PARTS},
@@ -205,6 +206,7 @@ from uwsim.operator.station.sessions.running import SHOWN
 from uwsim.scenario import load
 from uwsim.scenario.dump import write_scenario
 from uwsim.scenario.fingerprint import scenario_fingerprint
+from uwsim.scenario.read.cast_file import read_cast
 from uwsim.scenario.spec.modem import load_modem
 
 def refusal(call):
@@ -225,6 +227,7 @@ world = {
     "labels": sim.label_names,
     "sound": scenario.ground.backscatter.fluid,
     "modem": load_modem("blue_light").bit_rate_bit_s,
+    "cast": {k: list(v) for k, v in read_cast(Path(sys.argv[1]).with_name("probe.dat")).columns.items()},
     "look": scenario.cover[0].material.looks,
     "cones": len(sim.around().scene.cover_in([-30, -30], [30, 30])[0]),
     "fingerprints": [scenario_fingerprint(scenario), scenario_fingerprint(again)],
@@ -302,7 +305,7 @@ def test_the_terrain_and_the_obstacle_are_in_the_world_and_in_files(found: dict[
     # It stands on the northern edge of its base, at y = 6.
     assert world["above"] == pytest.approx([10 - 6 * rise - 3], abs=1e-4)
     assert world["labels"][3] == "cones" and 2 < world["cones"] < 40
-    assert world["modem"] == 500_000
+    assert world["modem"] == 500_000 and world["cast"] == {"depth_m": [0.5, 10], "temperature_deg_c": [15, 14]}
     assert world["sound"][:2] == [2.492, 1.337] and world["look"] == "gravel"
     assert all(world["same"]) and len(set(world["fingerprints"])) == 1
 

@@ -18,7 +18,7 @@ from uwsim.evidence.reproduce.movement_and_ray import AWAY_M, Gate, gate_of
 from uwsim.evidence.reproduce.paper import Subject
 from uwsim.evidence.reproduce.scenes import Place
 from uwsim.evidence.reproduce.screens import OVER_THE_PIPELINE
-from uwsim.exchange.unity.source import TERRAIN, UNITY
+from uwsim.exchange.unity.scenario import TERRAIN, UNITY
 from uwsim.scenario import load
 from uwsim.scenario.build.hull import hull_box_m, vehicle_hull
 from uwsim.scenario.dump import yaml_text
@@ -64,9 +64,9 @@ def their_world(checkout: Path, folder: Path, options: Mapping[str, Any]) -> The
     """Convert the project in `checkout` into a folder. options: `scene` and `terrain`. Raises ValueError or OSError."""
     if not checkout.exists():
         raise FileNotFoundError(f"--from '{checkout}': there is no such folder")
-    if not UNITY.accepts(checkout):
+    if not UNITY.accepts(checkout, b""):
         raise ValueError(f"--from '{checkout}': must be {UNITY.what}")
-    made = UNITY.make(checkout, folder, options)
+    made = UNITY.read(checkout, folder, options)
     _equip(made.path)
     scenario = load(made.path)
     sim, ours = Simulator(scenario), Simulator("paper")

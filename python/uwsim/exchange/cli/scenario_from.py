@@ -107,7 +107,7 @@ def scenario_from(
     if "progress" in found.options:
         given["progress"] = _rare_lines()
     try:
-        made = found.make(source, out, given)
+        made = found.read(source, out, given)
     except NotMadeError as error:
         for note in error.notes:
             typer.echo(note, err=True)

@@ -252,12 +252,7 @@ def _body(
 
 
 def _lines(
-    mesh: Path,
-    placed: Sequence[str],
-    body: Body,
-    added_how: str,
-    thrusters: Sequence[Thrust],
-    mass_kg: float | None,
+    mesh: Path, placed: Sequence[str], body: Body, added_how: str, thrusters: Sequence[Thrust], mass_kg: float | None
 ) -> Iterator[str]:
     size_m, low, high = body.high_m - body.low_m, body.low_m, body.high_m
     name = re.sub(r"[^A-Za-z0-9_-]+", "_", mesh.stem).strip("_")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from uwsim.base.axes import AXES
 from uwsim.base.extras import need_extra
 from uwsim.recording.commands import command_of
+from uwsim.recording.foreign_bag import opened_bag
 
 Array = NDArray[np.float64]
 COMMANDS = "/uwsim/commands"
@@ -89,19 +90,13 @@ class MessageLog:
         if self.path.suffix == ".mcap":
             yield from self._read_mcap(topic)
             return
-        from rosbags.highlevel import AnyReader, AnyReaderError
-        from rosbags.typesys import Stores, get_typestore
-
-        try:
-            with AnyReader([self.path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-                if topic is None:
-                    yield from ((connection.topic, 0.0, None) for connection in reader.connections)
-                    return
-                wanted = [connection for connection in reader.connections if connection.topic == topic]
-                for connection, time_ns, data in reader.messages(wanted):
-                    yield topic, 1e-9 * time_ns, reader.deserialize(data, connection.msgtype)
-        except AnyReaderError as error:
-            raise ValueError(f"{self.path}: neither .csv, .mcap nor a ROS bag: {error}") from None
+        with opened_bag(self.path) as bag:
+            if topic is None:
+                yield from ((connection.topic, 0.0, None) for connection in bag.connections)
+                return
+            wanted = [connection for connection in bag.connections if connection.topic == topic]
+            for connection, time_ns, data in bag.messages(wanted):
+                yield topic, 1e-9 * time_ns, bag.deserialize(data, connection.msgtype)
 
     def _read_mcap(self, topic: str | None) -> Iterator[tuple[str, float, Any]]:
         need_extra("mcap", f"{self.path}: an MCAP file")

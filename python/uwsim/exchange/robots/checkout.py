@@ -76,7 +76,7 @@ def _named(folder: Path) -> str | None:
         return None
 
 
-def is_checkout(path: Path) -> bool:
+def is_checkout(path: Path, head: bytes) -> bool:
     """Return whether a path is a folder with a description in it."""
     return path.is_dir() and next(_files(path, DESCRIPTIONS), None) is not None
 

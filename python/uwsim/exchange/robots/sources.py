@@ -7,22 +7,19 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from uwsim.base.reader import Reader
 from uwsim.exchange.robots.checkout import calibrations, descriptions, is_checkout
 from uwsim.exchange.robots.robot import Found, Given, plain_name
-from uwsim.exchange.scenario_source import Made, NotMadeError, ScenarioSource
+from uwsim.exchange.scenario_source import Made, NotMadeError
 
-HEAD = 4096
-"""Bytes in which the root element of a description is looked for."""
 TRIED = 20
 """Descriptions of a checkout that are tried."""
 
 
-def _xml(suffixes: tuple[str, ...], root: bytes) -> Callable[[Path], bool]:
-    def accepts(path: Path) -> bool:
-        if not path.is_file() or path.suffix.lower() not in (*suffixes, ".xml"):
-            return False
-        with path.open("rb") as file:
-            return path.suffix.lower() in suffixes or b"<" + root in file.read(HEAD)
+def _xml(suffixes: tuple[str, ...], root: bytes) -> Callable[[Path, bytes], bool]:
+    def accepts(path: Path, head: bytes) -> bool:
+        suffix = path.suffix.lower()
+        return path.is_file() and (suffix in suffixes or (suffix == ".xml" and b"<" + root in head))
 
     return accepts
 
@@ -50,9 +47,9 @@ def _from_checkout(folder: Path, out: Path | None, given: Mapping[str, Any]) -> 
     refused: list[str] = []
     given = {**given, "calibrations": calibrations(folder)}
     for file in files[:TRIED]:
-        source = next(each for each in (SDF, URDF, STONEFISH) if each.accepts(file))
+        source = next(each for each in (SDF, URDF, STONEFISH) if each.accepts(file, b""))
         try:
-            made = source.make(file, out, {key: given[key] for key in given.keys() & {*source.options, "calibrations"}})
+            made = source.read(file, out, {key: given[key] for key in given.keys() & {*source.options, "calibrations"}})
         except (ValueError, OSError) as error:
             refused.append(f"refused: {error}")
             continue
@@ -63,12 +60,10 @@ def _from_checkout(folder: Path, out: Path | None, given: Mapping[str, Any]) -> 
 
 
 ROBOT_OPTIONS = ("outfit", "progress")
-SDF = ScenarioSource("an SDF file", _xml((".sdf", ".world"), b"sdf"), _make("sdf", "read_sdf"), ROBOT_OPTIONS)
-URDF = ScenarioSource(
+SDF = Reader("an SDF file", _xml((".sdf", ".world"), b"sdf"), _make("sdf", "read_sdf"), ROBOT_OPTIONS)
+URDF = Reader(
     "a URDF file", _xml((".urdf", ".xacro"), b"robot"), _make("urdf", "read_urdf"), ("arguments", *ROBOT_OPTIONS)
 )
 OPTIONS = ("arguments", "data", *ROBOT_OPTIONS)
-STONEFISH = ScenarioSource(
-    "a Stonefish .scn file", _xml((".scn",), b"scenario"), _make("stonefish", "read_stonefish"), OPTIONS
-)
-CHECKOUT = ScenarioSource("a folder with the description of a robot", is_checkout, _from_checkout, OPTIONS)
+STONEFISH = Reader("a Stonefish .scn file", _xml((".scn",), b"scenario"), _make("stonefish", "read_stonefish"), OPTIONS)
+CHECKOUT = Reader("a folder with the description of a robot", is_checkout, _from_checkout, OPTIONS)

@@ -10,6 +10,8 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
+from uwsim.exchange.robots.checkout import package_folder
+
 DATA = ("", "data", "resources", "share", "assets")
 """Folders of data, in those above a file."""
 ARGUMENT = re.compile(r"\$\((\w+)\s*([^()]*)\)")
@@ -116,7 +118,7 @@ class Texts:
         def argument(match: re.Match[str]) -> str:
             word, name = match[1], match[2].strip()
             if word == "find":
-                return str(package(name, path) or match[0])
+                return str(package_folder(name, path) or match[0])
             values = {"arg": {**self._given, **own}, "param": self._given}.get(word)
             if values is None:
                 raise ValueError(f"'{path}': {match[0]}: must be $(arg NAME), $(param NAME) or $(find PACKAGE)")
@@ -140,23 +142,6 @@ class Texts:
         if self.missing:
             names = " ".join(f"--arg {name}=VALUE" for name in self.missing)
             raise ValueError(f"'{next(iter(self.missing.values()))}': has arguments without a value: give {names}")
-
-
-def package(name: str, file: Path) -> Path | None:
-    """Return the folder of a ROS package above a file, or in such a folder: by its package.xml, else by its name."""
-    above = file.resolve().parents
-    for folder in above:
-        for manifest in (folder / "package.xml", *sorted(folder.glob("*/package.xml"))):
-            if manifest.is_file():
-                found = re.search(rb"<name>\s*([^<\s]+)\s*</name>", manifest.read_bytes()[:100_000])
-                if found is not None and found[1].decode(errors="replace") == name:
-                    return manifest.parent
-    for folder in above:
-        if folder.name == name:
-            return folder
-        if (folder / name).is_dir():
-            return folder / name
-    return None
 
 
 def file_named(name: str, files: tuple[Path, ...], data: Path | None) -> Path:

@@ -13,8 +13,7 @@ import numpy as np
 
 from uwsim.exchange.robots.lift_drag import is_lift_drag, put_surface, put_uuv_fin
 from uwsim.exchange.robots.links import Links, carried, is_same
-from uwsim.exchange.robots.motors import commanded, is_motor, motor
-from uwsim.exchange.robots.px4_classic import is_px4_hull, put_px4_hull, px4_speeds
+from uwsim.exchange.robots.motors import commanded, is_motor, is_px4_hull, motor, put_px4_hull, px4_speeds
 from uwsim.exchange.robots.robot import SENSES, Found, Robot, Thruster, plain_name
 from uwsim.exchange.robots.sensors import put_sensor
 from uwsim.exchange.robots.uuv_plugins import is_uuv_object, is_uuv_thruster, put_uuv_object, uuv_errors, uuv_thruster

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
 from uwsim.base.own_files import require_own
+from uwsim.base.reader import Reader
 from uwsim.base.texts.yaml_document import read_yaml
 from uwsim.exchange.hulls.draft import drafted
 from uwsim.exchange.robots.written import require_simulable
@@ -31,7 +32,7 @@ FROM_UNITY = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 left, up: ForceControls.cs."""
 SURFACE_M = 75.3
 """Height of the published water's surface: WaterController.cs."""
-TERRAIN, STATION, WATER = "SolidTerrain", "ControlStation", "water"
+SCENE, TERRAIN, STATION, WATER = "LawnTest", "SolidTerrain", "ControlStation", "water"
 PLAIN = np.full(3, 0.8)  # sRGB, of a piece without a colour among coloured ones: that of a new material in Unity
 START_M, SURVEY_M, SURVEY_MIN_M = 5.0, 20.0, 2.0
 """Depth of a start that is not the one of `paper`, where the bed is deep enough; half the width of its survey."""
@@ -98,12 +99,7 @@ def scenario_from(
     for k, (name, pieces) in enumerate(groups.items()):
         file = written.mesh(f"obstacle_{k}", pieces, _in_world)
         values["obstacles"].append(
-            {
-                "kind": "mesh",
-                "name": _name(name, k, values["obstacles"]),
-                "file": file,
-                "position_m": [0, 0, 0],
-            }
+            {"kind": "mesh", "name": _name(name, k, values["obstacles"]), "file": file, "position_m": [0, 0, 0]}
         )
     notes += _over(bed, values)
     text, drafting = written.drafted(hull_file)
@@ -235,3 +231,30 @@ def _name(text: str, number: int, others: list[dict[str, Any]]) -> str:
     if NAME.fullmatch(plain) and plain not in [other["name"] for other in others]:
         return plain
     return f"obstacle_{number}"
+
+
+def _make(path: Path, out: Path | None, options: Mapping[str, Any]) -> Made:
+    scene = options.get("scene", SCENE)
+    scenes = sorted(file for file in (path / "Assets").rglob("*.unity"))
+    found = [file for file in scenes if file.stem == scene]
+    if not found:
+        names = ", ".join(file.stem for file in scenes)
+        raise ValueError(f"--scene = {scene!r}: must be one of {names}" if scenes else f"'{path}': has no scenes")
+    folder = out or Path(scene.lower().replace(" ", "_"))
+    return scenario_from(
+        Project(path),
+        found[0],
+        folder,
+        terrain=options.get("terrain", TERRAIN),
+        size_m=options.get("size"),
+        centre_m=options.get("centre", (0.0, 0.0)),
+    )
+
+
+OPTIONS = ("scene", "terrain", "size", "centre")
+UNITY = Reader(
+    "the checkout of a Unity project, with a folder Assets",
+    lambda path, head: (path / "Assets").is_dir(),
+    _make,
+    OPTIONS,
+)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,14 @@ class Range(Protocol):
 
 Limits = Mapping[str, Range]
 """By the keys of a profile's levels."""
+
+
+class Columns(NamedTuple):
+    """The samples of a file. values: by the keys of levels, or PRESSURE [dbar]. lines: of text, one a sample."""
+
+    values: dict[str, Floats]
+    lines: list[int]
+    notes: list[str]
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,5 @@
 """The format `.csv` of point clouds."""
 
-from __future__ import annotations
-
 import io
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The format `.asc` of depth grids, ESRI's ASCII grid."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The planner `square`, a mission for `uwsim compare`."""
 
-from __future__ import annotations
-
 from uwsim.missions import Steps, goto
 from uwsim.missions.own_vehicle import OwnVehicle
 

@@ -1,7 +1,5 @@
 """The terrain `slope`: a plane."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Literal
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from uwsim.base.extras import need_extra
 from uwsim.base.texts.text_file import read_limited
-from uwsim.recording.real_flights.autopilot import DATAFLASH, fields_of, flight_of
+from uwsim.exchange.logs.autopilot import DATAFLASH, fields_of, flight_of
 from uwsim.recording.real_flights.flight_log import MOST_BYTES, MOST_ROWS, FlightLog
 
 MAGIC = b"\xa3\x95"
@@ -23,11 +23,6 @@ KIND = "a dataflash log (.BIN)"
 EVENTS_MAX = 500
 ENDLESS = re.compile(rb"\xa3\x95\x80.[\x00-\x02][A-Z0-9\x00]{4}", re.DOTALL)
 """A description (FMT) of messages shorter than their own head, of which the library reads one again and again."""
-
-
-def is_dataflash(path: Path, head: bytes) -> bool:
-    """Return whether a file begins as a dataflash log."""
-    return head.startswith(MAGIC)
 
 
 def pass_messages(path: Path, names: Iterable[str], take: Callable[[Any], object]) -> None:

@@ -17,8 +17,8 @@ import numpy as np
 
 from uwsim.base.extras import need_extra
 from uwsim.base.texts.text_file import read_limited
-from uwsim.recording.real_flights.autopilot import TELEMETRY, fields_of, flight_of
-from uwsim.recording.real_flights.dataflash import EVENTS_MAX
+from uwsim.exchange.logs.autopilot import TELEMETRY, fields_of, flight_of
+from uwsim.exchange.logs.dataflash import EVENTS_MAX
 from uwsim.recording.real_flights.flight_log import MOST_BYTES, MOST_ROWS, Array, FlightLog
 
 KIND = "a telemetry log (.tlog)"

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from uwsim.recording.real_flights import glider_log
+from uwsim.exchange.logs import glider_log
 from uwsim.recording.real_flights.motion import motion_of
 from uwsim.recording.real_flights.read import read_flight
 from uwsim.scenario import load_vehicle

@@ -33,11 +33,6 @@ FULL_CM3, TRAVEL_MM, MM_PER_INCH = 250.0, 50.0, 25.4
 """Commands of 1 of the packaged `slocum`."""
 
 
-def is_glider(path: Path, head: bytes) -> bool:
-    """Return whether a file begins as a glider's log."""
-    return head.startswith(MAGIC)
-
-
 def read_glider(path: Path) -> FlightLog:
     """Read a log. Raises OSError, and ValueError with the file and the rule."""
     if find_spec("dbdreader") is None:

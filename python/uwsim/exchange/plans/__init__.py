@@ -1,0 +1,1 @@
+"""Missions of ground stations and charts."""
