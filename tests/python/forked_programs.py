@@ -128,8 +128,8 @@ def ended_status(pid: int) -> int:
 
 if __name__ == "__main__":
     sys.path.pop(0)  # this folder, which is not on a user's path
-    import uwsim.bridges.nodes.node
     import uwsim.bridges.rosbridge
+    import uwsim.bridges.rosbridge.client
     import uwsim.cli.program
     import uwsim.live
     import uwsim.operator.station  # noqa: F401

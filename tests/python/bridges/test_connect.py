@@ -19,7 +19,7 @@ from foxglove_client import FoxgloveClient
 from ros2_tools import free_domain, peer
 from strict_rosbridge import strict_rosbridge
 from uwsim.bridges import RosbridgeClient, RosbridgeServer
-from uwsim.bridges.nodes.websocket import checked_url
+from uwsim.bridges.doors.dialler import checked_url
 from uwsim.bridges.ros2 import Ros2Settings
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels import Channel
@@ -138,7 +138,7 @@ def test_a_server_that_redirects_to_no_address_is_reported_and_tried_again():
         try:
             with RosbridgeClient(LiveSimulator("pool"), f"ws://127.0.0.1:{server.server_port}", channels=[]) as client:
                 until(lambda: len(asked) > 1, "another attempt")
-                assert "Port out of range" in client.trouble
+                assert "Port out of range" in client.client.trouble
         finally:
             server.shutdown()
             thread.join()
@@ -146,7 +146,7 @@ def test_a_server_that_redirects_to_no_address_is_reported_and_tried_again():
 
 def test_a_server_that_ends_each_connection_is_asked_less_and_less_often(monkeypatch, caplog):
     caplog.set_level(logging.INFO, "uwsim.rosbridge")
-    monkeypatch.setattr("uwsim.bridges.rosbridge.client.FIRST_WAIT_S", 0.01)
+    monkeypatch.setattr("uwsim.bridges.doors.dialler.FIRST_WAIT_S", 0.01)
     with serve(lambda connection: None, "127.0.0.1", 0) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()

@@ -106,7 +106,7 @@ def test_a_server_of_either_generation_is_asked_and_takes_all_it_is_sent(
                 client.connected.wait(60.0)
                 for topic in ("odom", "imu", "tf"):
                     wait_for(server, topic, 5)
-                assert not client.is_refused and client.refusals == ""
+                assert not client.client.is_refused and client.refusals == ""
     assert not [line for line in server.refused if "rosapi" not in line]
     assert caplog.text.count(f": connected, to ROS {server.ros}") == 2
     assert not [line for line in caplog.messages if "refuse" in line or "does not show" in line]
@@ -125,8 +125,8 @@ def test_a_server_that_refuses_everything_is_not_called_connected(
         server.lacks.add("ranges")
     channel = Channel("scan", "sensor_msgs/msg/LaserScan", "out", "", rate_hz=50.0, read=lambda sim: scan(1.0))
     with LiveSimulator("pool") as live, RosbridgeClient(live, server.url, channels=[channel]) as client:
-        until(lambda: client.is_refused, "a refusal")
-        assert reason in client.trouble and not client.connected.is_set() and client.connections == 0
+        until(lambda: client.client.is_refused, "a refusal")
+        assert reason in client.client.trouble and not client.connected.is_set() and client.connections == 0
     assert ": connected" not in caplog.text
 
 

@@ -34,26 +34,14 @@ PUBLISHED = {"w": "surge", "s": "-surge", "d": "-sway", "a": "sway", " ": "heave
 """key_publisher.py of the published simulator; its wire's sway and yaw are positive to starboard, here to port."""
 
 
-class Watch:
-    """A clock set by the test."""
-
-    now_s = 100.0
-
-    def __call__(self):
-        return self.now_s
-
-    def passes(self, seconds):
-        self.now_s += seconds
-
-
 @pytest.fixture
 def watch():
-    return Watch()
+    return SimpleNamespace(now_s=100.0)
 
 
 @pytest.fixture
 def hands(watch):
-    return Hands(watch)
+    return Hands(lambda: watch.now_s)
 
 
 def test_the_driving_keys_are_the_published_nodes_and_add_up_until_the_opposite_key_where_the_pilot_chooses_so():
@@ -69,27 +57,31 @@ def test_the_driving_keys_are_the_published_nodes_and_add_up_until_the_opposite_
 def test_an_effort_ends_by_itself_unless_its_key_repeats(hands, watch):
     hands.press("q")
     assert hands.efforts() == ZERO | {"yaw": hands.share}
-    watch.passes(0.6)  # the delay before a keyboard auto-repeats
+    watch.now_s += 0.6  # the delay before a keyboard auto-repeats
     for _ in range(50):
         hands.press("q")
-        watch.passes(0.1)
+        watch.now_s += 0.1
         assert hands.efforts()["yaw"] == hands.share
-    watch.passes(REPEAT_HOLD_S)
+    watch.now_s += REPEAT_HOLD_S
     assert hands.efforts() == ZERO
-    hands.press("w")
-    watch.passes(FIRST_HOLD_S + 0.001)
-    assert hands.efforts() == ZERO
+    for key in "w,":
+        hands.press(key)
+        assert hands.has_helm and (key == "w" or hands.tilt() is Function.TILT_DOWN)
+        watch.now_s += FIRST_HOLD_S + 0.001
+        assert (hands.efforts(), hands.tilt()) == (ZERO, Function.TILT_HOLD)
 
 
 def test_of_two_held_keys_both_hold_though_only_the_last_repeats(hands, watch):
+    hands.press(",")
+    assert not hands.has_helm  # viewing does not take the helm
     hands.press("w")
-    watch.passes(0.5)
+    watch.now_s += 0.5
     hands.press("q")
     for _ in range(20):
-        watch.passes(0.1)
+        watch.now_s += 0.1
         hands.press("q")
     assert hands.efforts() == ZERO | {"surge": hands.share, "yaw": hands.share}
-    watch.passes(FIRST_HOLD_S)
+    watch.now_s += FIRST_HOLD_S
     assert hands.efforts() == ZERO
 
 
@@ -105,24 +97,13 @@ def test_keys_turn_an_effort_round_stop_give_the_helm_away_and_change_the_share(
 
 
 def test_everything_is_let_go_when_the_screen_hangs(hands, watch):
-    for _ in range(9):
+    for since_s in (0.2, 0.9):
         hands.beat()
+        watch.now_s += since_s
         hands.press("w")
-        watch.passes(0.2)
-    hands.beat()
-    watch.passes(0.9)
-    hands.press("w")
-    assert hands.efforts()["surge"] == hands.share
-    watch.passes(0.2)
+        assert hands.efforts() == ZERO | {"surge": hands.share}
+    watch.now_s += 0.2
     assert hands.efforts() == ZERO
-
-
-def test_a_sonar_tilts_while_its_key_is_held(hands, watch):
-    hands.press(",")
-    assert hands.tilt() is Function.TILT_DOWN
-    assert not hands.has_helm  # viewing does not take the helm
-    watch.passes(1.0)
-    assert hands.tilt() is Function.TILT_HOLD
 
 
 def test_no_escape_sequence_is_taken_for_a_key_nor_swallows_one():
@@ -172,15 +153,14 @@ def test_all_stop_is_seen_in_any_size_of_the_terminal(hands):
 
 def test_all_stop_lets_the_keys_go_and_anothers_release_ends_the_wish_for_it(hands):
     screen = screen_of(hands)
-    readout = screen.connection.readout
     screen.press("x")
     for is_set in (False, True):
         assert screen.connection.stop_is_wanted
-        readout.all_stop = is_set
+        screen.connection.readout.all_stop = is_set
         screen.press("w")
         screen.text(80)
         assert any(hands.efforts().values()) is not is_set
-    readout.all_stop = False
+    screen.connection.readout.all_stop = False
     assert "no all stop" in screen.text(80)
 
 
@@ -191,9 +171,6 @@ def test_a_servers_text_has_no_power_over_the_terminal(hands):
     text = screen.text(200)
     assert "BAD" in text and "also" in text
     assert not any(each in text for each in ("\x1b[2J", "\x1b]", "\x07", "\x9b"))
-
-
-# Against a simulator
 
 
 @pytest.fixture
@@ -219,7 +196,7 @@ def connected(server, clock=lambda: 0.0, **options):
     connection.stop()
 
 
-def test_a_key_drives_the_vehicle_and_its_end_stops_it(live, server):
+def test_a_key_drives_until_it_ends_and_a_keyboard_without_the_helm_does_not_stop_another_pilot(live, server):
     said = []
     with connected(server, time.monotonic, report=said.append) as connection:
         hands = connection.hands
@@ -231,17 +208,19 @@ def test_a_key_drives_the_vehicle_and_its_end_stops_it(live, server):
         until(lambda: any("is not docked" in text for text in said))
         hands.press("d")
         until(lambda: live.rov.effort[1] == -0.5)
-    until(lambda: not live.rov.effort.any())
+        hands.press("c")
+        until(lambda: not live.rov.effort.any())
+        live.command("set_effort", vehicle=live.rov.name, heave=0.3).result()
+    time.sleep(0.3)
+    assert live.rov.effort[2] == 0.3
 
 
-def test_the_vehicle_stops_when_its_keyboard_vanishes_or_its_server_and_the_connection_comes_back_with_zero(
-    live, server
-):
+def test_the_vehicle_stops_when_its_keyboard_or_server_vanishes_and_the_connection_comes_back_with_zero(live, server):
     with connected(server) as connection:
         connection.hands.press("w")
         until(lambda: live.rov.effort[0] == 0.5)
-        socket = connection._node._connection
-        socket._loop.call_soon_threadsafe(socket._connection.transport.abort)  # as if the machine had disappeared
+        client = connection.client
+        client._loop.call_soon_threadsafe(client._connection.transport.abort)  # as if the machine had disappeared
         until(lambda: not live.rov.effort.any())
         until(lambda: connection.state == "connected" and connection.silence_s < 1.0)
         until(lambda: connection.hands.press("w") or live.rov.effort[0] == 0.5)
@@ -253,17 +232,6 @@ def test_the_vehicle_stops_when_its_keyboard_vanishes_or_its_server_and_the_conn
             until(lambda: connection.state == "connected")
             until(lambda: not live.rov.effort.any())
             connection.stop()
-
-
-def test_a_vanished_keyboard_does_not_stop_another_pilot(live, server):
-    with connected(server) as connection:
-        connection.hands.press("w")
-        until(lambda: live.rov.effort[0] == 0.5)
-        connection.hands.press("c")
-        until(lambda: not live.rov.effort.any())
-        live.command("set_effort", vehicle=live.rov.name, heave=0.3).result()
-    time.sleep(0.3)
-    assert live.rov.effort[2] == 0.3
 
 
 def test_the_screen_flies_and_shows_numbers(live, server):
@@ -279,7 +247,7 @@ def test_the_screen_flies_and_shows_numbers(live, server):
 
 
 def test_a_terminal_that_ends_stops_the_vehicle(live, server):
-    for number, code in ((signal.SIGTERM, 130), (signal.SIGHUP, 130), (None, 0)):
+    for number, code in ((signal.SIGTERM, 130), (signal.SIGHUP, 130), (None, 0)):  # None: Ctrl-Q
         master, slave = pty.openpty()
         process = subprocess.Popen(
             [UWSIM, "teleop", server.url], stdin=slave, stdout=slave, stderr=slave, start_new_session=True,
@@ -292,13 +260,10 @@ def test_a_terminal_that_ends_stops_the_vehicle(live, server):
                 assert time.monotonic() < deadline
                 os.write(master, b"w")
                 time.sleep(0.1)  # its output is not read, so the terminal blocks
-            if number is None:
-                os.write(master, b"\x11")  # Ctrl-Q
-                with suppress(OSError):  # until it has ended
-                    while os.read(master, 4096):
-                        pass
-            else:
-                process.send_signal(number)
+            os.write(master, b"\x11") if number is None else process.send_signal(number)
+            with suppress(OSError):  # until it has ended
+                while number is None and os.read(master, 4096):
+                    pass
             until(lambda: not live.rov.effort.any())
             assert process.wait(PATIENCE_S) == code
         finally:

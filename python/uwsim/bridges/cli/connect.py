@@ -56,7 +56,7 @@ def connect(
     from contextlib import ExitStack
 
     from uwsim.bridges import RosbridgeClient
-    from uwsim.bridges.nodes.websocket import checked_url
+    from uwsim.bridges.doors.dialler import checked_url
     from uwsim.channels import Table, diagnostics_channel
     from uwsim.channels.names import channels_in, node_name, services_in
     from uwsim.channels.served import default_origin
@@ -97,7 +97,8 @@ def connect(
             if each.direction == "in" or each.delivery.latched or not each.delivery.on_request
         ]
         named = {"channels": channels_in(namespace, sent), "services": services_in(namespace, table.services)}
-        client = sinks.enter_context(RosbridgeClient(live, url, ros=ros, **named))  # type: ignore[arg-type]  # bounded
+        joined = RosbridgeClient(live, url, ros=ros, **named)  # type: ignore[arg-type]  # bounded
+        client = sinks.enter_context(joined).client
         run_until_interrupted(live, f"{scenario} to {url}")
         if client.is_refused:
             raise ValueError(f"{url}: {client.trouble}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from collections import deque
@@ -10,40 +11,34 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
 
-from websockets.exceptions import WebSocketException
-
-from uwsim.bridges.nodes.node import Node
+from uwsim.bridges.rare_log import RareLog
+from uwsim.bridges.rosbridge.client import Client
 from uwsim.channels.ros.message_types import resolve
 
 ANSWER_S = 20.0  # time limit for a response or a first message
-STOP_S = 2.0
 KEPT = 200  # number of messages kept for topics whose time stamps matter
 LOST = "the connection to the vehicle is lost"
 
 
 class RemoteConnection:
-    """A connection to a rosbridge server with a separate receiving thread. It is a context manager.
+    """A connection to a rosbridge server, which is not renewed. It is a context manager.
 
     url: such as "ws://127.0.0.1:PORT". topics: the server's topics, without leading slash, and their types in ROS 2's
     spelling. Raises ValueError for an invalid url, and OSError if the server cannot be reached or has gone.
     """
 
     def __init__(self, url: str) -> None:
-        try:
-            self._node = Node(url, queue=KEPT)
-        except WebSocketException as error:
-            raise OSError(f"{url}: {error}") from None
-        except OSError as error:
-            raise OSError(f"{url}: no rosbridge answers: {error}") from None
-        self.url = url
-        self.changed = threading.Condition()
+        self.url, self.changed, self.lost = url, threading.Condition(), False
         self._newest: dict[str, Any] = {}
         self._kept: dict[str, deque[Any]] = {}
-        self._publishers: dict[str, Callable[[Any], None]] = {}
-        self._stopping = threading.Event()
-        self.lost = False
-        self._thread = threading.Thread(target=self._listen, name="uwsim-remote", daemon=True)
-        self._thread.start()
+        rare = RareLog(logging.getLogger("uwsim.remote"))
+        self._client = Client(
+            url, queue=KEPT, keeps=False, left=self._end, report=lambda text: rare.warning(f"{url}: {text}")
+        )
+        try:
+            self._client.start()
+        except OSError as error:
+            raise OSError(f"{url}: no rosbridge answers: {error}") from None
         self.topics = self._offered()
 
     def subscribe(self, topic: str, *, keep: bool = False) -> None:
@@ -56,7 +51,7 @@ class RemoteConnection:
         self._newest[topic] = None
         if keep:
             self._kept[topic] = deque(maxlen=KEPT)
-        self._node.subscribe(f"/{topic}", kind, lambda message: self._receive(topic, message))
+        self._client.subscribe(topic, kind, lambda message: self._receive(topic, message))
 
     def newest(self, topic: str) -> Any:
         """Return the latest message on a topic. The first call subscribes to the topic. Raises ValueError."""
@@ -73,30 +68,18 @@ class RemoteConnection:
     def publish(self, topic: str, kind: str, message: Any) -> None:
         """Publish a message. Raises OSError if the connection is lost."""
         self._require()
-        try:
-            if topic not in self._publishers:
-                self._publishers[topic] = self._node.advertise(f"/{topic}", kind)
-            self._publishers[topic](message)
-        except WebSocketException:
-            raise OSError(f"{self.url}: {LOST}") from None
+        self._client.advertise(topic, kind)
+        self._client.publish(topic, lambda: message)
 
     def call(self, service: str, **arguments: Any) -> dict[str, Any]:
         """Call a service and return its values. Raises ValueError, with the reason, if it failed, or OSError."""
-        answers: list[dict[str, Any]] = []
-
-        def take(answer: dict[str, Any]) -> None:
-            with self.changed:
-                answers.append(answer)
-                self.changed.notify_all()
-
         self._require()
-        try:
-            self._node.call(f"/{service}", take, arguments)
-        except WebSocketException:
-            raise OSError(f"{self.url}: {LOST}") from None
-        self.wait_for(lambda: bool(answers), ANSWER_S, f"service '{service}' does not answer")
-        values = answers[0].get("values")
-        if not answers[0].get("result"):
+        answer = self._client.ask(service, arguments, ANSWER_S)
+        if not answer:
+            self._require()
+            raise OSError(f"{self.url}: service '{service}' does not answer")
+        values = answer.get("values")
+        if not answer.get("result"):
             raise ValueError(f"service '{service}': {values}")
         if not isinstance(values, dict):
             return {}
@@ -116,9 +99,7 @@ class RemoteConnection:
 
     def close(self) -> None:
         """Disconnect."""
-        self._stopping.set()
-        self._node.close()
-        self._thread.join(STOP_S)
+        self._client.close()
 
     def __enter__(self) -> Self:
         return self
@@ -129,15 +110,10 @@ class RemoteConnection:
         """Disconnect."""
         self.close()
 
-    def _listen(self) -> None:
-        try:
-            self._node.spin(self._stopping.is_set)
-        except (OSError, ValueError, WebSocketException):
-            pass
-        finally:
-            with self.changed:
-                self.lost = True
-                self.changed.notify_all()
+    def _end(self) -> None:
+        with self.changed:
+            self.lost = True
+            self.changed.notify_all()
 
     def _receive(self, topic: str, message: Any) -> None:
         with self.changed:

@@ -1,283 +1,300 @@
-"""RosbridgeClient: connects the simulator to a ROS graph through a rosbridge_server, as the paper's simulator did.
+"""Client: a client of a rosbridge server that keeps its connection, for the simulator, missions and pilots alike.
 
-It asks which ROS the server is of, advertises topics and services and subscribes to command topics, and does so again
-after each reconnection. While connected, every topic is read at its rate, since rosbridge does not report whether a
-topic has subscribers. The simulator's thread never waits, since readings pass through bounded queues, one per topic,
-that drop the oldest. If the server closes the connection because a message was too large, messages of that size or
-larger are no longer sent. What the server refuses, which it reports only in the ROS graph's log, is read there and
-logged; a server that refuses everything is not called connected.
+No method but `ask` waits: what is sent passes through bounded queues, one per topic, that drop the oldest.
 """
 
 from __future__ import annotations
 
 import asyncio
+import itertools
+import logging
 import math
+import secrets
 import threading
-from collections.abc import Iterable
+from collections.abc import Callable
+from concurrent.futures import Future
 from contextlib import suppress
 from functools import partial
-from typing import Any, Self
+from logging import Logger
+from typing import Any
 
-from websockets.asyncio.client import ClientConnection, connect
-from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
+from websockets.asyncio.client import ClientConnection
+from websockets.exceptions import ConnectionClosed
 
-from uwsim.bridges.bridge import Bridge
+from uwsim.bridges.doors.dialler import Dialler
 from uwsim.bridges.doors.listener import post
-from uwsim.bridges.nodes.websocket import FIRST_WAIT_S, LONGEST_WAIT_S, checked_url, why_not_connected
 from uwsim.bridges.rosbridge.encoding import publication, to_json
-from uwsim.bridges.rosbridge.joining import Joining, RefusedError
-from uwsim.bridges.rosbridge.limits import Limits
+from uwsim.bridges.rosbridge.joining import OPTIONAL, TEXT_SHOWN, Joining, RefusedError
 from uwsim.bridges.rosbridge.parse import parse
-from uwsim.channels import Channel, Service
-from uwsim.channels.delivery.feed import Reading, Readings
-from uwsim.channels.delivery.outgoing import Line, Turns, queue_of
+from uwsim.channels.channel import Drops
+from uwsim.channels.delivery.outgoing import QUEUE, Line, Turns
 from uwsim.channels.ros.messages import Ros, from_plain, spelled
-from uwsim.live import LiveSimulator, NotRunningError
 
-STOP_S = 5.0
 TRIAL_S = 1.0  # at most, in which topics are sent before the server counts as connected
-CLOCK = "clock"
+FRAME_BYTES, NESTING = 64 << 20, 32
+REQUESTS = 1000  # that may wait to be sent
 TOO_LARGE = 1009  # RFC 6455: close code for a message that was too large
 
+Operation = dict[str, Any]
+Frame = Callable[[], str | None]
+"""Encodes what is sent next; None if it is not to be sent."""
+Respond = Callable[[bool, Any], object]
 
-class RosbridgeClient(Bridge):
-    """Connects a live simulator to a rosbridge server.
 
-    url: the server's URL, such as "ws://host:9090". channels, services: what to publish, subscribe to and offer. ros:
-    the server's ROS generation if it does not show it; by default 1. feed: shared with other sinks. Raises ValueError.
+class Client(Dialler):
+    """A client of a rosbridge server; all methods may be called on any thread. It is a context manager.
+
+    What is advertised, subscribed to and offered is so again after each reconnection. Messages are received in CBOR and
+    sent in JSON with literal NaN and Infinity, which all servers accept.
+
+    queue: the most messages of a topic that wait to be sent, here and at the server. keeps: see Dialler. log: of a
+    client that asks which ROS the server is of and what it refuses; others use ROS 1's spelling, which all understand.
+    ros: the generation of a server that does not show it. introduced, joined, left: called when the topics have been
+    announced, when the server counts as connected, and when a connection has ended. failed: called with the reason why
+    an attempt or a connection has ended, and the time until the next. report: called with what the server reports. All
+    functions that are passed to a client are called on its thread, which they must not block.
     """
-
-    peer = "a client of the rosbridge server"
 
     def __init__(
         self,
-        live: LiveSimulator,
         url: str,
         *,
-        channels: Iterable[Channel],
-        services: Iterable[Service] = (),
+        queue: int = QUEUE,
+        keeps: bool = True,
+        log: Logger | None = None,
         ros: Ros | None = None,
-        limits: Limits | None = None,
-        feed: Readings | None = None,
+        frame_bytes: int = FRAME_BYTES,
+        introduced: Callable[[], object] = lambda: None,
+        joined: Callable[[], object] = lambda: None,
+        left: Callable[[], object] = lambda: None,
+        failed: Callable[[str, float], object] = lambda why, wait_s: None,
+        report: Callable[[str], object] = lambda text: None,
     ) -> None:
-        self.url = checked_url(url)
-        super().__init__("rosbridge", live, channels, services, feed)
-        self._given = ros
-        self._limits = limits or Limits(frame_bytes=16 << 20)
-        self._waiting: Turns[Reading] = Turns()
-        self._lines: dict[str, Line[Reading]] = {
-            name: Line(name, queue_of(channel.type), channel.drops) for name, channel in self.outputs.items()
-        }
-        self._answers: set[asyncio.Future[None]] = set()
-        self._thread: threading.Thread | None = None
-        self._loop: asyncio.AbstractEventLoop | None = None
-        self.connected = threading.Event()
-        self.trouble = ""  # the reason for not being connected; "" while connected
+        super().__init__(url, keeps=keeps, frame_bytes=frame_bytes, thread="uwsim-rosbridge-client")
+        self._queue, self._log, self._given, self._introduced = queue, log, ros, introduced
+        self._joined, self._left, self._failed, self._report = joined, left, failed, report
+        self.ros: Ros = ros or 1
         self.is_refused = False  # whether the last server refused everything
-        self.connections = 0
-        self.sent = 0
-        self._largest_sent = 0  # size in bytes of the largest message sent on this connection
-        self._refused_bytes: int | None = None  # messages of this size or larger are no longer sent
-        self._left_out: set[str] = set()
-        self._joining: Joining | None = None  # of this connection
+        self.joining: Joining | None = None  # of this connection, of a client that asks
+        self._mark = ""
+        self._lock = threading.Lock()
+        self._waiting: Turns[Frame] = Turns()
+        self._requests: Line[Frame] = Line("", REQUESTS)
+        self._lines: dict[str, Line[Frame]] = {}
+        self._wanted: dict[tuple[str, str], Callable[[], Operation]] = {}
+        self._inputs: dict[str, tuple[str, Callable[[Any], object]]] = {}
+        self._services: dict[str, Callable[[Operation, Respond], object]] = {}
+        self._calls = itertools.count(1)
+        self._answers: dict[str, Callable[[Operation], object]] = {}
+        self._connection: ClientConnection | None = None
+        self._has_introduced = False
+        self._sent_topics, self._left_out = set[str](), set[str]()
+        self._largest_sent, self._refused_bytes = 0, math.inf  # the largest message sent, the smallest not sent again
 
-    def __repr__(self) -> str:
-        return f"<RosbridgeClient of {self.url}>"
+    def advertise(
+        self, topic: str, kind: str, *, latch: bool = False, queue: int | None = None, drops: Drops | None = None
+    ) -> None:
+        """Announce messages of a type on a topic. drops: counts those that gave way to newer ones."""
+        self._lines.setdefault(_slashed(topic), Line(topic, queue or self._queue, drops))
+        self._want("advertise", topic, lambda: {"type": spelled(kind, self.ros), "latch": latch})
 
-    @property
-    def refusals(self) -> str:
-        """Sentences about our requests and messages that the server refuses."""
-        return "" if self._joining is None else self._joining.sentences
+    def publish(self, topic: str, make: Callable[[], Any]) -> None:
+        """Send the message that a function returns when its turn comes, if there is a connection."""
+        self._put(self._lines[_slashed(topic)], lambda: self._publication(_slashed(topic), make()))
 
-    def start(self) -> Self:
-        """Start connecting; return self."""
-        if self._thread is not None:
-            raise RuntimeError("the client is already running")
-        ready = threading.Event()
-        self._thread = threading.Thread(
-            target=lambda: asyncio.run(self._run(ready)), name="uwsim-rosbridge-client", daemon=True
-        )
-        self._thread.start()
-        ready.wait()
-        return self
+    def subscribe(
+        self, topic: str, kind: str, take: Callable[[Any], object], *, options: Operation | None = None
+    ) -> None:
+        """Call a function with each message on a topic. options: of the request."""
+        self._inputs[_slashed(topic)] = kind, take
+        more = options or {"queue_length": self._queue, "compression": "cbor"}
+        self._want("subscribe", topic, lambda: {"type": spelled(kind, self.ros), **more})
 
-    def __enter__(self) -> Self:
-        return self.start()
+    def serve(self, service: str, kind: str, answer: Callable[[Operation, Respond], object]) -> None:
+        """Offer a service. answer: called with the arguments, and a function that responds, from any thread."""
+        self._services[_slashed(service)] = answer
+        self._want("advertise_service", service, lambda: {"type": kind.replace("/srv/", "/")})
 
-    def close(self) -> bool:
-        """Disconnect and stop the thread."""
-        was_open = super().close()
-        if was_open and self._thread is not None and self._loop is not None:
-            post(self._loop, self._stopping.set)
-            self._thread.join(STOP_S)
-        return was_open
+    def call(
+        self,
+        service: str,
+        answer: Callable[[Operation], object] = lambda response: None,
+        arguments: Operation | None = None,
+        patience_s: float | None = None,
+    ) -> None:
+        """Call a service, which the server may lack.
 
-    stop = close
+        answer: receives the response with `result`, and `values` or the reason for a failure; {} if there is none
+        after patience_s, or when the connection ends.
+        """
+        name = f"{self._mark}{OPTIONAL} {next(self._calls)}"
+        with self._lock:
+            if is_connected := self._connection is not None:
+                self._answers[name] = answer
+        if not is_connected:
+            answer({})
+            return
+        request = {"op": "call_service", "service": _slashed(service), "id": name, "args": arguments or {}}
+        self._put(self._requests, lambda: to_json(request))
+        if patience_s is not None:
+            post(self._loop, self._loop.call_later, patience_s, self._answer, name, {})
 
-    async def _run(self, ready: threading.Event) -> None:
-        self._loop = asyncio.get_running_loop()
-        self._stopping, self._wakes = asyncio.Event(), asyncio.Event()
-        ready.set()
-        keeping = asyncio.create_task(self._keep_connected())
-        await self._stopping.wait()
-        keeping.cancel()
-        await asyncio.gather(keeping, return_exceptions=True)
+    def ask(self, service: str, arguments: Operation | None = None, patience_s: float = 10.0) -> Operation:
+        """Return the answer to a call, or {}; not to be called on the client's thread."""
+        found: Future[Operation] = Future()
+        self.call(service, found.set_result, arguments, patience_s)
+        return found.result()
 
-    async def _keep_connected(self) -> None:
-        """Connect repeatedly, pausing longer after each failure; one that ends before the introduction is another."""
-        wait_s = FIRST_WAIT_S
-        while True:
-            before = self.connections
-            try:
-                async with connect(
-                    self.url, compression=None, max_size=self._limits.frame_bytes, close_timeout=1, open_timeout=5
-                ) as connection:
-                    await self._converse(connection)
-                self.trouble, self.is_refused = "the connection has ended", False
-            except (OSError, TimeoutError, ConnectionClosed, InvalidHandshake, InvalidURI, ValueError) as error:
-                self.trouble, self.is_refused = why_not_connected(error), isinstance(error, RefusedError)
-                if isinstance(error, ConnectionClosed) and error.rcvd is not None and error.rcvd.code == TOO_LARGE:
-                    self._refused_bytes = self._largest_sent
-            if self.connections > before and not self.is_refused:
-                wait_s = FIRST_WAIT_S
-            self.log.warning("%s: %s; next attempt in %g s", self.url, self.trouble, wait_s)
-            await asyncio.sleep(wait_s)
-            wait_s = min(2.0 * wait_s, LONGEST_WAIT_S)
+    def _want(self, op: str, name: str, rest: Callable[[], Operation]) -> None:
+        key = "service" if op == "advertise_service" else "topic"
+        with self._lock:
+            if (op, name) in self._wanted:
+                return
+            wanted = self._wanted[op, name] = lambda: {"op": op, key: _slashed(name), **rest()}
+            is_late = self._has_introduced
+        if is_late:
+            self._put(self._requests, lambda: to_json(wanted()))
 
-    async def _converse(self, connection: ClientConnection) -> None:
-        topics = [f"/{name}" for name in self.outputs]
-        self._joining = joining = Joining(connection, self._given, topics, self.log, self.url)
-        self._largest_sent = 0
-        listening = asyncio.create_task(self._listen(connection, joining))
-        others = self._speak(connection, joining), joining.follow_refusals()
-        tasks = [listening, *map(asyncio.create_task, others)]
-        try:
-            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-            for task in sorted(done, key=lambda task: task is not listening):  # which knows why a connection ended
-                task.result()
-        finally:
-            self.connected.clear()
-            for task in tasks:
-                task.cancel()
-            for name in self.outputs:
-                self.leave(name)
-            for channel in self.inputs.values():
-                self.abandon(channel)
-            while self._waiting.take(wait=False) is not None:
-                pass
-            await asyncio.gather(*tasks, return_exceptions=True)
-            joining.log_refusals()
-
-    async def _listen(self, connection: ClientConnection, joining: Joining) -> None:
-        async for frame in connection:
-            self._receive(frame, connection, joining)
-
-    async def _speak(self, connection: ClientConnection, joining: Joining) -> None:
-        """Introduce the simulator, and send readings; the server counts as connected if it takes the first ones."""
-        await joining.begin()
-        await joining.introduce(self._introduction(joining.ros))
-        if joining.ros == 1 and CLOCK in self.outputs:  # one parameter for all nodes; in ROS 2 each node has its own
-            await joining.call("/rosapi/set_param", {"name": "/use_sim_time", "value": "true"})
-        self._read_channels()
-        await self._write(connection, joining, topics=1)
-        if await joining.is_refused():
-            await self._write(connection, joining, topics=len(self.outputs))
-            await joining.is_refused()
-            joining.require_topics()
-        self.connections += 1
-        self.connected.set()
-        self.trouble, self.is_refused = "", False
-        self.log.info("%s: connected, to ROS %d", self.url, joining.ros)
-        await self._write(connection, joining)
-
-    def _introduction(self, ros: Ros) -> Iterable[dict[str, Any]]:
-        for channel in self.outputs.values():
-            kind = spelled(channel.type, ros)
-            yield {"op": "advertise", "topic": f"/{channel.name}", "type": kind, "latch": channel.delivery.latched}
-        for channel in self.inputs.values():
-            kind = spelled(channel.type, ros)
-            yield {"op": "subscribe", "topic": f"/{channel.name}", "type": kind, "queue_length": 1}
-        for service in self.services.values():
-            yield {"op": "advertise_service", "service": f"/{service.name}", "type": service.type.replace("/srv/", "/")}
-
-    def _read_channels(self) -> None:
-        try:
-            for name in self.outputs:
-                self.listen(name)
-        except NotRunningError:
-            self.log.warning("the simulator does not run")
-
-    def take(self, reading: Reading) -> None:
-        """Queue a reading on the simulator's thread."""
-        self._waiting.put(self._lines[reading.channel.name], reading)
-        if self._loop is not None and not self._wakes.is_set():
+    def _put(self, line: Line[Frame], frame: Frame) -> None:
+        with self._lock:
+            if self._connection is None:
+                return
+            self._waiting.put(line, frame)
+        if not self._wakes.is_set():
             post(self._loop, self._wakes.set)
 
-    async def _write(self, connection: ClientConnection, joining: Joining, topics: int | None = None) -> None:
-        """Send readings; with `topics`, only until so many were sent, for TRIAL_S at most."""
-        loop, sent = asyncio.get_running_loop(), set[str]()
-        end_s = math.inf if topics is None else loop.time() + TRIAL_S
-        while (topics is None or len(sent) < topics) and loop.time() < end_s:
-            self._wakes.clear()
-            while (turn := self._waiting.take(wait=False)) is not None:
-                await self._send(turn[1], connection, joining)
-                if topics is not None:
-                    sent.add(turn[1].channel.name)
-                    if len(sent) >= topics or loop.time() > end_s:
-                        return
-            with suppress(TimeoutError):
-                async with asyncio.timeout_at(None if topics is None else end_s):
-                    await self._wakes.wait()
+    # On the client's thread
 
-    async def _send(self, reading: Reading, connection: ClientConnection, joining: Joining) -> None:
-        name = reading.channel.name
-        if joining.refusals.refuses(f"/{name}"):  # each message would be an error in the ROS graph's log
-            return
-        frame = publication(reading.message, f"/{name}", joining.ros, joining.refusals.next_id(f"/{name}"))
-        size = len(frame)
-        if self._refused_bytes is not None and size >= self._refused_bytes:
-            if name not in self._left_out:
-                self._left_out.add(name)
-                self.log.warning("%s: topic '%s': messages of %d bytes are too large, left out", self.url, name, size)
-            return
-        self._largest_sent = max(self._largest_sent, size)
-        joining.refusals.count_sent(f"/{name}")
-        await connection.send(frame)
-        self.sent += 1
-
-    def _receive(self, frame: str | bytes, connection: ClientConnection, joining: Joining) -> None:
-        """Handle a frame from the server, logging any errors."""
+    async def _converse(self, connection: ClientConnection) -> None:
+        self._mark, self._largest_sent = f"uwsim-{secrets.token_hex(4)}", 0
+        self._sent_topics.clear()
+        tasks = [asyncio.create_task(self._listen(connection))]
+        if self._log is not None:
+            self.joining = Joining(
+                connection, self._given, list(self._lines), self._log, self.url, self._mark, self._report
+            )
+            tasks.append(asyncio.create_task(self.joining.follow_refusals()))
+        tasks.append(asyncio.create_task(self._speak(connection, self.joining)))
+        with self._lock:
+            self._connection = connection
         try:
-            operation = parse(frame, self._limits.nesting)
-            if joining.read(operation):
-                return
-            if operation.get("op") == "publish":
-                channel = self.inputs.get(str(operation.get("topic")).lstrip("/"))
-                if channel is not None:
-                    self.apply(channel, from_plain(channel.type, operation.get("msg", {})))
-            elif operation.get("op") == "call_service":
-                self._serve(operation, connection)
-        except (ValueError, NotRunningError) as error:
-            self.log.warning("%s: %s", self.url, error)
+            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            for task in sorted(done, key=lambda task: task is not tasks[0]):  # which knows why a connection ended
+                task.result()
+        finally:
+            for task in tasks:
+                task.cancel()
+            with self._lock:
+                self._connection, self._has_introduced = None, False
+                answers, self._answers = list(self._answers.values()), {}
+                while self._waiting.take(wait=False) is not None:
+                    pass
+            for answer in answers:
+                answer({})
+            self._left()
+            await asyncio.gather(*tasks, return_exceptions=True)
+            if self.joining is not None:
+                self.joining.log_refusals()
 
-    def _serve(self, operation: dict[str, Any], connection: ClientConnection) -> None:
-        service, arguments = self.services.get(str(operation.get("service")).lstrip("/")), operation.get("args")
-        if service is None:
+    async def _speak(self, connection: ClientConnection, joining: Joining | None) -> None:
+        """Introduce the client, and send; a server that is asked counts as connected if it takes the first messages."""
+        if joining is not None:
+            await joining.begin()
+            self.ros = joining.ros
+        with self._lock:
+            requests = [wanted() for wanted in self._wanted.values()]
+            self._has_introduced = True
+        for request in requests if joining is None else ():
+            await connection.send(to_json(request))
+        if joining is not None:
+            await joining.introduce(requests)
+        self._introduced()
+        if joining is not None:
+            await self._write(connection, 1, TRIAL_S)
+            if await joining.is_refused():
+                await self._write(connection, len(self._lines), TRIAL_S)
+                await joining.is_refused()
+                joining.require_topics()
+        self.is_refused = False
+        self._join()
+        self._joined()
+        await self._write(connection)
+
+    async def _write(self, connection: ClientConnection, topics: float = math.inf, end_s: float | None = None) -> None:
+        """Send until so many topics were sent, for end_s at most."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(end_s):
+                while len(self._sent_topics) < topics:
+                    if (turn := self._waiting.take(wait=False)) is None:
+                        await self._wakes.wait()
+                        self._wakes.clear()
+                    elif (frame := turn[1]()) is not None:
+                        await connection.send(frame)
+
+    async def _finish(self) -> None:
+        while (turn := self._waiting.take(wait=False)) is not None and self._connection is not None:
+            if (frame := turn[1]()) is not None:
+                await self._connection.send(frame)
+
+    def _fail(self, error: Exception | None, wait_s: float) -> None:
+        self.is_refused = isinstance(error, RefusedError)
+        if isinstance(error, ConnectionClosed) and error.rcvd is not None and error.rcvd.code == TOO_LARGE:
+            self._refused_bytes = self._largest_sent
+        self._failed(self.trouble, wait_s)
+
+    def _publication(self, topic: str, message: Any) -> str | None:
+        joining = self.joining
+        if joining is not None and topic in joining.reasons:
+            return None  # each message would be an error in the ROS graph's log
+        frame = publication(message, topic, self.ros, "" if joining is None else joining.next_id(topic))
+        if len(frame) >= self._refused_bytes:
+            if topic not in self._left_out:
+                self._left_out.add(topic)
+                self._report(f"topic '{topic[1:]}': messages of {len(frame)} bytes are too large, left out")
+            return None
+        self._largest_sent = max(self._largest_sent, len(frame))
+        self._sent_topics.add(topic)
+        return frame
+
+    async def _listen(self, connection: ClientConnection) -> None:
+        async for frame in connection:
+            try:
+                self._receive(parse(frame, NESTING), connection)
+            except (ValueError, RuntimeError) as error:
+                self._report(str(error))
+            except Exception:  # of a function that takes messages
+                logging.getLogger("uwsim.rosbridge").exception("%s: a message could not be handled", self.url)
+
+    def _receive(self, operation: Operation, connection: ClientConnection) -> None:
+        op = operation.get("op")
+        if self.joining is not None and self.joining.read(operation):
             return
-        head = {"op": "service_response", "id": operation.get("id"), "service": f"/{service.name}"}
-        respond = partial(post, asyncio.get_running_loop(), self._respond, head, connection)
-        self.call(service, arguments if isinstance(arguments, dict) else {}, respond)
+        if op == "publish" and (known := self._inputs.get(_slashed(str(operation.get("topic"))))) is not None:
+            known[1](from_plain(known[0], operation.get("msg", {})))
+        elif op == "service_response":
+            self._answer(str(operation.get("id")), operation)
+        elif op == "call_service" and (service := self._services.get(str(operation.get("service")))) is not None:
+            arguments = operation.get("args")
+            arguments = arguments if isinstance(arguments, dict) else {}
+            service(arguments, partial(self._respond, operation, connection))
+        elif op == "status":
+            self._report(str(operation.get("msg"))[:TEXT_SHOWN])
 
-    def _respond(self, head: dict[str, Any], connection: ClientConnection, succeeded: bool, values: Any) -> None:
+    def _answer(self, name: str, response: Operation) -> None:
+        with self._lock:
+            answer = self._answers.pop(name, None)
+        if answer is not None:
+            answer(response)
+
+    def _respond(self, asked: Operation, connection: ClientConnection, succeeded: bool, values: Any) -> None:
+        head = {"op": "service_response", "id": asked.get("id"), "service": asked.get("service")}
         try:
             frame = to_json(head | {"values": values, "result": succeeded})
         except ValueError as error:
             frame = to_json(head | {"values": str(error), "result": False})
-        sending = asyncio.ensure_future(connection.send(frame))
-        self._answers.add(sending)
-        sending.add_done_callback(self._forget_answer)
+        if connection is self._connection:  # otherwise the caller is gone
+            self._put(self._requests, lambda: frame)
 
-    def _forget_answer(self, sending: asyncio.Future[None]) -> None:
-        self._answers.discard(sending)
-        if not sending.cancelled():
-            sending.exception()  # read so that it is not logged: the caller is gone with the connection
+
+def _slashed(name: str) -> str:
+    return f"/{name.lstrip('/')}"

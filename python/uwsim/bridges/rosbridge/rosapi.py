@@ -15,8 +15,8 @@ from uwsim.bridges.answers import outcome
 from uwsim.bridges.doors.listener import post
 from uwsim.bridges.rosbridge.encoding import Sample
 from uwsim.bridges.rosbridge.graph import LOGGER, Graph, Handler, Reply, plain_name
+from uwsim.bridges.rosbridge.joining import ROSOUT, ROSOUT_TYPES, WARNING
 from uwsim.bridges.rosbridge.parameters import Parameters
-from uwsim.bridges.rosbridge.refusals import ROSOUT, ROSOUT_TYPES, WARNING
 from uwsim.bridges.rosbridge.type_details import message_details, part_details
 from uwsim.channels.calls.command_services import by_field
 from uwsim.channels.names import NODE

@@ -1,7 +1,7 @@
 """The connection between the pilot's terminal and a vehicle: a plain rosbridge client for the published topics.
 
-One thread listens and another sends the current efforts, so that they expire in time even if the screen hangs. While
-the pilot has the helm, efforts are sent repeatedly to show that the pilot is present.
+A thread sends the current efforts, so that they expire in time even if the screen hangs. While the pilot has the helm,
+efforts are sent repeatedly to show that the pilot is present.
 """
 
 from __future__ import annotations
@@ -13,10 +13,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from websockets.exceptions import WebSocketException
-
-from uwsim.bridges.nodes.node import Node
-from uwsim.bridges.nodes.websocket import checked_url
+from uwsim.bridges.rosbridge.client import Client
 from uwsim.channels.families.key import POSE, Function, key_message
 from uwsim.operator.teleop.hands import ZERO, Hands
 from uwsim.operator.teleop.readout import PANELS, Reader, Readout, topics_to_read
@@ -24,7 +21,6 @@ from uwsim.operator.teleop.readout import PANELS, Reader, Readout, topics_to_rea
 PERIOD_S = 0.05  # interval at which the hands are polled
 STOP_AGAIN_S = 1.0  # interval at which an unanswered all stop is requested again
 REPEAT_S = 0.2  # interval at which unchanged efforts are sent again
-FIRST_WAIT_S, LONGEST_WAIT_S = 0.5, 5.0  # shortest and longest wait between attempts to connect
 ANSWER_S = 3.0  # time limit for a server to list its topics
 STOP_S = 2.0
 QUEUE = 2  # maximum number of queued messages per topic, since a pilot needs the newest
@@ -41,24 +37,27 @@ class Connection:
     def __init__(
         self, url: str, hands: Hands, vehicle: str | None = None, report: Callable[[str], object] = lambda text: None
     ) -> None:
-        self.url, self.hands, self.report = checked_url(url), hands, report
+        self.url, self.hands, self.report = url, hands, report
+        self.client = Client(
+            url, queue=QUEUE, joined=self._join, left=self._leave, report=lambda text: self.report(text),
+            failed=lambda why, wait_s: self.report(f"{url}: {why}"),
+        )  # fmt: skip
         self.readout = Readout()
         self.state = "connecting"
         self.received_s, self.interval_s = -math.inf, 0.0
         self.stop_is_wanted = False
         self._vehicle, self._prefix = vehicle, ""
-        self._node: Node | None = None
-        self._publish: Callable[[Any], None] = lambda message: None
-        self._sending = threading.Lock()  # guards the node, and the last efforts and requests
+        self._is_flying = False  # whether the server is known to take efforts
+        self._sending = threading.RLock()  # guards this, and the last efforts and requests
         self._efforts, self._tilt, self._published_s = dict(ZERO), Function.TILT_HOLD, -math.inf
         self._stop_asked_s: float | None = None  # time of the last request for all stop, until it is answered
         self._stopping = threading.Event()
-        self._threads = [threading.Thread(target=run, daemon=True) for run in (self._listen, self._send_on)]
+        self._thread = threading.Thread(target=self._send_on, daemon=True)
 
     def start(self) -> None:
         """Start connecting."""
-        for thread in self._threads:
-            thread.start()
+        self.client.start()
+        self._thread.start()
 
     def stop(self) -> None:
         """Set the efforts to zero, send them to the vehicle, and disconnect. May be called twice, on any thread."""
@@ -66,13 +65,11 @@ class Connection:
         with self._sending:
             if self._efforts != ZERO or self._tilt != Function.TILT_HOLD or self.hands.has_helm:
                 self._publish_efforts(ZERO, Function.TILT_HOLD)
-            node, self._node = self._node, None
+            self._is_flying = False
         self._stopping.set()
-        if node is not None:
-            node.close()  # after the zero efforts have been sent
-        for thread in self._threads:
-            if thread is not threading.current_thread() and thread.is_alive():
-                thread.join(STOP_S)
+        self.client.close()
+        if self._thread.is_alive():
+            self._thread.join(STOP_S)
 
     @property
     def silence_s(self) -> float:
@@ -89,7 +86,7 @@ class Connection:
         """Call a service of the vehicle and show its response."""
         with self._sending:
             if self._is_connected():
-                self._call(service, partial(self._report_answer, service))
+                self.client.call(f"{self._prefix}{service}", partial(self._report_answer, service))
 
     def all_stop(self, *, on: bool) -> None:
         """Set or release all stop.
@@ -108,49 +105,30 @@ class Connection:
         def answered(response: dict[str, Any]) -> None:
             values = response.get("values")
             is_refused = isinstance(values, dict) and not values.get("success", True)
-            if on and not (response.get("result") and is_refused):
+            if on and response and not (response.get("result") and is_refused):
                 with self._sending:  # it is set, or the server lacks the service, but efforts are zero anyway
                     self._stop_asked_s = None
             self._report_answer("all stop" if on else "release of all stop", response)
 
         self._stop_asked_s = time.monotonic() if on else None
-        self._call("all_stop", answered, {"data": on})
+        self.client.call(f"{self._prefix}all_stop", answered, {"data": on})
 
     def _report_answer(self, service: str, response: dict[str, Any]) -> None:
         values = response.get("values")
         text = values.get("message") if isinstance(values, dict) else values
         is_done = response.get("result") and isinstance(values, dict) and values.get("success", True)
-        self.report(f"{service}: {text or ('done' if is_done else 'failed')}")
+        if response:  # otherwise the connection has ended
+            self.report(f"{service}: {text or ('done' if is_done else 'failed')}")
 
-    # Listening
+    # On the client's thread
 
-    def _listen(self) -> None:
-        wait_s = FIRST_WAIT_S
-        while not self._stopping.is_set():
-            try:
-                node = Node(self.url, QUEUE)
-            except (OSError, WebSocketException) as error:
-                self.report(f"{self.url}: {error}")
-                self._stopping.wait(wait_s)
-                wait_s = min(2.0 * wait_s, LONGEST_WAIT_S)
-                continue
-            wait_s = FIRST_WAIT_S
-            try:
-                self._converse(node)
-            except (OSError, ValueError, WebSocketException) as error:
-                self.report(f"{self.url}: {error}")
-            self.state = "lost"
-            self.hands.drop()
-            with self._sending:
-                self._node = None
-            node.close()
-            if not self._stopping.is_set():
-                self.report("the connection is lost: efforts are zero")
-                self._stopping.wait(FIRST_WAIT_S)
+    def _join(self) -> None:
+        self.client.call("rosapi/topics", self._fly, patience_s=ANSWER_S)
 
-    def _converse(self, node: Node) -> None:
-        node.complain = self.report
-        values = node.ask("/rosapi/topics", ANSWER_S).get("values")
+    def _fly(self, response: dict[str, Any]) -> None:
+        if not self.client.connected.is_set():
+            return
+        values = response.get("values")
         topics = values.get("topics", []) if isinstance(values, dict) else []
         offered = {str(topic).lstrip("/") for topic in topics}  # none: taken for a server of the published topics
         self._prefix = self._found_prefix(offered)
@@ -158,13 +136,13 @@ class Connection:
         if offered and key not in offered:
             raise ValueError("the server has no topic 'key': start it with --wire both or published")
         for name, (kind, read) in topics_to_read(offered, self._prefix).items():
-            node.subscribe(f"/{name}", kind, partial(self._receive, read))
+            self.client.subscribe(name, kind, partial(self._receive, read))
+        self.client.advertise(key, POSE)
         with self._sending:
-            self._publish, self._node = node.advertise(f"/{key}", POSE), node
+            self._is_flying = not self._stopping.is_set()
             self._efforts, self._tilt = dict(ZERO), Function.TILT_HOLD
         self.state = "connected"
         self.report(f"connected to {self.url}")
-        node.spin(self._stopping.is_set)
 
     def _found_prefix(self, offered: set[str]) -> str:
         vehicles = sorted(name.removesuffix("/key") for name in offered if name.endswith("/key"))
@@ -175,14 +153,19 @@ class Connection:
         return f"{self._vehicle}/"
 
     def _receive(self, read: Reader, message: Any) -> None:
-        try:
-            read(self.readout, message)
-        except (ValueError, AttributeError) as error:
-            self.report(str(error))
+        read(self.readout, message)
         if read in PANELS:
             now_s = time.monotonic()
             self.interval_s = now_s - self.received_s if math.isfinite(self.received_s) else 0.0
             self.received_s = now_s
+
+    def _leave(self) -> None:
+        self.hands.drop()
+        with self._sending:
+            self._is_flying = False
+        if not self._stopping.is_set() and self.state == "connected":
+            self.state = "lost"
+            self.report("the connection is lost: efforts are zero")
 
     # Sending, with the lock held
 
@@ -190,7 +173,7 @@ class Connection:
         while not self._stopping.wait(PERIOD_S):
             efforts, tilt = self.hands.efforts(), self.hands.tilt()
             with self._sending:
-                if self._node is None:
+                if not self._is_flying:
                     continue
                 if self._stop_asked_s is not None and time.monotonic() - self._stop_asked_s >= STOP_AGAIN_S:
                     self._ask_to_stop(on=True)
@@ -200,22 +183,11 @@ class Connection:
                 self._tilt = tilt
 
     def _is_connected(self, otherwise: str = "") -> bool:
-        if self._node is None:
+        if not self._is_flying:
             self.report(f"not connected{otherwise}")
-        return self._node is not None
+        return self._is_flying
 
     def _publish_efforts(self, efforts: dict[str, float], function: Function) -> None:
-        message = key_message(efforts, function)
         self._efforts, self._published_s = dict(efforts), time.monotonic()
-        self._guarded(lambda node: self._publish(message))
-
-    def _call(self, service: str, answer: Callable[[dict[str, Any]], None], arguments: Any = None) -> None:
-        self._guarded(lambda node: node.call(f"/{self._prefix}{service}", answer, arguments))
-
-    def _guarded(self, act: Callable[[Node], object]) -> None:
-        """Call `act` with the node unless its connection is closing, which the listening thread reports."""
-        try:
-            if self._node is not None:
-                act(self._node)
-        except (OSError, WebSocketException):
-            self._node = None
+        if self._is_flying:
+            self.client.publish(f"{self._prefix}key", partial(key_message, dict(efforts), function))

@@ -121,6 +121,6 @@ def _progress(running: Running) -> Values:
         "factor": live.factor,
         "lateness": live.lateness,
         "rosbridge": "" if rosbridge is None else rosbridge.url,
-        "rosbridge_trouble": "" if rosbridge is None else rosbridge.trouble,
+        "rosbridge_trouble": "" if rosbridge is None else rosbridge.client.trouble,
         "rosbridge_refusals": "" if rosbridge is None else rosbridge.refusals,
     }

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from uwsim.base.commands import COMMANDS
-from uwsim.bridges.rosbridge.client import RosbridgeClient
+from uwsim.bridges.rosbridge.simulator_client import RosbridgeClient
 from uwsim.channels.authority.rights import AidKind
 from uwsim.channels.delivery.feed import Feed
 from uwsim.channels.families.scans import PLACED

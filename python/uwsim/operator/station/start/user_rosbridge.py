@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import dataclass
 
-from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
-
 from uwsim.base.arguments import is_number
-from uwsim.base.texts.json_text import json_value
 from uwsim.bridges.doors.endpoint import ROSBRIDGE_PORT
-from uwsim.bridges.nodes.websocket import WebSocket, why_not_connected
-from uwsim.channels.guest import Values
+from uwsim.bridges.rosbridge.client import Client
 from uwsim.channels.ros.messages import Ros
 
 HOST = re.compile(r"(wss?://)?([A-Za-z0-9][A-Za-z0-9_.-]*|\[[0-9A-Fa-f:.]+\])")
@@ -28,18 +23,19 @@ class UserRosbridge:
 
     def require_reachable(self) -> None:
         """Try to connect. Raises ValueError if the server cannot be reached, or is a uwsim station."""
+        client = Client(self.url, keeps=False)
         try:
-            socket = WebSocket(self.url)
-        except (OSError, TimeoutError, InvalidHandshake, InvalidURI) as error:
-            raise ValueError(f"{self.url}: {why_not_connected(error)}") from None
-        try:
-            if _is_station(socket):
+            client.start()
+            values = client.ask("/station/catalog", patience_s=STATION_ANSWERS_S).get("values")  # only stations have it
+            if isinstance(values, dict) and "scenarios" in values:
                 hint = "run one of the two on another port, such as uwsim station --port 9091"
                 raise ValueError(f"{self.url}: this is a uwsim station, not your rosbridge: {hint}")
-        except ConnectionClosed:
-            raise ValueError(f"{self.url}: the server closed the connection") from None
+            if client.trouble:
+                raise ValueError(f"{self.url}: the server closed the connection")
+        except OSError as error:
+            raise ValueError(f"{self.url}: {error}") from None
         finally:
-            socket.close()
+            client.close()
 
 
 def checked_host(value: object) -> str:
@@ -65,15 +61,3 @@ def checked_ros(value: object) -> Ros | None:
     if value is not None and (isinstance(value, bool) or value not in (1, 2)):
         raise ValueError(f"rosbridge_ros = {str(value)[:40]}: must be 1 or 2")
     return None if value is None else 2 if value == 2 else 1
-
-
-def _is_station(socket: WebSocket) -> bool:
-    """Return whether a server answers a call to a service that only uwsim stations offer."""
-    request: Values = {"op": "call_service", "service": "/station/catalog", "id": "uwsim"}
-    socket.send(json.dumps(request))
-    try:
-        answer = json_value(socket.recv(STATION_ANSWERS_S), "the answer")
-    except (TimeoutError, ValueError):  # a rosbridge may leave calls of unknown services unanswered
-        return False
-    values = answer.get("values") if isinstance(answer, dict) else None
-    return isinstance(values, dict) and "scenarios" in values

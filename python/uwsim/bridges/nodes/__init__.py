@@ -1,1 +1,0 @@
-"""Clients of a rosbridge server: a node that subscribes, publishes and calls, over a WebSocket."""
