@@ -51,13 +51,17 @@ def teleop(
     from uwsim.base.extras import need_extra
 
     need_extra("websockets", "uwsim teleop")
-    from uwsim.operator.teleop.app import fly
+    from uwsim.operator.teleop.app import Screen
+    from uwsim.operator.teleop.connection import Connection
+    from uwsim.operator.teleop.hands import Hands
+
+    hands = Hands(adds_up=keys == "published")
 
     if url is not None:
         given = [name for name, is_given in {"scenario": scenario is not None, **simulator.given()}.items() if is_given]
         if given:
             raise ValueError(f"{flag_name(given[0])}: is for its own simulator, not for a URL")
-        code = fly(url, vehicle, adds_up=keys == "published")
+        code = Screen(Connection(url, hands, vehicle)).run()
     else:
         from uwsim.simulator.simulator import Simulator
 
@@ -65,7 +69,7 @@ def teleop(
         if vehicle is not None and vehicle not in own.vehicles:
             raise ValueError(f"--vehicle = {vehicle!r}: must be one of {', '.join(own.vehicles)}")
         with own_server(own) as server:
-            code = fly(server.url, vehicle if len(own.vehicles) > 1 else None, adds_up=keys == "published")
+            code = Screen(Connection(server.url, hands, vehicle if len(own.vehicles) > 1 else None)).run()
     raise typer.Exit(code)
 
 

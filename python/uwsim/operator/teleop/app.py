@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 
 from uwsim.operator.teleop.connection import Connection
-from uwsim.operator.teleop.hands import ALL_STOP, END_STOP, HELP, HELP_TEXT, SERVICES, SWITCHES, Hands
+from uwsim.operator.teleop.hands import ALL_STOP, END_STOP, HELP, HELP_TEXT, SERVICES, SWITCHES
 
 FRAME_S = 0.1
 SILENT_S = 1.0  # time without telemetry after which the pilot is warned
@@ -46,12 +46,19 @@ class Screen(logging.Handler):
         self._code = INTERRUPTED
         self._last_text = self._warnings = ""
         self._error: Exception | None = None
-        self._has_ended = False
-        self._was_stopped: bool | None = None
+        self._has_ended, self._was_stopped = False, False
         connection.report = self.report
 
     def run(self) -> int:
-        """Fly until the pilot quits, a signal arrives or the terminal is gone. Return the exit code."""
+        """Fly until the pilot quits, a signal arrives or the terminal is gone. Return the exit code.
+
+        The efforts are left at zero in all cases. Raises ValueError without a terminal.
+        """
+        for name in ("stdin", "stderr"):  # where the terminal is read and written
+            if not getattr(sys, name).isatty():
+                rule = "uwsim teleop needs one; without, see uwsim run and uwsim serve"
+                raise ValueError(f"{name} is not a terminal: {rule}")
+        logging.getLogger().addHandler(self)
         self.report(HELP_TEXT)
         last = threading.Timer(QUIT_S, os._exit, (INTERRUPTED,))
         last.daemon = True
@@ -137,7 +144,7 @@ class Screen(logging.Handler):
             self.hands.drop()  # so that a held key does not move the vehicle when all stop is released
         if self._was_stopped and is_stopped is False:
             connection.stop_is_wanted = False  # by another's release
-        self._was_stopped = is_stopped
+        self._was_stopped = bool(is_stopped)
         warnings = ", ".join(self._lit())
         if warnings != self._warnings:
             self._warnings = warnings
@@ -176,21 +183,3 @@ def _plain(text: str) -> str:
 def _write(data: bytes) -> None:
     while data:
         data = data[os.write(sys.stderr.fileno(), data) :]
-
-
-def fly(url: str, vehicle: str | None = None, *, adds_up: bool = False) -> int:
-    """Fly from the terminal until the pilot quits. Return the exit code.
-
-    The efforts are left at zero in all cases. adds_up: see Hands. Raises ValueError.
-    """
-    screen, root = Screen(Connection(url, Hands(adds_up=adds_up), vehicle)), logging.getLogger()
-    for each, stream in (("stdin", sys.stdin), ("stderr", sys.stderr)):  # where the terminal is read and written
-        if not stream.isatty():
-            raise ValueError(
-                f"{each} is not a terminal: uwsim teleop needs one; without, see uwsim run and uwsim serve"
-            )
-    root.addHandler(screen)
-    try:
-        return screen.run()
-    finally:
-        root.removeHandler(screen)
