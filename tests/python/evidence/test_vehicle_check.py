@@ -13,7 +13,7 @@ from command_line import uwsim
 from uwsim import Simulator
 from uwsim.evidence.scenario_check import CheckReport, check_file, check_part
 from uwsim.evidence.vehicle.figures import VehicleFigures, rest_attitude_deg
-from uwsim.evidence.vehicle.mounts import entered_m
+from uwsim.evidence.vehicle.views import entered_m
 from uwsim.scenario.build.hull import hull_scene
 from uwsim.scenario.read.assets import assets_folder, packaged_names
 from uwsim.scenario.schema import FILES

@@ -12,11 +12,11 @@ from command_line import uwsim
 from uwsim import Simulator, _core
 from uwsim.evidence.scenario_check import CheckReport, check_part
 from uwsim.evidence.vehicle.estimates import estimates
-from uwsim.evidence.vehicle.fields_of_view import fields_of_view
 from uwsim.evidence.vehicle.linear_motion import course_growth_1_s, model_motion, modes, motion_matrix
 from uwsim.evidence.vehicle.report import allocation, vehicle_report
 from uwsim.evidence.vehicle.sheets import SUPPLY_V, Statements, hover_power_w
 from uwsim.evidence.vehicle.trials import straight_run
+from uwsim.evidence.vehicle.views import fields_of_view
 from uwsim.exchange.hulls.hull_drag import ACROSS
 from uwsim.scenario import load_vehicle
 from uwsim.scenario.build.potential_flow import added_mass_of_ellipsoid, simplified

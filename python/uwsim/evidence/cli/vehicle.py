@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from uwsim.base.axes import AXES
 from uwsim.base.own_files import require_own
 from uwsim.cli.bounds import UsageError, within, writable
+from uwsim.cli.choices import one_of
 from uwsim.cli.decompose import decompose
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.groups import with_default
+from uwsim.cli.options import AsJson, print_json
 from uwsim.cli.values import vehicles
 from uwsim.evidence.cli.identify import identify
 from uwsim.evidence.cli.tune import tune
@@ -22,8 +23,8 @@ from uwsim.evidence.cli.tune import tune
 if TYPE_CHECKING:
     from uwsim.simulator.simulator import Simulator
 
-BOWS: tuple[Literal["x", "-x", "y", "-y"], ...] = ("x", "-x", "y", "-y")
-UPS: tuple[Literal["x", "-x", "y", "-y", "z", "-z"], ...] = (*BOWS, "z", "-z")
+BOWS = ("x", "-x", "y", "-y")
+UPS = (*BOWS, "z", "-z")
 SHORT = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
 
 
@@ -43,7 +44,7 @@ def vehicle(
     out: Annotated[
         Path | None, typer.Option(help="The HTML page to write. Default: no page.", callback=writable)
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
+    as_json: AsJson = False,
     wet: Annotated[
         Path | None,
         typer.Option(
@@ -63,16 +64,23 @@ def vehicle(
         float | None, typer.Option(help="The draft's mass [kg]. Default: neutral.", callback=within(0.01, 1e6, "kg"))
     ] = None,
     unit: Annotated[
-        str | None, typer.Option(help=f"The mesh's unit: {', '.join(SHORT)}. Default: guessed from its size or mass.")
+        str | None,
+        typer.Option(
+            help=f"The mesh's unit: {', '.join(SHORT)}. Default: guessed from its size or mass.", **one_of(*SHORT)
+        ),
     ] = None,
     forward: Annotated[
-        str | None, typer.Option(help=f"Direction of the mesh's bow: {', '.join(BOWS)}. Default: x, or y if longer.")
+        str | None,
+        typer.Option(
+            help=f"Direction of the mesh's bow: {', '.join(BOWS)}. Default: x, or y if longer.", **one_of(*BOWS)
+        ),
     ] = None,
     up: Annotated[
         str | None,
         typer.Option(
             help=f"The mesh's axis that points up: {', '.join(UPS)}. Default: y for glTF, as declared for Collada and "
-            "FBX, else z."
+            "FBX, else z.",
+            **one_of(*UPS),
         ),
     ] = None,
     length_m: Annotated[
@@ -97,27 +105,22 @@ def vehicle(
         raise UsageError("--wet draws a picture, not a report: leave out --draft, --out and --json")
     if wet is not None and wet.suffix != ".png":
         raise UsageError(f"--wet {wet}: must end in .png")
+    options = {
+        "mass_kg": mass_kg, "unit": unit and SHORT[unit], "forward": forward, "up": up, "length_m": length_m
+    }  # fmt: skip
     if draft:
         if out is not None or as_json:
             raise UsageError("--draft prints a vehicle's file, not a report: leave out --out and --json")
         if unit is not None and length_m is not None:
             raise UsageError("--unit and --length-m both state the scale: leave out one")
-        _print_draft(Path(file), axes, mass_kg, unit, forward, up, length_m)
+        _print_draft(Path(file), axes, **options)
         return
-    only = {
-        "axes": axes,
-        "mass-kg": mass_kg,
-        "unit": unit,
-        "forward": forward,
-        "up": up,
-        "length-m": length_m,
-    }
-    for option, value in only.items():
+    for option, value in {"axes": axes, **options}.items():
         if value is not None:
-            raise UsageError(f"--{option} has no effect without --draft")
+            raise UsageError(f"--{option.replace('_', '-')} has no effect without --draft")
     from uwsim.evidence.scenario_check import check_part
     from uwsim.evidence.vehicle.report import vehicle_report
-    from uwsim.evidence.vehicle.text import report_lines
+    from uwsim.evidence.vehicle.text import report_lines, write_page
 
     if out is not None:
         require_own(out)  # before a minute's work
@@ -131,14 +134,12 @@ def vehicle(
         return
     report = vehicle_report(check.simulator, check.vehicle)
     if as_json:
-        typer.echo(json.dumps({**report.to_dict(), "warnings": list(check.warnings)}, indent=1))
+        print_json({**report.to_dict(), "warnings": check.warnings})
     else:
         typer.echo("\n".join([f"{check.file}: {report.model.name}", *report_lines(report)]))
     for warning in check.warnings:
         typer.echo(f"uwsim: warning: {warning}", err=True)
     if out is not None:
-        from uwsim.evidence.vehicle.page import write_page
-
         write_page(out, report, check.warnings)
         typer.echo(f"page: {out}", err=as_json)
 
@@ -157,32 +158,18 @@ def _draw_wet(path: Path, sim: Simulator) -> None:
     typer.echo(f"{path}: {len(at.wet):,} triangles under water, {at.wet.area_m2:.3g} m2, {how}")
 
 
-def _print_draft(
-    mesh: Path,
-    axes: str | None,
-    mass_kg: float | None,
-    unit: str | None,
-    forward: str | None,
-    up: str | None,
-    length_m: float | None,
-) -> None:
+def _print_draft(mesh: Path, axes: str | None, **options: Any) -> None:
     """Print the draft, after it has been built once; progress, notes and warnings go to stderr."""
     chosen = None if axes is None else tuple(axis.strip() for axis in axes.split(","))
     if wrong := [axis for axis in chosen or () if axis not in AXES]:
         raise UsageError(f"--axes = '{wrong[0]}': must be of {', '.join(AXES)}")
-    if unit is not None and unit not in SHORT:
-        raise UsageError(f"--unit = '{unit}': must be one of {', '.join(SHORT)}")
-    if forward is not None and forward not in BOWS:
-        raise UsageError(f"--forward = '{forward}': must be one of {', '.join(BOWS)}")
-    if up is not None and up not in UPS:
-        raise UsageError(f"--up = '{up}': must be one of {', '.join(UPS)}")
     from uwsim.evidence.scenario_check import check_part
     from uwsim.exchange.hulls.draft import drafted
 
     def progress(line: str) -> None:
         typer.echo(f"uwsim: {line}", err=True)
 
-    made = drafted(mesh, chosen, mass_kg, unit and SHORT[unit], forward, up, length_m, progress)
+    made = drafted(mesh, chosen, progress=progress, **options)
     with TemporaryDirectory() as folder:
         (path := Path(folder) / "draft.yaml").write_text(made.text, encoding="utf-8")
         check = check_part(path, "vehicle")

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.axes import AXES
-from uwsim.evidence.vehicle.boats import boat_at_rest
+from uwsim.evidence.vehicle.afloat import boat_at_rest
 from uwsim.evidence.vehicle.linear_motion import course_growth_1_s, model_motion
-from uwsim.evidence.vehicle.mounts import Mount, mounts
 from uwsim.evidence.vehicle.trials import Slip, StraightRun, slip, straight_run
+from uwsim.evidence.vehicle.views import Mount, mounts
 from uwsim.scenario import ScenarioError
 from uwsim.scenario.build.ballast import mass_with_ballast, trim_weights
 from uwsim.scenario.build.gravity import STANDARD_M_S2

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from uwsim.base.axes import AXES
 from uwsim.evidence.vehicle.estimates import Estimates, estimates
-from uwsim.evidence.vehicle.fields_of_view import FieldOfView, fields_of_view
 from uwsim.evidence.vehicle.figures import VehicleFigures
 from uwsim.evidence.vehicle.linear_motion import Mode, model_motion, modes
 from uwsim.evidence.vehicle.sheets import beside_makers
 from uwsim.evidence.vehicle.trials import TurningCircle, terminal_speeds, turning_circles
+from uwsim.evidence.vehicle.views import FieldOfView, fields_of_view
 from uwsim.scenario.build.actuator import actuators_spec
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.spec.vehicle import VehicleModel
@@ -69,30 +69,15 @@ class VehicleReport:
     beside_makers: tuple[tuple[str, str, str, str, str], ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the report as plain values, for JSON; rays and tracks are left out, and NaN is None."""
+        """Return the report for print_json; rays and tracks are left out."""
         left_out = {"model", "views", "circles", "motions"}
-        values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in left_out}
         return {
             "vehicle": self.model.name,
-            **{key: _plain(value) for key, value in values.items()},
-            "circles": [_plain({k: v for k, v in asdict(one).items() if k != "track_m"}) for one in self.circles],
-            "modes": [
-                {"speed_m_s": speed, "modes": _plain([asdict(m) for m in own])} for speed, own in self.motions.items()
-            ],
-            "own_hull": [_plain({"label": v.label, "share": v.share, "nearest_m": v.nearest_m}) for v in self.views],
+            **{field.name: getattr(self, field.name) for field in fields(self) if field.name not in left_out},
+            "circles": [{k: v for k, v in asdict(circle).items() if k != "track_m"} for circle in self.circles],
+            "modes": [{"speed_m_s": speed, "modes": own} for speed, own in self.motions.items()],
+            "own_hull": [{"label": v.label, "share": v.share, "nearest_m": v.nearest_m} for v in self.views],
         }
-
-
-def _plain(value: Any) -> Any:
-    if hasattr(value, "__dataclass_fields__"):
-        value = asdict(value)
-    if isinstance(value, dict):
-        return {key: _plain(part) for key, part in value.items()}
-    if isinstance(value, np.ndarray | list | tuple):
-        return [_plain(part) for part in value]
-    if isinstance(value, float | np.floating):
-        return float(value) if np.isfinite(value) else None
-    return value
 
 
 def vehicle_report(sim: Simulator, figures: VehicleFigures) -> VehicleReport:
@@ -103,7 +88,7 @@ def vehicle_report(sim: Simulator, figures: VehicleFigures) -> VehicleReport:
     fastest = float(terminal[0, 0])
     speeds = [0.0] if np.isnan(fastest) else [0.0, round(fastest, 2)]
     if figures.metacentric_m is not None:
-        speeds = []  # they are those of a submerged hull
+        speeds = []  # a boat's modes would be those of a submerged hull
     trim = entry.trim or model.trim
     compared_at = COMPARED_AT_M_S if np.isnan(fastest) else fastest
     report = VehicleReport(

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from uwsim.evidence.vehicle.figures import NO_LEVER_M, VehicleFigures
-from uwsim.evidence.vehicle.mounts import Mount
 from uwsim.evidence.vehicle.trials import RUN_S, TILT_DEG, StraightRun
+from uwsim.evidence.vehicle.views import Mount
 from uwsim.scenario.build.scale import size_text
 
 REST_TILT_DEG = 5.0

@@ -89,9 +89,7 @@ def straight_run(model: VehicleModel, density_kg_m3: float, trim: Trim | None) -
 
 
 def _straight_run(model: VehicleModel, density_kg_m3: float, trim: Trim | None) -> StraightRun:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # the check's own simulator gave them
-        sim = Simulator(deep_scenario(model, density_kg_m3=density_kg_m3, trim=trim))
+    sim = _deep(model, density_kg_m3, trim)
     rov = sim.rov
     start_m = trial_m(sim, FREE_M)
     rov.place((0.0, 0.0, start_m))
@@ -114,6 +112,12 @@ def _straight_run(model: VehicleModel, density_kg_m3: float, trim: Trim | None) 
     )
 
 
+def _deep(model: VehicleModel, density_kg_m3: float, trim: Trim | None) -> Simulator:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # the check's own simulator gave them
+        return Simulator(deep_scenario(model, density_kg_m3=density_kg_m3, trim=trim))
+
+
 @dataclass(frozen=True)
 class Slip:
     """A motion to the side without surge and without control, SLIP_M_S at first, until it has fallen to half."""
@@ -124,9 +128,7 @@ class Slip:
 
 def slip(model: VehicleModel, density_kg_m3: float, trim: Trim | None) -> Slip:
     """Return how a vehicle's side slip dies down in deep, still water; after at most SLIP_LONGEST_S."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # the check's own simulator gave them
-        sim = Simulator(deep_scenario(model, density_kg_m3=density_kg_m3, trim=trim))
+    sim = _deep(model, density_kg_m3, trim)
     rov = sim.rov
     rov.place((0.0, 0.0, TOWED_M), velocity_body=(0.0, SLIP_M_S, 0.0, 0.0, 0.0, 0.0))
     while rov.velocity.linear_body_m_s[1] > 0.5 * SLIP_M_S and sim.time_s < SLIP_LONGEST_S:
@@ -176,7 +178,7 @@ def terminal_speeds(scenario: Scenario) -> Floats:
             if k > 3 * second and np.all(to_come <= SETTLED * np.maximum(speeds, 1e-3)):
                 break
             before, gains = speeds, speeds - before
-    speeds = np.abs(velocity).sum(axis=1).reshape(2, 6).T
+    speeds = np.ascontiguousarray(np.abs(velocity).sum(axis=1).reshape(2, 6).T)
     speeds[full == 0.0] = np.nan
     return np.asarray(speeds)
 
