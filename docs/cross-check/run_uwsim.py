@@ -20,9 +20,9 @@ from ruamel.yaml import YAML
 
 from uwsim import Simulator, _core
 from uwsim.evidence.validate.camera import Light, wall_at
-from uwsim.evidence.validate.closed_forms import simulator_with_body
 from uwsim.evidence.validate.flights import BED_DEPTH_M
-from uwsim.evidence.validate.reference_solution import Coefficients
+from uwsim.evidence.validate.motion.closed_forms import simulator_with_body
+from uwsim.evidence.validate.motion.reference_solution import Coefficients
 from uwsim.instruments.acoustics import arrivals
 from uwsim.scenario import Scenario
 

@@ -15,7 +15,7 @@ LAWFUL = {
         evidence/reproduce/beside.py:_make evidence/reproduce/beside.py:_survey_map
         evidence/reproduce/deposit.py:write_deposit exchange/robots/written.py:require_simulable
         exchange/robots/written.py:_estimates exchange/unity/scenario.py:_Files.drafted
-        evidence/validate/closed_forms.py:_write_obj examples/m07_wall_scan.py:main
+        evidence/validate/motion/closed_forms.py:_write_obj examples/m07_wall_scan.py:main
         examples/m08_station_keeping.py:main examples/m10_digital_twin.py:main
         operator/station/sessions/saves.py:save
         recording/foreign_bag.py:map_from_bag recording/real_flights/deep_water.py:_bare

@@ -6,7 +6,7 @@ import pytest
 import docs_pages
 from uwsim.base.axes import AXES
 from uwsim.evidence.validate.flights import START_M, deep_water
-from uwsim.evidence.validate.tilts import largest_tilts_deg, tilt_table
+from uwsim.evidence.validate.motion.tilts import largest_tilts_deg, tilt_table
 from uwsim.navigation.control import Controller
 from uwsim.scenario import load_vehicle
 from uwsim.scenario.read.assets import packaged_names

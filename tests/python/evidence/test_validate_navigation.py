@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from uwsim.evidence.validate import navigation
-from uwsim.evidence.validate.places import PLACES, WITH_DVL, WITH_GAUGE
+from uwsim.evidence.validate.navigator import by_place as navigation
+from uwsim.evidence.validate.navigator.places import PLACES, WITH_DVL, WITH_GAUGE
 from uwsim.navigation.estimation.aids import Doppler
 from uwsim.navigation.estimation.budget import NOISE, position_budget
 from uwsim.scenario.read.assets import assets_folder

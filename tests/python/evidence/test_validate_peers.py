@@ -9,12 +9,11 @@ import pytest
 
 from uwsim.base.texts.json_text import read_json
 from uwsim.evidence.validate import peers
-from uwsim.evidence.validate.peers import added_mass, focused_light, lamp_light, occupancy
+from uwsim.evidence.validate.peers import added_mass, focused_light, lamp_light
 
 
 @pytest.mark.parametrize("peer", peers.PEERS)
 def test_a_peer_agrees(peer: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(occupancy, "SCANS", 2)  # tools/docs runs all 20, which take 10 s
     hulls = {"cone": added_mass.HULLS["cone"]}
     monkeypatch.setattr(added_mass, "HULLS", hulls)  # of ten, which take 30 s
     package, distribution = peers.PEERS[peer]

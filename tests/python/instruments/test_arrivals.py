@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from uwsim.cli.program import app
 from uwsim.evidence.validate import sound
+from uwsim.evidence.validate.reality import soundings
 from uwsim.evidence.validate.sound import computed, counterparts, kept_cases
 from uwsim.instruments.acoustics import arrivals
 from uwsim.instruments.acoustics.ray_paths import ray_path
@@ -39,19 +40,19 @@ def test_every_arrival_of_bellhop_is_found_and_no_other(kind: str) -> None:
 
 
 def test_the_suite_has_a_check_for_each_kind_and_each_can_fail(monkeypatch: pytest.MonkeyPatch) -> None:
-    checks = sound.bellhop_checks()
+    checks = sound.run()
     assert len(checks) == 20
     assert all(check.passed for check in checks)
     straight = [case | {"profile": [[0.0, 1500.0], [case["profile"][-1][0], 1500.0]]} for case in kept_cases()]
     monkeypatch.setattr(sound, "kept_cases", lambda: straight)
-    assert all(any(not one.passed for one in sound.bellhop_checks() if kind in one.group) for kind in ("lake", "Munk"))
+    assert all(any(not one.passed for one in sound.run() if kind in one.group) for kind in ("lake", "Munk"))
 
 
-@pytest.mark.parametrize("name", sound.SURVEYS)
+@pytest.mark.parametrize("name", soundings.SURVEYS)
 def test_two_way_times_of_a_recorded_survey_are_met(name: str) -> None:
     if not (SURVEYS / name).is_file():
         pytest.skip(f"no {SURVEYS / name}")
-    assert sound.survey_check(SURVEYS / name, sound.SURVEYS[name]).passed
+    assert soundings.survey_check(SURVEYS / name, soundings.SURVEYS[name]).passed
 
 
 @pytest.mark.parametrize(

@@ -8,13 +8,17 @@ from scipy.integrate import solve_ivp
 
 from sites import lake
 from uwsim import Simulator
-from uwsim.evidence.validate.tether import critical_angle_rad
 from uwsim.navigation.control import Controller
 
 GRAVITY_M_S2, WATER_KG_M3, SPEED_M_S = 9.80665, 1000.0, 1.5
 LENGTH_M, DIAMETER_M, CABLE_KG_M, NORMAL, ALONG = 30.0, 0.006, 0.06, 1.2, 0.01
 RADIUS_M, DRAG = 0.1, 0.1
 """The towed body's, which is held at its nose, so that it is in line with what pulls it."""
+
+
+def critical_angle_rad(weight_n_m: float, drag_n_m: float) -> float:
+    """Return the angle below the flow at which a cable's weight balances the drag across it (Pode 1951)."""
+    return math.acos((-weight_n_m + math.sqrt(weight_n_m**2 + 4.0 * drag_n_m**2)) / (2.0 * drag_n_m))
 
 
 def towed(net_n: float) -> tuple[float, np.ndarray, np.ndarray]:

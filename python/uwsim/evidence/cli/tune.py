@@ -35,7 +35,7 @@ def tune(
     from uwsim.base.atomic_file import write_atomically
     from uwsim.evidence.tuning import control_text
     from uwsim.evidence.tuning import tune as tuned
-    from uwsim.evidence.validate.step_figures import draw_steps
+    from uwsim.evidence.validate.report import draw_curves
     from uwsim.scenario import load_vehicle
 
     model = load_vehicle(file)
@@ -57,7 +57,8 @@ def tune(
         _print(found, block)
     out.mkdir(parents=True, exist_ok=True)
     write_atomically(out / "control.yaml", f"{block}\n".encode())
-    draw_steps(found.after.responses, out / "steps.png", before=found.before.responses)
+    responses = zip(found.after.responses, found.before.responses, strict=True)
+    draw_curves([after.curve(before) for after, before in responses], out / "steps.png", model.name)
     typer.echo(f"figure: {out / 'steps.png'}", err=True)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -29,17 +28,14 @@ OFFERED = (
 def validate(
     suites: Annotated[
         list[str] | None,
-        typer.Argument(
-            help=OFFERED,
-            **one_of(*SUITES),
-        ),
+        typer.Argument(help=OFFERED, **one_of(*SUITES)),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for index.md, the tables, and the curves as PNG.")] = None,
     data: Annotated[
         Path | None,
         typer.Option(
-            help="Folder of recorded data for sound and reality, whose sources docs/inside/reality.md lists, or of "
-            "logs for flights, with flights.yaml.",
+            help="Folder of recorded data for reality, whose sources docs/inside/reality.md lists, or of logs for "
+            "flights, with flights.yaml.",
             exists=True,
             file_okay=False,
         ),
@@ -65,8 +61,7 @@ def validate(
     predictions that were frozen before their data were opened, and which hit; a miss does not change the exit code.
     """
     from uwsim.evidence.validate import run_suites
-    from uwsim.evidence.validate.check_table import print_checks
-    from uwsim.evidence.validate.page import write_page
+    from uwsim.evidence.validate.report import print_checks, write_page
 
     names = suites or BY_DEFAULT
     if engine != "uwsim" and names != ["dynamics"]:
@@ -86,9 +81,7 @@ def validate(
 
             print_predictions()
     if as_json:
-        print_json(
-            {suite: [{**asdict(check), "passed": check.passed} for check in checks] for suite, checks in found.items()}
-        )
+        print_json({suite: [check.to_dict() for check in checks] for suite, checks in found.items()})
     if out is not None:
         write_page(out, found)
     if not all(check.passed for checks in found.values() for check in checks):

@@ -15,7 +15,7 @@ from uwsim.cli.choices import one_of
 from uwsim.cli.decompose import decompose
 from uwsim.cli.exit_codes import FAILED
 from uwsim.cli.groups import with_default
-from uwsim.cli.options import AsJson, print_json
+from uwsim.cli.options import print_json
 from uwsim.cli.values import vehicles
 from uwsim.evidence.cli.identify import identify
 from uwsim.evidence.cli.tune import tune
@@ -44,7 +44,7 @@ def vehicle(
     out: Annotated[
         Path | None, typer.Option(help="The HTML page to write. Default: no page.", callback=writable)
     ] = None,
-    as_json: AsJson = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
     wet: Annotated[
         Path | None,
         typer.Option(

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from uwsim.evidence.reproduce.figure import Figure
 from uwsim.evidence.reproduce.scenes import BEFORE_THE_GATE, CLEAR, Place, eye_of, place, project
-from uwsim.evidence.validate.sonar_instrument import half_detected_m
-from uwsim.evidence.validate.sonar_table import COVERAGE_M, DEPTH_M, FREQUENCIES_KHZ, Cell
+from uwsim.evidence.validate.sonars.instrument import half_detected_m
+from uwsim.evidence.validate.sonars.table import COVERAGE_M, DEPTH_M, FREQUENCIES_KHZ, Cell
 from uwsim.figures.sonar_fan import beam_ends_m
 from uwsim.figures.style import ACCENT, FAINT_INK, INK, label_axes, new_figure, save_figure
 from uwsim.instruments.cameras.camera import Camera

@@ -1,7 +1,7 @@
 """Validation: comparisons of the simulator with closed forms and published data, as tables and curves.
 
-A suite is a module with a `run(out) -> list[Check]` function and an entry in `uwsim.evidence.suites`. Those in RECORDED
-also take the folder of recorded data, which is not part of uwsim.
+A suite is a module with a `run() -> list[Check]` function and an entry in `uwsim.evidence.suites`. Those in RECORDED
+take the folder of recorded data, which is not part of uwsim. Whatever a native test states is not asked here again.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from pathlib import Path
 
 from uwsim.evidence.suites import ON_REQUEST, RECORDED, SUITES
 from uwsim.evidence.validate.check import Check
-from uwsim.evidence.validate.engine import ENGINE
+from uwsim.evidence.validate.flights import ENGINE
+from uwsim.evidence.validate.report import draw_checks
 
 __all__ = ["ON_REQUEST", "RECORDED", "SUITES", "run_suite", "run_suites"]
 
@@ -28,11 +29,11 @@ def run_suite(name: str, out: Path | None = None, data: Path | None = None, engi
     """
     if name not in SUITES:
         raise ValueError(f"validation '{name}': unknown; there are: {', '.join(SUITES)}")
+    run = import_module(SUITES[name]).run
+    checks: list[Check] = copy_context().run(_run_with, engine, run, *([data] if name in RECORDED else []))
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
-    run = import_module(SUITES[name]).run
-    arguments = (out, data) if name in RECORDED else (out,)
-    checks: list[Check] = copy_context().run(_run_with, engine, run, *arguments)
+        draw_checks(checks, out, name)
     return checks
 
 

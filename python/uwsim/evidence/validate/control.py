@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from dataclasses import replace
 
 from uwsim.evidence.validate.check import Check, at_most, relative
 from uwsim.evidence.validate.gust_flights import gust_checks, top_speed_m_s
@@ -17,16 +17,10 @@ GUST_VEHICLE, MAKERS_SPEED_M_S, SPEED_TOLERANCE = "bluerov2_heavy_cfd", 1.5, 0.1
 OVERSHOOT, STEADY = 0.1, 0.02  # shares of the step
 
 
-def run(out: Path | None) -> list[Check]:
-    """Return the checks of the suite; draw the step responses of all vehicles into the folder `out`."""
-    checks = []
-    for name in VEHICLES:
-        responses = step_responses(name, load_vehicle(name))
-        checks += [check for response in responses for check in response_checks(response)]
-        if out is not None:
-            from uwsim.evidence.validate.step_figures import draw_steps
-
-            draw_steps(responses, out / f"control-{name}.png")
+def run() -> list[Check]:
+    """Return the checks of the suite, with the step responses of all vehicles."""
+    flown = (response for name in VEHICLES for response in step_responses(name, load_vehicle(name)))
+    checks = [check for response in flown for check in response_checks(response)]
     fast = load_vehicle(GUST_VEHICLE)
     top = relative(GUST_VEHICLE, "speed at full thrust", MAKERS_SPEED_M_S, top_speed_m_s(fast), SPEED_TOLERANCE, "m/s")
     return [*checks, top, *gust_checks(GUST_VEHICLE, fast)]
@@ -36,8 +30,9 @@ def response_checks(response: StepResponse) -> list[Check]:
     """Compare a step response's rise time, overshoot, settling time and steady-state error with their limits."""
     step, unit = response.step, response.step.unit
     name = f"{step.name} {step.size:.3g} {unit}"
+    rise = at_most(response.vehicle, f"{name}: rise time", RISE_S[unit], response.rise_s, "s")
     return [
-        at_most(response.vehicle, f"{name}: rise time", RISE_S[unit], response.rise_s, "s"),
+        replace(rise, curve=response.curve()),
         at_most(response.vehicle, f"{name}: overshoot", OVERSHOOT, response.overshoot),
         at_most(response.vehicle, f"{name}: settling time", SETTLING_S[unit], response.settling_s, "s"),
         at_most(response.vehicle, f"{name}: steady-state error", STEADY, response.steady_error),

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextvars import ContextVar
 
 import numpy as np
 
-from uwsim.evidence.validate.engine import ENGINE
-from uwsim.evidence.validate.reference_solution import Array, Flight
+from uwsim.evidence.validate.motion.reference_solution import Array, Flight
 from uwsim.scenario import Scenario, VehicleModel
 from uwsim.scenario.spec.vehicle import Trim
 from uwsim.simulator.simulator import Simulator
 
+ENGINE = ContextVar("engine", default="uwsim")
+"""The `dynamics.engine` of the scenarios: the one under validation."""
 START_M = (0.0, 0.0, -400.0)
 BED_DEPTH_M = 1000.0
 SAMPLE_S = 0.05
@@ -26,17 +28,13 @@ def deep_scenario(
     model: VehicleModel, *, density_kg_m3: float = 1000.0, step_s: float = 0.005, trim: Trim | None = None
 ) -> Scenario:
     """Return the scenario of deep_water. trim: replaces the model's."""
-    return Scenario.model_validate(
-        {
-            "name": "validation",
-            "step_s": step_s,
-            "dynamics": {"engine": ENGINE.get()},
-            "water": {"density_kg_m3": density_kg_m3},
-            "terrain": {"source": "noise", "size_m": [1000, 1000], "spacing_m": 100, "bed_depth_m": BED_DEPTH_M},
-            "station": {"position_m": [0, 0, 0]},
-            "vehicles": [{"name": "body", "model": model, "start": {"position_m": list(START_M)}, "trim": trim}],
-        }
-    )
+    return Scenario.model_validate({
+        "name": "validation", "step_s": step_s, "dynamics": {"engine": ENGINE.get()},
+        "water": {"density_kg_m3": density_kg_m3},
+        "terrain": {"source": "noise", "size_m": [1000, 1000], "spacing_m": 100, "bed_depth_m": BED_DEPTH_M},
+        "station": {"position_m": [0, 0, 0]},
+        "vehicles": [{"name": "body", "model": model, "start": {"position_m": list(START_M)}, "trim": trim}],
+    })  # fmt: skip
 
 
 def times(duration_s: float) -> Array:
@@ -65,14 +63,7 @@ def fly(sim: Simulator, velocity_body: Sequence[float] | Array, duration_s: floa
 def attitude_error_rad(got: Array, expected: Array) -> Array:
     """Return the angles (n,) between attitudes (n, 3, 3)."""
     between = np.einsum("nji,njk->nik", expected, got)
-    axis = np.stack(
-        [
-            between[:, 2, 1] - between[:, 1, 2],
-            between[:, 0, 2] - between[:, 2, 0],
-            between[:, 1, 0] - between[:, 0, 1],
-        ],
-        axis=-1,
-    )
+    axis = np.stack([between[:, (k + 2) % 3, (k + 1) % 3] - between[:, (k + 1) % 3, (k + 2) % 3] for k in range(3)], -1)
     sine = 0.5 * np.linalg.norm(axis, axis=-1)
     cosine = 0.5 * (np.trace(between, axis1=1, axis2=2) - 1.0)
     return np.asarray(np.arctan2(sine, cosine), np.float64)

@@ -8,7 +8,6 @@ is only seen in the next row.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,8 +42,8 @@ class TrueLog:
     values: dict[str, float]
 
 
-def run(out: Path | None = None) -> list[Check]:
-    """Return the checks of the suite, which draws no curves."""
+def run() -> list[Check]:
+    """Return the checks of the suite."""
     share, lag = coverage(LOGS)
     middle, half = float(np.mean(COVERED)), 0.5 * (COVERED[1] - COVERED[0])
     return [

@@ -38,8 +38,8 @@ class _File(Model):
     flights: list[LoggedFlight]
 
 
-def run(out: Path | None, data: Path | None) -> list[Check]:
-    """Return the checks of all flights. It draws nothing.
+def run(data: Path | None) -> list[Check]:
+    """Return the checks of all flights.
 
     A log that is missing, or has nothing to compare, is left out with a warning. Raises ValueError if none is left.
     """

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.axes import AXES
+from uwsim.evidence.validate.check import Curve
 from uwsim.evidence.validate.flights import START_M, deep_water
 from uwsim.navigation.control import Controller
 from uwsim.scenario import VehicleModel
@@ -46,44 +47,24 @@ def _tilt(rov: Vehicle, row: int) -> float:
     return math.asin(float(np.clip(rov.pose.world_from_body[2, row], -1.0, 1.0)))
 
 
+def _velocity(axis: int) -> Callable[[Controller, float], None]:
+    return lambda c, s: c.velocity(tuple(s * np.eye(6)[axis]))
+
+
+def _depth(rov: Vehicle) -> float:
+    return float(rov.pose.position_world_m[2] - START_M[2])
+
+
 STEPS = (
     Step("ahead", "m", 2.0, "surge", lambda c, s: c.hold(_at(x_m=s), 0.0), lambda r: r.pose.position_world_m[0]),
     Step("sideways", "m", 2.0, "sway", lambda c, s: c.hold(_at(y_m=s), 0.0), lambda r: r.pose.position_world_m[1]),
-    Step(
-        "depth",
-        "m",
-        1.0,
-        "heave",
-        lambda c, s: c.hold(_at(z_m=s), 0.0),
-        lambda r: r.pose.position_world_m[2] - START_M[2],
-    ),
+    Step("depth", "m", 1.0, "heave", lambda c, s: c.hold(_at(z_m=s), 0.0), _depth),
     Step("heading", "rad", math.pi / 2, "yaw", lambda c, s: c.hold(START_M, s), lambda r: r.pose.yaw_rad),
     Step("roll", "rad", 0.1, "roll", lambda c, s: c.hold(START_M, 0.0, roll_rad=s), lambda r: _tilt(r, 1)),
     Step("pitch", "rad", 0.1, "pitch", lambda c, s: c.hold(START_M, 0.0, pitch_rad=s), lambda r: -_tilt(r, 0)),
-    Step(
-        "surge",
-        "m/s",
-        0.5,
-        "surge",
-        lambda c, s: c.velocity((s, 0, 0, 0, 0, 0)),
-        lambda r: r.velocity.linear_body_m_s[0],
-    ),
-    Step(
-        "sway",
-        "m/s",
-        0.3,
-        "sway",
-        lambda c, s: c.velocity((0, s, 0, 0, 0, 0)),
-        lambda r: r.velocity.linear_body_m_s[1],
-    ),
-    Step(
-        "yaw rate",
-        "rad/s",
-        0.3,
-        "yaw",
-        lambda c, s: c.velocity((0, 0, 0, 0, 0, s)),
-        lambda r: r.velocity.angular_body_rad_s[2],
-    ),
+    Step("surge", "m/s", 0.5, "surge", _velocity(0), lambda r: r.velocity.linear_body_m_s[0]),
+    Step("sway", "m/s", 0.3, "sway", _velocity(1), lambda r: r.velocity.linear_body_m_s[1]),
+    Step("yaw rate", "rad/s", 0.3, "yaw", _velocity(5), lambda r: r.velocity.angular_body_rad_s[2]),
 )
 
 
@@ -94,43 +75,14 @@ def _ahead(c: Controller, heading_rad: float = 0.0, z_m: float | None = None, pi
 
 
 STEPS_UNDER_WAY = (
-    Step(
-        "depth under way",
-        "m",
-        2.0,
-        "pitch",
-        lambda c, s: _ahead(c, z_m=START_M[2] + s),
-        lambda r: r.pose.position_world_m[2] - START_M[2],
-        CRUISE_M_S,
-    ),
-    Step(
-        "heading under way",
-        "rad",
-        0.5,
-        "yaw",
-        lambda c, s: _ahead(c, heading_rad=s, z_m=START_M[2]),
-        lambda r: r.pose.yaw_rad,
-        CRUISE_M_S,
-    ),
-    Step(
-        "pitch under way",
-        "rad",
-        0.1,
-        "pitch",
-        lambda c, s: _ahead(c, pitch_rad=s),
-        lambda r: -_tilt(r, 0),
-        CRUISE_M_S,
-    ),
-    Step(
-        "surge under way",
-        "m/s",
-        0.3,
-        "surge",
-        lambda c, s: c.steer(0.0, (CRUISE_M_S + s, 0.0), START_M[2]),
-        lambda r: r.velocity.linear_body_m_s[0] - CRUISE_M_S,
-        CRUISE_M_S,
-    ),
-)
+    Step("depth under way", "m", 2.0, "pitch", lambda c, s: _ahead(c, z_m=START_M[2] + s), _depth, CRUISE_M_S),
+    Step("heading under way", "rad", 0.5, "yaw", lambda c, s: _ahead(c, s, START_M[2]), lambda r: r.pose.yaw_rad,
+         CRUISE_M_S),
+    Step("pitch under way", "rad", 0.1, "pitch", lambda c, s: _ahead(c, pitch_rad=s), lambda r: -_tilt(r, 0),
+         CRUISE_M_S),
+    Step("surge under way", "m/s", 0.3, "surge", lambda c, s: c.steer(0.0, (CRUISE_M_S + s, 0.0), START_M[2]),
+         lambda r: r.velocity.linear_body_m_s[0] - CRUISE_M_S, CRUISE_M_S),
+)  # fmt: skip
 """Steps for vehicles without vertical thrust: they climb by pitching, and fins turn them only under way."""
 
 
@@ -165,6 +117,16 @@ class StepResponse:
     def steady_error(self) -> float:
         """Largest error in the last seconds, as a share of the step."""
         return float(np.abs(self.values[self.times_s > self.times_s[-1] - STEADY_S] - 1.0).max())
+
+    def curve(self, before: StepResponse | None = None) -> Curve:
+        """Return the response as it is drawn. before: the response to the same step with other gains, if any."""
+        size, found = self.step.size, {} if before is None else {"before": before.step.size * before.values}
+        title = (
+            f"{self.step.name}: rise {self.rise_s:.1f} s, overshoot {self.overshoot:.1%},\nsettling "
+            f"{self.settling_s:.1f} s, steady error {self.steady_error:.2%}"
+        )
+        lines = {"step": np.full_like(self.values, size), **found, "response": size * self.values}
+        return Curve(self.times_s, lines, up=self.step.unit, title=title)
 
     def _first(self, share: float) -> float:
         reached = np.flatnonzero(self.values >= share)

@@ -1,6 +1,6 @@
 """The peers suite: the same quantities computed by third-party libraries, where installed.
 
-A peer is a module with `checks() -> list[Check]` and an entry in PEERS; `tethers` is in the suite `tether` instead, and
+A peer is a module with `checks() -> list[Check]` and an entry in PEERS; `tethers` is the suite `tether` instead, and
 `focused_light` in `camera`. The Python libraries can be installed with pip; uwsim does not depend on them.
 """
 
@@ -10,13 +10,10 @@ import warnings
 from importlib import import_module
 from importlib.metadata import version
 from importlib.util import find_spec
-from pathlib import Path
 
 from uwsim.evidence.validate.check import Check
 
 PEERS = {
-    "sound_arrivals": ("uwsim", "uwsim"),
-    "occupancy": ("uwsim", "uwsim"),
     "wave_loads": ("uwsim", "uwsim"),
     "added_mass": ("uwsim", "uwsim"),
     "lamp_light": ("uwsim", "uwsim"),
@@ -29,7 +26,7 @@ PEERS = {
 """Python package and distribution of each peer; peers under `uwsim` have stored results or are linked with it."""
 
 
-def run(out: Path | None = None) -> list[Check]:
+def run() -> list[Check]:
     """Return the checks against all installed peers; missing peers are skipped with a warning.
 
     Raises ValueError if none is installed.

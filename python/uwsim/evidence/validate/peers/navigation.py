@@ -20,7 +20,7 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
 from uwsim.evidence.validate.check import Check, at_most, within
-from uwsim.evidence.validate.consistency import (
+from uwsim.evidence.validate.navigator.consistency import (
     LARGEST_EFFORTS,
     POSITION_STD_M,
     VELOCITY_STD_M_S,

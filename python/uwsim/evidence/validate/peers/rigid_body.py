@@ -13,10 +13,10 @@ import numpy as np
 
 from uwsim.base.whole_trimesh import trimesh
 from uwsim.evidence.validate.check import Check, along, within
-from uwsim.evidence.validate.closed_forms import TUMBLE, ZERO_6, simulator_with_body, undamped_heavy
 from uwsim.evidence.validate.flights import attitude_error_rad, fly
+from uwsim.evidence.validate.motion.closed_forms import TUMBLE, ZERO_6, simulator_with_body, undamped_heavy
+from uwsim.evidence.validate.motion.reference_solution import GRAVITY_M_S2, Array, Coefficients
 from uwsim.evidence.validate.peers import group
-from uwsim.evidence.validate.reference_solution import GRAVITY_M_S2, Array, Coefficients
 
 CENTRE_OF_MASS_M = (0.01, -0.005, -0.02)
 DURATION_S, STEP_S = 20.0, 2e-3

@@ -1,7 +1,8 @@
-"""Compares tethers with MoorDyn's: shapes and tensions at rest, and peaks of tension when a falling mass is stopped.
+"""The tether suite: MoorDyn's shapes and tensions at rest, and peaks of tension when a falling mass is stopped.
 
 tests/python/data/make_moordyn_tethers.py computed the stored results with MoorDyn 2.7.2, with as many elements.
-MoorDyn was given our own cables: it judges equations.
+MoorDyn was given our own cables: it judges equations. Closed forms are native tests: Tether.HangsInACatenary,
+LiesAtTheCriticalAngleInACurrent, IsHeldByTheBedsFriction, CarriesLongitudinalWaves.
 """
 
 from __future__ import annotations
@@ -23,15 +24,11 @@ AT_REST, IN_SNAP = 0.01, 0.05
 """Tolerances. Shapes are relative to the tether's length."""
 
 
-def checks() -> list[Check]:
+def run() -> list[Check]:
     """Return the checks of all stored cases."""
     stored = read_json(RESULTS)
-    found: list[Check] = []
-    for case in stored["still"]:
-        found += _at_rest(case)
-    for case in stored["snaps"]:
-        found += _in_snap(case)
-    return found
+    still = [check for case in stored["still"] for check in _at_rest(case)]
+    return still + [check for case in stored["snaps"] for check in _in_snap(case)]
 
 
 def _at_rest(case: dict[str, Any]) -> list[Check]:
@@ -57,17 +54,13 @@ def _in_snap(case: dict[str, Any]) -> list[Check]:
     for _ in range(round(case["duration_s"] / SNAP_STEP_S)):
         simulation.step(1)
         now = simulation.tether(0)
-        peak_n = max(peak_n, _norm(now.end_forces_n[0]))
+        peak_n = max(peak_n, float(np.linalg.norm(now.end_forces_n[0])))
         lowest_m = min(lowest_m, float(now.points_world_m[-1][2]))
     start_m = case["start_m"][2]
     return [
         relative(GROUP, f"{case['name']}: greatest tension", case["peak_tension_n"], peak_n, IN_SNAP, "N"),
         relative(GROUP, f"{case['name']}: deepest", start_m - case["lowest_m"], start_m - lowest_m, AT_REST, "m"),
     ]
-
-
-def _norm(force: np.ndarray[Any, Any]) -> float:
-    return float(np.linalg.norm(force))
 
 
 def _simulation(step_s: float) -> _core.Simulation:

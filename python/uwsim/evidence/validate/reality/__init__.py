@@ -1,8 +1,8 @@
 """The reality suite: comparisons with data measured by others, in files that are not part of the package.
 
 docs/inside/reality.md lists where each file comes from, and which differences remain unexplained. A data set is a
-module with FILE, relative to the data folder, and `checks(data, out) -> list[Check]`, and an entry in DATA_SETS. The
-group of each check begins with its kind (kinds.py): whether the simulator predicts the measured value or was given it.
+module with FILE, relative to the data folder, and `checks(data) -> list[Check]`, and an entry in DATA_SETS. The group
+of each check begins with its kind (kinds.py): whether the simulator predicts the measured value or was given it.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ DATA_SETS = ("thrust", "instruments", "bathymetry", "soundings", "arm_tilts", "a
 SOURCES = "docs/inside/reality.md lists the sources"
 
 
-def run(out: Path | None, data: Path | None) -> list[Check]:
-    """Return the checks of all data sets in the folder `data`, predictions first; draw figures into the folder `out`.
+def run(data: Path | None) -> list[Check]:
+    """Return the checks of all data sets in the folder `data`, predictions first.
 
     A data set whose file is missing is skipped with a warning. Raises ValueError if there is no folder or none of the
     files.
@@ -30,7 +30,7 @@ def run(out: Path | None, data: Path | None) -> list[Check]:
     for name in DATA_SETS:
         module = import_module(f"{__name__}.{name}")
         if (data / module.FILE).is_file():
-            found += module.checks(data, out)
+            found += module.checks(data)
         else:
             warnings.warn(f"validate reality: {name} is left out: no {data / module.FILE}; {SOURCES}", stacklevel=2)
     if not found:

@@ -8,21 +8,19 @@ masses. Only the hull's three values of arm_tilts.py are fitted, to the other ha
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 from scipy.spatial.transform import Rotation
 
-from uwsim.evidence.validate.check import Check, at_most, relative
+from uwsim.evidence.validate.check import Check, Curve, at_most, relative
 from uwsim.evidence.validate.flights import deep_water
 from uwsim.evidence.validate.reality import arm_tilts
 from uwsim.evidence.validate.reality.arm_tilts import FILE, Trial, fitted_to_others, pitch_and_roll_deg
 from uwsim.evidence.validate.reality.kinds import PREDICTED
-from uwsim.figures.style import save_figure
 from uwsim.scenario import VehicleModel, load_vehicle
 
 __all__ = ["FILE", "Moved", "checks", "moved"]
@@ -117,8 +115,8 @@ def _smoothed(values: Array) -> Array:
     return np.asarray(uniform_filter1d(values, SMOOTH), np.float64)
 
 
-def checks(data: Path, out: Path | None) -> list[Check]:
-    """Return the checks; draw the yaw rates into the folder `out`."""
+def checks(data: Path) -> list[Check]:
+    """Return the checks."""
     _, others = fitted_to_others(data)
     trials, flown = [trial for trial, _ in others], [moved(*each) for each in others]
     errors = np.array([
@@ -129,22 +127,10 @@ def checks(data: Path, out: Path | None) -> list[Check]:
     ])  # fmt: skip
     rates = np.concatenate([turning(trial, got) for trial, got in zip(trials, flown, strict=True)], axis=1)
     measured, simulated = (float(np.polyfit(rates[0], rates[k], 1)[0]) for k in (1, 2))
-    if out is not None:
-        _draw(rates, out)
+    rates = rates[:, np.argsort(rates[0])]
+    yaw = Curve(rates[0], {"measured": rates[1], "simulated": rates[2]}, "rate of the base joint [rad/s]", "rad/s")
     return [
         at_most(GROUP, f"{len(trials)} trials, none judged by its own fit: mean rms of pitch and roll", 0.45,
                 float(errors.mean()), "deg"),
-        relative(GROUP, "yaw rate per rate of the base joint", measured, simulated, 0.2),
+        replace(relative(GROUP, "yaw rate per rate of the base joint", measured, simulated, 0.2), curve=yaw),
     ]  # fmt: skip
-
-
-def _draw(rates: Array, out: Path) -> None:
-    figure, panel = plt.subplots(figsize=(6, 4), layout="constrained", dpi=120)
-    for k, name in ((1, "measured"), (2, "simulated")):
-        panel.plot(rates[0], rates[k], ".", ms=3, c=f"C{k - 1}", alpha=0.5, label=name)
-        ends = np.array([rates[0].min(), rates[0].max()])
-        panel.plot(ends, np.polyval(np.polyfit(rates[0], rates[k], 1), ends), c=f"C{k - 1}")
-    panel.set(xlabel="rate of the base joint [rad/s]", ylabel="yaw rate [rad/s]")
-    panel.legend()
-    save_figure(figure, out / "reality_arm_motion.png")
-    plt.close(figure)

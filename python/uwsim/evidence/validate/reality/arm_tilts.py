@@ -19,19 +19,17 @@ from __future__ import annotations
 import lzma
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim.base.texts.csv_table import read_csv
-from uwsim.evidence.validate.check import Check, at_most
+from uwsim.evidence.validate.check import Check, Curve, at_most
 from uwsim.evidence.validate.flights import deep_water
 from uwsim.evidence.validate.reality.kinds import PREDICTED
-from uwsim.figures.style import save_figure
 from uwsim.scenario import load_vehicle
 
 Array = NDArray[np.float64]
@@ -191,21 +189,24 @@ def rms_deg(got_deg: Array, trial: Trial) -> Array:
     return np.asarray(np.sqrt(((got_deg - trial.measured_deg) ** 2).mean(axis=0)))
 
 
-def checks(data: Path, out: Path | None) -> list[Check]:
-    """Return the checks; draw one of the tested trials, and all errors, into the folder `out`."""
+def checks(data: Path) -> list[Check]:
+    """Return the checks, with pitch and roll of the trial that tilts most."""
     fits, others = fitted_to_others(data)
     trials = [trial for trial, _ in others]
     flown = {t.name: flown_deg(t.arm, hull_nm, t.times_s) for t, hull_nm in others}
-    judged = {t.name: rms_deg(flown[t.name], t) for t in trials}
-    errors = np.array(list(judged.values()))
-    if out is not None:
-        _draw(trials, flown, judged, out)
+    errors = np.array([rms_deg(flown[t.name], t) for t in trials])
+    shown = max(trials, key=lambda t: float(np.ptp(t.measured_deg, axis=0).sum()))
+    curves = [
+        Curve(shown.times_s, {"measured": shown.measured_deg[:, k], "simulated": flown[shown.name][:, k]}, up="deg",
+              title=f"{shown.name}, hull fitted to other trials: {name}")
+        for k, name in enumerate(("pitch", "roll"))
+    ]  # fmt: skip
     stated = np.mean([rms_deg(flown_deg(t.arm, np.array(STATED_HULL_NM), t.times_s), t) for t in trials])
     apart_m = float(np.linalg.norm(fits[0] - fits[1])) / (HULL_KG * GRAVITY_M_S2)
     return [
         at_most(GROUP, f"{len(trials)} trials, none judged by its own fit: mean rms", 0.42, errors.mean(), "deg"),
-        at_most(GROUP, "mean rms pitch", 0.50, errors[:, 0].mean(), "deg"),
-        at_most(GROUP, "mean rms roll", 0.36, errors[:, 1].mean(), "deg"),
+        replace(at_most(GROUP, "mean rms pitch", 0.50, errors[:, 0].mean(), "deg"), curve=curves[0]),
+        replace(at_most(GROUP, "mean rms roll", 0.36, errors[:, 1].mean(), "deg"), curve=curves[1]),
         at_most(GROUP, "with the hull as the authors state it, nothing fitted: mean rms", 0.9, float(stated), "deg"),
         at_most(GROUP, "two halves' lever from the centre of mass to that of buoyancy apart", 0.002, apart_m, "m"),
     ]
@@ -217,22 +218,3 @@ def _columns(path: Path) -> dict[str, Array]:
     rows = {name: table.numbers(name, may_lack=True) for name in table.columns}
     whole = np.all([np.isfinite(values) for values in rows.values()], axis=0)
     return {name: values[whole] for name, values in rows.items()}
-
-
-def _draw(trials: list[Trial], flown: dict[str, Array], judged: dict[str, Array], out: Path) -> None:
-    figure, panels = plt.subplots(1, 2, figsize=(12, 4), layout="constrained", dpi=120)
-    shown = max(trials, key=lambda t: float(np.ptp(t.measured_deg, axis=0).sum()))
-    for k, (name, colour) in enumerate((("pitch", "C0"), ("roll", "C1"))):
-        panels[0].plot(shown.times_s, shown.measured_deg[:, k], c=colour, lw=0.8, alpha=0.6, label=f"{name}, measured")
-        panels[0].plot(shown.times_s, flown[shown.name][:, k], "--", c=colour, lw=1.5, label=f"{name}, simulated")
-    panels[0].set(xlabel="time [s]", ylabel="[deg]", title=f"{shown.name}, hull fitted to other trials")
-    panels[0].legend(fontsize=8)
-    rows = np.array(list(judged.values()))
-    for k, name in enumerate(("pitch", "roll")):
-        panels[1].bar(np.arange(len(rows)) + 0.4 * k, rows[:, k], 0.4, label=name)
-    names = [name.removeprefix("traj").removeprefix("_") for name in judged]
-    panels[1].set_xticks(np.arange(len(rows)) + 0.2, names, rotation=90, fontsize=7)
-    panels[1].set(ylabel="rms error [deg]", title="each trial, hull fitted to others")
-    panels[1].legend()
-    save_figure(figure, out / "reality_arm_tilts.png")
-    plt.close(figure)

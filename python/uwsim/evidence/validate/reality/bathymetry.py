@@ -10,10 +10,9 @@ within a cell.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 from rasterio import open as open_raster
@@ -21,10 +20,9 @@ from rasterio.windows import Window
 from rasterio.windows import bounds as window_bounds
 
 from uwsim import _core
-from uwsim.evidence.validate.check import Check, at_most
+from uwsim.evidence.validate.check import Check, Curve, at_most
 from uwsim.evidence.validate.reality.kinds import AS_MEASURED
-from uwsim.evidence.validate.sonar_table import WATERS, Cell, acoustics
-from uwsim.figures.style import save_figure
+from uwsim.evidence.validate.sonars.table import WATERS, Cell, acoustics
 from uwsim.instruments.sonars.soundings import sound_points, sound_speed_profile
 from uwsim.scenario.terrains.elevations import raster_heights
 from uwsim.scenario.terrains.raster import RasterTerrain
@@ -95,41 +93,26 @@ def gridded_m(points: Array, floor: Floor) -> Array:
     return np.where(counts > 0, sums / np.maximum(counts, 1), np.nan).reshape(nodes, nodes)
 
 
-def checks(data: Path, out: Path | None) -> list[Check]:
-    """Return the checks; draw depths and errors into the folder `out`.
+def checks(data: Path) -> list[Check]:
+    """Return the checks, with the depths along the middle line.
 
     Nodes near the edge, where footprints reach beyond the terrain, are not scored.
     """
     floor = read_floor(data / FILE)
-    error_m = gridded_m(soundings(data / FILE, floor), floor) - floor.depth_m
+    found_m = gridded_m(soundings(data / FILE, floor), floor)
+    error_m = found_m - floor.depth_m
     inner = (slice(EDGE, -EDGE), slice(EDGE, -EDGE))
     depth_m, stated_m = floor.depth_m[inner], floor.uncertainty_m[inner]
-    if out is not None:
-        _draw(floor, error_m, out / "reality_bathymetry.png")
+    middle = len(found_m) // 2
+    lines = {"measured": floor.depth_m[middle], "surveyed": found_m[middle]}
+    line = Curve(NODE_M * np.arange(len(found_m)) - floor.half_m, lines, "east [m]", "m", "depth along the middle line")
 
     def beyond(limit_m: Array) -> float:
         return float(np.mean(~(np.abs(error_m[inner]) <= limit_m)))
 
     return [
-        at_most(GROUP, "share of nodes beyond their stated uncertainty", 0.05, beyond(stated_m)),
+        replace(at_most(GROUP, "share of nodes beyond their stated uncertainty", 0.05, beyond(stated_m)), curve=line),
         at_most(GROUP, "share beyond S-44 Special Order", 0.05, beyond(np.hypot(0.25, 0.0075 * depth_m))),
         at_most(GROUP, "share beyond S-44 Exclusive Order", 0.05, beyond(np.hypot(0.15, 0.0075 * depth_m))),
         at_most(GROUP, "median error, absolute value", 0.02, float(abs(np.median(error_m[inner]))), "m"),
     ]
-
-
-def _draw(floor: Floor, error_m: Array, path: Path) -> None:
-    figure, panels = plt.subplots(1, 3, figsize=(13, 4), layout="constrained", dpi=120, sharey=True)
-    edge_m = floor.half_m + NODE_M / 2
-    for panel, values, title, colours, limits in (
-        (panels[0], floor.depth_m, "depth, NOAA F00788 [m]", "viridis_r", (None, None)),
-        (panels[1], floor.uncertainty_m, "its stated uncertainty [m]", "magma", (0.0, 1.0)),
-        (panels[2], error_m, "error of the simulated survey [m]", "RdBu", (-0.5, 0.5)),
-    ):
-        extent = (-edge_m, edge_m, -edge_m, edge_m)
-        image = panel.imshow(values, colours, origin="lower", extent=extent, vmin=limits[0], vmax=limits[1])
-        panel.set(title=title, xlabel="east [m]")
-        figure.colorbar(image, ax=panel, shrink=0.85)
-    panels[0].set_ylabel("north [m]")
-    save_figure(figure, path)
-    plt.close(figure)

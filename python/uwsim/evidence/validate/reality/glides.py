@@ -9,20 +9,19 @@ half. Steady forces are quadratic in speed: at one pitch the vertical speed goes
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
-import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from uwsim.evidence.validate.check import Check, relative
+from uwsim.evidence.validate.check import Check, Curve, relative
 from uwsim.evidence.validate.flights import deep_water
 from uwsim.evidence.validate.reality.kinds import PREDICTED
-from uwsim.figures.style import save_figure
 from uwsim.scenario import VehicleModel, load_vehicle
 
 Floats = NDArray[np.float64]
@@ -52,12 +51,12 @@ class Windows(NamedTuple):
         return Windows(self.glide[chosen], self.rises_m_s[chosen], self.pitch_rad[chosen], self.pumped_cm3[chosen])
 
 
-def checks(data: Path, out: Path | None) -> list[Check]:
-    """Return the checks; draw the vertical speeds into the folder `out`."""
+def checks(data: Path) -> list[Check]:
+    """Return the checks."""
     if find_spec("dbdreader") is None:
         warnings.warn("validate reality: glides is left out: needs `pip install dbdreader`", stacklevel=2)
         return []
-    found, drawn = [], []
+    found = []
     simulated = simulated_glides(load_vehicle("slocum"))
     for name in GLIDERS:
         windows = windows_of(data / f"slocum/{name}-2014-204-05-000.dbd", data / "slocum/cac")
@@ -66,10 +65,10 @@ def checks(data: Path, out: Path | None) -> list[Check]:
         predicted = rises_m_s(held, ballast_kg(windows.of(given), simulated), simulated)
         for text, chosen in (("sinking", held.pumped_cm3 < 0), ("climbing", held.pumped_cm3 > 0)):
             measured, ours = float(held.rises_m_s[chosen].mean()), float(predicted[chosen].mean())
-            found.append(relative(GROUP, f"{name}: mean speed {text}", measured, ours, TOLERANCE, "m/s"))
-        drawn.append((name, held.rises_m_s, predicted))
-    if out is not None:
-        _draw(drawn, out / "reality_glides.png")
+            check = relative(GROUP, f"{name}: mean speed {text}", measured, ours, TOLERANCE, "m/s")
+            lines = {"measured": held.rises_m_s[chosen], "predicted": predicted[chosen]}
+            curve = Curve(np.arange(chosen.sum()), lines, "window", "m/s")
+            found.append(replace(check, curve=curve))
     return found
 
 
@@ -134,14 +133,3 @@ def split(times_s: Floats, bar: Floats, pitch_rad: Floats, pumped_cm3: Floats) -
         glide += 1
     table = np.array(rows).reshape(-1, 4)
     return Windows(table[:, 0].astype(np.intp), *table[:, 1:].T)
-
-
-def _draw(drawn: list[tuple[str, Floats, Floats]], path: Path) -> None:
-    figure, panel = plt.subplots(figsize=(5, 4.5), layout="constrained", dpi=120)
-    for name, measured, predicted in drawn:
-        panel.plot(measured, predicted, "o", ms=4, label=name)
-    panel.axline((0.0, 0.0), slope=1.0, color="grey", lw=0.8)
-    panel.set(xlabel="measured vertical speed [m/s]", ylabel="predicted [m/s]")
-    panel.legend(fontsize=8)
-    save_figure(figure, path)
-    plt.close(figure)

@@ -20,16 +20,15 @@ ranges in steps of 0.047 m; bearing noise of 0.2 to 0.4 deg within 20 m.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.base.texts.csv_table import read_csv
-from uwsim.evidence.validate.check import Check, relative, within
+from uwsim.evidence.validate.check import Check, Curve, relative, within
 from uwsim.evidence.validate.reality.kinds import AS_MEASURED, PREDICTED
-from uwsim.figures.style import save_figure
 from uwsim.scenario import Scenario, load_vehicle
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.simulator.simulator import Simulator
@@ -48,19 +47,22 @@ ABOVE_BED_M, AT_UGPS_M = (0.0, 0.0, ALTITUDE_M - BED_M), (12.0, 9.0, -10.0)
 UGPS_VALID, UGPS_STEP_M, UGPS_BEARING_DEG = (0.63, 0.87), 0.047, (0.2, 0.4)
 
 
-def checks(data: Path, out: Path | None) -> list[Check]:
-    """Return the checks; draw the measured and simulated noise of the RiverPro into the folder `out`."""
+def checks(data: Path) -> list[Check]:
+    """Return the checks, with the measured and simulated noise of the RiverPro."""
     measured = error_velocity_m_s(read_beams(data / FILE), RIVERPRO_SLANT_RAD)
     beam_std = robust_std(measured) / (2 * _error_scale(RIVERPRO_SLANT_RAD))
     river, _ = _samples(_riverpro(beam_std))
     snapir, _ = _samples(load_vehicle("remus100").sensors["dvl"])
     height, arrived = _samples(load_vehicle("bluerov2_heavy").sensors["altitude"])
-    if out is not None:
-        _draw(measured, error_velocity_m_s(river[:, 7:11].T, RIVERPRO_SLANT_RAD), out / "reality_dvl.png")
+    shares = np.linspace(0.01, 0.99, 99)
+    both = {"measured": measured, "simulated": error_velocity_m_s(river[:, 7:11].T, RIVERPRO_SLANT_RAD)}
+    lines = {name: np.quantile(values, shares) for name, values in both.items()}
+    spread = Curve(shares, lines, "share of the pings", "m/s", "error velocity")
     fixes, valid = _samples(load_vehicle("bluerov2_heavy").sensors["usbl"], AT_UGPS_M)
     steps = fixes[:, 3] / UGPS_STEP_M
+    first, *others = _axis_checks(f"{PREDICTED}: RiverPro, DVL", river, RIVERPRO_M_S, 0.3)
     return [
-        *_axis_checks(f"{PREDICTED}: RiverPro, DVL", river, RIVERPRO_M_S, 0.3),
+        replace(first, curve=spread), *others,
         *_axis_checks(f"{PREDICTED}: {WORKHORSE}", snapir, SNAPIR_M_S, 0.15, "z"),
         *_axis_checks(f"{AS_MEASURED}: {WORKHORSE}", snapir, SNAPIR_M_S, 0.15, "xy"),
         relative(PING1D, "noise at 8 m", PING1D_M, noise(height[:, 0]), 0.15, "m"),
@@ -68,7 +70,7 @@ def checks(data: Path, out: Path | None) -> list[Check]:
         _in_band(UGPS, "share of valid fixes", UGPS_VALID, valid),
         within(UGPS, "range in steps of 0.047 m", round(steps[0]), float(steps[0]), 1.0, 1e-6),
         _in_band(UGPS, "noise of the azimuth", UGPS_BEARING_DEG, math.degrees(fixes[:, 4].std()), "deg"),
-    ]
+    ]  # fmt: skip
 
 
 def read_beams(path: Path) -> Array:
@@ -121,26 +123,12 @@ def _samples(mount: SensorMount, at_m: tuple[float, float, float] = ABOVE_BED_M)
     """Return a sensor's readings (n, width) on a vehicle at rest over a flat bed, and the share that arrived."""
     model = load_vehicle("bluerov2_heavy").model_copy(update={"sensors": {mount.kind: mount}})
     start = {"position_m": at_m}
-    scenario = Scenario.model_validate(
-        {
-            "name": "validation",
-            "terrain": {"source": "noise", "size_m": [200, 200], "spacing_m": 100, "bed_depth_m": BED_M},
-            "vehicles": [{"name": "rov", "model": model, "start": start, "trim": {"net_buoyancy_n": 0}}],
-        }
-    )
-    sim = Simulator(scenario)
+    sim = Simulator(Scenario.model_validate({
+        "name": "validation",
+        "terrain": {"source": "noise", "size_m": [200, 200], "spacing_m": 100, "bed_depth_m": BED_M},
+        "vehicles": [{"name": "rov", "model": model, "start": start, "trim": {"net_buoyancy_n": 0}}],
+    }))  # fmt: skip
     stream = sim.rov.sensors[mount.kind].stream()
     sim.advance(DURATION_S)
     samples = stream.take()
     return samples.readings[samples.valid], len(samples) / (DURATION_S * (mount.rate_hz or 1.0))
-
-
-def _draw(measured: Array, simulated: Array, path: Path) -> None:
-    figure, panel = plt.subplots(figsize=(7, 4), layout="constrained", dpi=120)
-    edges = np.linspace(-0.3, 0.3, 61).tolist()
-    panel.hist(measured, edges, density=True, alpha=0.4, label=f"RiverPro, measured ({len(measured)} pings)")
-    panel.hist(simulated, edges, density=True, histtype="step", lw=1.5, label=f"simulated ({len(simulated)} pings)")
-    panel.set(xlabel="error velocity [m/s]", ylabel="density")
-    panel.legend()
-    save_figure(figure, path)
-    plt.close(figure)

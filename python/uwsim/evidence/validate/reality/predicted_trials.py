@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from uwsim import _core
 from uwsim.evidence.validate.flights import START_M, deep_scenario, deep_water
 from uwsim.evidence.validate.reality.glides import GRAVITY_M_S2, WATER_KG_M3, simulated_glides
-from uwsim.evidence.validate.sonar_table import Cell
+from uwsim.evidence.validate.sonars.table import Cell
 from uwsim.evidence.vehicle.trials import TurningCircle, trial_m, turning_circles
 from uwsim.scenario import Scenario, VehicleModel, load_vehicle
 from uwsim.scenario.read.validated import validated

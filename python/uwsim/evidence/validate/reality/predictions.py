@@ -19,10 +19,10 @@ from rich.table import Table
 from scipy.spatial.transform import Rotation
 
 from uwsim.evidence.validate.camera import irradiance_variation
-from uwsim.evidence.validate.check_table import row_console
 from uwsim.evidence.validate.flights import START_M, deep_water
 from uwsim.evidence.validate.reality import predicted_trials as trials
 from uwsim.evidence.validate.reality.arm_tilts import arm_at, flown_deg
+from uwsim.evidence.validate.report import row_console
 from uwsim.scenario import load_vehicle
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.read.yaml_file import read_yaml

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.texts.csv_table import read_csv
-from uwsim.evidence.validate.check import Check, at_most
+from uwsim.evidence.validate.check import Check, Curve, at_most
 from uwsim.evidence.validate.reality.kinds import AS_MEASURED, PREDICTED
-from uwsim.figures.style import save_figure
 from uwsim.scenario.spec.actuator import load_thruster
 
 Array = NDArray[np.float64]
@@ -62,26 +62,29 @@ def misses(simulated: _core.ThrusterSheets, volts: float, measured: Sheet) -> di
     return {name: float(np.sqrt(np.mean((got[name] - measured[name]) ** 2))) for name in UNITS}
 
 
-def checks(data: Path, out: Path | None) -> list[Check]:
-    """Return the checks; draw thrust and current by pulse width into the folder `out`."""
+def checks(data: Path) -> list[Check]:
+    """Return the checks."""
     sheets = read_sheets(data / FILE)
     packaged = load_thruster("t200_16v").performance()
-    found = []
+    found: list[Check] = []
     for volts, measured in sorted(sheets.items()):
-        for name, miss in misses(packaged, volts, measured).items():
-            found.append(_check(AS_MEASURED, f"{volts:g} V, packaged", name, PACKAGED[name], miss))
+        found += _checks(AS_MEASURED, f"{volts:g} V, packaged", packaged, volts, measured, PACKAGED)
     for volts, limits in LEFT_OUT.items():
         others = " and ".join(f"{other:g}" for other in _neighbours(volts, sheets))
-        for name, miss in misses(without(volts, sheets), volts, sheets[volts]).items():
-            found.append(_check(PREDICTED, f"{volts:g} V from {others} V", name, limits[name], miss))
-    if out is not None:
-        _draw(sheets, packaged, out / "reality_thrust.png")
+        others_only = without(volts, sheets)
+        found += _checks(PREDICTED, f"{volts:g} V from {others} V", others_only, volts, sheets[volts], limits)
     return found
 
 
-def _check(kind: str, label: str, name: str, limit: float, miss: float) -> Check:
-    quantity, unit = UNITS[name]
-    return at_most(f"{kind}: {GROUP}", f"{label}: rms {quantity}", limit, miss, unit)
+def _checks(
+    kind: str, label: str, simulated: _core.ThrusterSheets, volts: float, measured: Sheet, limits: dict[str, float]
+) -> Iterator[Check]:
+    got = _curves(simulated, volts, measured["pwm_us"])
+    for name, miss in misses(simulated, volts, measured).items():
+        quantity, unit = UNITS[name]
+        check = at_most(f"{kind}: {GROUP}", f"{label}: rms {quantity}", limits[name], miss, unit)
+        lines = {"measured": measured[name], "simulated": got[name]}
+        yield replace(check, curve=Curve(measured["pwm_us"], lines, "pulse width [us]", unit, f"{label}: {quantity}"))
 
 
 def _neighbours(volts: float, sheets: dict[float, Sheet]) -> tuple[float, float]:
@@ -91,21 +94,3 @@ def _neighbours(volts: float, sheets: dict[float, Sheet]) -> tuple[float, float]
 def _curves(simulated: _core.ThrusterSheets, volts: float, pwm_us: Array) -> Sheet:
     rows = np.array([simulated.at((pwm - 1500.0) / 400.0, volts) for pwm in pwm_us]).T
     return {"force_kgf": rows[0] / N_PER_KGF, "current_a": rows[1], "rpm": rows[2]}
-
-
-def _draw(sheets: dict[float, Sheet], packaged: _core.ThrusterSheets, path: Path) -> None:
-    figure, panels = plt.subplots(1, 3, figsize=(13, 4), layout="constrained", dpi=120)
-    for colour, (volts, measured) in zip(("C0", "C1", "C2", "C3"), sorted(sheets.items()), strict=True):
-        got = _curves(packaged, volts, measured["pwm_us"])
-        for panel, (name, (quantity, unit)) in zip(panels, UNITS.items(), strict=True):
-            panel.plot(measured["pwm_us"][::8], measured[name][::8], "o", ms=4, mfc="none", c=colour)
-            panel.plot(measured["pwm_us"], got[name], "-", lw=1, c=colour, label=f"{volts:g} V")
-            panel.set(xlabel="pulse width [us]", title=f"{quantity} [{unit}]")
-    for volts, colour in ((12.0, "0.6"), (18.0, "0.3")):
-        got = _curves(packaged, volts, sheets[10.0]["pwm_us"])
-        for panel, name in zip(panels, UNITS, strict=True):
-            panel.plot(sheets[10.0]["pwm_us"], got[name], ":", lw=1, c=colour, label=f"{volts:g} V, interpolated")
-    panels[0].legend(fontsize=8)
-    figure.suptitle("T200: measured (circles) and simulated (lines)")
-    save_figure(figure, path)
-    plt.close(figure)

@@ -14,7 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.evidence.validate.check import Check
-from uwsim.evidence.validate.consistency import ERRORS, PARTS, consistency_checks, errors, nees_of, start_navigation
+from uwsim.evidence.validate.navigator.consistency import (
+    ERRORS,
+    PARTS,
+    consistency_checks,
+    errors,
+    nees_of,
+    start_navigation,
+)
 from uwsim.scenario import Scenario, load
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.simulator.simulator import Simulator
@@ -67,5 +74,5 @@ def turning_checks(seeds: int) -> list[Check]:
     for turn in TURNS:
         for dvl in (True, False):
             nees = np.array([list(turning_flight(sim, seed, turn, dvl=dvl)) for seed in range(seeds)])
-            found += consistency_checks(nees, turn if dvl else f"{turn}, without DVL,")
+            found += consistency_checks(nees, turn if dvl else f"{turn}, without DVL,", LEG_S * LEGS_PER_LOOK)
     return found

@@ -12,12 +12,12 @@ from functools import lru_cache
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from uwsim.evidence.validate.actuator_probe import STILL, Probe, wrench_checks
 from uwsim.evidence.validate.check import Check, along, relative
 from uwsim.evidence.validate.flights import deep_water, fly, times
-from uwsim.evidence.validate.published import REMUS_100
-from uwsim.evidence.validate.published_thrusters import MOUNTS
-from uwsim.evidence.validate.reference_solution import GRAVITY_M_S2, Array, cross_matrix
+from uwsim.evidence.validate.motion.actuator_probe import STILL, Probe, wrench_checks
+from uwsim.evidence.validate.motion.published import REMUS_100
+from uwsim.evidence.validate.motion.published_thrusters import MOUNTS
+from uwsim.evidence.validate.motion.reference_solution import GRAVITY_M_S2, Array, cross_matrix
 from uwsim.scenario import VehicleModel, load_vehicle
 
 # Tail fins: Prestero 2001. Hull, vertical and lateral: Fossen's remus100.py, area 0.7 L D, aspect ratio D^2 / S,
@@ -125,8 +125,9 @@ def fin_turn(name: str = "remus100", model: VehicleModel | None = None) -> Itera
     flown = fly(sim, STILL, TURN_S)
     size = float(np.ptp(positions, axis=0).max())
     for k, axis in enumerate("xyz"):
+        got_m = flown.positions_m[:, k]
         yield along(
-            name, f"turn by rudders: {axis}", positions[:, k], flown.positions_m[:, k], size, PATH_TOLERANCE, "m"
+            name, f"turn by rudders: {axis}", positions[:, k], got_m, size, PATH_TOLERANCE, "m", x=flown.times_s
         )
     for what, k, unit in (("speed ahead", 0, "m/s"), ("drift", 1, "m/s"), ("yaw rate", 5, "rad/s")):
         want, got = float(velocities[-1, k]), float(flown.velocities[-1, k])

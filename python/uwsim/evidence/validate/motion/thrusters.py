@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.optimize import brentq
 
-from uwsim.evidence.validate.actuator_probe import LEVEL, STEP_S, STILL, WRENCH_TOLERANCE, Probe, wrench_checks
 from uwsim.evidence.validate.check import Check, relative, within
 from uwsim.evidence.validate.flights import deep_water, fly
-from uwsim.evidence.validate.published import BLUEROV2_HEAVY
-from uwsim.evidence.validate.published_thrusters import MOUNTS, T200
+from uwsim.evidence.validate.motion.actuator_probe import LEVEL, STEP_S, STILL, WRENCH_TOLERANCE, Probe, wrench_checks
+from uwsim.evidence.validate.motion.published import BLUEROV2_HEAVY
+from uwsim.evidence.validate.motion.published_thrusters import MOUNTS, T200
 from uwsim.scenario import VehicleModel, load_vehicle
 
 NOSE_DOWN = (0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5))

@@ -8,21 +8,26 @@ peers/navigation.py.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from itertools import cycle
-from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from uwsim.base.axes import AXES
-from uwsim.evidence.validate.check import Check, at_most
-from uwsim.evidence.validate.consistency import ERRORS, LARGEST_EFFORTS, LEG_S, PARTS, errors, nees_of, start_navigation
-from uwsim.evidence.validate.places import PLACES, STILL, WITH_DVL, Place
-from uwsim.figures.style import save_figure
+from uwsim.evidence.validate.check import Check, Curve, at_most
+from uwsim.evidence.validate.navigator.consistency import (
+    ERRORS,
+    LARGEST_EFFORTS,
+    LEG_S,
+    PARTS,
+    errors,
+    nees_of,
+    start_navigation,
+)
+from uwsim.evidence.validate.navigator.places import PLACES, STILL, WITH_DVL, Place
 from uwsim.navigation.estimation import Navigator
 from uwsim.navigation.estimation.budget import NOISE
 from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S
@@ -38,7 +43,7 @@ MOST_BY_WAVES_M = 0.05
 """How much larger the errors of position may be in waves than in still water, where the same seeds fly."""
 MOST_REJECTED = 0.01
 FALSE_ALARM = 1e-3
-SHOWN = 6  # sources in the figure
+SHOWN = 6  # sources that are drawn
 
 
 @dataclass(frozen=True)
@@ -59,21 +64,15 @@ class Look:
     peer_m: Array | None = None
 
 
-def run(out: Path | None = None, flights: int = FLIGHTS) -> list[Check]:
-    """Return the checks of the suite; draw the position's budget by place into `out`. flights: in each place."""
+def run(flights: int = FLIGHTS) -> list[Check]:
+    """Return the checks of the suite, with the position's budget by place. flights: in each place."""
     flown = {name: fly_in(place, flights) for name, place in PLACES.items()}
-    if out is not None:
-        draw_budgets({name: budget_of(looks) for name, looks in flown.items()}, out / "navigation.png")
     found = [check for name, looks in flown.items() for check in checks(name, PLACES[name], looks)]
-    still = _distances(flown[STILL])
+    found[0] = replace(found[0], curve=budgets({name: budget_of(looks) for name, looks in flown.items()}))
+    still, text = _distances(flown[STILL]), "95 % of errors of position, beyond still water's,"
     for name, looks in flown.items():
         if PLACES[name].surface["kind"] != "still":
-            more = float(_distances(looks) - still)
-            found.append(
-                at_most(
-                    _group(name, looks), "95 % of errors of position, beyond still water's,", MOST_BY_WAVES_M, more, "m"
-                )
-            )
+            found.append(at_most(_group(name, looks), text, MOST_BY_WAVES_M, float(_distances(looks) - still), "m"))
     if find_spec("filterpy") is not None:
         from uwsim.evidence.validate.peers.navigation import Beside
 
@@ -86,27 +85,16 @@ def beside(begin_peer: BeginPeer) -> list[Check]:
 
     The error of a flight is one draw: in each place, the navigator's may be twice the other's; in all, no larger.
     """
-    found, squares = [], []
+    found, squares, peer = [], [], "that of robot_localization's filter,"
     for name, place in PLACES.items():
         looks = list(fly(Simulator(place.scenario(place.vehicles[0])), place, 0, begin_peer))
         pairs = [(look.error[:2], look.peer_m[:2]) for look in looks if look.peer_m is not None]
         squares.append(np.mean(np.square(pairs).sum(axis=2), axis=0))
         ours_m, theirs_m = np.sqrt(squares[-1]).tolist()
-        group = f"a flight in {name}"
-        found.append(
-            at_most(
-                group,
-                "rms horizontal error, at twice that of robot_localization's filter,",
-                2.0 * theirs_m,
-                ours_m,
-                "m",
-            )
-        )
+        text = f"rms horizontal error, at twice {peer}"
+        found.append(at_most(f"a flight in {name}", text, 2.0 * theirs_m, ours_m, "m"))
     ours_m, theirs_m = np.sqrt(np.mean(squares, axis=0)).tolist()
-    return [
-        *found,
-        at_most("all places", "rms horizontal error, at that of robot_localization's filter,", theirs_m, ours_m, "m"),
-    ]
+    return [*found, at_most("all places", f"rms horizontal error, at {peer}", theirs_m, ours_m, "m")]
 
 
 def fly_in(place: Place, flights: int) -> list[list[Look]]:
@@ -180,34 +168,15 @@ def budget_of(flown: list[list[Look]]) -> dict[str, float]:
     return {name: float(np.sqrt(np.mean([end.get(name, 0.0) ** 2 for end in ends]))) for name in names}
 
 
-def draw_budgets(budgets: dict[str, dict[str, float]], path: Path) -> None:
-    """Draw each place's variance of position by source, as parts of the standard deviation. Raises OSError."""
-    whole = {place: np.hypot.reduce(list(parts.values())) for place, parts in budgets.items()}
-    weights: dict[str, float] = {}
-    for place, parts in budgets.items():
-        for name, std_m in parts.items():
-            weights[name] = weights.get(name, 0.0) + (std_m / whole[place]) ** 2
-    shown = sorted((name for name in weights if name != NOISE), key=lambda name: -weights[name])[:SHOWN]
-    figure, axes = plt.subplots(figsize=(8, 0.42 * len(budgets) + 1.2), layout="constrained")
-    left = np.zeros(len(budgets))
-    for name in (*shown, "other terms", NOISE):
-        widths = [_part(each, name, shown) / whole[place] for place, each in budgets.items()]
-        axes.barh(list(budgets), widths, left=left, label=name, color="0.8" if name == NOISE else None)
-        left += widths
-    axes.invert_yaxis()
-    axes.set(
-        xlabel="standard deviation of the position, by share of its variance [m]", title="Which metre comes from what"
-    )
-    axes.legend(fontsize=8)
-    save_figure(figure, path)
-    plt.close(figure)
-
-
-def _part(parts: dict[str, float], name: str, shown: list[str]) -> float:
-    """Return a source's variance, or that of all that are not shown."""
-    if name == "other terms":
-        return sum(std_m**2 for key, std_m in parts.items() if key not in (*shown, NOISE))
-    return parts.get(name, 0.0) ** 2
+def budgets(by_place: dict[str, dict[str, float]]) -> Curve:
+    """Return which metre comes from what, by place: the whole standard deviation, and its greatest sources."""
+    whole = np.array([np.hypot.reduce(list(parts.values())) for parts in by_place.values()])
+    names = dict.fromkeys(name for parts in by_place.values() for name in parts)
+    of = {name: np.array([parts.get(name, 0.0) for parts in by_place.values()]) for name in names}
+    ranked = sorted(names, key=lambda name: -float(((of[name] / whole) ** 2).sum()))
+    shown = [name for name in ranked if name != NOISE][:SHOWN]
+    lines = {"all terms": whole, **{name: of[name] for name in (*shown, NOISE)}}
+    return Curve(np.array(list(by_place)), lines, "", "m", "which metre of the position comes from what, by place")
 
 
 def _distances(flown: list[list[Look]]) -> float:

@@ -7,12 +7,14 @@ freedom (Bar-Shalom, Li and Kirubarajan 2001, "Estimation with Applications to T
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
-from uwsim.evidence.validate.check import Check, within
+from uwsim.evidence.validate.check import Check, Curve, within
 from uwsim.navigation.estimation import Navigator, Start
 from uwsim.simulator.onboard_navigation import new_navigator
 from uwsim.simulator.simulator import Simulator
@@ -59,29 +61,26 @@ def nees_of(error: Array, covariance: Array, part: slice) -> float:
     return float(error[part] @ np.linalg.solve(covariance[part, part], error[part]))
 
 
-def consistency_checks(nees: Array, how: str = "") -> list[Check]:
-    """Return the checks on NEES values, (flights, times, 1 + PARTS). how: a description of the flights."""
+def consistency_checks(nees: Array, how: str = "", looks_s: float = 1.0) -> list[Check]:
+    """Return the checks on NEES values, (flights, times, 1 + PARTS), and on their means over all times.
+
+    how: a description of the flights. looks_s: the time between looks. Errors are correlated within a flight, so the
+    bounds of the means are those of a single time.
+    """
     flights, looks = nees.shape[:2]
-    mean = nees[:, :, 0].mean(axis=0)
+    group, mean = _group(flights, how), nees[:, :, 0].mean(axis=0)
     low, high = chi2.ppf([0.025, 0.975], flights * ERRORS) / flights
     inside = float(np.mean((mean > low) & (mean < high)))
-    share = within(_group(flights, how), f"share of {looks} times within the 95 % bounds", 1.0, inside, 1.0, 0.25)
-    return [share, *mean_checks(nees, how)]
-
-
-def mean_checks(nees: Array, how: str = "") -> list[Check]:
-    """Return the checks on the means over all times; see consistency_checks.
-
-    Errors are correlated within a flight, so the bounds are those of a single time.
-    """
-    flights, mean = len(nees), nees.mean(axis=0)
-    group = _group(flights, how)
-    high = chi2.ppf(0.975, flights * ERRORS) / flights
-    checks = [within(group, "mean of all 9 errors", ERRORS, float(mean[:, 0].mean()), ERRORS, high / ERRORS - 1.0)]
-    for k, name in enumerate(PARTS, 1):
-        most = chi2.ppf(0.975, flights * 3) / flights / 3.0 - 1.0
-        checks.append(within(group, f"mean of {name}", 3.0, float(mean[:, k].mean()), 3.0, float(most)))
-    return checks
+    share = within(group, f"share of {looks} times within the 95 % bounds", 1.0, inside, 1.0, 0.25)
+    levels = {"expected": float(ERRORS), "2.5 %": low, "97.5 %": high}
+    lines = {name: np.full(looks, level) for name, level in levels.items()} | {"mean of flights": mean}
+    share = replace(share, curve=Curve(looks_s * np.arange(1, looks + 1), lines, title=f"{group}: of 9 errors"))
+    means = nees.mean(axis=0).mean(axis=0).tolist()
+    checks = [share, within(group, "mean of all 9 errors", ERRORS, means[0], ERRORS, high / ERRORS - 1.0)]
+    most = float(chi2.ppf(0.975, flights * 3) / flights / 3.0 - 1.0)
+    return checks + [
+        within(group, f"mean of {name}", 3.0, got, 3.0, most) for name, got in zip(PARTS, means[1:], strict=True)
+    ]
 
 
 def _group(flights: int, how: str) -> str:

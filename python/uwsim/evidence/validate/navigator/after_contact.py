@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from uwsim.evidence.validate.check import Check, at_most
-from uwsim.evidence.validate.consistency import ERRORS, errors, nees_of, start_navigation
+from uwsim.evidence.validate.navigator.consistency import ERRORS, errors, nees_of, start_navigation
 from uwsim.simulator.simulator import Simulator
 
 Array = NDArray[np.float64]

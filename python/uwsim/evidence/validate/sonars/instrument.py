@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.optimize import bisect, minimize
 
 from uwsim import _core
-from uwsim.evidence.validate.sonar_table import WATERS, Cell, acoustics
+from uwsim.evidence.validate.sonars.table import WATERS, Cell, acoustics
 
 PLACES, APART_M = 256, 15.0  # pings at different positions, since speckle repeats at the same position
 SWATH_PLACES, SWATH_APART_M = 1024, 5.0
@@ -76,13 +76,9 @@ def _sonar(cell: Cell, beams: int, fan_rad: float) -> _core.AcousticMultibeam:
     spec.false_detections = False
     packaged = cell.fan
     fan = _core.MultibeamModel(
-        name=packaged.name,
-        beams=beams,
-        field_of_view_rad=fan_rad,
-        range_max_m=packaged.range_max_m,
-        frequency_hz=packaged.frequency_hz,
-        receiver_tilt_rad=packaged.receiver_tilt_rad,
-    )
+        name=packaged.name, beams=beams, field_of_view_rad=fan_rad, range_max_m=packaged.range_max_m,
+        frequency_hz=packaged.frequency_hz, receiver_tilt_rad=packaged.receiver_tilt_rad,
+    )  # fmt: skip
     return _core.AcousticMultibeam(fan, spec, WATERS[cell.water].core_water())
 
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from uwsim.evidence.validate.check import Check, along
 from uwsim.evidence.validate.flights import START_M, deep_water
-from uwsim.evidence.validate.published import PUBLISHED
-from uwsim.evidence.validate.published_thrusters import Propeller
-from uwsim.evidence.validate.reference_solution import Array, resistance
+from uwsim.evidence.validate.motion.published import PUBLISHED
+from uwsim.evidence.validate.motion.published_thrusters import Propeller
+from uwsim.evidence.validate.motion.reference_solution import Array, resistance
 from uwsim.scenario import VehicleModel, load_vehicle
 from uwsim.scenario.spec.control import Control
 from uwsim.simulator.simulator import Simulator

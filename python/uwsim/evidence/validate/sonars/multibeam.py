@@ -2,19 +2,21 @@
 
 Assumed water: 4 deg C at all depths; ocean with 35 psu and pH 8.0, fresh water with 0 psu. The bed is flat rock. Each
 instrument has one set of values per frequency, assumed or chosen to agree with the table as a whole, for one receiver
-and two. The gain of the second receiver follows from its tilt alone. Refraction is checked against closed forms.
+and two. The gain of the second receiver follows from its tilt alone. Refraction is checked against a closed form.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
+from itertools import groupby
 
-from uwsim.evidence.validate.check import Check, relative
-from uwsim.evidence.validate.refraction import refraction_checks
-from uwsim.evidence.validate.sonar_curves import draw_detections, draw_smile, draw_table
-from uwsim.evidence.validate.sonar_instrument import half_detected_m, half_detected_swath_m
-from uwsim.evidence.validate.sonar_table import COVERAGE_M, DEPTH_M, DUAL_COVERAGE_M, WATERS, Cell
+import numpy as np
+
+from uwsim.evidence.validate.check import Check, Curve, relative
+from uwsim.evidence.validate.sonars.instrument import half_detected_m, half_detected_swath_m
+from uwsim.evidence.validate.sonars.refraction import smile_checks
+from uwsim.evidence.validate.sonars.table import COVERAGE_M, DEPTH_M, DUAL_COVERAGE_M, WATERS, Cell
 
 TABLE_TOLERANCE = 0.1
 # Of the factor by which the second receiver widens the coverage. At 300 kHz the table has 1.13 to 1.15, twice the gain
@@ -26,14 +28,10 @@ BEYOND = 1.15  # factor on the depth of the widest swath, beyond which weak oute
 TOWARDS_DEEPEST = 1 / 3  # fraction of the way from there to the maximum depth, near which 0.06 dB is 8 % of the swath
 
 
-def run(out: Path | None = None) -> list[Check]:
-    """Return the checks of the suite; draw depths, coverages, detection rates and the smile into the folder `out`."""
+def run() -> list[Check]:
+    """Return the checks of the suite, with the depths and coverages over frequency."""
     simulated = {cell: half_detected_m(cell) for cell in DEPTH_M}
-    if out is not None:
-        draw_table(simulated, out / "sonar_depths.png")
-        draw_detections(out / "sonar_detections.png")
-        draw_smile(out / "sonar_smile.png")
-    return [*table_checks(), *instrument_checks(simulated), *swath_checks(), *refraction_checks()]
+    return [*table_checks(), *instrument_checks(simulated), *swath_checks(), *smile_checks()]
 
 
 def table_checks() -> list[Check]:
@@ -41,11 +39,10 @@ def table_checks() -> list[Check]:
 
     Also check by which factor the second receiver widens the coverage.
     """
-    depths = [_in_table("depth", cell, table_m, cell.depth_m()) for cell, table_m in DEPTH_M.items()]
+    depths = [in_table("depth", cell, table_m, cell.depth_m()) for cell, table_m in DEPTH_M.items()]
     found_m = {cell: cell.coverage().width_m for cell in COVERAGE_M}
     coverages = [
-        _in_table(f"coverage, {cell.receivers} RX", cell, table_m, found_m[cell])
-        for cell, table_m in COVERAGE_M.items()
+        in_table(f"coverage, {cell.receivers} RX", cell, table_m, found_m[cell]) for cell, table_m in COVERAGE_M.items()
     ]
     singles = {cell: replace(cell, receivers=1) for cell in DUAL_COVERAGE_M}
     gains = [
@@ -55,22 +52,26 @@ def table_checks() -> list[Check]:
         )
         for cell, one in singles.items()
     ]  # fmt: skip
-    return [*depths, *coverages, *gains]
+    return [*_with_curves(depths), *_with_curves(coverages), *gains]
+
+
+def _with_curves(checks: list[Check]) -> Iterator[Check]:
+    """Give the first check of each group, of one column over frequency, the curve of all."""
+    for group, each in groupby(checks, key=lambda check: check.group):
+        column = [first, *others] = list(each)
+        khz = np.array([float(check.name.removesuffix(" kHz")) for check in column])
+        lines = {name: np.array([getattr(check, name) for check in column]) for name in ("expected", "got")}
+        yield replace(first, curve=Curve(khz, lines, "frequency [kHz]", "m", group))
+        yield from others
 
 
 def instrument_checks(simulated: dict[Cell, float]) -> list[Check]:
     """Check the depth at which physics mode detects half of the beams against the formula with the same values."""
-    return [
-        relative(
-            f"{cell.array} depth simulated, {cell.water}",
-            f"{cell.frequency_khz} kHz",
-            cell.depth_m(),
-            depth_m,
-            INSTRUMENT_TOLERANCE,
-            "m",
-        )
-        for cell, depth_m in simulated.items()
-    ]
+    found = []
+    for cell, depth_m in simulated.items():
+        group, name = f"{cell.array} depth simulated, {cell.water}", f"{cell.frequency_khz} kHz"
+        found.append(relative(group, name, cell.depth_m(), depth_m, INSTRUMENT_TOLERANCE, "m"))
+    return found
 
 
 def swath_checks() -> list[Check]:
@@ -86,6 +87,7 @@ def swath_checks() -> list[Check]:
     return checks
 
 
-def _in_table(column: str, cell: Cell, table_m: float, got_m: float) -> Check:
+def in_table(column: str, cell: Cell, table_m: float, got_m: float) -> Check:
+    """Compare a value with that of the manufacturer's table."""
     group = f"{cell.array} {column}, {WATERS[cell.water].text}"
     return relative(group, f"{cell.frequency_khz} kHz", table_m, got_m, TABLE_TOLERANCE, "m")

@@ -15,12 +15,12 @@ import numpy as np
 from uwsim.base.axes import AXES
 from uwsim.evidence.validate.check import Check, along, relative
 from uwsim.evidence.validate.flights import deep_water, fly, times
-from uwsim.evidence.validate.published import PUBLISHED
-from uwsim.evidence.validate.reference_solution import GRAVITY_M_S2, Array, Coefficients, Flight, integrate
-from uwsim.scenario import VehicleModel, load_vehicle
+from uwsim.evidence.validate.motion.published import PUBLISHED
+from uwsim.evidence.validate.motion.reference_solution import GRAVITY_M_S2, Array, Coefficients, Flight, integrate
+from uwsim.scenario import VehicleModel
 from uwsim.scenario.spec.control import Control
-from uwsim.simulator.simulator import Simulator
 
+STILL = (0.0,) * 6
 UNITS = ("m/s",) * 3 + ("rad/s",) * 3
 FAST = (1.0, 0.7, 0.5, 1.0, 1.0, 1.0)
 SLOWEST, SLOW = 0.01, 0.3  # limits of the slow initial speeds, at which linear damping matters
@@ -30,7 +30,7 @@ DECAY_TOLERANCE, TURN_TOLERANCE, TERMINAL_TOLERANCE, MASS_TOLERANCE = 1e-4, 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class Manoeuvre:
     """A manoeuvre as simulated and according to the published equations."""
 
     vehicle: str
@@ -39,25 +39,19 @@ class Curve:
     published: Flight
 
 
-def vehicle_checks(name: str) -> tuple[list[Check], list[Curve]]:
-    """Return all checks of a packaged vehicle, and its curves."""
-    curves: list[Curve] = []
-    return list(each_check(name, load_vehicle(name), curves)), curves
-
-
-def each_check(name: str, model: VehicleModel, curves: list[Curve]) -> Iterator[Check]:
-    """Yield the checks of a model against a vehicle's published values one by one; append their curves to `curves`."""
+def vehicle_checks(name: str, model: VehicleModel) -> Iterator[Check]:
+    """Yield the checks of a model against a vehicle's published values one by one."""
     body = PUBLISHED[name]
     yield _mass_check(name, model)
-    sim = deep_water(_with_body_forces(model, (0.0,) * 6), density_kg_m3=body.water_density_kg_m3)
-    for curve in _decays(name, sim):
-        curves.append(curve)
-        yield _decay_check(curve)
-    curves.append(fall := _free_fall(name, sim))
+    sim = deep_water(_with_body_forces(model, STILL), density_kg_m3=body.water_density_kg_m3)
+    for what, start in decay_speeds(body):
+        yield _decay_check(
+            Manoeuvre(name, what, fly(sim, start, DECAY_S), _published(name, tuple(start), DECAY_S, STILL))
+        )
+    fall = Manoeuvre(name, "free fall", fly(sim, STILL, FALL_S), _published(name, STILL, FALL_S, STILL))
     yield _decay_check(fall)
     yield from _terminal_check(fall)
-    curves.append(turn := _turning(name, model))
-    yield from _turning_checks(turn)
+    yield from _turning_checks(name, model)
 
 
 def decay_speeds(body: Coefficients) -> list[tuple[str, Array]]:
@@ -77,36 +71,21 @@ def _published(name: str, start: tuple[float, ...], duration_s: float, wrench: t
     return integrate(PUBLISHED[name], start, times(duration_s), wrench)
 
 
-def _decays(name: str, sim: Simulator) -> Iterator[Curve]:
-    for what, start in decay_speeds(PUBLISHED[name]):
-        yield Curve(name, what, fly(sim, start, DECAY_S), _published(name, tuple(start), DECAY_S, (0.0,) * 6))
-
-
-def _free_fall(name: str, sim: Simulator) -> Curve:
-    """Return the motion from rest, level, under the weight in water alone."""
-    still = (0.0,) * 6
-    return Curve(name, "free fall", fly(sim, still, FALL_S), _published(name, still, FALL_S, still))
-
-
-def _decay_check(curve: Curve) -> Check:
+def _decay_check(curve: Manoeuvre) -> Check:
     """Compare the largest error in the six velocities, relative to the reference's largest linear or angular speed."""
     expected, got = curve.published.velocities, curve.flown.velocities
     linear = max(float(np.abs(expected[:, :3]).max()), 1e-6)
     angular = max(float(np.abs(expected[:, 3:]).max()), 1e-6)
     axis = _leading_axis(curve, np.array([linear] * 3 + [angular] * 3))
     scale = linear if axis < 3 else angular
+    name = f"{curve.name}: {AXES[axis]}"
     return along(
-        curve.vehicle,
-        f"{curve.name}: {AXES[axis]}",
-        expected[:, axis],
-        got[:, axis],
-        scale,
-        DECAY_TOLERANCE,
-        UNITS[axis],
-    )
+        curve.vehicle, name, expected[:, axis], got[:, axis], scale, DECAY_TOLERANCE, UNITS[axis],
+        x=curve.flown.times_s,
+    )  # fmt: skip
 
 
-def _leading_axis(curve: Curve, scales: Array) -> int:
+def _leading_axis(curve: Manoeuvre, scales: Array) -> int:
     """Return the axis with the largest scaled error among those along which the manoeuvre moves."""
     distance = np.abs(curve.flown.velocities - curve.published.velocities).max(axis=0) / scales
     moves = np.abs(curve.published.velocities).max(axis=0) > 1e-5
@@ -115,15 +94,8 @@ def _leading_axis(curve: Curve, scales: Array) -> int:
 
 def _with_body_forces(model: VehicleModel, wrench: tuple[float, ...]) -> VehicleModel:
     """Return the vehicle with forces and torques along its body axes in place of thrusters and fins."""
-    return model.model_copy(
-        update={
-            "max_force_n": wrench[:3],
-            "max_torque_nm": wrench[3:],
-            "thrusters": {},
-            "fins": {},
-            "control": Control(),
-        }
-    )
+    forces = {"max_force_n": wrench[:3], "max_torque_nm": wrench[3:]}
+    return model.model_copy(update={**forces, "thrusters": {}, "fins": {}, "control": Control()})
 
 
 def _mass_check(name: str, model: VehicleModel) -> Check:
@@ -134,11 +106,10 @@ def _mass_check(name: str, model: VehicleModel) -> Check:
     """
     body = PUBLISHED[name]
     force_n = PUSH_M_S2 * (body.mass_kg + body.added_mass[0])
-    sim = deep_water(
-        _with_body_forces(model, (force_n, 0.0, 0.0, 0.0, 0.0, 0.0)), density_kg_m3=body.water_density_kg_m3
-    )
+    pushed = _with_body_forces(model, (force_n, *STILL[1:]))
+    sim = deep_water(pushed, density_kg_m3=body.water_density_kg_m3)
     sim.rov.set_effort(surge=1.0)
-    reached = fly(sim, (0.0,) * 6, PUSH_S).velocities[-1, 0]
+    reached = fly(sim, STILL, PUSH_S).velocities[-1, 0]
     slowed_n = 0.5 * body.linear_damping[0] * reached  # mean over the push
     moved_kg = (force_n - slowed_n) * PUSH_S / reached
     pitched_kg = body.mass[0, 4] ** 2 / body.mass[4, 4]
@@ -146,37 +117,20 @@ def _mass_check(name: str, model: VehicleModel) -> Check:
     return relative(name, "mass", body.mass_kg, mass_kg, MASS_TOLERANCE, "kg")
 
 
-def _turning(name: str, model: VehicleModel) -> Curve:
-    """Return the turning circle curve from rest, under constant surge force and yaw torque."""
+def _turning_checks(name: str, model: VehicleModel) -> Iterator[Check]:
+    """Compare the path from rest under constant surge force and yaw torque, relative to its diameter."""
     body = PUBLISHED[name]
-    surge = _steady_wrench(body, 0, 0.8)
-    yaw = _steady_wrench(body, 5, 0.3)
-    wrench = (surge, 0.0, 0.0, 0.0, 0.0, yaw)
+    wrench = (_steady_wrench(body, 0, 0.8), 0.0, 0.0, 0.0, 0.0, _steady_wrench(body, 5, 0.3))
     sim = deep_water(_with_body_forces(model, wrench), density_kg_m3=body.water_density_kg_m3)
     sim.rov.set_effort(surge=1.0, yaw=1.0)
-    still = (0.0,) * 6
-    return Curve(name, "turning circle", fly(sim, still, TURN_S), _published(name, still, TURN_S, wrench))
+    flown, published = fly(sim, STILL, TURN_S), _published(name, STILL, TURN_S, wrench)
+    diameter = float(np.ptp(published.positions_m[:, :2], axis=0).max())
+    for k, axis in enumerate("xy"):
+        expected, got = published.positions_m[:, k], flown.positions_m[:, k]
+        yield along(name, f"turning circle: {axis}", expected, got, diameter, TURN_TOLERANCE, "m", x=published.times_s)
 
 
-def _turning_checks(curve: Curve) -> list[Check]:
-    """Compare the path of the turning circle, relative to its diameter."""
-    expected = curve.published.positions_m
-    diameter = max(float(np.ptp(expected[:, 0])), float(np.ptp(expected[:, 1])))
-    return [
-        along(
-            curve.vehicle,
-            f"turning circle: {axis}",
-            expected[:, k],
-            curve.flown.positions_m[:, k],
-            diameter,
-            TURN_TOLERANCE,
-            "m",
-        )
-        for k, axis in enumerate(("x", "y"))
-    ]
-
-
-def _terminal_check(fall: Curve) -> list[Check]:
+def _terminal_check(fall: Manoeuvre) -> list[Check]:
     """Compare the terminal speed, where damping equals the weight in water; no check for a neutral vehicle."""
     body = PUBLISHED[fall.vehicle]
     weight_n = (body.mass_kg - body.water_density_kg_m3 * body.volume_m3) * GRAVITY_M_S2

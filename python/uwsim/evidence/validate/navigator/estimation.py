@@ -7,16 +7,15 @@ is e_p + e_v t - R [f]x (e_attitude t^2 / 2 - e_rate t^3 / 6) - R e_force t^2 / 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
+from dataclasses import replace
 
-import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from uwsim.evidence.validate.after_contact import contact_checks
-from uwsim.evidence.validate.check import Check, relative, within
-from uwsim.evidence.validate.consistency import (
+from uwsim.evidence.validate.check import Check, Curve, relative, within
+from uwsim.evidence.validate.navigator.after_contact import contact_checks
+from uwsim.evidence.validate.navigator.consistency import (
     ERRORS,
     LARGEST_EFFORTS,
     LEG_S,
@@ -26,8 +25,7 @@ from uwsim.evidence.validate.consistency import (
     nees_of,
     start_navigation,
 )
-from uwsim.evidence.validate.turning_flights import turning_checks
-from uwsim.figures.style import save_figure
+from uwsim.evidence.validate.navigator.turning_flights import turning_checks
 from uwsim.navigation.estimation import Navigator
 from uwsim.simulator.simulator import Simulator
 
@@ -37,15 +35,13 @@ LEGS, LEGS_PER_LOOK = 36, 3
 DROP_OUT_AFTER_S, DROP_OUT_S = 60.0, 60.0
 
 
-def run(out: Path | None = None, seeds: int | None = None) -> list[Check]:
-    """Return the checks of the suite; draw its curves into `out`. seeds: number of flights; by default SEEDS."""
+def run(seeds: int | None = None) -> list[Check]:
+    """Return the checks of the suite. seeds: number of flights; by default SEEDS."""
     sim, seeds = Simulator("lake"), seeds or SEEDS
     nees = np.array([list(nees_of_a_flight(sim, seed)) for seed in range(seeds)])
     drifts = [drop_out(sim, seed) for seed in range(seeds)]
-    if out is not None:
-        _draw(nees, drifts, out / "estimation.png")
     return [
-        *consistency_checks(nees),
+        *consistency_checks(nees, looks_s=LEG_S * LEGS_PER_LOOK),
         *turning_checks(seeds),
         *drop_out_checks(drifts),
         *contact_checks(sim, seeds),
@@ -107,33 +103,13 @@ def drop_out_checks(drifts: list[tuple[Array, Array, Array]]) -> list[Check]:
     expected, got = (np.sqrt(np.trace(c, axis1=1, axis2=2).mean()) for c in (closed, filters))
     nees = [float(e @ np.linalg.solve(p, e)) for e, p in zip(error, filters, strict=True)]
     band = chi2.ppf([0.025, 0.975], 2 * len(error)) / len(error) / 2.0
+    growth = relative(group, "growth that the filter expects", float(expected), float(got), 0.1, "m")
+    reach_m = np.sort(np.linalg.norm(error, axis=1))
+    stds_m = {"closed form": expected / np.sqrt(2.0), "as the filter expects": got / np.sqrt(2.0)}
+    lines = {name: chi2.cdf((reach_m / std_m) ** 2, 2) for name, std_m in stds_m.items()}
+    flown = {"flights": np.linspace(0.0, 1.0, len(reach_m))}
+    curve = Curve(reach_m, {**lines, **flown}, "horizontal error [m]", title=f"share of flights, {group}")
     return [
-        relative(group, "growth that the filter expects", float(expected), float(got), 0.1, "m"),
+        replace(growth, curve=curve),
         within(group, "NEES of the horizontal position", 2.0, float(np.mean(nees)), 2.0, float(max(abs(band - 1.0)))),
     ]
-
-
-def _draw(nees: Array, drifts: list[tuple[Array, Array, Array]], path: Path) -> None:
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
-    flights, looks = nees.shape[:2]
-    times_s = LEG_S * LEGS_PER_LOOK * np.arange(1, looks + 1)
-    low, high = chi2.ppf([0.025, 0.975], flights * ERRORS) / flights
-    left.fill_between(times_s, low, high, alpha=0.2, label="95 % bounds")
-    left.plot(times_s, nees[:, :, 0].mean(axis=0), "o-", label=f"mean of {flights} flights")
-    left.axhline(ERRORS, color="grey", lw=0.8)
-    left.set(xlabel="time [s]", ylabel="NEES of 9 errors", title="Consistency", ylim=(0.0, 1.5 * high))
-    left.legend()
-    filters, closed, error = (np.array(part) for part in zip(*drifts, strict=True))
-    reach = np.linalg.norm(error, axis=1)
-    right.plot(np.sort(reach), np.linspace(0.0, 1.0, len(reach)), drawstyle="steps-post", label="flights")
-    std = np.sqrt(np.trace(filters, axis1=1, axis2=2).mean() / 2.0)
-    radius = np.linspace(0.0, 3.5 * std, 100)
-    right.plot(radius, chi2.cdf((radius / std) ** 2, 2), label="as the filter expects")
-    std = np.sqrt(np.trace(closed, axis1=1, axis2=2).mean() / 2.0)
-    right.plot(radius, chi2.cdf((radius / std) ** 2, 2), "--", label="closed form")
-    right.set(
-        xlabel="horizontal error [m]", ylabel="share of flights", title=f"{DROP_OUT_S:.0f} s without DVL and USBL"
-    )
-    right.legend()
-    save_figure(figure, path)
-    plt.close(figure)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from uwsim.evidence.validate.reference_solution import Coefficients
+from uwsim.evidence.validate.motion.reference_solution import Coefficients
 
 BLUEROV2_HEAVY = Coefficients(
     mass_kg=13.5,

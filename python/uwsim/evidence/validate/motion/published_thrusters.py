@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uwsim.evidence.validate.reference_solution import Array
+from uwsim.evidence.validate.motion.reference_solution import Array
 
 
 @dataclass(frozen=True)

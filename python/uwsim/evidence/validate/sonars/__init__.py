@@ -1,0 +1,1 @@
+"""The sonars: tables of makers, the sonar equation, and bent rays."""
