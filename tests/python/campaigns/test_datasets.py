@@ -15,10 +15,10 @@ import uwsim
 from elsewhere import Elsewhere
 from uwsim.base import own_files
 from uwsim.campaigns.datasets import studio
-from uwsim.campaigns.datasets.formats.masks import bounds, run_lengths
+from uwsim.campaigns.datasets.files import bounds, run_lengths
 from uwsim.campaigns.datasets.spec import DatasetSpec
-from uwsim.campaigns.datasets.split import split_of_frames
 from uwsim.campaigns.datasets.studio import Studio
+from uwsim.campaigns.datasets.tables import split_of_frames
 from uwsim.campaigns.workers import campaign
 from uwsim.scenario.build.hull import hull_radius_m
 from uwsim.scenario.read.assets import assets_folder

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.npz import npz_bytes
-from uwsim.campaigns.datasets.formats.coco import annotations_of
-from uwsim.campaigns.datasets.formats.pixels import depth_pixels, level_pixels, normal_pixels
-from uwsim.campaigns.datasets.formats.yolo import yolo_lines
+from uwsim.campaigns.datasets.files import annotations_of, depth_pixels, level_pixels, normal_pixels, yolo_lines
 from uwsim.campaigns.datasets.poses import Viewpoint
 from uwsim.campaigns.datasets.spec import OF_CAMERA, DatasetSpec
 from uwsim.campaigns.datasets.studio import Studio, studio_of
@@ -41,13 +41,44 @@ class FrameJob:
     threads: int | None = None
 
 
+def _classes(studio: Studio, labels: NDArray[np.uint16]) -> bytes:
+    return encode_png(np.asarray(studio.class_of_label, np.uint8)[labels])
+
+
+def _yolo(studio: Studio, frame: Frame, _: NDArray[np.uint16]) -> bytes:
+    things = studio.annotations(frame, studio.spec.min_pixels)
+    return yolo_lines(things, frame.info.width, frame.info.height).encode()
+
+
+PICTURES: dict[str, tuple[str, Callable[[Studio, Frame, NDArray[np.uint16]], bytes]]] = {
+    "rgb": ("images/.png", lambda _, frame, __: encode_png(frame.rgb)),
+    "rgb as jpg": ("images/.jpg", lambda _, frame, __: encode_jpeg(frame.rgb, JPEG_QUALITY)),
+    "depth": ("depth/.png", lambda _, frame, __: encode_png(depth_pixels(frame.depth_m))),
+    "normals": (
+        "normals/.png",
+        lambda studio, frame, _: encode_png(normal_pixels(frame.normals_world, frame.world_from_optical, studio.rays)),
+    ),
+    "instances": ("instances/.png", lambda _, __, labels: encode_png(labels)),
+    "classes": ("classes/.png", lambda studio, _, labels: _classes(studio, labels)),
+    "arrays": (
+        "arrays/.npz",
+        lambda _, frame, __: npz_bytes(
+            rgb=frame.rgb, depth_m=frame.depth_m, normals_world=frame.normals_world, labels=frame.labels
+        ),
+    ),
+    "yolo": ("labels/.txt", _yolo),  # its loaders replace "images" in a picture's path with "labels"
+}
+"""The files of a picture by product: folder and suffix, and the content of a frame with its labels."""
+
+
+def _of_picture(spec: DatasetSpec, name: str) -> str:
+    return "rgb as jpg" if name == "rgb" and spec.pictures == "jpg" else name
+
+
 def folders(spec: DatasetSpec) -> dict[str, str]:
     """Return the folder and suffix, such as depth/.png, of each kind of file written for a frame."""
-    suffixes = {"rgb": f"images/.{spec.pictures}", "arrays": "arrays/.npz", "multibeam": "multibeam/.npz"}
-    suffixes["yolo"] = "labels/.txt"  # YOLO loaders replace "images" in a picture's path with "labels"
-    found: dict[str, str] = {
-        name: suffixes.get(name, f"{name}/.png") for name in spec.write if name not in ("boxes", "sonar")
-    }
+    where = {name: folder for name, (folder, _) in PICTURES.items()} | {"multibeam": "multibeam/.npz"}
+    found = {name: where[_of_picture(spec, name)] for name in spec.write if name not in ("boxes", "sonar")}
     if spec.writes("sonar"):
         found |= {name: f"{name}/.png" for name in ("sonar", "sonar_instances", "sonar_classes")}
         if spec.writes("arrays"):
@@ -98,30 +129,15 @@ def make_frame(job: FrameJob) -> dict[str, Any]:
 
 def _add_picture(studio: Studio, frame: Frame, record: dict[str, Any], files: dict[str, bytes]) -> None:
     spec, labels = studio.spec, studio.labels(frame)
-    if spec.writes("rgb"):
-        files["rgb"] = encode_png(frame.rgb) if spec.pictures == "png" else encode_jpeg(frame.rgb, JPEG_QUALITY)
-    if spec.writes("depth"):
-        files["depth"] = encode_png(depth_pixels(frame.depth_m))
-    if spec.writes("normals"):
-        files["normals"] = encode_png(normal_pixels(frame.normals_world, frame.world_from_optical, studio.rays))
-    if spec.writes("instances"):
-        files["instances"] = encode_png(labels)
-    if spec.writes("classes"):
-        files["classes"] = encode_png(np.asarray(studio.class_of_label, np.uint8)[labels])
-    if spec.writes("arrays"):
-        files["arrays"] = npz_bytes(
-            rgb=frame.rgb, depth_m=frame.depth_m, normals_world=frame.normals_world, labels=frame.labels
-        )
+    for name in spec.write:
+        if name in PICTURES:
+            files[name] = PICTURES[_of_picture(spec, name)][1](studio, frame, labels)
     record["world_from_optical"] = frame.world_from_optical.tolist()
     label_range = studio.label_range_m
     record["label_range_m"] = float(label_range) if np.isfinite(label_range) else None
     record["empty"] = not studio.looked_at(studio.annotations(frame, 1))
-    if spec.writes("boxes", "yolo"):
-        things = studio.annotations(frame, spec.min_pixels)
-        if spec.writes("boxes"):
-            record["annotations"] = things
-        if spec.writes("yolo"):
-            files["yolo"] = yolo_lines(things, frame.info.width, frame.info.height).encode()
+    if spec.writes("boxes"):
+        record["annotations"] = studio.annotations(frame, spec.min_pixels)
 
 
 def _add_sonar(studio: Studio, image: SonarImage, record: dict[str, Any], files: dict[str, bytes]) -> None:
@@ -133,7 +149,7 @@ def _add_sonar(studio: Studio, image: SonarImage, record: dict[str, Any], files:
     files |= {
         "sonar": encode_png(level_pixels(image.level_db[::-1, ::-1], limits_db)),
         "sonar_instances": encode_png(labels),
-        "sonar_classes": encode_png(np.asarray(studio.class_of_label, np.uint8)[labels]),
+        "sonar_classes": _classes(studio, labels),
     }
     if studio.spec.writes("arrays"):
         files["sonar_arrays"] = npz_bytes(

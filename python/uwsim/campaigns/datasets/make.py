@@ -11,9 +11,8 @@ from uwsim.base.folder_lock import alone_in
 from uwsim.base.own_files import is_own
 from uwsim.campaigns.datasets.frame import FrameJob, folders, make_frame
 from uwsim.campaigns.datasets.spec import DatasetSpec
-from uwsim.campaigns.datasets.split import split_of_frames
 from uwsim.campaigns.datasets.studio import Studio, digest_of, require_effects, studio_of
-from uwsim.campaigns.datasets.tables import write_tables
+from uwsim.campaigns.datasets.tables import split_of_frames, write_tables
 from uwsim.campaigns.datasets.track import Track, read_track, track_of
 from uwsim.campaigns.workers import Campaign, Ledger
 from uwsim.flight.folder import made_folder

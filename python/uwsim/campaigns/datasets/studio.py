@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.campaigns.datasets.formats.coco import annotations_of
+from uwsim.campaigns.datasets.files import annotations_of
 from uwsim.campaigns.datasets.poses import Eye, FreeWater, Limits, Viewpoint, draw_viewpoint
 from uwsim.campaigns.datasets.spec import OF_CAMERA, DatasetSpec
 from uwsim.campaigns.datasets.targets import TERRAIN, Targets

@@ -8,15 +8,18 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from uwsim.base.atomic_file import write_atomically
-from uwsim.campaigns.datasets.formats.coco import coco
-from uwsim.campaigns.datasets.formats.yolo import yolo_yaml
+from uwsim.campaigns.datasets.files import coco, yolo_yaml
 from uwsim.campaigns.datasets.frame import file_name, folders
 from uwsim.campaigns.datasets.spec import OF_CAMERA, DatasetSpec
-from uwsim.campaigns.datasets.split import SPLITS
 from uwsim.campaigns.datasets.studio import Studio
 
 ABOUT, FRAMES = "dataset.json", "frames.jsonl"
+SPLITS = ("train", "val")
+STRETCHES = 4
+"""The number of stretches for validation, spread along a track."""
 OF_TABLES = ("annotations", "sonar_annotations", "job", "trials")
 """Fields of a record that are left out of frames.jsonl."""
 CONVENTIONS = {
@@ -113,3 +116,22 @@ def _coco(
 
 def _dumped(content: Any) -> str:
     return json.dumps(content) + "\n"
+
+
+def split_of_frames(count: int, val_share: float, seed: int, *, in_sequence: bool) -> list[str]:
+    """Return the split of each frame.
+
+    round(val_share * count) frames are used for validation: random frames if the poses are random, or whole stretches
+    of a sequence, since neighbouring frames look alike.
+    """
+    held_back = round(val_share * count)
+    splits = np.full(count, SPLITS[0], dtype="<U5")
+    if in_sequence:
+        stretches = max(1, min(STRETCHES, held_back))
+        lengths = [len(part) for part in np.array_split(np.empty(held_back), stretches)]
+        for part, length in zip(np.array_split(np.arange(count), stretches), lengths, strict=True):
+            first = (len(part) - length) // 2
+            splits[part[first : first + length]] = SPLITS[1]
+    else:
+        splits[np.random.default_rng([seed, count]).permutation(count)[:held_back]] = SPLITS[1]
+    return [str(split) for split in splits]

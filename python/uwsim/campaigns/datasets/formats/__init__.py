@@ -1,1 +1,0 @@
-"""Writers for the files of a dataset, one module per format."""
