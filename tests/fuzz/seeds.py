@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import struct
 import tempfile
 import zipfile
 from collections.abc import Callable
@@ -12,38 +11,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tests.fuzz import bridge_seeds, charts, fields, others
+from tests.fuzz import charts, fields, others
 from tests.fuzz.readers import CDR_TYPES, simulator_to_restore
 from tests.fuzz.surveys import side_scan, survey, xtf_soundings
+from tests.python.fbx_file import write_blender_fbx
+from tests.python.flight_logs import Flown, dataflash, telemetry
 
 ASC = b"ncols 4\nnrows 3\nxllcorner 1000\nyllcorner 2000\ncellsize 5\nNODATA_value -9999\n" + b"-1 -2 -3 -4\n" * 3
 CSV = b"x_m,y_m,z_m,u_m_s,v_m_s,w_m_s\n0,0,-9,0.1,0,0\n5,0,-9,0.2,0,0\n0,5,-9,0.1,0,0\n5,5,-9,0.3,0,0\n"
-FBX = b"""; FBX 7.4.0 project file
-FBXHeaderExtension:  {
-FBXHeaderVersion: 1003
-FBXVersion: 7400
-}
-Objects:  {
-Geometry: 1000, "Geometry::part", "Mesh" {
-Vertices: *12 {
-a: 0,0,0,1,0,0,0,1,0,0,0,1
-}
-PolygonVertexIndex: *12 {
-a: 0,2,-2,0,1,-4,1,2,-4,2,0,-4
-}
-}
-Model: 2000, "Model::part", "Mesh" {
-Version: 232
-Properties70:  {
-P: "Lcl Translation", "Lcl Translation", "", "A",1,2,3
-}
-}
-}
-Connections:  {
-C: "OO",2000,0
-C: "OO",1000,2000
-}
-"""
 DAE = b"""<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><unit name="meter" meter="1"/><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>
 <source id="p"><float_array id="a" count="9">0 0 0 1 0 0 0 1 0</float_array><technique_common>
@@ -113,15 +88,7 @@ COMMANDS: dict[str, dict[str, Any]] = {
     "set_parameter": {"name": "water.current_world_m_s", "value": [0.1, 0.0, 0.0]},
     "set_parameters": {"changes": {"rov.ballast_kg": 1.0}},
     "reset_parameters": {},
-    "inject_fault": {
-        "kind": "sensor",
-        "sensor": "imu",
-        "mode": "bias",
-        "field": "angular_velocity_rad_s",
-        "bias": 0.1,
-        "for_s": 1.0,
-        "name": "x",
-    },
+    "inject_fault": {"kind": "sensor", "sensor": "imu", "mode": "off", "for_s": 1.0, "name": "x"},
     "end_fault": {"name": "leak"},
     "link_send": {"sender": "rov", "receiver": "station", "topic": "odom", "payload": {"$bytes": "AAEC"}, "repeats": 1},
     "set_stream": {"key": "rov/front", "rate_hz": 2.0},
@@ -197,6 +164,14 @@ def _mesh(suffix: str) -> Callable[[], list[bytes]]:
         return made
 
     return make
+
+
+def _fbx() -> list[bytes]:
+    corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
+    quads = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "part.fbx"
+        return [write_blender_fbx(path, "part", corners.astype(float), np.array(quads, np.int32)).read_bytes()]
 
 
 def _map() -> list[bytes]:
@@ -318,58 +293,11 @@ def _kmz(method: int) -> bytes:
     return file.getvalue()
 
 
-def _dataflash() -> list[bytes]:
-    """A dataflash log of attitudes, outputs, parameters and the filter, by the layout that its first messages state."""
-    formats = {
-        "FMT": ("BBnNZ", "BB4s16s64s", "Type,Length,Name,Format,Columns"),
-        "PARM": ("QNf", "Q16sf", "TimeUS,Name,Value"),
-        "ATT": ("Qfff", "Qfff", "TimeUS,Roll,Pitch,Yaw"),
-        "RCOU": ("QHHHHHHHH", "Q8H", "TimeUS,C1,C2,C3,C4,C5,C6,C7,C8"),
-        "XKF1": ("QBffffff", "QB6f", "TimeUS,C,VN,VE,VD,PN,PE,PD"),
-        "XKF4": ("QBI", "QBI", "TimeUS,C,SS"),
-        "BARO": ("QBf", "QBf", "TimeUS,I,Alt"),
-    }
-    numbers = {name: 128 + k for k, name in enumerate(formats)}
-
-    def packed(name: str, *values: Any) -> bytes:
-        return bytes((0xA3, 0x95, numbers[name])) + struct.pack("<" + formats[name][1], *values)
-
-    parts = [
-        packed(
-            "FMT", numbers[name], 3 + struct.calcsize("<" + layout), name.encode(), letters.encode(), columns.encode()
-        )
-        for name, (letters, layout, columns) in formats.items()
-    ]
-    parts.append(packed("PARM", 0, b"FRAME_CONFIG", 2.0))
-    for k in range(25):
-        us = 100_000 * k
-        parts += [
-            packed("ATT", us, 0.1 * k, -k, 10 * k),
-            packed("RCOU", us, *[1500 + 10 * k] * 8),
-            packed("XKF1", us, 0, *[0.1 * k] * 6),
-            packed("XKF4", us, 0, 831),
-            packed("BARO", us, 1, -k),
-        ]
-    return [b"".join(parts)]
-
-
-def _telemetry_log() -> list[bytes]:
-    from pymavlink.dialects.v20 import ardupilotmega as dialect
-
-    mav, parts = dialect.MAVLink(None, srcSystem=1, srcComponent=1), []
-    for k in range(25):
-        ms = 100 * k
-        for each in (
-            mav.param_value_encode(b"FRAME_CONFIG", 2.0, 9, 1, 0),
-            mav.statustext_encode(6, b"dive"),
-            mav.attitude_encode(ms, 0.1, 0.01 * k, 0.1 * k, 0, 0, 1),
-            mav.vfr_hud_encode(0, 0, 0, 0, -k, 0),
-            mav.local_position_ned_encode(ms, k, 0, k, 1, 0, 1),
-            mav.ekf_status_report_encode(831, 0, 0, 0, 0, 0),
-            mav.servo_output_raw_encode(1000 * ms, 0, *[1500 + 10 * k] * 8, *[0] * 8),
-        ):
-            parts.append(struct.pack(">Q", 1_700_000_000_000_000 + 1000 * ms) + each.pack(mav))
-    return [b"".join(parts)]
+def _flight() -> Flown:
+    """Return a flight of 25 rows, of no model."""
+    k = np.arange(25.0)
+    still, turns = np.zeros((25, 6)), np.tile([0.0, 0.0, 0.0, 1.0], (25, 1))
+    return Flown(0.1 * k, np.outer(k, [0.1, 0.1, -1.0]), turns, still, np.tile(1500 + 10 * k[:, None].astype(int), 8))
 
 
 def _bag(topic: str, name: str, fields: Callable[[Any, int], dict[str, Any]]) -> list[bytes]:
@@ -483,7 +411,7 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "xtf_soundings": lambda: [xtf_soundings(), xtf_soundings(61)],
     "state": _state,
     "depth_string": _depth_string,
-    "fbx": lambda: [FBX],
+    "fbx": _fbx,
     "dae": lambda: [DAE],
     "asc": lambda: [ASC],
     "tif": _tif,
@@ -507,8 +435,8 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "mapping": lambda: [MAPPING],
     "motion_csv": _motion_log,
     "motion_mcap": _motion_recording,
-    "dataflash": _dataflash,
-    "tlog": _telemetry_log,
+    "dataflash": lambda: [dataflash(_flight())],
+    "tlog": lambda: [telemetry(_flight())],
     "flight_bag": lambda: _bag("/thrusters", "std_msgs/msg/Float64MultiArray", _commanded),
     "glider": _glider,
     "flight_csv": _flight_table,
@@ -520,8 +448,8 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "geojson": lambda: [GEOJSON],
     "kml": lambda: [KML],
     "kmz": lambda: [_kmz(zipfile.ZIP_STORED), _kmz(zipfile.ZIP_DEFLATED)],
-    "moos": bridge_seeds.moos,
-    "imc": bridge_seeds.imc,
+    "moos": others.moos,
+    "imc": others.imc,
     "thruster_csv": lambda: [SHEET],
     "profile": lambda: [PROFILE],
     "track_csv": lambda: [TRACK],
