@@ -152,9 +152,3 @@ def test_a_web_page_is_disconnected() -> None:
         program.socket.sendall(b'POST / HTTP/1.1\r\n\r\n{"command": "set_config"}\n')
         live.step(20)
         assert "response" not in program.lines.read()
-
-
-@pytest.mark.parametrize("text", ["", "a", "x:y:1", "70000", "=1", "a b:1"])
-def test_a_wrong_address_is_refused(text: str) -> None:
-    with pytest.raises(ValueError, match=rf"dvl_a50 = '{text}': must be \[INSTRUMENT=\]\[HOST:\]PORT"):
-        plug(text)

@@ -43,28 +43,6 @@ def dune() -> Iterator[StandInDune]:
         yield dune
 
 
-# Addresses
-
-
-@pytest.mark.parametrize(
-    ("text", "found"),
-    [
-        ("localhost:6002", ("localhost", 6002, "tcp", "")), ("a=udp:10.0.0.2:7001", ("10.0.0.2", 7001, "udp", "a")),
-        ("host", ("host", 6002, "tcp", "")),
-    ],
-)  # fmt: skip
-def test_addresses(text: str, found: tuple[str, int, str, str]) -> None:
-    assert parsed(text) == found
-
-
-@pytest.mark.parametrize(
-    "text", ["", ":9000", "=host:1", "host:0", "host:99999", "host:port", "ftp:host:1", "a=b=c d:1"]
-)
-def test_wrong_addresses_are_refused(text: str) -> None:
-    with pytest.raises(ValueError, match=r"^imc = "):
-        parsed(text)
-
-
 # Frames
 
 

@@ -22,7 +22,7 @@ from moos_standin import StandInMoosDB
 from steered import bay, steered_by, torpedo
 from uwsim import Simulator
 from uwsim.bridges.doors.endpoint import Endpoint
-from uwsim.bridges.moos.client import FORM, MoosClient
+from uwsim.bridges.moos.client import MoosClient
 from uwsim.bridges.moos.plug import MoosOptions, MoosPlug
 from uwsim.bridges.moos.variables import is_true, navigation, number, ping_summary
 from uwsim.bridges.moos.wire import NOTIFY, PROTOCOL, WELCOME, Message, MoosError, PacketReader, decoded, encoded
@@ -100,23 +100,6 @@ def test_damaged_packets_are_refused_and_never_raise_anything_else() -> None:
         list(PacketReader().read(struct.pack("<i", -5)))
     with pytest.raises(MoosError, match="a packet of 2147483647 bytes"):
         list(PacketReader().read(struct.pack("<i", 2**31 - 1)))
-
-
-@pytest.mark.parametrize(
-    ("text", "found"),
-    [
-        ("localhost:9000", ("localhost", 9000, "", "")), ("henry=10.0.0.2:9001", ("10.0.0.2", 9001, "", "henry")),
-        ("host", ("host", 9000, "", "")),
-    ],
-)  # fmt: skip
-def test_addresses(text: str, found: tuple[str, int, str, str]) -> None:
-    assert FORM.parse(text) == found
-
-
-@pytest.mark.parametrize("text", ["", ":9000", "=host:1", "host:0", "host:99999", "host:port", "a=b=c d:1"])
-def test_wrong_addresses_are_refused(text: str) -> None:
-    with pytest.raises(ValueError, match=r"^moos = "):
-        FORM.parse(text)
 
 
 # The variables

@@ -155,15 +155,3 @@ def test_a_client_that_does_not_read_is_disconnected_and_the_others_are_served()
             assert reader.recv(100) == b"$SDDPT*00\r\n"
     finally:
         wire.close()
-
-
-@pytest.mark.parametrize(
-    ("text", "rule"),
-    [
-        ("127.0.0.1:10110", r"must be udp\[:HOST\]\[:PORT\] or tcp"), ("udp:a:b:1", r"must be udp\["),
-        ("udp:0", r"the port in \[1, 65535\]"), ("tcp:99999", r"the port in \[0, 65535\]"),
-    ],
-)  # fmt: skip
-def test_wrong_addresses_are_refused(text: str, rule: str) -> None:
-    with pytest.raises(ValueError, match=rule):
-        FORM.parse(text)

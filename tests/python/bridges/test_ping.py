@@ -100,20 +100,6 @@ def test_messages_are_found_between_noise_and_broken_ones(size: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "rule"),
-    [
-        ("tcp:9090", "must be"), ("udp:70000", r"in \[0, 65535\]"), ("=udp", "must be"), ("pty:1", "must be"),
-        ("udp:a..b:1", "the host a name"),
-    ],
-)  # fmt: skip
-def test_a_wrong_address_is_refused(text: str, rule: str) -> None:
-    with pytest.raises(ValueError, match=rf"^ping1d = '{text}'.*{rule}"):
-        ping1d(text)
-    assert ping1d("rov/altitude=udp:10.0.0.2:7")._addresses == [("10.0.0.2", 7, "udp", "rov/altitude")]
-    assert [each.port for word in ("udp", "pty") for each in ping1d(word)._addresses] == [9090, 0]
-
-
-@pytest.mark.parametrize(
     ("plug", "rule"),
     [
         (ping1d("sonar=udp:0"), "ping1d: instrument 'sonar' of vehicle 'rov': must be altitude"),
