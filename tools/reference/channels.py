@@ -4,6 +4,7 @@ from tools.reference.markdown import code, table
 
 from uwsim import Simulator
 from uwsim.channels import channels
+from uwsim.channels.ros.own_types import OWN_TYPES
 
 HEAD = """# Channels
 
@@ -14,7 +15,7 @@ its vehicles. Rates are those of the sensors; a topic with a rate of 0 Hz is pub
 
 
 def channels_page() -> str:
-    """Return the page: one table of published topics, one of received ones."""
+    """Return the page: one table of published topics, one of received ones, and the messages of our own."""
     published, received = [], []
     for channel in channels(Simulator("lake")):
         if channel.direction == "out":
@@ -22,4 +23,6 @@ def channels_page() -> str:
         else:
             received.append((code(channel.name), code(channel.type)))
     text = HEAD + "## Published\n\n" + table(("topic", "type", "rate [Hz]"), published)
-    return text + "\n## Received\n\n" + table(("topic", "type"), received)
+    text += "\n## Received\n\n" + table(("topic", "type"), received)
+    own = (f"\n### {name.replace('/msg/', '/')}\n\n```text\n{fields}```\n" for name, fields in OWN_TYPES.items())
+    return text + "\n## Messages of uwsim's own\n" + "".join(own)

@@ -13,7 +13,7 @@ from station_pages import require_described
 from uwsim.base.axes import AXES
 from uwsim.base.commands import COMMANDS, HOLDS
 from uwsim.channels.authority.rights import AidKind
-from uwsim.channels.ros.own_types import MAP_CHANGES, OWN_TYPES, SENSOR_GAUGES, STATION_STATE, TELEMETRY
+from uwsim.channels.ros.own_types import OWN_TYPES, STATION_STATE
 from uwsim.operator.station import Station
 from uwsim.operator.station.site.answers import PAGE
 from uwsim.operator.station.wire import messages
@@ -57,7 +57,6 @@ def test_every_field_and_message_is_explained() -> None:
         assert f"`/station/{call.name}`" in DOCS
         for field in (*call.request.model_fields, *call.answer.model_fields):
             assert re.search(rf"\b{field}\b", DOCS), f"{call.name}: {field}"
-    assert all(OWN_TYPES[name] in DOCS for name in (TELEMETRY, SENSOR_GAUGES, MAP_CHANGES))
 
 
 def test_the_docs_list_the_fields_of_the_state() -> None:

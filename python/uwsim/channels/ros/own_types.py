@@ -1,6 +1,6 @@
 """uwsim's own message types, for content that no existing package covers, as .msg definitions.
 
-docs/connections/station-wire.md explains the fields.
+docs/reference/channels.md lists them.
 """
 
 from uwsim.instruments.gauges import NUMBERS, VECTORS
