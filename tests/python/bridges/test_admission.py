@@ -1,8 +1,6 @@
 """Admission of clients: one rule for every socket on which any part of uwsim listens."""
 
-import ast
 import os
-import re
 import subprocess
 import sys
 from contextlib import ExitStack
@@ -19,7 +17,6 @@ from uwsim import Simulator
 from uwsim.bridges.doors.admission import Door
 from uwsim.recording import Recorder
 
-SOURCES = Path(__file__).parents[3] / "python" / "uwsim"
 TOKEN = "correct-horse"
 EVIL = "http://evil.example"
 PUBLISHER_UPDATE = b"""<?xml version='1.0'?><methodCall><methodName>publisherUpdate</methodName><params>
@@ -144,31 +141,3 @@ def test_a_door_admits_the_page_that_is_named(page: str, admits: str, not_even: 
 def test_what_is_no_origin_is_refused(page: str) -> None:
     with pytest.raises(ValueError, match=r"must look like 'https://station.example:8080'"):
         Door([page], "127.0.0.1")
-
-
-LISTENERS = (
-    r"\b(serve|start_server|start_unix_server|create_server|unix_serve|[A-Za-z]*(HTTP|TCP|UDP|XMLRPC|Unix\w*)Server|"
-    r"serve_forever|accept)\b"
-)
-"""Names of the library functions by which Python programs listen."""
-USED = re.compile(rf"\.\s*{LISTENERS}|\bimport\b[^\n(]*{LISTENERS}|\bimport\s*\([^)]*{LISTENERS}")
-"""Texts in which one may be: parsing all others would take two seconds."""
-
-
-def test_only_the_listener_listens() -> None:
-    found = set()
-    for path in SOURCES.rglob("*.py"):
-        text = path.read_text()
-        for node in ast.walk(ast.parse(text)) if USED.search(text) else ():
-            names = [alias.name for alias in node.names] if isinstance(node, ast.ImportFrom) else []
-            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("uwsim"):
-                names = []
-            if isinstance(node, ast.Attribute):
-                owner = node.value.id if isinstance(node.value, ast.Name) else ""
-                names = [node.attr] if owner not in ("self", "typer", "app") else []
-            if any(re.fullmatch(LISTENERS, name) for name in names):
-                found.add(str(path.relative_to(SOURCES)))
-    guards_of_rospy = "bridges/ros1/guard.py"  # names rospy's server in order to restrict it
-    by_mavlink = "bridges/mavlink/endpoint.py"  # admits no browser: see test_mavlink.py
-    of_lines = "bridges/doors/line_server.py"  # NMEA reads nothing; the DVL A50 admits no browser: see test_a50.py
-    assert found == {"bridges/doors/listener.py", guards_of_rospy, by_mavlink, of_lines}

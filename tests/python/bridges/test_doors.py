@@ -1,20 +1,26 @@
-"""SECURITY.md's table of doors lists every socket on which a program receives, as the system counts them."""
+"""SECURITY.md's table of doors lists every socket on which a program receives, as the system counts them.
+
+And at each of them, a flood delays no stop, holds up no steps and takes little memory.
+"""
 
 import os
 import re
 import shutil
 import socket
+import threading
 import time
 from collections import Counter
-from contextlib import ExitStack, suppress
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 from tools.reference.doors import PAGE, security_page
 
+from client_socket import call, connect
 from forked_programs import Programs
-from listening_sockets import UPGRADE, free_port, receiving
+from listening_sockets import LISTENS, UPGRADE, free_port, receiving, sockets
 from ros1_tools import master, ros_is_installed
 from ros2_tools import free_domain
 from uwsim.base.options import flag_name
@@ -34,6 +40,9 @@ OPENINGS = {
     "`--dvl-a50`": (b'{"command": "get_config"}\n', b'"response_to": "get_config"', 40),
 }  # fmt: skip
 """The first words of a client at each TCP door of ours, what the answer contains, and more than it has places for."""
+FLOOD = b"\x81\xfe\xea\x60\0\0\0\0" + b'{"a":[' + b"[]," * 19_998
+"""A frame of a WebSocket, whose JSON does not end; other protocols take it for anything."""
+STOP_S, FLOOD_S, GROWTH_BYTES = 4.0, 1.5, 64 << 20  # less than 0.1 s and 5 MB when the machine is idle
 LAGOON = Path(__file__).parents[3] / "assets/scenarios/lagoon.yaml"
 HAS_FFMPEG = shutil.which("ffmpeg") is not None or find_spec("imageio_ffmpeg") is not None
 NEEDS = {
@@ -74,6 +83,51 @@ def test_each_option_is_given_to_one_program() -> None:
     assert Counter(option for options in TOGETHER for option in options) == Counter(list(EXAMPLES))
 
 
+@contextmanager
+def flooded(pid: int) -> Iterator[None]:
+    """Send as much as two foes can to each socket of a program, and read nothing."""
+    ended = threading.Event()
+
+    def attack(kind: socket.SocketKind, port: int) -> None:
+        while not ended.wait(0.01):
+            with suppress(OSError), socket.socket(type=kind) as foe:
+                foe.settimeout(0.2)
+                foe.connect(("127.0.0.1", port))
+                foe.sendall(UPGRADING)
+                while not ended.wait(0.001):
+                    foe.sendall(FLOOD if kind is socket.SOCK_STREAM else FLOOD[:1400])
+
+    doors = [(table, port) for table, _, port, state in sockets(pid) if table.startswith("udp") or state == LISTENS]
+    kinds = {"tcp": socket.SOCK_STREAM, "udp": socket.SOCK_DGRAM}
+    foes = [threading.Thread(target=attack, args=(kinds[table[:3]], port)) for table, port in 2 * doors]
+    for foe in foes:
+        foe.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        for foe in foes:
+            foe.join()
+
+
+def memory(pid: int) -> int:
+    """Return the most memory that a process has taken [bytes]."""
+    return int(Path(f"/proc/{pid}/status").read_text().partition("VmHWM:")[2].split()[0]) << 10
+
+
+def hold_to_the_laws_under_a_flood(pid: int, port: int, *, waits: bool) -> None:
+    """waits: whether the simulator waits for an autopilot with its steps."""
+    before = memory(pid)
+    with flooded(pid), connect(f"ws://127.0.0.1:{port}") as pilot:
+        since, begun_s, longest_s = call(pilot, "/rosapi/get_time"), time.monotonic(), 0.0
+        while time.monotonic() < begun_s + FLOOD_S:
+            asked_s = time.monotonic()
+            assert call(pilot, "/all_stop", data=True) == (True, {"success": True, "message": ""})
+            longest_s = max(longest_s, time.monotonic() - asked_s)
+        assert waits or call(pilot, "/rosapi/get_time") != since, "no steps under the flood"
+    assert longest_s < STOP_S and memory(pid) - before < GROWTH_BYTES
+
+
 @pytest.mark.parametrize("options", TOGETHER, ids=lambda options: options[1 if len(options) > 4 else 0])
 def test_the_sockets_of_a_program_are_those_of_the_table(
     options: tuple[str, ...], binary: Path, lagoon: Path, tmp_path: Path, programs: Programs
@@ -87,21 +141,22 @@ def test_the_sockets_of_a_program_are_those_of_the_table(
     for door in DOORS:
         if door.option in opened:  # by default, all but one kind are on loopback
             expected[door.protocol, ANYWHERE if door.address == ANYWHERE else LOOPBACK] += door.count
-    port = str(free_port(socket.SOCK_DGRAM))
-    example = [word.replace("{port}", port) for option in given for word in EXAMPLES[option]]
+    port, datagrams = free_port(), str(free_port(socket.SOCK_DGRAM))
+    example = [word.replace("{port}", datagrams) for option in given for word in EXAMPLES[option]]
     if "`--ardusub-binary`" in given:
         example.append(str(binary))
     with ExitStack() as stack:
         environment = {**os.environ, "ROS_DOMAIN_ID": str(free_domain())}
         if "`--ros1`" in given:
             environment |= stack.enter_context(master(tmp_path))
-        served = programs.greeted("serve", lagoon, "--port", "0", *example, env=environment)
+        served = programs.greeted("serve", lagoon, "--port", str(port), *example, env=environment)
         program, _ = stack.enter_context(served)
         with suppress(AssertionError):
             until(lambda: receiving(program.pid) == expected)
         assert receiving(program.pid) == expected
         time.sleep(1.0)
         assert receiving(program.pid) == expected, "more were opened later"
+        hold_to_the_laws_under_a_flood(program.pid, port, waits="`--ardusub`" in given)
     if missing:
         pytest.skip(f"the others were tried; not installed: {', '.join(missing)}")
 
